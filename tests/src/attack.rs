@@ -29,6 +29,7 @@ mod witness;
 use std::{path::PathBuf, process::ExitCode, time::Duration};
 
 use attackers::Size;
+pub use load::Scenario;
 use output::print;
 use report::Row;
 use rig::Fault;
@@ -57,6 +58,8 @@ pub enum Part {
     Stop,
     /// Stops under floods.
     Load,
+    /// One scenario of stops under floods.
+    Scenario(Scenario),
     /// Memory and logs.
     Memory,
     /// All of these.
@@ -107,11 +110,13 @@ fn attack(options: &Options) -> Result<Vec<Row>, Fault> {
         };
         rows.extend(stop::run(binary, *seed, &extent)?);
     }
-    if includes(Part::Load) {
+    let only = if let Part::Scenario(scenario) = *part { Some(scenario) } else { None };
+    if includes(Part::Load) || only.is_some() {
         let extent = load::LoadExtent {
             size: size(if *long { 60_000_000 } else { 5_000_000 }),
             time: seconds(3, 60),
             together: seconds(6, 300),
+            only,
         };
         rows.extend(load::run(binary, *seed, *keys, &extent)?);
     }

@@ -1,4 +1,5 @@
-//! `iiwasim twin` in a crowd: connections without the token, half requests, many pages, many orders.
+//! `iiwasim twin` in a crowd: connections without the token, half requests, many pages, many orders. `iiwasim drive` with few
+//! open files.
 
 use std::{
     fmt::Write as _,
@@ -191,5 +192,24 @@ fn long_texts_come_one_at_a_time() {
         let refused = address.load(&json!({ "name": "waits.json", "text": text }));
         assert!(refused.unwrap_err().contains("has 149786 motions"));
         twin.interrupt_below(MEMORY_MB);
+    });
+}
+
+#[test]
+fn a_drive_needs_enough_open_files_and_stops_with_them() {
+    in_real_time(|| {
+        let mut rig = Rig::parts();
+        let ended = rig.begin_drive_in("ulimit -n 32").end();
+        assert!(!ended.status.success());
+        assert!(ended.stderr.contains("needs at least 192"), "{}", ended.stderr);
+
+        rig.start_cabinet(&[]);
+        rig.drive = Some(rig.begin_drive_in("ulimit -n 192"));
+        rig.wait_until_ready(&[]);
+        // More than the drive may have files, at either port.
+        let ports = [&rig.instructions, &rig.stream];
+        let silent: Vec<_> = (0..400).map(|i| TcpStream::connect(ports[i % 2]).unwrap()).collect();
+        rig.iiwasim("stop", &[]).success();
+        drop(silent);
     });
 }

@@ -117,8 +117,8 @@ impl Ended {
 pub(crate) struct Rig {
     pub(crate) cabinet: Option<Process>,
     pub(crate) drive: Option<Process>,
-    instructions: String,
-    stream: String,
+    pub(crate) instructions: String,
+    pub(crate) stream: String,
     pub(crate) fri: String,
     pub(crate) cabinet_instructions: String,
     pub(crate) cabinet_state: String,
@@ -166,6 +166,11 @@ impl Rig {
 
     pub(crate) fn start_drive(&mut self, options: &[&str]) {
         self.drive = Some(self.start(&[&self.drive_arguments()[..], options].concat()));
+    }
+
+    /// Begins a drive in a shell that was made ready for it.
+    pub(crate) fn begin_drive_in(&self, shell: &str) -> Process {
+        self.start_in(shell, &self.drive_arguments())
     }
 
     /// The check of the connection to the cabinet, to its end.
@@ -253,10 +258,14 @@ impl Rig {
 
     /// The same, in a shell that was made ready for it.
     pub(crate) fn begin_in(&self, shell: &str, command: &str, arguments: &[&str]) -> Process {
+        let addresses = self.addresses(command);
+        self.start_in(shell, &[&[command], arguments, &addresses].concat())
+    }
+
+    fn start_in(&self, shell: &str, arguments: &[&str]) -> Process {
         let script = format!("{shell} && exec \"$0\" \"$@\"");
         let iiwasim = cargo_bin!("iiwasim").to_str().unwrap();
-        let addresses = self.addresses(command);
-        let all = [&["-c", &script, iiwasim, command], arguments, &addresses].concat();
+        let all = [&["-c", &script, iiwasim], arguments].concat();
         Process::start(self.folder.path(), OsStr::new("sh"), &all)
     }
 

@@ -44,10 +44,11 @@ use std::{
 };
 
 pub use answer_latency::AnswerLatency;
+use bytes::Bytes;
 pub use config::DriveConfig;
 use iiwa_link::{
     LinkError,
-    message::{MAX_MESSAGE_BYTES, from_json},
+    message::{MAX_MESSAGE_BYTES, Request, from_json},
     socket::{Dial, Remote, SHORT_MESSAGE_BYTES, Server, random_id},
     threads::ThreadGroup,
     transport::{Dialer, Listener, ListenerConfig, SocketKind},
@@ -206,11 +207,20 @@ fn listen(
     at: &str,
     inputs: Sender<DispatcherInput>,
 ) -> Result<Listener, LinkError> {
-    let socket = ListenerConfig::new("drive requests", SocketKind::Router, MAX_MESSAGE_BYTES);
+    let socket = ListenerConfig::new("drive requests", SocketKind::Router, MAX_MESSAGE_BYTES)
+        .with_urgent(is_stop);
     clients.listen(at, socket, move |event| {
         // The receiver outlives the socket.
         let _ = inputs.send(DispatcherInput::of(event));
     })
+}
+
+/// Whether a request is a stop: its client keeps its connection, whoever else connects.
+fn is_stop(frames: &[Bytes]) -> bool {
+    let body = frames.last().filter(|body| body.len() <= SHORT_MESSAGE_BYTES);
+    body.is_some_and(
+        |body| matches!(Request::head(body), (_, Ok(head)) if head.name() == Some("stop")),
+    )
 }
 
 /// The connection that receives states of the robot program.

@@ -17,6 +17,7 @@ mod bounds;
 mod cell_runs;
 mod corrupted;
 mod corrupted_motions;
+mod crowds;
 mod faults;
 mod instructions;
 mod invalid_motions;

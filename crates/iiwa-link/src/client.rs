@@ -1,6 +1,9 @@
 //! A client of the drive.
 
-use std::time::{Duration, Instant};
+use std::{
+    io,
+    time::{Duration, Instant},
+};
 
 use bytes::Bytes;
 use iiwa_program::MotionList;
@@ -138,6 +141,31 @@ const REPLY_TIMEOUT: Duration = Duration::from_secs(5);
 /// Time between attempts to connect.
 const RETRY_INTERVAL: Duration = Duration::from_millis(50);
 
+/// The extent of attempts to connect.
+#[derive(Clone, Copy)]
+struct Patience {
+    /// Time-out of all of them together.
+    total: Duration,
+    /// Time-out of each of them.
+    each: Duration,
+    /// Number of consecutive handshakes that a drive may close before it counts as a refusal.
+    closed_handshakes: u32,
+}
+
+impl Patience {
+    /// For requests that the caller may repeat.
+    const USUAL: Self = Self {
+        total: CONNECT_TIMEOUT,
+        each: CONNECT_TIMEOUT,
+        closed_handshakes: MAX_CLOSED_HANDSHAKES,
+    };
+
+    /// For stops: to the last, as a drive under load may close connections. If there is no drive, as usual.
+    fn of_stop(total: Duration) -> Self {
+        Self { total, each: Duration::from_secs(2), closed_handshakes: u32::MAX }
+    }
+}
+
 impl Client {
     /// A client of the drive at `at`, such as `tcp://127.0.0.1:5560`. It connects with the first
     /// request, and again after a lost connection.
@@ -260,7 +288,8 @@ impl Client {
         Ok(value)
     }
 
-    /// Stops the running motion or trajectory on its path and returns when the arm is at rest.
+    /// Stops the running motion or trajectory on its path and returns when the arm is at rest. The request is repeated
+    /// after a lost connection, for 5 s in all.
     ///
     /// # Errors
     ///
@@ -268,7 +297,9 @@ impl Client {
     pub fn stop(&mut self) -> Result<(), ClientError> {
         #[derive(Deserialize)]
         struct EmptyReply {}
-        let EmptyReply {} = self.request(&Request::Stop, Some(REPLY_TIMEOUT))?;
+        let request = Request::Stop;
+        let reply = self.exchange_again(&request.to_json(), REPLY_TIMEOUT)?;
+        let EmptyReply {} = read_reply(&request, &reply)?;
         Ok(())
     }
 
@@ -290,32 +321,7 @@ impl Client {
         request: &Request,
         limit: Option<Duration>,
     ) -> Result<T, ClientError> {
-        #[derive(Deserialize)]
-        struct ReplyHead {
-            error: Option<Refusal>,
-            #[serde(default)]
-            ok: bool,
-        }
-        let reply = self.exchange(&request.to_json(), limit)?;
-        let wrong =
-            |error: &serde_json::Error| ClientError::InvalidReply { what: error.to_string() };
-        let head: ReplyHead = serde_json::from_slice(&reply).map_err(|error| wrong(&error))?;
-        match head {
-            ReplyHead { ok: true, .. } => {
-                serde_json::from_slice(&reply).map_err(|error| wrong(&error))
-            }
-            ReplyHead { error: Some(refusal), .. } => {
-                let is_run = matches!(
-                    request,
-                    Request::RunMotions { .. } | Request::RunTrajectory { .. } | Request::LastRun
-                );
-                let run = is_run.then(|| serde_json::from_slice::<Run>(&reply).ok()).flatten();
-                Err(ClientError::Refused { refusal, run: run.map(Box::new) })
-            }
-            ReplyHead { error: None, .. } => Err(ClientError::InvalidReply {
-                what: "it has neither `ok` nor `error`".to_owned(),
-            }),
-        }
+        read_reply(request, &self.exchange(&request.to_json(), limit)?)
     }
 
     /// Sends a request and waits for its reply.
@@ -325,7 +331,7 @@ impl Client {
         }
         let wire = self.wire.take();
         let Self { at, config, .. } = self;
-        let exchange = exchange(wire, config, at, request);
+        let exchange = exchange(wire, config, at, request, Patience::USUAL);
         let result = self.runtime.block_on(async {
             match limit {
                 None => exchange.await,
@@ -338,6 +344,66 @@ impl Client {
         self.wire = Some(wire);
         Ok(reply)
     }
+
+    /// Sends a request and waits for its reply; sends it again after each lost connection, within `limit` in all.
+    fn exchange_again(&mut self, request: &str, limit: Duration) -> Result<Bytes, ClientError> {
+        let wire = self.wire.take();
+        let Self { at, config, .. } = self;
+        let result = self.runtime.block_on(async {
+            timeout(limit, repeat(wire, config, at, request, limit))
+                .await
+                .unwrap_or_else(|_| Err(ClientError::Timeout { at: at.to_string(), after: limit }))
+        });
+        let (wire, reply) = result?;
+        self.wire = Some(wire);
+        Ok(reply)
+    }
+}
+
+/// The reply to a request, or the refusal in it.
+fn read_reply<T: DeserializeOwned>(request: &Request, reply: &[u8]) -> Result<T, ClientError> {
+    #[derive(Deserialize)]
+    struct ReplyHead {
+        error: Option<Refusal>,
+        #[serde(default)]
+        ok: bool,
+    }
+    let wrong = |error: &serde_json::Error| ClientError::InvalidReply { what: error.to_string() };
+    let head: ReplyHead = serde_json::from_slice(reply).map_err(|error| wrong(&error))?;
+    match head {
+        ReplyHead { ok: true, .. } => serde_json::from_slice(reply).map_err(|error| wrong(&error)),
+        ReplyHead { error: Some(refusal), .. } => {
+            let is_run = matches!(
+                request,
+                Request::RunMotions { .. } | Request::RunTrajectory { .. } | Request::LastRun
+            );
+            let run = is_run.then(|| serde_json::from_slice::<Run>(reply).ok()).flatten();
+            Err(ClientError::Refused { refusal, run: run.map(Box::new) })
+        }
+        ReplyHead { error: None, .. } => {
+            Err(ClientError::InvalidReply { what: "it has neither `ok` nor `error`".to_owned() })
+        }
+    }
+}
+
+/// Sends a request until its reply, again after each lost connection.
+async fn repeat(
+    mut wire: Option<Wire>,
+    config: &WireConfig,
+    at: &Endpoint,
+    request: &str,
+    limit: Duration,
+) -> Result<(Wire, Bytes), ClientError> {
+    let since = Instant::now();
+    loop {
+        let patience = Patience::of_stop(limit.saturating_sub(since.elapsed()));
+        match exchange(wire.take(), config, at, request, patience).await {
+            Err(ClientError::Lost { .. }) if since.elapsed() + RETRY_INTERVAL < limit => {
+                sleep(RETRY_INTERVAL).await;
+            }
+            result => return result,
+        }
+    }
 }
 
 /// Sends a request and waits for its reply, over the existing connection or a new one.
@@ -346,6 +412,7 @@ async fn exchange(
     config: &WireConfig,
     at: &Endpoint,
     request: &str,
+    patience: Patience,
 ) -> Result<(Wire, Bytes), ClientError> {
     let lost = |error: WireError| {
         tracing::debug!("{at}: {error}");
@@ -353,7 +420,7 @@ async fn exchange(
     };
     let mut wire = match still_up(wire).await {
         Some(wire) => wire,
-        None => connect(config, at).await?,
+        None => connect(config, at, patience).await?,
     };
     let frames = [Bytes::new(), Bytes::copy_from_slice(request.as_bytes())];
     wire.queue(&frames).map_err(lost)?;
@@ -376,30 +443,48 @@ async fn still_up(wire: Option<Wire>) -> Option<Wire> {
 }
 
 /// Connects to a drive, with retries: it may just be starting.
-async fn connect(config: &WireConfig, at: &Endpoint) -> Result<Wire, ClientError> {
+async fn connect(
+    config: &WireConfig,
+    at: &Endpoint,
+    patience: Patience,
+) -> Result<Wire, ClientError> {
+    let refused = |why: ConnectionRefusal| ClientError::Unauthorized {
+        at: at.to_string(),
+        what: why.reason(),
+    };
     let since = Instant::now();
+    let mut total = patience.total.min(CONNECT_TIMEOUT);
     let mut closed = 0;
     loop {
-        let remaining = CONNECT_TIMEOUT.saturating_sub(since.elapsed());
+        let remaining = total.saturating_sub(since.elapsed()).min(patience.each);
+        let mut failure = ClientError::Unreachable { at: at.to_string() };
         match timeout(remaining, Wire::connect(at, config)).await {
             Ok(Ok(wire)) => return Ok(wire),
-            // A drive that is shutting down closes connections, too: only repetition is a refusal.
-            Ok(Err(WireError::Refused(ConnectionRefusal::Closed)))
-                if closed < MAX_CLOSED_HANDSHAKES =>
+            Ok(Err(WireError::Io(error))) if is_absent(&error) => {}
+            // A drive that is shutting down or under load closes connections, too: only repetition is a refusal.
+            Ok(Err(WireError::Refused(why @ ConnectionRefusal::Closed)))
+                if closed < patience.closed_handshakes =>
             {
                 closed += 1;
+                total = patience.total;
+                failure = refused(why);
             }
-            Ok(Err(WireError::Refused(why))) => {
-                return Err(ClientError::Unauthorized { at: at.to_string(), what: why.reason() });
-            }
+            Ok(Err(WireError::Refused(why))) => return Err(refused(why)),
             Ok(Err(WireError::Protocol(error))) => {
                 return Err(ClientError::InvalidReply { what: error.to_string() });
             }
-            Ok(Err(_)) | Err(_) => {}
+            // Something listens there.
+            Ok(Err(_)) | Err(_) => total = patience.total,
         }
-        if since.elapsed() + RETRY_INTERVAL > CONNECT_TIMEOUT {
-            return Err(ClientError::Unreachable { at: at.to_string() });
+        if since.elapsed() + RETRY_INTERVAL > total {
+            return Err(failure);
         }
         sleep(RETRY_INTERVAL).await;
     }
+}
+
+/// Whether nothing listens at the address.
+fn is_absent(error: &io::Error) -> bool {
+    use io::ErrorKind::{BrokenPipe, ConnectionAborted, ConnectionReset, UnexpectedEof};
+    !matches!(error.kind(), BrokenPipe | ConnectionAborted | ConnectionReset | UnexpectedEof)
 }

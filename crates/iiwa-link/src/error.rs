@@ -24,6 +24,16 @@ pub enum LinkError {
         /// The system's error.
         source: io::Error,
     },
+    /// The process may open too few files to accept connections.
+    #[error(
+        "the process may open {limit} files at a time, but needs at least {needed} to accept connections"
+    )]
+    OpenFiles {
+        /// The limit of open files.
+        limit: u64,
+        /// The lowest sufficient limit.
+        needed: u64,
+    },
     /// A thread cannot be started.
     #[error("cannot start a thread")]
     Thread {

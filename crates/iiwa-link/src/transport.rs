@@ -6,28 +6,32 @@
 //!
 //! | resource | bound |
 //! |---|---|
-//! | connections with an incomplete handshake | 64, for 2 s each; a new one replaces one that has not sent anything |
-//! | established connections | another 64; a new one replaces an idle one |
+//! | connections with an incomplete handshake | 64, of which 48 of an address, for 2 s each |
+//! | established connections | another 64, of which 48 of a key or address |
+//! | open files | fewer connections if the process may open fewer than 576 |
 //! | bytes of a handshake | 4 KiB |
 //! | short messages | 64 KiB; up to 8 requests per peer are accepted before their replies |
-//! | long messages, up to the limit of the socket | one at a time per socket, without pauses of more than 2 s |
+//! | long messages, up to the limit of the socket | one at a time per socket, without pauses of more than 2 s, at 1 MiB/s at least |
 //! | backlog of a peer that does not read | per socket, for 5 s without progress |
+//!
+//! A new connection always gets a place. Which one is evicted for it is the subject of `places`.
 //!
 //! A [`Listener`] accepts connections, and a [`Dialer`] maintains one; a client that sends one request at
 //! a time uses a `Wire`.
 
-mod admission;
 mod dialer;
 mod listener;
 mod meter;
+mod open_files;
+mod places;
 mod probe;
 mod runtime;
 mod subscriptions;
 mod wire;
 
-pub use admission::PeerId;
 pub use dialer::Dialer;
 pub use listener::{Event, Listener, ListenerConfig, SocketKind};
+pub use places::PeerId;
 pub use probe::ProbeError;
 pub(crate) use probe::probe;
 pub(crate) use runtime::runtime;

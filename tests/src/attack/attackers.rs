@@ -1,7 +1,8 @@
 //! Attackers that exhaust resources, each kind in threads of its own until it is dropped.
 
 use std::{
-    io::{self, Write},
+    collections::VecDeque,
+    io::{self, Read, Write},
     net::{SocketAddr, TcpStream},
     sync::{
         Arc,
@@ -35,11 +36,15 @@ pub(super) enum Kind {
     StalledSubscribers,
     Topics,
     UnreadReplies,
+    Pipelines,
+    Trickle,
+    Handshakes,
+    Subscribers,
 }
 
 impl Kind {
     /// All kinds.
-    pub(super) const ALL: [Self; 7] = [
+    pub(super) const ALL: [Self; 11] = [
         Self::SilentConnections,
         Self::HalfRequests,
         Self::SilentHandshakes,
@@ -47,6 +52,10 @@ impl Kind {
         Self::StalledSubscribers,
         Self::Topics,
         Self::UnreadReplies,
+        Self::Pipelines,
+        Self::Trickle,
+        Self::Handshakes,
+        Self::Subscribers,
     ];
 
     /// Its name in the table.
@@ -64,12 +73,16 @@ impl Kind {
             }
             Self::Topics => format!("a subscriber with {} MB of topics", topics / 1_000_000),
             Self::UnreadReplies => format!("{UNREAD_CLIENTS} clients that leave `last_run` unread"),
+            Self::Pipelines => format!("{CROWD} clients with 8 requests pending"),
+            Self::Trickle => "a long request at a byte per 1.5 s".to_owned(),
+            Self::Handshakes => format!("{HANDSHAKES_PER_S} handshakes per second"),
+            Self::Subscribers => format!("{CROWD} subscribers of `state`"),
         }
     }
 
     /// Whether it attacks the stream, which must not affect trajectories.
     pub(super) fn is_subscriber(self) -> bool {
-        matches!(self, Self::StalledSubscribers | Self::Topics)
+        matches!(self, Self::StalledSubscribers | Self::Topics | Self::Subscribers)
     }
 
     /// Starts the attack.
@@ -127,6 +140,28 @@ impl Kind {
                     attack.spawn(move |shutdown| unread_replies(to, shutdown));
                 }
             }
+            Self::Pipelines => {
+                for _ in 0..CROWD {
+                    let to = at.requests;
+                    attack.spawn(move |shutdown| pipeline(to, shutdown));
+                }
+            }
+            Self::Trickle => {
+                let to = at.requests;
+                attack.spawn(move |shutdown| trickle(to, shutdown));
+            }
+            Self::Handshakes => {
+                let to = at.requests;
+                attack.spawn(move |shutdown| handshakes(to, shutdown));
+            }
+            Self::Subscribers => {
+                let to = at.stream;
+                attack.hold(CROWD, move || {
+                    let mut peer = Peer::connect(to, "SUB", HANDSHAKE_TIMEOUT)?;
+                    peer.stream.write_all(&subscription(b"state"))?;
+                    Ok(peer.stream)
+                });
+            }
         }
         attack
     }
@@ -136,6 +171,10 @@ const HALF_REQUESTS: usize = 1100;
 const LONG_REQUESTS: usize = 12;
 const STALLED_SUBSCRIBERS: usize = 3;
 const UNREAD_CLIENTS: usize = 3;
+const HANDSHAKES_PER_S: u32 = 1500;
+
+/// More than a socket has places for.
+const CROWD: usize = 66;
 
 /// Below and above the limit of a drive, 32 MiB.
 const LONG_REQUEST_BYTES: [usize; 2] = [31_000_000, 60_000_000];
@@ -247,7 +286,7 @@ fn garbage(bytes: usize) -> Vec<u8> {
 }
 
 /// A well-formed trajectory at rest far from the arm: it is refused after it was parsed.
-fn trajectory(bytes: usize) -> Vec<u8> {
+pub(super) fn trajectory(bytes: usize) -> Vec<u8> {
     // At full precision, as programs write numbers.
     let point = b"[2.012345678901234,1.012345678901234,1.012345678901234,1.012345678901234,1.012345678901234,1.012345678901234,1.012345678901234],";
     let stamp = |i: usize| format!("{:.3},", 0.004 * i as f64);
@@ -297,6 +336,90 @@ fn unread_replies(to: SocketAddr, shutdown: &AtomicBool) {
         }
     }
 }
+
+/// Keeps requests pending, and connects again when it is disconnected.
+fn pipeline(to: SocketAddr, shutdown: &AtomicBool) {
+    let requests = message(&[b"", br#"{"type": "state"}"#]).repeat(100);
+    let mut replies = vec![0; 1 << 16];
+    while !shutdown.load(Ordering::Relaxed) {
+        let Ok(mut peer) = Peer::connect(to, "DEALER", HANDSHAKE_TIMEOUT) else {
+            sleep(Duration::from_millis(100), shutdown);
+            continue;
+        };
+        if peer.stream.set_nonblocking(true).is_err() {
+            continue;
+        }
+        let mut rest = &*requests;
+        while !shutdown.load(Ordering::Relaxed) {
+            let read = peer.stream.read(&mut replies);
+            let written = peer.stream.write(rest);
+            if let Ok(count) = written {
+                rest = if count < rest.len() { &rest[count..] } else { &requests };
+            }
+            if matches!(read, Ok(0)) || is_failure(&read) || is_failure(&written) {
+                break;
+            }
+            thread::sleep(Duration::from_millis(1));
+        }
+    }
+}
+
+fn is_failure(result: &io::Result<usize>) -> bool {
+    result.as_ref().is_err_and(|error| error.kind() != io::ErrorKind::WouldBlock)
+}
+
+/// Sends a long request byte by byte.
+fn trickle(to: SocketAddr, shutdown: &AtomicBool) {
+    while !shutdown.load(Ordering::Relaxed) {
+        let Ok(mut peer) = Peer::connect(to, "DEALER", HANDSHAKE_TIMEOUT) else {
+            sleep(Duration::from_millis(100), shutdown);
+            continue;
+        };
+        let head = [message(&[b"", b""])[..2].to_vec(), frame_head(0, 31_000_000)].concat();
+        let mut sent = peer.stream.write_all(&head);
+        while sent.is_ok() && !shutdown.load(Ordering::Relaxed) {
+            sleep(Duration::from_millis(1500), shutdown);
+            sent = peer.stream.write_all(b"[");
+        }
+    }
+}
+
+/// Opens connections at a constant rate, and begins the handshake with each.
+fn handshakes(to: SocketAddr, shutdown: &AtomicBool) {
+    const OPEN: usize = 200;
+    let mut streams = VecDeque::with_capacity(OPEN);
+    let begin = Instant::now();
+    let mut count = 0;
+    while !shutdown.load(Ordering::Relaxed) {
+        let due = begin + Duration::from_secs(1) * count / HANDSHAKES_PER_S;
+        thread::sleep(due.saturating_duration_since(Instant::now()));
+        count += 1;
+        if let Ok(mut stream) = open(to) {
+            // Every second one has the whole greeting of a client with keys.
+            let bytes = if count % 2 == 0 { 64 } else { 1 };
+            let _ = stream.write_all(&CURVE_GREETING[..bytes]);
+            streams.push_back(stream);
+        }
+        if streams.len() > OPEN {
+            streams.pop_front();
+        }
+    }
+}
+
+/// Signature, version 3.1, mechanism CURVE.
+const CURVE_GREETING: [u8; 64] = {
+    let mut greeting = [0; 64];
+    greeting[0] = 0xff;
+    greeting[9] = 0x7f;
+    greeting[10] = 3;
+    greeting[11] = 1;
+    greeting[12] = b'C';
+    greeting[13] = b'U';
+    greeting[14] = b'R';
+    greeting[15] = b'V';
+    greeting[16] = b'E';
+    greeting
+};
 
 /// Sends bytes until the attack ends.
 fn push(stream: &mut TcpStream, mut bytes: &[u8], shutdown: &AtomicBool) -> io::Result<()> {

@@ -2,6 +2,7 @@
 
 use std::{
     fs,
+    io::Write,
     path::Path,
     thread,
     time::{Duration, Instant},
@@ -10,7 +11,7 @@ use std::{
 use fastrand::Rng;
 
 use super::{
-    attackers::{Attack, Kind, Size},
+    attackers::{Attack, Kind, Size, trajectory},
     deadlines::scaled,
     output::print,
     process::Process,
@@ -20,6 +21,7 @@ use super::{
     usage::Usage,
     websocket::WebSocket,
 };
+use crate::zmtp::{HANDSHAKE_TIMEOUT, Peer, subscription};
 
 /// Deadline of the reply to a stop after the arm is at rest.
 const REPLY_DEADLINE: Duration = Duration::from_millis(300);
@@ -34,6 +36,54 @@ pub(super) struct LoadExtent {
     pub(super) time: Duration,
     /// Duration of all kinds together.
     pub(super) together: Duration,
+    /// The only scenario, if not all are wanted.
+    pub(super) only: Option<Scenario>,
+}
+
+/// A scenario by itself.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Scenario {
+    /// Clients with many pending requests.
+    Pipelines,
+    /// A long request that arrives byte by byte.
+    Trickle,
+    /// Many handshakes per second.
+    Handshakes,
+    /// Many subscribers.
+    Subscribers,
+    /// Silent connections to programs that may open few files.
+    Descriptors,
+}
+
+impl Scenario {
+    /// The scenario of this name.
+    #[must_use]
+    pub fn named(name: &str) -> Option<Self> {
+        Some(match name {
+            "pipelines" => Self::Pipelines,
+            "trickle" => Self::Trickle,
+            "handshakes" => Self::Handshakes,
+            "subscribers" => Self::Subscribers,
+            "descriptors" => Self::Descriptors,
+            _ => return None,
+        })
+    }
+
+    fn flood(self, extent: &LoadExtent) -> Flood {
+        let kind = match self {
+            Self::Pipelines => Kind::Pipelines,
+            Self::Trickle => Kind::Trickle,
+            Self::Handshakes => Kind::Handshakes,
+            Self::Subscribers => Kind::Subscribers,
+            Self::Descriptors => Kind::SilentConnections,
+        };
+        let mut flood = Flood::of_kind(kind, extent);
+        if self == Self::Descriptors {
+            flood.name += " to programs with few files";
+            flood.few_files = true;
+        }
+        flood
+    }
 }
 
 /// Attacks of each kind, and all of them together.
@@ -45,22 +95,45 @@ pub(super) fn run(
 ) -> Result<Vec<Row>, Fault> {
     let mut random = Rng::with_seed(seed);
     let mut rows = Vec::new();
-    let each = Kind::ALL.map(|kind| (kind.name(&extent.size), vec![kind], extent.time));
-    let phases = [("nothing".to_owned(), vec![], extent.time)].into_iter().chain(each).chain([(
-        "all of them".to_owned(),
-        Kind::ALL.to_vec(),
-        extent.together,
-    )]);
-    for (mut name, kinds, time) in phases {
+    for Flood { mut name, kinds, time, few_files } in Flood::all(extent) {
         if keys {
             name += ", with keys";
         }
         // New programs, so that attacks do not affect each other.
-        let mut rig = Rig::start(binary, Parts { twin: true, keys })?;
+        let mut rig = Rig::start(binary, Parts { twin: true, keys, few_files })?;
         let mut phase = LoadPhase { rig: &mut rig, random: random.fork(), name: &name };
         rows.extend(phase.run(&kinds, &extent.size, time)?);
     }
     Ok(rows)
+}
+
+/// Attackers beside which stops are tried.
+struct Flood {
+    name: String,
+    kinds: Vec<Kind>,
+    time: Duration,
+    few_files: bool,
+}
+
+impl Flood {
+    fn new(name: &str, kinds: &[Kind], time: Duration) -> Self {
+        Self { name: name.to_owned(), kinds: kinds.to_vec(), time, few_files: false }
+    }
+
+    fn of_kind(kind: Kind, extent: &LoadExtent) -> Self {
+        Self::new(&kind.name(&extent.size), &[kind], extent.time)
+    }
+
+    fn all(extent: &LoadExtent) -> Vec<Self> {
+        if let Some(scenario) = extent.only {
+            return vec![scenario.flood(extent)];
+        }
+        let nothing = Self::new("nothing", &[], extent.time);
+        let each = Kind::ALL.map(|kind| Self::of_kind(kind, extent));
+        let few_files = Scenario::Descriptors.flood(extent);
+        let together = Self::new("all of them", &Kind::ALL, extent.together);
+        [nothing].into_iter().chain(each).chain([few_files, together]).collect()
+    }
 }
 
 /// Stops under attacks of some kinds.
@@ -102,6 +175,12 @@ impl LoadPhase<'_> {
                 met: attempts.is_some(),
             });
         }
+        if kinds == [Kind::Trickle] {
+            rows.push(self.long_request()?);
+        }
+        if kinds == [Kind::Subscribers] && !self.rig.has_keys() {
+            rows.push(self.stream()?);
+        }
         let mut stops = [Stops::default(), Stops::default()];
         let mut page = page.inspect_err(|error| print(&format!("beside {name}: {error}"))).ok();
         let mut begun = 0;
@@ -139,6 +218,44 @@ impl LoadPhase<'_> {
         rows.push(usage.row(name, self.rig));
         drop(attacks);
         Ok(rows)
+    }
+
+    /// A long request beside others: a trajectory that is refused as it starts elsewhere.
+    fn long_request(&self) -> Result<Row, Fault> {
+        const DEADLINE: Duration = Duration::from_secs(5);
+        let begin = Instant::now();
+        let body = String::from_utf8(trajectory(1_000_000))?;
+        // Without keys, a request of its own is simplest.
+        let reply = if self.rig.has_keys() { None } else { Some(self.rig.request(&body)) };
+        let took = begin.elapsed();
+        Ok(Row {
+            what: format!("a request of 1 MB beside {}", self.name),
+            required: format!("answered within {} s", scaled(DEADLINE).as_secs()),
+            measured: match &reply {
+                None => "not tried with keys".to_owned(),
+                Some(Ok(_)) => format!("{:.2} s", took.as_secs_f64()),
+                Some(Err(error)) => error.to_string(),
+            },
+            met: reply.is_none_or(|reply| reply.is_ok()) && took <= scaled(DEADLINE),
+        })
+    }
+
+    /// The messages that a new subscriber receives.
+    fn stream(&self) -> Result<Row, Fault> {
+        const TIME: Duration = Duration::from_secs(1);
+        let mut peer = Peer::connect(self.rig.at.stream, "SUB", HANDSHAKE_TIMEOUT)?;
+        peer.stream.write_all(&subscription(b"joints"))?;
+        let begin = Instant::now();
+        let mut count = 0;
+        while begin.elapsed() < TIME && peer.receive(scaled(TIME)).is_ok() {
+            count += 1;
+        }
+        Ok(Row {
+            what: format!("stream beside {}", self.name),
+            required: "10 messages within 1 s".to_owned(),
+            measured: format!("{count} messages"),
+            met: count >= 10,
+        })
     }
 
     /// When `iiwasim stop` has succeeded, or why it has failed.

@@ -30,7 +30,7 @@ pub(super) fn run(binary: &Path, keys: bool, extent: &MemoryExtent) -> Result<Ve
     let mut rows = Vec::new();
     for kind in [Kind::UnreadReplies, Kind::Topics, Kind::LongRequests] {
         // New programs, so that attacks do not affect each other.
-        let mut rig = Rig::start(binary, Parts { twin: true, keys })?;
+        let mut rig = Rig::start(binary, Parts { twin: true, keys, ..Parts::default() })?;
         if kind == Kind::UnreadReplies {
             make_last_run(&rig, extent.last_run)?;
         }

@@ -2,7 +2,7 @@
 
 use std::{
     error::Error,
-    fs,
+    fs, io,
     net::SocketAddr,
     path::{Path, PathBuf},
     thread,
@@ -24,11 +24,16 @@ const READY_TIMEOUT: Duration = Duration::from_secs(10);
 /// Limit of open files of each program: the usual limit of a login.
 const FILES: u32 = 1024;
 
+/// The lowest limit of open files with which the programs start.
+const FEW_FILES: u32 = 192;
+
 /// Optional parts of the rig.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Parts {
     pub(super) twin: bool,
     pub(super) keys: bool,
+    /// Whether the drive and the cabinet may open few files only.
+    pub(super) few_files: bool,
 }
 
 /// The programs and their addresses.
@@ -43,6 +48,7 @@ pub(super) struct Rig {
     pub(super) folder: TempDir,
     binary: PathBuf,
     keys: bool,
+    few_files: bool,
 }
 
 /// Addresses of the programs.
@@ -100,6 +106,7 @@ impl Rig {
             folder: TempDir::new()?,
             binary: binary.to_owned(),
             keys: parts.keys,
+            few_files: parts.few_files,
         })
     }
 
@@ -164,7 +171,8 @@ impl Rig {
     fn serve(&self, command: &str, arguments: &[String]) -> Result<Process, Fault> {
         let arguments: Vec<_> =
             [command].into_iter().chain(arguments.iter().map(String::as_str)).collect();
-        Ok(Process::start(&self.binary, &arguments, Some(FILES))?)
+        let files = if self.few_files && command != "twin" { FEW_FILES } else { FILES };
+        Ok(Process::start(&self.binary, &arguments, Some(files))?)
     }
 
     /// Starts a client command, with the options for its connection.
@@ -220,6 +228,16 @@ impl Rig {
         status.wait(TIMEOUT).filter(|ended| ended.success)?;
         let lines: String = status.lines.iter().collect();
         serde_json::from_str(&lines).ok()
+    }
+
+    /// Whether the programs have keys.
+    pub(super) fn has_keys(&self) -> bool {
+        self.keys
+    }
+
+    /// The reply to a request, without keys.
+    pub(super) fn request(&self, body: &str) -> io::Result<Value> {
+        request(self.at.requests, body, Duration::from_secs(30))
     }
 
     /// Waits until FRI and the robot program are connected.

@@ -1,9 +1,10 @@
 //! Attacks the programs of the command line from outside:
-//! `attack BINARY [stop|load|memory|all] [--long] [--keys] [--shared] [--seed N]`.
+//! `attack BINARY [PART] [--long] [--keys] [--shared] [--seed N]`. Parts are `stop`, `load`, `memory` and `all`, and
+//! of `load` also `pipelines`, `trickle`, `handshakes`, `subscribers` and `descriptors` alone.
 
 use std::{path::PathBuf, process::ExitCode};
 
-use iiwasim_tests::attack::{Options, Part, run};
+use iiwasim_tests::attack::{Options, Part, Scenario, run};
 
 fn main() -> ExitCode {
     match options() {
@@ -18,7 +19,8 @@ fn main() -> ExitCode {
 #[expect(clippy::print_stderr, reason = "a program says how it is used")]
 fn usage(what: &str) {
     eprintln!(
-        "{what}\nusage: attack BINARY [stop|load|memory|all] [--long] [--keys] [--shared] [--seed N]"
+        "{what}\nusage: attack BINARY [stop|load|memory|all|pipelines|trickle|handshakes|subscribers|descriptors] \
+         [--long] [--keys] [--shared] [--seed N]"
     );
 }
 
@@ -46,7 +48,11 @@ fn options() -> Result<Options, String> {
                 let seed = arguments.next().and_then(|seed| seed.parse().ok());
                 options.seed = seed.ok_or("--seed needs a number")?;
             }
-            other => return Err(format!("`{other}` is not known")),
+            name => {
+                let scenario = Scenario::named(name);
+                let scenario = scenario.ok_or_else(|| format!("`{name}` is not known"))?;
+                options.part = Part::Scenario(scenario);
+            }
         }
     }
     Ok(options)

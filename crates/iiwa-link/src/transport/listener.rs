@@ -9,24 +9,26 @@ use std::{
     net::{IpAddr, SocketAddr},
     sync::{Arc, Mutex, MutexGuard, PoisonError},
     thread::{self, JoinHandle},
-    time::{Duration, Instant},
+    time::Duration,
 };
 
+use bytes::Bytes;
 use omq_proto::{MechanismSetup, SocketType, proto::Role};
 use socket2::SockRef;
 use tokio::{
     net::{TcpListener, TcpSocket, TcpStream},
     runtime::Runtime,
-    sync::{Notify, Semaphore, mpsc},
+    sync::{Notify, OwnedSemaphorePermit, Semaphore, mpsc},
     task::AbortHandle,
     time::{sleep, timeout},
 };
 
 use super::{
-    admission::{Admission, ConnectionStatus, PeerId, Stage, admit},
+    open_files::{self, CLOSING},
+    places::{Activity, Holder, Occupant, PeerId, Places, Stage},
     runtime::runtime,
     subscriptions::Subscriptions,
-    wire::{Frames, Incoming, Received, Wire, WireConfig, WireError},
+    wire::{Frames, HandshakeStep, Incoming, Received, Wire, WireConfig, WireError},
 };
 use crate::error::LinkError;
 
@@ -70,6 +72,8 @@ pub struct ListenerConfig {
     pub max_bytes: usize,
     /// Largest number of messages that wait for a peer; it misses those beyond.
     pub backlog: usize,
+    /// Whether a request is urgent: a peer that waits for the reply to an urgent request is evicted last.
+    pub is_urgent: fn(&[Bytes]) -> bool,
 }
 
 impl ListenerConfig {
@@ -77,13 +81,19 @@ impl ListenerConfig {
     /// for a peer.
     #[must_use]
     pub fn new(name: &'static str, kind: SocketKind, max_bytes: usize) -> Self {
-        Self { name, kind, max_bytes, backlog: 0 }
+        Self { name, kind, max_bytes, backlog: 0, is_urgent: |_| false }
     }
 
     /// With at most so many messages that wait for a peer.
     #[must_use]
     pub fn with_backlog(self, backlog: usize) -> Self {
         Self { backlog, ..self }
+    }
+
+    /// With urgent requests, such as stops.
+    #[must_use]
+    pub fn with_urgent(self, is_urgent: fn(&[Bytes]) -> bool) -> Self {
+        Self { is_urgent, ..self }
     }
 }
 
@@ -128,7 +138,7 @@ impl Listener {
     ///
     /// # Errors
     ///
-    /// The address cannot be bound, or no thread can be started.
+    /// The address cannot be bound, too few files may be open, or no thread can be started.
     pub(crate) fn start(
         config: ListenerConfig,
         mechanism: MechanismSetup,
@@ -136,6 +146,7 @@ impl Listener {
         sink: impl Fn(Event) + Send + Sync + 'static,
     ) -> Result<Self, LinkError> {
         let refuse = |source| LinkError::Bind { at: format!("tcp://{at}"), source };
+        let places = open_files::places()?;
         let runtime = runtime().map_err(|source| LinkError::Thread { source })?;
         let listener = {
             let _in_runtime = runtime.enter();
@@ -146,6 +157,9 @@ impl Listener {
         let shared = Arc::new(Shared {
             kind: config.kind,
             backlog: config.backlog,
+            is_urgent: config.is_urgent,
+            places: Places::new(places),
+            descriptors: Arc::new(Semaphore::new(2 * places + CLOSING)),
             wire: WireConfig {
                 role: Role::Server,
                 kind: config.kind.socket_type(),
@@ -183,7 +197,7 @@ impl Listener {
     /// Sends a message to all peers; to subscribers if they want its topic, the first frame.
     pub fn publish(&self, frames: &Frames) {
         for peer in self.shared.peers().connected.values() {
-            if peer.status.stage >= Stage::Stalled {
+            if !peer.occupant.activity.stage.is_handshake() {
                 // A peer that does not keep up misses it.
                 let _ = peer.inbox.try_send(Outgoing { frames: frames.clone(), hold: None });
             }
@@ -212,6 +226,11 @@ fn bind(at: SocketAddr) -> io::Result<TcpListener> {
 struct Shared {
     kind: SocketKind,
     backlog: usize,
+    is_urgent: fn(&[Bytes]) -> bool,
+    /// For handshakes, and as many for established connections.
+    places: Places,
+    /// Open connections, with those that are being closed.
+    descriptors: Arc<Semaphore>,
     wire: WireConfig,
     sink: Sink,
     peers: Mutex<Peers>,
@@ -225,7 +244,7 @@ struct Peers {
 }
 
 struct Peer {
-    status: ConnectionStatus,
+    occupant: Occupant,
     inbox: mpsc::Sender<Outgoing>,
     task: Option<AbortHandle>,
 }
@@ -235,48 +254,72 @@ struct Outgoing {
     hold: Option<Box<dyn Send>>,
 }
 
+impl Peers {
+    /// Makes room for a newcomer among handshakes or established connections, evicting another one if necessary.
+    fn make_room(&mut self, places: &Places, is_handshake: bool, newcomer: &Holder) {
+        let occupants = self.connected.iter().map(|(id, peer)| (*id, &peer.occupant));
+        let rivals = occupants.filter(|(_, it)| it.activity.stage.is_handshake() == is_handshake);
+        let Some(victim) = places.victim(rivals, newcomer) else { return };
+        // Its task ends later; it does not count from now on.
+        if let Some(task) = self.connected.remove(&victim).and_then(|peer| peer.task) {
+            task.abort();
+        }
+    }
+}
+
 impl Shared {
     fn peers(&self) -> MutexGuard<'_, Peers> {
         // A panic does not leave the table inconsistent.
         self.peers.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Sets the stage of a connection.
-    fn set_stage(&self, id: PeerId, stage: Stage) {
+    /// Updates the activity of a connection.
+    fn update(&self, id: PeerId, activity: Activity) {
         if let Some(peer) = self.peers().connected.get_mut(&id) {
-            peer.status.stage = stage;
-            peer.status.since = Instant::now();
+            peer.occupant.activity = activity;
         }
     }
 
-    /// Admits one more handshake or established connection, evicting another one if necessary.
-    fn make_room(&self, is_handshake: bool) -> bool {
-        let mut peers = self.peers();
-        let statuses = peers.connected.iter().map(|(id, peer)| (id, &peer.status));
-        match admit(statuses, is_handshake) {
-            Admission::Free => true,
-            Admission::Full => false,
-            Admission::Evict(id) => {
-                // Its task ends later; it does not count from now on.
-                if let Some(task) = peers.connected.remove(&id).and_then(|peer| peer.task) {
-                    task.abort();
-                }
-                true
-            }
+    /// Updates the stage of a handshake.
+    fn advance(&self, id: PeerId, step: HandshakeStep) {
+        let stage = match step {
+            HandshakeStep::Greeting => Stage::Greeting,
+            HandshakeStep::Greeted => Stage::Greeted,
+            HandshakeStep::Introduced => Stage::Introduced,
+        };
+        if let Some(peer) = self.peers().connected.get_mut(&id)
+            && peer.occupant.activity.stage < stage
+        {
+            peer.occupant.activity = Activity::now(stage);
         }
+    }
+
+    /// Moves a connection whose handshake is complete to the established ones. Returns `false` if it has been evicted.
+    fn establish(&self, id: PeerId, key: Option<String>) -> bool {
+        let mut peers = self.peers();
+        let Some(peer) = peers.connected.get_mut(&id) else { return false };
+        if let Some(key) = key {
+            peer.occupant.holder = Holder::Key(key);
+        }
+        let holder = peer.occupant.holder.clone();
+        peers.make_room(&self.places, false, &holder);
+        if let Some(peer) = peers.connected.get_mut(&id) {
+            peer.occupant.activity = Activity::now(Stage::Fresh);
+        }
+        true
     }
 }
 
 /// Accepts connections until the listener is dropped.
 fn run(runtime: &Runtime, shared: &Arc<Shared>, listener: &TcpListener) {
     let accept = async {
-        loop {
+        // Evicted connections are closed by their tasks: the next one is accepted after that.
+        while let Ok(descriptor) = shared.descriptors.clone().acquire_owned().await {
             match listener.accept().await {
-                Ok((stream, from)) => self::accept(shared, stream, from.ip()),
+                Ok((stream, from)) => self::accept(shared, stream, from.ip(), descriptor),
                 Err(error) => {
-                    // Usually, too many files are open: evict a connection.
+                    // Usually, other parts of the process have opened too many files.
                     tracing::debug!("cannot accept a connection: {error}");
-                    shared.make_room(true);
                     sleep(Duration::from_millis(10)).await;
                 }
             }
@@ -290,10 +333,12 @@ fn run(runtime: &Runtime, shared: &Arc<Shared>, listener: &TcpListener) {
     });
 }
 
-fn accept(shared: &Arc<Shared>, stream: TcpStream, address: IpAddr) {
-    if !shared.make_room(true) {
-        return;
-    }
+fn accept(
+    shared: &Arc<Shared>,
+    stream: TcpStream,
+    address: IpAddr,
+    descriptor: OwnedSemaphorePermit,
+) {
     if shared.kind == SocketKind::Pub {
         // A small buffer: a subscriber that does not keep up misses messages early, rather than all at once.
         let _ = SockRef::from(&stream).set_send_buffer_size(SEND_BUFFER);
@@ -301,13 +346,16 @@ fn accept(shared: &Arc<Shared>, stream: TcpStream, address: IpAddr) {
     let (inbox, outgoing) = mpsc::channel(shared.backlog.max(2 * REQUEST_QUOTA));
     let id = {
         let mut peers = shared.peers();
+        let holder = Holder::at(address);
+        peers.make_room(&shared.places, true, &holder);
         peers.next += 1;
         let id = peers.next;
-        let status = ConnectionStatus { address, stage: Stage::Silent, since: Instant::now() };
-        peers.connected.insert(id, Peer { status, inbox, task: None });
+        let occupant = Occupant { holder, activity: Activity::now(Stage::Silent) };
+        peers.connected.insert(id, Peer { occupant, inbox, task: None });
         id
     };
-    let guard = ConnectionGuard { id, shared: shared.clone(), established: false };
+    let guard =
+        ConnectionGuard { id, shared: shared.clone(), established: false, _descriptor: descriptor };
     let task = tokio::spawn(async move {
         if let Err(error) = serve(guard, stream, outgoing).await {
             tracing::debug!("connection of {address}: {error}");
@@ -324,6 +372,8 @@ struct ConnectionGuard {
     shared: Arc<Shared>,
     /// Whether the handshake is complete.
     established: bool,
+    /// Returned when the connection is closed.
+    _descriptor: OwnedSemaphorePermit,
 }
 
 impl Drop for ConnectionGuard {
@@ -342,36 +392,38 @@ async fn serve(
     mut outgoing: mpsc::Receiver<Outgoing>,
 ) -> Result<(), WireError> {
     let shared = guard.shared.clone();
-    let mut wire = timeout(HANDSHAKE_TIMEOUT, async {
+    let (mut wire, key) = timeout(HANDSHAKE_TIMEOUT, async {
         // A peer that sends nothing gets no protocol state.
         stream.readable().await?;
-        shared.set_stage(guard.id, Stage::Handshake);
         let mut wire = Wire::new(stream, shared.wire.clone());
-        wire.shake_hands().await.map(|_| wire)
+        let key = wire.shake_hands(|step| shared.advance(guard.id, step)).await?;
+        Ok::<_, WireError>((wire, key))
     })
     .await
     .map_err(|_| WireError::Stalled(HANDSHAKE_TIMEOUT))??;
-    if !shared.make_room(false) {
+    if !shared.establish(guard.id, key) {
         return Ok(());
     }
     guard.established = true;
     let mut topics = Subscriptions::default();
-    // Pending requests.
-    let mut pending = 0;
+    let mut activity = Activity::now(Stage::Fresh);
+    // Whether one of the pending requests is urgent.
+    let mut urgent = false;
     // Dropped when all is sent.
     let mut holds = Vec::new();
     loop {
-        let stage = match shared.kind {
-            SocketKind::Pub => Stage::Served,
-            _ if pending > 0 => Stage::Served,
-            _ => Stage::Idle,
-        };
-        shared.set_stage(guard.id, stage);
+        urgent &= activity.pending > 0;
+        if activity.pending > 0 {
+            activity.stage = if urgent { Stage::Urgent } else { Stage::Busy };
+        } else if activity.stage > Stage::Idle {
+            activity.stage = Stage::Idle;
+        }
+        shared.update(guard.id, activity);
         while wire.has_output() {
             if let Ok(sent) = timeout(STALL_GRACE, wire.send_some()).await {
                 sent?;
             } else {
-                shared.set_stage(guard.id, Stage::Stalled);
+                shared.update(guard.id, Activity { stage: Stage::Stalled, ..activity });
                 let sent = timeout(STALL_TIMEOUT, wire.send_some()).await;
                 sent.map_err(|_| WireError::Stalled(STALL_TIMEOUT))??;
             }
@@ -380,20 +432,29 @@ async fn serve(
         tokio::select! {
             biased;
             Some(Outgoing { frames, hold }) = outgoing.recv() => {
-                pending = usize::saturating_sub(pending, usize::from(shared.kind.replies()));
+                if shared.kind.replies() {
+                    let pending = activity.pending.saturating_sub(1);
+                    activity = Activity { pending, ..Activity::now(activity.stage) };
+                }
                 if shared.kind != SocketKind::Pub || topics.matches(&frames[0]) {
                     wire.queue(&frames)?;
                     holds.extend(hold);
                 }
             }
-            incoming = wire.receive(), if pending < REQUEST_QUOTA => match incoming? {
+            incoming = wire.receive(), if activity.pending < REQUEST_QUOTA => match incoming? {
                 Incoming::Message(received) => {
-                    pending += usize::from(shared.kind.replies());
+                    let pending = activity.pending + usize::from(shared.kind.replies());
+                    activity = Activity { pending, ..Activity::now(Stage::Idle) };
+                    urgent |= (shared.is_urgent)(&received.frames);
                     (shared.sink)(Event::Message(guard.id, received));
                 }
                 Incoming::Subscribe(topic) if !topics.add(&topic) => {
                     tracing::warn!("a subscriber with too many topics is disconnected");
                     return Ok(());
+                }
+                // Further subscriptions are no reason to keep it any longer.
+                Incoming::Subscribe(_) if activity.stage == Stage::Fresh => {
+                    activity = Activity::now(Stage::Idle);
                 }
                 Incoming::Subscribe(_) => {}
                 Incoming::Cancel(topic) => topics.remove(&topic),

@@ -18,6 +18,8 @@ pub(super) struct Meter {
     missing: u64,
     /// Bytes of all frames announced so far.
     announced: u64,
+    /// Number of complete frames.
+    frames: u64,
 }
 
 impl Meter {
@@ -45,6 +47,11 @@ impl Meter {
         self.announced
     }
 
+    /// Number of complete frames.
+    pub(super) fn frames(&self) -> u64 {
+        self.frames
+    }
+
     fn frame_has_begun(&self) -> bool {
         self.header
             .first()
@@ -60,6 +67,7 @@ impl Meter {
     }
 
     fn end_frame(&mut self) {
+        self.frames += 1;
         if self.header[0] & (MORE | COMMAND) != MORE {
             self.announced = 0;
         }
@@ -104,6 +112,7 @@ mod tests {
             let mut meter = Meter::default();
             stream.chunks(size).for_each(|chunk| meter.read(chunk));
             assert_eq!(meter.announced(), 4 * 64 + 263, "{size}");
+            assert_eq!(meter.frames(), 4, "{size}");
         }
     }
 }

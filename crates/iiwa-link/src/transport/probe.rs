@@ -57,7 +57,7 @@ pub(crate) fn probe(to: &Endpoint, config: &WireConfig, limit: Duration) -> Resu
             Err(_) => return Err(ProbeError::NoAnswer),
         };
         let mut wire = Wire::new(stream, config.clone());
-        match timeout(limit, wire.shake_hands()).await {
+        match timeout(limit, wire.shake_hands(|_| {})).await {
             Ok(Ok(_)) => Ok(()),
             Ok(Err(WireError::Refused(why))) => Err(ProbeError::Refused(why)),
             Ok(Err(error)) => Err(ProbeError::Protocol { what: error.to_string() }),

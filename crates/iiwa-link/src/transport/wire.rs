@@ -59,6 +59,9 @@ pub(crate) enum WireError {
     /// The other side has made no progress.
     #[error("no progress within {} s", .0.as_secs_f64())]
     Stalled(Duration),
+    /// A long message arrives too slowly.
+    #[error("a long message arrives at less than {LONG_BYTES_PER_S} bytes per second")]
+    Slow,
 }
 
 impl From<ProtocolError> for WireError {
@@ -101,6 +104,35 @@ const HANDSHAKE_BYTES: usize = 4 << 10;
 /// Longest pause within a long message.
 const MAX_PAUSE: Duration = Duration::from_secs(2);
 
+/// Lowest mean rate of a long message after the first [`MAX_PAUSE`], so that it ends in bounded time.
+const LONG_BYTES_PER_S: u64 = 1 << 20;
+
+/// A step of the handshake, seen from the side that listens.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum HandshakeStep {
+    /// A part of the greeting was received.
+    Greeting,
+    /// The greeting was received.
+    Greeted,
+    /// The first command was received and is valid.
+    Introduced,
+}
+
+/// The arrival of a long message.
+#[derive(Clone, Copy, Debug)]
+struct Arrival {
+    since: Instant,
+    bytes: u64,
+}
+
+impl Arrival {
+    /// How long the next bytes may take.
+    fn patience(&self, now: Instant) -> Duration {
+        let in_time = Duration::from_millis(self.bytes * 1000 / LONG_BYTES_PER_S);
+        (MAX_PAUSE + in_time).saturating_sub(now - self.since).min(MAX_PAUSE)
+    }
+}
+
 const GREETING_BYTES: usize = 64;
 
 /// The security mechanism within a greeting.
@@ -138,6 +170,8 @@ pub(crate) struct Wire {
     /// When its first bytes arrived.
     began: Instant,
     permit: Option<Permit>,
+    /// The arrival of the incoming message, if it has a permit.
+    arrival: Option<Arrival>,
     /// The payload of a long frame, and the number of bytes received.
     payload: Option<(Vec<u8>, usize)>,
     buffer: BytesMut,
@@ -162,6 +196,7 @@ impl Wire {
             meter: Meter::default(),
             began: Instant::now(),
             permit: None,
+            arrival: None,
             payload: None,
             buffer: BytesMut::new(),
         }
@@ -175,16 +210,19 @@ impl Wire {
     pub(crate) async fn connect(to: &Endpoint, config: &WireConfig) -> Result<Self, WireError> {
         let stream = TcpStream::connect(to.resolve()?).await?;
         let mut wire = Self::new(stream, config.clone());
-        wire.shake_hands().await?;
+        wire.shake_hands(|_| {}).await?;
         Ok(wire)
     }
 
-    /// Completes the handshake. Returns the name of the peer's key, if it has one.
+    /// Completes the handshake, and reports its steps. Returns the name of the peer's key, if it has one.
     ///
     /// # Errors
     ///
     /// Any [`WireError`]. It must not be called again after a time-out.
-    pub(crate) async fn shake_hands(&mut self) -> Result<Option<String>, WireError> {
+    pub(crate) async fn shake_hands(
+        &mut self,
+        mut report: impl FnMut(HandshakeStep),
+    ) -> Result<Option<String>, WireError> {
         let mut bytes = 0;
         loop {
             self.flush().await?;
@@ -218,6 +256,13 @@ impl Wire {
                 let _ = timeout(MAX_PAUSE, self.flush()).await;
                 return Err(error.into());
             }
+            report(if bytes < GREETING_BYTES {
+                HandshakeStep::Greeting
+            } else if self.meter.frames() == 0 {
+                HandshakeStep::Greeted
+            } else {
+                HandshakeStep::Introduced
+            });
         }
     }
 
@@ -250,6 +295,7 @@ impl Wire {
                     return Ok(subscription);
                 }
                 let permit = self.permit.take();
+                self.arrival = None;
                 return Ok(Incoming::Message(Received { frames, permit, began: self.began }));
             }
             match self.codec.poll_event() {
@@ -265,6 +311,7 @@ impl Wire {
             if self.meter.announced() == 0 {
                 // It was a long command, not a message.
                 self.permit = None;
+                self.arrival = None;
             }
             // Replies to heartbeats.
             self.flush().await?;
@@ -305,8 +352,12 @@ impl Wire {
             // Until then, the sender is blocked by the system's buffers.
             let permit = long.clone().acquire_owned().await;
             self.permit = Some(permit.map_err(|_| WireError::Closed)?);
+            self.arrival = Some(Arrival { since: Instant::now(), bytes: 0 });
         }
-        timeout(MAX_PAUSE, self.read_long()).await.map_err(|_| WireError::Stalled(MAX_PAUSE))?
+        let patience = self.arrival.map_or(MAX_PAUSE, |it| it.patience(Instant::now()));
+        timeout(patience, self.read_long()).await.map_err(|_| {
+            if patience < MAX_PAUSE { WireError::Slow } else { WireError::Stalled(MAX_PAUSE) }
+        })?
     }
 
     async fn read_long(&mut self) -> Result<(), WireError> {
@@ -314,6 +365,9 @@ impl Wire {
         if self.payload.is_none() {
             let chunk = self.read().await?;
             self.meter.read(&chunk);
+            if let Some(arrival) = &mut self.arrival {
+                arrival.bytes += chunk.len() as u64;
+            }
             return Ok(self.codec.handle_input(chunk)?);
         }
         self.read_payload().await?;
@@ -348,6 +402,9 @@ impl Wire {
                 Ok(0) => return Err(WireError::Closed),
                 Ok(count) => {
                     self.meter.read(&payload[*filled..*filled + count]);
+                    if let Some(arrival) = &mut self.arrival {
+                        arrival.bytes += count as u64;
+                    }
                     *filled += count;
                     return Ok(());
                 }
@@ -421,5 +478,27 @@ impl Wire {
             Err(error) => return Err(error.into()),
         }
         Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_arrival_of_a_long_message_is_bounded() {
+        let since = Instant::now();
+        let patience =
+            |bytes, ms| Arrival { since, bytes }.patience(since + Duration::from_millis(ms));
+        let s = Duration::from_secs;
+        assert_eq!(patience(0, 0), s(2));
+        // A byte now and then does not help.
+        assert_eq!(patience(1, 1500), Duration::from_millis(500));
+        assert_eq!(patience(2, 2500), s(0));
+        // Fast ones may pause for no longer than others.
+        assert_eq!(patience(20 << 20, 1000), s(2));
+        assert_eq!(patience(4 << 20, 5500), Duration::from_millis(500));
+        // 32 MiB take 34 s at most.
+        assert_eq!(patience(32 << 20, 34_000), s(0));
     }
 }

@@ -1,0 +1,70 @@
+//! Number of places by the limit of open files: connections must not take the descriptors that the process needs.
+
+use crate::error::LinkError;
+
+/// Largest number of places for handshakes, and for established connections.
+const MAX_PLACES: u64 = 64;
+
+/// Smallest number, below which a socket does not start: newcomers would be evicted too soon.
+const MIN_PLACES: u64 = 16;
+
+/// Listening sockets in a process: two of a drive and two of a cabinet.
+const LISTENERS: u64 = 4;
+
+/// Descriptors for everything else: standard streams, event loops, sockets, files, and connections that are being closed.
+const RESERVED: u64 = 64;
+
+/// Connections of a socket that are being closed, at most.
+pub(super) const CLOSING: usize = 8;
+
+/// The number of places for handshakes, and for established connections, within the process's limit of open files.
+///
+/// # Errors
+///
+/// [`LinkError::OpenFiles`] if the limit is too low.
+pub(super) fn places() -> Result<usize, LinkError> {
+    places_within(limit())
+}
+
+/// `limit` is `None` if there is none.
+fn places_within(limit: Option<u64>) -> Result<usize, LinkError> {
+    let limit = limit.unwrap_or(u64::MAX);
+    let places = (limit.saturating_sub(RESERVED) / (2 * LISTENERS)).min(MAX_PLACES);
+    if places < MIN_PLACES {
+        let needed = RESERVED + 2 * LISTENERS * MIN_PLACES;
+        return Err(LinkError::OpenFiles { limit, needed });
+    }
+    Ok(usize::try_from(places).unwrap_or(usize::MAX))
+}
+
+#[cfg(unix)]
+fn limit() -> Option<u64> {
+    rustix::process::getrlimit(rustix::process::Resource::Nofile).current
+}
+
+#[cfg(not(unix))]
+fn limit() -> Option<u64> {
+    None
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn all_places_of_all_sockets_are_within_the_limit() {
+        assert_eq!(places_within(None).unwrap(), 64);
+        assert_eq!(places_within(Some(1024)).unwrap(), 64);
+        for limit in 192..1024 {
+            let places = places_within(Some(limit)).unwrap() as u64;
+            assert!(places >= 16 && 2 * places * LISTENERS + RESERVED <= limit, "{limit}");
+        }
+        assert!(CLOSING as u64 * LISTENERS < RESERVED);
+    }
+
+    #[test]
+    fn too_few_open_files_are_an_error_that_names_the_number() {
+        let error = places_within(Some(191)).unwrap_err().to_string();
+        assert!(error.contains("191") && error.contains("192"), "{error}");
+    }
+}

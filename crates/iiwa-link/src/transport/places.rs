@@ -1,0 +1,376 @@
+//! Places for connections: which connection is evicted for a new one. Pure logic, without sockets.
+//!
+//! A socket has a bounded number of places for handshakes, and as many for established connections: clients
+//! without keys cannot displace those with keys, and a new connection never displaces one that has completed
+//! its handshake. Within each of the two, a newcomer always gets a place:
+//!
+//! 1. **Holder.** A holder is a key or, during the handshake and without keys, an address. If the newcomer's
+//!    holder has exhausted its quota, it loses a connection; the rest of the places is in reserve for others. If
+//!    all places are taken, the holder with the most connections loses one, the newcomer included in the count.
+//! 2. **Stage.** The connections of that holder are ordered by their [`Stage`]. The lowest stage that has more
+//!    than its share, a quarter of them, loses one. So progress protects a connection; and connections that are
+//!    parked at a high stage cannot reduce the places of newcomers to less than the share.
+//! 3. **Activity.** Of a stage, the least recently active connection is evicted: a newcomer passes each stage
+//!    unless a share of newcomers overtakes it. Of [`Stage::Busy`], those with the most pending requests are
+//!    evicted first, and the most recently active of them: they lose least.
+
+use std::{
+    cmp::{Ordering, Reverse},
+    collections::BTreeMap,
+    net::{IpAddr, Ipv6Addr},
+    time::Instant,
+};
+
+/// The identifier of a connection.
+pub type PeerId = u64;
+
+/// One place of so many is in reserve for other holders, and the share of a stage is one connection of so many.
+const SHARES: usize = 4;
+
+/// The owner of connections.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) enum Holder {
+    /// A machine: an IPv4 address, or the first address of a /64 network of IPv6.
+    Address(IpAddr),
+    /// The name of a permitted key.
+    Key(String),
+}
+
+impl Holder {
+    /// The holder of connections from an address.
+    pub(super) fn at(address: IpAddr) -> Self {
+        Self::Address(match address.to_canonical() {
+            IpAddr::V6(v6) if !v6.is_loopback() => {
+                Ipv6Addr::from_bits(v6.to_bits() & (u128::MAX << 64)).into()
+            }
+            address => address,
+        })
+    }
+}
+
+/// The stage of a connection. Lower ones are evicted first.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) enum Stage {
+    /// Nothing was received yet.
+    Silent,
+    /// A part of the greeting was received.
+    Greeting,
+    /// The greeting was received.
+    Greeted,
+    /// The first command of the handshake was received and is valid.
+    Introduced,
+    /// The handshake is complete, and the peer does not read its messages.
+    Stalled,
+    /// The handshake is complete, and neither a message nor a subscription was received.
+    Fresh,
+    /// No request is pending, or the peer is a subscriber.
+    Idle,
+    /// A request is pending.
+    Busy,
+    /// An urgent request is pending.
+    Urgent,
+}
+
+impl Stage {
+    /// Whether the handshake is incomplete.
+    pub(super) fn is_handshake(self) -> bool {
+        self < Self::Stalled
+    }
+}
+
+/// The progress of a connection.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Activity {
+    pub(super) stage: Stage,
+    /// Number of pending requests.
+    pub(super) pending: usize,
+    /// The last progress of its handshake, its last request or its last reply.
+    pub(super) since: Instant,
+}
+
+impl Activity {
+    /// Progress to a stage, now.
+    pub(super) fn now(stage: Stage) -> Self {
+        Self { stage, pending: 0, since: Instant::now() }
+    }
+
+    /// The order of eviction within a stage.
+    fn eviction_order(&self, other: &Self) -> Ordering {
+        let oldest = self.since.cmp(&other.since);
+        let most_pending = Reverse(self.pending).cmp(&Reverse(other.pending));
+        most_pending.then(if self.stage == Stage::Busy { oldest.reverse() } else { oldest })
+    }
+}
+
+/// A connection that holds a place.
+#[derive(Clone, Debug)]
+pub(super) struct Occupant {
+    pub(super) holder: Holder,
+    pub(super) activity: Activity,
+}
+
+/// Places of a socket, for handshakes or for established connections.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Places {
+    total: usize,
+    per_holder: usize,
+}
+
+impl Places {
+    /// With a number of places, of which a holder gets three quarters.
+    pub(super) fn new(total: usize) -> Self {
+        Self { total, per_holder: total - total / SHARES }
+    }
+
+    /// The connection to be evicted for a newcomer; `None` if there is a free place for it.
+    pub(super) fn victim<'a>(
+        &self,
+        occupants: impl Iterator<Item = (PeerId, &'a Occupant)>,
+        newcomer: &Holder,
+    ) -> Option<PeerId> {
+        let mut occupants: Vec<_> = occupants.collect();
+        let mut held = BTreeMap::from([(newcomer, 1)]);
+        for (_, occupant) in &occupants {
+            *held.entry(&occupant.holder).or_default() += 1;
+        }
+        if held[newcomer] > self.per_holder {
+            occupants.retain(|(_, it)| it.holder == *newcomer);
+        } else if occupants.len() >= self.total {
+            let most = held.values().max().copied().unwrap_or_default();
+            occupants.retain(|(_, it)| held[&it.holder] == most);
+        } else {
+            return None;
+        }
+        let stage = over_share(&occupants)?;
+        occupants.retain(|(_, it)| it.activity.stage == stage);
+        let first = occupants.into_iter().min_by(|(id, it), (other_id, other)| {
+            it.activity.eviction_order(&other.activity).then(id.cmp(other_id))
+        });
+        first.map(|(id, _)| id)
+    }
+}
+
+/// The lowest stage with more than its share of connections.
+fn over_share(occupants: &[(PeerId, &Occupant)]) -> Option<Stage> {
+    let mut counts = BTreeMap::<Stage, usize>::new();
+    for (_, it) in occupants {
+        *counts.entry(it.activity.stage).or_default() += 1;
+    }
+    // Peers that do not read have no share.
+    let share = |stage| if stage == Stage::Stalled { 0 } else { occupants.len() / SHARES };
+    let over = counts.iter().find(|(stage, count)| **count > share(**stage));
+    over.or(counts.first_key_value()).map(|(stage, _)| *stage)
+}
+
+#[cfg(test)]
+mod tests {
+    use std::time::Duration;
+
+    use proptest::{prelude::*, sample::Index};
+
+    use super::*;
+
+    /// Connections by their identifiers.
+    struct Scene {
+        from: Instant,
+        places: Places,
+        occupants: BTreeMap<PeerId, Occupant>,
+    }
+
+    fn holder(number: u8) -> Holder {
+        Holder::at([10, 0, 0, number].into())
+    }
+
+    impl Scene {
+        fn new(total: usize) -> Self {
+            let from = Instant::now();
+            Self { from, places: Places::new(total), occupants: BTreeMap::new() }
+        }
+
+        /// Connections of one stage and holder, each a second after the one before.
+        fn of(stage: Stage, count: u64, total: usize) -> Self {
+            let mut scene = Self::new(total);
+            (0..count).for_each(|id| scene.put(id, stage, 1, 0, id));
+            scene
+        }
+
+        fn put(&mut self, id: PeerId, stage: Stage, of: u8, pending: usize, second: u64) {
+            let since = self.from + Duration::from_secs(second);
+            let activity = Activity { stage, pending, since };
+            self.occupants.insert(id, Occupant { holder: holder(of), activity });
+        }
+
+        fn victim(&self, newcomer: u8) -> Option<PeerId> {
+            let occupants = self.occupants.iter().map(|(id, it)| (*id, it));
+            self.places.victim(occupants, &holder(newcomer))
+        }
+
+        fn held(&self, of: u8) -> usize {
+            self.occupants.values().filter(|it| it.holder == holder(of)).count()
+        }
+
+        /// A newcomer takes a place. Returns the victim.
+        fn admit(&mut self, id: PeerId, stage: Stage, of: u8, second: u64) -> Option<PeerId> {
+            let victim = self.victim(of);
+            if let Some(victim) = victim {
+                self.occupants.remove(&victim);
+            }
+            self.put(id, stage, of, 0, second);
+            victim
+        }
+    }
+
+    #[test]
+    fn the_least_progress_is_evicted_first() {
+        let mut scene = Scene::of(Stage::Introduced, 40, 64);
+        for (i, stage) in [Stage::Silent, Stage::Greeting, Stage::Greeted].into_iter().enumerate() {
+            (0..13).for_each(|j| scene.put(100 * (i as u64 + 1) + j, stage, 1, 0, 900 + j));
+        }
+        // 79 handshakes: each stage has more than its share of 19 or none.
+        scene.places = Places::new(80);
+        assert_eq!(scene.victim(1), Some(0));
+        (13..30).for_each(|j| scene.put(100 + j, Stage::Silent, 1, 0, 900 + j));
+        assert_eq!(scene.victim(1), Some(100));
+    }
+
+    #[test]
+    fn a_part_of_the_places_is_in_reserve() {
+        let mut scene = Scene::of(Stage::Busy, 47, 64);
+        assert_eq!(scene.victim(1), None);
+        scene.put(47, Stage::Idle, 1, 0, 0);
+        assert!(scene.victim(1).is_some());
+        assert_eq!(scene.victim(2), None);
+    }
+
+    #[test]
+    fn the_holder_with_most_connections_loses_one() {
+        let mut scene = Scene::of(Stage::Urgent, 40, 64);
+        (100..124).for_each(|id| scene.put(id, Stage::Silent, 2, 0, id));
+        assert!(scene.victim(3).is_some_and(|id| id < 100));
+        // A newcomer counts.
+        let mut scene = Scene::of(Stage::Idle, 32, 64);
+        (100..132).for_each(|id| scene.put(id, Stage::Idle, 2, 0, id));
+        assert!(scene.victim(1).is_some_and(|id| id < 100));
+        assert!(scene.victim(2).is_some_and(|id| id >= 100));
+        // Keys have their own quotas, wherever they are used.
+        for it in scene.occupants.values_mut() {
+            it.holder = Holder::Key("bob".to_owned());
+        }
+        let occupants = || scene.occupants.iter().map(|(id, it)| (*id, it));
+        let alice = Holder::Key("alice".to_owned());
+        assert!(scene.places.victim(occupants(), &alice).is_some());
+    }
+
+    #[test]
+    fn a_client_with_few_requests_keeps_its_place_among_pipelines() {
+        let mut scene = Scene::new(64);
+        (0..48).for_each(|id| scene.put(id, Stage::Busy, 1, 8, id));
+        scene.put(20, Stage::Busy, 1, 1, 0);
+        scene.put(30, Stage::Idle, 1, 0, 0);
+        scene.put(40, Stage::Urgent, 1, 1, 0);
+        let mut second = 1000;
+        for id in 100..200 {
+            let victim = scene.admit(id, Stage::Busy, 1, second);
+            assert!(victim.is_some_and(|id| ![20, 30, 40].contains(&id)), "{victim:?}");
+            scene.put(id, Stage::Busy, 1, 8, second);
+            second += 1;
+        }
+    }
+
+    #[test]
+    fn peers_that_do_not_read_are_evicted_first() {
+        let mut scene = Scene::of(Stage::Fresh, 47, 64);
+        scene.put(47, Stage::Stalled, 1, 0, 1000);
+        assert_eq!(scene.victim(1), Some(47));
+    }
+
+    #[test]
+    fn networks_of_ipv6_and_mapped_addresses_are_one_holder() {
+        let at = |text: &str| Holder::at(text.parse().unwrap());
+        assert_eq!(at("2001:db8::1"), at("2001:db8::ffff:1"));
+        assert_ne!(at("2001:db8::1"), at("2001:db8:0:1::1"));
+        assert_eq!(at("::ffff:10.0.0.1"), holder(1));
+        assert_ne!(at("127.0.0.1"), at("127.0.0.2"));
+        assert_eq!(at("::1"), Holder::Address("::1".parse().unwrap()));
+    }
+
+    /// The stages of a connection, from its beginning to a pending stop, by their places.
+    const HANDSHAKE: [Stage; 4] =
+        [Stage::Silent, Stage::Greeting, Stage::Greeted, Stage::Introduced];
+    const ESTABLISHED: [Stage; 5] =
+        [Stage::Stalled, Stage::Fresh, Stage::Idle, Stage::Busy, Stage::Urgent];
+
+    const NEWCOMER: PeerId = 1000;
+
+    fn any_stage() -> impl Strategy<Value = usize> {
+        0..20_usize
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(500))]
+
+        /// Quotas hold, and who holds less than most never loses a connection.
+        #[test]
+        fn quotas_hold(
+            total in 4..80_usize,
+            arrivals in prop::collection::vec((1..6_u8, any_stage(), 0..9_usize), 1..300),
+        ) {
+            let mut scene = Scene::new(total);
+            for (i, (of, stage, pending)) in arrivals.into_iter().enumerate() {
+                let most = (1..6).map(|it| scene.held(it) + usize::from(it == of)).max().unwrap();
+                let own = scene.held(of) + 1;
+                let victim = scene.victim(of).map(|id| scene.occupants[&id].holder.clone());
+                if let Some(victim) = victim {
+                    let loses = (1..6).find(|it| holder(*it) == victim).unwrap();
+                    let held = scene.held(loses) + usize::from(loses == of);
+                    prop_assert!(held == most || (loses == of && own > scene.places.per_holder));
+                }
+                scene.admit(i as u64, Stage::Fresh, of, i as u64);
+                scene.put(i as u64, ESTABLISHED[stage % 5], of, pending, i as u64);
+                prop_assert!(scene.occupants.len() <= total);
+                prop_assert!((1..6).all(|of| scene.held(of) <= scene.places.per_holder));
+            }
+        }
+
+        /// Whatever the others of its own address do, a newcomer keeps its place at a stage until as many as the share
+        /// enter that stage after it.
+        #[test]
+        fn a_newcomer_passes_each_stage(
+            is_established in any::<bool>(),
+            stage in any_stage(),
+            parked in prop::collection::vec((any_stage(), 0..9_usize), 48),
+            moves in prop::collection::vec((any::<Index>(), any_stage(), 0..9_usize), 300),
+        ) {
+            let stages: &[Stage] = if is_established { &ESTABLISHED } else { &HANDSHAKE };
+            let first = stages[usize::from(is_established)];
+            // The stages of a stop: neither `Stalled` nor `Busy`.
+            let own = if is_established { [1, 2, 4][stage % 3] } else { stage % 4 };
+            let mut scene = Scene::new(64);
+            let mut put = |scene: &mut Scene, id, stage: usize, pending: usize, second| {
+                let stage = stages[stage % stages.len()];
+                let pending = if stage >= Stage::Busy { pending.max(1) } else { 0 };
+                scene.put(id, stage, 1, pending, second);
+                usize::from(stage == stages[own])
+            };
+            for (id, (stage, pending)) in parked.into_iter().enumerate() {
+                put(&mut scene, id as u64, stage, pending, id as u64);
+            }
+            scene.admit(NEWCOMER, first, 1, 1000);
+            put(&mut scene, NEWCOMER, own, 1, 1000);
+            let mut entered = 0;
+            for (i, (index, stage, pending)) in moves.into_iter().enumerate() {
+                let second = 1001 + i as u64;
+                if i % 3 == 0 {
+                    scene.admit(NEWCOMER + second, first, 1, second);
+                    entered += usize::from(first == stages[own]);
+                }
+                if entered > scene.occupants.len() / SHARES {
+                    break;
+                }
+                prop_assert!(scene.occupants.contains_key(&NEWCOMER), "{entered} after move {i}");
+                let ids: Vec<_> = scene.occupants.keys().copied().filter(|id| *id != NEWCOMER).collect();
+                entered += put(&mut scene, *index.get(&ids), stage, pending, second);
+            }
+        }
+    }
+}
