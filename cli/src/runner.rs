@@ -4,7 +4,7 @@ use iiwa_files::interrupt;
 use iiwa_kin::{Joints, Robot};
 use iiwa_link::{
     ClientError, MAX_POINTS, StartOffset, Stream, TimedJoints,
-    message::{Code, Conditions, DriveState, Refusal, Request, Status},
+    message::{Code, Conditions, DriveState, Refusal, Request, RunLabel, Status},
     security::Endpoint,
 };
 use iiwa_log::{Config, JointLog, PlanOptions, WriteError};
@@ -120,7 +120,7 @@ pub(crate) fn go_to_start(
         let what = "the robot cannot move to the start in a straight line in joint space";
         Failure::run(what, &error)
     })?;
-    let request = Request::motions(approach);
+    let request = Request::motions(approach).labelled(RunLabel::of_robot(robot));
     execute_with_progress(drive, &request, plan.cycle_time_s(), Progress::of_approach())
         .result
         .map(drop)

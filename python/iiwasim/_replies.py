@@ -100,6 +100,16 @@ class Conditions:
     """Name of the attached tool."""
 
 
+@dataclass(frozen=True)
+class RobotIdentity:
+    """The identity of a robot arm: two arms with the same lengths are the same."""
+
+    model: str
+    """Name of the model or of the profile."""
+    lengths_mm: Mapping[str, float]
+    """The Denavit-Hartenberg lengths d1, d3, d5 and d7, in mm: `base`, `upper_arm`, `forearm`, `flange`."""
+
+
 @dataclass(frozen=True, eq=False)
 class DriveState:
     """A snapshot of drive and robot."""
@@ -118,6 +128,8 @@ class DriveState:
     """The conditions, as far as the robot program tells them."""
     simulated: bool = False
     """Whether the robot is a simulated one."""
+    robot: RobotIdentity | None = None
+    """The robot that the drive is set up for; `None` from a drive of an older version."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -216,6 +228,7 @@ def read_state(reply: dict[str, Any]) -> DriveState:
         ),
         conditions=Conditions(**_known(Conditions, conditions)),
         simulated=reply.get("simulated", False),
+        robot=RobotIdentity(**_known(RobotIdentity, reply["robot"])) if "robot" in reply else None,
     )
 
 

@@ -28,6 +28,7 @@ from ._replies import (
     DriveTimeout,
     FriState,
     JointSample,
+    RobotIdentity,
     RobotProgram,
     Run,
     Sensors,
@@ -51,6 +52,7 @@ if TYPE_CHECKING:
     import numpy.typing as npt
 
     from ._link import Line
+    from ._native import Robot
     from ._replies import IoValue, Joints
 
 __all__ = [
@@ -62,6 +64,7 @@ __all__ = [
     "FriState",
     "JointSample",
     "ProgramText",
+    "RobotIdentity",
     "RobotProgram",
     "Run",
     "Sensors",
@@ -181,6 +184,7 @@ class Drive:
         on_sample: Callable[[JointSample], object] | None = None,
         name: str | None = None,
         planned_s: float | None = None,
+        robot: Robot | str | None = None,
     ) -> Run:
         """Runs a program and returns what was measured once it has ended; the controller plans it.
 
@@ -198,15 +202,19 @@ class Drive:
         `name` and `planned_s`, the planned cycle time, are published with the run for those who follow the robot, such as
         `iiwasim bridge`; `iiwasim history` groups runs by name.
 
+        `robot`, a model or a profile, says which robot the program is for; its default is the program's own. The drive refuses
+        the program, with `bad_request`, if it controls a robot with other lengths or another flange.
+
         Raises `DriveError`: with `.run`, what was measured up to then, if the run was stopped or broke off.
         """
         _check_callable(on_sample)
         keys = _program_keys(program)
         start = _start_of(program, keys) if start_rad is None else _seven(start_rad, "start_rad")
         request = {"type": "run_motions", **{key: keys[key] for key in MOTION_KEYS if key in keys}}
-        text = _request_text({**request, **_label(name, planned_s)})
+        robot = _robot_of(program, keys) if robot is None else _as_robot(robot)
+        text = _request_text({**request, **_label(name, planned_s, robot)})
         if start is not None:
-            self._go_to_start(start, move_to_start, start_velocity_rel)
+            self._go_to_start(start, move_to_start, start_velocity_rel, robot)
         elif move_to_start:
             raise ValueError("the program has no start to move to; give it one, or leave out move_to_start")
         return self._execute(text, timeout_s, on_sample)
@@ -222,11 +230,12 @@ class Drive:
         on_sample: Callable[[JointSample], object] | None = None,
         name: str | None = None,
         planned_s: float | None = None,
+        robot: Robot | str | None = None,
     ) -> Run:
         """Runs joint positions `q`, in rad, (n, 7), at times `t`, in s, (n,), as set-points over FRI; all else is as in `run`.
 
         The drive checks them: at most 25 ms from one to the next while the arm moves, within all limits, at rest at both
-        ends, and from where the robot is.
+        ends, and from where the robot is; and, if `robot` is given, that it is the one that they were planned for.
 
         >>> rise = np.linspace(0.0, 1.0, 101)
         >>> q = np.zeros((101, 7))
@@ -245,8 +254,10 @@ class Drive:
         if not (np.isfinite(times).all() and np.isfinite(points).all()):
             raise ValueError("t and q have to be finite")
         trajectory = {"t_s": times.tolist(), "joints_rad": points.tolist()}
-        text = _request_text({"type": "run_trajectory", "trajectory": trajectory, **_label(name, planned_s)})
-        self._go_to_start(points[0], move_to_start, start_velocity_rel)
+        robot = None if robot is None else _as_robot(robot)
+        label = _label(name, planned_s, robot)
+        text = _request_text({"type": "run_trajectory", "trajectory": trajectory, **label})
+        self._go_to_start(points[0], move_to_start, start_velocity_rel, robot)
         return self._execute(text, timeout_s, on_sample)
 
     def last_run(self) -> Run:
@@ -340,7 +351,7 @@ class Drive:
         if self._closed:
             raise ValueError("the drive is closed")
 
-    def _go_to_start(self, start: Joints, move: bool, velocity_rel: float) -> None:
+    def _go_to_start(self, start: Joints, move: bool, velocity_rel: float, robot: Robot | None) -> None:
         """Makes sure that the robot is at a start; it moves there if it may."""
         state = self.state()
         if state.state != "idle":
@@ -360,7 +371,8 @@ class Drive:
             raise DriveError("start_mismatch", f"the robot is not at the program's start: {where}; {how}")
         approach = {"type": "ptp", "joints_rad": start.tolist(), "velocity_rel": velocity_rel}
         try:
-            self._execute(_request_text({"type": "run_motions", "motions": [approach]}), None, None)
+            request = {"type": "run_motions", "motions": [approach], **_label(None, None, robot)}
+            self._execute(_request_text(request), None, None)
         except DriveError as error:
             raise type(error)(error.code, f"the robot did not move to the start: {error.message}") from error
 
@@ -408,9 +420,24 @@ class Drive:
         return None
 
 
-def _label(name: str | None, planned_s: float | None) -> dict[str, Any]:
-    """What a request states of its run."""
+def _as_robot(robot: Robot | str) -> Robot:
+    from ._native import Robot as NativeRobot
+
+    return NativeRobot(robot) if isinstance(robot, str) else robot
+
+
+def _robot_of(program: object, keys: dict[str, Any]) -> Robot:
+    """The robot that a program is for."""
+    from ._native import Program, Robot
+
+    return program.robot if isinstance(program, Program) else Robot(keys.get("robot") or "lbr_iiwa_7_r800")
+
+
+def _label(name: str | None, planned_s: float | None, robot: Robot | None) -> dict[str, Any]:
+    """The label of a run request: statements about the run."""
     label: dict[str, Any] = {} if name is None else {"program": name}
+    if robot is not None:
+        label["planned_for"] = {"model": robot.name, "lengths_mm": json.loads(robot.profile())["lengths_mm"]}
     if planned_s is not None:
         if not 0.0 <= planned_s < math.inf:
             raise ValueError(f"planned_s is {planned_s}; give a time in s")

@@ -85,8 +85,13 @@ def test_runs_say_what_they_are(drive: Drive) -> None:
             if topic == b"run":
                 events.append(json.loads(message))
     begins = [event.get("label") for event in events if "end" not in event]
-    # The move to the start has none.
-    assert begins == [{"program": "away", "plan": {"cycle_time_s": 1.25, "limited_by": []}}, None, {"program": "rise"}]
+    robot = {
+        "model": "lbr_iiwa_7_r800",
+        "lengths_mm": {"base": 340.0, "upper_arm": 400.0, "forearm": 400.0, "flange": 152.0},
+    }
+    plan = {"cycle_time_s": 1.25, "limited_by": []}
+    # The move to the start of a trajectory of no known robot has none.
+    assert begins == [{"program": "away", "planned_for": robot, "plan": plan}, None, {"program": "rise"}]
     for wrong in (-1.0, math.nan, math.inf):
         with pytest.raises(ValueError, match="planned_s"):
             drive.run(program(HOME), planned_s=wrong)
@@ -103,6 +108,33 @@ def test_programs_come_as_objects_keys_and_text(drive: Drive) -> None:
     # Without a start, and with arrays.
     drive.run({"motions": [{"type": "ptp", "joints_rad": np.radians(AWAY)}]})
     assert np.allclose(drive.state().q, np.radians(AWAY), atol=1e-4)
+
+
+@pytest.mark.parametrize(
+    ("other", "named"),
+    [
+        ("lbr_iiwa_14_r820", "lbr_iiwa_14_r820 with a flange of 152 mm"),
+        (iw.Robot(flange_m=0.126), "lbr_iiwa_7_r800 with a flange of 126 mm"),
+    ],
+)
+def test_programs_for_another_robot_are_refused(drive: Drive, other: iw.Robot | str, named: str) -> None:
+    go(drive, HOME)
+    q = np.zeros((2, 7))
+    motions = [iw.ptp(deg=AWAY)]
+    model = other if isinstance(other, str) else None
+    runs = [
+        lambda: drive.run(iw.Program(motions, start_deg=HOME, robot=other)),
+        lambda: drive.run(iw.Program(motions, start_deg=AWAY, robot=other), move_to_start=True),
+        lambda: drive.run(program(AWAY), robot=other),
+        lambda: drive.run_trajectory([0.0, 0.01], q + np.radians(HOME), robot=other),
+        *([lambda: drive.run({**program(AWAY), "robot": model})] if model else []),
+    ]
+    for run in runs:
+        with pytest.raises(DriveError, match=named) as refused:
+            run()
+        assert refused.value.code == "bad_request"
+        assert "lbr_iiwa_7_r800 with a flange of 152 mm" in refused.value.message
+    assert np.allclose(drive.state().q, np.radians(HOME), atol=1e-4)
 
 
 def test_tools_bases_and_frames_go_along(drive: Drive) -> None:
@@ -271,6 +303,7 @@ def test_ctrl_c_stops_the_robot(drive: Drive, robot: SimulatedRobot, approach: b
 def test_the_state_tells_of_robot_and_program(drive: Drive) -> None:
     state = drive.state()
     assert state.state == "idle" and state.simulated
+    assert (state.robot.model, state.robot.lengths_mm["flange"]) == ("lbr_iiwa_7_r800", 152.0)
     assert state.q.shape == (7,) and state.t_s > 0.0
     assert state.fri.session == "monitoring_ready" and not state.fri.safety_stop
     assert state.robot_program.connected and state.robot_program.name.startswith("iiwasim cabinet")

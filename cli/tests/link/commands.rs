@@ -1,6 +1,7 @@
 //! What the commands print and write, and how they exit.
 
 use std::{
+    fs,
     net::TcpListener,
     thread,
     time::{Duration, Instant, SystemTime, UNIX_EPOCH},
@@ -22,7 +23,7 @@ fn the_robot_tells_of_itself() {
         rig.iiwasim("status", &[])
             .success()
             .stdout(starts_with(
-                "state          idle (a simulated robot)\njoints           0.000    0.000 ",
+                "state          idle (a simulated robot)\nrobot          lbr_iiwa_7_r800 with a flange of 152 mm\njoints           0.000    0.000 ",
             ))
             .stdout(contains("monitoring_ready, quality").and(contains("robot program  connected")))
             .stderr(is_empty());
@@ -58,6 +59,22 @@ fn the_robot_tells_of_itself() {
         io(&["set", "MediaFlange.UserButton", "true"]).code(2).stderr(contains("is an input"));
         io(&["get", "Lamp"]).code(2).stdout(is_empty()).stderr(contains("MediaFlange.LEDBlue"));
     });
+}
+
+#[test]
+fn a_program_for_another_robot_is_not_run() {
+    let rig = Rig::new();
+    let slow = rig.slow_program();
+    let text = fs::read_to_string(rig.path(slow)).unwrap();
+    fs::write(rig.path("elsewhere.json"), text.replace("[0, 0, 0", "[0, 20, 0")).unwrap();
+    for options in [&[slow][..], &[slow, "--as-trajectory"], &["elsewhere.json", "--move-to-start"]]
+    {
+        let options = [options, &["--robot", "lbr_iiwa_14_r820"]].concat();
+        let run = rig.iiwasim("run", &options).code(1);
+        let planned_for = contains("lbr_iiwa_14_r820 with a flange of 152 mm");
+        run.stderr(planned_for.and(contains("lbr_iiwa_7_r800 with a flange of 152 mm")));
+    }
+    assert_eq!(rig.joint_1(), 0.0, "the arm has moved");
 }
 
 #[test]
@@ -357,7 +374,7 @@ fn without_a_drive_it_is_said_soon() {
                 .and(contains("is `iiwasim drive` running there?")),
         );
         assert!(!rig.path("r.mcap").exists());
-        assert!(begin.elapsed() < Duration::from_secs(15), "{:?}", begin.elapsed());
+        assert!(begin.elapsed() < Duration::from_mins(1), "{:?}", begin.elapsed());
     });
 }
 

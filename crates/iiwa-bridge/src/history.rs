@@ -167,7 +167,7 @@ mod tests {
                 run: seq,
                 event: RunPhase::End,
                 what: RunKind::Motions,
-                label: RunLabel { program: program.map(str::to_owned), plan },
+                label: RunLabel { program: program.map(str::to_owned), plan, planned_for: None },
                 result: Some(result),
             }),
         }

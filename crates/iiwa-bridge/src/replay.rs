@@ -156,7 +156,7 @@ fn answer(socket: &Listener, peer: PeerId, received: Received, status: Status) {
     let Some(body) = frames.pop() else { return };
     let (id, request) = Request::from_json(&body);
     let answered = match request {
-        Ok(Request::State) => Ok(Body::Status(status)),
+        Ok(Request::State) => Ok(Body::Status(Box::new(status))),
         Ok(_) => Err(Refusal::robot(
             "this is a recording that is played back: nothing can be moved or set",
         )),

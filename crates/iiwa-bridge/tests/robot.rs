@@ -111,7 +111,7 @@ fn all_that_a_robot_does_is_passed_on_numbered_and_in_order() {
         kinds.iter().all(|kind| !kept.of(*kind).is_empty())
     });
     let plan = RunPlan { cycle_time_s: 0.5, limited_by: Vec::new() };
-    let label = RunLabel { program: Some("turn".to_owned()), plan: Some(plan) };
+    let label = RunLabel { program: Some("turn".to_owned()), plan: Some(plan), planned_for: None };
     let request = Request::motions(to(0.2)).labelled(label.clone());
     let run = rig.client().run(&request, Some(LONG)).unwrap();
     eventually(|| kept.of(Kind::Run).len() == 2 && kept.of(Kind::State).len() == 3);

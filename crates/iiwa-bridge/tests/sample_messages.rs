@@ -58,7 +58,7 @@ pub(crate) fn all() -> Vec<Message> {
     let full = JointSample { measured_nm: Some([1.0; 7]), external_nm: Some([0.5; 7]), ..sample };
     let limit = BindingLimit { motion: 1, joint: None, kind: "cart_velocity".into(), share: 0.5 };
     let plan = RunPlan { cycle_time_s: 2.0, limited_by: vec![limit] };
-    let label = RunLabel { program: Some("pick".to_owned()), plan: Some(plan) };
+    let label = RunLabel { program: Some("pick".to_owned()), plan: Some(plan), planned_for: None };
     let mut done = RunEnd::default();
     done.cycle_time_s = Some(2.01);
     done.start_s = Some(1.0);

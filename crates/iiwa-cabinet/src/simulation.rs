@@ -8,7 +8,9 @@ use std::{collections::VecDeque, time::Duration};
 use iiwa_fri::{Controller, ControllerConfig, Reading, Safety, SessionState, braking::fastest};
 use iiwa_kin::{Joints, Robot};
 use iiwa_link::{
-    message::{Code, Conditions, DriveState, Hello, OperationMode, Refusal, Sensors},
+    message::{
+        Code, Conditions, DriveState, Hello, OperationMode, Refusal, RobotIdentity, Sensors,
+    },
     robot_program::{Acknowledgement, Instruction, Outcome, PROTOCOL, RunId, StateChange},
 };
 use iiwa_path::JointPath;
@@ -209,13 +211,15 @@ impl Simulation {
         conditions.override_rel = Some(1.0);
         conditions.safety_stop = Some(self.pressed_until.is_some());
         let program = concat!("iiwasim cabinet ", env!("CARGO_PKG_VERSION"));
+        let mut hello = Hello::new(PROTOCOL, program);
+        hello.robot = Some(RobotIdentity::from(&self.robot));
         StateChange {
             boot: self.boot,
             state,
             run,
             outcome: self.outcome.clone(),
             simulated: true,
-            hello: Some(Hello::new(PROTOCOL, program)),
+            hello: Some(hello),
             conditions: Some(conditions),
         }
     }

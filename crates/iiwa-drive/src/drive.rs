@@ -48,7 +48,7 @@ use bytes::Bytes;
 pub use config::DriveConfig;
 use iiwa_link::{
     LinkError,
-    message::{MAX_MESSAGE_BYTES, Request, from_json},
+    message::{MAX_MESSAGE_BYTES, Request, RobotIdentity, from_json},
     socket::{Dial, Remote, SHORT_MESSAGE_BYTES, Server, random_id},
     threads::ThreadGroup,
     transport::{Dialer, Listener, ListenerConfig, SocketKind},
@@ -147,6 +147,7 @@ impl Drive {
         threads.spawn("drive publish", move |_| publish::publish(&to_publish, &stream))?;
         let (jobs, jobs_in) = mpsc::channel();
         let robot = config.robot;
+        let identity = RobotIdentity::from(&robot);
         threads.spawn("drive checks", move |_| {
             checks::check(&robot, &jobs_in, |done| {
                 drop(inputs.send(DispatcherInput::Checked(done)));
@@ -161,7 +162,7 @@ impl Drive {
             });
         })?;
         let dispatcher = DispatcherThread {
-            dispatcher: Dispatcher::new(random_id()),
+            dispatcher: Dispatcher::new(random_id(), identity),
             requests,
             program,
             _state: state,

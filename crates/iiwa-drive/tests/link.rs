@@ -23,6 +23,7 @@ mod instructions;
 mod invalid_motions;
 mod invalid_requests;
 mod link_check;
+mod other_robots;
 mod real_cabinet;
 mod request_socket;
 mod rig;

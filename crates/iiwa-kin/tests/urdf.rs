@@ -296,7 +296,7 @@ fn huge_files_are_refused_quickly() {
     for text in [open, closed, attributes, links + "</robot>", chain + "</robot>"] {
         Robot::default().check_urdf(&text, None).unwrap_err();
     }
-    assert!(start.elapsed().as_secs() < 30, "{:?}", start.elapsed());
+    assert!(start.elapsed().as_secs() < 120, "{:?}", start.elapsed());
 }
 
 proptest! {

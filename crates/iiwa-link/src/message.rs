@@ -5,6 +5,7 @@ pub(crate) mod io;
 pub(crate) mod refusal;
 pub(crate) mod reply;
 pub(crate) mod request;
+pub(crate) mod robot_identity;
 pub(crate) mod run_event;
 pub(crate) mod run_label;
 pub(crate) mod status_text;
@@ -17,6 +18,7 @@ pub use reply::{
     Body, DriveState, FriStatus, Presence, Reply, Run, Samples, Sensors, Status, TimedBy,
 };
 pub use request::{Id, Request, RequestHead};
+pub use robot_identity::{LengthsMm, RobotIdentity};
 pub use run_event::{RunEnd, RunEvent};
 pub use run_label::{BindingLimit, MAX_LABEL_BYTES, RunLabel, RunPlan};
 pub use status_text::Degrees;

@@ -3,6 +3,7 @@
 use std::time::Duration;
 
 use iiwa_kin::Joint;
+use iiwa_link::message::{Request, RunLabel};
 
 use crate::{
     Setup,
@@ -43,5 +44,6 @@ pub(crate) fn jog(
     if is_stopped() {
         return Err("a stop was requested meanwhile".into());
     }
-    client.run_motions(vec![motion], Some(LIMIT)).map(drop).map_err(|error| error.to_string())
+    let request = Request::motions(vec![motion]).labelled(RunLabel::of_robot(&setup.robot));
+    client.run(&request, Some(LIMIT)).map(drop).map_err(|error| error.to_string())
 }

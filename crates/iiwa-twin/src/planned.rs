@@ -113,7 +113,7 @@ impl Planned {
                 sketch: page.sketch(),
             },
         );
-        let (motions, label) = (program.into(), label(&stem, &figures));
+        let (motions, label) = (program.into(), label(&stem, &figures, &setup.robot));
         Ok(Self { id, motions, label, start_rad, text, stem, mcap, refused, message })
     }
 }

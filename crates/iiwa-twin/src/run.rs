@@ -15,7 +15,7 @@ use iiwa_files::Output;
 use iiwa_kin::Joints;
 use iiwa_link::{
     ClientError, StartOffset,
-    message::{DriveState, Request, Run as Measured, Status},
+    message::{DriveState, Request, Run as Measured, RunLabel, Status},
 };
 use iiwa_log::{Config, JointLog};
 use iiwa_program::{Motion, Program, Ptp, Sources, Start, Workcell};
@@ -109,7 +109,9 @@ impl ProgramRun {
         };
         if let Some(motion) = self.to_start.take() {
             publish(begun(Phase::ToStart));
-            let Some(run) = self.execute(&Request::motions(vec![motion])) else {
+            let Some(run) = self.execute(
+                &Request::motions(vec![motion]).labelled(RunLabel::of_robot(&setup.robot)),
+            ) else {
                 return failed("stopped");
             };
             if let Err(error) = run.result {
@@ -288,7 +290,7 @@ mod tests {
             "motions": [{ "type": "ptp", "joints_deg": [10, 30, 0, -60, 0, 90, 0] }]
         }"#;
         let plan = Planned::new(1, "a.json", text.to_owned(), &setup).unwrap();
-        check_recording(&plan, &setup, Duration::from_secs(1_800_000_000)).unwrap();
+        check_recording(&plan, &setup, Duration::from_hours(500_000)).unwrap();
         let refusal = check_recording(&plan, &setup, Duration::from_secs(1 << 31)).unwrap_err();
         assert!(refusal.starts_with("the program is not sent"), "{refusal}");
         assert!(refusal.contains("past the year 2038"), "{refusal}");

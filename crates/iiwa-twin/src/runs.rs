@@ -5,7 +5,7 @@ use std::{
     time::{Duration, Instant, SystemTime, UNIX_EPOCH},
 };
 
-use iiwa_kin::Joints;
+use iiwa_kin::{Joints, Robot};
 use iiwa_link::{
     Client, ClientError, LinkError, Published, Stream, Torques,
     message::{
@@ -47,9 +47,9 @@ impl DriveConnection {
 /// Most motions whose limits a label has.
 const LABELLED_MOTIONS: usize = 100;
 
-/// What those who follow the robot learn of a planned run: the program's name, its cycle time, and what limits its motions.
+/// The label of a planned run: the program's name, its robot, its cycle time, and the limits that bind in its motions.
 #[must_use]
-pub fn label(program: &str, figures: &PlanFigures) -> RunLabel {
+pub fn label(program: &str, figures: &PlanFigures, robot: &Robot) -> RunLabel {
     let limits = figures.motions.iter().filter_map(|motion| {
         let longest = motion.limits.first()?;
         Some(BindingLimit {
@@ -63,7 +63,8 @@ pub fn label(program: &str, figures: &PlanFigures) -> RunLabel {
         cycle_time_s: figures.cycle_time_s,
         limited_by: limits.take(LABELLED_MOTIONS).collect(),
     };
-    RunLabel { program: Some(program.chars().take(200).collect()), plan: Some(plan) }
+    let program = program.chars().take(200).collect();
+    RunLabel { program: Some(program), plan: Some(plan), ..RunLabel::of_robot(robot) }
 }
 
 /// Result of a run.
@@ -231,9 +232,9 @@ mod tests {
             longest_log(planned_s).to_mcap(file, &Robot::default(), "").map(drop)
         };
         let last = Duration::from_secs(i32::MAX as u64);
-        let day = Duration::from_secs(24 * 3600);
-        write(last - 2 * day, 60.0).unwrap();
-        for (epoch, planned_s) in [(last - day, 60.0), (last - 20 * day, 20.0 * 86_400.0)] {
+        let before = |days: u64| last.saturating_sub(Duration::from_hours(24 * days));
+        write(before(2), 60.0).unwrap();
+        for (epoch, planned_s) in [(before(1), 60.0), (before(20), 20.0 * 86_400.0)] {
             let error = write(epoch, planned_s).unwrap_err();
             assert!(matches!(error, WriteError::StampOutOfRange { .. }), "{error}");
         }

@@ -93,14 +93,12 @@ pub(crate) fn run(options: &Record) -> Result<(), Failure> {
                 }
                 let of_now = torques.take().filter(|(torques_s, _)| *torques_s == t_s);
                 let torques_nm = of_now.as_ref().map(|(_, torques_nm)| torques_nm);
-                let recorder = match &mut recorder {
-                    Some(recorder) => recorder,
-                    None => {
-                        // Another program may have made the file meanwhile.
-                        let begun =
-                            Recorder::create(path, options.overwrite, &robot, config(options));
-                        recorder.insert(begun.map_err(refuse)?)
-                    }
+                let recorder = if let Some(recorder) = &mut recorder {
+                    recorder
+                } else {
+                    // Another program may have made the file meanwhile.
+                    let begun = Recorder::create(path, options.overwrite, &robot, config(options));
+                    recorder.insert(begun.map_err(refuse)?)
                 };
                 recorder.sample_with_torques(t, &joints_rad, torques_nm).map_err(refuse)?;
                 (last, fresh) = (t, true);

@@ -61,7 +61,7 @@ pub(crate) fn run(options: &Run) -> Result<(), Failure> {
     } else {
         Request::motions(program)
     };
-    let request = request.labelled(label(&stem(options), &figures));
+    let request = request.labelled(label(&stem(options), &figures, &robot));
     go_to_start(&mut line, options.move_to_start, plan.path().start_rad(), &robot)?;
     output::check_interrupt()?;
 

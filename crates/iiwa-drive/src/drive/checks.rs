@@ -8,7 +8,7 @@ use iiwa_link::{
     TimedJoints,
     message::{
         Code, Id, MAX_MOTIONS, MAX_MOTIONS_BYTES, MAX_SHORT_REQUEST_BYTES, Refusal, Reply, Request,
-        RequestHead, RunLabel, to_json,
+        RequestHead, RobotIdentity, RunLabel, to_json,
     },
     robot_program::RunId,
     transport::Permit,
@@ -92,12 +92,18 @@ fn read(
         ));
         return (id, Err(refusal));
     }
+    let check_robot = |label: &RunLabel| match &label.planned_for {
+        Some(planned_for) => RobotIdentity::from(robot).check_run(planned_for),
+        None => Ok(()),
+    };
     let task = head.and_then(RequestHead::parse).and_then(|request| match request {
         Request::RunMotions { motions, label } => {
+            check_robot(&label)?;
             check_motions(&motions, body, robot, at_rad)?;
             Ok((RunTask::Motions(Box::new(motions)), label))
         }
         Request::RunTrajectory { trajectory, label } => {
+            check_robot(&label)?;
             trajectory.check(robot.limits(), at_rad)?;
             Ok((RunTask::Trajectory(Box::new(trajectory)), label))
         }

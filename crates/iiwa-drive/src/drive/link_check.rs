@@ -7,7 +7,7 @@ mod step;
 use std::{net::UdpSocket, sync::mpsc, thread, time::Duration};
 
 use iiwa_link::{
-    message::{Conditions, shortened},
+    message::{Conditions, RobotIdentity, shortened},
     robot_program::{PROTOCOL, StateChange},
     security::ConnectionRefusal,
     socket::{Dial, Remote},
@@ -206,7 +206,7 @@ fn check_program<F: FnMut(&CheckStep)>(
         return steps.skipped(CONDITIONS, "there is no connection");
     }
     if let Some(state) = receive_state(cabinet, &config.cabinet_state) {
-        steps.of(PROGRAM, program(&state));
+        steps.of(PROGRAM, program(&state, &RobotIdentity::from(&config.robot)));
         return check_conditions(state.conditions.as_ref(), steps);
     }
     let text = format!(
@@ -288,16 +288,24 @@ fn receive_state(cabinet: &Remote, at: &str) -> Option<StateChange> {
     state
 }
 
-/// Versions of the robot program.
-fn program(state: &StateChange) -> Result<String, Fault> {
+/// Versions of the robot program, and its robot.
+fn program(state: &StateChange, robot: &RobotIdentity) -> Result<String, Fault> {
     let simulated = if state.simulated { ", of a simulated robot" } else { "" };
     let Some(hello) = &state.hello else {
         return Ok(format!("it answers{simulated}; it does not tell its version"));
     };
     check_protocol(hello).map_err(|refusal| Fault::new(refusal.message, &[]))?;
     let sunrise = hello.sunrise.as_ref().map(|version| format!(", Sunrise {}", shortened(version)));
+    let robot = match &hello.robot {
+        Some(at_cabinet) => {
+            let same = robot.check_cabinet(at_cabinet);
+            same.map_err(|refusal| Fault::new(refusal.message, &["robot"]))?;
+            format!(", {at_cabinet}")
+        }
+        None => ", robot not stated".to_owned(),
+    };
     Ok(format!(
-        "{}{}, protocol {PROTOCOL}{simulated}; {}",
+        "{}{}{robot}, protocol {PROTOCOL}{simulated}; {}",
         shortened(&hello.program),
         sunrise.unwrap_or_default(),
         state.state

@@ -127,7 +127,8 @@ fn malformed_states_are_ignored() {
     let (rig, program) = ScriptedProgram::new();
     let good = json!({"boot": 1, "state": "idle", "run": 3, "outcome":
         {"run": 2, "start_s": 1.0, "end_s": 2.0, "error": {"code": "robot", "message": "m"}},
-        "hello": {"protocol": 1, "program": "p", "sunrise": "1.16.2.16"},
+        "hello": {"protocol": 1, "program": "p", "sunrise": "1.16.2.16", "robot": {"model": "lbr_iiwa_7_r800",
+            "lengths_mm": {"base": 340, "upper_arm": 400, "forearm": 400, "flange": 152}}},
         "conditions": {"operation_mode": "t1", "override": 0.5, "safety_stop": false, "tool": "t"}});
     let fields = [
         Field("/boot", Required, &["3"]),
@@ -144,6 +145,9 @@ fn malformed_states_are_ignored() {
         Field("/hello/protocol", Required, &["3"]),
         Field("/hello/program", Required, &["\"x\""]),
         Field("/hello/sunrise", Optional, &["null", "\"x\""]),
+        Field("/hello/robot", Optional, &["null"]),
+        Field("/hello/robot/model", Required, &["\"x\""]),
+        Field("/hello/robot/lengths_mm", Required, &[]),
         Field("/conditions", Optional, &["null", "{}"]),
         // Of a mode, any name is one.
         Field("/conditions/operation_mode", Optional, &["null", "\"x\""]),

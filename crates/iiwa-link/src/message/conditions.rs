@@ -4,10 +4,10 @@ use std::fmt;
 
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
-use crate::message::text::shortened;
+use crate::message::{robot_identity::RobotIdentity, text::shortened};
 
-/// The versions of a robot program.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+/// The versions of a robot program, and its robot.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[non_exhaustive]
 pub struct Hello {
     /// The version of the protocol between drive and robot program; see
@@ -18,13 +18,16 @@ pub struct Hello {
     /// Version of Sunrise.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub sunrise: Option<String>,
+    /// The robot at the cabinet, if the robot program knows it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub robot: Option<RobotIdentity>,
 }
 
 impl Hello {
     /// Of a robot program with this version of the protocol.
     #[must_use]
     pub fn new(protocol: u32, program: impl Into<String>) -> Self {
-        Self { protocol, program: program.into(), sunrise: None }
+        Self { protocol, program: program.into(), sunrise: None, robot: None }
     }
 }
 

@@ -10,6 +10,7 @@ use crate::message::{
     io::{IoValue, Signal},
     refusal::Refusal,
     request::Id,
+    robot_identity::RobotIdentity,
     text::to_json,
 };
 
@@ -176,6 +177,9 @@ impl FriStatus {
 pub struct Status {
     /// The state of the drive.
     pub state: DriveState,
+    /// The robot that the drive is set up for; `None` from a drive of an older version.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub robot: Option<RobotIdentity>,
     /// Measured joint positions, in rad; `None` before the controller's first message.
     pub joints_rad: Option<Joints>,
     /// Time of that measurement, in s.
@@ -202,6 +206,7 @@ impl Status {
     pub fn new(state: DriveState, fri: FriStatus) -> Self {
         Self {
             state,
+            robot: None,
             joints_rad: None,
             t_s: None,
             fri,
@@ -232,7 +237,7 @@ pub enum Body {
     /// Of runs, including aborted ones, and of `last_run`.
     Run(Run),
     /// Of `state`.
-    Status(Status),
+    Status(Box<Status>),
     /// Of `read_sensors`.
     Sensors {
         /// The readings.

@@ -1,25 +1,36 @@
 //! What clients state about the runs that they request.
 
+use iiwa_kin::Robot;
 use serde::{Deserialize, Serialize};
 
-use crate::message::{refusal::Refusal, text::to_json};
+use crate::message::{refusal::Refusal, robot_identity::RobotIdentity, text::to_json};
 
 /// Longest label, in bytes of JSON.
 pub const MAX_LABEL_BYTES: usize = 16 << 10;
 
-/// What a client states about a run that it requests, for those who follow the robot. The drive publishes it unread.
+/// Statements of a client about a run that it requests. The drive refuses the run if it was planned for another robot than its own, and
+/// publishes the rest unread.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct RunLabel {
     /// Name of the program.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub program: Option<String>,
+    /// The robot that the run was planned for.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub planned_for: Option<RobotIdentity>,
     /// The client's plan of the run.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub plan: Option<RunPlan>,
 }
 
 impl RunLabel {
+    /// A label that states the robot only.
+    #[must_use]
+    pub fn of_robot(robot: &Robot) -> Self {
+        Self { planned_for: Some(RobotIdentity::from(robot)), ..Self::default() }
+    }
+
     /// Whether it states nothing.
     #[must_use]
     pub fn is_empty(&self) -> bool {

@@ -40,6 +40,9 @@ impl Status {
         let simulated = if self.simulated { " (a simulated robot)" } else { "" };
         let stopped = if self.safety_stop() { ", a safety stop is active" } else { "" };
         let mut text = format!("state          {}{stopped}{simulated}\n", self.state);
+        if let Some(robot) = &self.robot {
+            let _ = writeln!(text, "robot          {robot}");
+        }
         match (self.joints_rad, self.t_s) {
             (Some(joints), Some(t_s)) => {
                 let last = if self.fri.session == FriStatus::SILENT { "last " } else { "" };
@@ -85,6 +88,12 @@ impl Status {
             }
         }
         text.push('\n');
+        let at_cabinet = self.hello.as_ref().and_then(|hello| hello.robot.as_ref());
+        if let (Some(robot), Some(other)) = (&self.robot, at_cabinet)
+            && !robot.is_same_arm(other)
+        {
+            let _ = writeln!(text, "               at the cabinet is another robot: {other}");
+        }
         let conditions = self.conditions.as_ref().map(Conditions::text).unwrap_or_default();
         if !conditions.is_empty() {
             let _ = writeln!(text, "conditions     {conditions}");

@@ -268,12 +268,10 @@ mod tests {
         scene.put(20, Stage::Busy, 1, 1, 0);
         scene.put(30, Stage::Idle, 1, 0, 0);
         scene.put(40, Stage::Urgent, 1, 1, 0);
-        let mut second = 1000;
-        for id in 100..200 {
+        for (id, second) in (100..200).zip(1000..) {
             let victim = scene.admit(id, Stage::Busy, 1, second);
             assert!(victim.is_some_and(|id| ![20, 30, 40].contains(&id)), "{victim:?}");
             scene.put(id, Stage::Busy, 1, 8, second);
-            second += 1;
         }
     }
 
@@ -346,7 +344,7 @@ mod tests {
             // The stages of a stop: neither `Stalled` nor `Busy`.
             let own = if is_established { [1, 2, 4][stage % 3] } else { stage % 4 };
             let mut scene = Scene::new(64);
-            let mut put = |scene: &mut Scene, id, stage: usize, pending: usize, second| {
+            let put = |scene: &mut Scene, id, stage: usize, pending: usize, second| {
                 let stage = stages[stage % stages.len()];
                 let pending = if stage >= Stage::Busy { pending.max(1) } else { 0 };
                 scene.put(id, stage, 1, pending, second);

@@ -83,9 +83,10 @@ fn uneven_stamps_conceal_nothing() {
 }
 
 /// A trajectory longer than the longest that is accepted is checked within seconds. This is not a
-/// benchmark.
+/// benchmark: the bound is far above what a loaded machine needs, and far below the hours of a check
+/// that compares points in pairs.
 #[test]
-fn the_longest_trajectory_is_checked_quickly() {
+fn the_longest_trajectory_is_checked_in_linear_time() {
     for ramp in [Ramp::new(2.0, 0.005, 0.01, 0.2), Ramp::new(1e-5, 2e-4, 0.01, 1.0)] {
         let count = 400_000;
         let step_s = ramp.duration_s() / f64::from(count - 1);
@@ -96,6 +97,6 @@ fn the_longest_trajectory_is_checked_quickly() {
         assert_eq!(check(&trajectory), Ok(()));
         let took = since.elapsed();
         println!("{count} points every {step_s} s: {took:?}");
-        assert!(took.as_secs_f64() < 5.0, "{took:?}");
+        assert!(took.as_secs_f64() < 120.0, "{took:?}");
     }
 }

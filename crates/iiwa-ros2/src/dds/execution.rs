@@ -13,7 +13,7 @@ use std::{
 use iiwa_kin::{Joints, Robot};
 use iiwa_link::{
     Client, ClientError, TimedJoints,
-    message::{Code, Refusal},
+    message::{Code, Refusal, Request, RunLabel},
     threads::ThreadGroup,
 };
 use tokio::sync::mpsc::UnboundedSender;
@@ -180,7 +180,9 @@ impl Runner {
         drop(self.progress.send(Progress::Begun(Arc::clone(&motion))));
         let mut client = self.client.lock().unwrap_or_else(PoisonError::into_inner);
         let limit = Duration::try_from_secs_f64(motion.duration_s()).unwrap_or_default() + LONGER;
-        let run = client.run_trajectory((*motion).clone(), Some(limit));
+        let request =
+            Request::trajectory((*motion).clone()).labelled(RunLabel::of_robot(&self.robot));
+        let run = client.run(&request, Some(limit));
         let run = run.map_err(|error| failed(&error))?;
         let end = run.samples.joints_rad.last();
         match end.and_then(|q| goal.missed_by(&self.joints, q)) {

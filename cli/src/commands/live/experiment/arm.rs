@@ -53,7 +53,7 @@ fn run_real(
     let how = PlanOptions::default();
     let plan = how.plan(&trial.program, model);
     let plan = plan.map_err(|error| Failure::run("cannot plan the program", &error))?;
-    let label = label(&trial.name, &PlanFigures::of(&plan, &how));
+    let label = label(&trial.name, &PlanFigures::of(&plan, &how), model);
     let request = Request::motions(trial.program.clone()).labelled(label);
     let run = execute_with_progress(line, &request, plan.cycle_time_s(), Progress::of_run());
     let measured = run.result.map_err(|error| {

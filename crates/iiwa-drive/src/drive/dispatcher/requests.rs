@@ -41,7 +41,7 @@ impl<C> Dispatcher<C> {
     fn serve(&mut self, requester: Requester<C>, request: Request, now: Instant) {
         let (instruction, kind) = match request {
             Request::State => {
-                let status = Body::Status(self.status(now));
+                let status = Body::Status(Box::new(self.status(now)));
                 return self.reply(requester, Ok(Some(status)));
             }
             Request::LastRun => return self.serve_last_run(requester),

@@ -10,8 +10,8 @@ use iiwa_fri::{Quality, Safety};
 use iiwa_link::{
     Published,
     message::{
-        Body, Code, DriveState, FriStatus, Id, Presence, Refusal, Reply, RunEnd, RunEvent,
-        RunLabel, Status,
+        Body, Code, DriveState, FriStatus, Id, Presence, Refusal, Reply, RobotIdentity, RunEnd,
+        RunEvent, RunLabel, Status,
     },
     robot_program::{Instruction, RunId, StateChange},
     transport::Permit,
@@ -61,6 +61,8 @@ pub(in crate::drive) struct Requester<C> {
 
 /// The dispatcher. `C` identifies clients.
 pub(in crate::drive) struct Dispatcher<C> {
+    /// The robot that the drive is set up for.
+    pub(super) robot: RobotIdentity,
     pub(super) stage: RunStage<C>,
     /// The latest FRI message.
     pub(super) observation: Option<Observation>,
@@ -120,8 +122,9 @@ const FRI_TIMEOUT: Duration = Duration::from_millis(500);
 
 impl<C> Dispatcher<C> {
     /// `first_run` has to differ with each start of a drive.
-    pub(in crate::drive) fn new(first_run: RunId) -> Self {
+    pub(in crate::drive) fn new(first_run: RunId, robot: RobotIdentity) -> Self {
         Self {
+            robot,
             stage: RunStage::Idle,
             observation: None,
             unexpected: None,
@@ -165,6 +168,7 @@ impl<C> Dispatcher<C> {
         fri.unexpected_source = self.unexpected_source(now).map(|it| it.from);
         fri.safety_stop = fresh.is_some_and(|it| it.safety != Safety::Normal);
         let mut status = Status::new(state, fri);
+        status.robot = Some(self.robot.clone());
         status.joints_rad = self.observation.map(|it| it.joints_rad);
         status.t_s = self.observation.map(|it| it.t_s);
         if let Some(program) = self.program_at(now) {
@@ -195,6 +199,12 @@ impl<C> Dispatcher<C> {
         hello.map_or(Ok(()), check_protocol)
     }
 
+    /// Checks that the robot at the cabinet is the one that the drive is set up for, if the robot program knows it.
+    fn check_robot(&self, program: &StateChange) -> Result<(), Refusal> {
+        let at_cabinet = program.hello.as_ref().and_then(|hello| hello.robot.as_ref());
+        at_cabinet.map_or(Ok(()), |it| self.robot.check_cabinet(it))
+    }
+
     pub(super) fn check_idle(&self, now: Instant) -> Result<(), Refusal> {
         match self.drive_state(now) {
             DriveState::Idle => Ok(()),
@@ -213,6 +223,7 @@ impl<C> Dispatcher<C> {
             ));
         };
         self.check_protocol(now)?;
+        self.check_robot(program)?;
         let stopped = program.conditions.as_ref().and_then(|it| it.safety_stop) == Some(true);
         match self.observation {
             Some(it) if now.saturating_duration_since(it.at) <= FRI_TIMEOUT => {

@@ -6,7 +6,7 @@ use iiwa_fri::{Quality, Safety, SessionState};
 use iiwa_kin::Robot;
 use iiwa_link::{
     TimedJoints,
-    message::{Code, DriveState, Refusal, Request},
+    message::{Code, DriveState, Refusal, Request, RobotIdentity},
     robot_program::{Acknowledgement, Outcome, RunId, StateChange},
 };
 use iiwa_program::{Motion, Ptp};
@@ -40,8 +40,11 @@ enum TestOutput {
 impl DispatcherScene {
     /// The robot program is idle and FRI is connected.
     fn new() -> Self {
-        let mut scene =
-            Self { dispatcher: Dispatcher::new(FIRST_RUN), jobs: Vec::new(), now: Instant::now() };
+        let mut scene = Self {
+            dispatcher: Dispatcher::new(FIRST_RUN, RobotIdentity::from(&Robot::default())),
+            jobs: Vec::new(),
+            now: Instant::now(),
+        };
         scene.report(DriveState::Idle, None, None);
         scene
     }

@@ -53,6 +53,9 @@ public interface Backend {
     /** The version of Sunrise; null if it is not known. */
     String sunriseVersion();
 
+    /** The robot; null if it is not known. */
+    RobotIdentity robot();
+
     /** Ends what runs, and frees everything. */
     void close();
 }

@@ -226,6 +226,9 @@ public final class Program {
         if (sunrise != null) {
             hello.add("sunrise", sunrise);
         }
+        if (backend.robot() != null) {
+            hello.add("robot", backend.robot().json());
+        }
         synchronized (this) {
             JsonObject json = new JsonObject().add("boot", boot).add("state", state.text);
             if (run != null) {

@@ -62,6 +62,8 @@ public final class Settings {
         DEFAULTS.put("tool", "");
         DEFAULTS.put("batch", "100");
         DEFAULTS.put("sunrise", "");
+        DEFAULTS.put("robot", "");
+        DEFAULTS.put("flange_mm", "");
     }
 
     private final Map<String, String> values = new LinkedHashMap<String, String>();
@@ -163,6 +165,15 @@ public final class Settings {
                 throw wrong("fri_period_ms", "an answer is due at least every 100 ms: period times multiplier");
             }
         }
+        if ((text("robot").length() == 0) != (text("flange_mm").length() == 0)) {
+            throw wrong(text("robot").length() == 0 ? "flange_mm" : "robot", "`robot` and `flange_mm` belong together");
+        }
+        if (text("robot").length() > 0) {
+            if (RobotIdentity.of(text("robot"), 0) == null) {
+                throw wrong("robot", "`robot` is `" + Messages.excerpt(text("robot")) + "`; it has to be " + RobotIdentity.MODELS);
+            }
+            checkFlange();
+        }
         for (String name : new String[] {"address", "fri_client"}) {
             if (!isAddress(text(name)) && !(name.equals("fri_client") && text(name).equals(DRIVE))) {
                 throw wrong(name, "`" + name + "` is `" + Messages.excerpt(text(name))
@@ -172,6 +183,19 @@ public final class Settings {
         if ((text("key").length() == 0) != (text("allow").length() == 0)) {
             throw wrong(text("key").length() == 0 ? "allow" : "key", "`key` and `allow` belong together");
         }
+    }
+
+    private void checkFlange() throws IOException {
+        try {
+            double flangeMm = Double.parseDouble(text("flange_mm"));
+            if (flangeMm > 0 && flangeMm <= 10000) {
+                return;
+            }
+        } catch (NumberFormatException error) {
+            // Reported below.
+        }
+        throw wrong("flange_mm", "`flange_mm` is `" + Messages.excerpt(text("flange_mm"))
+            + "`; it has to be a length in mm, such as 126 for the plain flange or 152 for the media flange Touch");
     }
 
     /** Host names are not taken: they may lead to an address of IPv6 that nothing answers. */
@@ -273,6 +297,11 @@ public final class Settings {
         return text("sunrise").length() == 0 ? null : text("sunrise");
     }
 
+    /** The robot at the cabinet, as the person who installed the program has written it; null if nobody has. */
+    public RobotIdentity robot() {
+        return text("robot").length() == 0 ? null : RobotIdentity.of(text("robot"), Double.parseDouble(text("flange_mm")));
+    }
+
     public List<DeclaredSignal> signals() {
         return Collections.unmodifiableList(signals);
     }
@@ -284,6 +313,6 @@ public final class Settings {
         String keys = keyFile() == null ? "no keys, this machine only" : "keys of " + allowedKeyFiles();
         return "listens at " + listens + " (" + keys + "); FRI to " + friClient() + ":" + friPort() + " every "
             + friPeriodMs() + " ms, an answer every " + friReceiveMultiplier() + "; tool "
-            + (tool() == null ? "none" : tool()) + "; " + signals.size() + " signals";
+            + (tool() == null ? "none" : tool()) + "; robot " + (robot() == null ? "not stated" : robot()) + "; " + signals.size() + " signals";
     }
 }

@@ -10,6 +10,7 @@ import iiwasim.program.Conditions;
 import iiwasim.program.MotionList;
 import iiwasim.program.Outcome;
 import iiwasim.program.Refusal;
+import iiwasim.program.RobotIdentity;
 import iiwasim.program.Sensors;
 import iiwasim.program.Signal;
 import iiwasim.program.SignalValue;
@@ -287,6 +288,11 @@ final class CabinetBackend implements Backend {
 
     @Override
     public String sunriseVersion() {
+        return null;
+    }
+
+    @Override
+    public RobotIdentity robot() {
         return null;
     }
 

@@ -6,6 +6,7 @@ import iiwasim.program.Motion;
 import iiwasim.program.MotionList;
 import iiwasim.program.Outcome;
 import iiwasim.program.Refusal;
+import iiwasim.program.RobotIdentity;
 import iiwasim.program.Sensors;
 import iiwasim.program.Signal;
 import iiwasim.program.SignalValue;
@@ -199,6 +200,11 @@ public final class SimulatedBackend implements Backend {
     @Override
     public String sunriseVersion() {
         return null;
+    }
+
+    @Override
+    public RobotIdentity robot() {
+        return RobotIdentity.of("lbr_iiwa_7_r800", 152);
     }
 
     @Override

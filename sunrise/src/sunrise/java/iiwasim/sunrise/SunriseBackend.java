@@ -16,6 +16,7 @@ import iiwasim.program.Log;
 import iiwasim.program.Messages;
 import iiwasim.program.MotionList;
 import iiwasim.program.Refusal;
+import iiwasim.program.RobotIdentity;
 import iiwasim.program.Sensors;
 import iiwasim.program.Server;
 import iiwasim.program.Settings;
@@ -186,6 +187,11 @@ final class SunriseBackend implements Backend {
     @Override
     public String sunriseVersion() {
         return settings.sunrise();
+    }
+
+    @Override
+    public RobotIdentity robot() {
+        return settings.robot();
     }
 
     @Override

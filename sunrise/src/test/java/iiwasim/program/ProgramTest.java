@@ -114,6 +114,11 @@ public class ProgramTest {
             return "1.16";
         }
 
+    @Override
+    public RobotIdentity robot() {
+        return RobotIdentity.of("lbr_iiwa_14_r820", 126);
+    }
+
         @Override
         public void close() {
             calls += "close ";
@@ -208,6 +213,8 @@ public class ProgramTest {
         assertEquals("{\"operation_mode\":\"t1\",\"override\":0.5,\"safety_stop\":false,\"tool\":\"gripper\"}",
             state.get("conditions").toString());
         assertEquals("1.16", state.get("hello").asObject().getString("sunrise", ""));
+        assertEquals("{\"model\":\"lbr_iiwa_14_r820\",\"lengths_mm\":{\"base\":360,\"upper_arm\":420,\"forearm\":400,\"flange\":126}}",
+            state.get("hello").asObject().get("robot").toString());
         assertEquals(Program.PROTOCOL, state.get("hello").asObject().getInt("protocol", 0));
         // Only a simulated robot says so: clients turn its joints without a second question.
         assertTrue(state.get("simulated") == null);

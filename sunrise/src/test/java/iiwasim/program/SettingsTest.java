@@ -40,6 +40,7 @@ public class SettingsTest {
         assertEquals(30200, settings.friPort());
         assertEquals(5, settings.friPeriodMs());
         assertNull(settings.tool());
+        assertNull(settings.robot());
         assertTrue(settings.signals().isEmpty());
     }
 
@@ -54,6 +55,9 @@ public class SettingsTest {
 
     @Test
     public void whatIsWrongIsToldWithItsLine() {
+        assertRefused("robot = kr16\nflange_mm = 152\n", "line 1", "lbr_iiwa_7_r800 or lbr_iiwa_14_r820");
+        assertRefused("robot = lbr_iiwa_7_r800\n", "line 1", "belong together");
+        assertRefused("robot = lbr_iiwa_7_r800\nflange_mm = -1\n", "line 2", "length in mm");
         assertRefused("fri_port = 1\n", "line 1", "30200 to 30209");
         assertRefused("# a\n\nspeed = 3 # fast\n", "line 3", "no setting `speed`");
         assertRefused("tool = a\ntool = b\n", "line 2", "line 1");
