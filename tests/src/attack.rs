@@ -5,8 +5,10 @@
 //! |---|---|
 //! | stop | after a stop, or the loss of a client or drive, the arm does not move |
 //! | load | stops are answered under floods of connections, long requests and subscribers that do not read |
+//! | suspend | while drive or cabinet are suspended and resumed, commanded positions keep the limits of acceleration |
 //! | memory | memory and logs of the programs stay bounded |
 
+mod arrival;
 mod attackers;
 mod deadlines;
 mod erratic_program;
@@ -21,6 +23,7 @@ mod request;
 mod rig;
 mod round;
 mod stop;
+mod suspend;
 mod tasks;
 mod usage;
 mod websocket;
@@ -60,6 +63,8 @@ pub enum Part {
     Load,
     /// One scenario of stops under floods.
     Scenario(Scenario),
+    /// Trajectories while programs are suspended.
+    Suspend,
     /// Memory and logs.
     Memory,
     /// All of these.
@@ -119,6 +124,10 @@ fn attack(options: &Options) -> Result<Vec<Row>, Fault> {
             only,
         };
         rows.extend(load::run(binary, *seed, *keys, &extent)?);
+    }
+    if includes(Part::Suspend) {
+        let extent = suspend::SuspendExtent { rounds: 200, time: seconds(12, 3600) };
+        rows.extend(suspend::run(binary, *seed, &extent)?);
     }
     if includes(Part::Memory) {
         let extent = memory::MemoryExtent {

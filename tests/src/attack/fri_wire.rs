@@ -6,6 +6,8 @@
 pub(super) struct Monitoring {
     /// Commanded joint positions, in rad.
     pub(super) commanded_rad: Option<[f64; 7]>,
+    /// The controller's time stamp: seconds and nanoseconds.
+    pub(super) stamp: Option<(u64, u64)>,
     /// State of the session; 4 is active commanding.
     pub(super) session: u64,
 }
@@ -23,8 +25,10 @@ pub(super) fn monitoring(datagram: &[u8]) -> Option<Monitoring> {
     for_each(datagram, |number, value| {
         match (number, value) {
             (3, Value::Bytes(data)) => for_each(data, |number, value| {
-                if let (3, Value::Bytes(joints)) = (number, value) {
-                    read.commanded_rad = Some(joint_values(joints)?);
+                match (number, value) {
+                    (3, Value::Bytes(joints)) => read.commanded_rad = Some(joint_values(joints)?),
+                    (15, Value::Bytes(stamp)) => read.stamp = Some(time_stamp(stamp)?),
+                    _ => {}
                 }
                 Some(())
             })?,
@@ -39,6 +43,20 @@ pub(super) fn monitoring(datagram: &[u8]) -> Option<Monitoring> {
         Some(())
     })?;
     Some(read)
+}
+
+/// Seconds and nanoseconds.
+fn time_stamp(bytes: &[u8]) -> Option<(u64, u64)> {
+    let mut stamp = (0, 0);
+    for_each(bytes, |number, value| {
+        match (number, value) {
+            (1, Value::Number(seconds)) => stamp.0 = seconds,
+            (2, Value::Number(nanoseconds)) => stamp.1 = nanoseconds,
+            _ => {}
+        }
+        Some(())
+    })?;
+    Some(stamp)
 }
 
 /// Seven doubles, packed or with one tag per value.
@@ -120,10 +138,14 @@ mod tests {
         let packed = field(1, &joints.map(f64::to_le_bytes).concat());
         let header = field(1, &[0x0d, 0x42, 0x51, 0x24, 0x00]);
         for values in [each, packed] {
-            let data = field(3, &field(3, &values));
+            let stamp = field(15, &[0x08, 7, 0x10, 0x80, 1]);
+            let data = field(3, &[field(3, &values), stamp].concat());
             let message = [header.clone(), data, field(4, &[0x08, 4, 0x10, 3])].concat();
             let read = monitoring(&message).unwrap();
-            assert_eq!(read, Monitoring { commanded_rad: Some(joints), session: 4 });
+            assert_eq!(
+                read,
+                Monitoring { commanded_rad: Some(joints), stamp: Some((7, 128)), session: 4 }
+            );
             // A truncated message is never misread.
             for end in 0..message.len() {
                 let cut = monitoring(&message[..end]).and_then(|read| read.commanded_rad);

@@ -12,7 +12,7 @@ use std::{
     time::{Duration, Instant},
 };
 
-use super::fri_wire;
+use super::{arrival::TimedSocket, fri_wire};
 
 /// Smaller changes of the commanded position are no motion, in rad.
 const STILL_RAD: f64 = 1e-7;
@@ -32,9 +32,22 @@ pub(super) struct Witness {
     threads: Vec<JoinHandle<()>>,
 }
 
+/// A message to the drive.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Sample {
+    /// The kernel's time of its arrival, by the real-time clock.
+    pub(super) arrival: Duration,
+    /// The controller's time stamp.
+    pub(super) stamp: Duration,
+    /// The commanded joint positions, in rad.
+    pub(super) commanded_rad: [f64; 7],
+}
+
 #[derive(Default)]
 struct Log {
     commanded_rad: Option<[f64; 7]>,
+    /// Messages, while they are recorded.
+    samples: Option<Vec<Sample>>,
     /// When messages with a changed commanded position arrived.
     moves: Vec<Instant>,
 }
@@ -59,14 +72,14 @@ impl Witness {
         let down = {
             let [from, to] = [to_cabinet.try_clone()?, to_drive.try_clone()?];
             let (log, cabinet) = (Arc::clone(&log), Arc::clone(&cabinet));
-            relay(from, Arc::clone(&shutdown), move |datagram, sender| {
+            relay(from, Arc::clone(&shutdown), move |datagram, sender, arrival| {
                 // Forwarded first: recording does not delay the drive.
                 let _ = to.send_to(datagram, drive);
                 *cabinet.lock().unwrap_or_else(PoisonError::into_inner) = Some(sender);
-                lock(&log).record(datagram, Instant::now());
+                lock(&log).record(datagram, Instant::now(), arrival);
             })
         };
-        let up = relay(to_drive, Arc::clone(&shutdown), move |datagram, _| {
+        let up = relay(to_drive, Arc::clone(&shutdown), move |datagram, _, _| {
             let sender = *cabinet.lock().unwrap_or_else(PoisonError::into_inner);
             if let Some(sender) = sender {
                 let _ = to_cabinet.send_to(datagram, sender);
@@ -78,6 +91,16 @@ impl Witness {
     /// Forgets the commanded position: that of another controller is no motion.
     pub(super) fn forget(&self) {
         lock(&self.log).commanded_rad = None;
+    }
+
+    /// Begins to record messages.
+    pub(super) fn begin_recording(&self) {
+        lock(&self.log).samples = Some(Vec::new());
+    }
+
+    /// Ends recording, and returns the messages.
+    pub(super) fn end_recording(&self) -> Vec<Sample> {
+        lock(&self.log).samples.take().unwrap_or_default()
     }
 
     /// The commanded joint positions, in rad.
@@ -135,9 +158,13 @@ fn wait<T>(timeout: Duration, poll: impl Fn() -> Option<T>) -> Option<T> {
 }
 
 impl Log {
-    fn record(&mut self, datagram: &[u8], now: Instant) {
+    fn record(&mut self, datagram: &[u8], now: Instant, arrival: Duration) {
         let Some(read) = fri_wire::monitoring(datagram) else { return };
         let Some(commanded_rad) = read.commanded_rad else { return };
+        if let (Some(samples), Some((seconds, nanoseconds))) = (&mut self.samples, read.stamp) {
+            let stamp = Duration::from_secs(seconds) + Duration::from_nanos(nanoseconds);
+            samples.push(Sample { arrival, stamp, commanded_rad });
+        }
         if let Some(before) = self.commanded_rad
             && (0..7).any(|j| (commanded_rad[j] - before[j]).abs() > STILL_RAD)
         {
@@ -150,14 +177,15 @@ impl Log {
 fn relay(
     from: UdpSocket,
     shutdown: Arc<AtomicBool>,
-    take: impl Fn(&[u8], SocketAddr) + Send + 'static,
+    take: impl Fn(&[u8], SocketAddr, Duration) + Send + 'static,
 ) -> JoinHandle<()> {
     thread::spawn(move || {
         raise();
+        let from = TimedSocket::new(from);
         let mut buffer = [0; 2048];
         while !shutdown.load(Ordering::Relaxed) {
-            if let Ok((length, sender)) = from.recv_from(&mut buffer) {
-                take(&buffer[..length], sender);
+            if let Ok((length, sender, arrival)) = from.receive(&mut buffer) {
+                take(&buffer[..length], sender, arrival);
             }
         }
     })

@@ -1,5 +1,5 @@
 //! Attacks the programs of the command line from outside:
-//! `attack BINARY [PART] [--long] [--keys] [--shared] [--seed N]`. Parts are `stop`, `load`, `memory` and `all`, and
+//! `attack BINARY [PART] [--long] [--keys] [--shared] [--seed N]`. Parts are `stop`, `load`, `suspend`, `memory` and `all`, and
 //! of `load` also `pipelines`, `trickle`, `handshakes`, `subscribers` and `descriptors` alone.
 
 use std::{path::PathBuf, process::ExitCode};
@@ -19,7 +19,7 @@ fn main() -> ExitCode {
 #[expect(clippy::print_stderr, reason = "a program says how it is used")]
 fn usage(what: &str) {
     eprintln!(
-        "{what}\nusage: attack BINARY [stop|load|memory|all|pipelines|trickle|handshakes|subscribers|descriptors] \
+        "{what}\nusage: attack BINARY [stop|load|suspend|memory|all|pipelines|trickle|handshakes|subscribers|descriptors] \
          [--long] [--keys] [--shared] [--seed N]"
     );
 }
@@ -39,6 +39,7 @@ fn options() -> Result<Options, String> {
         match argument.as_str() {
             "stop" => options.part = Part::Stop,
             "load" => options.part = Part::Load,
+            "suspend" => options.part = Part::Suspend,
             "memory" => options.part = Part::Memory,
             "all" => options.part = Part::All,
             "--long" => options.long = true,

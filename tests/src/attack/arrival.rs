@@ -1,0 +1,110 @@
+//! Datagrams with the kernel's times of arrival: a process that is woken late does not change them.
+
+use std::{
+    io,
+    net::{SocketAddr, UdpSocket},
+    time::Duration,
+};
+
+/// A socket that tells when datagrams have arrived.
+pub(super) struct TimedSocket(UdpSocket);
+
+#[cfg(target_os = "linux")]
+mod linux {
+    use std::{io::IoSliceMut, net::SocketAddrV4, os::fd::AsRawFd};
+
+    use nix::{
+        cmsg_space,
+        sys::{
+            socket::{
+                ControlMessageOwned, MsgFlags, SockaddrIn, recvmsg, setsockopt,
+                sockopt::ReceiveTimestampns,
+            },
+            time::TimeSpec,
+        },
+    };
+
+    use super::{Duration, SocketAddr, TimedSocket, UdpSocket, io};
+
+    impl TimedSocket {
+        /// Of an IPv4 socket.
+        pub(in super::super) fn new(socket: UdpSocket) -> Self {
+            // Without it, no datagram has a time, which `receive` reports.
+            let _ = setsockopt(&socket, ReceiveTimestampns, &true);
+            Self(socket)
+        }
+
+        /// Waits for a datagram. Returns its length, its sender and its time of arrival since 1970.
+        pub(in super::super) fn receive(
+            &self,
+            buffer: &mut [u8],
+        ) -> io::Result<(usize, SocketAddr, Duration)> {
+            let mut parts = [IoSliceMut::new(buffer)];
+            let mut space = cmsg_space!(TimeSpec);
+            let message = recvmsg::<SockaddrIn>(
+                self.0.as_raw_fd(),
+                &mut parts,
+                Some(&mut space),
+                MsgFlags::empty(),
+            )?;
+            let arrival = message.cmsgs()?.find_map(|part| match part {
+                ControlMessageOwned::ScmTimestampns(at) => Some(Duration::from(at)),
+                _ => None,
+            });
+            let sender = message.address.map(|from| SocketAddrV4::from(from).into());
+            match (sender, arrival) {
+                (Some(sender), Some(arrival)) => Ok((message.bytes, sender, arrival)),
+                _ => Err(io::Error::other("a datagram without its sender or its time")),
+            }
+        }
+    }
+}
+
+#[cfg(not(target_os = "linux"))]
+impl TimedSocket {
+    /// Of a socket.
+    pub(super) fn new(socket: UdpSocket) -> Self {
+        Self(socket)
+    }
+
+    /// Waits for a datagram. Returns its length, its sender and the time at which it was read, since 1970.
+    pub(super) fn receive(&self, buffer: &mut [u8]) -> io::Result<(usize, SocketAddr, Duration)> {
+        let (length, sender) = self.0.recv_from(buffer)?;
+        let now = std::time::SystemTime::now().duration_since(std::time::UNIX_EPOCH);
+        Ok((length, sender, now.unwrap_or_default()))
+    }
+}
+
+#[cfg(target_os = "linux")]
+#[cfg(test)]
+mod tests {
+    use std::{
+        net::Ipv4Addr,
+        thread,
+        time::{SystemTime, UNIX_EPOCH},
+    };
+
+    use super::*;
+
+    #[test]
+    fn a_datagram_has_the_time_at_which_it_came_and_not_that_at_which_it_is_read() {
+        let bind = || UdpSocket::bind((Ipv4Addr::LOCALHOST, 0)).unwrap();
+        let (from, to) = (bind(), bind());
+        let at = to.local_addr().unwrap();
+        let to = TimedSocket::new(to);
+        let now = || SystemTime::now().duration_since(UNIX_EPOCH).unwrap();
+        let before = now();
+        from.send_to(b"abc", at).unwrap();
+        let after = now();
+        thread::sleep(Duration::from_millis(30));
+        let mut buffer = [0; 10];
+        let (length, sender, arrival) = to.receive(&mut buffer).unwrap();
+        assert_eq!((&buffer[..length], sender), (&b"abc"[..], from.local_addr().unwrap()));
+        // The kernel's clock has steps of some milliseconds where it is coarse.
+        let step = Duration::from_millis(10);
+        assert!(
+            arrival + step > before && arrival < after + step,
+            "{before:?} {arrival:?} {after:?}"
+        );
+    }
+}
