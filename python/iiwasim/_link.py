@@ -30,6 +30,10 @@ MAX_CLOSED_HANDSHAKES = 3
 POLL_S = 0.1
 
 
+class ConnectionLost(DriveTimeout):
+    """The drive has closed the connection."""
+
+
 class Line:
     """A connection to a drive that has passed its handshake."""
 
@@ -90,6 +94,7 @@ class Line:
             why = "it has no keys, or is no drive: leave out `key` and `server_key`, or start it with --key and --allow"
         else:
             why = "it closed the connection; do the keys fit, and is `server_key` its .pub file?"
+            return ConnectionLost("unauthorized", f"the drive at {self._at} refused the connection: {why}")
         return DriveTimeout("unauthorized", f"the drive at {self._at} refused the connection: {why}")
 
     def _next_event(self, wait_s: float) -> int | None:
@@ -122,10 +127,10 @@ class Line:
             if event == zmq.EVENT_DISCONNECTED and not self._socket.poll(0):
                 raise self._loss()
 
-    def _loss(self) -> DriveTimeout:
+    def _loss(self) -> ConnectionLost:
         self.is_lost = True
         lost = f"the connection to the drive at {self._at} was lost before its reply"
-        return DriveTimeout("timeout", f"{lost}; a motion that had begun goes on, and `last_run` has its result")
+        return ConnectionLost("timeout", f"{lost}; a motion that had begun goes on, and `last_run` has its result")
 
     def receive(self) -> list[bytes]:
         return self._socket.recv_multipart(zmq.NOBLOCK)

@@ -83,6 +83,8 @@ MAX_BYTES = {"run_motions": 4 << 20, "run_trajectory": 32 << 20}
 MAX_POINTS = 200_000
 # The drive answers a stop within 4 s.
 STOP_TIMEOUT_S = 5.0
+# From a stop whose connection was lost to the next one.
+RETRY_S = 0.05
 # How long a run is stopped again and again: it may not have reached the robot at the first time.
 REST_TIMEOUT_S = 10.0
 # From one look at a run, or at the samples, to the next.
@@ -265,7 +267,10 @@ class Drive:
         return self._ask({"type": "last_run"}, read_run)
 
     def stop(self) -> None:
-        """Stops the running motion on its path, whoever started it, and returns once the arm stands; from any thread."""
+        """Stops the running motion on its path, whoever started it, and returns once the arm stands; from any thread.
+
+        The stop is sent again if the connection is lost, for 5 s.
+        """
         self._check_open()
         self._stop()
 
@@ -325,15 +330,25 @@ class Drive:
         return self._exchange(request, read, self._timeout_s)
 
     def _stop(self) -> None:
-        """Also of a drive that another thread has closed."""
-        self._exchange({"type": "stop"}, lambda _: None, max(self._timeout_s, STOP_TIMEOUT_S))
+        """Also of a drive that another thread has closed. A stop is sent again after a lost connection: a drive under load
+        may close connections."""
+        from ._link import ConnectionLost
+
+        until = time.monotonic() + max(self._timeout_s, STOP_TIMEOUT_S)
+        while True:
+            try:
+                return self._exchange({"type": "stop"}, lambda _: None, until - time.monotonic())
+            except ConnectionLost:
+                if time.monotonic() + RETRY_S >= until:
+                    raise
+                time.sleep(RETRY_S)
 
     def _exchange(self, request: dict[str, Any], read: Callable[[dict[str, Any]], T], timeout_s: float) -> T:
         """Sends a request, and reads its reply."""
         with self._connection() as line:
             line.send(_request_text(request))
             if not line.poll(timeout_s):
-                raise DriveTimeout("timeout", f"the drive at {self._at} did not reply within {timeout_s:g} s")
+                raise DriveTimeout("timeout", f"the drive at {self._at} did not reply within {timeout_s:.3g} s")
             return read_reply(line.receive()[-1], read)
 
     def _connection(self) -> Line:

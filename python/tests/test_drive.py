@@ -7,6 +7,7 @@ import json
 import math
 import pickle
 import signal
+import socket
 import subprocess
 import sys
 import threading
@@ -219,6 +220,27 @@ def test_a_stop_leaves_the_arm_on_its_path(drive: Drive) -> None:
     state = drive.state()
     assert state.state == "idle"
     assert np.allclose(state.q, stopped.run.q[-1], atol=1e-4)
+
+
+def test_a_stop_is_sent_again_after_lost_connections() -> None:
+    with socket.create_server(("127.0.0.1", 0)) as server:
+        port = server.getsockname()[1]
+
+        def serve() -> bytes:
+            # More closed handshakes than mean a refusal to other requests.
+            for _ in range(6):
+                server.accept()[0].close()
+            server.close()
+            with zmq.Context.instance().socket(zmq.REP) as replies:
+                replies.bind(f"tcp://127.0.0.1:{port}")
+                request = replies.recv()
+                replies.send(b'{"ok": true}')
+                return request
+
+        with ThreadPoolExecutor(1) as threads, Drive(f"127.0.0.1:{port}") as drive:
+            request = threads.submit(serve)
+            drive.stop()
+    assert json.loads(request.result()) == {"type": "stop"}
 
 
 def test_a_run_of_too_long_is_stopped(drive: Drive) -> None:
