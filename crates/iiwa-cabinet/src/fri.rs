@@ -35,8 +35,8 @@ pub(crate) fn sockets(client: SocketAddr, security: &Server) -> Result<[UdpSocke
     bind().map_err(|source| LinkError::Udp { address: local.to_string(), source })
 }
 
-/// The controller's clock: a cycle per `period`. If the machine delays it by more than a period, robot time
-/// waits and has no gaps.
+/// The controller's clock: a cycle per `period`. If the machine delays it by more than half a period, robot time waits
+/// and has no gaps: a controller leaves its client a whole cycle for each answer.
 pub(crate) fn run_clock(
     shared: &Shared,
     udp: &UdpSocket,
@@ -49,10 +49,10 @@ pub(crate) fn run_clock(
     let mut next = Instant::now() + period;
     let mut message = Vec::with_capacity(1500);
     while !shutdown.load(Ordering::Relaxed) {
+        thread::sleep(next.saturating_duration_since(Instant::now()));
+        // Not before it has slept: the process may have been suspended meanwhile.
         let now = Instant::now();
-        if let Some(remaining) = next.checked_duration_since(now) {
-            thread::sleep(remaining);
-        } else if now.duration_since(next) > period {
+        if now.saturating_duration_since(next) > period / 2 {
             next = now;
             lock(&shared.link).delayed_cycles += 1;
         }
