@@ -1,8 +1,6 @@
 //! What the end-to-end tests share: the reference programs, random programs, an eye for limits, free
-//! ports, sockets of ZeroMQ and bare peers of ZMTP, the conformance suite of robot programs, that in Java as a process, and the attacks from outside.
+//! ports, sockets of ZeroMQ and bare peers of ZMTP, the conformance suite of robot programs, and that in Java as a process.
 
-#[cfg(unix)]
-pub mod attack;
 pub mod bars;
 mod bernstein;
 pub mod calm;

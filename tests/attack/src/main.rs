@@ -4,7 +4,7 @@
 
 use std::{path::PathBuf, process::ExitCode};
 
-use iiwasim_tests::attack::{Options, Part, Scenario, run};
+use iiwasim_attack::{Options, Part, Scenario, run};
 
 fn main() -> ExitCode {
     match options() {

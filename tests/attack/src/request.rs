@@ -4,7 +4,7 @@ use std::{io, net::SocketAddr, time::Duration};
 
 use serde_json::Value;
 
-use crate::zmtp::{HANDSHAKE_TIMEOUT, Peer};
+use iiwasim_tests::zmtp::{HANDSHAKE_TIMEOUT, Peer};
 
 /// A pending request.
 pub(super) struct PendingRequest {

@@ -1,5 +1,5 @@
-//! A minimal decoder of FRI's monitoring messages for commanded positions. It shares no code with the project's
-//! decoder, so that a fault of the latter shows.
+//! A minimal decoder of FRI for commanded positions and set-points. It shares no code with the project's decoder, so
+//! that a fault of the latter shows.
 
 /// The decoded part of a monitoring message.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -10,6 +10,17 @@ pub(super) struct Monitoring {
     pub(super) stamp: Option<(u64, u64)>,
     /// State of the session; 4 is active commanding.
     pub(super) session: u64,
+    /// Its number.
+    pub(super) sequence: u64,
+}
+
+/// The decoded part of a command message.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Answer {
+    /// The number of the monitoring message that it answers.
+    pub(super) sequence: u64,
+    /// The set-point, in rad.
+    pub(super) joints_rad: [f64; 7],
 }
 
 /// The value of a field.
@@ -24,6 +35,12 @@ pub(super) fn monitoring(datagram: &[u8]) -> Option<Monitoring> {
     let mut read = Monitoring::default();
     for_each(datagram, |number, value| {
         match (number, value) {
+            (1, Value::Bytes(header)) => for_each(header, |number, value| {
+                if let (2, Value::Number(sequence)) = (number, value) {
+                    read.sequence = sequence;
+                }
+                Some(())
+            })?,
             (3, Value::Bytes(data)) => for_each(data, |number, value| {
                 match (number, value) {
                     (3, Value::Bytes(joints)) => read.commanded_rad = Some(joint_values(joints)?),
@@ -43,6 +60,27 @@ pub(super) fn monitoring(datagram: &[u8]) -> Option<Monitoring> {
         Some(())
     })?;
     Some(read)
+}
+
+/// Decodes a command message; `None` if it is malformed or has no set-point.
+pub(super) fn answer(datagram: &[u8]) -> Option<Answer> {
+    let (mut reflected, mut joints_rad) = (None, None);
+    for_each(datagram, |number, value| match (number, value) {
+        (1, Value::Bytes(header)) => for_each(header, |number, value| {
+            if let (3, Value::Number(sequence)) = (number, value) {
+                reflected = Some(sequence);
+            }
+            Some(())
+        }),
+        (2, Value::Bytes(data)) => for_each(data, |number, value| {
+            if let (1, Value::Bytes(joints)) = (number, value) {
+                joints_rad = Some(joint_values(joints)?);
+            }
+            Some(())
+        }),
+        _ => Some(()),
+    })?;
+    Some(Answer { sequence: reflected?, joints_rad: joints_rad? })
 }
 
 /// Seconds and nanoseconds.
@@ -136,7 +174,7 @@ mod tests {
         let joints: [f64; 7] = std::array::from_fn(|j| j as f64 - 2.5);
         let each = joints.map(|q| [&[0x09], q.to_le_bytes().as_slice()].concat()).concat();
         let packed = field(1, &joints.map(f64::to_le_bytes).concat());
-        let header = field(1, &[0x0d, 0x42, 0x51, 0x24, 0x00]);
+        let header = field(1, &[0x0d, 0x42, 0x51, 0x24, 0x00, 0x10, 9]);
         for values in [each, packed] {
             let stamp = field(15, &[0x08, 7, 0x10, 0x80, 1]);
             let data = field(3, &[field(3, &values), stamp].concat());
@@ -144,13 +182,21 @@ mod tests {
             let read = monitoring(&message).unwrap();
             assert_eq!(
                 read,
-                Monitoring { commanded_rad: Some(joints), stamp: Some((7, 128)), session: 4 }
+                Monitoring {
+                    commanded_rad: Some(joints),
+                    stamp: Some((7, 128)),
+                    session: 4,
+                    sequence: 9
+                }
             );
             // A truncated message is never misread.
             for end in 0..message.len() {
                 let cut = monitoring(&message[..end]).and_then(|read| read.commanded_rad);
                 assert!(cut.is_none_or(|read| read == joints));
             }
+            let header = field(1, &[0x0d, 0x01, 0x40, 0x03, 0x00, 0x10, 5, 0x18, 9]);
+            let command = [header, field(2, &field(1, &values))].concat();
+            assert_eq!(answer(&command).unwrap(), Answer { sequence: 9, joints_rad: joints });
         }
         // Six values are not a position.
         let short = field(3, &field(3, &[0x09; 54]));

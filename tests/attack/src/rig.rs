@@ -13,7 +13,7 @@ use serde_json::Value;
 use tempfile::TempDir;
 
 use super::{process::Process, request::request, websocket::WebSocket, witness::Witness};
-use crate::ports::free_address;
+use iiwasim_tests::ports::free_address;
 
 /// Why the harness itself fails.
 pub(super) type Fault = Box<dyn Error + Send + Sync>;

@@ -13,7 +13,7 @@ use std::{
 };
 
 use super::rig::Addresses;
-use crate::zmtp::{HANDSHAKE_TIMEOUT, Peer, frame_head, message, subscription};
+use iiwasim_tests::zmtp::{HANDSHAKE_TIMEOUT, Peer, frame_head, message, subscription};
 
 /// The number of attackers and the amount of data.
 #[derive(Clone, Copy, Debug)]

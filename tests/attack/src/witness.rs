@@ -2,6 +2,7 @@
 //! position changes.
 
 use std::{
+    collections::VecDeque,
     io,
     net::{Ipv4Addr, SocketAddr, UdpSocket},
     sync::{
@@ -32,22 +33,36 @@ pub(super) struct Witness {
     threads: Vec<JoinHandle<()>>,
 }
 
-/// A message to the drive.
+/// Joint positions in a message.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Sample {
     /// The kernel's time of its arrival, by the real-time clock.
     pub(super) arrival: Duration,
-    /// The controller's time stamp.
+    /// The controller's time stamp; of an answer, that of the message that it answers.
     pub(super) stamp: Duration,
-    /// The commanded joint positions, in rad.
-    pub(super) commanded_rad: [f64; 7],
+    /// The joint positions, in rad.
+    pub(super) joints_rad: [f64; 7],
 }
+
+/// The messages of a run.
+#[derive(Debug, Default)]
+pub(super) struct Recording {
+    /// The commanded positions in the controller's messages.
+    pub(super) commanded: Vec<Sample>,
+    /// The set-points in the drive's answers.
+    pub(super) answers: Vec<Sample>,
+}
+
+/// So many messages may wait for their answers.
+const UNANSWERED: usize = 1000;
 
 #[derive(Default)]
 struct Log {
     commanded_rad: Option<[f64; 7]>,
     /// Messages, while they are recorded.
-    samples: Option<Vec<Sample>>,
+    recording: Option<Recording>,
+    /// Numbers and time stamps of the last messages.
+    stamps: VecDeque<(u64, Duration)>,
     /// When messages with a changed commanded position arrived.
     moves: Vec<Instant>,
 }
@@ -79,7 +94,9 @@ impl Witness {
                 lock(&log).record(datagram, Instant::now(), arrival);
             })
         };
-        let up = relay(to_drive, Arc::clone(&shutdown), move |datagram, _, _| {
+        let up_log = Arc::clone(&log);
+        let up = relay(to_drive, Arc::clone(&shutdown), move |datagram, _, arrival| {
+            lock(&up_log).record_answer(datagram, arrival);
             let sender = *cabinet.lock().unwrap_or_else(PoisonError::into_inner);
             if let Some(sender) = sender {
                 let _ = to_cabinet.send_to(datagram, sender);
@@ -95,12 +112,12 @@ impl Witness {
 
     /// Begins to record messages.
     pub(super) fn begin_recording(&self) {
-        lock(&self.log).samples = Some(Vec::new());
+        lock(&self.log).recording = Some(Recording::default());
     }
 
     /// Ends recording, and returns the messages.
-    pub(super) fn end_recording(&self) -> Vec<Sample> {
-        lock(&self.log).samples.take().unwrap_or_default()
+    pub(super) fn end_recording(&self) -> Recording {
+        lock(&self.log).recording.take().unwrap_or_default()
     }
 
     /// The commanded joint positions, in rad.
@@ -161,9 +178,13 @@ impl Log {
     fn record(&mut self, datagram: &[u8], now: Instant, arrival: Duration) {
         let Some(read) = fri_wire::monitoring(datagram) else { return };
         let Some(commanded_rad) = read.commanded_rad else { return };
-        if let (Some(samples), Some((seconds, nanoseconds))) = (&mut self.samples, read.stamp) {
+        if let (Some(recording), Some((seconds, nanoseconds))) = (&mut self.recording, read.stamp) {
             let stamp = Duration::from_secs(seconds) + Duration::from_nanos(nanoseconds);
-            samples.push(Sample { arrival, stamp, commanded_rad });
+            recording.commanded.push(Sample { arrival, stamp, joints_rad: commanded_rad });
+            self.stamps.push_back((read.sequence, stamp));
+            if self.stamps.len() > UNANSWERED {
+                self.stamps.pop_front();
+            }
         }
         if let Some(before) = self.commanded_rad
             && (0..7).any(|j| (commanded_rad[j] - before[j]).abs() > STILL_RAD)
@@ -171,6 +192,19 @@ impl Log {
             self.moves.push(now);
         }
         self.commanded_rad = Some(commanded_rad);
+    }
+}
+
+impl Log {
+    fn record_answer(&mut self, datagram: &[u8], arrival: Duration) {
+        let Some(recording) = &mut self.recording else { return };
+        let Some(fri_wire::Answer { sequence, joints_rad }) = fri_wire::answer(datagram) else {
+            return;
+        };
+        let answered = self.stamps.iter().rev().find(|(number, _)| *number == sequence);
+        if let Some((_, stamp)) = answered {
+            recording.answers.push(Sample { arrival, stamp: *stamp, joints_rad });
+        }
     }
 }
 

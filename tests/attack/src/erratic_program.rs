@@ -15,7 +15,7 @@ use fastrand::Rng;
 use serde_json::{Value, json};
 
 use super::rig::{Addresses, Fault};
-use crate::zmtp::{HANDSHAKE_TIMEOUT, Peer, message};
+use iiwasim_tests::zmtp::{HANDSHAKE_TIMEOUT, Peer, message};
 
 /// How often the threads check for shutdown.
 const POLL_INTERVAL: Duration = Duration::from_millis(50);

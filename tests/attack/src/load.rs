@@ -21,7 +21,7 @@ use super::{
     usage::Usage,
     websocket::WebSocket,
 };
-use crate::zmtp::{HANDSHAKE_TIMEOUT, Peer, subscription};
+use iiwasim_tests::zmtp::{HANDSHAKE_TIMEOUT, Peer, subscription};
 
 /// Deadline of the reply to a stop after the arm is at rest.
 const REPLY_DEADLINE: Duration = Duration::from_millis(300);
