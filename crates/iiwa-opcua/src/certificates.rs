@@ -9,7 +9,8 @@
 
 use std::{
     collections::HashSet,
-    fs, io,
+    fs::{self, File},
+    io::{self, Write as _},
     path::{Path, PathBuf},
     time::SystemTime,
 };
@@ -104,12 +105,12 @@ impl Certificates {
     fn store(&self, certificate: &X509) -> io::Result<()> {
         let name = CertificateStore::cert_file_name(certificate);
         let der = certificate.to_der().map_err(io::Error::other)?;
-        fs::write(self.folder.join("trusted").join(&name), der)?;
+        let path = self.folder.join("trusted").join(&name);
+        // In place of what has this name, such as a link, which is not followed.
+        remove(&path)?;
+        File::create_new(path)?.write_all(&der)?;
         // One that lies here, too, would be refused.
-        match fs::remove_file(self.folder.join("rejected").join(&name)) {
-            Err(error) if error.kind() != io::ErrorKind::NotFound => Err(error),
-            _ => Ok(()),
-        }
+        remove(&self.folder.join("rejected").join(&name))
     }
 
     /// Tells which certificates were rejected lately, and deletes the oldest if there are many.
@@ -137,6 +138,14 @@ impl Certificates {
             }
         }
         self.rejected = kept.into_iter().map(|(_, path)| path).collect();
+    }
+}
+
+/// Removes a file or a link, if there is one.
+fn remove(path: &Path) -> io::Result<()> {
+    match fs::remove_file(path) {
+        Err(error) if error.kind() != io::ErrorKind::NotFound => Err(error),
+        _ => Ok(()),
     }
 }
 
@@ -174,6 +183,22 @@ mod tests {
         certificates.look_at_rejected();
         assert_eq!(certificates.rejected.len(), MOST_REJECTED);
         assert_eq!(fs::read_dir(&rejected).unwrap().count(), MOST_REJECTED);
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_link_in_place_of_a_certificate_is_not_followed() {
+        let folder = tempfile::tempdir().unwrap();
+        let certificates = Certificates::open(folder.path(), "urn:x", &[]).unwrap();
+        let own = CertificateStore::read_cert(&certificates.certificate()).unwrap();
+        let victim = folder.path().join("victim");
+        fs::write(&victim, "precious").unwrap();
+        let name = CertificateStore::cert_file_name(&own);
+        let trusted = folder.path().join("trusted").join(name);
+        std::os::unix::fs::symlink(&victim, &trusted).unwrap();
+        certificates.trust(&certificates.certificate()).unwrap();
+        assert_eq!(fs::read_to_string(victim).unwrap(), "precious");
+        assert_eq!(fs::read(trusted).unwrap(), own.to_der().unwrap());
     }
 
     #[test]
