@@ -99,5 +99,17 @@ def refused_commands(robot: str, program: dict[str, Any]) -> dict[str, bytes]:
         "a motion out of reach": changed(
             request={"type": "run_motions", "motions": [{"type": "ptp", "joints_deg": [0, 0, 0, 500, 0, 0, 0]}]}
         ),
+        "motions planned for another robot": changed(
+            request={
+                "type": "run_motions",
+                "motions": program["motions"],
+                "label": {
+                    "planned_for": {
+                        "model": "lbr_iiwa_7_r800",
+                        "lengths_mm": {"base": 340, "upper_arm": 400, "forearm": 400, "flange": 126},
+                    }
+                },
+            }
+        ),
         "a motion that is not finite": whole.replace(b"0.4", b"1e999"),
     }

@@ -240,6 +240,25 @@ def check_end(rig: Rig, robot: Robot, process: subprocess.Popen) -> None:
     check("the arm rests on the way", status["state"] == "idle" and 0.01 < share < 0.9, status)
 
 
+def check_other_robot(rig: Rig, domain: int) -> None:
+    """A bridge for another robot than the drive's moves nothing."""
+    process = bridge(rig, domain, "--allow-commands", "--robot", "lbr_iiwa_14_r820")
+    node = rclpy.create_node("other")
+    robot = Robot(node)
+    robot.wait("joint states", lambda: len(robot.states) > 10)
+    check("the action of another robot is there", robot.action.wait_for_server(10))
+    at = list(robot.position)
+    done = robot.follow(robot.trajectory([(0, at), (3, ZERO)]))
+    check("aborted: another robot", done.status == GoalStatus.STATUS_ABORTED, done)
+    for named in ("lbr_iiwa_14_r820 with a flange of 152 mm", "lbr_iiwa_7_r800 with a flange of 152 mm"):
+        check("both robots are named", named in done.result.error_string, done.result)
+    robot.spin(0.2)
+    check("another robot's goal moved nothing", far(robot.position, at) < 1e-4, robot.position)
+    node.destroy_node()
+    process.send_signal(signal.SIGINT)
+    check("the bridge of another robot ends", process.wait(10) == 0, process.returncode)
+
+
 def check_several(rig: Rig, domain: int) -> None:
     """Two robots: here, the same drive twice."""
     (drive,), (stream,) = rig.drive_at[1:], rig.stream_at[1:]
@@ -278,6 +297,7 @@ def main() -> None:
         check_bad_goals(robot)
         check_times(robot)
         check_end(rig, robot, process)
+        check_other_robot(rig, domain)
         check_several(rig, domain)
     if options.json:
         print(json.dumps(figures))

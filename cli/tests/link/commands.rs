@@ -67,12 +67,18 @@ fn a_program_for_another_robot_is_not_run() {
     let slow = rig.slow_program();
     let text = fs::read_to_string(rig.path(slow)).unwrap();
     fs::write(rig.path("elsewhere.json"), text.replace("[0, 0, 0", "[0, 20, 0")).unwrap();
-    for options in [&[slow][..], &[slow, "--as-trajectory"], &["elsewhere.json", "--move-to-start"]]
+    let profile = r#"{ "version": 1, "name": "cell 3", "lengths_mm": { "flange": 126 } }"#;
+    fs::write(rig.path("cell-3.json"), profile).unwrap();
+    let robots = [
+        ("lbr_iiwa_14_r820", "lbr_iiwa_14_r820 with a flange of 152 mm"),
+        ("cell-3.json", "cell 3 with a flange of 126 mm"),
+    ];
+    let runs = [&[slow][..], &[slow, "--as-trajectory"], &["elsewhere.json", "--move-to-start"]];
+    for (options, (robot, name)) in
+        runs.iter().flat_map(|run| robots.iter().map(move |robot| (run, robot)))
     {
-        let options = [options, &["--robot", "lbr_iiwa_14_r820"]].concat();
-        let run = rig.iiwasim("run", &options).code(1);
-        let planned_for = contains("lbr_iiwa_14_r820 with a flange of 152 mm");
-        run.stderr(planned_for.and(contains("lbr_iiwa_7_r800 with a flange of 152 mm")));
+        let run = rig.iiwasim("run", &[options, &["--robot", robot][..]].concat()).code(2);
+        run.stderr(contains(*name).and(contains("lbr_iiwa_7_r800 with a flange of 152 mm")));
     }
     assert_eq!(rig.joint_1(), 0.0, "the arm has moved");
 }

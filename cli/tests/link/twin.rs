@@ -305,6 +305,34 @@ fn what_cannot_be_sent_is_not() {
 }
 
 #[test]
+fn nothing_is_sent_to_another_robot() {
+    in_real_time(|| {
+        let rig = Rig::new();
+        let profile = r#"{ "version": 1, "name": "cell 3", "lengths_mm": { "flange": 126 } }"#;
+        fs::write(rig.path("cell-3.json"), profile).unwrap();
+        let robots = [
+            ("lbr_iiwa_14_r820", "lbr_iiwa_14_r820 with a flange of 152 mm"),
+            ("cell-3.json", "cell 3 with a flange of 126 mm"),
+        ];
+        for (robot, name) in robots {
+            let (_twin, address) = start(&rig, &["--robot", robot]);
+            let mut page = address.page();
+            page.wait_for("live", |live| live["joints_rad"][0].is_number());
+            let plan = load(&address, &mut page, &program(TO_60));
+            let order = json!({ "plan": plan["id"], "move_to_start": false });
+            page.order("send", order).unwrap();
+            let run = page.wait_for("run", |run| run["phase"] == "failed");
+            let why = run["error"].as_str().unwrap();
+            assert!(why.contains(name), "{why}");
+            assert!(why.contains("lbr_iiwa_7_r800 with a flange of 152 mm"), "{why}");
+            let why = page.order("jog", json!({ "joint": 1, "step_deg": 5 })).unwrap_err();
+            assert!(why.contains(name), "{why}");
+        }
+        assert_eq!(rig.joint_1(), 0.0, "the arm has moved");
+    });
+}
+
+#[test]
 fn a_way_to_the_start_that_is_too_near_is_not_taken() {
     in_real_time(|| {
         let mut rig = Rig::parts();
