@@ -59,7 +59,8 @@ MEASURED = [
     # Of a comparison: the motion's number, planned, real, error in s and in per cent.
     (re.compile(r"^ *\d+ +\w+ +\d\.\d{3} +\d\.\d{3} +-?\d\.\d{4} +-?\d\.\d\d$"), [0, 0, 0.01, 0.01, 2]),
     (re.compile(r"^Cycle time .* real: off by"), [0, 0.01, 0.01, 0.2]),
-    (re.compile(r"^FRI +\w+, quality"), 2),
+    # How soon FRI is answered depends on what else the machine does.
+    (re.compile(r"^FRI +\w+, quality"), 1000),
     # Fits to samples with noise: limits of velocity, acceleration and jerk.
     (re.compile(r"^ +A\d +.* \+- "), [1e-3, 1e-3, 0, 0.1, 0.1, 0, 10, 10, 0]),
     (re.compile(r"^Settles for"), [1e-5, 1e-5, 0, 1e-5, 0]),
@@ -78,6 +79,8 @@ CARGO = {
     "cargo install": "the step `build` compiles the same",
     "cargo doc": "the step `documentation`",
 }
+
+QUALITY = re.compile(r"(?<=quality )(excellent|good|fair|poor)")
 
 NUMBER = re.compile(r"(?<![\w.])-?\d+(?:\.\d+)?(?:e-?\d+)?")
 
@@ -235,6 +238,7 @@ def run(page, fence, folder):
 def same(expected, found):
     if expected.rstrip() == found.rstrip():
         return True
+    expected, found = (QUALITY.sub("#", line) for line in (expected, found))
     for pattern, bounds in MEASURED:
         if not (pattern.search(expected) and pattern.search(found)):
             continue
