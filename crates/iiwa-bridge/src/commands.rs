@@ -7,9 +7,9 @@
 //! ```
 //!
 //! It is refused if the bridge takes no commands, if it is malformed or too long, if `at` is not within
-//! [`MAX_AGE`] of the bridge's clock, or if its `id` has been seen before; brokers refuse further ones because of their delivery
-//! ([`CommandGate::refuse`]). What passes goes to the drive, with its checks. The
-//! reply names the `id`.
+//! [`MAX_AGE`] of the bridge's clock, or if its `id` has been seen before; broker connections refuse further
+//! commands because of their delivery ([`CommandGate::refuse`]). The drive checks and executes accepted commands. The reply
+//! contains the `id`.
 
 mod envelope;
 mod replies;

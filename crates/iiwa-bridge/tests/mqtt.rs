@@ -187,7 +187,7 @@ fn retained_commands_are_seen_and_refused() {
     assert_eq!(rig.filter.retain_forward_rule, RetainForwardRule::OnEverySubscribe);
     rig.peer.deliver(&command("a"), true, None);
     check_refusal(&rig.peer.published(), "a", "the command is retained");
-    // One that is none, either; and one that asks for its reply at an accepted place.
+    // Invalid retained commands are refused, too, as are retained commands with a permitted response topic.
     rig.peer.deliver("nonsense", true, None);
     assert_eq!(rig.peer.published().1["reply"]["ok"], false);
     rig.peer.deliver(&command("b"), true, Some("plant/cell-1/reply/b"));

@@ -216,7 +216,7 @@ fn listen(
     })
 }
 
-/// Whether a request is a stop: its client keeps its connection, whoever else connects.
+/// Returns `true` for stop requests. Connections with a pending stop are evicted last.
 fn is_stop(frames: &[Bytes]) -> bool {
     let body = frames.last().filter(|body| body.len() <= SHORT_MESSAGE_BYTES);
     body.is_some_and(

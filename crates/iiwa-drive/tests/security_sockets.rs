@@ -35,7 +35,7 @@ fn remote(pair: &KeyPair, server: PublicKey) -> Remote {
 }
 
 /// A drive without a robot.
-fn drive(server: &Server) -> Drive {
+pub(crate) fn drive(server: &Server) -> Drive {
     let mut config = DriveConfig::default();
     config.instructions = "tcp://127.0.0.1:*".into();
     config.stream = "tcp://127.0.0.1:*".into();

@@ -483,7 +483,7 @@ async fn connect(
     }
 }
 
-/// Whether nothing listens at the address.
+/// Returns `true` for errors that mean that nothing listens at the address.
 fn is_absent(error: &io::Error) -> bool {
     use io::ErrorKind::{BrokenPipe, ConnectionAborted, ConnectionReset, UnexpectedEof};
     !matches!(error.kind(), BrokenPipe | ConnectionAborted | ConnectionReset | UnexpectedEof)

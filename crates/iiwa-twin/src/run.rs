@@ -157,7 +157,7 @@ fn check_recording(plan: &Planned, setup: &Setup, now: Duration) -> Result<(), S
         })
 }
 
-/// How a recording is written that begins at `epoch`.
+/// File configuration of a recording that begins at `epoch`.
 fn file_config(epoch: Duration, setup: &Setup) -> Config {
     Config { epoch, names: setup.names.clone(), ..Config::default() }
 }

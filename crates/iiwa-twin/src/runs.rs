@@ -195,7 +195,7 @@ pub fn since_start(measured: &Measured, torques: &Torques) -> JointLog {
     log
 }
 
-/// How much longer than planned a recording may be: overrides, waits and pauses lengthen a run.
+/// Allowance for runs that take longer than planned, because of overrides, waits and pauses.
 const RESERVE_S: f64 = 24.0 * 3600.0;
 
 /// A log with the first and the last stamp that the recording of a run may have. If it can be written before the robot

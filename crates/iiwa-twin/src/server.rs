@@ -60,7 +60,7 @@ pub(crate) fn serve(listener: TcpListener, token: &Token, twin: Shared) -> Resul
     served.map_err(refuse)
 }
 
-/// What is served to requests that the guard has passed.
+/// Routes behind the guard.
 fn routes(twin: Shared) -> Router {
     Router::new()
         .route("/", get(page))

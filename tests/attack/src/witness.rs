@@ -193,9 +193,7 @@ impl Log {
         }
         self.commanded_rad = Some(commanded_rad);
     }
-}
 
-impl Log {
     fn record_answer(&mut self, datagram: &[u8], arrival: Duration) {
         let Some(recording) = &mut self.recording else { return };
         let Some(fri_wire::Answer { sequence, joints_rad }) = fri_wire::answer(datagram) else {

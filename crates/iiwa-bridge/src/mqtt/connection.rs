@@ -251,12 +251,11 @@ impl Arriving {
 #[derive(Debug)]
 pub(super) struct Received {
     pub(super) payload: Bytes,
-    /// Whether the broker keeps it for later subscribers. By MQTT 3.1.1, it says so only of what it had kept before the
-    /// subscription.
+    /// The retain flag. With MQTT 3.1.1, brokers set it only for messages that were retained before the subscription.
     pub(super) is_retained: bool,
-    /// Where the sender asks for a reply (MQTT 5).
+    /// Response topic (MQTT 5).
     pub(super) response_topic: Option<String>,
-    /// What the sender asks to be part of the reply (MQTT 5).
+    /// Correlation data, which the reply repeats (MQTT 5).
     pub(super) correlation: Option<Bytes>,
     pub(super) topic: String,
 }
@@ -445,7 +444,7 @@ impl Connection {
                 let mut filter =
                     v5::mqttbytes::v5::Filter::new(topic, v5::mqttbytes::QoS::AtLeastOnce);
                 filter.preserve_retain = true;
-                // What is retained already arrives, too: a command is refused with a reply, and not silently.
+                // Existing retained messages are delivered, too, so that each retained command is refused with a reply.
                 filter.retain_forward_rule = v5::mqttbytes::v5::RetainForwardRule::OnEverySubscribe;
                 client.subscribe_many([filter]).await.is_ok()
             }

@@ -254,8 +254,8 @@ impl Session {
     }
 }
 
-/// The topic of the reply to a command, and whether the command is accepted with that response topic. The bridge may publish to
-/// topics to which the sender may not: it sends replies to the robot's own topic for replies, and below that.
+/// Reply topic of a command, and the refusal of a foreign response topic. The bridge may have publish rights that the sender does
+/// not have: replies are published to the robot's reply topic and its subtopics only.
 fn reply_topic(robot: &str, response_topic: Option<String>) -> (String, Result<(), Refusal>) {
     let own = format!("{robot}/reply");
     let Some(topic) = response_topic else { return (own, Ok(())) };

@@ -24,7 +24,7 @@ pub(super) struct Cursor {
 }
 
 impl Cursor {
-    /// The saved place; the beginning if there is none, or if it is damaged.
+    /// Loads the saved position; the start of the queue if the file is missing or damaged.
     pub(super) fn load(folder: &Path) -> io::Result<Self> {
         let mut text = String::new();
         match own_file::open(&folder.join(FILE)) {

@@ -45,7 +45,7 @@ fn open_itself(path: &Path, options: &mut OpenOptions) -> io::Result<File> {
     options.open(path)
 }
 
-/// Whether the file exists; an error if anything but a regular file has its name.
+/// Returns `true` for an existing regular file and `false` for a missing file; links, folders and devices are errors.
 fn is_there(path: &Path) -> io::Result<bool> {
     match path.symlink_metadata() {
         Ok(found) if found.is_file() => Ok(true),

@@ -288,7 +288,7 @@ fn receive_state(cabinet: &Remote, at: &str) -> Option<StateChange> {
     state
 }
 
-/// Versions of the robot program, and its robot.
+/// Reports the robot program, its version and its robot.
 fn program(state: &StateChange, robot: &RobotIdentity) -> Result<String, Fault> {
     let simulated = if state.simulated { ", of a simulated robot" } else { "" };
     let Some(hello) = &state.hello else {

@@ -9,7 +9,7 @@ use std::{
 };
 
 use bytes::Bytes;
-use iiwa_drive::{Drive, DriveConfig};
+use iiwa_drive::Drive;
 use iiwa_link::{
     Client, Published, Remote, Server,
     message::DriveState,
@@ -19,7 +19,10 @@ use iiwa_link::{
 use iiwa_program::{Motion, Ptp};
 use iiwasim_tests::zmtp::{MORE, Peer, frame_head, message, subscription};
 
-use crate::link::rig::{LONG, Rig, wait_for};
+use crate::{
+    link::rig::{LONG, Rig, wait_for},
+    security_sockets::drive,
+};
 
 /// More connections than a socket has places for.
 const CROWD: usize = 66;
@@ -36,14 +39,8 @@ fn keyed_drive() -> (Drive, KeyPair, [KeyPair; 2]) {
     let (server, clients) = (pair(), [pair(), pair()]);
     let names = ["alice", "bob"].map(str::to_owned);
     let allowed: AllowList = names.into_iter().zip(clients.iter().map(KeyPair::public)).collect();
-    let mut config = DriveConfig::default();
-    config.instructions = "tcp://127.0.0.1:*".into();
-    config.stream = "tcp://127.0.0.1:*".into();
-    config.fri = "127.0.0.1:0".parse().unwrap();
-    config.cabinet_instructions = "tcp://127.0.0.1:9".into();
-    config.cabinet_state = "tcp://127.0.0.1:9".into();
     let security = Server::with_keys(ServerSecurity::new(server.clone(), allowed));
-    (Drive::start(config, &security, &Remote::open()).unwrap(), server, clients)
+    (drive(&security), server, clients)
 }
 
 /// Keeps as many requests pending as the drive accepts, until the connection is lost or the test has ended.

@@ -6,7 +6,7 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use crate::message::{robot_identity::RobotIdentity, text::shortened};
 
-/// The versions of a robot program, and its robot.
+/// Version and robot of a robot program.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[non_exhaustive]
 pub struct Hello {

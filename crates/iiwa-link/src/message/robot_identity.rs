@@ -49,7 +49,7 @@ impl LengthsMm {
 }
 
 impl RobotIdentity {
-    /// Whether both arms have the same lengths.
+    /// Returns `true` if both arms have the same link lengths.
     #[must_use]
     pub fn is_same_arm(&self, other: &Self) -> bool {
         let mut lengths = self.lengths_mm.all().into_iter().zip(other.lengths_mm.all());

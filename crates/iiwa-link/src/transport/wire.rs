@@ -126,7 +126,7 @@ struct Arrival {
 }
 
 impl Arrival {
-    /// How long the next bytes may take.
+    /// Time-out of the next bytes.
     fn patience(&self, now: Instant) -> Duration {
         let in_time = Duration::from_millis(self.bytes * 1000 / LONG_BYTES_PER_S);
         (MAX_PAUSE + in_time).saturating_sub(now - self.since).min(MAX_PAUSE)
@@ -169,9 +169,8 @@ pub(crate) struct Wire {
     meter: Meter,
     /// When its first bytes arrived.
     began: Instant,
-    permit: Option<Permit>,
-    /// The arrival of the incoming message, if it has a permit.
-    arrival: Option<Arrival>,
+    /// The permit of the incoming long message, and its arrival so far.
+    long: Option<(Permit, Arrival)>,
     /// The payload of a long frame, and the number of bytes received.
     payload: Option<(Vec<u8>, usize)>,
     buffer: BytesMut,
@@ -195,8 +194,7 @@ impl Wire {
             greeting: Vec::with_capacity(64),
             meter: Meter::default(),
             began: Instant::now(),
-            permit: None,
-            arrival: None,
+            long: None,
             payload: None,
             buffer: BytesMut::new(),
         }
@@ -294,8 +292,7 @@ impl Wire {
                 if let Some(subscription) = self.subscription(&frames) {
                     return Ok(subscription);
                 }
-                let permit = self.permit.take();
-                self.arrival = None;
+                let permit = self.long.take().map(|(permit, _)| permit);
                 return Ok(Incoming::Message(Received { frames, permit, began: self.began }));
             }
             match self.codec.poll_event() {
@@ -310,8 +307,7 @@ impl Wire {
             }
             if self.meter.announced() == 0 {
                 // It was a long command, not a message.
-                self.permit = None;
-                self.arrival = None;
+                self.long = None;
             }
             // Replies to heartbeats.
             self.flush().await?;
@@ -346,15 +342,14 @@ impl Wire {
             self.meter.read(&chunk);
             return Ok(self.codec.handle_input(chunk)?);
         }
-        if self.permit.is_none()
+        if self.long.is_none()
             && let Some(long) = &self.config.long
         {
             // Until then, the sender is blocked by the system's buffers.
-            let permit = long.clone().acquire_owned().await;
-            self.permit = Some(permit.map_err(|_| WireError::Closed)?);
-            self.arrival = Some(Arrival { since: Instant::now(), bytes: 0 });
+            let permit = long.clone().acquire_owned().await.map_err(|_| WireError::Closed)?;
+            self.long = Some((permit, Arrival { since: Instant::now(), bytes: 0 }));
         }
-        let patience = self.arrival.map_or(MAX_PAUSE, |it| it.patience(Instant::now()));
+        let patience = self.long.as_ref().map_or(MAX_PAUSE, |(_, it)| it.patience(Instant::now()));
         timeout(patience, self.read_long()).await.map_err(|_| {
             if patience < MAX_PAUSE { WireError::Slow } else { WireError::Stalled(MAX_PAUSE) }
         })?
@@ -365,7 +360,7 @@ impl Wire {
         if self.payload.is_none() {
             let chunk = self.read().await?;
             self.meter.read(&chunk);
-            if let Some(arrival) = &mut self.arrival {
+            if let Some((_, arrival)) = &mut self.long {
                 arrival.bytes += chunk.len() as u64;
             }
             return Ok(self.codec.handle_input(chunk)?);
@@ -402,7 +397,7 @@ impl Wire {
                 Ok(0) => return Err(WireError::Closed),
                 Ok(count) => {
                     self.meter.read(&payload[*filled..*filled + count]);
-                    if let Some(arrival) = &mut self.arrival {
+                    if let Some((_, arrival)) = &mut self.long {
                         arrival.bytes += count as u64;
                     }
                     *filled += count;
