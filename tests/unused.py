@@ -1,0 +1,63 @@
+"""Finds dependencies that no source file of their package names, in all workspaces.
+
+A package says itself what it needs for nothing else than a feature: `ignored` in `[package.metadata.unused]`.
+"""
+
+from __future__ import annotations
+
+import json
+import re
+import subprocess
+from pathlib import Path
+
+ROOT = Path(__file__).parent.parent
+WORKSPACES = [".", "python", "tests/peers", "tests/fuzz"]
+
+
+def metadata(workspace: str) -> dict:
+    """What cargo knows of a workspace and of all that it depends on."""
+    manifest = ROOT / workspace / "Cargo.toml"
+    command = ["cargo", "metadata", "--locked", "--all-features", "--format-version", "1", "--manifest-path", manifest]
+    return json.loads(subprocess.run(command, check=True, stdout=subprocess.PIPE).stdout)
+
+
+def code(folder: Path, others: set[Path]) -> str:
+    """The Rust code of a package, without comments, and without that of packages within its folder."""
+    lines = []
+    for file in folder.rglob("*.rs"):
+        if not others.intersection(file.parents) and "target" not in file.relative_to(folder).parts:
+            lines += [line.split("//")[0] for line in file.read_text().splitlines()]
+    return "\n".join(lines)
+
+
+def unused(workspace: str) -> list[str]:
+    found = metadata(workspace)
+    libraries = {
+        package["name"]: target["name"].replace("-", "_")
+        for package in found["packages"]
+        for target in package["targets"]
+        if {"lib", "proc-macro", "rlib", "dylib", "cdylib"}.intersection(target["kind"])
+    }
+    members = [package for package in found["packages"] if package["id"] in found["workspace_members"]]
+    folders = {Path(file).parent for file in ROOT.rglob("Cargo.toml") if "target" not in file.parts}
+    lines = []
+    for package in members:
+        folder = Path(package["manifest_path"]).parent
+        text = code(folder, {other for other in folders if folder in other.parents})
+        ignored = ((package["metadata"] or {}).get("unused") or {}).get("ignored", [])
+        for dependency in package["dependencies"]:
+            name = dependency["name"]
+            known_as = (dependency["rename"] or libraries.get(name, name)).replace("-", "_")
+            if name not in ignored and not re.search(rf"\b{known_as}\b", text):
+                lines.append(f"{folder.relative_to(ROOT)}: nothing uses {name}")
+    return lines
+
+
+def main() -> None:
+    lines = [line for workspace in WORKSPACES for line in unused(workspace)]
+    print("\n".join(lines) or "Each dependency is used.")
+    raise SystemExit(bool(lines))
+
+
+if __name__ == "__main__":
+    main()
