@@ -294,7 +294,7 @@ def escape_and_dialogs_stop(browser: Browser, twin: Twin) -> None:
 def positions_are_kept(browser: Browser, twin: Twin) -> None:
     twin.open(browser)
     # A name is asked for, and suggested.
-    assert browser.run("document.getElementById('position-name').value") == "P1"
+    browser.until("document.getElementById('position-name').value === 'P1'")
     browser.run("document.getElementById('position-name').value = ''")
     browser.click("#save button")
     browser.frames()
