@@ -28,3 +28,4 @@ mod run;
 mod scene;
 mod settings;
 mod tables;
+mod timing;

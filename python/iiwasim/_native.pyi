@@ -16,7 +16,7 @@ from .drive import Run
 _Array: TypeAlias = NDArray[np.float64]
 _Path: TypeAlias = str | PathLike[str]
 _Robot: TypeAlias = Robot | str | PathLike[str]
-_Timing: TypeAlias = Literal["jerk", "acceleration"]
+_Timing: TypeAlias = Literal["jerk", "sunrise", "acceleration"]
 _Shape: TypeAlias = Literal["iiwa", "alpha", "min-acceleration", "circle"]
 _Search: TypeAlias = Literal["first-crossing", "algorithm-1", "algorithm-2"]
 

@@ -87,6 +87,7 @@ pub(crate) fn plan_options(
         timing,
         &[
             ("jerk", Timing::Jerk(JerkOptions::default())),
+            ("sunrise", Timing::Sunrise(JerkOptions::default())),
             ("acceleration", Timing::Acceleration(SweepOptions { samples: samples as usize })),
         ],
     )?;

@@ -78,6 +78,7 @@ def test_options_of_plans() -> None:
     program = iw.Program.load(FIXTURES / "ten-motions.json")
     jerk = iw.plan(program)
     assert iw.plan(program, timing="acceleration").cycle_time_s < jerk.cycle_time_s
+    assert iw.plan(program, timing="sunrise").timing == "sunrise"
     assert iw.plan(program, blend_shape="alpha").cycle_time_s != jerk.cycle_time_s
     assert iw.plan(program, robot="lbr_iiwa_14_r820").robot.name == "lbr_iiwa_14_r820"
     assert iw.plan(program, robot=iw.Robot("lbr_iiwa_14_r820")) is not None

@@ -144,8 +144,10 @@ pub(crate) struct Plan {
 pub(crate) enum Timing {
     /// Velocity and acceleration (Larsen 2019)
     Acceleration,
-    /// Velocity, acceleration and jerk, like the controller
+    /// Velocity, acceleration and jerk
     Jerk,
+    /// As jerk, but PTP motions from rest to rest start and stop as Sunrise was seen to plan them
+    Sunrise,
 }
 
 #[derive(Clone, Copy, Debug, ValueEnum)]

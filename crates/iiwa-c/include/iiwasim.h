@@ -45,13 +45,17 @@ typedef enum IiwasimStatus {
  */
 typedef enum IiwasimTiming {
   /*
-   Velocity, acceleration and jerk, as the controller does it.
+   Velocity, acceleration and jerk.
    */
   IIWASIM_TIMING_JERK = 0,
   /*
    Velocity and acceleration.
    */
   IIWASIM_TIMING_ACCELERATION = 1,
+  /*
+   As jerk-limited, but PTP motions from rest to rest start and stop as Sunrise was seen to plan them.
+   */
+  IIWASIM_TIMING_SUNRISE = 2,
 } IiwasimTiming;
 
 /*

@@ -15,10 +15,12 @@ use crate::{
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum IiwasimTiming {
-    /// Velocity, acceleration and jerk, as the controller does it.
+    /// Velocity, acceleration and jerk.
     Jerk = 0,
     /// Velocity and acceleration.
     Acceleration = 1,
+    /// As jerk-limited, but PTP motions from rest to rest start and stop as Sunrise was seen to plan them.
+    Sunrise = 2,
 }
 
 /// How a program is planned. `iiwasim_options_default` fills it in, so that fields that are not set mean what is usual.
@@ -47,6 +49,7 @@ pub extern "C" fn iiwasim_options_default(
             timing: match choices.timing {
                 ChosenTiming::Jerk => IiwasimTiming::Jerk as i32,
                 ChosenTiming::Acceleration => IiwasimTiming::Acceleration as i32,
+                ChosenTiming::Sunrise => IiwasimTiming::Sunrise as i32,
             },
             samples: choices.samples,
             limit_torque_percent: choices.limit_torque_percent.unwrap_or_default(),
@@ -67,9 +70,11 @@ impl IiwasimOptions {
         let timing = match self.timing {
             known if known == IiwasimTiming::Jerk as i32 => ChosenTiming::Jerk,
             known if known == IiwasimTiming::Acceleration as i32 => ChosenTiming::Acceleration,
+            known if known == IiwasimTiming::Sunrise as i32 => ChosenTiming::Sunrise,
             other => {
-                let what =
-                    format!("options->timing is {other}; it must be 0 (jerk) or 1 (acceleration)");
+                let what = format!(
+                    "options->timing is {other}; it must be 0 (jerk), 1 (acceleration) or 2 (sunrise)"
+                );
                 return Err(Failure::argument(what));
             }
         };

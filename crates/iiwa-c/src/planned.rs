@@ -4,7 +4,7 @@ use iiwa_kin::{Pose, Robot};
 use iiwa_log::{PlanFigures, PlanOptions};
 use iiwa_path::{JointPath, warnings};
 use iiwa_program::Fault;
-use iiwa_traj::{PlanError, State, SweepOptions, Timing, Trajectory};
+use iiwa_traj::{JerkOptions, PlanError, State, SweepOptions, Timing, Trajectory};
 use serde::{Deserialize, Serialize};
 
 use crate::{
@@ -30,6 +30,7 @@ pub(crate) struct Choices {
 pub(crate) enum ChosenTiming {
     Jerk,
     Acceleration,
+    Sunrise,
 }
 
 /// What is planned with unless something else is asked for.
@@ -49,6 +50,7 @@ impl Choices {
         }
         let timing = match self.timing {
             ChosenTiming::Jerk => Timing::default(),
+            ChosenTiming::Sunrise => Timing::Sunrise(JerkOptions::default()),
             ChosenTiming::Acceleration => {
                 Timing::Acceleration(SweepOptions { samples: self.samples as usize })
             }

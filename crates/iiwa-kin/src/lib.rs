@@ -40,6 +40,7 @@ mod number;
 mod pose;
 #[cfg(feature = "profile")]
 mod profile;
+mod ramp_law;
 mod reachable;
 mod redundancy;
 mod rigid_body;
@@ -70,6 +71,7 @@ pub use number::Number;
 pub use pose::Pose;
 #[cfg(feature = "profile")]
 pub use profile::ProfileError;
+pub use ramp_law::{RampEnd, RampLaw, RampLimits};
 pub use redundancy::Redundancy;
 pub use rigid_body::RigidBody;
 pub use robot::{Assumption, BadLength, Lengths, Robot};

@@ -3,6 +3,7 @@
 mod bounds;
 mod error;
 mod links;
+mod ramps;
 mod units;
 
 use iiwa_json::{
@@ -21,6 +22,7 @@ use self::bounds::{
 pub use self::error::ProfileError;
 use self::{
     links::{FrictionWire, LinkWire, bodies, check_flange_mass, check_masses, written},
+    ramps::RampsWire,
     units::{DEG, SAME, checked, differ, from_mm, kappa, list, unconvert, within},
 };
 use crate::{Joint, Joints, Lengths, Limits, Robot, robot::MAX_LENGTH_M};
@@ -108,6 +110,10 @@ struct Wire {
     #[serde(default, deserialize_with = "given", skip_serializing_if = "Option::is_none")]
     #[schemars(with = "f64", extend("minimum" = SETTLE_RANGE_S[0], "maximum" = SETTLE_RANGE_S[1]))]
     settle_time_s: Option<f64>,
+    /// How softly PTP motions start and stop, for the timing `sunrise`.
+    #[serde(default, deserialize_with = "given_object", skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "RampsWire")]
+    ramps: Option<RampsWire>,
 }
 
 /// Lengths in mm; those left out are the built-in model's.
@@ -305,6 +311,10 @@ impl Wire {
             within(text, &[Key(SETTLE)], found, SETTLE_RANGE_S, || SETTLE.to_owned())?;
             robot.settle_time_s = found;
         }
+        if let Some(ramps) = &self.ramps {
+            let law = ramps.law(text, &robot.ramp_law)?;
+            robot = robot.with_ramp_law(law);
+        }
         if self.acceleration_limit_deg_s2.is_some() {
             robot.drop_assumption("acceleration");
         }
@@ -419,6 +429,7 @@ impl Wire {
                 .then(|| robot.tcp_blend_kappa().to_vec()),
             settle_time_s: differ(&[robot.settle_time_s], &[base.settle_time_s])
                 .then_some(robot.settle_time_s),
+            ramps: RampsWire::of(robot, base, differ),
         }
     }
 
@@ -443,6 +454,7 @@ impl Wire {
                 self.blend_kappa.is_some(),
                 self.tcp_blend_kappa.is_some(),
                 self.settle_time_s.is_some(),
+                self.ramps.is_some(),
             ]
             .into_iter()
             .filter(|&given| given)

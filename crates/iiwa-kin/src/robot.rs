@@ -3,7 +3,7 @@
 use std::f64::consts::FRAC_PI_2;
 
 use crate::{
-    DhRow, Friction, Joints, Limits, RigidBody,
+    DhRow, Friction, Joints, Limits, RampLaw, RigidBody,
     inertials::{IIWA_7, IIWA_7_BASE_KG, IIWA_14, IIWA_14_BASE_KG, Links},
 };
 
@@ -58,6 +58,7 @@ pub struct Robot {
     /// None if it is `blend_kappa`.
     tcp_blend_kappa: Option<[f64; 3]>,
     pub(crate) settle_time_s: f64,
+    pub(crate) ramp_law: RampLaw,
     pub(crate) assumptions: Vec<Assumption>,
 }
 
@@ -103,7 +104,7 @@ impl Robot {
                 velocity_rad_s: rad([98.0, 98.0, 100.0, 130.0, 140.0, 180.0, 180.0]),
                 acceleration_rad_s2: rad([490.0, 490.0, 500.0, 650.0, 700.0, 900.0, 900.0]),
                 jerk_rad_s3: rad(IIWA_7_JERK_DEG_S3),
-                torque_nm: [176.0, 176.0, 110.0, 110.0, 110.0, 40.0, 40.0],
+                torque_nm: IIWA_7_TORQUE_NM,
             },
             base_mass_kg: IIWA_7_BASE_KG,
             links: Links::Known(Box::new(IIWA_7)),
@@ -112,6 +113,7 @@ impl Robot {
             blend_kappa: KAPPA,
             tcp_blend_kappa: None,
             settle_time_s: SETTLE_TIME_S,
+            ramp_law: RampLaw::iiwa_7(&IIWA_7_TORQUE_NM),
             assumptions: vec![Assumption {
                 what: "masses".to_owned(),
                 basis: MASSES_BASIS.to_owned(),
@@ -122,12 +124,13 @@ impl Robot {
     /// LBR iiwa 14 R820 with the media flange "Touch".
     ///
     /// Lengths, positions, speeds and torques: KUKA data sheet; links: the CAD model of `lbr_description`. Accelerations,
-    /// jerks and masses are assumptions, see [`Robot::assumptions`].
+    /// jerks, masses and ramps are assumptions, see [`Robot::assumptions`].
     #[must_use]
     pub fn lbr_iiwa_14_r820() -> Self {
         let velocity_deg_s = [85.0, 85.0, 100.0, 75.0, 130.0, 135.0, 135.0];
         let acceleration_deg_s2 = velocity_deg_s.map(|v| ACCELERATION_PER_SPEED * v);
         let small = Self::lbr_iiwa_7_r800();
+        let torque_nm = [320.0, 320.0, 176.0, 176.0, 110.0, 40.0, 40.0];
         let mut jerk_rad_s3 = rad(acceleration_deg_s2);
         for (j, jerk) in jerk_rad_s3.iter_mut().enumerate() {
             *jerk *= small.limits.jerk_rad_s3[j] / small.limits.acceleration_rad_s2[j];
@@ -139,7 +142,7 @@ impl Robot {
                 velocity_rad_s: rad(velocity_deg_s),
                 acceleration_rad_s2: rad(acceleration_deg_s2),
                 jerk_rad_s3,
-                torque_nm: [320.0, 320.0, 176.0, 176.0, 110.0, 40.0, 40.0],
+                torque_nm,
                 ..small.limits
             },
             base_mass_kg: IIWA_14_BASE_KG,
@@ -149,6 +152,7 @@ impl Robot {
             blend_kappa: small.blend_kappa,
             tcp_blend_kappa: small.tcp_blend_kappa,
             settle_time_s: small.settle_time_s,
+            ramp_law: small.ramp_law.scaled(&IIWA_7_TORQUE_NM, &torque_nm),
             assumptions: vec![
                 Assumption {
                     what: "acceleration".to_owned(),
@@ -159,6 +163,11 @@ impl Robot {
                     basis: "the LBR iiwa 7's ratio of jerk to acceleration".to_owned(),
                 },
                 Assumption { what: "masses".to_owned(), basis: MASSES_BASIS.to_owned() },
+                Assumption {
+                    what: "ramps".to_owned(),
+                    basis: "the LBR iiwa 7's, as measured, by the ratio of the torque limits"
+                        .to_owned(),
+                },
             ],
         }
     }
@@ -232,6 +241,14 @@ impl Robot {
     #[must_use]
     pub fn with_settle_time_s(mut self, settle_time_s: f64) -> Self {
         self.settle_time_s = settle_time_s;
+        self
+    }
+
+    /// The same robot with other ramps; they are no assumption any more.
+    #[must_use]
+    pub fn with_ramp_law(mut self, ramp_law: RampLaw) -> Self {
+        self.ramp_law = ramp_law;
+        self.drop_assumption("ramps");
         self
     }
 
@@ -345,12 +362,18 @@ impl Robot {
         self.settle_time_s
     }
 
+    /// How softly motions start and stop.
+    #[must_use]
+    pub fn ramp_law(&self) -> &RampLaw {
+        &self.ramp_law
+    }
+
     /// Figures of this model that no source states.
     ///
     /// ```
     /// let robot = iiwa_kin::Robot::lbr_iiwa_14_r820();
     /// let assumed: Vec<_> = robot.assumptions().iter().map(|a| a.what.as_str()).collect();
-    /// assert_eq!(assumed, ["acceleration", "jerk", "masses"]);
+    /// assert_eq!(assumed, ["acceleration", "jerk", "masses", "ramps"]);
     /// ```
     #[must_use]
     pub fn assumptions(&self) -> &[Assumption] {
@@ -408,6 +431,9 @@ const SETTLE_TIME_S: f64 = 0.05;
 
 /// Positions at which both models end, to either side.
 const POSITION_DEG: Joints = [170.0, 120.0, 170.0, 120.0, 170.0, 120.0, 175.0];
+
+/// KUKA data sheet.
+const IIWA_7_TORQUE_NM: Joints = [176.0, 176.0, 110.0, 110.0, 110.0, 40.0, 40.0];
 
 /// Means of Larsen 2019, Table 5.
 const IIWA_7_JERK_DEG_S3: Joints =

@@ -35,7 +35,8 @@ fn every_part_can_be_overridden() {
             "link_mass_kg": [8, 7, 6, 5, 4, 3, 2, 1],
             "blend_kappa": [-3, 0.01, 0.0002],
             "tcp_blend_kappa": [-2, 0.02, 0.0003],
-            "settle_time_s": 0.04
+            "settle_time_s": 0.04,
+            "ramps": { "torque_snap_nm_s2": [1, 2, 3, 4, 5, 6, 7], "width_rad_s": 0.25 }
         }"#,
     )
     .unwrap();
@@ -53,6 +54,10 @@ fn every_part_can_be_overridden() {
     assert_eq!(robot.kappa(100.0), -3.0 + 1.0 + 2.0);
     assert_eq!(robot.tcp_kappa(100.0), -2.0 + 2.0 + 3.0);
     assert_eq!(robot.settle_time_s(), 0.04);
+    let mut law = *Robot::lbr_iiwa_14_r820().ramp_law();
+    law.torque_snap_nm_s2 = [1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0];
+    law.width_rad_s = 0.25;
+    assert_eq!(*robot.ramp_law(), law);
     assert!(robot.assumptions().is_empty());
     assert_eq!(Robot::from_profile(&robot.to_profile()).unwrap(), robot);
 }
@@ -173,6 +178,10 @@ fn links_are_bodies() {
          "flange_mass_kg is -1.0; it must be at least 0.0 and at most 1000000000.0".to_owned()),
         (r#""friction": { "coulomb_nm": [0, 0, -0.1, 0, 0, 0, 0] }"#.to_owned(),
          "friction: coulomb_nm of joint A3 is -0.1; it must be at least 0.0 and at most 1000000000.0".to_owned()),
+        (r#""ramps": { "stop_nm_s": [1, 0, 1, 1, 1, 1, 1] }"#.to_owned(),
+         "ramps: stop_nm_s of joint A2 is 0.0; it must be above 0 and at most 1000000000.0".to_owned()),
+        (r#""ramps": { "width_rad_s": -1 }"#.to_owned(),
+         "ramps: width_rad_s is -1.0; it must be above 0 and at most 1000000000.0".to_owned()),
     ] {
         assert_eq!(refused(&text(&keys)).what(), what);
     }
@@ -209,10 +218,10 @@ fn what_is_given_is_no_assumption() {
     ] {
         let robot = read(key, numbers);
         assert!(!robot.assumes(what), "{what}");
-        assert_eq!(robot.assumptions().len(), 2);
+        assert_eq!(robot.assumptions().len(), 3);
         assert_eq!(Robot::from_profile(&robot.to_profile()).unwrap(), robot);
     }
-    assert_eq!(read("torque_limit_nm", "1, 2, 3, 4, 5, 6, 7").assumptions().len(), 3);
+    assert_eq!(read("torque_limit_nm", "1, 2, 3, 4, 5, 6, 7").assumptions().len(), 4);
 }
 
 /// A faulty text; line, column and text of the fault; part of the message.
@@ -393,7 +402,7 @@ fn a_flange_has_a_length() {
 fn the_schema_has_every_key() {
     let schema = Robot::profile_schema();
     let keys = schema["properties"].as_object().unwrap();
-    assert_eq!(keys.len(), 18);
+    assert_eq!(keys.len(), 19);
     let named = r#"{ "$schema": "profile.schema.json", "version": 1 }"#;
     assert_eq!(Robot::from_profile(named).unwrap(), Robot::default());
     assert_eq!(schema["additionalProperties"], false);

@@ -254,6 +254,7 @@ impl PlanFigures {
     pub fn new(timing: Timing, robot: &Robot, samples: u32) -> Self {
         let used = |what: &str| match timing {
             Timing::Jerk(_) => what == "acceleration" || what == "jerk",
+            Timing::Sunrise(_) => ["acceleration", "jerk", "ramps"].contains(&what),
             _ => what == "acceleration",
         };
         Self {

@@ -9,7 +9,8 @@ mod stamps;
 
 use std::{ops::Range, sync::atomic::AtomicBool};
 
-use iiwa_path::Step;
+use iiwa_kin::{Joints, RampEnd, RampLaw, RampLimits};
+use iiwa_path::{JointPath, Step};
 use iiwa_solver::{LimitedSegment, SolveError, SweptNode, TorqueLimits, Window};
 
 use crate::{
@@ -25,15 +26,23 @@ pub(crate) use stamps::{SegmentStamps, Stamps};
 pub(crate) fn limit(
     section: &mut Section,
     torques: &[TorqueLimits],
-    options: JerkOptions,
+    timing: JerkTiming,
     stop: &AtomicBool,
 ) -> Result<(), TimingError> {
     if !section.pieces.is_empty() {
         let all = Pieces { range: 0..section.pieces.len(), ends: [None; 2], torques };
-        let stamped = stamps(section, &all, options, stop)?;
+        let stamped = stamps(section, &all, timing, stop)?;
         section.stamp(stamped);
     }
     Ok(())
+}
+
+/// How a section is timed under limits of jerk.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct JerkTiming {
+    pub(crate) options: JerkOptions,
+    /// Whether lines from rest to rest go by the robot's [`RampLaw`](iiwa_kin::RampLaw).
+    pub(crate) sunrise: bool,
 }
 
 /// Pieces of a section, at least one.
@@ -50,7 +59,7 @@ pub(crate) struct Pieces<'a> {
 pub(crate) fn stamps(
     section: &mut Section,
     pieces: &Pieces<'_>,
-    options: JerkOptions,
+    JerkTiming { options, sunrise }: JerkTiming,
     stop: &AtomicBool,
 ) -> Result<Stamps, TimingError> {
     let path = section.path.clone();
@@ -76,7 +85,12 @@ pub(crate) fn stamps(
     let closed_form = match (segments.as_slice(), pieces.ends) {
         _ if !pieces.torques.is_empty() => None,
         ([line], [None, None]) if line.is_line() && !options.general => {
-            Some(closed_form::line(line))
+            let law = path.robot().ramp_law();
+            let ramps = ramp_limits(&path, &section.pieces[0], law).filter(|_| sunrise);
+            Some(match ramps {
+                Some(ends) => closed_form::sunrise_line(line, ends, law),
+                None => closed_form::line(line),
+            })
         }
         ([path], [None, None]) if !options.general => closed_form::tcp_path(path),
         _ => None,
@@ -96,6 +110,21 @@ pub(crate) fn stamps(
         SolveError::NotConverged => TimingError::NotConverged { motion },
         SolveError::Interrupted => TimingError::Interrupted,
     })
+}
+
+/// What limits the ramps at both ends of a piece that is a line, with what hangs on the flange: nobody has measured loads.
+fn ramp_limits(path: &JointPath, piece: &Piece, law: &RampLaw) -> Option<[RampLimits; 2]> {
+    let Step::Move { segment, .. } = &path.steps()[piece.step] else { return None };
+    let [start, stop] = [0.0, 1.0].map(|s| segment.at(s).q);
+    let way: Joints = std::array::from_fn(|j| stop[j] - start[j]);
+    let length = way.iter().map(|d| d * d).sum::<f64>().sqrt();
+    let dynamics = path.dynamics(piece.motion);
+    let limits = |q, sign: f64, end| {
+        let away = way.map(|d| sign * d / length);
+        let torques = dynamics.path_torques(q, &away, &[0.0; 7]).acceleration;
+        law.limits(&away, &torques, end)
+    };
+    Some([limits(&start, 1.0, RampEnd::Start), limits(&stop, -1.0, RampEnd::Stop)])
 }
 
 /// The stamps of a window. Its ends are given: it cannot be slowed down.

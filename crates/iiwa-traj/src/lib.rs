@@ -47,6 +47,7 @@ mod replanner;
 mod section;
 mod section_sweep;
 mod state;
+mod sunrise;
 mod sweep;
 mod timing;
 mod torque_limits;

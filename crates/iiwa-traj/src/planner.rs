@@ -10,13 +10,13 @@ use iiwa_path::{JointPath, Step};
 use iiwa_solver::TorqueLimits;
 
 use crate::{
-    jerk,
+    jerk::{self, JerkTiming},
     known_in_time::{is_early, needed_s},
     late_blend::LateBlend,
     program_clock::ProgramClock,
     section::Section,
     section_sweep::{Moves, SAMPLES_BEFORE_JERK, Scratch, sweep_moves},
-    timing::{JerkOptions, Timing, TimingError},
+    timing::{Timing, TimingError},
     torque_limits::{check_holding, largest_torque, torque_limits},
 };
 
@@ -57,7 +57,7 @@ const MOST_TORQUE: f64 = 1.01;
 #[derive(Debug)]
 pub struct Planner {
     path: JointPath,
-    jerk: Option<JerkOptions>,
+    jerk: Option<JerkTiming>,
     /// The next of the path's steps.
     step: usize,
     time_s: f64,
@@ -77,7 +77,12 @@ impl Planner {
     pub fn new(path: &JointPath, timing: Timing) -> Self {
         let (samples, jerk) = match timing {
             Timing::Acceleration(options) => (options.samples.max(2), None),
-            Timing::Jerk(options) => (SAMPLES_BEFORE_JERK, Some(options)),
+            Timing::Jerk(options) => {
+                (SAMPLES_BEFORE_JERK, Some(JerkTiming { options, sunrise: false }))
+            }
+            Timing::Sunrise(options) => {
+                (SAMPLES_BEFORE_JERK, Some(JerkTiming { options, sunrise: true }))
+            }
         };
         Self {
             path: path.clone(),
@@ -141,8 +146,8 @@ impl Planner {
         sweep_moves(&without, &mut self.scratch, &self.stop, section)?;
         let needs = match self.jerk {
             // Where accelerations jump, torques are larger than with limits of jerk.
-            Some(options) if largest(section, true) < LIKELY => {
-                jerk::limit(section, &[], options, &self.stop)?;
+            Some(timing) if largest(section, true) < LIKELY => {
+                jerk::limit(section, &[], timing, &self.stop)?;
                 largest(section, jumps)
             }
             _ => largest(section, true),
@@ -180,7 +185,7 @@ impl Planner {
         let moves = Moves { steps, ends: [None; 2], torques: &[] };
         sweep_moves(&moves, &mut self.scratch, &self.stop, section)?;
         match self.jerk {
-            Some(options) => jerk::limit(section, &[], options, &self.stop),
+            Some(timing) => jerk::limit(section, &[], timing, &self.stop),
             None => Ok(()),
         }
     }
@@ -198,7 +203,7 @@ impl Planner {
         let scratch = self.torque_scratch.get_or_insert_with(|| Scratch::new(intervals));
         sweep_moves(&moves, scratch, &self.stop, section)?;
         match self.jerk {
-            Some(options) => jerk::limit(section, torques, options, &self.stop),
+            Some(timing) => jerk::limit(section, torques, timing, &self.stop),
             None => Ok(()),
         }
     }

@@ -9,7 +9,7 @@ use iiwa_program::{Motion, MotionIndex, Program};
 use crate::{
     batch::PlanError,
     interval::later,
-    jerk::{self, Pieces, Stamps},
+    jerk::{self, JerkTiming, Pieces, Stamps},
     limit_usage::LimitUsage,
     node::Node,
     section::{Piece, Section},
@@ -319,7 +319,12 @@ impl Replanner {
             ends: [window.start, window.end].map(|step| self.state(step)),
             torques: &torques,
         };
-        Ok(StepPlan::of(jerk::stamps(&mut section, &pieces, self.options, &stop)?))
+        Ok(StepPlan::of(jerk::stamps(
+            &mut section,
+            &pieces,
+            JerkTiming { options: self.options, sunrise: false },
+            &stop,
+        )?))
     }
 
     /// The state in which the step at `step` begins: the square of the speed along the path and its derivative by the

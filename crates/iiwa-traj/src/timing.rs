@@ -30,8 +30,12 @@ use crate::limit::Limit;
 pub enum Timing {
     /// Velocity and acceleration, by the sample sweep of Larsen 2019, section 2.4.
     Acceleration(SweepOptions),
-    /// Velocity, acceleration and jerk, as the controller does it.
+    /// Velocity, acceleration and jerk.
     Jerk(JerkOptions),
+    /// As [`Jerk`](Self::Jerk), but for PTP motions from rest to rest, which start and stop by the robot's
+    /// [`RampLaw`](iiwa_kin::RampLaw), as Sunrise was seen to plan them. What Sunrise does with blends and with paths of the
+    /// TCP is not known.
+    Sunrise(JerkOptions),
 }
 
 impl Default for Timing {
@@ -41,12 +45,13 @@ impl Default for Timing {
 }
 
 impl Timing {
-    /// The name of the timing: `acceleration` or `jerk`.
+    /// The name of the timing: `acceleration`, `jerk` or `sunrise`.
     #[must_use]
     pub fn name(&self) -> &'static str {
         match self {
             Self::Acceleration(_) => "acceleration",
             Self::Jerk(_) => "jerk",
+            Self::Sunrise(_) => "sunrise",
         }
     }
 }

@@ -8,5 +8,6 @@ mod overlap;
 mod playback;
 mod segment;
 mod stamps;
+mod sunrise;
 mod t1;
 mod tool_limits;

@@ -103,11 +103,14 @@ pub fn plan_table(figures: &PlanFigures) -> String {
     );
     shortened_lines(&mut text, &figures.blends_too_late, late_blend);
     let mut limits = vec!["velocity", "acceleration"];
-    limits.extend((figures.timing == "jerk").then_some("jerk"));
+    limits.extend((figures.timing != "acceleration").then_some("jerk"));
     let torque = figures.limit_torque_percent.map(|percent| format!("torque ({percent} %)"));
     limits.extend(torque.as_deref());
     let last = limits.pop().unwrap_or_default();
     let _ = writeln!(text, "{}, limits of {} and {last}", figures.robot, limits.join(", "));
+    if figures.timing == "sunrise" {
+        let _ = writeln!(text, "PTP motions from rest to rest as Sunrise plans them");
+    }
     if let Some(largest) = figures.largest_torque() {
         let _ = writeln!(text, "Torque at most {largest}");
     }

@@ -141,6 +141,7 @@ fn plan_options(options: &Plan) -> PlanOptions {
                 Timing::Acceleration(SweepOptions { samples: options.samples as usize })
             }
             args::Timing::Jerk => Timing::Jerk(JerkOptions::default()),
+            args::Timing::Sunrise => Timing::Sunrise(JerkOptions::default()),
         },
         samples: options.samples,
     }

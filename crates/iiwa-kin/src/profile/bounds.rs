@@ -26,6 +26,7 @@ pub(super) const VISCOUS: &str = "viscous_nm_s_rad";
 pub(super) const COULOMB: &str = "coulomb_nm";
 pub(super) const KAPPA: &str = "blend_kappa";
 pub(super) const TCP_KAPPA: &str = "tcp_blend_kappa";
+pub(super) const RAMPS: &str = "ramps";
 pub(super) const SETTLE: &str = "settle_time_s";
 
 /// No joint turns farther than this to either side, in degrees.

@@ -1,6 +1,7 @@
 //! Stamps in closed form: the profile of at most seven phases of constant jerk along a line in joint space, and along a line
 //! or circle of the TCP that its own limits hold back.
 
+use iiwa_kin::{RampLaw, RampLimits};
 use iiwa_path::PLACES;
 use iiwa_solver::LimitedSegment;
 
@@ -9,6 +10,7 @@ use crate::{
     limit_usage::LimitUsage,
     node::Node,
     phases::{ProfilePoint, phases},
+    sunrise::{self, RampedLine},
 };
 
 /// Intervals of a motion, at least. Between nodes, joints go as polynomials; and limits are checked at nodes and half-way.
@@ -25,6 +27,30 @@ pub(super) fn line(segment: &LimitedSegment<'_>) -> Stamps {
     let geometry = segment.geometry(&[0.0; PLACES]);
     for interval in instants.windows(2).map(ConstantJerk::new) {
         for (rates, dt) in interval.rates() {
+            usage.sample(&segment.shares(&geometry, 0, rates), dt);
+        }
+    }
+    stamps(&instants, length, &usage)
+}
+
+/// The stamps of a section that is one line in joint space, as Sunrise plans it. Its own limits hold jerk and snap back.
+pub(super) fn sunrise_line(
+    segment: &LimitedSegment<'_>,
+    ends: [RampLimits; 2],
+    law: &RampLaw,
+) -> Stamps {
+    let length = segment.length_rad();
+    let [speed, acceleration, _] = segment.straight(0.0);
+    let limits = RampedLine { speed, acceleration, ends, law };
+    let instants = sunrise::instants(length, &limits);
+    let mut usage = LimitUsage::default();
+    let geometry = segment.geometry(&[0.0; PLACES]);
+    for pair in instants.windows(2) {
+        let [from, to] = [pair[0], pair[1]];
+        // Speed and acceleration grow or fall all through a phase.
+        let half = [from.speed, from.acceleration].map(|of| 0.5 * of);
+        let half = [half[0] + 0.5 * to.speed, half[1] + 0.5 * to.acceleration, 0.0];
+        for (rates, dt) in [(half, from.phase_s), ([to.speed, to.acceleration, 0.0], 0.0)] {
             usage.sample(&segment.shares(&geometry, 0, rates), dt);
         }
     }

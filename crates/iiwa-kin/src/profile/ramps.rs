@@ -1,0 +1,109 @@
+//! Ramps of PTP motions in profiles.
+
+use iiwa_json::{
+    Step::{Index, Key},
+    numbers,
+};
+use schemars::JsonSchema;
+use serde::{Deserialize, Deserializer, Serialize};
+
+use super::{
+    bounds::{MAX_NUMBER, RAMPS},
+    error::ProfileError,
+    units::{SAME, checked},
+};
+use crate::{Joints, RampLaw, Robot};
+
+/// What limits the ramps of PTP motions, as docs/evidence.md derives it; what is left out is the built-in model's.
+#[derive(Default, Deserialize, Serialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+#[schemars(rename = "Ramps")]
+pub(super) struct RampsWire {
+    /// Largest second derivative of the torques of joints A1 to A7 by time, in Nm/s^2: S.
+    #[serde(default, deserialize_with = "seven", skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "Vec<f64>", length(equal = 7), extend("items" = super::positive(MAX_NUMBER)))]
+    torque_snap_nm_s2: Option<Joints>,
+    /// What joints A1 to A7 count beyond the inertia of the arm, in kg m^2: B.
+    #[serde(default, deserialize_with = "seven", skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "Vec<f64>", length(equal = 7), extend("items" = super::positive(MAX_NUMBER)))]
+    motor_inertia_kg_m2: Option<Joints>,
+    /// What limits the jerk of joints A1 to A7 at the start, in Nm/s: R. 1e9 of joints that were never seen to limit it.
+    #[serde(default, deserialize_with = "seven", skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "Vec<f64>", length(equal = 7), extend("items" = super::positive(MAX_NUMBER)))]
+    start_nm_s: Option<Joints>,
+    /// The same at the end, in Nm/s.
+    #[serde(default, deserialize_with = "seven", skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "Vec<f64>", length(equal = 7), extend("items" = super::positive(MAX_NUMBER)))]
+    stop_nm_s: Option<Joints>,
+    /// The jerk that an acceleration counts for, in 1/s: c.
+    #[serde(default, deserialize_with = "super::given", skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "f64", extend("exclusiveMinimum" = 0, "maximum" = MAX_NUMBER))]
+    damping_per_s: Option<f64>,
+    /// Width of a phase, in rad/s along the line.
+    #[serde(default, deserialize_with = "super::given", skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "f64", extend("exclusiveMinimum" = 0, "maximum" = MAX_NUMBER))]
+    width_rad_s: Option<f64>,
+    /// Least time that a line takes at its top speed, in s.
+    #[serde(default, deserialize_with = "super::given", skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "f64", extend("exclusiveMinimum" = 0, "maximum" = MAX_NUMBER))]
+    least_cruise_s: Option<f64>,
+}
+
+fn seven<'de, D: Deserializer<'de>>(reader: D) -> Result<Option<Joints>, D::Error> {
+    numbers(reader, "seven numbers, for joints A1 to A7").map(Some)
+}
+
+impl RampsWire {
+    /// The law `base` with what is given of it.
+    pub(super) fn law(&self, text: &str, base: &RampLaw) -> Result<RampLaw, ProfileError> {
+        let mut law = *base;
+        for (key, given, field) in [
+            ("torque_snap_nm_s2", self.torque_snap_nm_s2, &mut law.torque_snap_nm_s2),
+            ("motor_inertia_kg_m2", self.motor_inertia_kg_m2, &mut law.motor_inertia_kg_m2),
+            ("start_nm_s", self.start_nm_s, &mut law.start_nm_s),
+            ("stop_nm_s", self.stop_nm_s, &mut law.stop_nm_s),
+        ] {
+            let Some(given) = given else { continue };
+            for (index, found) in given.into_iter().enumerate() {
+                let what = || format!("{RAMPS}: {key} of joint A{}", index + 1);
+                let place = [Key(RAMPS), Key(key), Index(index)];
+                field[index] = checked(text, &place, found, MAX_NUMBER, what, SAME)?;
+            }
+        }
+        for (key, given, field) in [
+            ("damping_per_s", self.damping_per_s, &mut law.damping_per_s),
+            ("width_rad_s", self.width_rad_s, &mut law.width_rad_s),
+            ("least_cruise_s", self.least_cruise_s, &mut law.least_cruise_s),
+        ] {
+            let Some(found) = given else { continue };
+            let what = || format!("{RAMPS}: {key}");
+            *field = checked(text, &[Key(RAMPS), Key(key)], found, MAX_NUMBER, what, SAME)?;
+        }
+        Ok(law)
+    }
+
+    /// All of it, where it is not that of `base`, or known and assumed there.
+    pub(super) fn of(
+        robot: &Robot,
+        base: &Robot,
+        differ: fn(&[f64], &[f64]) -> bool,
+    ) -> Option<Self> {
+        let numbers = |law: &RampLaw| {
+            let RampLaw { damping_per_s, width_rad_s, least_cruise_s, .. } = *law;
+            let lists =
+                [law.torque_snap_nm_s2, law.motor_inertia_kg_m2, law.start_nm_s, law.stop_nm_s];
+            [lists.as_flattened(), &[damping_per_s, width_rad_s, least_cruise_s]].concat()
+        };
+        let known = base.assumes("ramps") && !robot.assumes("ramps");
+        let law = &robot.ramp_law;
+        (known || differ(&numbers(law), &numbers(&base.ramp_law))).then_some(Self {
+            torque_snap_nm_s2: Some(law.torque_snap_nm_s2),
+            motor_inertia_kg_m2: Some(law.motor_inertia_kg_m2),
+            start_nm_s: Some(law.start_nm_s),
+            stop_nm_s: Some(law.stop_nm_s),
+            damping_per_s: Some(law.damping_per_s),
+            width_rad_s: Some(law.width_rad_s),
+            least_cruise_s: Some(law.least_cruise_s),
+        })
+    }
+}

@@ -1,0 +1,198 @@
+//! A ramp of acceleration at one end of a line, from rest: what Sunrise plans by [`RampLaw`](iiwa_kin::RampLaw).
+//!
+//! | phase | until the speed is | jerk |
+//! |---|---|---|
+//! | 1 | v1 | from 0 to J, linearly: constant snap |
+//! | 2 | v2, where J would reach the acceleration, if that is more than a width beyond v1 | constant, below J |
+//! | 3 | a width beyond v1 or v2 | on from that before, linearly, or constant where it would fall below 0 |
+//!
+//! A width is 0.3 rad/s in all that was measured. The ramp from the acceleration down into the cruise is its mirror image in
+//! value.
+//!
+//! **Assumed**, as nothing was measured: where the speed is too low for both ramps, the width is a third of the speed at most, and
+//! the acceleration as large as fits; and where jerk would have to grow in phase 3, that phase is as long as with constant jerk.
+//! Both begin where what was measured ends.
+
+use iiwa_kin::RampLimits;
+
+use super::root::root;
+
+/// A time of constant snap.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct Phase {
+    pub(crate) seconds: f64,
+    /// At its start, in rad/s^3.
+    pub(crate) jerk: f64,
+    /// In rad/s^4.
+    pub(crate) snap: f64,
+}
+
+/// A ramp from no acceleration to the largest one.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Ramp {
+    /// Those that are left out take no time.
+    pub(crate) phases: [Phase; 3],
+    pub(crate) seconds: f64,
+    /// The acceleration at its end, in rad/s^2.
+    pub(crate) acceleration: f64,
+}
+
+/// Where phase 2 ends: the share of what the square of the acceleration still gains after phase 1. As measured, from 0.608 to 0.610.
+const CONSTANT_SHARE: f64 = 0.61;
+
+/// What of a limit may be exceeded by rounding.
+const ROUNDING: f64 = 1e-12;
+
+impl Ramp {
+    /// The ramp to an acceleration, in rad/s^2, with a width in rad/s.
+    pub(crate) fn to(acceleration: f64, limits: &RampLimits, width: f64) -> Self {
+        let a = acceleration;
+        let mut v1 = (2.0_f64.sqrt() / 3.0 * a.powf(1.5) / limits.snap.sqrt()).max(width);
+        let (mut jerk, mut a1) = first_phase(a, limits, v1);
+        // What constant jerk would need beyond v1.
+        let gain = |jerk: f64, a1: f64| (a * a - a1 * a1) / (2.0 * jerk);
+        if v1 > width && gain(jerk, a1) >= width {
+            v1 = width;
+            (jerk, a1) = first_phase(a, limits, v1);
+        }
+        let seconds = 3.0 * v1 / a1;
+        let mut phases = [
+            Phase { seconds, jerk: 0.0, snap: jerk / seconds },
+            Phase::default(),
+            Phase::default(),
+        ];
+        if a1 < a * (1.0 - ROUNDING) {
+            let (mut from, mut from_jerk, mut width) = (a1, jerk, width);
+            let gain = gain(jerk, a1);
+            if gain >= width {
+                let a2 = (a1 * a1 + CONSTANT_SHARE * (a * a - a1 * a1)).sqrt();
+                from_jerk = (a2 * a2 - a1 * a1) / (2.0 * gain);
+                phases[1] = Phase { seconds: (a2 - a1) / from_jerk, jerk: from_jerk, snap: 0.0 };
+                from = a2;
+                width = width.max((a * a - a2 * a2) / (2.0 * from_jerk));
+            }
+            phases[2] = last_phase(from, from_jerk, a, width);
+        }
+        Self { phases, seconds: phases.iter().map(|phase| phase.seconds).sum(), acceleration: a }
+    }
+
+    /// The ramp to the largest acceleration, up to a limit, with which it and its mirror image stay below a speed.
+    pub(crate) fn below(speed: f64, acceleration: f64, limits: &RampLimits, width: f64) -> Self {
+        // Three widths of speed are what a ramp of constant snap and its mirror image take.
+        let narrow = width.min(speed / 3.0);
+        let least = acceleration.min(largest_of_one_phase(limits, narrow));
+        let excess = |ramp: &Self| ramp.acceleration * ramp.seconds - speed;
+        let tolerance = ROUNDING * speed;
+        if narrow < width {
+            return Self::to(least, limits, narrow);
+        }
+        let whole = Self::to(acceleration, limits, width);
+        if excess(&whole) <= tolerance {
+            return whole;
+        }
+        let to = |acceleration: f64| Self::to(acceleration, limits, width);
+        let ends = [excess(&to(least)), excess(&whole)];
+        if ends[0] >= -tolerance {
+            return to(least);
+        }
+        to(root([least, acceleration], ends, tolerance, |middle| excess(&to(middle))))
+    }
+}
+
+/// The largest acceleration that a phase of constant snap reaches within a width of speed.
+fn largest_of_one_phase(limits: &RampLimits, width: f64) -> f64 {
+    let by_snap = (3.0 * width * (0.5 * limits.snap).sqrt()).powf(2.0 / 3.0);
+    // a^2 / (1.5 width) + c a = Y.
+    let half = 0.75 * width * limits.damping_per_s;
+    let product = 1.5 * width * limits.jerk;
+    by_snap.min(product / (half + (half * half + product).sqrt()))
+}
+
+/// Jerk and acceleration at the end of the phase of constant snap that leads to a speed.
+fn first_phase(acceleration: f64, limits: &RampLimits, v1: f64) -> (f64, f64) {
+    // J + c sqrt(1.5 J v1) = Y is a quadratic equation in the root of J.
+    let b = limits.damping_per_s * (1.5 * v1).sqrt();
+    let root = 2.0 * limits.jerk / (b + (b * b + 4.0 * limits.jerk).sqrt());
+    let jerk = (root * root).min(acceleration * acceleration / (1.5 * v1));
+    (jerk, (1.5 * jerk * v1).sqrt())
+}
+
+/// The phase that gains `width` of speed and ends with an acceleration `to`.
+fn last_phase(from: f64, jerk: f64, to: f64, width: f64) -> Phase {
+    // The speed gained in t with a jerk that changes linearly: t (2 from + to) / 3 + t^2 jerk / 6.
+    let mean = (2.0 * from + to) / 3.0;
+    let seconds = 2.0 * width / (mean + (mean * mean + 2.0 / 3.0 * jerk * width).sqrt());
+    let snap = 2.0 * (to - from - jerk * seconds) / (seconds * seconds);
+    if jerk + snap * seconds >= 0.0 {
+        return Phase { seconds, jerk, snap };
+    }
+    let seconds = 2.0 * width / (from + to);
+    Phase { seconds, jerk: (to - from) / seconds, snap: 0.0 }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn limits() -> impl Strategy<Value = RampLimits> {
+        let log = |from: f64, to: f64| (from.ln()..to.ln()).prop_map(f64::exp);
+        (log(1e2, 1e6), log(50.0, 1e5), 0.0..40.0_f64)
+            .prop_map(|(snap, jerk, damping_per_s)| RampLimits { snap, jerk, damping_per_s })
+    }
+
+    /// Speed and acceleration after a ramp, and its largest jerk.
+    fn run(ramp: &Ramp) -> [f64; 3] {
+        let (mut v, mut a, mut most) = (0.0, 0.0, 0.0_f64);
+        for Phase { seconds: t, jerk, snap } in ramp.phases {
+            v += t * (a + t * (jerk / 2.0 + t * snap / 6.0));
+            a += t * (jerk + t * snap / 2.0);
+            most = most.max(jerk).max(jerk + t * snap);
+        }
+        [v, a, most]
+    }
+
+    proptest! {
+        #[test]
+        fn it_ends_with_its_acceleration_and_keeps_its_limits(
+            limits in limits(), acceleration in 0.1..100.0_f64, width in 0.01..0.5_f64,
+        ) {
+            let ramp = Ramp::to(acceleration, &limits, width);
+            let [v, a, jerk] = run(&ramp);
+            prop_assert!((a / acceleration - 1.0).abs() < 1e-9, "{ramp:?}");
+            prop_assert!(v >= width * (1.0 - 1e-9));
+            prop_assert!(jerk <= limits.jerk * (1.0 + 1e-9));
+            prop_assert!(ramp.phases[0].snap <= limits.snap * (1.0 + 1e-9) || ramp.phases[0].snap * 1.5 * width * width * width <= jerk * jerk * jerk);
+            prop_assert!(ramp.phases.iter().all(|it| it.seconds >= 0.0 && it.jerk >= 0.0));
+        }
+
+        /// Both ramps stay below any speed, and what changes little changes their time little.
+        #[test]
+        fn it_fits_below_any_speed(limits in limits(), acceleration in 0.1..100.0_f64, speed in 1e-4..4.0_f64) {
+            let ramp = Ramp::below(speed, acceleration, &limits, 0.3);
+            let [v, a, _] = run(&ramp);
+            prop_assert!(a <= acceleration * (1.0 + 1e-9) && a > 0.0);
+            prop_assert!(a * ramp.seconds <= speed * (1.0 + 1e-9));
+            prop_assert!(v <= speed);
+            // And none is softer than it has to be.
+            let more = Ramp::to((a * (1.0 + 1e-6)).min(acceleration), &limits, speed.min(0.9) / 3.0);
+            prop_assert!(a > acceleration * (1.0 - 1e-5) || run(&more)[1] * more.seconds > speed * (1.0 - 1e-9));
+        }
+    }
+
+    /// A ramp whose constant jerk does not reach the acceleration within a width has three phases.
+    #[test]
+    fn a_weak_jerk_has_three_phases() {
+        for (jerk, is_measured) in [(300.0, true), (200.0, false)] {
+            let limits = RampLimits { snap: 1e5, jerk, damping_per_s: 0.0 };
+            let ramp = Ramp::to(19.0, &limits, 0.3);
+            let [v, a, most] = run(&ramp);
+            assert!(ramp.phases.iter().all(|phase| phase.seconds > 0.0), "{ramp:?}");
+            let a1 = (1.5 * jerk * 0.3).sqrt();
+            let gain = (19.0 * 19.0 - a1 * a1) / (2.0 * jerk);
+            let last = if is_measured { 0.3 } else { 0.39 / 0.61 * gain };
+            assert!(last >= 0.3 && (v - (0.3 + gain + last)).abs() < 1e-9, "{v} {gain}");
+            assert!((a - 19.0).abs() < 1e-9 && most <= jerk * (1.0 + 1e-9));
+        }
+    }
+}
