@@ -1,8 +1,8 @@
-//! The law by which Sunrise limits how softly a motion starts and stops.
+//! Limits of snap and jerk of a motion that starts or stops under Sunrise.
 
 use crate::Joints;
 
-/// What limits snap and jerk of a PTP next to a pose at rest, as measured on one LBR iiwa 7 R800: KUKA publishes none of it.
+/// Limits of snap and jerk of a PTP near a pose at rest, as measured on one LBR iiwa 7 R800: KUKA publishes none of them.
 ///
 /// `u` is the direction of the line, a unit vector in joint space that points away from the pose; a ramp to a stop is that of
 /// a start backwards. The way along the line is in rad.
@@ -20,17 +20,17 @@ use crate::Joints;
 pub struct RampLaw {
     /// Largest second derivative of each joint's torque, in Nm/s^2.
     pub torque_snap_nm_s2: Joints,
-    /// What a joint's inertia counts beyond that of the arm, as a motor's does, in kg m^2: B.
+    /// Inertia of each joint beyond that of the arm, as of its motor, in kg m^2: B.
     pub motor_inertia_kg_m2: Joints,
     /// R of ramps that start, in Nm/s; 1e9 of joints that were never seen to limit.
     pub start_nm_s: Joints,
     /// R of ramps that stop, in Nm/s.
     pub stop_nm_s: Joints,
-    /// How much jerk an acceleration counts for, in 1/s: c.
+    /// Jerk per acceleration, in 1/s: c.
     pub damping_per_s: f64,
     /// Width of a phase, in rad/s along the line.
     pub width_rad_s: f64,
-    /// No motion cruises for less than this, in s.
+    /// Least length of a line over its top speed, in s.
     pub least_cruise_s: f64,
 }
 
@@ -45,7 +45,7 @@ pub struct RampLimits {
     pub damping_per_s: f64,
 }
 
-/// Whether a ramp starts a motion or stops it.
+/// The end of a line at which a ramp is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum RampEnd {
     /// At the start of a line.
@@ -61,7 +61,7 @@ const NEVER: f64 = 1e9;
 const SNAP_PER_TORQUE: f64 = 38.87;
 
 impl RampLaw {
-    /// That of the iiwa 7, where torque limits are these.
+    /// The law of the iiwa 7, which has these torque limits.
     pub(crate) fn iiwa_7(torque_nm: &Joints) -> Self {
         Self {
             torque_snap_nm_s2: torque_nm.map(|limit| SNAP_PER_TORQUE * limit),
@@ -74,7 +74,7 @@ impl RampLaw {
         }
     }
 
-    /// That of another arm: what limits torques grows with their limits.
+    /// The law of another arm: limits of torque rates grow with the limits of torque.
     pub(crate) fn scaled(self, from_nm: &Joints, to_nm: &Joints) -> Self {
         let scaled = |values: Joints| {
             let scaled = |j: usize| (values[j] * to_nm[j] / from_nm[j]).min(NEVER);

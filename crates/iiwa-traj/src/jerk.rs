@@ -37,11 +37,11 @@ pub(crate) fn limit(
     Ok(())
 }
 
-/// How a section is timed under limits of jerk.
+/// The options of jerk-limited timing.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct JerkTiming {
     pub(crate) options: JerkOptions,
-    /// Whether lines from rest to rest go by the robot's [`RampLaw`](iiwa_kin::RampLaw).
+    /// Lines from rest to rest go by the robot's [`RampLaw`](iiwa_kin::RampLaw).
     pub(crate) sunrise: bool,
 }
 
@@ -112,7 +112,8 @@ pub(crate) fn stamps(
     })
 }
 
-/// What limits the ramps at both ends of a piece that is a line, with what hangs on the flange: nobody has measured loads.
+/// The limits of the ramps at both ends of a piece that is a line. The load counts as a part of the arm, which is assumed: no
+/// recording has one.
 fn ramp_limits(path: &JointPath, piece: &Piece, law: &RampLaw) -> Option<[RampLimits; 2]> {
     let Step::Move { segment, .. } = &path.steps()[piece.step] else { return None };
     let [start, stop] = [0.0, 1.0].map(|s| segment.at(s).q);

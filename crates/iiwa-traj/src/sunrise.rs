@@ -1,4 +1,4 @@
-//! How Sunrise was seen to plan a PTP from rest to rest: no other motion's time is known in closed form.
+//! PTP motions from rest to rest as recordings show them under Sunrise.
 
 mod line;
 mod ramp;

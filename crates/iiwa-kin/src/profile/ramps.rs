@@ -14,7 +14,7 @@ use super::{
 };
 use crate::{Joints, RampLaw, Robot};
 
-/// What limits the ramps of PTP motions, as docs/evidence.md derives it; what is left out is the built-in model's.
+/// Limits of the ramps of PTP motions; those left out are the built-in model's. docs/evidence.md has the law.
 #[derive(Default, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 #[schemars(rename = "Ramps")]
@@ -23,11 +23,11 @@ pub(super) struct RampsWire {
     #[serde(default, deserialize_with = "seven", skip_serializing_if = "Option::is_none")]
     #[schemars(with = "Vec<f64>", length(equal = 7), extend("items" = super::positive(MAX_NUMBER)))]
     torque_snap_nm_s2: Option<Joints>,
-    /// What joints A1 to A7 count beyond the inertia of the arm, in kg m^2: B.
+    /// Inertia of joints A1 to A7 beyond that of the arm, as of motors, in kg m^2: B.
     #[serde(default, deserialize_with = "seven", skip_serializing_if = "Option::is_none")]
     #[schemars(with = "Vec<f64>", length(equal = 7), extend("items" = super::positive(MAX_NUMBER)))]
     motor_inertia_kg_m2: Option<Joints>,
-    /// What limits the jerk of joints A1 to A7 at the start, in Nm/s: R. 1e9 of joints that were never seen to limit it.
+    /// Limit of the jerk of joints A1 to A7 at the start, in Nm/s: R. 1e9 for joints that were never seen to limit it.
     #[serde(default, deserialize_with = "seven", skip_serializing_if = "Option::is_none")]
     #[schemars(with = "Vec<f64>", length(equal = 7), extend("items" = super::positive(MAX_NUMBER)))]
     start_nm_s: Option<Joints>,
@@ -35,7 +35,7 @@ pub(super) struct RampsWire {
     #[serde(default, deserialize_with = "seven", skip_serializing_if = "Option::is_none")]
     #[schemars(with = "Vec<f64>", length(equal = 7), extend("items" = super::positive(MAX_NUMBER)))]
     stop_nm_s: Option<Joints>,
-    /// The jerk that an acceleration counts for, in 1/s: c.
+    /// Jerk per acceleration, in 1/s: c.
     #[serde(default, deserialize_with = "super::given", skip_serializing_if = "Option::is_none")]
     #[schemars(with = "f64", extend("exclusiveMinimum" = 0, "maximum" = MAX_NUMBER))]
     damping_per_s: Option<f64>,
@@ -43,7 +43,7 @@ pub(super) struct RampsWire {
     #[serde(default, deserialize_with = "super::given", skip_serializing_if = "Option::is_none")]
     #[schemars(with = "f64", extend("exclusiveMinimum" = 0, "maximum" = MAX_NUMBER))]
     width_rad_s: Option<f64>,
-    /// Least time that a line takes at its top speed, in s.
+    /// Least length of a line over its top speed, in s.
     #[serde(default, deserialize_with = "super::given", skip_serializing_if = "Option::is_none")]
     #[schemars(with = "f64", extend("exclusiveMinimum" = 0, "maximum" = MAX_NUMBER))]
     least_cruise_s: Option<f64>,
@@ -82,7 +82,7 @@ impl RampsWire {
         Ok(law)
     }
 
-    /// All of it, where it is not that of `base`, or known and assumed there.
+    /// The whole law, where it differs from that of `base`, or is known and assumed there.
     pub(super) fn of(
         robot: &Robot,
         base: &Robot,

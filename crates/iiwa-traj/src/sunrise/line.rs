@@ -8,7 +8,7 @@ use super::{
 };
 use crate::phases::ProfilePoint;
 
-/// What limits a line, in rad along it.
+/// The limits of a line, in rad along it.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct RampedLine<'a> {
     /// Largest speed, in rad/s.
@@ -58,7 +58,7 @@ impl Phase {
     }
 }
 
-/// Shorter phases are left out, in s: what they change is far below what any controller can tell.
+/// Phases that are shorter than this, in s, are left out: no controller could tell them.
 const SHORTEST_S: f64 = 1e-9;
 
 /// Share of a duration that is rounding.

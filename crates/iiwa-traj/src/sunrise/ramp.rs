@@ -1,4 +1,4 @@
-//! A ramp of acceleration at one end of a line, from rest: what Sunrise plans by [`RampLaw`](iiwa_kin::RampLaw).
+//! A ramp of acceleration at one end of a line, from rest, by a [`RampLaw`](iiwa_kin::RampLaw).
 //!
 //! | phase | until the speed is | jerk |
 //! |---|---|---|
@@ -37,10 +37,10 @@ pub(crate) struct Ramp {
     pub(crate) acceleration: f64,
 }
 
-/// Where phase 2 ends: the share of what the square of the acceleration still gains after phase 1. As measured, from 0.608 to 0.610.
+/// The share of phase 2 in what the square of the acceleration gains after phase 1; measured: 0.608 to 0.610.
 const CONSTANT_SHARE: f64 = 0.61;
 
-/// What of a limit may be exceeded by rounding.
+/// The share of a limit that is rounding.
 const ROUNDING: f64 = 1e-12;
 
 impl Ramp {
