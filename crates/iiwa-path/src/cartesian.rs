@@ -1,10 +1,18 @@
 //! Paths of the TCP, and the curves that they are in joint space.
 
+mod arc_length;
+mod channel;
 pub(crate) mod corner;
 pub(crate) mod joint_curve;
+mod knot_rates;
 pub(crate) mod leg;
+mod link;
+mod quintic;
+mod reversal;
 mod site;
 mod spline;
 mod spline_leg;
+#[cfg(test)]
+mod spline_tests;
 pub(crate) mod tcp_course;
 pub(crate) mod tcp_path;

@@ -287,7 +287,8 @@ impl JointPath {
         self.motions.get(motion.index()).map(|motion| motion.motion_type)
     }
 
-    /// The splines within which the TCP stops, since two lines or circles of them do not go on smoothly, and how often.
+    /// The splines within which the TCP stops, and how often: where it turns back, at a repeated point, and between lines or circles
+    /// that do not go on smoothly.
     #[must_use]
     pub fn stops_in_splines(&self) -> Vec<(MotionIndex, usize)> {
         let mut stops: Vec<(MotionIndex, usize)> = Vec::new();

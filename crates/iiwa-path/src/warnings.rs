@@ -12,8 +12,8 @@ pub fn warnings(program: &Program, path: &JointPath) -> Vec<String> {
     let stops = path.stops_in_splines().into_iter().map(|(motion, count)| {
         let often = if count == 1 { "once".to_owned() } else { format!("{count} times") };
         format!(
-            "motion {motion}: the TCP stops {often} within the spline, where direction, curvature, turn or E1 of two lines or \
-             circles do not go on; a segment `spl` between them makes them"
+            "motion {motion}: the TCP stops {often} within the spline: where it turns back, at a repeated point, or where \
+             direction, curvature, turn or E1 rates of two lines or circles differ (a segment `spl` between them avoids that)"
         )
     });
     let end = program.blend_at_the_end().map(|motion| {

@@ -245,22 +245,53 @@ fn orientations_are_kept_or_ignored() {
     assert!(q < 2e-9 && dq < 1e-7 && ddq < 1e-5, "{q} {dq} {ddq}");
 }
 
-/// The same pose with another E1 is a motion of the elbow at a standing TCP, within a spline too.
+/// The same pose with another E1 is a motion of the elbow with the TCP at rest, in a spline too: it stops before and after.
 #[test]
 fn the_elbow_may_move_alone() {
     let mut elbow = frame(60.0, 0.0, 0.0);
     elbow["e1_deg"] = json!(40.0);
-    let segments = [segment("spl", frame(60.0, 0.0, 0.0)), segment("lin", elbow)];
+    let segments = [
+        segment("spl", frame(60.0, 0.0, 0.0)),
+        segment("lin", elbow),
+        segment("spl", frame(90.0, 20.0, 0.0)),
+    ];
     let path = plan(&program(&json!([spline(&segments)]))).unwrap();
-    let moves = moves(&path);
-    assert_eq!(moves.len(), 2);
-    let stands = pose(&moves[1].at(0.0).q);
+    let [
+        Step::Move { .. },
+        Step::Corner { .. },
+        Step::Move { segment: alone, .. },
+        Step::Corner { .. },
+        Step::Move { .. },
+        Step::Settle { .. },
+    ] = path.steps()
+    else {
+        panic!("{:?}", path.steps())
+    };
+    let rest = pose(&alone.at(0.0).q);
     for i in 0..=10 {
         let s = f64::from(i) / 10.0;
-        let q = moves[1].at(s).q;
-        assert!(off(&pose(&q).position_m, &stands.position_m) < 2e-9);
+        let q = alone.at(s).q;
+        assert!(off(&pose(&q).position_m, &rest.position_m) < 2e-9);
         assert!((q[2].to_degrees() - 40.0 * s).abs() < 1e-6);
     }
+}
+
+/// To a frame, back, and on: stops where the TCP turns back, and where it turned back to.
+#[test]
+fn it_stops_at_reversals_and_repeated_points() {
+    let stops = |places: &[[f64; 2]]| {
+        let spl = |[y, z]: &[f64; 2]| segment("spl", frame(*y, *z, 0.1 * y));
+        let segments: Vec<Value> = places.iter().map(spl).collect();
+        let path = plan(&program(&json!([spline(&segments)]))).unwrap();
+        path.stops_in_splines()
+    };
+    let in_first = |count| vec![(MotionIndex::new(0), count)];
+    let [a, b, c, d] = [[40.0, 30.0], [80.0, -10.0], [20.0, -40.0], [-30.0, 10.0]];
+    assert_eq!(stops(&[a, b, c, d]), vec![]);
+    assert_eq!(stops(&[a, b, a, c, d]), in_first(2));
+    assert_eq!(stops(&[a, [0.0, 0.0], c, d]), in_first(1));
+    assert_eq!(stops(&[a, b, b, c]), in_first(1));
+    assert_eq!(stops(&[[0.0, 0.0], a, b, b]), vec![]);
 }
 
 #[test]
@@ -352,25 +383,24 @@ fn what_cannot_be_is_refused_with_its_place() {
     }
 }
 
-/// A turn in place, and one by a frame that was taught a little beside: next to the same.
+/// A turn by a frame that was taught a little beside is a short segment.
 #[test]
 fn turns_in_place_may_be_a_little_off() {
-    let way = |off_mm: f64| {
+    for (off_mm, stops) in [(0.0, 2), (1e-4, 2), (0.05, 0), (1.0, 0)] {
         let segments = [
             segment("spl", frame(60.0, 0.0, 0.0)),
             segment("spl", frame(60.0 + off_mm, 0.0, 35.0)),
             segment("spl", frame(100.0, 20.0, 35.0)),
         ];
         let path = plan(&program(&json!([spline(&segments)]))).unwrap();
-        let all = moves(&path);
-        assert_eq!(all.len(), 3);
-        (0..=30).map(|i| all[i / 11].at((i % 11) as f64 / 10.0).q).collect::<Vec<_>>()
-    };
-    let in_place = way(0.0);
-    for off_mm in [1e-6, 1e-3, 0.05] {
-        let there = way(off_mm);
-        let most = in_place.iter().zip(&there).map(|(a, b)| off(a, b)).fold(0.0, f64::max);
-        assert!(most < 1e-3 + 0.01 * off_mm, "{off_mm} mm: {most}");
+        let found: u32 = path.stops_in_splines().iter().map(|(_, count)| *count as u32).sum();
+        assert_eq!(found, stops, "{off_mm} mm");
+        let end = path.steps().iter().rev().find_map(|step| match step {
+            Step::Move { segment, .. } => Some(pose(&segment.at(1.0).q)),
+            _ => None,
+        });
+        let turned = end.unwrap().abc_rad()[0] - pose(path.start_rad()).abc_rad()[0];
+        assert!((turned.to_degrees() - 35.0).abs() < 1e-6);
     }
 }
 

@@ -7,7 +7,10 @@ use iiwa_kin::{
     rotation::{Vec3, exp, log, product, transposed},
 };
 
-use super::tcp_course::{TcpCourse, polynomial, tool_way};
+use super::{
+    quintic::Linked,
+    tcp_course::{TcpCourse, polynomial, tool_way},
+};
 use crate::{continuity::Continuity, line::Line, segment::Segment, tool_way::ToolWay};
 
 /// All joints at once, as series in the curve's parameter.
@@ -43,8 +46,8 @@ pub(crate) struct TcpCurve {
     pub(crate) course: Arc<TcpCourse>,
     /// The flange in the TCP's frame.
     pub(crate) flange: Pose,
-    /// The position of A3 as a polynomial in s, the lowest power first, in rad.
-    pub(crate) e1_rad: [f64; 6],
+    /// The position of A3, in rad.
+    pub(crate) e1_rad: Linked<1>,
     pub(crate) status: Status,
     /// How the wrist turns, if it does so by itself: then the orientation of the course does not count.
     pub(crate) wrist: Option<WristTurn>,
@@ -65,7 +68,8 @@ pub(crate) const SINGULAR: f64 = 1e-4;
 
 impl TcpCurve {
     fn e1(&self, s: Taylor) -> Taylor {
-        polynomial(self.e1_rad, s)
+        let [e1] = self.e1_rad.at(s);
+        e1
     }
 }
 

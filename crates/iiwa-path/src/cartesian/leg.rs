@@ -102,14 +102,14 @@ fn leg(
             return Ok(Leg { ends_rad: [*from_rad, to_rad], paths });
         }
     };
-    let e1 = even_e1(from_rad[2], e1_rad.unwrap_or(from_rad[2]));
+    let to_e1_rad = e1_rad.unwrap_or(from_rad[2]);
     let key = motion.end_key();
-    let mut curve = site.curve(from_rad, course, e1);
+    let mut curve = site.curve(from_rad, course, even_e1(from_rad[2], to_e1_rad));
     if by_joints {
         // A circle with an angle does not end at its frame.
         let to = Pose { position_m: curve.course.end().position_m, ..to };
         let status = status.unwrap_or(curve.status);
-        let turn = site.wrist_turn(from_rad, &to, e1[0] + e1[1], status);
+        let turn = site.wrist_turn(from_rad, &to, to_e1_rad, status);
         curve.wrist = Some(turn.map_err(|fault| (key, fault))?);
     }
     let path = TcpPath::of(curve).map_err(|fault| (key, fault))?;

@@ -6,6 +6,7 @@ use iiwa_kin::{FlangePoint, Joints, Pose, Robot, Status};
 
 use super::{
     joint_curve::{TcpCurve, WristTurn},
+    quintic::Linked,
     tcp_course::{ArcTurn, ByWayOf, TcpCourse},
 };
 use iiwa_program::{
@@ -100,7 +101,7 @@ impl<'a> Site<'a> {
         &self,
         start_rad: &Joints,
         course: TcpCourse,
-        e1_rad: [f64; 6],
+        e1_rad: Linked<1>,
     ) -> TcpCurve {
         TcpCurve {
             robot: Arc::clone(self.robot),

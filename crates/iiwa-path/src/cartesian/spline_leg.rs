@@ -63,17 +63,22 @@ pub(crate) fn spline<'a>(
     let pieces = pieces.map_err(|(index, fault)| in_segment(index, at_frame(fault)))?;
     let mut paths = Vec::with_capacity(pieces.len());
     let mut lengths_m = Vec::with_capacity(pieces.len());
-    for (index, piece) in pieces {
+    for piece in pieces {
+        let index = piece.segment;
         lengths_m.push(piece.length_m);
         let path = TcpPath::of(site.curve(from_rad, piece.course, piece.e1_rad));
         let path = path.map_err(|fault| in_segment(index, ("frame", fault.without_hint())))?;
         let limits = site.own_limits(motion, &segments[index]).map(Arc::new);
         paths.push(TcpPath { stops: piece.stops, limits, ..path });
     }
-    let whole_rad: f64 = paths.iter().map(|path| path.rate_rad).sum();
-    let rad_a_m = whole_rad / lengths_m.iter().sum::<f64>();
+    // The path parameter is the arc length, except where the TCP does not move: there the path stops at both ends.
+    let moving = || paths.iter().zip(&lengths_m).filter(|(_, length_m)| **length_m > 0.0);
+    let whole_rad: f64 = moving().map(|(path, _)| path.rate_rad).sum();
+    let rad_a_m = whole_rad / moving().map(|(_, length_m)| length_m).sum::<f64>();
     for (path, length_m) in paths.iter_mut().zip(lengths_m) {
-        path.rate_rad = rad_a_m * length_m;
+        if length_m > 0.0 {
+            path.rate_rad = rad_a_m * length_m;
+        }
     }
     Ok(paths)
 }

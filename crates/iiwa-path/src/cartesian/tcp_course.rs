@@ -10,6 +10,7 @@ use iiwa_kin::{
 
 use iiwa_program::CourseFault;
 
+use super::{arc_length::ArcLengthCurve, quintic::Linked};
 use crate::tool_way::ToolWay;
 
 /// The course of the TCP in the robot's foot, for s from 0 to 1.
@@ -22,8 +23,10 @@ pub(crate) struct TcpCourse {
 /// Where the TCP is.
 #[derive(Clone, Debug)]
 enum Position {
-    /// On a polynomial in s, the lowest power first, in m; on a straight line there are two.
-    Polynomial(Vec<Vec3<f64>>),
+    /// On a straight line, evenly in s: `from + s by`.
+    Line { from: Vec3<f64>, by: Vec3<f64> },
+    /// On a part of a spline, evenly in s.
+    Spline(Box<ArcLengthCurve>),
     /// On a circle, evenly in s: `centre + cos(s angle) u + sin(s angle) v`.
     Arc { centre: Vec3<f64>, u: Vec3<f64>, v: Vec3<f64>, angle: f64 },
 }
@@ -31,11 +34,10 @@ enum Position {
 /// How it is turned.
 #[derive(Clone, Debug)]
 struct Orientation {
-    /// At the start.
+    /// The frame of `turn`: the orientation at the start of the motion or the segment.
     from: Mat3<f64>,
-    /// The rotation vector in the frame of the start, a polynomial in s: the coefficients from s^1 on; none if it is as
-    /// at the start.
-    turn: Vec<Vec3<f64>>,
+    /// The rotation vector from there.
+    turn: Linked<3>,
     /// A turn of the whole, evenly in s: its rotation vector in the robot's foot.
     carried: Option<Vec3<f64>>,
 }
@@ -71,19 +73,21 @@ impl TcpCourse {
     /// A straight line, with one turn about a fixed axis evenly along it; or none, if `is_constant`.
     pub(crate) fn line(from: &Pose, to: &Pose, is_constant: bool) -> Result<Self, CourseFault> {
         let turn = if is_constant { [0.0; 3] } else { turn_between(from, to)? };
-        let by = sub(&to.position_m, &from.position_m);
-        Ok(Self::polynomial(from.rotation, vec![from.position_m, by], vec![turn]))
+        Ok(Self::even(from, to, turn))
     }
 
-    /// A polynomial of position, in m, and of the rotation vector from `from`, without its constant.
-    pub(crate) fn polynomial(
-        from: Mat3<f64>,
-        position: Vec<Vec3<f64>>,
-        turn: Vec<Vec3<f64>>,
-    ) -> Self {
-        let turn = without_zeros(turn);
+    /// A straight line with a turn by a rotation vector evenly along it.
+    pub(crate) fn even(from: &Pose, to: &Pose, turn: Vec3<f64>) -> Self {
+        let by = sub(&to.position_m, &from.position_m);
+        let turn = Linked::even([0.0; 3], turn);
+        let orientation = Orientation { from: from.rotation, turn, carried: None };
+        Self { position: Position::Line { from: from.position_m, by }, orientation }
+    }
+
+    /// A part of a spline, with the rotation vector `turn` from the orientation `from`.
+    pub(crate) fn spline(position: ArcLengthCurve, from: Mat3<f64>, turn: Linked<3>) -> Self {
         let orientation = Orientation { from, turn, carried: None };
-        Self { position: Position::Polynomial(position), orientation }
+        Self { position: Position::Spline(Box::new(position)), orientation }
     }
 
     /// A circle from `from` through the point `aux` to `to`.
@@ -158,9 +162,9 @@ impl TcpCourse {
             }
         }
         let stretch = angle / whole;
-        let turn = vec![scaled(stretch, &linear), scaled(stretch * stretch, &square)];
+        let turn = vec![[0.0; 3], scaled(stretch, &linear), scaled(stretch * stretch, &square)];
         let carried = carried.filter(|_| !is_constant).map(|r| scaled(stretch, &r));
-        let turn = without_zeros(turn);
+        let turn = Linked::new(None, turn);
         let orientation = Orientation { from: from.rotation, turn, carried };
         Ok(Self { position, orientation })
     }
@@ -168,7 +172,10 @@ impl TcpCourse {
     /// Pose of the TCP at `s`.
     pub(crate) fn at(&self, s: Taylor) -> MovingPose {
         let position_m = match &self.position {
-            Position::Polynomial(coefficients) => vector_polynomial(coefficients, s),
+            Position::Line { from, by } => {
+                std::array::from_fn(|i| s * by[i] + Taylor::constant(from[i]))
+            }
+            Position::Spline(curve) => curve.at(s),
             Position::Arc { centre, u, v, angle } => {
                 let (sin, cos) = (s * *angle).sin_cos();
                 std::array::from_fn(|i| Taylor::constant(centre[i]) + cos * u[i] + sin * v[i])
@@ -176,9 +183,8 @@ impl TcpCourse {
         };
         let Orientation { from, turn, carried } = &self.orientation;
         let mut rotation = constant(from);
-        if !turn.is_empty() {
-            let vector = vector_polynomial(turn, s).map(|x| s * x);
-            rotation = product(&rotation, &exp(&vector));
+        if !turn.is_zero() {
+            rotation = product(&rotation, &exp(&turn.at(s)));
         }
         if let Some(vector) = carried {
             rotation = product(&exp(&vector.map(|v| s * v)), &rotation);
@@ -198,19 +204,18 @@ impl TcpCourse {
     /// The way of the TCP in m and its turn in rad, by s, if both are the same everywhere.
     pub(crate) fn even_rates(&self) -> Option<[f64; 2]> {
         let Orientation { turn, carried, .. } = &self.orientation;
-        let turn = match (turn.as_slice(), carried) {
-            ([], None) => 0.0,
-            ([linear], None) => norm(linear),
-            ([], Some(carried)) => norm(carried),
-            _ => return None,
+        let [_, by] = turn.linear()?;
+        let turn = match carried {
+            None => norm(&by),
+            Some(carried) if turn.is_zero() => norm(carried),
+            Some(_) => return None,
         };
-        match &self.position {
-            Position::Polynomial(coefficients) => match coefficients.as_slice() {
-                [_, by] => Some([norm(by), turn]),
-                _ => None,
-            },
-            Position::Arc { u, angle, .. } => Some([norm(u) * angle.abs(), turn]),
-        }
+        let way = match &self.position {
+            Position::Line { by, .. } => norm(by),
+            Position::Arc { u, angle, .. } => norm(u) * angle.abs(),
+            Position::Spline(curve) => curve.length_m(),
+        };
+        Some([way, turn])
     }
 
     /// Length of the way of the TCP in m, and by how much it turns in rad.
@@ -320,18 +325,6 @@ pub(crate) enum Length {
 pub(crate) fn turn_between(from: &Pose, to: &Pose) -> Result<Vec3<f64>, CourseFault> {
     let between = product(&transposed(&from.rotation), &to.rotation);
     log_or_half_turn(&between).ok_or(CourseFault::HalfTurn)
-}
-
-/// The coefficients up to the last one that is not zero.
-fn without_zeros(mut coefficients: Vec<Vec3<f64>>) -> Vec<Vec3<f64>> {
-    let len = coefficients.iter().rposition(|c| *c != [0.0; 3]).map_or(0, |last| last + 1);
-    coefficients.truncate(len);
-    coefficients
-}
-
-/// A polynomial in s with vectors as coefficients, the lowest power first.
-fn vector_polynomial(coefficients: &[Vec3<f64>], s: Taylor) -> Vec3<Taylor> {
-    std::array::from_fn(|i| polynomial(coefficients.iter().map(|c| c[i]), s))
 }
 
 /// A polynomial in s, the lowest power first, by Horner's scheme.

@@ -4,7 +4,10 @@ use std::sync::Arc;
 
 use iiwa_kin::{Joints, Number, Taylor};
 
-use super::joint_curve::{CurveFault, JointCurve, TcpCurve};
+use super::{
+    joint_curve::{CurveFault, JointCurve, TcpCurve},
+    quintic::Linked,
+};
 use crate::joint_spline::{CurveFaultAt, JointSpline};
 use iiwa_program::{CartesianFault, MotionLimits};
 
@@ -81,11 +84,12 @@ impl TcpCurve {
     fn other_e1_deg(&self) -> Option<f64> {
         const STEP_DEG: f64 = 5.0;
         const SAMPLES: u32 = 32;
-        let [from, by, curved @ ..] = self.e1_rad;
-        if curved != [0.0; 4] || self.wrist.is_some() {
-            // On a segment of a spline, it would change the others, too; and with it the wrist's joints at the end.
+        if self.wrist.is_some() {
+            // Another E1 would change the joints of the wrist at the end, too.
             return None;
         }
+        // On a segment of a spline, another E1 would change the other segments, too.
+        let [[from], [by]] = self.e1_rad.linear()?;
         let nearest = ((from + by).to_degrees() / STEP_DEG).round();
         let tries = (1..=68).map(|k| {
             let away = f64::from((k + 1) / 2);
@@ -123,6 +127,6 @@ impl CurveFaultAt {
 }
 
 /// E1 from one position of A3 to another, evenly in s; in rad.
-pub(crate) fn even_e1(from_rad: f64, to_rad: f64) -> [f64; 6] {
-    [from_rad, to_rad - from_rad, 0.0, 0.0, 0.0, 0.0]
+pub(crate) fn even_e1(from_rad: f64, to_rad: f64) -> Linked<1> {
+    Linked::even([from_rad], [to_rad])
 }
