@@ -1,7 +1,7 @@
 //! Paths of the TCP, and the curves that they are in joint space.
 
-mod arc_length;
 mod channel;
+mod chord_curve;
 pub(crate) mod corner;
 pub(crate) mod joint_curve;
 mod knot_rates;

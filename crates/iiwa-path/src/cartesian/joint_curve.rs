@@ -46,7 +46,7 @@ pub(crate) struct TcpCurve {
     pub(crate) course: Arc<TcpCourse>,
     /// The flange in the TCP's frame.
     pub(crate) flange: Pose,
-    /// The position of A3, in rad.
+    /// The position of A3 by the share of the arc length, in rad.
     pub(crate) e1_rad: Linked<1>,
     pub(crate) status: Status,
     /// How the wrist turns, if it does so by itself: then the orientation of the course does not count.
@@ -68,7 +68,7 @@ pub(crate) const SINGULAR: f64 = 1e-4;
 
 impl TcpCurve {
     fn e1(&self, s: Taylor) -> Taylor {
-        let [e1] = self.e1_rad.at(s);
+        let [e1] = self.e1_rad.at(self.course.arc_share(s));
         e1
     }
 }

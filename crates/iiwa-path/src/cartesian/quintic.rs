@@ -79,7 +79,7 @@ impl<const N: usize> Quintic<N> {
     }
 }
 
-/// A quantity along a path: a polynomial in a share w, which is itself a polynomial in the path parameter s.
+/// A quantity along a path: a polynomial in a share w, which is itself a polynomial in the share s of the arc length.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Linked<const N: usize> {
     /// w by s; none if w is s.

@@ -3,7 +3,7 @@
 use iiwa_kin::rotation::{dot, norm};
 
 use super::{
-    arc_length::{ArcLengthCurve, Cusp},
+    chord_curve::{CUSP_RATE, ChordCurve, Cusp},
     quintic::{Quintic, Rates},
 };
 
@@ -22,7 +22,9 @@ pub(crate) fn with_reversal(rates: Rates<3>) -> Rates<3> {
 /// A part of a segment of the position.
 #[derive(Clone, Debug)]
 pub(crate) struct PositionPart {
-    pub(crate) curve: ArcLengthCurve,
+    pub(crate) curve: ChordCurve,
+    /// Range of the path parameter by chord length, in m: derivatives by it go on to the next part.
+    pub(crate) range_m: f64,
     /// Whether the TCP reverses at its end.
     pub(crate) stops: bool,
 }
@@ -46,14 +48,17 @@ pub(crate) fn parts(
             [true, true] => {
                 let whole = between(curve, [from, to], [true, true]);
                 for (range, cusp) in [([0.0, 0.5], Cusp::Start), ([0.5, 1.0], Cusp::End)] {
-                    let curve = ArcLengthCurve::new(whole.part(range), Some(cusp));
-                    parts.push(PositionPart { curve, stops: cusp == Cusp::End });
+                    let curve = ChordCurve::new(whole.part(range), Some(cusp));
+                    let range_m = 0.5 * CUSP_RATE * (to - from) * chord_m;
+                    parts.push(PositionPart { curve, range_m, stops: cusp == Cusp::End });
                 }
             }
             [starts, ends] => {
                 let cusp = if starts { Some(Cusp::Start) } else { ends.then_some(Cusp::End) };
-                let curve = ArcLengthCurve::new(between(curve, [from, to], [starts, ends]), cusp);
-                parts.push(PositionPart { curve, stops: ends });
+                let curve = ChordCurve::new(between(curve, [from, to], [starts, ends]), cusp);
+                let rate = if cusp.is_some() { CUSP_RATE } else { 1.0 };
+                let range_m = rate * (to - from) * chord_m;
+                parts.push(PositionPart { curve, range_m, stops: ends });
             }
         }
     }

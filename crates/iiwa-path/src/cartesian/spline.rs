@@ -1,7 +1,7 @@
 //! The segments of a spline: position, orientation and E1 between the knots.
 //!
 //! The position of SPL segments is quintic in the length of the chords; orientation and E1 are splines of their own, linked to the
-//! arc length of the position. The path parameter is the arc length throughout.
+//! arc length of the position. The path parameter is the length of the chords, of circles the arc.
 
 use iiwa_kin::{
     MovingPose, Pose, Taylor,
@@ -41,8 +41,8 @@ pub(crate) struct SplinePiece {
     pub(crate) segment: usize,
     pub(crate) course: TcpCourse,
     pub(crate) e1_rad: Linked<1>,
-    /// Arc length, in m; zero if only orientation or E1 change.
-    pub(crate) length_m: f64,
+    /// Range of the path parameter, in m; zero if only orientation or E1 change.
+    pub(crate) range_m: f64,
     /// Whether the TCP stops at its end.
     pub(crate) stops: bool,
 }
@@ -91,7 +91,7 @@ pub(crate) fn pieces(
                 segment: in_place,
                 course: TcpCourse::even(&from.pose, &to.pose, step.turn_rad),
                 e1_rad: Linked::even([from.e1_rad], [to.e1_rad]),
-                length_m: 0.0,
+                range_m: 0.0,
                 stops: true,
             });
         }
@@ -139,6 +139,7 @@ struct GivenRates {
 }
 
 impl GivenRates {
+    /// The rates of lines and circles, and the zero turn rates of a constant orientation.
     fn of(between: &Between, step: &KnotStep) -> Self {
         let course = match between {
             Between::Spl { is_constant } => {
@@ -195,13 +196,14 @@ struct Run<'a> {
 
 impl Run<'_> {
     fn pieces(&self) -> Vec<SplinePiece> {
+        // A single SPL is a straight line.
         if let ([Between::Spl { .. }], [from, to]) = (self.between, self.knots) {
             let KnotStep { turn_rad, length_m, .. } = self.steps[0];
             return vec![SplinePiece {
                 segment: self.first,
                 course: TcpCourse::even(&from.pose, &to.pose, turn_rad),
                 e1_rad: Linked::even([from.e1_rad], [to.e1_rad]),
-                length_m,
+                range_m: length_m,
                 stops: false,
             }];
         }
@@ -217,21 +219,8 @@ impl Run<'_> {
                 parts => parts.iter().map(|part| part.curve.length_m()).sum(),
             })
             .collect();
-        let (mut turns, mut e1s) = (Vec::with_capacity(count), Vec::with_capacity(count));
-        let mut start = 0;
-        for end in (1..=count).filter(|knot| *knot == count || self.is_restart(*knot)) {
-            let range = start..end;
-            let stretches = range.clone().map(|i| {
-                let KnotStep { turn_rad, e1_rad, .. } = &self.steps[i];
-                (stretch(turn_rad, given[i].turn), stretch(&[*e1_rad], given[i].e1))
-            });
-            let (turn, e1): (Vec<_>, Vec<_>) = stretches.unzip();
-            turns.extend(channel(&turn, &arcs_m[range.clone()], turned));
-            e1s.extend(channel(&e1, &arcs_m[range], |_, rates| *rates));
-            start = end;
-        }
         let mut pieces = Vec::with_capacity(count);
-        let channels = turns.into_iter().zip(e1s);
+        let channels = self.channels(&given, &arcs_m);
         for (i, (parts, (turn, e1))) in positions.into_iter().zip(channels).enumerate() {
             let segment = self.first + i;
             let stops = i + 1 < count
@@ -242,8 +231,8 @@ impl Run<'_> {
             let even_e1 = || Linked::even([0.0], [self.steps[i].e1_rad]);
             let e1 = e1.unwrap_or_else(even_e1).plus(&[*e1_rad]);
             if let Between::Course(course) = &self.between[i] {
-                let (course, length_m) = (TcpCourse::clone(course), arcs_m[i]);
-                pieces.push(SplinePiece { segment, course, e1_rad: e1, length_m, stops });
+                let (course, range_m) = (TcpCourse::clone(course), arcs_m[i]);
+                pieces.push(SplinePiece { segment, course, e1_rad: e1, range_m, stops });
                 continue;
             }
             let turn = turn.unwrap_or_else(|| Linked::even([0.0; 3], [0.0; 3]));
@@ -260,10 +249,33 @@ impl Run<'_> {
                 };
                 let course = TcpCourse::spline(part.curve, pose.rotation, turn);
                 let stops = if k == last { stops } else { part.stops };
-                pieces.push(SplinePiece { segment, course, e1_rad, length_m, stops });
+                pieces.push(SplinePiece { segment, course, e1_rad, range_m: part.range_m, stops });
             }
         }
         pieces
+    }
+
+    /// Orientation and E1 on the segments, as differences from the start of each; none where the segment sets them by itself.
+    fn channels(
+        &self,
+        given: &[GivenRates],
+        arcs_m: &[f64],
+    ) -> Vec<(Option<Linked<3>>, Option<Linked<1>>)> {
+        let count = self.steps.len();
+        let mut channels = Vec::with_capacity(count);
+        let mut start = 0;
+        for end in (1..=count).filter(|knot| *knot == count || self.is_restart(*knot)) {
+            let range = start..end;
+            let stretches = range.clone().map(|i| {
+                let KnotStep { turn_rad, e1_rad, .. } = &self.steps[i];
+                (stretch(turn_rad, given[i].turn), stretch(&[*e1_rad], given[i].e1))
+            });
+            let (turn, e1): (Vec<_>, Vec<_>) = stretches.unzip();
+            let turns = channel(&turn, &arcs_m[range.clone()], turned);
+            channels.extend(turns.into_iter().zip(channel(&e1, &arcs_m[range], |_, e1| *e1)));
+            start = end;
+        }
+        channels
     }
 
     /// The position on the SPL segments; no parts for the others.

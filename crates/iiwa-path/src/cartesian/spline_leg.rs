@@ -62,22 +62,22 @@ pub(crate) fn spline<'a>(
     let pieces = pieces(&knots, &between);
     let pieces = pieces.map_err(|(index, fault)| in_segment(index, at_frame(fault)))?;
     let mut paths = Vec::with_capacity(pieces.len());
-    let mut lengths_m = Vec::with_capacity(pieces.len());
+    let mut ranges_m = Vec::with_capacity(pieces.len());
     for piece in pieces {
         let index = piece.segment;
-        lengths_m.push(piece.length_m);
+        ranges_m.push(piece.range_m);
         let path = TcpPath::of(site.curve(from_rad, piece.course, piece.e1_rad));
         let path = path.map_err(|fault| in_segment(index, ("frame", fault.without_hint())))?;
         let limits = site.own_limits(motion, &segments[index]).map(Arc::new);
         paths.push(TcpPath { stops: piece.stops, limits, ..path });
     }
-    // The path parameter is the arc length, except where the TCP does not move: there the path stops at both ends.
-    let moving = || paths.iter().zip(&lengths_m).filter(|(_, length_m)| **length_m > 0.0);
+    // One path parameter for all, except where the TCP does not move: there the path stops at both ends.
+    let moving = || paths.iter().zip(&ranges_m).filter(|(_, range_m)| **range_m > 0.0);
     let whole_rad: f64 = moving().map(|(path, _)| path.rate_rad).sum();
-    let rad_a_m = whole_rad / moving().map(|(_, length_m)| length_m).sum::<f64>();
-    for (path, length_m) in paths.iter_mut().zip(lengths_m) {
-        if length_m > 0.0 {
-            path.rate_rad = rad_a_m * length_m;
+    let rad_a_m = whole_rad / moving().map(|(_, range_m)| range_m).sum::<f64>();
+    for (path, range_m) in paths.iter_mut().zip(ranges_m) {
+        if range_m > 0.0 {
+            path.rate_rad = rad_a_m * range_m;
         }
     }
     Ok(paths)

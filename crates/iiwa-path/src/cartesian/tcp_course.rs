@@ -10,7 +10,7 @@ use iiwa_kin::{
 
 use iiwa_program::CourseFault;
 
-use super::{arc_length::ArcLengthCurve, quintic::Linked};
+use super::{chord_curve::ChordCurve, quintic::Linked};
 use crate::tool_way::ToolWay;
 
 /// The course of the TCP in the robot's foot, for s from 0 to 1.
@@ -25,8 +25,8 @@ pub(crate) struct TcpCourse {
 enum Position {
     /// On a straight line, evenly in s: `from + s by`.
     Line { from: Vec3<f64>, by: Vec3<f64> },
-    /// On a part of a spline, evenly in s.
-    Spline(Box<ArcLengthCurve>),
+    /// On a part of a spline.
+    Spline(Box<ChordCurve>),
     /// On a circle, evenly in s: `centre + cos(s angle) u + sin(s angle) v`.
     Arc { centre: Vec3<f64>, u: Vec3<f64>, v: Vec3<f64>, angle: f64 },
 }
@@ -36,7 +36,7 @@ enum Position {
 struct Orientation {
     /// The frame of `turn`: the orientation at the start of the motion or the segment.
     from: Mat3<f64>,
-    /// The rotation vector from there.
+    /// The rotation vector from there, by the share of the arc length.
     turn: Linked<3>,
     /// A turn of the whole, evenly in s: its rotation vector in the robot's foot.
     carried: Option<Vec3<f64>>,
@@ -85,7 +85,7 @@ impl TcpCourse {
     }
 
     /// A part of a spline, with the rotation vector `turn` from the orientation `from`.
-    pub(crate) fn spline(position: ArcLengthCurve, from: Mat3<f64>, turn: Linked<3>) -> Self {
+    pub(crate) fn spline(position: ChordCurve, from: Mat3<f64>, turn: Linked<3>) -> Self {
         let orientation = Orientation { from, turn, carried: None };
         Self { position: Position::Spline(Box::new(position)), orientation }
     }
@@ -184,12 +184,20 @@ impl TcpCourse {
         let Orientation { from, turn, carried } = &self.orientation;
         let mut rotation = constant(from);
         if !turn.is_zero() {
-            rotation = product(&rotation, &exp(&turn.at(s)));
+            rotation = product(&rotation, &exp(&turn.at(self.arc_share(s))));
         }
         if let Some(vector) = carried {
             rotation = product(&exp(&vector.map(|v| s * v)), &rotation);
         }
         MovingPose { position_m, rotation }
+    }
+
+    /// The share of the arc length up to `s`.
+    pub(crate) fn arc_share(&self, s: Taylor) -> Taylor {
+        match &self.position {
+            Position::Line { .. } | Position::Arc { .. } => s,
+            Position::Spline(curve) => curve.arc_share(s),
+        }
     }
 
     /// Pose of the TCP where it ends.
@@ -213,7 +221,7 @@ impl TcpCourse {
         let way = match &self.position {
             Position::Line { by, .. } => norm(by),
             Position::Arc { u, angle, .. } => norm(u) * angle.abs(),
-            Position::Spline(curve) => curve.length_m(),
+            Position::Spline(_) => return None,
         };
         Some([way, turn])
     }
