@@ -393,7 +393,7 @@ fn turns_in_place_may_be_a_little_off() {
             segment("spl", frame(100.0, 20.0, 35.0)),
         ];
         let path = plan(&program(&json!([spline(&segments)]))).unwrap();
-        let found: u32 = path.stops_in_splines().iter().map(|(_, count)| *count as u32).sum();
+        let found: usize = path.stops_in_splines().iter().map(|(_, count)| count).sum();
         assert_eq!(found, stops, "{off_mm} mm");
         let end = path.steps().iter().rev().find_map(|step| match step {
             Step::Move { segment, .. } => Some(pose(&segment.at(1.0).q)),

@@ -61,12 +61,13 @@ impl<const N: usize> Quintic<N> {
 
     /// The same curve over the part `range` of the interval; backwards if the range falls.
     pub(crate) fn part(&self, [from, to]: [f64; 2]) -> Self {
-        // Synthetic division by x - from, six times: the powers of x - from. Then x - from = (to - from) share.
+        // Repeated synthetic division by x - from gives the powers of x - from. Then x - from = (to - from) share.
         let mut powers = self.0;
         for lowest in 0..5 {
             for k in (lowest..5).rev() {
-                for i in 0..N {
-                    powers[k][i] += from * powers[k + 1][i];
+                let higher = powers[k + 1];
+                for (power, higher) in powers[k].iter_mut().zip(higher) {
+                    *power += from * higher;
                 }
             }
         }

@@ -322,13 +322,13 @@ impl Run<'_> {
 
 /// Orientation or E1 of a segment.
 fn stretch<const N: usize>(step: &[f64; N], given: Option<[Rates<N>; 2]>) -> Stretch<N> {
-    match given {
-        Some(rates) => Stretch::Given(rates),
-        None => {
+    given.map_or_else(
+        || {
             let length = step.iter().map(|x| x * x).sum::<f64>().sqrt();
             Stretch::Free { chord: length.max(MIN_CHORD_RAD), step: *step }
-        }
-    }
+        },
+        Stretch::Given,
+    )
 }
 
 /// Rates of the rotation vector at a knot as seen from another knot, from which the rotation vector is `step`.

@@ -1,7 +1,5 @@
 //! Properties of splines, and curves computed independently.
 
-#![expect(clippy::unwrap_used, clippy::panic, reason = "a test fails by it")]
-
 use iiwa_kin::{
     Pose, Taylor,
     rotation::{Mat3, Vec3, apply, exp, log, norm, product, scaled, sub, transposed},
