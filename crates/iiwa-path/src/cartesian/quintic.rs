@@ -131,7 +131,7 @@ impl<const N: usize> Linked<N> {
         Self { link: Some(link.part(range)), powers: self.powers.clone() }
     }
 
-    /// Whether the quantity is zero everywhere.
+    /// True if the quantity is zero everywhere.
     pub(crate) fn is_zero(&self) -> bool {
         self.powers.is_empty()
     }

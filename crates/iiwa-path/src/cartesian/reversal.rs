@@ -25,7 +25,7 @@ pub(crate) struct PositionPart {
     pub(crate) curve: ChordCurve,
     /// Range of the path parameter by chord length, in m: derivatives by it go on to the next part.
     pub(crate) range_m: f64,
-    /// Whether the TCP reverses at its end.
+    /// True if the TCP reverses at the end of the part.
     pub(crate) stops: bool,
 }
 
@@ -36,7 +36,7 @@ pub(crate) fn parts(
     chord_m: f64,
     [starts_at_cusp, ends_at_cusp]: [bool; 2],
 ) -> Vec<PositionPart> {
-    // Places, and whether the TCP reverses there.
+    // Places, each with a flag: the TCP reverses there.
     let mut breaks = vec![(0.0, starts_at_cusp)];
     let is_inner = |x: &f64| !(starts_at_cusp && *x < AT_END || ends_at_cusp && *x > 1.0 - AT_END);
     breaks.extend(reversals(curve, chord_m).into_iter().filter(is_inner).map(|x| (x, true)));

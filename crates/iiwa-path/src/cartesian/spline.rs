@@ -43,7 +43,7 @@ pub(crate) struct SplinePiece {
     pub(crate) e1_rad: Linked<1>,
     /// Range of the path parameter, in m; zero if only orientation or E1 change.
     pub(crate) range_m: f64,
-    /// Whether the TCP stops at its end.
+    /// True if the TCP stops at the end of the piece.
     pub(crate) stops: bool,
 }
 
@@ -124,7 +124,7 @@ impl KnotStep {
         Ok(Self { by_m, turn_rad, e1_rad: to.e1_rad - from.e1_rad, length_m })
     }
 
-    /// Whether nothing moves.
+    /// True if nothing moves.
     fn is_nothing(&self) -> bool {
         self.length_m <= SAME_M && norm(&self.turn_rad).max(self.e1_rad.abs()) <= SAME_RAD
     }
@@ -160,7 +160,7 @@ impl GivenRates {
         }
     }
 
-    /// Whether both segments at a knot set rates that differ.
+    /// True if both segments at a knot set rates that differ.
     fn contradict(before: &Self, behind: &Self) -> bool {
         fn differ<const N: usize>(
             before: Option<[Rates<N>; 2]>,
@@ -306,7 +306,7 @@ impl Run<'_> {
         (0..self.steps.len()).map(position).collect()
     }
 
-    /// Whether orientation and E1 start anew at a knot: the first X where SPL segments go to X, Y and X again.
+    /// True if orientation and E1 start anew at a knot: at the first X of SPL segments to X, Y and X.
     fn is_restart(&self, knot: usize) -> bool {
         let is_spl = |i: usize| matches!(self.between.get(i), Some(Between::Spl { .. }));
         let (Some(a), Some(b)) = (self.knots.get(knot), self.knots.get(knot + 2)) else {

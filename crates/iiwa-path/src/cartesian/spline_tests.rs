@@ -396,7 +396,7 @@ fn a_repeated_point_parts_the_spline() {
     }
 }
 
-/// Where orientation or E1 change alone, the TCP stops before and after.
+/// The TCP stops before and after a change of orientation or E1 alone.
 #[test]
 fn a_turn_in_place_is_a_piece_of_its_own() {
     let knots = [
