@@ -10,7 +10,7 @@ use std::{
 use iiwa_files::{NotBeside, beside, folder_of};
 use iiwa_json::{Step, locate};
 use iiwa_kin::Robot;
-use iiwa_log::JointLog;
+use iiwa_log::{JointLog, LogOptions};
 use iiwa_program::{Program, ProgramError, Workcell};
 use iiwa_scene::Scene;
 use iiwa_view::with_causes;
@@ -226,14 +226,16 @@ pub(crate) fn open(path: &Path) -> Result<File, Failure> {
 }
 
 /// Reads a recording in any format that holds joint positions.
-pub(crate) fn recording(path: &Path) -> Result<JointLog, Failure> {
-    JointLog::read(open(path)?).and_then(|log| log.check_rate().map(|()| log)).map_err(|error| {
-        let hint = match path.extension() {
-            Some(extension) if extension == "json" => "; a program has to be planned first",
-            _ => "",
-        };
-        Failure::input(format!("{}: {}{hint}", path.display(), with_causes(&error)))
-    })
+pub(crate) fn recording(path: &Path, options: LogOptions) -> Result<JointLog, Failure> {
+    JointLog::read_with(open(path)?, options)
+        .and_then(|log| log.check_rate().map(|()| log))
+        .map_err(|error| {
+            let hint = match path.extension() {
+                Some(extension) if extension == "json" => "; a program has to be planned first",
+                _ => "",
+            };
+            Failure::input(format!("{}: {}{hint}", path.display(), with_causes(&error)))
+        })
 }
 
 /// The built-in model called `name`, or the robot of the profile at this path.

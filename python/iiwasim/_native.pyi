@@ -240,7 +240,12 @@ class Recording:
         cls, t: ArrayLike, q: ArrayLike, *, cycle_time_s: float | None = None, program: Program | None = None
     ) -> Self: ...
     @staticmethod
-    def load(path: _Path) -> Recording: ...
+    def load(
+        path: _Path,
+        *,
+        unit: Literal["rad", "deg"] | str | None = None,
+        positions: Literal["measured", "commanded"] | str = "measured",
+    ) -> Recording: ...
     @property
     def t(self) -> _Array: ...
     @property

@@ -1,9 +1,9 @@
-//! How programs are planned, in the words of the command line.
+//! Options of planning and reading, in the words of the command line.
 
 use std::path::PathBuf;
 
 use iiwa_kin::Robot as Model;
-use iiwa_log::PlanOptions;
+use iiwa_log::{AngleUnit, LogOptions, PlanOptions, Positions};
 use iiwa_path::{BlendSearch, BlendShape, Continuity, PathOptions};
 use iiwa_traj::{JerkOptions, SweepOptions, Timing};
 use pyo3::{exceptions::PyValueError, prelude::*};
@@ -69,6 +69,15 @@ fn word<T: Copy>(what: &str, word: &str, known: &[(&str, T)]) -> PyResult<T> {
         let names: Vec<_> = known.iter().map(|(name, _)| format!("'{name}'")).collect();
         PyValueError::new_err(format!("{what} is '{word}'; {} are known", names.join(", ")))
     })
+}
+
+/// The choices for reading a recording of these words.
+pub(crate) fn log_options(unit: Option<&str>, positions: &str) -> PyResult<LogOptions> {
+    let units = [("rad", AngleUnit::Radians), ("deg", AngleUnit::Degrees)];
+    let kinds = [("measured", Positions::Measured), ("commanded", Positions::Commanded)];
+    let options = LogOptions::default().with_positions(word("positions", positions, &kinds)?);
+    let unit = unit.map(|unit| word("unit", unit, &units)).transpose()?;
+    Ok(unit.map_or(options, |unit| options.with_unit(unit)))
 }
 
 /// The options of these words.

@@ -16,6 +16,7 @@ use crate::{
     Pickled,
     arrays::{JointsLike, Rows, joint_array, shared},
     errors::{exception, os_error},
+    options::log_options,
     program::Program,
 };
 
@@ -92,14 +93,22 @@ impl Recording {
 
     /// The recording of a file: MCAP, CSV, or a log of KUKA's DataRecorder; a plan's file, too. Raises `RecordingError`.
     ///
+    /// `unit`, 'rad' or 'deg', is that of positions whose columns name none; left out, those of a DataRecorder are in degrees
+    /// if one of them is beyond every range in rad, which `losses` tell. `positions` are those that are read where a
+    /// DataRecorder has both: 'measured' or 'commanded'.
+    ///
     /// >>> import iiwasim as iw
     /// >>> iw.Recording.load('fixtures/data-recorder.log')
     /// <iiwasim.Recording ...>
     #[staticmethod]
-    fn load(py: Python<'_>, path: PathBuf) -> PyResult<Self> {
+    #[pyo3(signature = (path, *, unit = None, positions = "measured"))]
+    fn load(py: Python<'_>, path: PathBuf, unit: Option<&str>, positions: &str) -> PyResult<Self> {
+        let options = log_options(unit, positions)?;
         let name = path.display().to_string();
         let file = open(&path)?;
-        let log = py.detach(|| JointLog::read(file).and_then(|log| log.check_rate().map(|()| log)));
+        let log = py.detach(|| {
+            JointLog::read_with(file, options).and_then(|log| log.check_rate().map(|()| log))
+        });
         let log = log.map_err(|error| recording_error(py, &name, &error))?;
         Ok(Self::of(log))
     }

@@ -16,9 +16,8 @@ use clap::Args;
 /// controller must have done them: what a drive ran as a trajectory shows iiwasim's own blends.
 ///
 /// Each figure has its uncertainty, half of the 95 % confidence interval, and the number of observations.
-/// What cannot be identified from the recordings keeps the value of the model. Positions are used as they
-/// are: measured ones lag behind the commanded ones by some ms, which makes jerk and the time to settle
-/// look smaller, so that commanded ones are better.
+/// What cannot be identified from the recordings keeps the value of the model. Of a `DataRecorder` log, commanded
+/// positions are used where there are any: measured ones lag by some ms, which makes jerk look smaller.
 ///
 /// The resulting profile works with `iiwasim plan --robot PROFILE.json`. `iiwasim experiment` makes
 /// programs from which all of it can be identified.

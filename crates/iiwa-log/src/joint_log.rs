@@ -5,6 +5,7 @@ mod columns;
 mod error;
 mod format;
 mod loss;
+mod options;
 #[cfg(feature = "parquet")]
 mod parquet;
 mod recording;
@@ -20,6 +21,7 @@ use serde::{Deserialize, Serialize};
 
 pub use error::JointLogError;
 pub use loss::{Loss, Place};
+pub use options::{AngleUnit, LogOptions, Positions};
 
 use crate::RecordedRobotError;
 use crate::recorded_robot::recorded_robot;
@@ -43,15 +45,15 @@ use crate::recorded_robot::recorded_robot;
 /// | time, s | `t_s`, `time_s`, `time` or `t`; or both of `ZeitInSec` and `ZeitInNanoSec` |
 /// | joint 1, rad | `joint_1`, `iiwa_joint_1`, `q1` or `A1`, with `_rad` behind it or nothing |
 /// | joint 1, degrees | the same with `_deg` |
-/// | joint 1 of a KUKA `DataRecorder`, rad | `axisQMsr_ROBOT[0]`, or else `axisQCmd_ROBOT[0]` |
-///
+/// | joint 1 of a KUKA `DataRecorder` | `axisQMsr_ROBOT[0]`, or else `axisQCmd_ROBOT[0]` or `axisQCmdT1m_ROBOT[0]` |
 /// | torque of joint 1, Nm | `torque_1_nm`, `effort_1`, with or without `joint_` or `iiwa_joint_` before the number |
 /// | torque of joint 1 of a KUKA `DataRecorder` | `axisTauMsr_ROBOT[0]`, with the controller's sign |
 ///
 /// Torques are read if all seven are there. In tables they are what joints exert, but for those of a `DataRecorder`.
 /// Measured positions (`axisQMsr_`) are taken where there are any, then commanded ones, then the
 /// others; [`source`](Self::source) says which it was. A `DataRecorder` names the robot in its
-/// columns. All other columns are passed over.
+/// columns and no unit of its positions, and its header may begin with `%`. All other columns are passed over.
+/// [`LogOptions`] choose commanded positions, and a unit.
 ///
 /// # What is refused, and what is lost
 ///

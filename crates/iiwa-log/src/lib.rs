@@ -76,7 +76,9 @@ pub use diagnostic::{Diagnostic, DiagnosticLevel};
 pub use encoder::{Encoder, Frame};
 pub use entry::{Attachment, Entry, JointSample, Motion, MotionSample, PoseSample};
 pub use error::{ReadError, WriteError};
-pub use joint_log::{CycleClock, JointLog, JointLogError, Loss, Place, Source};
+pub use joint_log::{
+    AngleUnit, CycleClock, JointLog, JointLogError, LogOptions, Loss, Place, Positions, Source,
+};
 pub use plan::{PlanConfig, PlanWriter};
 pub use plan_figures::{
     BlendRecord, CartesianRecord, ClearanceRecord, LateBlendRecord, LimitRecord, LimitShareRecord,

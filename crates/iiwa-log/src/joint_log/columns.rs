@@ -2,8 +2,9 @@
 
 use iiwa_kin::Robot;
 
+use super::samples::Unit;
 use super::shown::shown;
-use super::{JointLogError, Source};
+use super::{AngleUnit, JointLogError, LogOptions, Positions, Source};
 
 /// What a column is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -18,6 +19,8 @@ pub(super) enum Role {
     Radians(usize),
     /// Position of the joint with this index, degrees.
     Degrees(usize),
+    /// Position of the joint with this index, in rad or degrees.
+    Unstated(usize),
     /// Torque that the joint with this index exerts, Nm.
     Exerted(usize),
     /// The same with the other sign, as KUKA's controller measures it.
@@ -39,15 +42,22 @@ pub(super) struct Columns {
 
 impl Columns {
     /// The columns of these names, which stand in this line.
-    pub(super) fn new(line: u64, names: Vec<String>) -> Result<Self, JointLogError> {
+    pub(super) fn new(
+        line: u64,
+        names: Vec<String>,
+        options: LogOptions,
+    ) -> Result<Self, JointLogError> {
         let mut columns =
             Choice { line, names: &names, roles: vec![Role::PassedOver; names.len()] };
-        let joints =
-            [Source::Measured, Source::Commanded, Source::Table].into_iter().find_map(|source| {
-                let joints: Vec<_> =
-                    names.iter().map(|name| joint(source, &name.to_ascii_lowercase())).collect();
-                joints.iter().any(Option::is_some).then_some((source, joints))
-            });
+        let sources = match options.positions {
+            Positions::Measured => [Source::Measured, Source::Commanded, Source::Table],
+            Positions::Commanded => [Source::Commanded, Source::Measured, Source::Table],
+        };
+        let joints = sources.into_iter().find_map(|source| {
+            let joint = |name: &String| joint(source, &name.to_ascii_lowercase(), options.unit);
+            let joints: Vec<_> = names.iter().map(joint).collect();
+            joints.iter().any(Option::is_some).then_some((source, joints))
+        });
         let is = |name: &str, known: &[&str]| known.iter().any(|k| name.eq_ignore_ascii_case(k));
         let time = |name: &str| is(name, &["t_s", "time_s", "time", "t"]);
         let seconds = |name: &str| is(name, &["ZeitInSec"]);
@@ -95,9 +105,17 @@ impl Columns {
         self.roles.iter().any(|role| matches!(role, Role::Exerted(_) | Role::Measured(_)))
     }
 
-    /// Which joints are in degrees.
-    pub(super) fn in_degrees(&self) -> [bool; 7] {
-        std::array::from_fn(|joint| self.roles.contains(&Role::Degrees(joint)))
+    /// The unit of each joint in the file.
+    pub(super) fn units(&self) -> [Unit; 7] {
+        std::array::from_fn(|joint| {
+            if self.roles.contains(&Role::Degrees(joint)) {
+                Unit::Degrees
+            } else if self.roles.contains(&Role::Unstated(joint)) {
+                Unit::Unstated
+            } else {
+                Unit::Radians
+            }
+        })
     }
 }
 
@@ -172,14 +190,20 @@ fn title(joint: usize) -> String {
 }
 
 /// The joint that a column of this source, by its name in small letters, has the position of.
-fn joint(source: Source, name: &str) -> Option<(usize, Role)> {
+fn joint(source: Source, name: &str, unit: Option<AngleUnit>) -> Option<(usize, Role)> {
     if source != Source::Table {
         let (joint, _) = axis(source, name)?;
-        return Some((joint, Role::Radians(joint)));
+        let role = match unit {
+            Some(AngleUnit::Radians) => Role::Radians,
+            Some(AngleUnit::Degrees) => Role::Degrees,
+            None => Role::Unstated,
+        };
+        return Some((joint, role(joint)));
     }
-    let (stem, degrees) = match name.strip_suffix("_deg") {
-        Some(stem) => (stem, true),
-        None => (name.strip_suffix("_rad").unwrap_or(name), false),
+    let (stem, degrees) = match (name.strip_suffix("_deg"), name.strip_suffix("_rad")) {
+        (Some(stem), _) => (stem, true),
+        (_, Some(stem)) => (stem, false),
+        _ => (name, unit == Some(AngleUnit::Degrees)),
     };
     let number = ["iiwa_joint_", "joint_", "q", "a"].iter().find_map(|p| stem.strip_prefix(p))?;
     let joint = digit(number)?.checked_sub(1)?;
@@ -207,7 +231,8 @@ fn axis(source: Source, name: &str) -> Option<(usize, Option<String>)> {
     let prefix = if source == Source::Measured { "axisqmsr" } else { "axisqcmd" };
     let (device, index) = name.strip_prefix(prefix)?.strip_suffix(']')?.split_once('[')?;
     let joint = digit(index).filter(|joint| *joint < 7)?;
-    let device = device.trim_start_matches('_');
+    // Behind what goes on with the signal's name: `axisqcmdt1m_` has more than `axisqcmd_`.
+    let device = device.split_once('_').map_or("", |(_, device)| device).trim_start_matches('_');
     let built_in = Robot::BUILT_IN.iter().find(|robot| device.starts_with(*robot));
     let robot = built_in.map_or_else(|| shown(device.as_bytes()), |robot| (*robot).to_owned());
     Some((joint, Some(robot).filter(|robot| !robot.is_empty())))

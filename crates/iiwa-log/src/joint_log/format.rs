@@ -3,7 +3,7 @@
 use std::io::{Cursor, Read};
 
 use super::table::HEAD_BYTES;
-use super::{JointLog, JointLogError, recording, table};
+use super::{JointLog, JointLogError, LogOptions, recording, table};
 use crate::reader::read as read_once;
 
 /// Start of an Apache Parquet file.
@@ -18,7 +18,16 @@ impl JointLog {
     /// # Errors
     ///
     /// Any [`JointLogError`], apart from those of the checks against a robot.
-    pub fn read<R: Read>(mut stream: R) -> Result<Self, JointLogError> {
+    pub fn read<R: Read>(stream: R) -> Result<Self, JointLogError> {
+        Self::read_with(stream, LogOptions::default())
+    }
+
+    /// The same, with choices for what a table's columns leave open.
+    ///
+    /// # Errors
+    ///
+    /// As [`read`](Self::read).
+    pub fn read_with<R: Read>(mut stream: R, options: LogOptions) -> Result<Self, JointLogError> {
         let mut head = vec![0; HEAD_BYTES];
         let mut len = 0;
         while len < head.len() {
@@ -36,12 +45,12 @@ impl JointLog {
         }
         #[cfg(feature = "parquet")]
         if head.starts_with(PARQUET_MAGIC) {
-            return super::parquet::read(head, stream);
+            return super::parquet::read(head, stream, options);
         }
         #[cfg(not(feature = "parquet"))]
         if head.starts_with(PARQUET_MAGIC) {
             return Err(JointLogError::ParquetNotSupported);
         }
-        table::read(&head, stream)
+        table::read(&head, stream, options)
     }
 }

@@ -23,7 +23,7 @@ impl fmt::Display for Place {
     }
 }
 
-/// A part of a motion that its recording does not have, or that was left out of it.
+/// A part of a motion that its recording does not have, or that was left out of it, or assumed.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[non_exhaustive]
 pub enum Loss {
@@ -44,6 +44,15 @@ pub enum Loss {
         t_s: f64,
         /// How many there are.
         count: u64,
+    },
+    /// Positions without a unit were read as degrees: one of them is beyond every range in rad.
+    DegreesAssumed {
+        /// The sample.
+        place: Place,
+        /// The joint's number, from 1.
+        joint: usize,
+        /// Its position, degrees.
+        found_deg: f64,
     },
     /// The last line of a table has no end, so that its last number may lack digits. It was left
     /// out.
@@ -77,6 +86,10 @@ impl fmt::Display for Loss {
                 f,
                 "{count} samples repeat the one before and were left out, the first of them is \
                  {first}, at {t_s:.3} s"
+            ),
+            Self::DegreesAssumed { place, joint, found_deg } => write!(
+                f,
+                "the file states no unit of its positions: read as degrees, as joint A{joint} is at {found_deg:.3} in {place}"
             ),
             Self::LastLine { line } => write!(
                 f,

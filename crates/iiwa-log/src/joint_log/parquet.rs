@@ -9,14 +9,18 @@ use parquet::{
     record::Field,
 };
 
-use super::{JointLog, JointLogError, table};
+use super::{JointLog, JointLogError, LogOptions, table};
 
 /// Reads a file that begins with `head` and goes on in `stream`.
-pub(super) fn read<R: Read>(mut head: Vec<u8>, mut stream: R) -> Result<JointLog, JointLogError> {
+pub(super) fn read<R: Read>(
+    mut head: Vec<u8>,
+    mut stream: R,
+    options: LogOptions,
+) -> Result<JointLog, JointLogError> {
     stream.read_to_end(&mut head)?;
     let text = csv(head.into()).map_err(io::Error::other)?;
     let split = text.len().min(table::HEAD_BYTES);
-    table::read(&text[..split], &text[split..])
+    table::read(&text[..split], &text[split..], options)
 }
 
 /// The file's rows with commas between the fields, numbers to the last bit.

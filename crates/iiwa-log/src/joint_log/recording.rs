@@ -4,7 +4,7 @@ use std::io::Read;
 
 use mcap::{MAGIC, McapError};
 
-use super::samples::Samples;
+use super::samples::{Samples, Unit};
 use super::{CycleClock, JointLog, JointLogError, Loss, Place, Source};
 use crate::recorded_robot::PROFILE;
 use crate::{Entry, ReadError, Reader, Topic};
@@ -16,7 +16,7 @@ pub(super) fn is_mcap(head: &[u8]) -> bool {
 }
 
 pub(super) fn read<R: Read>(stream: R) -> Result<JointLog, JointLogError> {
-    let mut samples = Samples::new(Source::Mcap, [false; 7]);
+    let mut samples = Samples::new(Source::Mcap, [Unit::Radians; 7]);
     let mut described = None;
     let mut place = 0;
     let mut end = None;

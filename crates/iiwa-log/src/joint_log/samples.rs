@@ -11,20 +11,33 @@ const REACH_RAD: f64 = 3.2;
 /// A step this many times the usual one is a gap: two samples are missing, not one that is late.
 const GAP_STEPS: f64 = 2.5;
 
+/// The unit of a joint's positions in a file.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) enum Unit {
+    #[default]
+    Radians,
+    Degrees,
+    /// Radians, as long as none is beyond every range.
+    Unstated,
+    /// Degrees, since one was.
+    Assumed,
+}
+
 /// Takes samples in the order of a file.
 #[derive(Debug, Default)]
 pub(super) struct Samples {
     log: JointLog,
     /// What became of samples that are there twice.
     repeated: Option<Loss>,
-    /// Which joints are in degrees in the file.
-    in_degrees: [bool; 7],
+    units: [Unit; 7],
+    /// Where it was found that positions without a unit are in degrees.
+    assumed: Option<Loss>,
 }
 
 impl Samples {
-    pub(super) fn new(source: Source, in_degrees: [bool; 7]) -> Self {
+    pub(super) fn new(source: Source, units: [Unit; 7]) -> Self {
         let log = JointLog { source: Some(source), ..JointLog::default() };
-        Self { log, in_degrees, ..Self::default() }
+        Self { log, units, ..Self::default() }
     }
 
     pub(super) fn log(&mut self) -> &mut JointLog {
@@ -35,13 +48,32 @@ impl Samples {
         self.log.t_s.len() as u64
     }
 
-    /// Takes a sample. `t_s` is finite.
+    /// Takes all positions without a unit for degrees, those of the samples so far as well, if one of them is beyond every
+    /// range in rad.
+    fn assume_degrees(&mut self, place: Place, found: &[f64; 7]) {
+        let is_far = |(unit, q): (Unit, f64)| unit == Unit::Unstated && q.abs() > REACH_RAD;
+        let Some(far) = self.units.into_iter().zip(*found).position(is_far) else { return };
+        let joint = Joint::ALL[far].number();
+        self.assumed = Some(Loss::DegreesAssumed { place, joint, found_deg: found[far] });
+        for (j, unit) in self.units.iter_mut().enumerate().filter(|it| *it.1 == Unit::Unstated) {
+            *unit = Unit::Assumed;
+            self.log.q_rad.iter_mut().for_each(|q| q[j] = q[j].to_radians());
+        }
+    }
+
+    /// Takes a sample. `t_s` is finite. Positions without a unit are as in the file.
     pub(super) fn push(
         &mut self,
         place: Place,
         t_s: f64,
-        q_rad: [f64; 7],
+        mut q_rad: [f64; 7],
     ) -> Result<(), JointLogError> {
+        self.assume_degrees(place, &q_rad);
+        for (q, unit) in q_rad.iter_mut().zip(self.units) {
+            if unit == Unit::Assumed {
+                *q = q.to_radians();
+            }
+        }
         // Not `any(|q| q > REACH)`: that would let what is not a number through.
         if !q_rad.iter().all(|q| q.abs() <= REACH_RAD) {
             return Err(self.out_of_reach(place, &q_rad));
@@ -75,13 +107,13 @@ impl Samples {
     }
 
     fn out_of_reach(&self, place: Place, q_rad: &[f64; 7]) -> JointLogError {
-        let joints = Joint::ALL.into_iter().zip(q_rad).zip(self.in_degrees);
-        for ((joint, &found_rad), in_degrees) in joints {
+        let joints = Joint::ALL.into_iter().zip(q_rad).zip(self.units);
+        for ((joint, &found_rad), unit) in joints {
             if !found_rad.is_finite() {
                 return JointLogError::NotFinite { place, joint, found_rad };
             }
             if found_rad.abs() > REACH_RAD {
-                return if in_degrees {
+                return if matches!(unit, Unit::Degrees | Unit::Assumed) {
                     let found_deg = found_rad.to_degrees();
                     JointLogError::OutOfReach { place, joint, found_deg }
                 } else {
@@ -100,6 +132,7 @@ impl Samples {
         if !self.log.torques_nm.is_empty() {
             self.log.torques_nm.resize(self.log.t_s.len(), None);
         }
+        self.log.losses.extend(self.assumed);
         self.log.losses.extend(self.repeated);
         add_gaps(&mut self.log);
         self.log.losses.extend(end);

@@ -7,20 +7,24 @@ use csv::{ByteRecord, ErrorKind, ReaderBuilder};
 use super::columns::{Columns, Role};
 use super::samples::Samples;
 use super::shown::{MAX_NAME, shown};
-use super::{JointLog, JointLogError, Loss, Place};
+use super::{JointLog, JointLogError, LogOptions, Loss, Place};
 use crate::reader::read as read_once;
 
 /// How much of a file is looked at to tell what it is, bytes. A header line that is longer is none.
 pub(super) const HEAD_BYTES: usize = 64 * 1024;
 
 /// Reads a table that begins with `head` and goes on in `stream`.
-pub(super) fn read<R: Read>(head: &[u8], stream: R) -> Result<JointLog, JointLogError> {
+pub(super) fn read<R: Read>(
+    head: &[u8],
+    stream: R,
+    options: LogOptions,
+) -> Result<JointLog, JointLogError> {
     let (number, header) = header(head)?;
     let delimiter = [b';', b'\t', b','].into_iter().find(|d| header.contains(d)).unwrap_or(b' ');
     let layout = Layout { spaces: delimiter == b' ' };
-    let columns = Columns::new(number, names(header, delimiter, layout)?)?;
+    let columns = Columns::new(number, names(header, delimiter, layout)?, options)?;
 
-    let mut samples = Samples::new(columns.source, columns.in_degrees());
+    let mut samples = Samples::new(columns.source, columns.units());
     samples.log().robot.clone_from(&columns.robot);
     // Numbers need no quotes. If quotes counted, a single one would swallow the lines behind it.
     let mut table = ReaderBuilder::new()
@@ -64,6 +68,8 @@ fn header(head: &[u8]) -> Result<(u64, &[u8]), JointLogError> {
     let (number, header) =
         lines.find(|(_, line)| !line.trim_ascii().is_empty()).ok_or(JointLogError::NoSamples)?;
     let header = header.trim_ascii();
+    // As of MATLAB, where it begins a comment.
+    let header = header.strip_prefix(b"%").unwrap_or(header).trim_ascii_start();
     let is_text = std::str::from_utf8(header).is_ok_and(|text| !text.contains('\0'));
     let is_whole = header.len() < HEAD_BYTES && !header.contains(&b'\r');
     if is_text && is_whole {
@@ -125,6 +131,7 @@ struct Row {
     time_s: f64,
     /// Whole seconds and nanoseconds, where the time is in two columns.
     split: Option<[f64; 2]>,
+    /// Of an unstated unit, as they are in the file.
     q_rad: [f64; 7],
     /// With the controller's sign.
     measured_nm: [f64; 7],
@@ -186,7 +193,7 @@ impl Row {
                 return Err("a whole number of nanoseconds below 1000000000");
             }
             Role::Nanoseconds => self.split.get_or_insert_default()[1] = value,
-            Role::Radians(joint) => self.q_rad[joint] = value,
+            Role::Radians(joint) | Role::Unstated(joint) => self.q_rad[joint] = value,
             Role::Degrees(joint) => self.q_rad[joint] = value.to_radians(),
             Role::Exerted(joint) => self.measured_nm[joint] = 0.0 - value,
             Role::Measured(joint) => self.measured_nm[joint] = value,

@@ -2,7 +2,7 @@
 
 use std::io::{self, Read};
 
-use iiwa_log::{JointLog, JointLogError, Source};
+use iiwa_log::{AngleUnit, JointLog, JointLogError, LogOptions, Loss, Place, Positions, Source};
 use proptest::prelude::*;
 
 use crate::joint_log::{DATA_RECORDER, HEADER, millis, read, recording, swing, table};
@@ -110,6 +110,63 @@ fn data_recorder() {
     assert_eq!(other.robot.as_deref(), Some("lbr_iiwa_14_r820"));
     let other = read(&text.replace("LBR_iiwa_7_R800_1", "Arm")).unwrap();
     assert_eq!(other.robot.as_deref(), Some("arm"));
+}
+
+/// As the controller writes it: with a header that is a comment, degrees, and another name of commanded positions.
+#[test]
+fn a_data_recorder_in_degrees() {
+    let signal = |name: &str| {
+        let column = |j: usize| format!(" {name}_LBR_iiwa_7_R800_1[{j}]");
+        (0..7).map(column).collect::<String>()
+    };
+    let [measured, commanded] = ["axisQMsr", "axisQCmdT1m"].map(signal);
+    let header = format!("%   ZeitInSec ZeitInNanoSec{measured}{commanded}\n");
+    let still = " 15 1000000 0 0.001 0 1 0 0 0 0 0 0 1.01 0 0 0\n";
+    let far = " 15 21000000 0 0.001 0 1.1 0 0 90 0 0 0 1.11 0 0 90.02\n";
+    let text = [&header, still, far].concat();
+
+    let log = read(&text).unwrap();
+    assert_eq!(
+        (log.robot.as_deref(), log.source),
+        (Some("lbr_iiwa_7_r800"), Some(Source::Measured))
+    );
+    let degrees = [[0.0, 0.001, 0.0, 1.0, 0.0, 0.0, 0.0], [0.0, 0.001, 0.0, 1.1, 0.0, 0.0, 90.0]];
+    assert_eq!(log.q_rad, degrees.map(|q| q.map(f64::to_radians)));
+    assert_eq!(log.t_s, [0.0, 0.02]);
+    let assumed = Loss::DegreesAssumed { place: Place::Line(3), joint: 7, found_deg: 90.0 };
+    assert_eq!(log.losses, [assumed]);
+    let said = "the file states no unit of its positions: read as degrees, as joint A7 is at 90.000 in line 3";
+    assert_eq!(log.losses[0].to_string(), said);
+
+    // What is stated is not guessed, and small degrees cannot be told from rad.
+    let with = |text: &str, options| JointLog::read_with(text.as_bytes(), options);
+    let in_degrees = LogOptions::default().with_unit(AngleUnit::Degrees);
+    let stated = with(&text, in_degrees).unwrap();
+    assert_eq!((stated.q_rad, stated.losses), (log.q_rad.clone(), vec![]));
+    let short = [&header, still].concat();
+    assert_eq!(read(&short).unwrap().q_rad[0][3], 1.0);
+    assert_eq!(with(&short, in_degrees).unwrap().q_rad[0][3], 1_f64.to_radians());
+    let error = with(&text, LogOptions::default().with_unit(AngleUnit::Radians)).unwrap_err();
+    assert!(error.to_string().starts_with("line 3: joint A7 at 90 rad"), "{error}");
+    let error = read(&text.replace("90", "190")).unwrap_err();
+    assert!(error.to_string().starts_with("line 3: joint A7 at 190 degrees"), "{error}");
+
+    let options = LogOptions::default().with_positions(Positions::Commanded);
+    let commanded = with(&text, options).unwrap();
+    assert_eq!(commanded.source, Some(Source::Commanded));
+    assert_eq!(commanded.robot.as_deref(), Some("lbr_iiwa_7_r800"));
+    assert_eq!(commanded.q_rad[1][6], 90.02_f64.to_radians());
+    // Where there are none, the others.
+    assert_eq!(with(&table(&millis(3)), options).unwrap().source, Some(Source::Table));
+}
+
+/// The unit of a table is that of its names, or the stated one where they have none.
+#[test]
+fn names_of_columns_win_over_options() {
+    let options = LogOptions::default().with_unit(AngleUnit::Degrees);
+    let text = "t q1 q2_rad q3 q4 q5 q6 q7\n0.5 90 1 2 3 4 5 6\n";
+    let log = JointLog::read_with(text.as_bytes(), options).unwrap();
+    assert_eq!(log.q_rad[0][..3], [90_f64.to_radians(), 1.0, 2_f64.to_radians()]);
 }
 
 #[test]
