@@ -74,6 +74,22 @@ def test_the_tcp_is_the_tool() -> None:
     assert set(np.round(1e3 * distance, 6)) == {120.0, round(float(np.hypot(120, 40)), 6)}
 
 
+def test_logs_of_a_data_recorder(tmp_path: Path) -> None:
+    names = [f"{kind}_LBR_iiwa_7_R800_1[{j}]" for kind in ("axisQMsr", "axisQCmdT1m") for j in range(7)]
+    row = "0 0 0 1 0 0 0"
+    log = tmp_path / "recorder.log"
+    log.write_text(
+        f"% ZeitInSec ZeitInNanoSec {' '.join(names)}\n" + f" 5 0 {row} {row}\n 5 20000000 {row} 0 0 0 90 0 0 0\n"
+    )
+    assert iw.Recording.load(log).q[0, 3] == 1.0
+    assert iw.Recording.load(log, unit="deg").q[0, 3] == math.radians(1)
+    commanded = iw.Recording.load(log, positions="commanded")
+    assert commanded.q[:, 3].tolist() == [math.radians(1), math.radians(90)]
+    assert "read as degrees" in commanded.losses[0]
+    with pytest.raises(ValueError, match="'measured', 'commanded' are known"):
+        iw.Recording.load(log, positions="both")
+
+
 def test_options_of_plans() -> None:
     program = iw.Program.load(FIXTURES / "ten-motions.json")
     jerk = iw.plan(program)
