@@ -1,5 +1,7 @@
 //! PTP motions as Sunrise plans them.
 
+#![expect(clippy::unwrap_used, reason = "a test fails by it")]
+
 use iiwa_kin::{Joints, Robot};
 use iiwa_path::JointPath;
 use iiwa_program::{Blend, Program};
@@ -100,9 +102,9 @@ fn another_implementation_finds_the_same() {
         assert!((seconds - case.seconds).abs() < 2e-6, "{seconds} {}", case.seconds);
         for (t, expected) in [0.05, 0.15, seconds - 0.1].into_iter().zip(case.shares) {
             let q = plan.at(t).q;
-            for j in 0..7 {
+            for (j, q) in q.iter().enumerate() {
                 let [from, to] = [case.from_deg[j], case.to_deg[j]].map(f64::to_radians);
-                let off = q[j] - (from + expected * (to - from));
+                let off = q - (from + expected * (to - from));
                 assert!(off.abs() < 2e-5, "A{}: {off:e} rad at {t} s", j + 1);
             }
         }
@@ -147,9 +149,9 @@ proptest! {
             prop_assert!(pair[0].rate >= 0.0 && pair[0].p <= pair[1].p);
             let scale = nodes.iter().fold(0.0_f64, |most, node| most.max(node.u[0].abs()));
             prop_assert!((pair[0].u[1] - pair[1].u[0]).abs() <= 1e-9 * scale);
-            for j in 0..7 {
-                let speed = (way[j] * pair[1].rate).abs();
-                let acceleration = (way[j] * pair[1].u[0]).abs();
+            for (j, way) in way.iter().enumerate() {
+                let speed = (way * pair[1].rate).abs();
+                let acceleration = (way * pair[1].u[0]).abs();
                 prop_assert!(speed <= velocity * limits.velocity_rad_s[j] * (1.0 + 1e-9));
                 prop_assert!(acceleration <= limits.acceleration_rad_s2[j] * (1.0 + 1e-9));
             }

@@ -209,7 +209,7 @@ def test_bad_sources(programs: list[str], tmp_path: Path) -> None:
 
 
 def test_bad_options(programs: list[str]) -> None:
-    with pytest.raises(ValueError, match="'jerk', 'acceleration' are known"):
+    with pytest.raises(ValueError, match="'jerk', 'sunrise', 'acceleration' are known"):
         batches.figures(programs[:1], timing="fast")
     with pytest.raises(TypeError, match="no option 'speed'"):
         batches.figures(programs[:1], speed=2)  # type: ignore[call-arg]
