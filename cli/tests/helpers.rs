@@ -1,6 +1,20 @@
-//! Programs for tests from outside.
+//! Programs and plans for tests of the command.
 
 use std::path::{Path, PathBuf};
+
+use assert_cmd::{assert::Assert, cargo::cargo_bin_cmd};
+use tempfile::TempDir;
+
+/// Runs `iiwasim plan` in a folder.
+pub(crate) fn plan(folder: &TempDir, program: &Path, arguments: &[&str]) -> Assert {
+    cargo_bin_cmd!("iiwasim").current_dir(folder).arg("plan").arg(program).args(arguments).assert()
+}
+
+/// The JSON that a successful command printed.
+#[expect(clippy::unwrap_used, reason = "a test fails by it")]
+pub(crate) fn figures(assert: Assert) -> serde_json::Value {
+    serde_json::from_slice(&assert.success().get_output().stdout).unwrap()
+}
 
 pub(crate) fn fixture(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../fixtures").join(name)

@@ -1,20 +1,11 @@
 //! Waits that overlap motions, and the lines that motions come from, in what `iiwasim plan` says.
 
-#![expect(clippy::unwrap_used, reason = "a test fails by it")]
+use std::fs;
 
-use std::{fs, path::Path};
-
-use assert_cmd::{assert::Assert, cargo::cargo_bin_cmd};
 use predicates::str::contains;
-use tempfile::{TempDir, tempdir};
+use tempfile::tempdir;
 
-fn plan(folder: &TempDir, program: &Path, arguments: &[&str]) -> Assert {
-    cargo_bin_cmd!("iiwasim").current_dir(folder).arg("plan").arg(program).args(arguments).assert()
-}
-
-fn figures(assert: Assert) -> serde_json::Value {
-    serde_json::from_slice(&assert.success().get_output().stdout).unwrap()
-}
+use crate::helpers::{figures, plan};
 
 #[test]
 fn says_which_blends_came_too_late_and_where_motions_come_from() {

@@ -9,7 +9,7 @@ use std::{
     time::{Duration, Instant},
 };
 
-use assert_cmd::{assert::Assert, cargo::cargo_bin_cmd};
+use assert_cmd::cargo::cargo_bin_cmd;
 use iiwa_log::Recording;
 use predicates::{
     prelude::PredicateBooleanExt,
@@ -17,16 +17,8 @@ use predicates::{
 };
 use tempfile::{TempDir, tempdir};
 
-use crate::helpers::{START, fixture, long_program, program};
+use crate::helpers::{START, figures, fixture, long_program, plan, program};
 use crate::run::{files, iiwasim};
-
-fn plan(folder: &TempDir, program: &Path, arguments: &[&str]) -> Assert {
-    cargo_bin_cmd!("iiwasim").current_dir(folder).arg("plan").arg(program).args(arguments).assert()
-}
-
-fn figures(assert: Assert) -> serde_json::Value {
-    serde_json::from_slice(&assert.success().get_output().stdout).unwrap()
-}
 
 #[test]
 fn writes_a_file_and_a_table() {

@@ -1,31 +1,21 @@
 //! Torques in what `iiwasim plan` prints, as a gate, and as limits.
 
-#![expect(clippy::unwrap_used, reason = "a test fails by it")]
-
 use std::{
     fs,
     path::{Path, PathBuf},
 };
 
-use assert_cmd::{assert::Assert, cargo::cargo_bin_cmd};
 use predicates::{
     prelude::PredicateBooleanExt,
     str::{contains, is_empty},
 };
-use tempfile::{TempDir, tempdir};
+use tempfile::tempdir;
 
+use crate::helpers::{figures, plan};
 use crate::run::{files, iiwasim};
 
 fn fixture(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../fixtures").join(name)
-}
-
-fn plan(folder: &TempDir, program: &Path, arguments: &[&str]) -> Assert {
-    cargo_bin_cmd!("iiwasim").current_dir(folder).arg("plan").arg(program).args(arguments).assert()
-}
-
-fn figures(assert: Assert) -> serde_json::Value {
-    serde_json::from_slice(&assert.success().get_output().stdout).unwrap()
 }
 
 /// Lifts a load on the outstretched arm.

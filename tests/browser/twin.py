@@ -119,7 +119,7 @@ def program_is_simulated_sent_and_replayed(browser: Browser, twin: Twin) -> None
     browser.click("#confirm button[value=no]")
     browser.until("!document.getElementById('confirm').open")
     assert browser.run("desk.run") is None
-    # When the arm left, of which the page knows while the program runs.
+    # The start of the motion. The page drops it at the end of the run.
     browser.run(
         "(() => { const known = remember; window.left_ = null;"
         " remember = it => { known(it); left_ = watched.left_s ?? left_ } })()"
@@ -128,19 +128,16 @@ def program_is_simulated_sent_and_replayed(browser: Browser, twin: Twin) -> None
     browser.until("desk.run && desk.run.phase === 'running' && document.getElementById('send').disabled")
     browser.until("document.getElementById('mode').textContent === 'Live'")
     twin.keep(browser, "twin-running")
-    # Torques: those that are measured, and under them the plan's of the same time. Of what the page remembers: a busy machine
-    # looks at it after the run has ended.
+    # Measured torques, and below them the planned ones, from the page's history: on a busy machine the run may be over.
     browser.run("document.getElementById('history-torque').scrollIntoView({ block: 'center' })")
     browser.until("left_ !== null && live.newest.t_s - left_ > 3")
-    q, *both = browser.run(
-        "(() => { const i = NUMBERS * countUpTo(history_.t_s.subarray(0, history_.count), left_ + 2.5);"
-        " return [0, MEASURED, PLANNED].map(at => [...history_.rows.slice(i + at, i + at + 7)]) })()"
+    q, *both, planned = browser.run(
+        "(() => { const at = countUpTo(history_.t_s.subarray(0, history_.count), left_ + 2.5), i = NUMBERS * at;"
+        " const seven = it => [...history_.rows.slice(i + it, i + it + 7)];"
+        " return [seven(0), seven(MEASURED), seven(PLANNED), [...jointsAt(desk.plan.arms[0], history_.t_s[at] - left_)]] })()"
     )
     assert all(math.isfinite(nm) for row in both for nm in row), both
-    ahead = browser.run(
-        "(q => { const t = history_.t_s[countUpTo(history_.t_s.subarray(0, history_.count), left_ + 2.5)];"
-        f" return jointsAt(desk.plan.arms[0], t - left_).map((v, j) => Math.abs(v - q[j])) }})({json.dumps(q)})"
-    )
+    ahead = [abs(a - b) for a, b in zip(planned, q)]
     assert max(ahead) < 0.1, f"the plan's time is off: {ahead} rad"
     twin.keep(browser, "twin-torques")
     browser.until("desk.run.phase === 'done'")

@@ -16,8 +16,8 @@ use clap::Args;
 /// controller must have done them: what a drive ran as a trajectory shows iiwasim's own blends.
 ///
 /// Each figure has its uncertainty, half of the 95 % confidence interval, and the number of observations.
-/// What cannot be identified from the recordings keeps the value of the model. Of a `DataRecorder` log, commanded
-/// positions are used where there are any: measured ones lag by some ms, which makes jerk look smaller.
+/// Parameters that the recordings do not determine keep the values of the model. Commanded positions of a
+/// `DataRecorder` log are preferred: measured ones lag by some ms, so that jerk is underestimated.
 ///
 /// The resulting profile works with `iiwasim plan --robot PROFILE.json`. `iiwasim experiment` makes
 /// programs from which all of it can be identified.

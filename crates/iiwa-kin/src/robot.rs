@@ -244,7 +244,7 @@ impl Robot {
         self
     }
 
-    /// The same robot with other ramps; they are no assumption any more.
+    /// Replaces the ramp law and removes it from the assumptions.
     #[must_use]
     pub fn with_ramp_law(mut self, ramp_law: RampLaw) -> Self {
         self.ramp_law = ramp_law;
@@ -362,7 +362,7 @@ impl Robot {
         self.settle_time_s
     }
 
-    /// How softly motions start and stop.
+    /// The law of the acceleration ramps at the start and the end of PTP motions.
     #[must_use]
     pub fn ramp_law(&self) -> &RampLaw {
         &self.ramp_law

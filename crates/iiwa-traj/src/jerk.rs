@@ -84,13 +84,13 @@ pub(crate) fn stamps(
     }
     let closed_form = match (segments.as_slice(), pieces.ends) {
         _ if !pieces.torques.is_empty() => None,
-        ([line], [None, None]) if line.is_line() && !options.general => {
+        ([line], [None, None]) if line.is_line() && !options.general && sunrise => {
             let law = path.robot().ramp_law();
-            let ramps = ramp_limits(&path, &section.pieces[0], law).filter(|_| sunrise);
-            Some(match ramps {
-                Some(ends) => closed_form::sunrise_line(line, ends, law),
-                None => closed_form::line(line),
-            })
+            ramp_limits(&path, &section.pieces[0], law)
+                .map(|ends| closed_form::sunrise_line(line, ends, law))
+        }
+        ([line], [None, None]) if line.is_line() && !options.general => {
+            Some(closed_form::line(line))
         }
         ([path], [None, None]) if !options.general => closed_form::tcp_path(path),
         _ => None,

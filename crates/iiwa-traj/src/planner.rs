@@ -77,11 +77,9 @@ impl Planner {
     pub fn new(path: &JointPath, timing: Timing) -> Self {
         let (samples, jerk) = match timing {
             Timing::Acceleration(options) => (options.samples.max(2), None),
-            Timing::Jerk(options) => {
-                (SAMPLES_BEFORE_JERK, Some(JerkTiming { options, sunrise: false }))
-            }
-            Timing::Sunrise(options) => {
-                (SAMPLES_BEFORE_JERK, Some(JerkTiming { options, sunrise: true }))
+            Timing::Jerk(options) | Timing::Sunrise(options) => {
+                let sunrise = matches!(timing, Timing::Sunrise(_));
+                (SAMPLES_BEFORE_JERK, Some(JerkTiming { options, sunrise }))
             }
         };
         Self {

@@ -145,9 +145,9 @@ proptest! {
         let robot = Robot::default();
         let limits = robot.limits();
         let way: Joints = std::array::from_fn(|j| (to[j] - from[j]).to_radians());
+        let scale = nodes.iter().fold(0.0_f64, |most, node| most.max(node.u[0].abs()));
         for pair in nodes.windows(2) {
             prop_assert!(pair[0].rate >= 0.0 && pair[0].p <= pair[1].p);
-            let scale = nodes.iter().fold(0.0_f64, |most, node| most.max(node.u[0].abs()));
             prop_assert!((pair[0].u[1] - pair[1].u[0]).abs() <= 1e-9 * scale);
             for (j, way) in way.iter().enumerate() {
                 let speed = (way * pair[1].rate).abs();

@@ -31,7 +31,7 @@ pub(super) struct RampsWire {
     #[serde(default, deserialize_with = "seven", skip_serializing_if = "Option::is_none")]
     #[schemars(with = "Vec<f64>", length(equal = 7), extend("items" = super::positive(MAX_NUMBER)))]
     start_nm_s: Option<Joints>,
-    /// The same at the end, in Nm/s.
+    /// Limit of the jerk of joints A1 to A7 at the end, in Nm/s.
     #[serde(default, deserialize_with = "seven", skip_serializing_if = "Option::is_none")]
     #[schemars(with = "Vec<f64>", length(equal = 7), extend("items" = super::positive(MAX_NUMBER)))]
     stop_nm_s: Option<Joints>,

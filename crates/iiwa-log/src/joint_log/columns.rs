@@ -15,12 +15,8 @@ pub(super) enum Role {
     Seconds,
     /// Nanoseconds of the time, without its whole seconds.
     Nanoseconds,
-    /// Position of the joint with this index, rad.
-    Radians(usize),
-    /// Position of the joint with this index, degrees.
-    Degrees(usize),
-    /// Position of the joint with this index, in rad or degrees.
-    Unstated(usize),
+    /// Position of the joint with this index, in this unit.
+    Position(usize, Unit),
     /// Torque that the joint with this index exerts, Nm.
     Exerted(usize),
     /// The same with the other sign, as KUKA's controller measures it.
@@ -107,15 +103,13 @@ impl Columns {
 
     /// The unit of each joint in the file.
     pub(super) fn units(&self) -> [Unit; 7] {
-        std::array::from_fn(|joint| {
-            if self.roles.contains(&Role::Degrees(joint)) {
-                Unit::Degrees
-            } else if self.roles.contains(&Role::Unstated(joint)) {
-                Unit::Unstated
-            } else {
-                Unit::Radians
+        let mut units = [Unit::Radians; 7];
+        for role in &self.roles {
+            if let Role::Position(joint, unit) = *role {
+                units[joint] = unit;
             }
-        })
+        }
+        units
     }
 }
 
@@ -193,12 +187,12 @@ fn title(joint: usize) -> String {
 fn joint(source: Source, name: &str, unit: Option<AngleUnit>) -> Option<(usize, Role)> {
     if source != Source::Table {
         let (joint, _) = axis(source, name)?;
-        let role = match unit {
-            Some(AngleUnit::Radians) => Role::Radians,
-            Some(AngleUnit::Degrees) => Role::Degrees,
-            None => Role::Unstated,
+        let unit = match unit {
+            Some(AngleUnit::Radians) => Unit::Radians,
+            Some(AngleUnit::Degrees) => Unit::Degrees,
+            None => Unit::Unstated,
         };
-        return Some((joint, role(joint)));
+        return Some((joint, Role::Position(joint, unit)));
     }
     let (stem, degrees) = match (name.strip_suffix("_deg"), name.strip_suffix("_rad")) {
         (Some(stem), _) => (stem, true),
@@ -207,8 +201,8 @@ fn joint(source: Source, name: &str, unit: Option<AngleUnit>) -> Option<(usize, 
     };
     let number = ["iiwa_joint_", "joint_", "q", "a"].iter().find_map(|p| stem.strip_prefix(p))?;
     let joint = digit(number)?.checked_sub(1)?;
-    Some((joint, if degrees { Role::Degrees(joint) } else { Role::Radians(joint) }))
-        .filter(|_| joint < 7)
+    let unit = if degrees { Unit::Degrees } else { Unit::Radians };
+    Some((joint, Role::Position(joint, unit))).filter(|_| joint < 7)
 }
 
 /// The torque that a column has, by its name in small letters.

@@ -23,22 +23,22 @@ pub enum AngleUnit {
 /// The positions of a `DataRecorder`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Positions {
-    /// Those that the encoders measured.
+    /// Measured positions (encoders).
     #[default]
     Measured,
-    /// Those that the controller commanded. They have neither noise nor lag.
+    /// Commanded positions, without noise and lag.
     Commanded,
 }
 
 impl LogOptions {
-    /// With positions of this unit where columns name none.
+    /// Sets the unit of columns that name none.
     #[must_use]
     pub fn with_unit(mut self, unit: AngleUnit) -> Self {
         self.unit = Some(unit);
         self
     }
 
-    /// With these positions where there are both.
+    /// Sets the preferred positions.
     #[must_use]
     pub fn with_positions(mut self, positions: Positions) -> Self {
         self.positions = positions;

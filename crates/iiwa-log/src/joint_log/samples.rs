@@ -17,10 +17,8 @@ pub(super) enum Unit {
     #[default]
     Radians,
     Degrees,
-    /// Radians, as long as none is beyond every range.
+    /// Radians, unless a position is beyond every range in rad: then degrees.
     Unstated,
-    /// Degrees, since one was.
-    Assumed,
 }
 
 /// Takes samples in the order of a file.
@@ -30,7 +28,7 @@ pub(super) struct Samples {
     /// What became of samples that are there twice.
     repeated: Option<Loss>,
     units: [Unit; 7],
-    /// Where it was found that positions without a unit are in degrees.
+    /// The assumption of degrees for positions without a unit, if it was made.
     assumed: Option<Loss>,
 }
 
@@ -48,29 +46,30 @@ impl Samples {
         self.log.t_s.len() as u64
     }
 
-    /// Takes all positions without a unit for degrees, those of the samples so far as well, if one of them is beyond every
-    /// range in rad.
+    /// Converts positions without a unit from degrees if one of them is beyond every range in rad, those of earlier samples as
+    /// well.
     fn assume_degrees(&mut self, place: Place, found: &[f64; 7]) {
         let is_far = |(unit, q): (Unit, f64)| unit == Unit::Unstated && q.abs() > REACH_RAD;
         let Some(far) = self.units.into_iter().zip(*found).position(is_far) else { return };
         let joint = Joint::ALL[far].number();
         self.assumed = Some(Loss::DegreesAssumed { place, joint, found_deg: found[far] });
         for (j, unit) in self.units.iter_mut().enumerate().filter(|it| *it.1 == Unit::Unstated) {
-            *unit = Unit::Assumed;
+            *unit = Unit::Degrees;
             self.log.q_rad.iter_mut().for_each(|q| q[j] = q[j].to_radians());
         }
     }
 
-    /// Takes a sample. `t_s` is finite. Positions without a unit are as in the file.
+    /// Takes a sample: a finite time, and positions in the units of the file.
     pub(super) fn push(
         &mut self,
         place: Place,
         t_s: f64,
-        mut q_rad: [f64; 7],
+        positions: [f64; 7],
     ) -> Result<(), JointLogError> {
-        self.assume_degrees(place, &q_rad);
+        self.assume_degrees(place, &positions);
+        let mut q_rad = positions;
         for (q, unit) in q_rad.iter_mut().zip(self.units) {
-            if unit == Unit::Assumed {
+            if unit == Unit::Degrees {
                 *q = q.to_radians();
             }
         }
@@ -113,7 +112,7 @@ impl Samples {
                 return JointLogError::NotFinite { place, joint, found_rad };
             }
             if found_rad.abs() > REACH_RAD {
-                return if matches!(unit, Unit::Degrees | Unit::Assumed) {
+                return if unit == Unit::Degrees {
                     let found_deg = found_rad.to_degrees();
                     JointLogError::OutOfReach { place, joint, found_deg }
                 } else {

@@ -49,7 +49,7 @@ pub(super) fn read<R: Read>(
                 break;
             }
             let row = Row::parse(&columns, layout, number, &line)?;
-            samples.push(Place::Line(number), row.t_s(&mut origin), row.q_rad)?;
+            samples.push(Place::Line(number), row.t_s(&mut origin), row.positions)?;
             if columns.has_torques() {
                 samples.add_torques(row.measured_nm);
             }
@@ -131,8 +131,8 @@ struct Row {
     time_s: f64,
     /// Whole seconds and nanoseconds, where the time is in two columns.
     split: Option<[f64; 2]>,
-    /// Of an unstated unit, as they are in the file.
-    q_rad: [f64; 7],
+    /// In the file's units.
+    positions: [f64; 7],
     /// With the controller's sign.
     measured_nm: [f64; 7],
 }
@@ -193,8 +193,7 @@ impl Row {
                 return Err("a whole number of nanoseconds below 1000000000");
             }
             Role::Nanoseconds => self.split.get_or_insert_default()[1] = value,
-            Role::Radians(joint) | Role::Unstated(joint) => self.q_rad[joint] = value,
-            Role::Degrees(joint) => self.q_rad[joint] = value.to_radians(),
+            Role::Position(joint, _) => self.positions[joint] = value,
             Role::Exerted(joint) => self.measured_nm[joint] = 0.0 - value,
             Role::Measured(joint) => self.measured_nm[joint] = value,
             Role::PassedOver => {}

@@ -27,7 +27,7 @@ pub(crate) enum Stretch<const N: usize> {
     Given([Rates<N>; 2]),
 }
 
-/// Where the rates at one end of a free segment come from.
+/// The source of the rates at one end of a free segment.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum RateSource<const N: usize> {
     /// The parabola through the knot and both neighbours.

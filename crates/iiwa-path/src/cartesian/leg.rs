@@ -8,10 +8,11 @@ use iiwa_kin::{
 };
 
 use super::{
+    quintic::Linked,
     site::{Found, Site, at_frame},
     spline_leg::spline,
     tcp_course::TcpCourse,
-    tcp_path::{TcpPath, even_e1},
+    tcp_path::TcpPath,
 };
 use iiwa_program::{
     CartesianFault, CartesianMotion, Course, Fault, Motion, OrientationType, Program,
@@ -104,7 +105,7 @@ fn leg(
     };
     let to_e1_rad = e1_rad.unwrap_or(from_rad[2]);
     let key = motion.end_key();
-    let mut curve = site.curve(from_rad, course, even_e1(from_rad[2], to_e1_rad));
+    let mut curve = site.curve(from_rad, course, Linked::even([from_rad[2]], [to_e1_rad]));
     if by_joints {
         // A circle with an angle does not end at its frame.
         let to = Pose { position_m: curve.course.end().position_m, ..to };

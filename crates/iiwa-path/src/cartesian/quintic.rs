@@ -59,7 +59,7 @@ impl<const N: usize> Quintic<N> {
         std::array::from_fn(|order| series.map(|derivatives| derivatives[order]))
     }
 
-    /// The same curve over the part `range` of the interval; backwards if the range falls.
+    /// Reparametrises the curve to a part of its interval, in reverse if `to` is below `from`.
     pub(crate) fn part(&self, [from, to]: [f64; 2]) -> Self {
         // Repeated synthetic division by x - from gives the powers of x - from. Then x - from = (to - from) share.
         let mut powers = self.0;

@@ -96,7 +96,7 @@ impl TcpCurve {
             STEP_DEG * if k % 2 == 0 { nearest - away } else { nearest + away }
         });
         let is_clear = |e1_deg: &f64| {
-            let e1_rad = even_e1(from, e1_deg.to_radians());
+            let e1_rad = Linked::even([from], [e1_deg.to_radians()]);
             let other = Self { e1_rad, ..self.clone() };
             (0..=SAMPLES).all(|i| {
                 let s = f64::from(i) / f64::from(SAMPLES);
@@ -124,9 +124,4 @@ impl CurveFaultAt {
             CurveFault::Abrupt => CartesianFault::Singular { s, part: None, other_e1_deg: None },
         }
     }
-}
-
-/// E1 from one position of A3 to another, evenly in s; in rad.
-pub(crate) fn even_e1(from_rad: f64, to_rad: f64) -> Linked<1> {
-    Linked::even([from_rad], [to_rad])
 }

@@ -48,8 +48,8 @@ pub(super) fn sunrise_line(
     for pair in instants.windows(2) {
         let [from, to] = [pair[0], pair[1]];
         // Speed and acceleration grow or fall all through a phase.
-        let half = [from.speed, from.acceleration].map(|of| 0.5 * of);
-        let half = [half[0] + 0.5 * to.speed, half[1] + 0.5 * to.acceleration, 0.0];
+        let speed = f64::midpoint(from.speed, to.speed);
+        let half = [speed, f64::midpoint(from.acceleration, to.acceleration), 0.0];
         for (rates, dt) in [(half, from.phase_s), ([to.speed, to.acceleration, 0.0], 0.0)] {
             usage.sample(&segment.shares(&geometry, 0, rates), dt);
         }
