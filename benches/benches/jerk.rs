@@ -11,7 +11,7 @@ use criterion::{Criterion, SamplingMode, Throughput, criterion_group, criterion_
 use iiwa_kin::Robot;
 use iiwa_path::JointPath;
 use iiwa_program::Program;
-use iiwa_traj::{JerkOptions, Timing, Trajectory};
+use iiwa_traj::{Timing, Trajectory};
 use iiwasim_benches::{
     Result,
     long_program::{Kind, text},
@@ -28,7 +28,7 @@ fn jerk(criterion: &mut Criterion) {
 fn against_peers(criterion: &mut Criterion) -> Result<()> {
     let program = Program::from_json(&reference::ten_motions()?)?;
     let path = JointPath::new(&program, &Robot::lbr_iiwa_7_r800())?;
-    let timing = Timing::Jerk(JerkOptions::default());
+    let timing = Timing::jerk_limited();
 
     let mut group = criterion.benchmark_group("stamps, jerk");
     group.throughput(Throughput::Elements(program.motions.len() as u64));
@@ -64,7 +64,7 @@ fn growth(criterion: &mut Criterion) -> Result<()> {
     for motions in [10, 100, 1000] {
         let program = Program::from_json(&text(Kind::Blended, motions))?;
         let path = JointPath::new(&program, &Robot::lbr_iiwa_7_r800())?;
-        let timing = Timing::Jerk(JerkOptions::default());
+        let timing = Timing::jerk_limited();
         let start = Instant::now();
         Trajectory::plan(&path, timing)?;
         let once = start.elapsed();

@@ -106,8 +106,8 @@ fn figures_are_as_promised() {
     let number = |key: &str| figures[key].as_f64().unwrap();
     let sum = number("motion_time_s") + number("settle_time_s") + number("wait_time_s");
     assert!((number("cycle_time_s") - sum).abs() < 1e-12);
-    assert_eq!((number("settle_time_s"), number("wait_time_s")), (0.2, 0.5));
-    assert_eq!(figures["timing"], "jerk");
+    assert_eq!((number("settle_time_s"), number("wait_time_s")), (0.4, 0.5));
+    assert_eq!(figures["timing"], "sunrise");
     assert_eq!(figures["robot"], "lbr_iiwa_7_r800");
     assert_eq!(figures["samples"], 100);
     assert_eq!(figures["output"], "x.mcap");

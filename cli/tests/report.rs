@@ -225,7 +225,17 @@ fn the_nearest_instant_is_the_same_everywhere() {
     fs::write(folder.path().join("scene.json"), scene).unwrap();
     let planned = iiwasim(
         &folder,
-        &["plan", "program.json", "--scene", "scene.json", "-o", "plan.mcap", "--json"],
+        &[
+            "plan",
+            "program.json",
+            "--timing",
+            "jerk",
+            "--scene",
+            "scene.json",
+            "-o",
+            "plan.mcap",
+            "--json",
+        ],
     );
     let planned: Value = serde_json::from_slice(&planned.success().get_output().stdout).unwrap();
     let at_s = planned["clearance"]["at_s"].as_f64().unwrap();

@@ -16,7 +16,7 @@ from .drive import Run
 _Array: TypeAlias = NDArray[np.float64]
 _Path: TypeAlias = str | PathLike[str]
 _Robot: TypeAlias = Robot | str | PathLike[str]
-_Timing: TypeAlias = Literal["jerk", "sunrise", "acceleration"]
+_Timing: TypeAlias = Literal["sunrise", "jerk", "acceleration"]
 _Shape: TypeAlias = Literal["iiwa", "alpha", "min-acceleration", "circle"]
 _Search: TypeAlias = Literal["first-crossing", "algorithm-1", "algorithm-2"]
 
@@ -110,6 +110,7 @@ class Program:
         mount: Mapping[str, Any] | None = None,
         mode: str | None = None,
         limit_torque_percent: float | None = None,
+        override_percent: float | None = None,
     ) -> Self: ...
     @staticmethod
     def from_json(text: str) -> Program: ...
@@ -294,7 +295,7 @@ def plan(
     program: Program,
     *,
     robot: _Robot | None = None,
-    timing: _Timing | str = "jerk",
+    timing: _Timing | str = "sunrise",
     blend_shape: _Shape | str = "iiwa",
     blend_search: _Search | str = "first-crossing",
     samples: int = 100,
@@ -304,7 +305,7 @@ def plan_all(
     programs: Iterable[Program],
     *,
     robot: _Robot | None = None,
-    timing: _Timing | str = "jerk",
+    timing: _Timing | str = "sunrise",
     blend_shape: _Shape | str = "iiwa",
     blend_search: _Search | str = "first-crossing",
     samples: int = 100,

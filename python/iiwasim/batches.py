@@ -94,7 +94,7 @@ def plan(
     >>> batches.plan(folder / "programs.jsonl", folder / "figures")
     Traceback (most recent call last):
         ...
-    iiwasim._errors.IiwasimError: ... `timing` is 'acceleration' there, 'jerk' here. Give a new folder
+    iiwasim._errors.IiwasimError: ... `timing` is 'acceleration' there, 'sunrise' here. Give a new folder
     """
     planning = Planning(column, options)
     with _Threads(jobs) as workers:

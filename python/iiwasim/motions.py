@@ -85,6 +85,7 @@ def ptp(
     blend_ori_deg: float | None = None,
     blend_fraction: float | None = None,
     blend_sunrise_rel: float | None = None,
+    blocking: bool = False,
     tool: str | None = None,
     base: str | None = None,
 ) -> Motion:
@@ -92,7 +93,7 @@ def ptp(
 
     Shares of the robot's limits are above 0 and at most 1, for all joints or one each. A blend goes round the target:
     `blend_cart_mm` is a radius, `blend_fraction` a share of the neighbouring segments up to 0.5, `blend_sunrise_rel`
-    what Sunrise's `setBlendingRel` takes.
+    what Sunrise's `setBlendingRel` takes. After a `blocking` motion, whose end the program waits for, the arm stands longer.
 
     >>> import iiwasim as iw
     >>> iw.ptp(deg=[0, 30, 0, -60, 0, 90, 0], velocity_rel=0.5, blend_cart_mm=50)
@@ -111,6 +112,7 @@ def ptp(
         acceleration_rel=_share("acceleration_rel", acceleration_rel),
         jerk_rel=_share("jerk_rel", jerk_rel),
         blend=_blend(blend_cart_mm, blend_ori_deg, fraction=blend_fraction, sunrise_rel=blend_sunrise_rel),
+        blocking=True if blocking else None,
     )
 
 

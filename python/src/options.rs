@@ -95,7 +95,7 @@ pub(crate) fn plan_options(
         "timing",
         timing,
         &[
-            ("jerk", Timing::Jerk(JerkOptions::default())),
+            ("jerk", Timing::jerk_limited()),
             ("sunrise", Timing::Sunrise(JerkOptions::default())),
             ("acceleration", Timing::Acceleration(SweepOptions { samples: samples as usize })),
         ],

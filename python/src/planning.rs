@@ -117,7 +117,7 @@ fn give_way(takes_all: bool) {
 /// True
 #[pyfunction]
 #[pyo3(signature = (
-    program, *, robot = None, timing = "jerk", blend_shape = "iiwa", blend_search = "first-crossing", samples = 100,
+    program, *, robot = None, timing = "sunrise", blend_shape = "iiwa", blend_search = "first-crossing", samples = 100,
     limit_torque_percent = None
 ))]
 #[expect(clippy::too_many_arguments, reason = "they are options by keyword in Python")]
@@ -154,7 +154,7 @@ pub(crate) fn plan(
 /// ['Plan', 'Plan', 'ProgramError']
 #[pyfunction]
 #[pyo3(signature = (
-    programs, *, robot = None, timing = "jerk", blend_shape = "iiwa", blend_search = "first-crossing", samples = 100,
+    programs, *, robot = None, timing = "sunrise", blend_shape = "iiwa", blend_search = "first-crossing", samples = 100,
     limit_torque_percent = None, jobs = None, progress = None
 ))]
 #[expect(clippy::too_many_arguments, reason = "they are options by keyword in Python")]

@@ -121,7 +121,8 @@ impl Program {
     #[new]
     #[pyo3(signature = (
         motions, *, start_deg = None, start_rad = None, start_frame = None, robot = None, tools = None, bases = None,
-        frames = None, tool = None, base = None, mount = None, mode = None, limit_torque_percent = None
+        frames = None, tool = None, base = None, mount = None, mode = None, limit_torque_percent = None,
+        override_percent = None
     ))]
     #[expect(clippy::too_many_arguments, reason = "they are options by keyword in Python")]
     fn new<'py>(
@@ -139,6 +140,7 @@ impl Program {
         mount: Option<Bound<'py, PyAny>>,
         mode: Option<String>,
         limit_torque_percent: Option<f64>,
+        override_percent: Option<f64>,
     ) -> PyResult<Self> {
         let start = PyDict::new(py);
         for (name, key, given) in
@@ -181,8 +183,12 @@ impl Program {
                 program.set_item(key, value)?;
             }
         }
-        if let Some(percent) = limit_torque_percent {
-            program.set_item("limit_torque_percent", percent)?;
+        for (key, percent) in
+            [("limit_torque_percent", limit_torque_percent), ("override_percent", override_percent)]
+        {
+            if let Some(percent) = percent {
+                program.set_item(key, percent)?;
+            }
         }
         let motions = py.import("builtins")?.call_method1("list", (motions,))?;
         program.set_item("motions", motions)?;

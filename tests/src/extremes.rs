@@ -327,7 +327,7 @@ mod tests {
         for _ in 0..12 {
             let program = programs(4).new_tree(&mut runner).unwrap().current();
             let path = JointPath::new(&program, &Robot::default()).unwrap();
-            for timing in [Timing::default(), Timing::Acceleration(SweepOptions::default())] {
+            for timing in [Timing::jerk_limited(), Timing::Acceleration(SweepOptions::default())] {
                 let trajectory = Trajectory::plan(&path, timing).unwrap();
                 let found = extremes(&trajectory, timing);
                 let mut sampled = [0.0_f64; 3];
@@ -374,7 +374,7 @@ mod tests {
         let config = ProptestConfig { rng_seed: RngSeed::Fixed(8), ..ProptestConfig::default() };
         let program = programs(6).new_tree(&mut TestRunner::new(config)).unwrap().current();
         let path = JointPath::new(&program, &Robot::default()).unwrap();
-        for timing in [Timing::default(), Timing::Acceleration(SweepOptions::default())] {
+        for timing in [Timing::jerk_limited(), Timing::Acceleration(SweepOptions::default())] {
             let trajectory = Trajectory::plan(&path, timing).unwrap();
             for section in trajectory.sections() {
                 for piece in section.pieces().iter().filter(|piece| piece.kind.moves()) {

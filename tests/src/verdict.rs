@@ -56,16 +56,19 @@ impl Verdict {
             }
         };
         let start = Instant::now();
-        let jerk = verdict.plan(&path, Timing::default());
+        let jerk = verdict.plan(&path, Timing::jerk_limited());
         verdict.planning = start.elapsed();
         if let Some(jerk) = &jerk {
             let start = Instant::now();
-            let found = extremes(jerk, Timing::default());
+            let found = extremes(jerk, Timing::jerk_limited());
             verdict.judging = start.elapsed();
             verdict.instants = found.ratios();
             verdict.clear = found.clear.map(|peak| peak.ratio);
-            verdict.judge(&found, jerk, Timing::default());
+            verdict.judge(&found, jerk, Timing::jerk_limited());
             verdict.means = mean_ratios(jerk, CYCLE_S);
+        }
+        if let Some(sunrise) = verdict.plan(&path, Timing::default()) {
+            verdict.judge(&extremes(&sunrise, Timing::default()), &sunrise, Timing::default());
         }
         let timing = Timing::Acceleration(SweepOptions::default());
         let Some(swept) = verdict.plan(&path, timing) else { return verdict };

@@ -2,7 +2,7 @@
 //! `fixtures/reference/cartesian.json`.
 
 use iiwa_path::{JointPath, Segment, Step};
-use iiwa_traj::{JerkOptions, SweepOptions, Timing, Trajectory};
+use iiwa_traj::{SweepOptions, Timing, Trajectory};
 use iiwasim_tests::cartesian_cases::{CartesianCase, cartesian_cases};
 use serde_json::Value;
 
@@ -58,7 +58,7 @@ fn joints_and_their_derivatives() {
 fn durations_are_those_of_an_independent_solver() {
     let timings = [
         ("acceleration", Timing::Acceleration(SweepOptions::default())),
-        ("jerk", Timing::Jerk(JerkOptions::default())),
+        ("jerk", Timing::jerk_limited()),
     ];
     for case in cartesian_cases() {
         let path = path(&case);

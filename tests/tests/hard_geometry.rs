@@ -53,7 +53,7 @@ fn plan(path: &JointPath, samples: usize) -> Trajectory {
     let timing = Timing::Acceleration(SweepOptions { samples });
     let trajectory = Trajectory::plan(path, timing).unwrap();
     check(&trajectory);
-    let jerk_limited = Trajectory::plan(path, Timing::default());
+    let jerk_limited = Trajectory::plan(path, Timing::jerk_limited());
     match first_kink(path) {
         None => check_jerk(&jerk_limited.unwrap(), &trajectory),
         Some(motion) => {
@@ -434,7 +434,7 @@ fn tiny_motions_before_slow_ones() {
 fn slow_motions_take_as_long_as_they_are_slow() {
     // A hundredth of the speed takes a hundred times as long, but for the ramps. Sampling so long a
     // time, as the other tests do, would take for ever.
-    for timing in [Timing::Acceleration(SweepOptions::default()), Timing::default()] {
+    for timing in [Timing::Acceleration(SweepOptions::default()), Timing::jerk_limited()] {
         let time_s = |motions: &[Ptp]| {
             let path = path([0.0; 7], motions, BlendShape::Iiwa);
             Trajectory::plan(&path, timing).unwrap().motion_time_s()
@@ -481,7 +481,7 @@ fn curvature_that_jumps_is_named() {
         let options = PathOptions { blend_shape: shape, ..PathOptions::default() };
         let path = JointPath::with_options(&program, &Robot::lbr_iiwa_7_r800(), options).unwrap();
         let kinks = matches!(shape, BlendShape::Alpha(Continuity::First) | BlendShape::Circle);
-        let error = Trajectory::plan(&path, Timing::default()).err();
+        let error = Trajectory::plan(&path, Timing::jerk_limited()).err();
         assert_eq!(
             error,
             kinks.then_some(TimingError::CurvatureJumps { motion: MotionIndex::new(4) }),

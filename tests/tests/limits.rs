@@ -72,7 +72,7 @@ fn check_acceleration(program: &Program) -> Result<(), TestCaseError> {
 }
 
 fn check_jerk(program: &Program) -> Result<(), TestCaseError> {
-    let trajectory = plan(program, Timing::default())?;
+    let trajectory = plan(program, Timing::jerk_limited())?;
     stamps_increase(&trajectory)?;
     for rate_hz in [1000.0, 250.0] {
         keeps(&trajectory, rate_hz, &[1.01, 1.01, 1.05])?;

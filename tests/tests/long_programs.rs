@@ -55,7 +55,7 @@ fn blends() -> [BoxedStrategy<Blend>; 3] {
 fn parts_make_no_difference() {
     for blend in blends() {
         let path = path(70, &blend);
-        let parts = Trajectory::plan(&path, Timing::default()).unwrap().motion_time_s();
+        let parts = Trajectory::plan(&path, Timing::jerk_limited()).unwrap().motion_time_s();
         let whole = Timing::Jerk(JerkOptions { general: true, ..JerkOptions::default() });
         let whole = Trajectory::plan(&path, whole).unwrap().motion_time_s();
         let error = parts / whole - 1.0;
@@ -67,7 +67,7 @@ fn parts_make_no_difference() {
 fn parts_join() {
     for blend in blends() {
         let path = path(70, &blend);
-        let trajectory = Trajectory::plan(&path, Timing::default()).unwrap();
+        let trajectory = Trajectory::plan(&path, Timing::jerk_limited()).unwrap();
         for rate_hz in [1000.0, 250.0] {
             let [v, a, j] = ratios(&trajectory, rate_hz);
             assert!(v <= 1.01 && a <= 1.01 && j <= 1.05, "{v}, {a}, {j} at {rate_hz} Hz");

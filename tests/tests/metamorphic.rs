@@ -14,7 +14,7 @@ use iiwasim_tests::families::Family;
 const BAR: f64 = 1e-3;
 
 fn timings() -> [Timing; 2] {
-    [Timing::Acceleration(SweepOptions::default()), Timing::default()]
+    [Timing::Acceleration(SweepOptions::default()), Timing::jerk_limited()]
 }
 
 fn motion_time_s(program: &Program, timing: Timing) -> f64 {

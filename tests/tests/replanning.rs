@@ -20,7 +20,7 @@ fn replanner(program: &Program) -> Replanner {
 
 fn cold(program: &Program) -> Trajectory {
     let path = JointPath::new(program, &Robot::default()).unwrap();
-    Trajectory::plan(&path, Timing::default()).unwrap()
+    Trajectory::plan(&path, Timing::jerk_limited()).unwrap()
 }
 
 /// A motion with another target, speed or blend.
@@ -61,7 +61,7 @@ fn changes_are_planned_as_well_as_programs() {
             assert!(slower < BAR, "program {index}, motion {motion}: {slower:e}");
 
             // It keeps the limits wherever it was patched, and time goes on.
-            let found = extremes(&trajectory, Timing::default());
+            let found = extremes(&trajectory, Timing::jerk_limited());
             for (ratio, allowed) in found.ratios().into_iter().zip(RATIOS) {
                 assert!(ratio <= allowed, "program {index}, motion {motion}: {:?}", found.ratios());
             }

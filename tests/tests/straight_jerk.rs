@@ -123,7 +123,7 @@ fn joint_1_from_minus_20_to_20_deg() {
     let expected = 40.0 / 98.0 + 98.0 / 490.0 + 490.0 / 10_384.86;
     let ptp = Ptp::to(only(1, 20.0));
     for (timing, tolerance) in
-        [(Timing::default(), 1e-12), (general(1.0), 1e-3), (general(4.0), 1e-4)]
+        [(Timing::jerk_limited(), 1e-12), (general(1.0), 1e-3), (general(4.0), 1e-4)]
     {
         let error = found_s(only(1, -20.0), &ptp, timing) / expected - 1.0;
         assert!(error.abs() < tolerance, "{timing:?}: {error:e}");
@@ -132,7 +132,7 @@ fn joint_1_from_minus_20_to_20_deg() {
 
 #[test]
 fn as_the_formula_says() {
-    let [least, most] = differences(Timing::default());
+    let [least, most] = differences(Timing::jerk_limited());
     assert!(least > -1e-9 && most < 1e-9);
 }
 
@@ -205,7 +205,7 @@ fn slow_lines_of_the_tcp() {
                     "cart_jerk_mm_s3": {jerk} }}] }}"#
         );
         let path = JointPath::new(&Program::from_json(&text).unwrap(), &robot).unwrap();
-        let [own, solved] = [Timing::default(), general(1.0)]
+        let [own, solved] = [Timing::jerk_limited(), general(1.0)]
             .map(|timing| Trajectory::plan(&path, timing).unwrap());
         let expected_s = duration_s(130.0, [speed, acceleration, jerk]);
         let [own_s, solved_s] = [&own, &solved].map(Trajectory::motion_time_s);

@@ -25,7 +25,7 @@ fn faults(TcpProgram { robot, program, .. }: &TcpProgram) -> Vec<String> {
         Err(fault) => return vec![fault.to_string()],
     };
     let mut faults = Vec::new();
-    for timing in [Timing::default(), Timing::Acceleration(SweepOptions::default())] {
+    for timing in [Timing::jerk_limited(), Timing::Acceleration(SweepOptions::default())] {
         let kinds = if matches!(timing, Timing::Jerk(_)) { 3 } else { 2 };
         let trajectory = match Trajectory::plan(&path, timing) {
             Ok(trajectory) => trajectory,
@@ -119,7 +119,7 @@ fn seconds(path: &JointPath, timing: Timing) -> f64 {
 }
 
 fn timings() -> [Timing; 2] {
-    [Timing::default(), Timing::Acceleration(SweepOptions::default())]
+    [Timing::jerk_limited(), Timing::Acceleration(SweepOptions::default())]
 }
 
 /// All frames are in one base: turned about the robot's first axis together with joint A1, the program takes as long.

@@ -15,7 +15,7 @@ use iiwasim_tests::{
 };
 
 const TIMINGS: [fn() -> Timing; 2] =
-    [Timing::default, || Timing::Acceleration(SweepOptions::default())];
+    [Timing::jerk_limited, || Timing::Acceleration(SweepOptions::default())];
 
 /// What a plan may reach of a limit of torque.
 const MOST_TORQUE: f64 = 1.01;
@@ -297,7 +297,7 @@ fn planning_again_keeps_limits_of_torque() {
     let Motion::Ptp(mut ptp) = program.motions[2].clone() else { panic!("a motion to joints") };
     ptp.target_rad[1] += 0.1;
     plan_again.replace(MotionIndex::new(2), Motion::Ptp(ptp)).unwrap();
-    let from_nothing = plan(plan_again.program(), Timing::default()).unwrap();
+    let from_nothing = plan(plan_again.program(), Timing::jerk_limited()).unwrap();
     let off = plan_again.cycle_time_s() / from_nothing.cycle_time_s() - 1.0;
     assert!(off.abs() < 1e-3, "{off}");
     let limits_nm = robot.limits().torque_nm.map(|limit| 0.8 * limit);

@@ -29,7 +29,7 @@ fn peaks_and_work_are_those_of_the_reference() {
         let path = case.path(false);
         for (timing, expected) in [
             (Timing::Acceleration(SweepOptions::default()), &case.peak_torque_share.acceleration),
-            (Timing::default(), &case.peak_torque_share.jerk),
+            (Timing::jerk_limited(), &case.peak_torque_share.jerk),
         ] {
             let figures = Trajectory::plan(&path, timing).unwrap().torques();
             let (peaks, still) = peaks(case, &figures);
@@ -86,7 +86,7 @@ proptest! {
         program.workcell.mount = Mount::from_rpy_deg(rpy_deg);
         let path = JointPath::new(&program, &Robot::default()).unwrap();
         let timing =
-            if limits_jerk { Timing::default() } else { Timing::Acceleration(SweepOptions::default()) };
+            if limits_jerk { Timing::jerk_limited() } else { Timing::Acceleration(SweepOptions::default()) };
         let trajectory = Trajectory::plan(&path, timing).unwrap();
         let figures = trajectory.torques();
         let dynamics = path.dynamics(MotionIndex::new(0));
@@ -129,7 +129,7 @@ fn friction_costs_work() {
     let friction = Friction { viscous_nm_s_rad: [0.0; 7], coulomb_nm: [0.3; 7] };
     let robot = Robot::default().with_friction(friction);
     let path = JointPath::new(&program, &robot).unwrap();
-    let figures = Trajectory::plan(&path, Timing::default()).unwrap().torques();
+    let figures = Trajectory::plan(&path, Timing::jerk_limited()).unwrap().torques();
     let turned: f64 = vector::sub(
         path.start_rad(),
         &[60.0, 50.0, 30.0, -80.0, 20.0, 10.0, 90.0].map(f64::to_radians),
@@ -151,7 +151,7 @@ fn loads_count_while_they_hang_there() {
         { "type": "wait", "seconds": 0.5 } ] }"#;
     let program = Program::from_json(text).unwrap();
     let path = JointPath::new(&program, &Robot::default()).unwrap();
-    let trajectory = Trajectory::plan(&path, Timing::default()).unwrap();
+    let trajectory = Trajectory::plan(&path, Timing::jerk_limited()).unwrap();
     let figures = trajectory.torques();
     let numbers: Vec<_> = figures.motions.iter().map(|motion| motion.motion.number()).collect();
     assert_eq!(numbers, [1, 3, 5]);
@@ -166,6 +166,6 @@ fn loads_count_while_they_hang_there() {
     let plain =
         Program::from_json(&plain.replace(r#"{ "type": "load", "load": null },"#, "")).unwrap();
     let plain = JointPath::new(&plain, &Robot::default()).unwrap();
-    let plain = Trajectory::plan(&plain, Timing::default()).unwrap();
+    let plain = Trajectory::plan(&plain, Timing::jerk_limited()).unwrap();
     assert_eq!(plain.cycle_time_s().to_bits(), trajectory.cycle_time_s().to_bits());
 }

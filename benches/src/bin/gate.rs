@@ -171,7 +171,7 @@ impl Workload {
                     _ => reference::ten_motions()?,
                 };
                 let path = JointPath::new(&Program::from_json(&text)?, &robot)?;
-                let timing = Timing::Jerk(JerkOptions::default());
+                let timing = Timing::jerk_limited();
                 for _ in 0..runs {
                     black_box(Trajectory::plan(black_box(&path), timing)?);
                 }
@@ -214,7 +214,7 @@ fn plan_with_torque_limits(robot: &Robot, runs: u64) -> Result<()> {
     program.workcell.torque_limit_rel = Some(0.8);
     let path = JointPath::new(&program, robot)?;
     for _ in 0..runs {
-        let plan = Trajectory::plan(black_box(&path), Timing::default())?;
+        let plan = Trajectory::plan(black_box(&path), Timing::jerk_limited())?;
         let is_torque = |limit: &LimitShare| matches!(limit.limit, Limit::Torque(_));
         if !plan.motions().iter().any(|motion| motion.limits.iter().any(is_torque)) {
             return Err("no torque holds these motions back".into());

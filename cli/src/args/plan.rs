@@ -8,7 +8,7 @@ use iiwa_path::{BlendSearch, BlendShape, Continuity};
 
 use super::{
     Answering, RosNaming, Urdf,
-    values::{at_least_0, epoch, rate, torque_percent, whole},
+    values::{at_least_0, epoch, override_percent, rate, torque_percent, whole},
 };
 
 /// Options that few need.
@@ -57,7 +57,7 @@ pub(crate) struct Plan {
     pub(crate) jobs: Option<u16>,
 
     /// Limits that the motion keeps: velocity within 0.1 %, acceleration within 0.2 %, jerk within 2 %
-    #[arg(long, value_enum, default_value_t = Timing::Jerk, help_heading = METHOD)]
+    #[arg(long, value_enum, default_value_t = Timing::Sunrise, help_heading = METHOD)]
     pub(crate) timing: Timing,
 
     /// Also limit the torques of the joints (link side) to this percentage of the robot's, instead of what the program says:
@@ -66,6 +66,10 @@ pub(crate) struct Plan {
     #[arg(long, value_name = "PERCENT", num_args = 0..=1, require_equals = true, default_missing_value = "100",
         value_parser = torque_percent)]
     pub(crate) limit_torque: Option<f64>,
+
+    /// Override of the controller, in %, instead of the program's: motions take longer by it, pauses and waits do not
+    #[arg(long = "override", value_name = "PERCENT", value_parser = override_percent)]
+    pub(crate) speed_override: Option<f64>,
 
     /// Curve of the blends
     #[arg(long, value_enum, default_value_t = Shape::Iiwa, help_heading = METHOD)]
@@ -146,7 +150,7 @@ pub(crate) enum Timing {
     Acceleration,
     /// Velocity, acceleration and jerk
     Jerk,
-    /// As jerk, but PTP motions from rest to rest start and stop as Sunrise was seen to plan them
+    /// As a real robot was seen to move: PTP motions from rest to rest start and stop as Sunrise plans them; all else as jerk
     Sunrise,
 }
 

@@ -2,7 +2,7 @@
 
 use std::time::{Duration, UNIX_EPOCH};
 
-use iiwa_program::{MAX_TORQUE_LIMIT, MIN_TORQUE_LIMIT};
+use iiwa_program::{MAX_TORQUE_LIMIT, MIN_OVERRIDE, MIN_TORQUE_LIMIT};
 
 /// A number.
 pub(super) fn number(text: &str) -> Result<f64, String> {
@@ -41,6 +41,10 @@ pub(super) fn rate(text: &str) -> Result<f64, String> {
 /// A limit of torques.
 pub(super) fn torque_percent(text: &str) -> Result<f64, String> {
     within(text, 100.0 * MIN_TORQUE_LIMIT, 100.0 * MAX_TORQUE_LIMIT, " %")
+}
+
+pub(super) fn override_percent(text: &str) -> Result<f64, String> {
+    within(text, 100.0 * MIN_OVERRIDE, 100.0, " %")
 }
 
 /// Seven numbers with commas in between.

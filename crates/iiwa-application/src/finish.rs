@@ -20,7 +20,8 @@ impl Station {
     /// The program, the place of each of its motions, and what was asked. It has the tools, bases and frames that its
     /// motions use.
     pub(crate) fn finish(self) -> (Program, Vec<Place>, Vec<Question>) {
-        let Self { schedule, workcell, robot_name, start_rad, questions, .. } = self;
+        let Self { schedule, workcell, robot_name, start_rad, questions, first_override, .. } =
+            self;
         let (mut motions, places): (Vec<Motion>, Vec<Place>) =
             schedule.finish().into_iter().unzip();
         let mut used = Used::default();
@@ -36,6 +37,7 @@ impl Station {
         program.robot = robot_name;
         program.motions = motions;
         program.workcell = used.of(workcell);
+        program.workcell.speed_override = first_override.filter(|share| *share < 1.0);
         (program, places, questions)
     }
 }

@@ -44,13 +44,7 @@ impl Robotics<'_> {
             return self
                 .refuse(format!("{what} moves, but it is not attached to the robot's flange"));
         }
-        if let Some((share, place)) = &self.station.speed_override {
-            let share = share * 100.0;
-            return self.refuse(format!(
-                "the application runs at {share} % of its speed ({place}): plans are of the programmed speed; take the \
-                 override out, or lower the velocities"
-            ));
-        }
+        self.keep_override()?;
         for (motion, settings) in members(motion, &Settings::default()) {
             self.send_one(mover, &motion, &settings)?;
         }
@@ -58,6 +52,23 @@ impl Robotics<'_> {
             self.station.schedule.await_all();
         }
         Ok(robot(RobotValue::Container(Rc::new(self.station.schedule.sent()))))
+    }
+
+    /// A program has one override: that of its first motion.
+    fn keep_override(&mut self) -> Result<(), Stop> {
+        let station = &mut self.station;
+        let now = station.speed_override.as_ref().map_or(1.0, |(share, _)| *share);
+        let first = *station.first_override.get_or_insert(now);
+        if now == first {
+            return Ok(());
+        }
+        let place = station.speed_override.as_ref().map(|(_, place)| format!(" ({place})"));
+        let [first, now] = [first, now].map(|share| share * 100.0);
+        self.refuse(format!(
+            "the application goes on at {now} % of its speed{}, after motions at {first} %: a program has one override; \
+             plan the parts on their own",
+            place.unwrap_or_default()
+        ))
     }
 
     fn send_one(

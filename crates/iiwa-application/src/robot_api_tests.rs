@@ -58,7 +58,7 @@ fn joints_and_their_limits() -> Result<(), Stop> {
     machine.on(&lbr, "move", &[home])?;
     let (program, lines) = finished(&mut machine);
     let expected = Ptp::to(READY).velocity(0.25).blend(Blend::CartMm(30.0));
-    assert_eq!(program.motions, [Motion::Ptp(expected), Motion::Ptp(Ptp::to([0.0; 7]))]);
+    assert_eq!(program.motions, [Motion::Ptp(expected), Motion::Ptp(Ptp::to([0.0; 7]).blocking())]);
     assert_eq!(lines, [4, 5]);
     Ok(())
 }

@@ -72,7 +72,7 @@ impl Schedule {
     }
 
     /// All, with blends only where a motion follows that is known in time, and without changes of the load that nothing
-    /// comes after.
+    /// comes after. A motion whose end the program waits for is blocking.
     pub(crate) fn finish(mut self) -> Vec<(Motion, Place)> {
         while let Some(Entry { motion: Motion::Load(_), .. }) = self.entries.last() {
             self.entries.pop();
@@ -85,9 +85,14 @@ impl Schedule {
                     is_followed = false;
                     continue;
                 }
-                Motion::Ptp(ptp) if entry.is_awaited || !is_followed => ptp.blend = None,
-                Motion::Cartesian(own) if entry.is_awaited || !is_followed => own.blend = None,
-                Motion::Ptp(_) | Motion::Cartesian(_) => {}
+                Motion::Ptp(ptp) => {
+                    ptp.blocking = entry.is_awaited;
+                    ptp.blend = ptp.blend.filter(|_| is_followed && !entry.is_awaited);
+                }
+                Motion::Cartesian(own) => {
+                    own.blocking = entry.is_awaited;
+                    own.blend = own.blend.filter(|_| is_followed && !entry.is_awaited);
+                }
             }
             is_followed = true;
         }
@@ -115,6 +120,10 @@ mod tests {
         Motion::Ptp(Ptp::to([0.1; 7]).blend(Blend::CartMm(20.0)))
     }
 
+    fn is_blocking(entry: &(Motion, Place)) -> bool {
+        entry.0.is_blocking()
+    }
+
     fn has_blend(entry: &(Motion, Place)) -> bool {
         matches!(&entry.0, Motion::Ptp(Ptp { blend: Some(_), .. }))
     }
@@ -132,6 +141,8 @@ mod tests {
         let entries = schedule.finish();
         let blends: Vec<bool> = entries.iter().map(has_blend).collect();
         assert_eq!(blends, [true, false, false, false, false, false]);
+        let blocking: Vec<bool> = entries.iter().map(is_blocking).collect();
+        assert_eq!(blocking, [false, false, true, true, false, false]);
         assert_eq!(entries[1].0, Motion::Wait { seconds: 0.2, overlap: 1 });
     }
 

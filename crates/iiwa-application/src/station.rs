@@ -57,6 +57,8 @@ pub(crate) struct Station {
     pub(crate) attached_at: Option<Place>,
     /// The share of its speed at which the application runs, and where that was set.
     pub(crate) speed_override: Option<(f64, Place)>,
+    /// The share at the first motion.
+    pub(crate) first_override: Option<f64>,
     pub(crate) answers: Answers,
     /// How often each dialog was answered.
     pub(crate) answered: BTreeMap<String, usize>,
@@ -107,6 +109,7 @@ impl Station {
             has_moved: false,
             attached_at: None,
             speed_override: None,
+            first_override: None,
             answers,
             answered: BTreeMap::new(),
             questions: Vec::new(),

@@ -36,7 +36,7 @@ pub(crate) enum ChosenTiming {
 /// What is planned with unless something else is asked for.
 impl Default for Choices {
     fn default() -> Self {
-        Self { timing: ChosenTiming::Jerk, samples: 100, limit_torque_percent: None }
+        Self { timing: ChosenTiming::Sunrise, samples: 100, limit_torque_percent: None }
     }
 }
 
@@ -49,7 +49,7 @@ impl Choices {
             return Err(Failure::argument(what));
         }
         let timing = match self.timing {
-            ChosenTiming::Jerk => Timing::default(),
+            ChosenTiming::Jerk => Timing::jerk_limited(),
             ChosenTiming::Sunrise => Timing::Sunrise(JerkOptions::default()),
             ChosenTiming::Acceleration => {
                 Timing::Acceleration(SweepOptions { samples: self.samples as usize })

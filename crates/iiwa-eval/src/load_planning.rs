@@ -5,7 +5,7 @@ use std::str::FromStr;
 use iiwa_kin::Robot;
 use iiwa_log::PlanOptions;
 use iiwa_program::{Motion, Program, Start};
-use iiwa_traj::PlanError;
+use iiwa_traj::{PlanError, Timing};
 
 /// How a virtual robot plans PTP motions with a load. Nothing public says how KUKA's controller does.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -53,7 +53,10 @@ impl LoadPlanning {
             return Ok(slowed);
         }
         let loads = program.loads();
-        let mut at_rad = *PlanOptions::default().plan(program, robot)?.path().start_rad();
+        let mut at_rad = *PlanOptions::with_timing(Timing::jerk_limited())
+            .plan(program, robot)?
+            .path()
+            .start_rad();
         for (motion, load) in slowed.motions.iter_mut().zip(loads) {
             let Motion::Ptp(ptp) = motion else { continue };
             let share = match self {
@@ -70,7 +73,8 @@ impl LoadPlanning {
                         motion.acceleration_rel = motion.acceleration_rel.map(|rel| share * rel);
                         motion.blend = None;
                         alone.motions = vec![Motion::Load(load), Motion::Ptp(motion)];
-                        let plan = PlanOptions::default().plan(&alone, robot)?;
+                        let plan =
+                            PlanOptions::with_timing(Timing::jerk_limited()).plan(&alone, robot)?;
                         let peaks = plan.torques().motions.into_iter().flat_map(|m| m.peak_rel);
                         Ok::<f64, PlanError>(peaks.fold(0.0, f64::max))
                     };

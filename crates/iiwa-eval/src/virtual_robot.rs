@@ -4,7 +4,7 @@ use fastrand_contrib::RngExt;
 use iiwa_kin::{Load, Robot};
 use iiwa_log::{JointLog, PlanOptions};
 use iiwa_program::Program;
-use iiwa_traj::PlanError;
+use iiwa_traj::{PlanError, Timing};
 
 use crate::LoadPlanning;
 
@@ -76,7 +76,8 @@ impl VirtualRobot {
     /// If the program asks for something that the robot cannot do.
     pub fn run(&mut self, program: &Program) -> Result<JointLog, VirtualRobotError> {
         let program = self.load_planning.slowed(program, &self.robot)?;
-        let trajectory = PlanOptions::default().plan(&program, &self.robot)?;
+        let trajectory =
+            PlanOptions::with_timing(Timing::jerk_limited()).plan(&program, &self.robot)?;
         // It does not begin just at a sample.
         let begin_s = self.standing_s + self.random.f64() * self.period_s;
         let whole_s = begin_s + trajectory.cycle_time_s() + self.standing_s;

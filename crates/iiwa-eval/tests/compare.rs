@@ -8,7 +8,7 @@ use iiwa_kin::Robot;
 use iiwa_log::JointLog;
 use iiwa_path::JointPath;
 use iiwa_program::{MotionType, Program};
-use iiwa_traj::{JerkOptions, SweepOptions, Timing, Trajectory};
+use iiwa_traj::{SweepOptions, Timing, Trajectory};
 
 const FIXTURES: [&str; 3] = [
     include_str!("../../../fixtures/appendix-b.json"),
@@ -21,7 +21,7 @@ const LINE: &str = r#"{ "version": 1, "start": { "joints_deg": [-20, 0, 0, -60, 
     "motions": [{ "type": "ptp", "joints_deg": [20, 0, 0, -60, 0, 90, 0] }] }"#;
 
 fn jerk() -> Timing {
-    Timing::Jerk(JerkOptions::default())
+    Timing::jerk_limited()
 }
 
 fn acceleration() -> Timing {

@@ -4,6 +4,7 @@ use iiwa_eval::{Plan, VirtualRobot, compare};
 use iiwa_kin::{Load, Robot};
 use iiwa_log::PlanOptions;
 use iiwa_program::Program;
+use iiwa_traj::Timing;
 
 const PROGRAM: &str = r#"{ "version": 1,
     "mount": { "rpy_deg": [0, 90, 0] },
@@ -20,7 +21,8 @@ fn torques_differ_by_noise_and_by_what_the_program_does_not_know() {
     let program = Program::from_json(PROGRAM).unwrap();
     let mut robot = VirtualRobot::new(Robot::default(), 5);
     robot.torque_noise_nm = Some(0.05);
-    let plan = PlanOptions::default().plan(&program, &robot.robot).unwrap();
+    let plan =
+        PlanOptions::with_timing(Timing::jerk_limited()).plan(&program, &robot.robot).unwrap();
     let plan = Plan::from_trajectory(&plan);
     let log = robot.run(&program).unwrap();
     let found = compare(&plan, &log).unwrap().torques.unwrap();

@@ -245,8 +245,9 @@ fn unseen_programs_take_the_predicted_time() {
                     worst_path = worst_path.max(off);
                 }
             }
-            let [predicted, happened] = [predicted, happened]
-                .map(|path| Trajectory::plan(&path, Timing::default()).unwrap().cycle_time_s());
+            let [predicted, happened] = [predicted, happened].map(|path| {
+                Trajectory::plan(&path, Timing::jerk_limited()).unwrap().cycle_time_s()
+            });
             worst_time = worst_time.max((predicted / happened - 1.0).abs());
         }
     }

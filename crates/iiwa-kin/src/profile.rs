@@ -15,9 +15,9 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Deserializer, Serialize};
 
 use self::bounds::{
-    ACCELERATIONS, JERKS, KAPPA, KAPPA_RANGE, LEAST_RANGE_DEG, MASSES, MAX_BYTES, MAX_NAME,
-    MAX_NUMBER, MAX_POSITION_DEG, POSITIONS, RANGES, SETTLE, SETTLE_RANGE_S, TCP_KAPPA, TORQUES,
-    VELOCITIES, VERSION,
+    ACCELERATIONS, BLOCKING_PAUSE, JERKS, KAPPA, KAPPA_RANGE, LEAST_RANGE_DEG, MASSES, MAX_BYTES,
+    MAX_NAME, MAX_NUMBER, MAX_POSITION_DEG, POSITIONS, RANGES, SETTLE, SETTLE_RANGE_S, T1_SPEED,
+    T1_SPEED_RANGE_MM_S, TCP_KAPPA, TORQUES, VELOCITIES, VERSION,
 };
 pub use self::error::ProfileError;
 use self::{
@@ -110,6 +110,14 @@ struct Wire {
     #[serde(default, deserialize_with = "given", skip_serializing_if = "Option::is_none")]
     #[schemars(with = "f64", extend("minimum" = SETTLE_RANGE_S[0], "maximum" = SETTLE_RANGE_S[1]))]
     settle_time_s: Option<f64>,
+    /// How long it stands after a motion whose end the program waits for, in s.
+    #[serde(default, deserialize_with = "given", skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "f64", extend("minimum" = SETTLE_RANGE_S[0], "maximum" = SETTLE_RANGE_S[1]))]
+    blocking_pause_s: Option<f64>,
+    /// The speed of TCP and flange in the operating mode T1, in mm/s.
+    #[serde(default, deserialize_with = "given", skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "f64", extend("minimum" = T1_SPEED_RANGE_MM_S[0], "maximum" = T1_SPEED_RANGE_MM_S[1]))]
+    t1_speed_mm_s: Option<f64>,
     /// Ramps at the start and the end of PTP motions, for the timing `sunrise`.
     #[serde(default, deserialize_with = "given_object", skip_serializing_if = "Option::is_none")]
     #[schemars(with = "RampsWire")]
@@ -311,6 +319,16 @@ impl Wire {
             within(text, &[Key(SETTLE)], found, SETTLE_RANGE_S, || SETTLE.to_owned())?;
             robot.settle_time_s = found;
         }
+        if let Some(found) = self.blocking_pause_s {
+            let name = || BLOCKING_PAUSE.to_owned();
+            within(text, &[Key(BLOCKING_PAUSE)], found, SETTLE_RANGE_S, name)?;
+            robot.blocking_pause_s = found;
+        }
+        if let Some(found) = self.t1_speed_mm_s {
+            let name = || T1_SPEED.to_owned();
+            within(text, &[Key(T1_SPEED)], found, T1_SPEED_RANGE_MM_S, name)?;
+            robot.t1_speed_m_s = 1e-3 * found;
+        }
         if let Some(ramps) = &self.ramps {
             let law = ramps.law(text, &robot.ramp_law)?;
             robot = robot.with_ramp_law(law);
@@ -429,6 +447,10 @@ impl Wire {
                 .then(|| robot.tcp_blend_kappa().to_vec()),
             settle_time_s: differ(&[robot.settle_time_s], &[base.settle_time_s])
                 .then_some(robot.settle_time_s),
+            blocking_pause_s: differ(&[robot.blocking_pause_s], &[base.blocking_pause_s])
+                .then_some(robot.blocking_pause_s),
+            t1_speed_mm_s: differ(&[robot.t1_speed_m_s], &[base.t1_speed_m_s])
+                .then_some(1e3 * robot.t1_speed_m_s),
             ramps: RampsWire::of(robot, base, differ),
         }
     }
@@ -454,6 +476,8 @@ impl Wire {
                 self.blend_kappa.is_some(),
                 self.tcp_blend_kappa.is_some(),
                 self.settle_time_s.is_some(),
+                self.blocking_pause_s.is_some(),
+                self.t1_speed_mm_s.is_some(),
                 self.ramps.is_some(),
             ]
             .into_iter()

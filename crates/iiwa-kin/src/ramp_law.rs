@@ -88,19 +88,40 @@ impl RampLaw {
         }
     }
 
-    /// The limits at one end of a line, whose unit vector there leads `away` from rest; `torques` are what an acceleration of
-    /// 1 rad/s^2 that way takes, `M(q) u` in Nm.
+    /// The law at an override: the time of a motion, divided by `share`.
     #[must_use]
-    pub fn limits(&self, away: &Joints, torques: &Joints, end: RampEnd) -> RampLimits {
+    pub fn slowed_down(&self, share: f64) -> Self {
+        let (third, fourth) = (share.powi(3), share.powi(4));
+        Self {
+            torque_snap_nm_s2: self.torque_snap_nm_s2.map(|limit| fourth * limit),
+            start_nm_s: self.start_nm_s.map(|limit| third * limit),
+            stop_nm_s: self.stop_nm_s.map(|limit| third * limit),
+            damping_per_s: share * self.damping_per_s,
+            width_rad_s: share * self.width_rad_s,
+            least_cruise_s: self.least_cruise_s / share,
+            ..*self
+        }
+    }
+
+    /// The limits at one end of a line, whose unit vector there leads `away` from rest; `torques` are what an acceleration of
+    /// 1 rad/s^2 that way takes, `M(q) u` in Nm; `shares` are those of the limits of jerk that a motion may use.
+    #[must_use]
+    pub fn limits(
+        &self,
+        away: &Joints,
+        torques: &Joints,
+        shares: &Joints,
+        end: RampEnd,
+    ) -> RampLimits {
         let range = match end {
             RampEnd::Start => &self.start_nm_s,
             RampEnd::Stop => &self.stop_nm_s,
         };
         let (mut snap, mut jerk) = (f64::INFINITY, f64::INFINITY);
         for j in 0..7 {
-            snap = snap.min(self.torque_snap_nm_s2[j] / torques[j].abs());
+            snap = snap.min(shares[j] * self.torque_snap_nm_s2[j] / torques[j].abs());
             let with_motor = self.motor_inertia_kg_m2[j] * away[j] + torques[j];
-            jerk = jerk.min(range[j] / with_motor.abs());
+            jerk = jerk.min(shares[j] * range[j] / with_motor.abs());
         }
         RampLimits { snap, jerk, damping_per_s: self.damping_per_s }
     }

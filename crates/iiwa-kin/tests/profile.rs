@@ -402,7 +402,7 @@ fn a_flange_has_a_length() {
 fn the_schema_has_every_key() {
     let schema = Robot::profile_schema();
     let keys = schema["properties"].as_object().unwrap();
-    assert_eq!(keys.len(), 19);
+    assert_eq!(keys.len(), 21);
     let named = r#"{ "$schema": "profile.schema.json", "version": 1 }"#;
     assert_eq!(Robot::from_profile(named).unwrap(), Robot::default());
     assert_eq!(schema["additionalProperties"], false);

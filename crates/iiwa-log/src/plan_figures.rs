@@ -29,7 +29,7 @@ pub struct PlanFigures {
     pub settle_time_s: f64,
     /// The part of it in which the program waits, in s.
     pub wait_time_s: f64,
-    /// How it was timed: `acceleration` or `jerk`.
+    /// How it was timed: `sunrise`, `jerk` or `acceleration`.
     pub timing: Cow<'static, str>,
     /// The robot's name.
     pub robot: String,
@@ -38,6 +38,9 @@ pub struct PlanFigures {
     /// The limit of torques, in per cent of the robot's, if they were limited.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub limit_torque_percent: Option<f64>,
+    /// The controller's override, in per cent, if it is not 100.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub override_percent: Option<f64>,
     /// Limits of the robot that the figures rest on and no source states.
     pub assumptions: Vec<String>,
     /// How near the arm comes to the scene, if there is one with obstacles.
@@ -266,6 +269,7 @@ impl PlanFigures {
             robot: robot.name().to_owned(),
             samples,
             limit_torque_percent: None,
+            override_percent: None,
             assumptions: robot
                 .assumptions()
                 .iter()
@@ -301,6 +305,8 @@ impl PlanFigures {
         // What was given in per cent is not to be off by a bit.
         let percent = |share: f64| (1e11 * share).round() / 1e9;
         self.limit_torque_percent = section.path().torque_limit_rel().map(percent);
+        let speed_override = section.path().speed_override();
+        self.override_percent = (speed_override < 1.0).then(|| percent(speed_override));
         self.cycle_time_s = totals.cycle_time_s();
         self.motion_time_s = totals.motion_time_s;
         self.settle_time_s = totals.settle_time_s;

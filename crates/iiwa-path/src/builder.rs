@@ -61,6 +61,7 @@ pub(crate) fn steps(
         }
         let Some(leg) = legs.get(motion.index()) else { continue };
         let corner = corners.at_end_of(motion.index())?;
+        let before = steps.steps.len();
         steps.push_leg(motion, &leg, rest.as_ref(), corner.as_ref())?;
         match &corner {
             Some(RoundedCorner::InJoints(corner)) => {
@@ -78,7 +79,11 @@ pub(crate) fn steps(
                     limits: corner.limits.clone(),
                 });
             }
-            None => steps.push(Step::Settle { motion }),
+            None => {
+                // What a blend has left of a motion may be nothing, too.
+                let still = rest.is_none() && steps.steps.len() == before;
+                steps.push(Step::Settle { motion, blocking: entry.is_blocking(), still });
+            }
         }
         rest = corner.map(RoundedCorner::after);
     }

@@ -14,6 +14,7 @@ pub(crate) struct Carried {
     loads: Vec<Option<Load>>,
     mount: Mount,
     torque_limit_rel: Option<f64>,
+    speed_override: Option<f64>,
     waits: Vec<OverlappingWait>,
     sources: Sources,
 }
@@ -24,9 +25,9 @@ impl Carried {
         let is_step = |motion: &Motion| matches!(motion, Motion::Load(_));
         let any = of_tools || program.motions.iter().any(is_step);
         let loads = if any { program.loads() } else { Vec::new() };
-        let Workcell { mount, torque_limit_rel, .. } = program.workcell;
+        let Workcell { mount, torque_limit_rel, speed_override, .. } = program.workcell;
         let (waits, sources) = (overlapping_waits(program), program.sources.clone());
-        Self { loads, mount, torque_limit_rel, waits, sources }
+        Self { loads, mount, torque_limit_rel, speed_override, waits, sources }
     }
 
     pub(crate) fn load(&self, motion: MotionIndex) -> Option<&Load> {
@@ -47,5 +48,9 @@ impl Carried {
 
     pub(crate) fn torque_limit_rel(&self) -> Option<f64> {
         self.torque_limit_rel
+    }
+
+    pub(crate) fn speed_override(&self) -> f64 {
+        self.speed_override.unwrap_or(1.0)
     }
 }

@@ -77,14 +77,13 @@ impl JointPath {
         let robot = Arc::new(robot.clone());
         let steps = steps(program, &robot, options, all)?;
         let motions = path_motions(program)?;
-        let mode = program.workcell.mode;
         Ok(Self {
             start: program.start_rad(&robot)?,
             limits: Arc::new(
                 program
                     .motions
                     .iter()
-                    .map(|motion| MotionLimits::of_motion(&robot, motion, mode))
+                    .map(|motion| MotionLimits::of_motion(&robot, motion, &program.workcell))
                     .collect(),
             ),
             has_tools: has_tools(&motions),
@@ -186,7 +185,7 @@ impl JointPath {
             Step::Move { limits: Some(own), .. } => own,
             Step::Move { motion, .. }
             | Step::Corner { motion }
-            | Step::Settle { motion }
+            | Step::Settle { motion, .. }
             | Step::Wait { motion, .. } => &self.limits[motion.index()],
         }
     }
@@ -266,6 +265,31 @@ impl JointPath {
     #[must_use]
     pub fn torque_limit_rel(&self) -> Option<f64> {
         self.carried.torque_limit_rel()
+    }
+
+    /// The controller's override, as a share: 1 if the program says none.
+    #[must_use]
+    pub fn speed_override(&self) -> f64 {
+        self.carried.speed_override()
+    }
+
+    /// The path without the speed at which the operating mode T1 holds TCP and flange, and that speed in m/s; none in other
+    /// modes.
+    #[must_use]
+    pub fn unsupervised(&self) -> Option<(Self, f64)> {
+        let speed_m_s = self.limits.first()?.supervised_m_s()?;
+        let limits = self.limits.iter().map(MotionLimits::unsupervised).collect();
+        let steps = self.steps.iter().map(|step| match step {
+            Step::Move { motion, segment, blend, limits } => Step::Move {
+                motion: *motion,
+                segment: segment.unsupervised().unwrap_or_else(|| Arc::clone(segment)),
+                blend: *blend,
+                limits: limits.as_ref().map(|own| Arc::new(own.unsupervised())),
+            },
+            rest => rest.clone(),
+        });
+        let steps = Arc::new(steps.collect());
+        Some((Self { limits: Arc::new(limits), steps, ..self.clone() }, speed_m_s))
     }
 
     /// The largest torque of each joint, either way, in Nm, if the program limits torques.

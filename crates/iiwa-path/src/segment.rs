@@ -1,6 +1,6 @@
 //! Segments of a path, whatever their shape.
 
-use std::{borrow::Cow, fmt};
+use std::{borrow::Cow, fmt, sync::Arc};
 
 use iiwa_kin::{Joints, vector};
 
@@ -93,6 +93,11 @@ pub trait Segment: fmt::Debug + Send + Sync {
     /// derivatives are not zero. So it is on a line or an arc of the TCP: then one limit stands for both.
     fn has_even_tool_way(&self) -> bool {
         false
+    }
+
+    /// The segment without the speed of the flange, where that is [supervised](crate::JointPath::unsupervised), too.
+    fn unsupervised(&self) -> Option<Arc<dyn Segment>> {
+        None
     }
 
     /// The segment's own parametrisation, sigma, and its first three derivatives by s, in units of

@@ -30,6 +30,10 @@ pub enum Step {
     Settle {
         /// The motion that has ended.
         motion: MotionIndex,
+        /// Whether the program waits for that end before it sends the next motion.
+        blocking: bool,
+        /// Whether the motion goes nowhere.
+        still: bool,
     },
     /// It waits.
     Wait {
@@ -53,7 +57,7 @@ impl Step {
         match self {
             Self::Move { motion, .. }
             | Self::Corner { motion }
-            | Self::Settle { motion }
+            | Self::Settle { motion, .. }
             | Self::Wait { motion, .. } => *motion,
         }
     }

@@ -44,6 +44,10 @@ impl Segment for Supervised {
         self.inner.has_continuous_curvature()
     }
 
+    fn unsupervised(&self) -> Option<Arc<dyn Segment>> {
+        Some(Arc::clone(&self.inner))
+    }
+
     fn tool_way(&self, s: f64) -> ToolWay {
         let Derivatives { q, dq, ddq, dddq } = self.at(s);
         let joints = std::array::from_fn(|j| Taylor([q[j], dq[j], ddq[j] / 2.0, dddq[j] / 6.0]));

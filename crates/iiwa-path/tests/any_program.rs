@@ -31,7 +31,7 @@ fn any_motion() -> impl Strategy<Value = Motion> {
         1 => (0.0..86_400.0_f64).prop_map(|seconds| Motion::Wait { seconds, overlap: 0 }),
         4 => (any_joints(), any_share(), any_share(), any_share(), any_blend()).prop_map(
             |(target_rad, velocity_rel, acceleration_rel, jerk_rel, blend)| {
-                Motion::Ptp(Ptp { target_rad, velocity_rel, acceleration_rel, jerk_rel, blend })
+                { let blocking = false; Motion::Ptp(Ptp { target_rad, velocity_rel, acceleration_rel, jerk_rel, blend, blocking }) }
             }
         ),
     ]

@@ -125,7 +125,7 @@ fn a_byte_too_many_or_too_few() {
 #[test]
 fn unknown_names() {
     let ptp = "one of `type`, `joints_rad`, `joints_deg`, `frame`, `tool`, `base`, `velocity_rel`, \
-               `acceleration_rel`, `jerk_rel`, `blend`, `source`";
+               `acceleration_rel`, `jerk_rel`, `blend`, `blocking`, `source`";
     let what = format!("motion 2: unknown key `speed`, expected {ptp}");
     check("\"velocity_rel\"", "\"speed\"", (6, 64), "\"speed\"", &what);
     let what = "motion 2: unknown key `velocity`; did you mean `velocity_rel`?";

@@ -163,7 +163,7 @@ fn a_repeated_target_only_settles() {
             .iter()
             .map(|step| match step {
                 Step::Move { motion, .. } => ("move", motion.index()),
-                Step::Settle { motion } => ("settle", motion.index()),
+                Step::Settle { motion, .. } => ("settle", motion.index()),
                 _ => panic!("{step:?}"),
             })
             .collect();
@@ -190,7 +190,7 @@ fn a_wait_stands_after_settling() {
     assert_eq!(
         shown(&steps[2..]),
         shown(&[
-            Step::Settle { motion: MotionIndex::new(1) },
+            Step::Settle { motion: MotionIndex::new(1), blocking: false, still: false },
             Step::Wait { motion: MotionIndex::new(2), seconds: 0.0 },
             Step::Wait { motion: MotionIndex::new(3), seconds: 2.5 }
         ])

@@ -32,6 +32,9 @@ pub struct CartesianMotion {
     pub orientation: OrientationType,
     /// How the target is blended away; without it the arm stops there and settles.
     pub blend: Option<PathBlend>,
+    /// Whether the program waits for its end before it sends the next motion: then the arm stands longer. A motion with a
+    /// blend cannot have it.
+    pub blocking: bool,
 }
 
 /// The course of a motion to a frame.
@@ -177,6 +180,7 @@ impl CartesianMotion {
             tool_limits: ToolLimits::NONE,
             orientation: OrientationType::default(),
             blend: None,
+            blocking: false,
         }
     }
 

@@ -8,7 +8,7 @@ use crate::{
     cartesian_fault::CartesianFault,
     limit_kind::{LimitKind, percent},
     motion_index::MotionIndex,
-    workcell::{MAX_TORQUE_LIMIT, MIN_TORQUE_LIMIT},
+    workcell::{MAX_TORQUE_LIMIT, MIN_OVERRIDE, MIN_TORQUE_LIMIT},
 };
 
 /// Something in a motion program that cannot be planned.
@@ -120,6 +120,18 @@ pub enum Fault {
         /// What it is, as a share of the robot's limits.
         found: f64,
     },
+    /// The override is out of range.
+    #[error("an override of {} %; it must be from {} to 100 %", 1e2 * .found, 1e2 * MIN_OVERRIDE)]
+    Override {
+        /// What it is, as a share.
+        found: f64,
+    },
+    /// A motion whose end the program waits for has a blend.
+    #[error("motion {motion} is blocking and cannot be blended: remove its blend, or `blocking`")]
+    BlockingBlend {
+        /// The motion.
+        motion: MotionIndex,
+    },
     /// A motion to a frame, or the start at one, cannot be planned.
     #[error("{}: {fault}", place_name(*.motion))]
     Cartesian {
@@ -157,7 +169,9 @@ impl Fault {
             | Self::BlendBeforeWait { .. }
             | Self::BlendBeforeLoad { .. }
             | Self::Load { .. }
-            | Self::TorqueLimit { .. } => false,
+            | Self::TorqueLimit { .. }
+            | Self::Override { .. }
+            | Self::BlockingBlend { .. } => false,
         }
     }
 
@@ -169,6 +183,7 @@ impl Fault {
         match self {
             Self::NoMotions => locate(text, &[motions]),
             Self::TorqueLimit { .. } => locate(text, &[Key("limit_torque_percent")]),
+            Self::Override { .. } => locate(text, &[Key("override_percent")]),
             Self::Cartesian { motion, key, fault } => {
                 let mut path = match motion {
                     Some(motion) => vec![motions, Index(motion.index()), Key(key)],
@@ -213,6 +228,7 @@ impl Fault {
             }
             Self::Load { motion } => locate(text, &[motions, Index(motion.index()), Key("load")]),
             Self::Blend { motion, .. }
+            | Self::BlockingBlend { motion }
             | Self::BlendBeforeWait { motion }
             | Self::BlendBeforeLoad { motion }
             | Self::BlendOutside { motion, .. } => {

@@ -9,7 +9,7 @@ use crate::{
     program::Motion,
     segment_limits::SegmentLimits,
     tool_limits::ToolLimits,
-    workcell::{OperatingMode, T1_SPEED_M_S},
+    workcell::{OperatingMode, Workcell},
 };
 
 /// A motion's limits of its joints, of each kind: the robot's, times the motion's shares (Larsen 2019,
@@ -26,6 +26,15 @@ use crate::{
 pub struct MotionLimits {
     joints: ByKind<Joints>,
     tool: ToolLimits,
+    supervised: Option<Supervised>,
+}
+
+/// What the operating mode T1 changes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Supervised {
+    speed_m_s: f64,
+    /// The limit of the TCP's speed in other modes.
+    own_m_s: f64,
 }
 
 impl MotionLimits {
@@ -38,21 +47,21 @@ impl MotionLimits {
             LimitKind::Acceleration => limits.acceleration_rad_s2,
             LimitKind::Jerk => limits.jerk_rad_s3,
         };
-        Self { joints, tool: ToolLimits::NONE }
+        Self { joints, tool: ToolLimits::NONE, supervised: None }
     }
 
     /// Those of `motion` on `robot`.
     #[must_use]
-    pub fn of_motion(robot: &Robot, motion: &Motion, mode: OperatingMode) -> Self {
+    pub fn of_motion(robot: &Robot, motion: &Motion, workcell: &Workcell) -> Self {
         match motion {
             Motion::Ptp(ptp) => {
-                Self::of_shares(robot, |kind| ptp.share(kind), ToolLimits::NONE, mode)
+                Self::of_shares(robot, |kind| ptp.share(kind), ToolLimits::NONE, workcell)
             }
             Motion::Cartesian(own) => {
-                Self::of_shares(robot, |kind| &own.shares[kind], own.tool_limits, mode)
+                Self::of_shares(robot, |kind| &own.shares[kind], own.tool_limits, workcell)
             }
             Motion::Wait { .. } | Motion::Load(_) => {
-                Self::of_shares(robot, |_| &[1.0; 7], ToolLimits::NONE, mode)
+                Self::of_shares(robot, |_| &[1.0; 7], ToolLimits::NONE, workcell)
             }
         }
     }
@@ -63,17 +72,17 @@ impl MotionLimits {
         robot: &Robot,
         spline: &CartesianMotion,
         own: &SegmentLimits,
-        mode: OperatingMode,
+        workcell: &Workcell,
     ) -> Self {
         let shares = |kind| own.shares[kind].as_ref().unwrap_or(&spline.shares[kind]);
-        Self::of_shares(robot, shares, own.tool.or(&spline.tool_limits), mode)
+        Self::of_shares(robot, shares, own.tool.or(&spline.tool_limits), workcell)
     }
 
     fn of_shares<'a>(
         robot: &Robot,
         shares: impl Fn(LimitKind) -> &'a Joints,
         tool: ToolLimits,
-        mode: OperatingMode,
+        workcell: &Workcell,
     ) -> Self {
         let mut limits = Self { tool, ..Self::full(robot) };
         for (kind, limits) in &mut limits.joints {
@@ -81,9 +90,42 @@ impl MotionLimits {
                 *limit *= share;
             }
         }
-        if mode == OperatingMode::T1 {
+        if let Some(share) = workcell.speed_override {
+            limits = limits.slowed_down(share);
+        }
+        if workcell.mode == OperatingMode::T1 {
             let speed = &mut limits.tool.way[LimitKind::Velocity];
-            *speed = speed.min(T1_SPEED_M_S);
+            let (own_m_s, speed_m_s) = (*speed, robot.t1_speed_m_s());
+            *speed = own_m_s.min(speed_m_s);
+            limits.supervised = Some(Supervised { speed_m_s, own_m_s });
+        }
+        limits
+    }
+
+    /// Those with which the same motion takes longer: its time, divided by `share`.
+    #[must_use]
+    fn slowed_down(mut self, share: f64) -> Self {
+        for (kind, limits) in &mut self.joints {
+            let slower = share.powi(kind.order().into());
+            *limits = limits.map(|limit| slower * limit);
+            self.tool.way[kind] *= slower;
+            self.tool.turn[kind] *= slower;
+        }
+        self
+    }
+
+    /// The speed at which the operating mode T1 holds TCP and flange, in m/s, if that is one of these limits.
+    #[must_use]
+    pub fn supervised_m_s(&self) -> Option<f64> {
+        self.supervised.map(|supervised| supervised.speed_m_s)
+    }
+
+    /// Those in other operating modes than T1.
+    #[must_use]
+    pub fn unsupervised(&self) -> Self {
+        let mut limits = Self { supervised: None, ..*self };
+        if let Some(Supervised { own_m_s, .. }) = self.supervised {
+            limits.tool.way[LimitKind::Velocity] = own_m_s;
         }
         limits
     }

@@ -12,7 +12,7 @@ use crate::{
     motion_index::MotionIndex,
     source::Sources,
     target::TargetRef,
-    workcell::{MAX_TORQUE_LIMIT, MIN_TORQUE_LIMIT, Workcell},
+    workcell::{MAX_TORQUE_LIMIT, MIN_OVERRIDE, MIN_TORQUE_LIMIT, Workcell},
 };
 
 /// A motion program (version 1).
@@ -87,6 +87,16 @@ impl Motion {
         matches!(self, Self::Ptp(_) | Self::Cartesian(_))
     }
 
+    /// Whether the program waits for its end before it sends the next motion.
+    #[must_use]
+    pub fn is_blocking(&self) -> bool {
+        match self {
+            Self::Ptp(ptp) => ptp.blocking,
+            Self::Cartesian(own) => own.blocking,
+            Self::Wait { .. } | Self::Load(_) => false,
+        }
+    }
+
     /// Whether it is a wait during which the arm may move.
     #[must_use]
     pub fn is_overlapping_wait(&self) -> bool {
@@ -107,6 +117,9 @@ pub struct Ptp {
     pub jerk_rel: Joints,
     /// How the target is blended away; without it the arm stops there and settles.
     pub blend: Option<Blend>,
+    /// Whether the program waits for its end before it sends the next motion: then the arm stands longer. A motion with a
+    /// blend cannot have it.
+    pub blocking: bool,
 }
 
 impl Ptp {
@@ -119,6 +132,7 @@ impl Ptp {
             acceleration_rel: [1.0; 7],
             jerk_rel: [1.0; 7],
             blend: None,
+            blocking: false,
         }
     }
 
@@ -151,6 +165,12 @@ impl Ptp {
     #[must_use]
     pub fn blend(self, blend: Blend) -> Self {
         Self { blend: Some(blend), ..self }
+    }
+
+    /// The same motion, whose end the program waits for.
+    #[must_use]
+    pub fn blocking(self) -> Self {
+        Self { blocking: true, ..self }
     }
 }
 
@@ -196,6 +216,11 @@ impl Program {
             && !(MIN_TORQUE_LIMIT..=MAX_TORQUE_LIMIT).contains(&found)
         {
             return Err(Fault::TorqueLimit { found });
+        }
+        if let Some(found) = self.workcell.speed_override
+            && !(MIN_OVERRIDE..=1.0).contains(&found)
+        {
+            return Err(Fault::Override { found });
         }
         self.entries().try_for_each(|(motion, entry)| self.check_entry(motion, entry))
     }
@@ -258,6 +283,9 @@ impl Program {
 
     fn check_ptp(&self, motion: MotionIndex, ptp: &Ptp) -> Result<(), Fault> {
         check_shares(motion, |kind| ptp.share(kind))?;
+        if ptp.blocking && ptp.blend.is_some_and(Blend::has_effect) {
+            return Err(Fault::BlockingBlend { motion });
+        }
         ptp.blend.map_or(Ok(()), |blend| self.check_blend(motion, blend))
     }
 
@@ -268,6 +296,9 @@ impl Program {
         own.tool_limits.check().map_err(|(key, problem)| fault(key, problem))?;
         own.check_segments().map_err(|(key, problem)| fault(key, problem))?;
         let Some(blend) = own.blend else { return Ok(()) };
+        if own.blocking {
+            return Err(Fault::BlockingBlend { motion });
+        }
         blend.check(own.is_ptp()).map_err(|problem| fault("blend", problem))?;
         match blend.in_joints() {
             Some(size) => self.check_blend(motion, size),

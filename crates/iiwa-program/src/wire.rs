@@ -99,7 +99,8 @@ impl Program {
         let named =
             WorkcellWire { tools, bases, frames, tool, base, mode, mount }.workcell(text)?;
         let torque_limit_rel = wire.limit_torque_percent.map(|percent| percent / 100.0);
-        let own = Workcell { torque_limit_rel, ..named };
+        let speed_override = wire.override_percent.map(|percent| percent / 100.0);
+        let own = Workcell { torque_limit_rel, speed_override, ..named };
         let workcell = match wire.include {
             Some(name) => included(text, &name, read)?.updated_with(own),
             None => own,
@@ -131,6 +132,7 @@ impl Program {
             start: StartWire::from(&self.start),
             workcell: WorkcellOut::from(&self.workcell),
             limit_torque_percent: self.workcell.torque_limit_rel.map(exact_percent),
+            override_percent: self.workcell.speed_override.map(exact_percent),
             motions: motions_out(&self.motions, &self.sources),
         };
         // Only a map with keys that are no strings could fail.
@@ -190,6 +192,10 @@ struct ProgramWire<'a> {
     #[serde(default)]
     #[schemars(range(min = 1.0, max = 1000.0))]
     limit_torque_percent: Option<f64>,
+    /// The override of the controller: slows all motions down, but neither pauses nor waits.
+    #[serde(default)]
+    #[schemars(range(min = 0.1, max = 100.0))]
+    override_percent: Option<f64>,
     /// What it does, in order.
     #[serde(borrow)]
     #[schemars(with = "Vec<MotionWire>", length(min = 1))]
@@ -206,6 +212,8 @@ struct ProgramOut<'a> {
     workcell: WorkcellOut<'a>,
     #[serde(skip_serializing_if = "Option::is_none")]
     limit_torque_percent: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    override_percent: Option<f64>,
     motions: Vec<MotionWire>,
 }
 

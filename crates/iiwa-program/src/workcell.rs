@@ -30,7 +30,13 @@ pub struct Workcell {
     /// The largest torque of the joints, either way, as a share of the robot's limits; torques limit nothing if absent.
     /// From [`MIN_TORQUE_LIMIT`] to [`MAX_TORQUE_LIMIT`].
     pub torque_limit_rel: Option<f64>,
+    /// The controller's override, as a share: the time of motions passes slower by it, not that of pauses and waits. 1 if
+    /// absent. From [`MIN_OVERRIDE`] to 1.
+    pub speed_override: Option<f64>,
 }
+
+/// The least override.
+pub const MIN_OVERRIDE: f64 = 0.001;
 
 /// The least share of the robot's torques that may be a limit.
 pub const MIN_TORQUE_LIMIT: f64 = 0.01;
@@ -44,12 +50,9 @@ pub enum OperatingMode {
     /// As programmed.
     #[default]
     Automatic,
-    /// Manual reduced speed: TCP and flange move at [`T1_SPEED_M_S`] at most.
+    /// Manual reduced speed: TCP and flange keep [`iiwa_kin::Robot::t1_speed_m_s`].
     T1,
 }
-
-/// The speed of TCP and flange in [`OperatingMode::T1`], in m/s.
-pub const T1_SPEED_M_S: f64 = 0.25;
 
 /// A tool at the flange.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -219,6 +222,7 @@ impl Workcell {
             mode: own.mode,
             mount: own.mount,
             torque_limit_rel: own.torque_limit_rel,
+            speed_override: own.speed_override,
             ..self
         }
     }
@@ -226,7 +230,7 @@ impl Workcell {
     /// Whether nothing is named, and the mode is the usual one.
     #[must_use]
     pub fn is_empty(&self) -> bool {
-        let Self { mount, torque_limit_rel, .. } = *self;
-        *self == Self { mount, torque_limit_rel, ..Self::default() }
+        let Self { mount, torque_limit_rel, speed_override, .. } = *self;
+        *self == Self { mount, torque_limit_rel, speed_override, ..Self::default() }
     }
 }

@@ -117,7 +117,7 @@ pub fn retime(
     }
     let start = polyline.points().first().copied().unwrap_or_default();
     let path = JointPath::from_steps(robot, start, steps, vec![limits])?;
-    let trajectory = Trajectory::plan(&path, Timing::default())?;
+    let trajectory = Trajectory::plan(&path, Timing::jerk_limited())?;
     Ok(Retimed { trajectory, deviation_rad, stops })
 }
 

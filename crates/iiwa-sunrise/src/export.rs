@@ -138,6 +138,19 @@ fn of_the_program(program: &Program) -> Vec<ExportNotice> {
     if workcell.torque_limit_rel.is_some() {
         note(None, "torque_limit_percent", "Sunrise plans by its own model of torques");
     }
+    if workcell.speed_override.is_some() {
+        note(None, "override_percent", "the override is set on the smartPAD");
+    }
+    let stops = |motion: &Motion| match motion {
+        Motion::Ptp(ptp) => ptp.blend.is_none() && !ptp.blocking,
+        Motion::Cartesian(own) => own.blend.is_none() && !own.blocking,
+        Motion::Wait { .. } | Motion::Load(_) => false,
+    };
+    if program.entries().filter(|(_, motion)| stops(motion)).count() > 1 {
+        let what = "`move` waits for the end of a motion: the pause after it is longer than after one that is not \
+                    `blocking`";
+        note(None, "blocking", what);
+    }
     if let Some(last) = program.blend_at_the_end() {
         note(Some(last), "blend", "nothing follows that it could blend into: the arm stops");
     }

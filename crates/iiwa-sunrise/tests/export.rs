@@ -56,7 +56,8 @@ fn a_program_is_a_project_that_people_read() {
     let program = Program::from_json(&text).unwrap();
     let options = ExportOptions { name: "pick-and-place".to_owned(), class: None };
     let project = ExportedProject::new(&program, &Robot::default(), &options).unwrap();
-    assert_eq!(project.notices, []);
+    let keys: Vec<_> = project.notices.iter().map(|notice| notice.key).collect();
+    assert_eq!(keys, ["blocking"]);
     let folder = folder.join("sunrise-export/pick-and-place");
     let expected = |name: &str| fs::read_to_string(folder.join(name)).unwrap();
     assert_eq!(project.java, expected(&project.java_file()));

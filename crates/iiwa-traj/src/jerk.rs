@@ -85,9 +85,9 @@ pub(crate) fn stamps(
     let closed_form = match (segments.as_slice(), pieces.ends) {
         _ if !pieces.torques.is_empty() => None,
         ([line], [None, None]) if line.is_line() && !options.general && sunrise => {
-            let law = path.robot().ramp_law();
-            ramp_limits(&path, &section.pieces[0], law)
-                .map(|ends| closed_form::sunrise_line(line, ends, law))
+            let law = path.robot().ramp_law().slowed_down(path.speed_override());
+            ramp_limits(&path, &section.pieces[0], &law)
+                .map(|ends| closed_form::sunrise_line(line, ends, &law))
         }
         ([line], [None, None]) if line.is_line() && !options.general => {
             Some(closed_form::line(line))
@@ -113,17 +113,21 @@ pub(crate) fn stamps(
 }
 
 /// The limits of the ramps at both ends of a piece that is a line. The load counts as a part of the arm, which is assumed: no
-/// recording has one.
+/// recording has one. So does it that a share of the limits of jerk is the same share of those of snap.
 fn ramp_limits(path: &JointPath, piece: &Piece, law: &RampLaw) -> Option<[RampLimits; 2]> {
     let Step::Move { segment, .. } = &path.steps()[piece.step] else { return None };
     let [start, stop] = [0.0, 1.0].map(|s| segment.at(s).q);
     let way: Joints = std::array::from_fn(|j| stop[j] - start[j]);
     let length = way.iter().map(|d| d * d).sum::<f64>().sqrt();
     let dynamics = path.dynamics(piece.motion);
+    let slower = path.speed_override().powi(3);
+    let full = path.robot().limits().jerk_rad_s3.map(|limit| slower * limit);
+    let jerk = path.limits_of(piece.step).jerk_rad_s3();
+    let shares = std::array::from_fn(|j| jerk[j] / full[j]);
     let limits = |q, sign: f64, end| {
         let away = way.map(|d| sign * d / length);
         let torques = dynamics.path_torques(q, &away, &[0.0; 7]).acceleration;
-        law.limits(&away, &torques, end)
+        law.limits(&away, &torques, &shares, end)
     };
     Some([limits(&start, 1.0, RampEnd::Start), limits(&stop, -1.0, RampEnd::Stop)])
 }

@@ -14,7 +14,7 @@ use crate::{
     known_in_time::{is_early, needed_s},
     late_blend::LateBlend,
     program_clock::ProgramClock,
-    section::Section,
+    section::{Section, pause_s},
     section_sweep::{Moves, SAMPLES_BEFORE_JERK, Scratch, sweep_moves},
     timing::{Timing, TimingError},
     torque_limits::{check_holding, largest_torque, torque_limits},
@@ -67,6 +67,8 @@ pub struct Planner {
     scratch: Scratch<1>,
     /// What a section is planned in whose torques have to be limited.
     torque_scratch: Option<Scratch<2>>,
+    /// The path without the speed of T1, and that speed in m/s, if it is held while motions run.
+    supervised: Option<(JointPath, f64)>,
     /// Whether it is to stop.
     stop: Arc<AtomicBool>,
 }
@@ -82,7 +84,7 @@ impl Planner {
                 (SAMPLES_BEFORE_JERK, Some(JerkTiming { options, sunrise }))
             }
         };
-        Self {
+        let mut planner = Self {
             path: path.clone(),
             jerk,
             step: 0,
@@ -91,8 +93,17 @@ impl Planner {
             clock: ProgramClock::default(),
             scratch: Scratch::new(samples),
             torque_scratch: None,
+            supervised: None,
             stop: Arc::default(),
-        }
+        };
+        planner.supervise();
+        planner
+    }
+
+    /// Notes what is planned where the speed of T1 is held while motions run.
+    fn supervise(&mut self) {
+        let holds = matches!(self.jerk, Some(JerkTiming { sunrise: true, .. }));
+        self.supervised = holds.then(|| self.path.unsupervised()).flatten();
     }
 
     /// The path.
@@ -106,6 +117,7 @@ impl Planner {
         (self.path, self.rest_rad) = (path.clone(), *path.start_rad());
         (self.step, self.time_s) = (0, 0.0);
         self.clock = ProgramClock::default();
+        self.supervise();
     }
 
     /// Ends in [`TimingError::Interrupted`] soon after `stop` is set, in the middle of a section as well.
@@ -244,12 +256,22 @@ impl Planner {
             section.path = self.path.clone();
         }
         for step in rest..end {
-            section.rest(step);
+            section.rest(step, self.still_s());
         }
         self.step = end;
         self.time_s = section.end_s();
         self.rest_rad = section.rest_rad;
         Ok(section)
+    }
+
+    /// How long a motion takes that goes nowhere, in s.
+    fn still_s(&self) -> f64 {
+        match self.jerk {
+            Some(JerkTiming { sunrise: true, .. }) => {
+                self.path.robot().ramp_law().least_cruise_s / self.path.speed_override()
+            }
+            _ => 0.0,
+        }
     }
 
     /// The section of these moves, without the rest after them.
@@ -265,7 +287,20 @@ impl Planner {
             nodes: Vec::new(),
             late_blend: None,
         };
-        self.plan_moves(moves, &mut section)?;
+        match self.supervised {
+            None => self.plan_moves(moves, &mut section)?,
+            Some((ref mut unsupervised, speed_m_s)) => {
+                std::mem::swap(&mut self.path, unsupervised);
+                section.path = self.path.clone();
+                let planned = self.plan_moves(moves, &mut section);
+                if let Some((unsupervised, _)) = &mut self.supervised {
+                    std::mem::swap(&mut self.path, unsupervised);
+                }
+                planned?;
+                section.path = self.path.clone();
+                section.hold_speed(speed_m_s);
+            }
+        }
         Ok(section)
     }
 
@@ -297,6 +332,7 @@ impl Planner {
                         late.known_s = known_s;
                     }
                     self.path.stop_before_blend(blend);
+                    self.supervise();
                     return Ok((stopped, blend));
                 }
                 self.clock.go_through(known_s);
@@ -340,9 +376,10 @@ impl Planner {
         let mut found = Vec::with_capacity(rests.len());
         for step in &self.path.steps()[rests.clone()] {
             let seconds = match step {
-                Step::Settle { motion } => {
+                Step::Settle { motion, blocking, still } => {
                     self.clock.note_still(*motion, end_s);
-                    self.path.robot().settle_time_s()
+                    let still_s = if *still { self.still_s() } else { 0.0 };
+                    still_s + pause_s(self.path.robot(), *blocking)
                 }
                 Step::Wait { motion, seconds } => {
                     let wait = waits.partition_point(|wait| wait.motion < *motion);

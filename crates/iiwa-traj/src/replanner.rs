@@ -12,7 +12,7 @@ use crate::{
     jerk::{self, JerkTiming, Pieces, Stamps},
     limit_usage::LimitUsage,
     node::Node,
-    section::{Piece, Section},
+    section::{Piece, Section, pause_s},
     section_sweep::{Moves, SAMPLES_BEFORE_JERK, Scratch, sweep_moves},
     timing::{JerkOptions, Timing, TimingError},
     torque_limits::{check_holding, torque_limits},
@@ -193,7 +193,7 @@ impl Replanner {
                 sections.push(std::mem::replace(&mut section, next));
             }
             if rests {
-                section.rest(step);
+                section.rest(step, 0.0);
             } else {
                 plan.add_to(&mut section, step);
             }
@@ -237,7 +237,7 @@ impl Replanner {
                 step += moves;
             } else {
                 let duration_s = match self.path.steps()[step] {
-                    Step::Settle { .. } => self.path.robot().settle_time_s(),
+                    Step::Settle { blocking, .. } => pause_s(self.path.robot(), blocking),
                     Step::Wait { seconds, .. } => seconds,
                     _ => 0.0,
                 };

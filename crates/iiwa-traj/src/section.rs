@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use iiwa_kin::Joints;
+use iiwa_kin::{Joints, Robot};
 use iiwa_path::{JointPath, Segment, Step, ToolCoordinate};
 use iiwa_program::{MotionIndex, MotionType};
 
@@ -335,15 +335,22 @@ impl Section {
         self.resting(piece.start_s, piece.motion, piece.step)
     }
 
-    /// Adds the step at `step`, if the arm stands there for some time.
-    pub(crate) fn rest(&mut self, step: usize) {
-        let (kind, motion, seconds) = match self.path.steps()[step] {
-            Step::Settle { motion } => {
-                (PieceKind::Settle, motion, self.path.robot().settle_time_s())
+    /// Adds the step at `step`, if the arm stands there for some time; `still_s` is how long a motion takes that goes nowhere.
+    pub(crate) fn rest(&mut self, step: usize, still_s: f64) {
+        match self.path.steps()[step] {
+            Step::Settle { motion, blocking, still } => {
+                if still {
+                    self.stand(PieceKind::Settle, motion, step, still_s);
+                }
+                let pause_s = pause_s(self.path.robot(), blocking);
+                self.stand(PieceKind::Settle, motion, step, pause_s);
             }
-            Step::Wait { motion, seconds } => (PieceKind::Wait, motion, seconds),
-            _ => return,
-        };
+            Step::Wait { motion, seconds } => self.stand(PieceKind::Wait, motion, step, seconds),
+            _ => {}
+        }
+    }
+
+    fn stand(&mut self, kind: PieceKind, motion: MotionIndex, step: usize, seconds: f64) {
         let start_s = self.end_s();
         // What takes no time has no place in it: stamps increase.
         if start_s + seconds > start_s {
@@ -389,6 +396,11 @@ impl Section {
             step: piece.step,
         }
     }
+}
+
+/// How long the arm stands at the end of a motion, in s.
+pub(crate) fn pause_s(robot: &Robot, blocking: bool) -> f64 {
+    if blocking { robot.blocking_pause_s() } else { robot.settle_time_s() }
 }
 
 /// Halvings of an interval that leave nothing of it but rounding.

@@ -15,7 +15,7 @@ use iiwa_program::MotionIndex;
 /// let program =
 ///     Program { robot: None, start: Start::Joints([0.0; 7]), motions: vec![Motion::Ptp(Ptp::to(target))], workcell: Workcell::default(), sources: Sources::default() };
 /// let path = JointPath::new(&program, &Robot::default())?;
-/// let trajectory = Trajectory::plan(&path, Timing::default())?;
+/// let trajectory = Trajectory::plan(&path, Timing::jerk_limited())?;
 /// // Jerk-limited timing begins with the jerk of the joint that limits it.
 /// let state = trajectory.at(0.0);
 /// assert!(state.ddq[3].abs() < 1e-9 && state.dddq[3] < -100.0);

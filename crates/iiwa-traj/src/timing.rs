@@ -40,11 +40,17 @@ pub enum Timing {
 
 impl Default for Timing {
     fn default() -> Self {
-        Self::Jerk(JerkOptions::default())
+        Self::Sunrise(JerkOptions::default())
     }
 }
 
 impl Timing {
+    /// Limits of velocity, acceleration and jerk, everywhere: for what is commanded point by point.
+    #[must_use]
+    pub fn jerk_limited() -> Self {
+        Self::Jerk(JerkOptions::default())
+    }
+
     /// The name of the timing: `acceleration`, `jerk` or `sunrise`.
     #[must_use]
     pub fn name(&self) -> &'static str {

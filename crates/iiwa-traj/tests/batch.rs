@@ -62,7 +62,7 @@ fn a_bad_program_has_its_error_in_its_place_only() {
     programs[4].motions.clear();
     programs[7].start = Start::Joints([0.0, 0.0, 0.0, f64::NAN, 0.0, 0.0, 0.0]);
     let robot = Robot::lbr_iiwa_7_r800();
-    let plans = plan_all(&programs, &robot, PathOptions::default(), Timing::default());
+    let plans = plan_all(&programs, &robot, PathOptions::default(), Timing::jerk_limited());
     for (k, plan) in plans.iter().enumerate() {
         match k {
             4 => {
@@ -91,7 +91,7 @@ fn any_pool_will_do() {
     let programs = programs(20);
     let plan = || {
         let robot = Robot::lbr_iiwa_7_r800();
-        plan_all(&programs, &robot, PathOptions::default(), Timing::default())
+        plan_all(&programs, &robot, PathOptions::default(), Timing::jerk_limited())
             .into_iter()
             .map(|plan| states(&plan.unwrap()))
             .collect::<Vec<_>>()
@@ -100,6 +100,7 @@ fn any_pool_will_do() {
         let pool = ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         assert_eq!(pool.install(plan), plan());
     }
-    let none = plan_all(&[], &Robot::lbr_iiwa_7_r800(), PathOptions::default(), Timing::default());
+    let none =
+        plan_all(&[], &Robot::lbr_iiwa_7_r800(), PathOptions::default(), Timing::jerk_limited());
     assert!(none.is_empty());
 }

@@ -11,7 +11,7 @@ const TEXT: &str = include_str!("../../../fixtures/pick-and-place.json");
 
 fn plan(text: &str) -> Trajectory {
     let path = JointPath::new(&Program::from_json(text).unwrap(), &Robot::default()).unwrap();
-    Trajectory::plan(&path, Timing::default()).unwrap()
+    Trajectory::plan(&path, Timing::jerk_limited()).unwrap()
 }
 
 #[test]

@@ -27,7 +27,7 @@ fn path(motions: u32) -> Result<JointPath, Fault> {
 
 #[test]
 fn ends_in_an_error_with_either_timing() {
-    let timings = [Timing::default(), Timing::Acceleration(SweepOptions::default())];
+    let timings = [Timing::jerk_limited(), Timing::Acceleration(SweepOptions::default())];
     for timing in timings {
         let stop = Arc::new(AtomicBool::new(true));
         let mut planner =
@@ -45,7 +45,8 @@ fn stops_in_the_middle_of_a_section() {
     let stopped = [500, 4_000, 16_000].into_iter().any(|motions| {
         let path = path(motions).unwrap();
         let stop = Arc::new(AtomicBool::new(false));
-        let mut planner = Planner::new(&path, Timing::default()).interrupted_by(Arc::clone(&stop));
+        let mut planner =
+            Planner::new(&path, Timing::jerk_limited()).interrupted_by(Arc::clone(&stop));
         let found = thread::scope(|scope| {
             let planning = scope.spawn(move || planner.next());
             thread::sleep(Duration::from_millis(20));

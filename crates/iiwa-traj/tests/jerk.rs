@@ -19,7 +19,7 @@ fn trajectory(program: &Program, robot: &Robot, timing: Timing) -> Trajectory {
 }
 
 fn motion_time_s(program: &Program) -> f64 {
-    trajectory(program, &Robot::default(), Timing::default()).motion_time_s()
+    trajectory(program, &Robot::default(), Timing::jerk_limited()).motion_time_s()
 }
 
 /// A motion with the same shares for all joints.
@@ -112,7 +112,7 @@ fn much_jerk_is_no_limit_of_jerk() {
     for program in programs(40) {
         let fine = Timing::Acceleration(SweepOptions { samples: 400 });
         let expected = trajectory(&program, &robot, fine).motion_time_s();
-        let found = trajectory(&program, &robot, Timing::default()).motion_time_s();
+        let found = trajectory(&program, &robot, Timing::jerk_limited()).motion_time_s();
         let ratio = found / expected;
         assert!((ratio - 1.0).abs() < 0.025, "{found} s, {expected} s: {program:?}");
         (least, most) = (least.min(ratio), most.max(ratio));
@@ -197,7 +197,7 @@ fn the_way_back_takes_as_long() {
 fn what_came_before_does_not_matter() {
     let programs = programs(30);
     let states = |program: &Program| -> Vec<State> {
-        trajectory(program, &Robot::default(), Timing::default()).states().collect()
+        trajectory(program, &Robot::default(), Timing::jerk_limited()).states().collect()
     };
     let bits = |states: &[State]| -> Vec<u64> {
         let all = |s: &State| [[s.t_s; 7], s.q, s.dq, s.ddq];
@@ -225,7 +225,7 @@ fn where_there_is_no_solution_there_is_an_error() {
             let motions = vec![ptp(first, shares, 0.5), ptp(second, [1.0; 3], 0.0)];
             let program = program(start, motions);
             let path = JointPath::new(&program, &Robot::default()).unwrap();
-            match Trajectory::plan(&path, Timing::default()) {
+            match Trajectory::plan(&path, Timing::jerk_limited()) {
                 Ok(trajectory) => assert!(trajectory.motion_time_s().is_finite()),
                 Err(error) => assert!(matches!(error, TimingError::NotConverged { .. }), "{error}"),
             }

@@ -65,7 +65,7 @@ fn needed_s(timing: Timing) -> f64 {
 
 #[test]
 fn a_wait_that_is_over_in_time_changes_nothing() {
-    for timing in [acceleration(), Timing::default()] {
+    for timing in [acceleration(), Timing::jerk_limited()] {
         let plain = plan(&bend(&[]), timing);
         for seconds in [0.0, 0.05, needed_s(timing) - 0.001] {
             let trajectory = bent_for(seconds, timing);
@@ -78,7 +78,7 @@ fn a_wait_that_is_over_in_time_changes_nothing() {
 
 #[test]
 fn the_arm_stops_where_a_late_blend_begins_and_goes_on_along_it() {
-    for timing in [acceleration(), Timing::default()] {
+    for timing in [acceleration(), Timing::jerk_limited()] {
         let plain = plan(&bend(&[]), timing);
         let (start_rad, in_time_s) = blend_start(&plain);
         let trajectory = bent_for(3.0, timing);
@@ -120,7 +120,7 @@ fn the_last_instant_is_that_of_braking() {
 
 #[test]
 fn a_stop_without_standing_is_still_a_stop() {
-    for timing in [acceleration(), Timing::default()] {
+    for timing in [acceleration(), Timing::jerk_limited()] {
         let trajectory = bent_for(needed_s(timing) + 0.001, timing);
         assert_eq!(trajectory.late_blends().count(), 1);
         assert_eq!(trajectory.sections().len(), 2);

@@ -26,7 +26,7 @@ fn planned() -> Trajectory {
         sources: Sources::default(),
     };
     let path = JointPath::new(&program, &Robot::default()).unwrap();
-    Trajectory::plan(&path, Timing::default()).unwrap()
+    Trajectory::plan(&path, Timing::jerk_limited()).unwrap()
 }
 
 /// A stop anywhere keeps the path and the velocity limits, and exceeds the acceleration limits only

@@ -67,9 +67,10 @@ fn path() -> JointPath {
 fn a_shape_of_ones_own_is_planned_within_the_limits() {
     let path = path();
     let limits = *path.robot().limits();
-    for (timing, jerk) in
-        [(Timing::Acceleration(SweepOptions::default()), f64::INFINITY), (Timing::default(), 1.05)]
-    {
+    for (timing, jerk) in [
+        (Timing::Acceleration(SweepOptions::default()), f64::INFINITY),
+        (Timing::jerk_limited(), 1.05),
+    ] {
         let trajectory = Trajectory::plan(&path, timing).unwrap();
         let pieces: Vec<_> = trajectory.sections().iter().flat_map(Section::pieces).collect();
         assert!(pieces.iter().take(3).all(|piece| piece.kind != PieceKind::Settle));

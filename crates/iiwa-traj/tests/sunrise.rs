@@ -119,7 +119,7 @@ fn sections_with_blends_are_as_under_jerk() {
         .blend(Blend::Fraction(0.3))
         .ptp_deg([40.0, 30.0, 0.0, -30.0, 0.0, 0.0, 0.0])
         .build();
-    let jerk = plan(&program, Timing::Jerk(JerkOptions::default()));
+    let jerk = plan(&program, Timing::jerk_limited());
     assert_eq!(plan(&program, sunrise()).cycle_time_s(), jerk.cycle_time_s());
 }
 

@@ -1,4 +1,4 @@
-//! The operating mode T1: TCP and flange go at 250 mm/s at most.
+//! The operating mode T1: TCP and flange go at 225 mm/s at most.
 
 #![expect(clippy::unwrap_used, reason = "a test fails by it")]
 
@@ -45,12 +45,48 @@ fn tcp_and_flange_go_slowly() {
         Program::from_json(&program.to_json()).unwrap().workcell.mode,
         program.workcell.mode
     );
-    for timing in [Timing::default(), Timing::Acceleration(SweepOptions::default())] {
+    for timing in
+        [Timing::default(), Timing::jerk_limited(), Timing::Acceleration(SweepOptions::default())]
+    {
         let (most, seconds) = speeds(&test, timing);
-        assert!(most.iter().all(|most| *most < 0.2505), "{}: {most:?}", timing.name());
-        assert!(most.iter().all(|most| *most > 0.2495), "{}: {most:?}", timing.name());
+        assert!(most.iter().all(|most| *most < 0.2255), "{}: {most:?}", timing.name());
+        assert!(most.iter().all(|most| *most > 0.2245), "{}: {most:?}", timing.name());
         let (faster, without) = speeds(PROGRAM, timing);
         assert!(faster.iter().any(|most| *most > 0.5), "{faster:?}");
         assert!(without < 0.8 * seconds, "{without} {seconds}");
     }
+}
+
+/// While motions run, the controller holds the speed, and they start and stop as in any other mode.
+#[test]
+fn ramps_are_not_changed() {
+    let plan = |mode: &str| {
+        let text = format!(
+            r#"{{ "version": 1, {mode} "start": {{ "joints_deg": [0, 30, 0, -60, 0, 90, 0] }}, "motions": [
+                {{ "type": "ptp", "joints_deg": [60, 50, 10, -90, 10, 40, 0] }} ] }}"#
+        );
+        let robot = Robot::lbr_iiwa_7_r800();
+        let path = JointPath::new(&Program::from_json(&text).unwrap(), &robot).unwrap();
+        (robot, Trajectory::plan(&path, Timing::default()).unwrap())
+    };
+    let (robot, test) = plan(r#""mode": "t1","#);
+    let (_, automatic) = plan("");
+    let speed =
+        |state: &iiwa_traj::State| robot.tcp_speed_m_s(&Pose::IDENTITY, &state.q, &state.dq);
+    let (mut held_s, mut last) = (0.0, f64::NEG_INFINITY);
+    for state in test.samples(1000.0) {
+        assert!(speed(&state) < 0.225 * (1.0 + 1e-4), "{} m/s at {} s", speed(&state), state.t_s);
+        assert!(state.t_s > last);
+        last = state.t_s;
+        held_s += if speed(&state) > 0.225 * (1.0 - 1e-4) { 1e-3 } else { 0.0 };
+        let before = automatic.at(state.t_s);
+        if (0.0..0.1).contains(&state.t_s) && speed(&before) < 0.22 {
+            let off = (0..7).map(|j| (before.q[j] - state.q[j]).abs()).fold(0.0, f64::max);
+            assert!(off < 1e-9, "{off} rad at {} s", state.t_s);
+        }
+    }
+    let [slow, fast] = [&test, &automatic].map(Trajectory::motion_time_s);
+    assert!(held_s > 0.8 * slow && slow > 1.5 * fast, "{held_s} of {slow} s, {fast} s");
+    // The way is the speed times the time in which it is held, but for the ramps.
+    println!("{slow:.4} s, held for {held_s:.3} s; {fast:.4} s in other modes");
 }

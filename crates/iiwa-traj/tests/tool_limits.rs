@@ -146,7 +146,7 @@ fn an_even_way_alone_takes_as_long_as_its_profile() {
             [(NONE, way.map(|limit| limit / 0.4)), ([1.0, 0.4, 100.0], [0.25, 0.5, 5.0])]
         {
             let limits = limits(way, turn);
-            for (timing, jerk) in [(Timing::default(), scaled[2]), (ACCELERATION, f64::MAX)] {
+            for (timing, jerk) in [(Timing::jerk_limited(), scaled[2]), (ACCELERATION, f64::MAX)] {
                 let trajectory = planned(segment, limits, timing);
                 let expected = seven_phases([scaled[0], scaled[1], jerk]);
                 let found = trajectory.motion_time_s();
@@ -170,7 +170,7 @@ fn an_even_way_alone_takes_as_long_as_its_profile() {
 
 #[test]
 fn without_a_limit_that_binds_nothing_changes() {
-    for timing in [Timing::default(), ACCELERATION] {
+    for timing in [Timing::jerk_limited(), ACCELERATION] {
         let free = planned(Tool::EVEN, ToolLimits::NONE, timing).motion_time_s();
         let wide = planned(Tool::EVEN, limits([1e3, 1e5, 1e7], NONE), timing);
         assert!((wide.motion_time_s() / free - 1.0).abs() < 1e-4, "{timing:?}");
@@ -199,7 +199,7 @@ fn an_uneven_way_keeps_its_limits_all_along() {
         (limits(NONE, [0.3, 0.9, 9.0]), Limited::Turn),
         (limits([0.2, 3.0, 30.0], [0.5, 7.0, 70.0]), Limited::Way),
     ] {
-        for (timing, most) in [(Timing::default(), 1.02), (ACCELERATION, f64::INFINITY)] {
+        for (timing, most) in [(Timing::jerk_limited(), 1.02), (ACCELERATION, f64::INFINITY)] {
             let trajectory = planned(segment, limits, timing);
             let all = largest_shares(&trajectory, segment, &limits);
             for [v, a, j] in all {
@@ -220,7 +220,7 @@ fn limits_hold_up_to_where_the_next_segment_starts() {
     let next = Line::new(segment.at(1.0).q, [0.6, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]);
     let slow = limits([0.1, 0.3, 2.0], NONE);
     for timing in [
-        Timing::default(),
+        Timing::jerk_limited(),
         ACCELERATION,
         Timing::Jerk(JerkOptions { general: true, ..JerkOptions::default() }),
     ] {

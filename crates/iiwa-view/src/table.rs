@@ -111,6 +111,12 @@ pub fn plan_table(figures: &PlanFigures) -> String {
     if figures.timing == "sunrise" {
         let _ = writeln!(text, "PTP motions from rest to rest as Sunrise plans them");
     }
+    if let Some(percent) = figures.override_percent {
+        let _ = writeln!(
+            text,
+            "Override {percent} %: motions take longer by it, pauses and waits do not"
+        );
+    }
     if let Some(largest) = figures.largest_torque() {
         let _ = writeln!(text, "Torque at most {largest}");
     }

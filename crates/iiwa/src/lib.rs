@@ -13,7 +13,7 @@
 //! let trajectory = Trajectory::plan(&path, Timing::default())?;
 //!
 //! println!("{:.3} s", trajectory.cycle_time_s());
-//! assert!((trajectory.cycle_time_s() - 0.705).abs() < 1e-3);
+//! assert!((trajectory.cycle_time_s() - 0.798).abs() < 1e-3);
 //! # Ok(())
 //! # }
 //! ```

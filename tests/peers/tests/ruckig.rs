@@ -23,7 +23,7 @@ fn found_s(start: Joints, ptp: &Ptp) -> f64 {
         sources: Sources::default(),
     };
     let path = JointPath::new(&program, &Robot::lbr_iiwa_7_r800()).unwrap();
-    Trajectory::plan(&path, Timing::default()).unwrap().motion_time_s()
+    Trajectory::plan(&path, Timing::jerk_limited()).unwrap().motion_time_s()
 }
 
 /// Random motions, some short, some with shares of the limits.

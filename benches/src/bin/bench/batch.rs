@@ -10,7 +10,7 @@ use super::no_arguments::no_arguments;
 use iiwa_kin::Robot;
 use iiwa_path::PathOptions;
 use iiwa_program::Program;
-use iiwa_traj::{JerkOptions, PlanError, SweepOptions, Timing, Trajectory, plan_all};
+use iiwa_traj::{PlanError, SweepOptions, Timing, Trajectory, plan_all};
 use iiwasim_benches::{
     Result,
     long_program::{Kind, seeded},
@@ -38,9 +38,7 @@ pub(crate) fn run(arguments: &[&str]) -> Result<ExitCode> {
     println!("{PROGRAMS} programs of {MOTIONS} blended motions, from `Program` to `Trajectory`.\n");
     println!("| timing | on one core | on {cores} | speed-up | efficiency |");
     println!("|---|---:|---:|---:|---:|");
-    for timing in
-        [Timing::Acceleration(SweepOptions::default()), Timing::Jerk(JerkOptions::default())]
-    {
+    for timing in [Timing::Acceleration(SweepOptions::default()), Timing::jerk_limited()] {
         let mut fastest_s = [f64::INFINITY; 2];
         for _ in 0..ROUNDS {
             for (pool, fastest_s) in pools.iter().zip(&mut fastest_s) {

@@ -193,7 +193,7 @@ impl Durations {
     fn find() -> Result<Self> {
         let program = Program::from_json(&reference::ten_motions()?)?;
         let path = JointPath::new(&program, &Robot::lbr_iiwa_7_r800())?;
-        let timing = Timing::Jerk(JerkOptions::default());
+        let timing = Timing::jerk_limited();
         let solve = |peer: &topp3::Peer| -> Result<_> {
             let samples = topp3::JerkSamples::new(&path, peer.intervals)?;
             Ok((peer.name, samples.solve(peer.solver)?.duration_s))

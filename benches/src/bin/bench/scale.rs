@@ -14,7 +14,7 @@ use std::{
 use iiwa_kin::Robot;
 use iiwa_path::JointPath;
 use iiwa_program::Program;
-use iiwa_traj::{JerkOptions, Planner, SweepOptions, Timing};
+use iiwa_traj::{Planner, SweepOptions, Timing};
 use iiwasim_benches::{
     Result,
     long_program::{Kind, text},
@@ -46,13 +46,10 @@ pub(crate) fn run(arguments: &[&str]) -> Result<ExitCode> {
             println!("On {}, {}.\n", machine::processor(), machine::instruction_level());
             print_table(Timing::Acceleration(SweepOptions::default()), &MOTIONS)?;
             println!("\nUnder limits of jerk:\n");
-            print_table(Timing::Jerk(JerkOptions::default()), &JERK_MOTIONS)?;
+            print_table(Timing::jerk_limited(), &JERK_MOTIONS)?;
         }
         ["--case", timing, file] => {
-            let timings = [
-                Timing::Acceleration(SweepOptions::default()),
-                Timing::Jerk(JerkOptions::default()),
-            ];
+            let timings = [Timing::Acceleration(SweepOptions::default()), Timing::jerk_limited()];
             let timing = timings.into_iter().find(|known| known.name() == *timing);
             let report = measure(FilePath::new(file), timing.ok_or("no such timing")?)?;
             println!("{}", serde_json::to_string(&report)?);

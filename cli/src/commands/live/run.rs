@@ -15,7 +15,7 @@ use iiwa_log::{Config, PlanFigures, PlanOptions};
 use iiwa_path::warnings;
 use iiwa_program::Program;
 use iiwa_scene::ArmInScene;
-use iiwa_traj::Trajectory;
+use iiwa_traj::{Timing, Trajectory};
 use iiwa_twin::runs::{began, label, longest_log, now, since_start};
 use iiwa_view::{PlanGates, RunReport, add_clearances, plan_table, printable, warning_lines};
 
@@ -35,7 +35,7 @@ pub(crate) fn run(options: &Run) -> Result<(), Failure> {
     let target = target(options)?;
     let scene = options.scene.as_deref().map(input::scene).transpose()?;
     output::catch_interrupts();
-    let (plan, mut figures) = plan(&text, &program, &robot)?;
+    let (plan, mut figures) = plan(&text, &program, &robot, options.as_trajectory)?;
     if let Some(scene) = &scene {
         let arm = ArmInScene::new(&robot, scene);
         plan.sections().iter().for_each(|section| add_clearances(&mut figures, &arm, section));
@@ -143,8 +143,11 @@ fn plan(
     text: &ProgramText,
     program: &Program,
     robot: &Robot,
+    as_trajectory: bool,
 ) -> Result<(Trajectory, PlanFigures), Failure> {
-    let how = PlanOptions::default();
+    // What is commanded point by point keeps strict limits of jerk.
+    let timing = if as_trajectory { Timing::jerk_limited() } else { Timing::default() };
+    let how = PlanOptions::with_timing(timing);
     let plan = how
         .plan(program, robot)
         .map_err(|error| Failure::plan(&error, &program.sources, &text.name, &text.text))?;

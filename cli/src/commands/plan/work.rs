@@ -51,6 +51,9 @@ pub(super) fn write(
     if let Some(percent) = options.limit_torque {
         program.workcell.torque_limit_rel = Some(percent / 100.0);
     }
+    if let Some(percent) = options.speed_override {
+        program.workcell.speed_override = Some(percent / 100.0);
+    }
     let mut planning = Planning::new(&program, &robot, &plan_options(options))
         .map_err(|fault| refuse(fault.into()))?
         .with_rate(options.rate)
@@ -140,7 +143,7 @@ fn plan_options(options: &Plan) -> PlanOptions {
             args::Timing::Acceleration => {
                 Timing::Acceleration(SweepOptions { samples: options.samples as usize })
             }
-            args::Timing::Jerk => Timing::Jerk(JerkOptions::default()),
+            args::Timing::Jerk => Timing::jerk_limited(),
             args::Timing::Sunrise => Timing::Sunrise(JerkOptions::default()),
         },
         samples: options.samples,

@@ -3,7 +3,7 @@
 use iiwa_link::TimedJoints;
 use serde_json::{Value, json};
 
-use crate::link::runs::{planned, sampled};
+use crate::link::runs::{sampled, to_command};
 
 /// Values that are wrong for nearly all fields.
 pub(crate) fn wrong_values() -> [Value; 8] {
@@ -75,7 +75,7 @@ pub(crate) fn trajectory_to(deg: f64) -> TimedJoints {
     let mut target = [0.0; 7];
     target[0] = deg.to_radians();
     let motion = iiwa_program::Motion::Ptp(iiwa_program::Ptp::to(target));
-    sampled(&planned(vec![motion]), 0.004)
+    sampled(&to_command(vec![motion]), 0.004)
 }
 
 /// A valid request of each type.

@@ -21,7 +21,7 @@ use iiwasim_tests::{
 
 use crate::link::{
     rig::{LONG, Rig, wait_for},
-    runs::{planned, sampled},
+    runs::{planned, sampled, to_command},
 };
 
 /// Joint 1 from its position to `deg`, slowly enough for faults: 40 deg take 2 s.
@@ -32,7 +32,7 @@ pub(crate) fn slowly_to(deg: f64) -> Vec<Motion> {
 }
 
 fn trajectory_to(deg: f64) -> TimedJoints {
-    sampled(&planned(slowly_to(deg)), 0.004)
+    sampled(&to_command(slowly_to(deg)), 0.004)
 }
 
 /// Waits until the drive is in this state.

@@ -8,7 +8,7 @@ use iiwa_link::{
 
 use crate::link::{
     rig::{LONG, Rig, wait_for},
-    runs::{motions, planned, sampled},
+    runs::{motions, sampled, to_command},
 };
 
 const OURS: &str = "lbr_iiwa_7_r800 with a flange of 152 mm";
@@ -24,7 +24,7 @@ fn others() -> [(Robot, &'static str); 2] {
 
 /// The refusal of motions and that of a trajectory with this label.
 fn refusals(rig: &Rig, label: &RunLabel) -> [Refusal; 2] {
-    let trajectory = sampled(&planned(motions()), 0.005);
+    let trajectory = sampled(&to_command(motions()), 0.005);
     [Request::motions(motions()), Request::trajectory(trajectory)].map(|request| {
         match rig.client().run(&request.labelled(label.clone()), Some(LONG)) {
             Err(ClientError::Refused { refusal, run }) => {

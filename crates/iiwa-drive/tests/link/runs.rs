@@ -29,8 +29,21 @@ pub(crate) fn planned(motions: Vec<Motion>) -> Trajectory {
 }
 
 pub(crate) fn planned_from(start_rad: Joints, motions: MotionList) -> Trajectory {
+    planned_with(Timing::default(), start_rad, motions)
+}
+
+/// A plan that may be commanded point by point: within the limits of jerk.
+pub(crate) fn to_command(motions: Vec<Motion>) -> Trajectory {
+    to_command_from([0.0; 7], motions.into())
+}
+
+pub(crate) fn to_command_from(start_rad: Joints, motions: MotionList) -> Trajectory {
+    planned_with(Timing::jerk_limited(), start_rad, motions)
+}
+
+fn planned_with(timing: Timing, start_rad: Joints, motions: MotionList) -> Trajectory {
     let path = JointPath::new(&motions.starting_at(start_rad), &Robot::default()).unwrap();
-    Trajectory::plan(&path, Timing::default()).unwrap()
+    Trajectory::plan(&path, timing).unwrap()
 }
 
 /// The run took the planned time, within a cycle, on the planned path.
@@ -84,7 +97,7 @@ fn commanded(period_ms: u32, trajectory: &TimedJoints) -> (Rig, Run) {
 fn trajectories_take_their_time_and_path() {
     in_real_time(|| {
         for period_ms in [5, 1] {
-            let plan = planned(motions());
+            let plan = to_command(motions());
             let (rig, run) = commanded(period_ms, &sampled(&plan, 0.004));
             assert_as_planned(&run, &plan, f64::from(period_ms) * 1e-3);
             assert_eq!(rig.client().state().unwrap().state, DriveState::Idle);
@@ -99,7 +112,7 @@ fn trajectories_reach_the_ends_of_the_range() {
         let range = Robot::default().limits().upper_rad;
         let mut far = [0.0; 7];
         (far[0], far[3], far[6]) = (range[0], -range[3], range[6]);
-        let plan = planned(vec![Motion::Ptp(Ptp::to(far)), Motion::Ptp(Ptp::to([0.0; 7]))]);
+        let plan = to_command(vec![Motion::Ptp(Ptp::to(far)), Motion::Ptp(Ptp::to([0.0; 7]))]);
         for step_s in [0.004, 0.0071] {
             let (_, run) = commanded(5, &sampled(&plan, step_s));
             assert_as_planned(&run, &plan, 0.005);
@@ -112,7 +125,7 @@ fn trajectories_reach_the_ends_of_the_range() {
 #[test]
 fn a_trajectory_from_elsewhere_is_refused() {
     let rig = Rig::new(5);
-    let mut trajectory = sampled(&planned(motions()), 0.004);
+    let mut trajectory = sampled(&to_command(motions()), 0.004);
     for q in &mut trajectory.joints_rad {
         q[3] -= 0.6_f64.to_radians();
     }

@@ -33,7 +33,7 @@ use tempfile::TempDir;
 
 use crate::link::{
     rig::{LONG, Rig, free_tcp},
-    runs::{planned_from, sampled},
+    runs::{sampled, to_command_from},
 };
 
 /// What it has without a drive.
@@ -275,7 +275,7 @@ fn cycle_times(jar: Option<&PathBuf>) -> [f64; 2] {
     let program = Program::from_json(&text).unwrap();
     let start_rad = *program.start.joints_rad().unwrap();
     let motions = MotionList::from(program);
-    let plan = planned_from(start_rad, motions.clone());
+    let plan = to_command_from(start_rad, motions.clone());
     let trajectory = sampled(&plan, 0.004);
     let new_rig = || {
         let mut rig = Rig::parts(PERIOD_MS);

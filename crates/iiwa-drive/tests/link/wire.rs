@@ -19,7 +19,7 @@ use iiwasim_tests::{calm::in_real_time, ports::free_address};
 
 use crate::link::{
     rig::{LONG, Rig},
-    runs::{planned, sampled},
+    runs::{sampled, to_command},
 };
 
 /// A relay between cabinet and drive.
@@ -144,7 +144,7 @@ fn the_wire_keeps_the_limits() {
             ),
             Motion::Ptp(Ptp::to(rad([0.0, -40.0, 60.0, 0.0, 90.0, -80.0, 90.0]))),
         ];
-        let trajectory = sampled(&planned(motions), 0.004);
+        let trajectory = sampled(&to_command(motions), 0.004);
         for (period_ms, multiplier) in [(5, 1), (10, 3)] {
             let (answers, error) = (0..20)
                 .map(|seed| relayed(&trajectory, period_ms, multiplier, seed))

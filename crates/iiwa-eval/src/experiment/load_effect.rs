@@ -3,7 +3,7 @@
 use iiwa_kin::{Joints, Load, Robot};
 use iiwa_log::PlanOptions;
 use iiwa_program::{Motion, Ptp};
-use iiwa_traj::PlanError;
+use iiwa_traj::{PlanError, Timing};
 
 use crate::{
     Estimate,
@@ -197,7 +197,10 @@ fn torque_rel(
     let plan = |from: Joints, to: Joints| {
         let mut program = program(from, [Ptp::to(to)]);
         program.motions.insert(0, Motion::Load(Some(*load)));
-        let peaks = PlanOptions::default().plan(&program, &robot)?.torques().motions;
+        let peaks = PlanOptions::with_timing(Timing::jerk_limited())
+            .plan(&program, &robot)?
+            .torques()
+            .motions;
         Ok::<f64, PlanError>(peaks.iter().flat_map(|m| m.peak_rel).fold(0.0, f64::max))
     };
     Ok(plan(low, high)?.max(plan(high, low)?))

@@ -28,6 +28,8 @@ pub(super) const KAPPA: &str = "blend_kappa";
 pub(super) const TCP_KAPPA: &str = "tcp_blend_kappa";
 pub(super) const RAMPS: &str = "ramps";
 pub(super) const SETTLE: &str = "settle_time_s";
+pub(super) const BLOCKING_PAUSE: &str = "blocking_pause_s";
+pub(super) const T1_SPEED: &str = "t1_speed_mm_s";
 
 /// No joint turns farther than this to either side, in degrees.
 pub(super) const MAX_POSITION_DEG: f64 = 360.0;
@@ -38,8 +40,11 @@ pub(super) const LEAST_RANGE_DEG: f64 = 0.001;
 /// Coefficients of kappa: the arm's are below 4.
 pub(super) const KAPPA_RANGE: [f64; 2] = [-100.0, 100.0];
 
-/// Times to settle, in s.
+/// Times to settle and pauses, in s.
 pub(super) const SETTLE_RANGE_S: [f64; 2] = [0.001, 10.0];
+
+/// Speeds in the operating mode T1, in mm/s.
+pub(super) const T1_SPEED_RANGE_MM_S: [f64; 2] = [1.0, 250.0];
 
 /// By which share the masses of `link_mass_kg` may differ from those of `links`: they are rounded.
 pub(super) const SAME_MASS: f64 = 1e-3;

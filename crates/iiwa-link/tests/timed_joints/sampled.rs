@@ -60,7 +60,7 @@ pub(crate) fn programs() -> impl Strategy<Value = Program> {
 
 pub(crate) fn planned(program: &Program) -> Trajectory {
     let path = JointPath::new(program, &Robot::default()).unwrap();
-    Trajectory::plan(&path, Timing::default()).unwrap()
+    Trajectory::plan(&path, Timing::jerk_limited()).unwrap()
 }
 
 /// Points every `step_s`, and one at the end.

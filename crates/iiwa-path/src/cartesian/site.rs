@@ -91,9 +91,8 @@ impl<'a> Site<'a> {
         segment: &SplineSegment,
     ) -> Option<MotionLimits> {
         let own = &segment.limits;
-        let mode = self.program.workcell.mode;
         (*own != SegmentLimits::default())
-            .then(|| MotionLimits::of_segment(self.robot, spline, own, mode))
+            .then(|| MotionLimits::of_segment(self.robot, spline, own, &self.program.workcell))
     }
 
     /// The curve of the TCP on a course, with the status of where the motion starts.

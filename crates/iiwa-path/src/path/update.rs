@@ -52,7 +52,7 @@ impl JointPath {
         let limits = MotionLimits::of_motion(
             &self.robot,
             &program.motions[motion.index()],
-            program.workcell.mode,
+            &program.workcell,
         );
         let changed = limits != self.limits[motion.index()];
         let is_same = |old: &Step, new: &Step| {
@@ -84,7 +84,7 @@ impl JointPath {
             Step::Move { blend: Some(corner), .. } => corner.motion.index(),
             Step::Move { motion, .. }
             | Step::Corner { motion }
-            | Step::Settle { motion }
+            | Step::Settle { motion, .. }
             | Step::Wait { motion, .. } => motion.index(),
         };
         let before = |bound: usize| self.steps.partition_point(|step| motion(step) < bound);
@@ -119,8 +119,11 @@ impl Step {
                     && limits == other_limits
                     && is_same_curve(segment.as_ref(), other_segment.as_ref())
             }
-            (Self::Corner { motion }, Self::Corner { motion: other })
-            | (Self::Settle { motion }, Self::Settle { motion: other }) => motion == other,
+            (Self::Corner { motion }, Self::Corner { motion: other }) => motion == other,
+            (
+                Self::Settle { motion, blocking, still },
+                Self::Settle { motion: of, blocking: other, still: as_still },
+            ) => (motion, blocking, still) == (of, other, as_still),
             (
                 Self::Wait { motion, seconds },
                 Self::Wait { motion: other, seconds: other_seconds },

@@ -54,6 +54,10 @@ macro_rules! path_wire {
                     default, deserialize_with = "crate::wire::cartesian::blend", skip_serializing_if = "Option::is_none"
                 )]
                 blend: Option<PathBlendWire>,
+                /// Whether the program waits for its end before it sends the next motion, as Sunrise's `move`: a longer pause follows. A
+                /// motion with a blend cannot have it.
+                #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+                blocking: bool,
                 /// What it was made from.
                 #[serde(
                     default, deserialize_with = "iiwa_json::object_or_null", skip_serializing_if = "Option::is_none"
@@ -78,6 +82,7 @@ macro_rules! path_wire {
                     tool_limits: limits.tool,
                     orientation: self.orientation.into(),
                     blend: self.blend.map(PathBlendWire::blend),
+                    blocking: self.blocking,
                 }))
             }
 
@@ -93,6 +98,7 @@ macro_rules! path_wire {
                     base: motion.base.clone(),
                     orientation: motion.orientation.into(),
                     blend: motion.blend.map(PathBlendWire::from),
+                    blocking: motion.blocking,
                     ..Self::default()
                 }
                 .with_limits(&limits)

@@ -61,6 +61,10 @@ pub(super) struct PtpWire {
     /// How the target is blended away; without it the arm stops there.
     #[serde(default, deserialize_with = "blend", skip_serializing_if = "Option::is_none")]
     blend: Option<BlendWire>,
+    /// Whether the program waits for its end before it sends the next motion, as Sunrise's `move`: a longer pause follows. A
+    /// motion with a blend cannot have it.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    blocking: bool,
     /// What it was made from.
     #[serde(default, deserialize_with = "object_or_null", skip_serializing_if = "Option::is_none")]
     pub(super) source: Option<SourceWire>,
@@ -129,12 +133,21 @@ impl PtpWire {
                 base: self.base,
                 shares: ByKind::from_array(shares),
                 blend: blend.map(PathBlend::from),
+                blocking: self.blocking,
                 ..CartesianMotion::new(Course::Ptp { to: frame.target()? })
             })));
         }
         let [velocity_rel, acceleration_rel, jerk_rel] = shares;
         let target_rad = joints_of(self.joints_rad, self.joints_deg)?;
-        Ok(Motion::Ptp(Ptp { target_rad, velocity_rel, acceleration_rel, jerk_rel, blend }))
+        let blocking = self.blocking;
+        Ok(Motion::Ptp(Ptp {
+            target_rad,
+            velocity_rel,
+            acceleration_rel,
+            jerk_rel,
+            blend,
+            blocking,
+        }))
     }
 
     pub(super) fn to_joints(
@@ -168,6 +181,7 @@ impl PtpWire {
             acceleration_rel: Share::from(acceleration),
             jerk_rel: Share::from(jerk),
             source: None,
+            blocking: false,
             blend: blend.map(|blend| match blend {
                 Blend::Fraction(b) => BlendWire::Fraction(b),
                 Blend::SunriseRel(x) => BlendWire::SunriseRel(x),

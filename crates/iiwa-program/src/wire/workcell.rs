@@ -100,7 +100,7 @@ impl<'a> From<&'a Workcell> for WorkcellOut<'a> {
 #[serde(rename_all = "snake_case")]
 #[schemars(rename = "OperatingMode")]
 pub(super) enum ModeWire {
-    /// For tests: TCP and flange go at 250 mm/s at most.
+    /// For tests: TCP and flange go at 225 mm/s at most, or as the robot's profile says.
     T1,
 }
 

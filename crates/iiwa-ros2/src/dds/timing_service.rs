@@ -13,7 +13,7 @@ use std::{
 
 use iiwa_kin::{Joints, Robot};
 use iiwa_link::threads::ThreadGroup;
-use iiwa_program::{LimitKind, Motion, MotionLimits, OperatingMode, Ptp};
+use iiwa_program::{LimitKind, Motion, MotionLimits, Ptp, Workcell};
 use ros2_client::{
     Node, NodeLoggingHandle, Publisher, RmwRequestId, Server, ServiceMapping, Subscription,
     ros2::LogLevel, rosout,
@@ -211,7 +211,7 @@ fn limits(robot: &Robot, request: &TimeRequest) -> Result<MotionLimits, String> 
             *shares.share_mut(kind) = [share; 7];
         }
     }
-    Ok(MotionLimits::of_motion(robot, &Motion::Ptp(shares), OperatingMode::default()))
+    Ok(MotionLimits::of_motion(robot, &Motion::Ptp(shares), &Workcell::default()))
 }
 
 fn message(joints: &[String; 7], request: &TimeRequest, retimed: &Retimed) -> JointTrajectory {

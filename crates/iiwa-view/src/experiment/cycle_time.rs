@@ -174,7 +174,7 @@ pub(super) fn chapter(bench: &Bench, runs: &[TrialRun]) -> Result<Chapter, ViewE
 
 fn evaluate(bench: &Bench, runs: &[TrialRun]) -> Result<Vec<Case>, ViewError> {
     let measured = runs.iter().map(|TrialRun { trial, log }| {
-        let jerk = planned(&bench.model, trial, Timing::default())?;
+        let jerk = planned(&bench.model, trial, Timing::jerk_limited())?;
         let acceleration =
             planned(&bench.model, trial, Timing::Acceleration(SweepOptions::default()))?
                 .cycle_time_s();

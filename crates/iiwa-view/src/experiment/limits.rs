@@ -157,7 +157,7 @@ fn figure(bench: &Bench, run: &TrialRun, line: &LineObservation) -> Result<Strin
         sources: Sources::default(),
     };
     let trial = Trial { name: run.trial.name.clone(), program };
-    let planned: Trajectory = planned(&bench.model, &trial, Timing::default())?;
+    let planned: Trajectory = planned(&bench.model, &trial, Timing::jerk_limited())?;
     let middle_deg = 0.5 * (line.from_rad[joint] + line.to_rad[joint]).to_degrees();
     let around_s = 0.04;
     let whole_s = end_s - start_s + 2.0 * around_s;

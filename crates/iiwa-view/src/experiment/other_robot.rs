@@ -71,7 +71,7 @@ pub fn other_robot(bench: &Bench, arm: &VirtualArm) -> Result<Chapter, ViewError
         .into_iter()
         .map(|(name, trial)| {
             let log = arm.run(&trial)?;
-            let by_identified = planned(&identified, &trial, Timing::default())?;
+            let by_identified = planned(&identified, &trial, Timing::jerk_limited())?;
             let compared = compare(&Plan::from_trajectory(&by_identified), &log)
                 .map_err(|source| ViewError::Compare { name: trial.name.clone(), source })?;
             // From departure to arrival: a recording does not show how long the arm settles at its end.
@@ -86,7 +86,7 @@ pub fn other_robot(bench: &Bench, arm: &VirtualArm) -> Result<Chapter, ViewError
                 name,
                 format!("{real_s:.3}"),
                 error(&planned(&bench.model, &trial, acceleration)?, model_s),
-                error(&planned(&bench.model, &trial, Timing::default())?, model_s),
+                error(&planned(&bench.model, &trial, Timing::jerk_limited())?, model_s),
                 error(&by_identified, identified.settle_time_s()),
                 format!("{:.3}", compared.joints_rad.max.to_degrees()),
             ])

@@ -5,7 +5,7 @@ use std::time::Instant;
 use iiwa_kin::Robot;
 use iiwa_path::JointPath;
 use iiwa_program::{CartesianMotion, Course, Frame, Motion, PathBlend, Program, ProgramBuilder};
-use iiwa_traj::{JerkOptions, Planner, SweepOptions, Timing};
+use iiwa_traj::{Planner, SweepOptions, Timing};
 use iiwasim_benches::Result;
 
 /// The wrist is away from all singular poses, with room for the star around it.
@@ -68,8 +68,7 @@ fn star(motions: usize, blend: Option<PathBlend>) -> Program {
 fn measure(program: &Program, motions: usize) -> Result<[f64; 3]> {
     let robot = Robot::lbr_iiwa_7_r800();
     let mut fastest_s = [f64::INFINITY; 3];
-    let timings =
-        [Timing::Acceleration(SweepOptions::default()), Timing::Jerk(JerkOptions::default())];
+    let timings = [Timing::Acceleration(SweepOptions::default()), Timing::jerk_limited()];
     for _ in 0..LEAST_RUNS.max(MOTIONS / motions) {
         let mut start = Instant::now();
         let path = JointPath::new(program, &robot)?;

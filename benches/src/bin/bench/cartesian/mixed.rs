@@ -3,7 +3,7 @@
 use iiwa_kin::Robot;
 use iiwa_path::JointPath;
 use iiwa_program::Program;
-use iiwa_traj::{JerkOptions, SweepOptions, Timing, Trajectory};
+use iiwa_traj::{SweepOptions, Timing, Trajectory};
 use iiwasim_benches::Result;
 
 use super::clock::fastest_s;
@@ -25,10 +25,8 @@ pub(crate) fn print() -> Result<()> {
     );
     println!("| | time | of it the path | time in motion | target |");
     println!("|---|---:|---:|---:|---:|");
-    let timings = [
-        (Timing::Acceleration(SweepOptions::default()), ""),
-        (Timing::Jerk(JerkOptions::default()), "15 ms"),
-    ];
+    let timings =
+        [(Timing::Acceleration(SweepOptions::default()), ""), (Timing::jerk_limited(), "15 ms")];
     for (timing, target) in timings {
         let whole_s = fastest_s(|| {
             let path = JointPath::new(&program, &robot)?;

@@ -1,7 +1,7 @@
 //! One motion, from its program to its path and to its plan.
 
 use iiwa_path::JointPath;
-use iiwa_traj::{JerkOptions, SweepOptions, Timing, Trajectory};
+use iiwa_traj::{SweepOptions, Timing, Trajectory};
 use iiwasim_benches::Result;
 use iiwasim_tests::cartesian_cases::{CartesianCase, cartesian_cases};
 
@@ -20,7 +20,7 @@ pub(crate) fn print() -> Result<()> {
     row("path to 1e-9 rad", &cases, 100.0, 1e6, "us", Ok)?;
     let sweep = Timing::Acceleration(SweepOptions::default());
     row("path and plan, acceleration", &cases, 1.0, 1e3, "ms", |path| plan(&path, sweep))?;
-    let jerk = Timing::Jerk(JerkOptions::default());
+    let jerk = Timing::jerk_limited();
     row("path and plan, jerk", &cases, 1.0, 1e3, "ms", |path| plan(&path, jerk))
 }
 

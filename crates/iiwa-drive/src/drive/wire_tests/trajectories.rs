@@ -36,7 +36,7 @@ pub(super) fn program(random: &mut Rng) -> Program {
 /// Points every 4 ms and at the end, as clients send them.
 pub(super) fn sampled(program: &Program) -> TimedJoints {
     let path = JointPath::new(program, &Robot::default()).unwrap();
-    let plan = Trajectory::plan(&path, Timing::default()).unwrap();
+    let plan = Trajectory::plan(&path, Timing::jerk_limited()).unwrap();
     let end_s = plan.cycle_time_s();
     let steps = (end_s / 0.004).floor();
     let mut t_s: Vec<f64> = (0..steps as u32).map(|i| f64::from(i) * 0.004).collect();

@@ -43,6 +43,9 @@ public final class Motion {
     public Limits limits;
     /** How its end is blended into the next motion; null for a stop. */
     public Blend blend;
+
+    /** Whether the program waits for its end before it sends the next motion. */
+    public boolean blocking;
     /** How long the arm waits, in s. */
     public double seconds;
 

@@ -76,8 +76,23 @@ final class MotionReader {
             default:
                 readPath(motion, keys);
         }
+        if (motion.type != Motion.Type.WAIT && motion.type != Motion.Type.LOAD) {
+            readBlocking(motion, keys);
+        }
         keys.refuseOthers();
         return motion;
+    }
+
+    private static void readBlocking(Motion motion, Keys keys) throws Refusal {
+        if (keys.isGiven("blocking")) {
+            if (!keys.value("blocking").isBoolean()) {
+                throw keys.wrong("`blocking` has to be true or false");
+            }
+            motion.blocking = keys.value("blocking").isTrue();
+        }
+        if (motion.blocking && motion.blend != null && motion.blend.hasEffect()) {
+            throw keys.wrong("it is blocking and cannot be blended: remove its `blend`, or `blocking`");
+        }
     }
 
     private void readPtp(Motion motion, Keys keys) throws Refusal {

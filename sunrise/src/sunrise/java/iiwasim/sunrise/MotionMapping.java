@@ -99,6 +99,9 @@ final class MotionMapping {
             last = motion(motion);
             leg.add(last, batch);
             blended = motion.blend == null ? null : motion;
+            if (motion.blocking) {
+                before = null;
+            }
         }
         return legs;
     }

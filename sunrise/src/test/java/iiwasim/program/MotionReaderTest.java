@@ -48,6 +48,16 @@ public class MotionReaderTest {
     }
 
     @Test
+    public void blockingMotionsEndInAStop() throws Refusal {
+        assertTrue(one("{'type':'ptp','joints_deg':[90,0,0,0,0,0,0],'blocking':true}").blocking);
+        assertTrue(one("{'type':'lin','frame':'pick','blocking':true}").blocking);
+        assertFalse(one("{'type':'lin','frame':'pick'}").blocking);
+        assertRefused("{'type':'lin','frame':'pick','blocking':1}", "`blocking` has to be true or false");
+        assertRefused("{'type':'lin','frame':'pick','blocking':true,'blend':{'cart_mm':30}}", "cannot be blended");
+        assertRefused("{'type':'wait','seconds':1,'blocking':true}", "unknown key `blocking`");
+    }
+
+    @Test
     public void framesAreResolved() throws Refusal {
         Motion motion = one("{'type':'lin','frame':'pick','tool':'gripper/left','cart_velocity_mm_s':250,"
             + "'orientation_velocity_deg_s':90,'blend':{'cart_mm':30,'ori_deg':10}}");

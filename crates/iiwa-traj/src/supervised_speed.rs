@@ -1,0 +1,171 @@
+//! Cuts the speed of a finished plan, as the controller does in the operating mode T1.
+//!
+//! The controller plans motions as in any other mode, and while they run, it holds TCP and flange at a speed: acceleration
+//! ends at once where that speed is reached.
+
+use iiwa_kin::{Pose, Robot};
+use iiwa_path::{Segment, Step};
+use iiwa_program::MotionLimits;
+
+use crate::{
+    interval::progress,
+    limit_usage::LimitUsage,
+    node::Node,
+    section::{Piece, Section},
+};
+
+/// The longest interval of what is cut, in s: the speed of the TCP is held at both of its ends and half-way.
+const LONGEST_S: f64 = 4e-3;
+
+/// Halvings of an interval that leave nothing of it but rounding.
+const HALVINGS: usize = 50;
+
+/// The way of a piece whose speed is supervised.
+struct Way<'a> {
+    segment: &'a dyn Segment,
+    robot: &'a Robot,
+    tcp: &'a Pose,
+    speed_m_s: f64,
+}
+
+impl Way<'_> {
+    /// The largest dp/dt at `p`.
+    fn most(&self, p: f64) -> f64 {
+        let at = self.segment.at_share(p.clamp(0.0, 1.0));
+        let of = |tcp| self.robot.tcp_speed_m_s(tcp, &at.q, &at.dq);
+        self.speed_m_s / of(self.tcp).max(of(&Pose::IDENTITY))
+    }
+
+    /// That, and d2p/dt2 where it is kept.
+    fn kept(&self, p: f64) -> [f64; 2] {
+        const STEP: f64 = 1e-5;
+        let [before, after] = [(p - STEP).max(0.0), (p + STEP).min(1.0)];
+        let most = self.most(p);
+        [most, most * (self.most(after) - self.most(before)) / (after - before)]
+    }
+
+    /// Whether the speed at `seconds` after the node `from` is too high.
+    fn is_exceeded(&self, from: &Node, to: &Node, seconds: f64) -> bool {
+        let at = progress(seconds, from, to);
+        at.rate > self.most(from.p + at.dp)
+    }
+
+    /// The nodes from `from` on, up to `to` and without it; whether the speed is too high changes only at the end, if at all.
+    fn cut(&self, from: Node, to: &Node, nodes: &mut Vec<Node>) {
+        let (start, end) =
+            (self.is_exceeded(&from, to, 0.0), self.is_exceeded(&from, to, from.dt_s));
+        if start == end {
+            nodes.push(if start { self.held(&from, to) } else { from });
+            return;
+        }
+        let (mut low, mut high) = (0.0, from.dt_s);
+        for _ in 0..HALVINGS {
+            let middle = f64::midpoint(low, high);
+            if self.is_exceeded(&from, to, middle) == start { low = middle } else { high = middle }
+        }
+        if low <= 0.0 || low >= from.dt_s {
+            nodes.push(if end { self.held(&from, to) } else { from });
+            return;
+        }
+        let [first, second] = parted(&from, to, low);
+        nodes.push(if start { self.held(&first, &second) } else { first });
+        nodes.push(if end { self.held(&second, to) } else { second });
+    }
+
+    /// A node from which on the speed is held up to `to`.
+    fn held(&self, from: &Node, to: &Node) -> Node {
+        let [[rate, u], [end_rate, end_u]] = [from.p, to.p].map(|p| self.kept(p));
+        let middle = self.most(from.p + 0.5 * from.dp);
+        // Simpson's rule.
+        let dt_s = from.dp / 6.0 * (1.0 / rate + 4.0 / middle + 1.0 / end_rate);
+        Node { dt_s, rate, u: [u, end_u], ..*from }
+    }
+}
+
+/// The two parts of what begins at the node `from`, `seconds` after it.
+fn parted(from: &Node, to: &Node, seconds: f64) -> [Node; 2] {
+    let at = progress(seconds, from, to);
+    let first = Node { dt_s: seconds, dp: at.dp, u: [from.u[0], at.u], ..*from };
+    let second = Node {
+        t_s: from.t_s + seconds,
+        dt_s: from.dt_s - seconds,
+        p: from.p + at.dp,
+        dp: from.dp - at.dp,
+        rate: at.rate,
+        u: [at.u, from.u[1]],
+    };
+    [first, second]
+}
+
+impl Way<'_> {
+    /// The nodes of a piece with the speed held where it is too high, with times from its start.
+    fn nodes(&self, planned: &[Node]) -> Vec<Node> {
+        let mut nodes = Vec::with_capacity(planned.len());
+        for pair in planned.windows(2) {
+            let [mut from, to] = [pair[0], pair[1]];
+            let parts = (from.dt_s / LONGEST_S).ceil().max(1.0);
+            let instants = (0_u32..).map(f64::from).take_while(|k| *k <= parts);
+            let mut instants = instants.map(|k| k / parts * from.dt_s);
+            if !instants.any(|seconds| self.is_exceeded(&pair[0], &to, seconds)) {
+                nodes.push(from);
+                continue;
+            }
+            let mut left = parts;
+            while left > 1.0 {
+                let [first, rest] = parted(&from, &to, from.dt_s / left);
+                self.cut(first, &rest, &mut nodes);
+                (from, left) = (rest, left - 1.0);
+            }
+            self.cut(from, &to, &mut nodes);
+        }
+        if let Some(last) = planned.last() {
+            nodes.push(Node { rate: last.rate.min(self.most(1.0)), ..*last });
+        }
+        let mut t_s = 0.0;
+        for node in &mut nodes {
+            node.t_s = t_s;
+            t_s += node.dt_s;
+        }
+        nodes
+    }
+
+    /// What is used of the limits of velocity and acceleration.
+    fn usage(&self, nodes: &[Node], limits: &MotionLimits) -> LimitUsage {
+        let [speed, most] = [limits.velocity_rad_s(), limits.acceleration_rad_s2()];
+        let velocity = std::array::from_fn(|j| if j < 7 { most[j] / speed[j] } else { 1.0 });
+        let (mut dq, mut ddq) = (Vec::new(), Vec::new());
+        for node in nodes {
+            let at = self.segment.at_share(node.p);
+            let shares = |d: &[f64; 7], way| {
+                std::array::from_fn(|j| if j < 7 { d[j] / most[j] } else { way })
+            };
+            dq.push(shares(&at.dq, self.most(node.p).recip()));
+            ddq.push(shares(&at.ddq, 0.0));
+        }
+        let mut usage = LimitUsage::default();
+        usage.add(nodes, &dq, &ddq, &velocity);
+        usage
+    }
+}
+
+impl Section {
+    /// Holds TCP and flange at a speed, in m/s, where the plan is faster.
+    pub(crate) fn hold_speed(&mut self, speed_m_s: f64) {
+        let (path, mut start_s) = (self.path.clone(), 0.0);
+        let (mut pieces, mut all) = (Vec::with_capacity(self.pieces.len()), Vec::new());
+        for piece in &self.pieces {
+            let Step::Move { segment, motion, .. } = &path.steps()[piece.step] else { continue };
+            let tcp = path.tcp(*motion);
+            let way = Way { segment: segment.as_ref(), robot: path.robot(), tcp, speed_m_s };
+            let mut nodes = way.nodes(&self.nodes[piece.nodes.clone()]);
+            let usage = way.usage(&nodes, path.limits_of(piece.step));
+            nodes.iter_mut().for_each(|node| node.t_s += start_s);
+            let end_s = nodes.last().map_or(start_s, |last| last.t_s);
+            let range = all.len()..all.len() + nodes.len();
+            pieces.extend(Piece::moving(self, piece.step, [start_s, end_s], &usage, range));
+            all.extend(nodes);
+            start_s = end_s;
+        }
+        (self.pieces, self.nodes) = (pieces, all);
+    }
+}
