@@ -88,6 +88,12 @@ impl MotionLimits {
         limits
     }
 
+    /// Limits of `joints`, in rad/s, rad/s^2 and rad/s^3, and of the TCP; infinite where there are none.
+    #[must_use]
+    pub fn of_joints(joints: ByKind<Joints>, tool: ToolLimits) -> Self {
+        Self { joints, tool }
+    }
+
     /// The same, with these limits of the TCP.
     #[must_use]
     pub fn with_tool(self, tool: ToolLimits) -> Self {

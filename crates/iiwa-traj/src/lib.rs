@@ -46,6 +46,7 @@ mod program_clock;
 mod replanner;
 mod section;
 mod section_sweep;
+mod spline_speed;
 mod state;
 mod sunrise;
 mod sweep;

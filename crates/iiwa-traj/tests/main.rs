@@ -7,6 +7,7 @@ mod jerk;
 mod overlap;
 mod playback;
 mod segment;
+mod spline_speed;
 mod stamps;
 mod sunrise;
 mod t1;
