@@ -146,7 +146,7 @@ pub(crate) enum Timing {
     Acceleration,
     /// Velocity, acceleration and jerk
     Jerk,
-    /// As jerk, but PTP motions from rest to rest start and stop as Sunrise was seen to plan them
+    /// As jerk, but PTP motions and splines from rest to rest as Sunrise was seen to plan them (splines: by a model)
     Sunrise,
 }
 
