@@ -105,7 +105,7 @@ fn give_way(takes_all: bool) {
 }
 
 /// Plans a program: the fastest motion along its path within the limits of velocity, acceleration and, by `timing='jerk'`, jerk.
-/// By `timing='sunrise'`, PTP motions from rest to rest start and stop as Sunrise was seen to plan them.
+/// By `timing='sunrise'`, PTP motions from rest to rest start and stop as Sunrise was seen to plan them, and splines go by a model.
 ///
 /// The robot is the program's unless `robot` is given: a `Robot`, a name or the path of a profile. `limit_torque_percent` limits
 /// torques, too. Raises `ProgramError` with line, column and motion. Ctrl-C ends it.

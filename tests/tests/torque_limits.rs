@@ -91,7 +91,8 @@ fn all_limits_are_kept() {
     let mut found: BTreeMap<&str, usize> = BTreeMap::new();
     let mut worst_of_all = [[0.0_f64; 4]; 2];
     let mut faults = Vec::new();
-    for index in 0..count {
+    // 152: a spline of 5 mm whose third derivative has a peak between the places at which cells are checked.
+    for index in (0..count).chain((count <= 152).then_some(152)) {
         let LoadedProgram { robot, mut program, torque_limit_rel } = loaded_program(2026, index);
         let limits_nm = robot.limits().torque_nm.map(|limit| torque_limit_rel * limit);
         let free = JointPath::new(&program, &robot).unwrap();

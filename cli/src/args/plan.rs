@@ -150,7 +150,8 @@ pub(crate) enum Timing {
     Acceleration,
     /// Velocity, acceleration and jerk
     Jerk,
-    /// As a real robot was seen to move: PTP motions from rest to rest start and stop as Sunrise plans them; all else as jerk
+    /// As a real robot was seen to move: PTP motions and splines from rest to rest as Sunrise plans them (splines: by a
+    /// model); all else as jerk
     Sunrise,
 }
 

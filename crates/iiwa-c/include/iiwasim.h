@@ -53,7 +53,7 @@ typedef enum IiwasimTiming {
    */
   IIWASIM_TIMING_ACCELERATION = 1,
   /*
-   As jerk-limited, but PTP motions from rest to rest start and stop as Sunrise was seen to plan them.
+   As jerk-limited, but PTP motions and splines from rest to rest as Sunrise was seen to plan them: splines by a model.
    */
   IIWASIM_TIMING_SUNRISE = 2,
 } IiwasimTiming;

@@ -19,7 +19,7 @@ pub enum IiwasimTiming {
     Jerk = 0,
     /// Velocity and acceleration.
     Acceleration = 1,
-    /// As jerk-limited, but PTP motions from rest to rest start and stop as Sunrise was seen to plan them.
+    /// As jerk-limited, but PTP motions and splines from rest to rest as Sunrise was seen to plan them: splines by a model.
     Sunrise = 2,
 }
 

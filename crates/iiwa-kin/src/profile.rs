@@ -118,7 +118,7 @@ struct Wire {
     #[serde(default, deserialize_with = "given", skip_serializing_if = "Option::is_none")]
     #[schemars(with = "f64", extend("minimum" = T1_SPEED_RANGE_MM_S[0], "maximum" = T1_SPEED_RANGE_MM_S[1]))]
     t1_speed_mm_s: Option<f64>,
-    /// Ramps at the start and the end of PTP motions, for the timing `sunrise`.
+    /// Ramps at the start and the end of PTP motions, and speed along splines, for the timing `sunrise`.
     #[serde(default, deserialize_with = "given_object", skip_serializing_if = "Option::is_none")]
     #[schemars(with = "RampsWire")]
     ramps: Option<RampsWire>,

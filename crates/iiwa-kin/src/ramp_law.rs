@@ -1,6 +1,6 @@
 //! Limits of snap and jerk of a motion that starts or stops under Sunrise.
 
-use crate::Joints;
+use crate::{Joints, SplineSpeed};
 
 /// Limits of snap and jerk of a PTP near a pose at rest, as measured on one LBR iiwa 7 R800: KUKA publishes none of them.
 ///
@@ -30,8 +30,10 @@ pub struct RampLaw {
     pub damping_per_s: f64,
     /// Width of a phase, in rad/s along the line.
     pub width_rad_s: f64,
-    /// Least length of a line over its top speed, in s.
+    /// Least length of a line or a spline over its top speed, in s.
     pub least_cruise_s: f64,
+    /// Speed along splines: a model.
+    pub spline: SplineSpeed,
 }
 
 /// Largest snap and jerk at one end of a line, in rad along it.
@@ -71,6 +73,7 @@ impl RampLaw {
             damping_per_s: 18.41,
             width_rad_s: 0.3,
             least_cruise_s: 0.2,
+            spline: SplineSpeed::IIWA_7,
         }
     }
 
@@ -99,6 +102,7 @@ impl RampLaw {
             damping_per_s: share * self.damping_per_s,
             width_rad_s: share * self.width_rad_s,
             least_cruise_s: self.least_cruise_s / share,
+            spline: self.spline.slowed_down(share),
             ..*self
         }
     }

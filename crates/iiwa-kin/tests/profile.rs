@@ -36,7 +36,7 @@ fn every_part_can_be_overridden() {
             "blend_kappa": [-3, 0.01, 0.0002],
             "tcp_blend_kappa": [-2, 0.02, 0.0003],
             "settle_time_s": 0.04,
-            "ramps": { "torque_snap_nm_s2": [1, 2, 3, 4, 5, 6, 7], "width_rad_s": 0.25 }
+            "ramps": { "torque_snap_nm_s2": [1, 2, 3, 4, 5, 6, 7], "width_rad_s": 0.25, "spline_build_up_s": 0.2 }
         }"#,
     )
     .unwrap();
@@ -57,6 +57,7 @@ fn every_part_can_be_overridden() {
     let mut law = *Robot::lbr_iiwa_14_r820().ramp_law();
     law.torque_snap_nm_s2 = [1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0];
     law.width_rad_s = 0.25;
+    law.spline.build_up_s = 0.2;
     assert_eq!(*robot.ramp_law(), law);
     assert!(robot.assumptions().is_empty());
     assert_eq!(Robot::from_profile(&robot.to_profile()).unwrap(), robot);
@@ -182,6 +183,8 @@ fn links_are_bodies() {
          "ramps: stop_nm_s of joint A2 is 0.0; it must be above 0 and at most 1000000000.0".to_owned()),
         (r#""ramps": { "width_rad_s": -1 }"#.to_owned(),
          "ramps: width_rad_s is -1.0; it must be above 0 and at most 1000000000.0".to_owned()),
+        (r#""ramps": { "spline_bend_rel": 0 }"#.to_owned(),
+         "ramps: spline_bend_rel is 0.0; it must be above 0 and at most 1000000000.0".to_owned()),
     ] {
         assert_eq!(refused(&text(&keys)).what(), what);
     }

@@ -102,9 +102,9 @@ impl MotionLimits {
         limits
     }
 
-    /// Those with which the same motion takes longer: its time, divided by `share`.
+    /// Those at an override: with them, a motion takes as long as with these, divided by `share`.
     #[must_use]
-    fn slowed_down(mut self, share: f64) -> Self {
+    pub fn slowed_down(mut self, share: f64) -> Self {
         for (kind, limits) in &mut self.joints {
             let slower = share.powi(kind.order().into());
             *limits = limits.map(|limit| slower * limit);
@@ -128,6 +128,12 @@ impl MotionLimits {
             limits.tool.way[LimitKind::Velocity] = own_m_s;
         }
         limits
+    }
+
+    /// Limits of `joints`, in rad/s, rad/s^2 and rad/s^3, and of the TCP; infinite where there are none.
+    #[must_use]
+    pub fn of_joints(joints: ByKind<Joints>, tool: ToolLimits) -> Self {
+        Self { joints, tool, supervised: None }
     }
 
     /// The same, with these limits of the TCP.

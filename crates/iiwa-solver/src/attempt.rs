@@ -346,12 +346,17 @@ impl Attempt {
         let [start, end] = [0.0, 1.0].map(|f| self.solver.at(k, f)[0]);
         let doublings = if end > start { end / start } else { start / end }.log2();
         let stretches = larger(self.slowness(segment, k), REFINEMENT.doublings * doublings);
-        let stretches = stretches.ceil().clamp(1.0, REFINEMENT.stretches);
+        let mut stretches = stretches.ceil().clamp(1.0, REFINEMENT.stretches);
         if stretches == 1.0 {
             let rates = &self.rates_along(k, [0.0, 1.0]);
-            let of = segment.largest_shares(&self.mesh.geometry[k], rates);
-            let [torque, of_room] = self.largest_torques(k, [0.0, 1.0], rates);
-            return CellShares { of, torque, of_room };
+            let geometry = &self.mesh.geometry[k];
+            let of = segment.largest_shares(geometry, rates);
+            let finer = of_uneven_curve(&of, &segment.share_errors(geometry, rates));
+            if finer == 1.0 {
+                let [torque, of_room] = self.largest_torques(k, [0.0, 1.0], rates);
+                return CellShares { of, torque, of_room };
+            }
+            stretches = finer;
         }
         let mut largest = CellShares::default();
         let mut from = 0.0;
@@ -413,6 +418,16 @@ impl Attempt {
         }
         rates
     }
+}
+
+/// Number of stretches in which a cell on a curve is checked whose largest shares of the limits are `found`, but for these
+/// `errors`: 1 where no limit is exceeded either way. Errors fall with the third power of a stretch's length.
+fn of_uneven_curve(found: &ByKind<f64>, errors: &ByKind<f64>) -> f64 {
+    let stretches = LimitKind::ALL.map(|kind| {
+        let is_near = found[kind] + errors[kind] > REFINEMENT.early[kind];
+        if is_near { (errors[kind] / REFINEMENT.missed).cbrt().ceil() } else { 1.0 }
+    });
+    stretches.into_iter().fold(1.0, f64::max).min(REFINEMENT.stretches)
 }
 
 /// Raises what is `largest` of each kind to the `shares`, where these are larger.

@@ -12,7 +12,7 @@ use iiwa_program::{ByKind, LimitKind, MotionLimits};
 use crate::{
     geometry::{Geometry, Places, SigmaDerivatives, in_plane},
     limiting_joints::LimitingJoints,
-    peaks::Peak,
+    peaks::{Peak, larger, parabola_error},
     swept::SweptNode,
     torque_limits::TorqueLimits,
 };
@@ -397,6 +397,30 @@ impl<'a> LimitedSegment<'a> {
         ByKind::from_array(shares)
     }
 
+    /// Shares of all limits of each coordinate at all places of a `geometry`.
+    #[inline(always)]
+    fn sampled_shares(&self, geometry: &Geometry, rates: &[Places; 3]) -> [[Places; 8]; 3] {
+        let mut shares = [[Places::default(); 8]; 3];
+        for i in 0..Places::default().len() {
+            let found = self.shares(geometry, i, rates.map(|rate| rate[i])).into_array();
+            for (shares, found) in std::iter::zip(&mut shares, found) {
+                std::iter::zip(shares, found).for_each(|(share, found)| share[i] = found);
+            }
+        }
+        shares
+    }
+
+    /// By how much shares of the limits may exceed those that [`largest_shares`](Self::largest_shares) finds. On lines and
+    /// graphs in a plane that is next to nothing: their derivatives are polynomials along the whole segment.
+    pub(crate) fn share_errors(&self, geometry: &Geometry, rates: &[Places; 3]) -> ByKind<f64> {
+        let Geometry::General(_) = geometry else { return ByKind::default() };
+        let limited = if self.has_tool() { 8 } else { 7 };
+        ByKind::from_array(
+            self.sampled_shares(geometry, rates)
+                .map(|shares| shares[..limited].iter().map(parabola_error).fold(0.0, larger)),
+        )
+    }
+
     /// The largest shares of the limits from samples of a stretch: its `geometry` at
     /// [`SHARES`](crate::peaks::SHARES) of it, and speed, acceleration and jerk of sigma there.
     #[inline(always)]
@@ -404,13 +428,7 @@ impl<'a> LimitedSegment<'a> {
         let at = |i: usize| rates.map(|rate| rate[i]);
         let mut peaks = ByKind::<Peak>::default();
         if let Geometry::General(_) = geometry {
-            let mut shares = [[Places::default(); 8]; 3];
-            for i in 0..Places::default().len() {
-                let found = self.shares(geometry, i, at(i)).into_array();
-                for (shares, found) in std::iter::zip(&mut shares, found) {
-                    std::iter::zip(shares, found).for_each(|(share, found)| share[i] = found);
-                }
-            }
+            let shares = self.sampled_shares(geometry, rates);
             for (peak, shares) in std::iter::zip(peaks.values_mut(), shares) {
                 let limited = if self.has_tool() { 8 } else { 7 };
                 for shares in &shares[..limited] {

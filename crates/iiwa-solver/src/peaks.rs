@@ -42,6 +42,15 @@ impl Peak {
     }
 }
 
+/// Largest error of a parabola through three neighbouring samples of a curve, between these samples: of a cubic through
+/// four of them it is exact.
+pub(crate) fn parabola_error(samples: &Places) -> f64 {
+    /// The largest value of `f (f - 1) (f - 2) / 6` for f from 0 to 2.
+    const CUBIC: f64 = 0.064_150_029_909_958_41;
+    let third = |i: usize| samples[i + 3] - samples[i] + 3.0 * (samples[i + 1] - samples[i + 2]);
+    (0..4).map(|i| CUBIC * third(i).abs()).fold(0.0, larger)
+}
+
 /// The larger one, or the one that is not a number.
 #[inline(always)]
 pub(crate) fn larger(a: f64, b: f64) -> f64 {
@@ -66,6 +75,16 @@ mod tests {
         assert_eq!(peak(|x| 1.0 - x), 1.0);
         assert!(peak(|x| if x == 0.5 { f64::NAN } else { x }).is_nan());
         assert!(peak(|x| 1.0 / x).is_nan());
+    }
+
+    #[test]
+    fn a_parabola_misses_what_a_cubic_has() {
+        let samples = |curve: fn(f64) -> f64| SHARES.map(curve);
+        assert!(parabola_error(&samples(|x| 3.0 + x * (2.0 - 5.0 * x))) < 1e-15);
+        // Between the shares 0 and 1/6: x^3 less the parabola through 0, 1/6 and 1/3.
+        let error = |x: f64| x * (x - 1.0 / 6.0) * (x - 1.0 / 3.0);
+        let largest = (0..=1000).map(|i| error(f64::from(i) / 6000.0)).fold(0.0, f64::max);
+        assert!((parabola_error(&samples(|x| x * x * x)) / largest - 1.0).abs() < 1e-5);
     }
 
     #[test]

@@ -141,6 +141,8 @@ pub(crate) struct RefinementSettings {
     /// Duration from which on a cell is slow, over that in which jerk builds up acceleration: it is checked more
     /// finely.
     pub(crate) slow: f64,
+    /// Largest share of a limit that checks may miss between samples on a curve: above it, cells are checked more finely.
+    pub(crate) missed: f64,
     /// Most times that limits of cells are lowered.
     pub(crate) rounds: usize,
     /// Duration over that of the optimum (as the duality gap bounds it) with which an attempt is good enough,
@@ -234,6 +236,7 @@ pub(crate) const SETTINGS: Settings = Settings {
         stretches: 4.0,
         doublings: 0.75,
         slow: 0.9,
+        missed: 1e-3,
         rounds: 8,
         longer: [1.002, 1.25],
         attempts: [

@@ -41,7 +41,8 @@ pub(crate) fn limit(
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct JerkTiming {
     pub(crate) options: JerkOptions,
-    /// Lines from rest to rest go by the robot's [`RampLaw`](iiwa_kin::RampLaw).
+    /// Lines from rest to rest go by the robot's [`RampLaw`](iiwa_kin::RampLaw), splines by its
+    /// [`SplineSpeed`](iiwa_kin::SplineSpeed).
     pub(crate) sunrise: bool,
 }
 
@@ -112,6 +113,16 @@ pub(crate) fn stamps(
     })
 }
 
+/// The stamps of segments from rest to rest.
+pub(crate) fn from_rest_to_rest(
+    segments: &[LimitedSegment<'_>],
+    start_s: f64,
+    options: JerkOptions,
+    stop: &AtomicBool,
+) -> Result<Stamps, SolveError> {
+    horizon::stamps(segments, start_s, options, stop).map(Stamps::joined)
+}
+
 /// The limits of the ramps at both ends of a piece that is a line. The load counts as a part of the arm, which is assumed: no
 /// recording has one. So does it that a share of the limits of jerk is the same share of those of snap.
 fn ramp_limits(path: &JointPath, piece: &Piece, law: &RampLaw) -> Option<[RampLimits; 2]> {
@@ -146,7 +157,7 @@ fn window_stamps(
 
 impl Section {
     /// Replaces the stamps of its pieces, which all move.
-    fn stamp(&mut self, Stamps { mut nodes, segments }: Stamps) {
+    pub(crate) fn stamp(&mut self, Stamps { mut nodes, segments }: Stamps) {
         let pieces = self.pieces.iter().zip(segments).filter_map(|(piece, stamps)| {
             let SegmentStamps { nodes: range, usage } = stamps;
             let times_s = [nodes[range.start].t_s, nodes[range.end - 1].t_s];

@@ -49,6 +49,7 @@ mod program_clock;
 mod replanner;
 mod section;
 mod section_sweep;
+mod spline_speed;
 mod state;
 mod sunrise;
 mod supervised_speed;

@@ -10,12 +10,13 @@ use iiwa_path::{JointPath, Step};
 use iiwa_solver::TorqueLimits;
 
 use crate::{
-    jerk::{self, JerkTiming},
+    jerk::JerkTiming,
     known_in_time::{is_early, needed_s},
     late_blend::LateBlend,
     program_clock::ProgramClock,
     section::{Section, pause_s},
     section_sweep::{Moves, SAMPLES_BEFORE_JERK, Scratch, sweep_moves},
+    spline_speed,
     timing::{Timing, TimingError},
     torque_limits::{check_holding, largest_torque, torque_limits},
 };
@@ -157,7 +158,7 @@ impl Planner {
         let needs = match self.jerk {
             // Where accelerations jump, torques are larger than with limits of jerk.
             Some(timing) if largest(section, true) < LIKELY => {
-                jerk::limit(section, &[], timing, &self.stop)?;
+                spline_speed::limit(section, &[], timing, &self.stop)?;
                 largest(section, jumps)
             }
             _ => largest(section, true),
@@ -195,7 +196,7 @@ impl Planner {
         let moves = Moves { steps, ends: [None; 2], torques: &[] };
         sweep_moves(&moves, &mut self.scratch, &self.stop, section)?;
         match self.jerk {
-            Some(timing) => jerk::limit(section, &[], timing, &self.stop),
+            Some(timing) => spline_speed::limit(section, &[], timing, &self.stop),
             None => Ok(()),
         }
     }
@@ -213,7 +214,7 @@ impl Planner {
         let scratch = self.torque_scratch.get_or_insert_with(|| Scratch::new(intervals));
         sweep_moves(&moves, scratch, &self.stop, section)?;
         match self.jerk {
-            Some(timing) => jerk::limit(section, torques, timing, &self.stop),
+            Some(timing) => spline_speed::limit(section, torques, timing, &self.stop),
             None => Ok(()),
         }
     }

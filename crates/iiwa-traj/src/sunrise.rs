@@ -5,3 +5,4 @@ mod ramp;
 mod root;
 
 pub(crate) use line::{RampedLine, instants};
+pub(crate) use ramp::Ramp;

@@ -32,9 +32,11 @@ pub enum Timing {
     Acceleration(SweepOptions),
     /// Velocity, acceleration and jerk.
     Jerk(JerkOptions),
-    /// As [`Jerk`](Self::Jerk), but for PTP motions from rest to rest, which start and stop by the robot's
-    /// [`RampLaw`](iiwa_kin::RampLaw), as Sunrise was seen to plan them. What Sunrise does with blends and with paths of the
-    /// TCP is not known.
+    /// As [`Jerk`](Self::Jerk), but for motions from rest to rest as Sunrise was seen to plan them: PTP motions start and stop
+    /// by the robot's [`RampLaw`](iiwa_kin::RampLaw), and splines go by its [`SplineSpeed`](iiwa_kin::SplineSpeed), a model. What
+    /// Sunrise does with blends and with LIN and CIRC motions is not known.
+    ///
+    /// Along splines, joint velocities keep their limits, and joint accelerations and jerks exceed theirs in bends.
     Sunrise(JerkOptions),
 }
 

@@ -8,6 +8,7 @@ mod overlap;
 mod playback;
 mod segment;
 mod speed_override;
+mod spline_speed;
 mod stamps;
 mod sunrise;
 mod t1;

@@ -19,7 +19,12 @@ const PROGRAM: &str = r#"{
         { "type": "ptp", "joints_deg": [20, 35, 0, -60, 20, 60, 90], "blend": { "cart_mm": 60 } },
         { "type": "ptp", "joints_deg": [30, 35, 0, -60, 20, 60, 90] },
         { "type": "lin_rel", "offset": { "z_mm": -60, "a_deg": 40 }, "blend": { "cart_mm": 20 } },
-        { "type": "lin_rel", "offset": { "z_mm": -80 }, "cart_velocity_mm_s": 100 }
+        { "type": "lin_rel", "offset": { "z_mm": -80 }, "cart_velocity_mm_s": 100 },
+        { "type": "ptp", "joints_deg": [0, 30, 0, -60, 0, 90, 0] },
+        { "type": "spline", "segments": [
+            { "type": "spl", "frame": { "x_mm": 520, "y_mm": 80, "z_mm": 560, "a_deg": 0, "b_deg": 180, "c_deg": 0, "e1_deg": 0 } },
+            { "type": "spl", "frame": { "x_mm": 500, "y_mm": 160, "z_mm": 500, "a_deg": 0, "b_deg": 180, "c_deg": 0, "e1_deg": 0 } }
+        ] }
     ]
 }"#;
 
@@ -41,7 +46,7 @@ fn motions_take_longer_and_pauses_do_not() {
             // A motion that goes nowhere takes time, too.
             let still_s = if timing == Timing::default() { 0.2 } else { 0.0 };
             let pauses_s = slow.settle_time_s - still_s / share;
-            assert!((pauses_s - (2.0 * 0.093 + 3.0 * 0.05)).abs() < 1e-9, "{pauses_s} s");
+            assert!((pauses_s - (2.0 * 0.093 + 5.0 * 0.05)).abs() < 1e-9, "{pauses_s} s");
             assert!((slow.wait_time_s - 0.7).abs() < 1e-12);
         }
     }

@@ -109,7 +109,10 @@ pub fn plan_table(figures: &PlanFigures) -> String {
     let last = limits.pop().unwrap_or_default();
     let _ = writeln!(text, "{}, limits of {} and {last}", figures.robot, limits.join(", "));
     if figures.timing == "sunrise" {
-        let _ = writeln!(text, "PTP motions from rest to rest as Sunrise plans them");
+        let _ = writeln!(
+            text,
+            "PTP motions from rest to rest as Sunrise plans them; splines by a model, which exceeds limits of acceleration and jerk"
+        );
     }
     if let Some(percent) = figures.override_percent {
         let _ = writeln!(

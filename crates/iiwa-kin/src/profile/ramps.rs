@@ -12,9 +12,9 @@ use super::{
     error::ProfileError,
     units::{SAME, checked},
 };
-use crate::{Joints, RampLaw, Robot};
+use crate::{Joints, RampLaw, Robot, SplineSpeed};
 
-/// Limits of the ramps of PTP motions; those left out are the built-in model's. docs/evidence.md has the law.
+/// Limits of the ramps of PTP motions, and of the speed along splines; those left out are the built-in model's. docs/evidence.md has the law.
 #[derive(Default, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 #[schemars(rename = "Ramps")]
@@ -43,10 +43,34 @@ pub(super) struct RampsWire {
     #[serde(default, deserialize_with = "super::given", skip_serializing_if = "Option::is_none")]
     #[schemars(with = "f64", extend("exclusiveMinimum" = 0, "maximum" = MAX_NUMBER))]
     width_rad_s: Option<f64>,
-    /// Least length of a line over its top speed, in s.
+    /// Least length of a line or a spline over its top speed, in s.
     #[serde(default, deserialize_with = "super::given", skip_serializing_if = "Option::is_none")]
     #[schemars(with = "f64", extend("exclusiveMinimum" = 0, "maximum" = MAX_NUMBER))]
     least_cruise_s: Option<f64>,
+    /// Model of speed along splines: largest joint acceleration by the curvature of the path, as a multiple of the limit.
+    #[serde(default, deserialize_with = "super::given", skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "f64", extend("exclusiveMinimum" = 0, "maximum" = MAX_NUMBER))]
+    spline_bend_rel: Option<f64>,
+    /// Model of speed along splines: largest acceleration along the path, as a share of what the joints' limits allow.
+    #[serde(default, deserialize_with = "super::given", skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "f64", extend("exclusiveMinimum" = 0, "maximum" = MAX_NUMBER))]
+    spline_tangent_rel: Option<f64>,
+    /// Model of speed along splines: time in which jerk builds up the acceleration limit, in s.
+    #[serde(default, deserialize_with = "super::given", skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "f64", extend("exclusiveMinimum" = 0, "maximum" = MAX_NUMBER))]
+    spline_build_up_s: Option<f64>,
+    /// Model of speed along splines: time for which a least speed is held, in s.
+    #[serde(default, deserialize_with = "super::given", skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "f64", extend("exclusiveMinimum" = 0, "maximum" = MAX_NUMBER))]
+    spline_hold_s: Option<f64>,
+    /// Model of speed along splines: reach of the ramps of starts and stops, as a share of the way to the first limit of speed.
+    #[serde(default, deserialize_with = "super::given", skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "f64", extend("exclusiveMinimum" = 0, "maximum" = MAX_NUMBER))]
+    spline_ramp_reach: Option<f64>,
+    /// Model of speed along splines: time of the ramps of short motions, in s.
+    #[serde(default, deserialize_with = "super::given", skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "f64", extend("exclusiveMinimum" = 0, "maximum" = MAX_NUMBER))]
+    spline_short_ramp_s: Option<f64>,
 }
 
 fn seven<'de, D: Deserializer<'de>>(reader: D) -> Result<Option<Joints>, D::Error> {
@@ -74,6 +98,12 @@ impl RampsWire {
             ("damping_per_s", self.damping_per_s, &mut law.damping_per_s),
             ("width_rad_s", self.width_rad_s, &mut law.width_rad_s),
             ("least_cruise_s", self.least_cruise_s, &mut law.least_cruise_s),
+            ("spline_bend_rel", self.spline_bend_rel, &mut law.spline.bend_rel),
+            ("spline_tangent_rel", self.spline_tangent_rel, &mut law.spline.tangent_rel),
+            ("spline_build_up_s", self.spline_build_up_s, &mut law.spline.build_up_s),
+            ("spline_hold_s", self.spline_hold_s, &mut law.spline.hold_s),
+            ("spline_ramp_reach", self.spline_ramp_reach, &mut law.spline.ramp_reach),
+            ("spline_short_ramp_s", self.spline_short_ramp_s, &mut law.spline.short_ramp_s),
         ] {
             let Some(found) = given else { continue };
             let what = || format!("{RAMPS}: {key}");
@@ -89,10 +119,13 @@ impl RampsWire {
         differ: fn(&[f64], &[f64]) -> bool,
     ) -> Option<Self> {
         let numbers = |law: &RampLaw| {
-            let RampLaw { damping_per_s, width_rad_s, least_cruise_s, .. } = *law;
+            let RampLaw { damping_per_s, width_rad_s, least_cruise_s, spline, .. } = *law;
+            let SplineSpeed { bend_rel, tangent_rel, build_up_s, hold_s, ramp_reach, short_ramp_s } =
+                spline;
             let lists =
                 [law.torque_snap_nm_s2, law.motor_inertia_kg_m2, law.start_nm_s, law.stop_nm_s];
-            [lists.as_flattened(), &[damping_per_s, width_rad_s, least_cruise_s]].concat()
+            let spline = [bend_rel, tangent_rel, build_up_s, hold_s, ramp_reach, short_ramp_s];
+            [lists.as_flattened(), &[damping_per_s, width_rad_s, least_cruise_s], &spline].concat()
         };
         let known = base.assumes("ramps") && !robot.assumes("ramps");
         let law = &robot.ramp_law;
@@ -104,6 +137,12 @@ impl RampsWire {
             damping_per_s: Some(law.damping_per_s),
             width_rad_s: Some(law.width_rad_s),
             least_cruise_s: Some(law.least_cruise_s),
+            spline_bend_rel: Some(law.spline.bend_rel),
+            spline_tangent_rel: Some(law.spline.tangent_rel),
+            spline_build_up_s: Some(law.spline.build_up_s),
+            spline_hold_s: Some(law.spline.hold_s),
+            spline_ramp_reach: Some(law.spline.ramp_reach),
+            spline_short_ramp_s: Some(law.spline.short_ramp_s),
         })
     }
 }

@@ -1,0 +1,180 @@
+//! Speed along splines as recordings show it under Sunrise: a model, [`iiwa_kin::SplineSpeed`].
+//!
+//! The model limits the speed of the TCP and its first two derivatives, at each place of the path. The solver of jerk-limited
+//! stamps gets these limits in the form of joint limits ([`limits`]), and a motion to start from ([`sweep`]). The ramps next
+//! to rest are those of PTP motions ([`ramps`]).
+
+mod held_speed;
+mod limits;
+mod ramps;
+mod sweep;
+mod usage;
+
+#[cfg(test)]
+mod tests;
+
+use std::sync::{Arc, atomic::AtomicBool};
+
+use iiwa_kin::RampEnd;
+use iiwa_path::{Grid, JointPath, Segment, Step};
+use iiwa_program::{LimitKind, MotionLimits};
+use iiwa_solver::{LimitedSegment, SolveError, TorqueLimits};
+
+use crate::{
+    jerk::{self, JerkTiming, Stamps},
+    section::{Piece, PieceKind, Section},
+    section_sweep::SAMPLES_BEFORE_JERK,
+    timing::{JerkOptions, TimingError},
+};
+use held_speed::HeldSpeed;
+use limits::SpeedLimitedSegment;
+use ramps::EndRamp;
+use sweep::SplineSweep;
+use usage::usage;
+
+/// Ratio of the limits of speed to those that are planned with: a little more than the solver's tolerance, so that joints keep
+/// their limits.
+const SLOWER: f64 = 1.001;
+
+/// Most times that a spline is planned, each time with speeds as much lower as joints exceeded theirs before. The limit of speed
+/// goes over from joint to joint, and has edges there that the solver's checks may miss.
+const ROUNDS: usize = 4;
+
+/// How many times as fine as usual cells are: the model's limits of speed have narrow minima.
+const FINER: f64 = 2.0;
+
+/// Limits the jerk of `section` as [`jerk::limit`] does, but plans splines by the model if `timing` is Sunrise's.
+///
+/// Splines under torque limits, and those for which the model has no solution, are planned as without it.
+pub(crate) fn limit(
+    section: &mut Section,
+    torques: &[TorqueLimits],
+    timing: JerkTiming,
+    stop: &AtomicBool,
+) -> Result<(), TimingError> {
+    let is_spline = |piece: &Piece| piece.kind == PieceKind::Spline;
+    let is_one = !section.pieces.is_empty() && section.pieces.iter().all(is_spline);
+    if timing.sunrise && torques.is_empty() && is_one {
+        match stamps(section, timing.options, stop) {
+            Ok(stamps) => {
+                section.stamp(stamps);
+                return Ok(());
+            }
+            Err(SolveError::Interrupted) => return Err(TimingError::Interrupted),
+            Err(SolveError::NotConverged) => {}
+        }
+    }
+    jerk::limit(section, torques, timing, stop)
+}
+
+/// The stamps of a section that is a spline, or a part of one between two stops.
+fn stamps(
+    section: &Section,
+    options: JerkOptions,
+    stop: &AtomicBool,
+) -> Result<Stamps, SolveError> {
+    let grid = Grid::new(SAMPLES_BEFORE_JERK);
+    let segments = model_segments(&section.path, &section.pieces, &grid);
+    let segments = segments.ok_or(SolveError::NotConverged)?;
+    let swept = SplineSweep::new(&segments, &grid).nodes();
+    let options = JerkOptions { refinement: FINER * options.refinement, ..options };
+    let mut slower = SLOWER;
+    for _ in 0..ROUNDS {
+        let limits: Vec<_> = segments.iter().map(|segment| segment.joint_limits(slower)).collect();
+        let limited: Option<Vec<_>> = std::iter::zip(&segments, &limits)
+            .zip(&swept)
+            .map(|((segment, limits), swept)| LimitedSegment::new(segment, limits, swept))
+            .collect();
+        let limited = limited.ok_or(SolveError::NotConverged)?;
+        let mut stamps = jerk::from_rest_to_rest(&limited, section.start_s, options, stop)?;
+        let mut largest = 0.0_f64;
+        for ((found, segment), swept) in stamps.segments.iter_mut().zip(&segments).zip(&swept) {
+            let (shape, limits) = segment.own();
+            let own = LimitedSegment::new(shape, limits, swept).ok_or(SolveError::NotConverged)?;
+            found.usage = usage(&own, &stamps.nodes[found.nodes.clone()]);
+            largest = largest.max(found.usage.peak_velocity_rel(&[1.0; 7], &[1.0; 7]));
+        }
+        if largest <= 1.0 {
+            return Ok(stamps);
+        }
+        slower *= SLOWER * largest;
+    }
+    Err(SolveError::NotConverged)
+}
+
+/// The segments of `pieces`, which are all between two rests, under the model's limits. None if these are not positive numbers.
+fn model_segments<'a>(
+    path: &'a JointPath,
+    pieces: &[Piece],
+    grid: &Grid,
+) -> Option<Vec<SpeedLimitedSegment<'a>>> {
+    let speed_override = path.speed_override();
+    let full = MotionLimits::full(path.robot()).slowed_down(speed_override);
+    let law = path.robot().ramp_law().slowed_down(speed_override);
+    let segment = |piece: &Piece| {
+        let Step::Move { segment, .. } = &path.steps()[piece.step] else { return None };
+        let limits = path.limits_of(piece.step);
+        Some(SpeedLimitedSegment::new(segment.as_ref(), limits, &full, law.spline))
+    };
+    let mut segments: Vec<_> = pieces.iter().map(segment).collect::<Option<_>>()?;
+    place(&mut segments, grid, law.least_cruise_s);
+    let speeds = SplineSweep::new(&segments, grid).speeds();
+    let held = Arc::new(HeldSpeed::new(&speeds, law.spline.hold_s));
+    for segment in &mut segments {
+        segment.set_held(Arc::clone(&held));
+    }
+    let sweep = SplineSweep::new(&segments, grid);
+    let ramps =
+        [RampEnd::Start, RampEnd::Stop].map(|end| end_ramp(path, pieces, &segments, &sweep, end));
+    let [Some(start), Some(stop)] = ramps else { return None };
+    for segment in &mut segments {
+        segment.set_ramps([start, stop]);
+    }
+    Some(segments)
+}
+
+/// Tells segments how far they are from rest, and how fast the TCP may go for the whole way to take `least_s`.
+fn place(segments: &mut [SpeedLimitedSegment<'_>], grid: &Grid, least_s: f64) {
+    let way: f64 = segments.iter().map(|segment| segment.way(grid)).sum();
+    let all_rad: f64 = segments.iter().map(Segment::sigma_length_rad).sum();
+    let mut before_rad = 0.0;
+    for segment in segments {
+        let length_rad = segment.sigma_length_rad();
+        let after_rad = (all_rad - before_rad - length_rad).max(0.0);
+        segment.set_place([before_rad, after_rad], way / least_s);
+        before_rad += length_rad;
+    }
+}
+
+/// The ramp at one end; none if the joints do not move there.
+fn end_ramp(
+    path: &JointPath,
+    pieces: &[Piece],
+    segments: &[SpeedLimitedSegment<'_>],
+    sweep: &SplineSweep,
+    end: RampEnd,
+) -> Option<EndRamp> {
+    let (index, s) = match end {
+        RampEnd::Start => (0, 0.0),
+        RampEnd::Stop => (segments.len() - 1, 1.0),
+    };
+    let segment = &segments[index];
+    let (shape, limits) = segment.own();
+    let at = segment.limits_at(s);
+    let of_tcp = limits.tool().way[LimitKind::Velocity];
+    let top = sweep.top_speed();
+    let speed = if segment.has_way() { top.min(of_tcp) } else { top };
+    let dynamics = path.dynamics(pieces[index].motion);
+    let law = path.robot().ramp_law().slowed_down(path.speed_override());
+    let full = MotionLimits::full(path.robot()).slowed_down(path.speed_override());
+    let [direction, ..] = shape.sigma_derivatives(s);
+    let place = ramps::RestPlace {
+        q: shape.at(s).q,
+        direction,
+        speed_rad_s: speed / at.way[0],
+        acceleration_rad_s2: *limits.acceleration_rad_s2(),
+        jerk_rel: std::array::from_fn(|j| limits.jerk_rad_s3()[j] / full.jerk_rad_s3()[j]),
+        end,
+    };
+    EndRamp::new(&place, &dynamics, &law, sweep.way_to_limit_rad(end))
+}

@@ -1,0 +1,131 @@
+//! Motion along a spline within the model's limits of speed and acceleration: the solver starts from it.
+
+use iiwa_kin::RampEnd;
+use iiwa_path::{Grid, Segment};
+use iiwa_solver::SweptNode;
+
+use super::limits::{SpeedLimitedSegment, SpeedLimits};
+
+/// A node of a grid over a segment.
+#[derive(Clone, Copy, Debug)]
+struct SweptPlace {
+    /// sigma from the rest before, in rad.
+    sigma: f64,
+    /// Share of the segment's sigma.
+    p: f64,
+    limits: SpeedLimits,
+    /// (dsigma/dt)^2, in rad^2/s^2, at most.
+    x: f64,
+}
+
+impl SweptPlace {
+    /// Largest d2sigma/dt2 where (dsigma/dt)^2 is `x`.
+    fn acceleration(&self, x: f64) -> f64 {
+        let [first, second, _] = self.limits.way;
+        ((self.limits.acceleration - second.abs() * x) / first).max(0.0)
+    }
+}
+
+/// The nodes of all segments between two rests.
+pub(super) struct SplineSweep {
+    places: Vec<SweptPlace>,
+    /// Length of each segment in rad, and its number of nodes.
+    segments: Vec<(f64, usize)>,
+}
+
+impl SplineSweep {
+    /// As fast as the limits of speed allow.
+    pub(super) fn new(segments: &[SpeedLimitedSegment<'_>], grid: &Grid) -> Self {
+        let mut sweep = Self { places: Vec::new(), segments: Vec::with_capacity(segments.len()) };
+        let mut start = 0.0;
+        for segment in segments {
+            let length = segment.sigma_length_rad();
+            let nodes = segment.grid_nodes(grid);
+            let places = segment.grid_s(grid).into_iter().zip(nodes.iter()).map(|(s, node)| {
+                let limits = segment.limits_at(s);
+                let x = (limits.speed / limits.way[0]).powi(2);
+                SweptPlace { sigma: start + node.p * length, p: node.p, limits, x }
+            });
+            sweep.places.extend(places);
+            sweep.segments.push((length, nodes.len()));
+            start += length;
+        }
+        sweep
+    }
+
+    /// Places by sigma in rad, with the limits of the speeds of y and of sigma.
+    pub(super) fn speeds(&self) -> Vec<[f64; 3]> {
+        let speeds = |place: &SweptPlace| [place.sigma, place.limits.speed, place.x.sqrt()];
+        self.places.iter().map(speeds).collect()
+    }
+
+    /// The largest speed of y anywhere, without regard to acceleration.
+    pub(super) fn top_speed(&self) -> f64 {
+        self.places.iter().map(|place| place.limits.speed).fold(0.0, f64::max)
+    }
+
+    /// The way from the rest at an end on which the arm reaches a limit of speed, in rad.
+    pub(super) fn way_to_limit_rad(&self, end: RampEnd) -> f64 {
+        let last = self.places.last().map_or(0.0, |place| place.sigma);
+        match end {
+            RampEnd::Start => way_to_limit(self.places.iter().map(|place| (place.sigma, place))),
+            RampEnd::Stop => {
+                way_to_limit(self.places.iter().rev().map(|place| (last - place.sigma, place)))
+            }
+        }
+    }
+
+    /// The nodes of each segment of the motion that keeps the limits of acceleration as well, from rest to rest.
+    pub(super) fn nodes(mut self) -> Vec<Vec<SweptNode>> {
+        lower(self.places.iter_mut());
+        lower(self.places.iter_mut().rev());
+        let mut places = self.places.as_slice();
+        let mut t_s = 0.0;
+        let mut segments = Vec::with_capacity(self.segments.len());
+        for (length, count) in self.segments {
+            let (own, rest) = places.split_at(count);
+            places = rest;
+            let mut nodes = Vec::with_capacity(count);
+            let mut u = 0.0;
+            for (i, place) in own.iter().enumerate() {
+                let rate = place.x.sqrt() / length;
+                let mut dt_s = 0.0;
+                if let Some(next) = own.get(i + 1) {
+                    let dp = next.p - place.p;
+                    let next_rate = next.x.sqrt() / length;
+                    u = 0.5 * (next_rate * next_rate - rate * rate) / dp;
+                    dt_s = 2.0 * dp / (rate + next_rate);
+                }
+                nodes.push(SweptNode { t_s, p: place.p, rate, u: [u; 2] });
+                t_s += dt_s;
+            }
+            segments.push(nodes);
+        }
+        segments
+    }
+}
+
+/// The way from rest on which a limit of speed is reached, without limits of jerk; the whole way if none is.
+fn way_to_limit<'a>(places: impl Iterator<Item = (f64, &'a SweptPlace)>) -> f64 {
+    let (mut x, mut way) = (0.0, 0.0);
+    for (next, place) in places {
+        x += 2.0 * place.acceleration(x) * (next - way);
+        way = next;
+        if x >= place.x {
+            break;
+        }
+    }
+    way
+}
+
+/// Lowers x to what can be reached from the first place, which is at rest.
+fn lower<'a>(places: impl Iterator<Item = &'a mut SweptPlace>) {
+    let mut before: Option<SweptPlace> = None;
+    for place in places {
+        let reached = before.map_or(0.0, |before| {
+            before.x + 2.0 * before.acceleration(before.x) * (place.sigma - before.sigma).abs()
+        });
+        place.x = place.x.min(reached);
+        before = Some(*place);
+    }
+}

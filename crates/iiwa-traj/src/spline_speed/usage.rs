@@ -1,0 +1,39 @@
+//! What a motion by the model uses of the limits of joints and TCP.
+
+use iiwa_path::PLACES;
+use iiwa_solver::LimitedSegment;
+
+use crate::{
+    interval::{Progress, progress},
+    limit_usage::LimitUsage,
+    node::Node,
+};
+
+/// Places of an interval between nodes that are looked at.
+const SAMPLES: u32 = 4;
+
+/// The usage of the limits of a segment by the motion between `nodes`. The model does not keep limits of acceleration and jerk:
+/// shares above 1 are what the motion reaches.
+pub(super) fn usage(segment: &LimitedSegment<'_>, nodes: &[Node]) -> LimitUsage {
+    let mut usage = LimitUsage::default();
+    let length_rad = segment.length_rad();
+    let samples: Vec<(f64, Progress, f64)> = nodes
+        .windows(2)
+        .flat_map(|pair| {
+            let dt_s = pair[0].dt_s / f64::from(SAMPLES);
+            (0..SAMPLES).map(move |i| {
+                let at = progress((f64::from(i) + 0.5) * dt_s, &pair[0], &pair[1]);
+                (pair[0].p + at.dp, at, dt_s)
+            })
+        })
+        .collect();
+    for some in samples.chunks(PLACES) {
+        let sigma = std::array::from_fn(|i| some[i.min(some.len() - 1)].0 * length_rad);
+        let geometry = segment.geometry(&sigma);
+        for (place, (_, at, dt_s)) in some.iter().enumerate() {
+            let rates = [at.rate, at.u, at.du].map(|rate| rate * length_rad);
+            usage.sample(&segment.shares(&geometry, place, rates), *dt_s);
+        }
+    }
+    usage
+}

@@ -1,0 +1,235 @@
+//! Splines as Sunrise plans them: by a model of their speed.
+
+// Helpers of tests may fail.
+#![allow(clippy::unwrap_used)]
+
+use std::fmt::Write;
+
+use iiwa_kin::{Joints, Robot};
+use iiwa_path::JointPath;
+use iiwa_program::Program;
+use iiwa_traj::{JerkOptions, LimitKind, Timing, Trajectory};
+use proptest::prelude::*;
+
+fn sunrise() -> Timing {
+    Timing::Sunrise(JerkOptions::default())
+}
+
+/// The robot of the recordings, with the plain flange.
+fn recorded_robot() -> Robot {
+    Robot::default().with_flange_m(0.126).unwrap()
+}
+
+/// A spline from the first of some poses of the arm through the frames of the others, with further keys of the motion.
+fn spline(robot: &Robot, poses_deg: &[Joints], keys: &str) -> Option<JointPath> {
+    let mut segments = String::new();
+    for pose_deg in &poses_deg[1..] {
+        let pose = robot.flange_pose(&pose_deg.map(f64::to_radians));
+        let [x, y, z] = pose.position_m.map(|m| 1e3 * m);
+        let [a, b, c] = pose.abc_rad().map(f64::to_degrees);
+        let e1 = pose_deg[2];
+        let comma = if segments.is_empty() { "" } else { "," };
+        write!(
+            segments,
+            r#"{comma}{{ "type": "spl", "frame": {{ "x_mm": {x}, "y_mm": {y}, "z_mm": {z}, "a_deg": {a}, "b_deg": {b},
+                "c_deg": {c}, "e1_deg": {e1} }} }}"#
+        )
+        .unwrap();
+    }
+    let text = format!(
+        r#"{{ "version": 1, "start": {{ "joints_deg": {:?} }},
+            "motions": [{{ "type": "spline"{keys}, "segments": [{segments}] }}] }}"#,
+        poses_deg[0]
+    );
+    let program = Program::from_json(&text).unwrap();
+    JointPath::new(&program, robot).ok()
+}
+
+fn seconds(path: &JointPath, timing: Timing) -> f64 {
+    Trajectory::plan(path, timing).unwrap().motion_time_s()
+}
+
+/// Taught points, in degrees, of one robot: docs/evidence.md has the source.
+const POINTS: [Joints; 5] = [
+    [129.326, 52.411, -79.129, 27.547, -159.391, 102.384, 38.650],
+    [84.643, 70.503, -71.651, 83.282, -159.744, 95.381, 19.585],
+    [99.924, 59.003, -77.681, 39.105, -148.451, 118.737, 35.970],
+    [74.142, 55.857, -59.149, 74.187, -142.174, 100.153, 34.758],
+    [93.052, 73.068, -73.452, 86.203, -164.678, 85.958, 16.974],
+];
+
+/// Ends of short lines, in degrees.
+const SHORT: [[Joints; 2]; 2] = [
+    [
+        [-31.323, 69.348, -59.619, 106.621, 129.843, 20.917, -98.844],
+        [-28.027, 68.088, -60.446, 101.617, 132.003, 22.394, -101.532],
+    ],
+    [
+        [-37.867, 71.826, -58.275, 116.056, 126.224, 18.227, -94.279],
+        [-31.323, 69.348, -59.619, 106.621, 129.843, 20.917, -98.844],
+    ],
+];
+
+/// Splines through some of the points, with the recorded duration in s.
+const RECORDED: [(&[usize], f64); 6] = [
+    (&[0, 1], 0.7805),
+    (&[1, 2], 0.6787),
+    (&[2, 3], 0.6018),
+    (&[0, 1, 2], 1.2006),
+    (&[0, 1, 2, 3, 4, 1], 2.3108),
+    (&[0, 1, 2, 3, 4, 2], 2.5143),
+];
+
+#[test]
+fn durations_are_near_recorded_ones() {
+    let robot = recorded_robot();
+    let mut cases: Vec<(Vec<Joints>, f64)> = RECORDED
+        .iter()
+        .map(|(points, s)| (points.iter().map(|point| POINTS[*point]).collect(), *s))
+        .collect();
+    cases.extend(SHORT.iter().zip([0.3201, 0.3624]).map(|(ends, s)| (ends.to_vec(), s)));
+    for (poses, recorded_s) in cases {
+        let path = spline(&robot, &poses, "").unwrap();
+        let percent = 100.0 * (seconds(&path, sunrise()) / recorded_s - 1.0);
+        println!("{recorded_s}: {percent:+.2} %");
+        let allowed = if poses.len() == 2 { 2.0 } else { 3.0 };
+        assert!(percent.abs() < allowed, "{recorded_s} s: {percent:+.2} %");
+    }
+}
+
+/// LIN and CIRC motions, and splines under another timing, have limits of jerk.
+#[test]
+fn other_motions_are_as_under_jerk() {
+    let text = r#"{ "version": 1, "start": { "joints_deg": [0, 30, 0, -60, 0, 90, 0] }, "motions": [
+        { "type": "lin_rel", "offset": { "z_mm": -80 } }] }"#;
+    let program = Program::from_json(text).unwrap();
+    let path = JointPath::new(&program, &Robot::default()).unwrap();
+    let jerk = Timing::Jerk(JerkOptions::default());
+    assert_eq!(seconds(&path, sunrise()).to_bits(), seconds(&path, jerk).to_bits());
+    let spline = spline(&recorded_robot(), &POINTS[..3], "").unwrap();
+    assert_ne!(seconds(&spline, sunrise()).to_bits(), seconds(&spline, jerk).to_bits());
+}
+
+/// The robot at an override: all that has a unit of time, slower.
+fn slowed(robot: &Robot, by: f64) -> Robot {
+    let limits = robot.limits();
+    let scaled = |values: Joints, order: i32| values.map(|value| value * by.powi(order));
+    let mut slow = *limits;
+    slow.velocity_rad_s = scaled(limits.velocity_rad_s, 1);
+    slow.acceleration_rad_s2 = scaled(limits.acceleration_rad_s2, 2);
+    slow.jerk_rad_s3 = scaled(limits.jerk_rad_s3, 3);
+    robot.clone().with_limits(slow).with_ramp_law(robot.ramp_law().slowed_down(by))
+}
+
+#[test]
+fn scaled_limits_scale_time() {
+    let robot = recorded_robot();
+    for by in [0.5, 0.3, 0.01] {
+        let slow = slowed(&robot, by);
+        for points in [&POINTS[..2], &POINTS[..5]] {
+            let [fast_s, slow_s] = [&robot, &slow]
+                .map(|robot| seconds(&spline(robot, points, "").unwrap(), sunrise()));
+            assert!((slow_s * by / fast_s - 1.0).abs() < 5e-4, "{by}: {fast_s} {slow_s}");
+        }
+    }
+}
+
+/// A stop where the spline turns back: each part has its own ramps.
+#[test]
+fn turning_back_is_a_stop() {
+    let robot = recorded_robot();
+    let points = [POINTS[0], POINTS[1], POINTS[0]];
+    let path = spline(&robot, &points, "").unwrap();
+    let plan = Trajectory::plan(&path, sunrise()).unwrap();
+    assert!(plan.sections().len() > 1);
+    let one_way_s = seconds(&spline(&robot, &points[..2], "").unwrap(), sunrise());
+    assert!(plan.motion_time_s() > 1.8 * one_way_s, "{} {one_way_s}", plan.motion_time_s());
+}
+
+/// Limits of the program slow splines down as they say.
+#[test]
+fn limits_of_the_motion_hold() {
+    let robot = recorded_robot();
+    let way_m = {
+        let [a, b] = [POINTS[0], POINTS[1]].map(|q| robot.flange_position(&q.map(f64::to_radians)));
+        std::iter::zip(a, b).map(|(a, b)| (a - b) * (a - b)).sum::<f64>().sqrt()
+    };
+    let path = spline(&robot, &POINTS[..2], r#", "cart_velocity_mm_s": 100"#).unwrap();
+    let found_s = seconds(&path, sunrise());
+    assert!(found_s > 10.0 * way_m && found_s < 10.0 * way_m + 0.25, "{found_s} {way_m}");
+    let full_s = seconds(&spline(&robot, &POINTS[..5], "").unwrap(), sunrise());
+    for keys in [
+        r#", "velocity_rel": 0.5"#,
+        r#", "acceleration_rel": 0.3"#,
+        r#", "jerk_rel": 0.2"#,
+        r#", "cart_acceleration_mm_s2": 800"#,
+        r#", "cart_jerk_mm_s3": 5000"#,
+    ] {
+        let limited_s = seconds(&spline(&robot, &POINTS[..5], keys).unwrap(), sunrise());
+        assert!(limited_s > 1.05 * full_s, "{keys}: {limited_s} {full_s}");
+    }
+}
+
+fn pose() -> impl Strategy<Value = Joints> {
+    [150.0, 90.0, 120.0, 100.0, 150.0, 100.0, 160.0_f64].map(|most| -most..most)
+}
+
+/// Poses near to each other, some of them the same, some turning back.
+fn poses() -> impl Strategy<Value = Vec<Joints>> {
+    let step = (proptest::array::uniform7(-1.0..1.0_f64), -4.0..1.3_f64, 0..8_u32);
+    (pose(), proptest::collection::vec(step, 1..6)).prop_map(|(start, steps)| {
+        let mut poses = vec![start];
+        for (direction, size, form) in steps {
+            let last = poses[poses.len() - 1];
+            let size = 10.0_f64.powf(size);
+            poses.push(match form {
+                0 => last,
+                1 => poses[poses.len().saturating_sub(2)],
+                _ => std::array::from_fn(|j| last[j] + size * direction[j]),
+            });
+        }
+        poses
+    })
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 48, ..ProptestConfig::default() })]
+
+    /// Near and far, smooth and turning back: joint velocities keep their limits at every instant, stamps increase, and the
+    /// arm rests at both ends of each section.
+    #[test]
+    fn velocities_are_kept(poses in poses(), slower in -2.0..0.0_f64) {
+        let robot = Robot::default();
+        let keys = format!(r#", "velocity_rel": {}"#, 10.0_f64.powf(slower));
+        let Some(path) = spline(&robot, &poses, &keys) else { return Ok(()) };
+        let plan = Trajectory::plan(&path, sunrise()).unwrap();
+        for section in plan.sections() {
+            for piece in section.pieces() {
+                let nodes = section.nodes(piece);
+                prop_assert!(nodes.windows(2).all(|pair| pair[0].t_s < pair[1].t_s));
+                prop_assert!(nodes.windows(2).all(|pair| pair[0].p <= pair[1].p));
+            }
+        }
+        let rate_hz = 2000.0_f64.min(4e4 / plan.cycle_time_s().max(1e-3));
+        for state in plan.samples(rate_hz) {
+            let limits = path.limits_of(state.step).of(LimitKind::Velocity);
+            for (j, (speed, limit)) in state.dq.iter().zip(limits).enumerate() {
+                let share = speed.abs() / limit;
+                prop_assert!(share <= 1.0 + 1e-4, "A{} at {share} at {} s", j + 1, state.t_s);
+            }
+        }
+    }
+
+    #[test]
+    fn slower_takes_longer(poses in poses(), slower in 0.1..0.9_f64) {
+        let robot = Robot::default();
+        let at = |velocity: f64| {
+            let keys = format!(r#", "velocity_rel": {velocity}"#);
+            Some(seconds(&spline(&robot, &poses, &keys)?, sunrise()))
+        };
+        let Some([slow_s, fast_s]) = at(slower).zip(at(1.0)).map(|(a, b)| [a, b]) else {
+            return Ok(());
+        };
+        prop_assert!(slow_s >= fast_s * (1.0 - 0.01), "{slow_s} {fast_s}");
+    }
+}
