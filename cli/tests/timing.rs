@@ -1,9 +1,12 @@
 //! Options of `--timing`.
 
+use std::fs;
+
 use predicates::str::contains;
 use tempfile::tempdir;
 
 use crate::helpers::{figures, fixture, plan};
+use crate::run::iiwasim;
 
 /// Recorded PTP motions take 4 % longer than plans under limits of jerk.
 #[test]
@@ -22,4 +25,31 @@ fn ptp_motions_can_start_as_in_sunrise() {
     // There are no recordings of an iiwa 14: its ramps are listed as an assumption.
     let options = ["--no-output", "--timing", "sunrise", "--robot", "lbr_iiwa_14_r820"];
     plan(&folder, &program, &options).success().stdout(contains("ramps: the LBR iiwa 7's"));
+}
+
+#[test]
+fn what_a_time_rests_on_is_said() {
+    let folder = tempdir().unwrap();
+    let line = r#"{ "version": 1, "start": { "joints_deg": [0, 0, 0, 0, 0, 0, 0] }, "motions": [
+        { "type": "ptp", "joints_deg": [90, 0, 0, 0, 0, 0, 0] } ] }"#;
+    fs::write(folder.path().join("line.json"), line).unwrap();
+    let short = line.replace("90, 0", "1, 0").replace("] } ]", "], \"blocking\": true } ]");
+    fs::write(folder.path().join("short.json"), short).unwrap();
+    let appendix = fixture("appendix-b.json").display().to_string();
+    for (program, expected) in [
+        ("line.json", "Nothing assumed of the controller"),
+        ("short.json", "Assumed of motion 1: PTP without a cruise"),
+        (
+            "short.json",
+            "Assumed of motion 1: pauses after motions that the program waits for: 93 ms",
+        ),
+        (&appendix, "Assumed of 3 motions, the first is 2: blends"),
+    ] {
+        iiwasim(&folder, &["plan", program, "--no-output", "--assumptions"])
+            .success()
+            .stdout(contains(expected));
+    }
+    iiwasim(&folder, &["plan", "short.json", "--no-output", "--json"])
+        .success()
+        .stdout(contains("\"rests_on\":[{\"what\":\"PTP without a cruise"));
 }

@@ -134,6 +134,10 @@ pub(crate) struct Plan {
     #[command(flatten)]
     pub(crate) ros: RosNaming,
 
+    /// Also print what is assumed of the controller, as far as the time rests on it; --json always does
+    #[arg(long)]
+    pub(crate) assumptions: bool,
+
     /// Also print the solver's iterations on standard error, of a single program with --timing jerk. A straight line
     /// takes none
     #[arg(long, help_heading = METHOD)]

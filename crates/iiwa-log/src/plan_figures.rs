@@ -14,8 +14,11 @@ use iiwa_traj::{
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
-use crate::PlanOptions;
 use crate::torque_record::{EnergyRecord, LargestTorque, PowerRecord, TorqueRecord};
+use crate::{
+    PlanOptions,
+    rests_on::{self, AssumptionRecord},
+};
 
 /// The figures of a plan. As JSON, this is the object of `iiwasim plan --json`; in a file, each key is an
 /// entry of the metadata record `iiwasim`.
@@ -43,6 +46,9 @@ pub struct PlanFigures {
     pub override_percent: Option<f64>,
     /// Limits of the robot that the figures rest on and no source states.
     pub assumptions: Vec<String>,
+    /// What is assumed of the controller, as far as the time rests on it.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub rests_on: Vec<AssumptionRecord>,
     /// How near the arm comes to the scene, if there is one with obstacles.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub clearance: Option<ClearanceRecord>,
@@ -276,6 +282,7 @@ impl PlanFigures {
                 .filter(|assumption| used(&assumption.what))
                 .map(|assumption| format!("{}: {}", assumption.what, assumption.basis))
                 .collect(),
+            rests_on: Vec::new(),
             clearance: None,
             self_clearance: None,
             energy_j: None,
@@ -327,6 +334,7 @@ impl PlanFigures {
                 None => self.motions.push(motion),
             }
         }
+        rests_on::add(&mut self.rests_on, section, &self.timing);
         self.blends.extend(section.blends().iter().map(BlendRecord::from));
         self.blends_too_late.extend(section.late_blend().map(LateBlendRecord::from));
     }

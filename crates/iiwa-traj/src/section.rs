@@ -9,7 +9,7 @@ use iiwa_program::{MotionIndex, MotionType};
 use crate::{
     interval::{self, Progress},
     late_blend::LateBlend,
-    limit::Limit,
+    limit::{Limit, LimitShare},
     limit_usage::LimitUsage,
     node::Node,
     state::State,
@@ -134,7 +134,21 @@ impl Piece {
     }
 }
 
+impl Piece {
+    /// The limits that it is at, the one for the longest time first, with their shares of its time.
+    #[must_use]
+    pub fn limits(&self) -> Vec<LimitShare> {
+        self.usage.shares(self.duration_s)
+    }
+}
+
 impl Section {
+    /// Whether a piece is the pause after a motion whose end the program waits for.
+    #[must_use]
+    pub fn is_blocking(&self, piece: &Piece) -> bool {
+        matches!(self.path.steps()[piece.step], Step::Settle { blocking: true, .. })
+    }
+
     /// The path that it is a part of.
     #[must_use]
     pub fn path(&self) -> &JointPath {

@@ -55,6 +55,6 @@ pub use report::{Extent, Page, PageOptions};
 pub use robot_sheet::{robot_sheet, robots_table, rounded};
 pub use run_report::RunReport;
 pub use summary::{PlannedTimes, Summary, SummaryRow};
-pub use table::{plan_table, table};
+pub use table::{assumption_lines, plan_table, table};
 pub use twin::{TwinRobot, TwinSetup, twin_page};
 pub use warning::warning_lines;

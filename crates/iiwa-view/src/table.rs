@@ -4,8 +4,8 @@ use std::fmt::Write as _;
 
 use comfy_table::{Cell, CellAlignment, ContentArrangement, LineStyle, Table, presets};
 use iiwa_log::{
-    ClearanceRecord, EnergyRecord, LateBlendRecord, LimitRecord, LimitShareRecord, MotionRecord,
-    PlanFigures, PowerRecord, SelfClearanceRecord,
+    AssumptionRecord, ClearanceRecord, EnergyRecord, LateBlendRecord, LimitRecord,
+    LimitShareRecord, MotionRecord, PlanFigures, PowerRecord, SelfClearanceRecord,
 };
 use iiwa_scene::part_name;
 
@@ -141,6 +141,23 @@ pub fn plan_table(figures: &PlanFigures) -> String {
     }
     for assumption in &figures.assumptions {
         let _ = writeln!(text, "Assumed, not from a source: {assumption}");
+    }
+    text
+}
+
+/// What is assumed of the controller, as far as the time rests on it, one line each.
+#[must_use]
+pub fn assumption_lines(figures: &PlanFigures) -> String {
+    let mut text = String::new();
+    for AssumptionRecord { what, motions, first, .. } in &figures.rests_on {
+        let of = match motions {
+            1 => format!("motion {first}"),
+            more => format!("{more} motions, the first is {first}"),
+        };
+        let _ = writeln!(text, "Assumed of {of}: {what}");
+    }
+    if text.is_empty() {
+        text.push_str("Nothing assumed of the controller: the time rests on what was recorded\n");
     }
     text
 }

@@ -9,7 +9,7 @@ use std::{
 use iiwa_kin::Robot;
 use iiwa_log::PlanFigures;
 use iiwa_program::Program;
-use iiwa_view::{plan_table, warning_lines};
+use iiwa_view::{assumption_lines, plan_table, warning_lines};
 
 use crate::{
     args::{Plan, Timing},
@@ -112,6 +112,9 @@ fn report(
 ) -> Result<(), Failure> {
     if !options.json {
         let mut text = plan_table(figures);
+        if options.assumptions {
+            text.push_str(&assumption_lines(figures));
+        }
         if let Some(file) = file {
             let _ = writeln!(text, "Trajectory in {}", file.display());
         }

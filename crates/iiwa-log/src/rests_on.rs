@@ -1,0 +1,109 @@
+//! What of a plan's time is assumed, and not measured on a robot.
+
+use iiwa_program::{LimitKind, MotionIndex};
+use iiwa_traj::{Limit, PieceKind, Section};
+use serde::{Deserialize, Serialize};
+
+/// An assumption about the controller that a program's time rests on.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[non_exhaustive]
+pub struct AssumptionRecord {
+    /// What is assumed.
+    pub what: String,
+    /// How many motions rest on it.
+    pub motions: usize,
+    /// The first of them, counted from 1.
+    pub first: usize,
+}
+
+const BLEND: &str =
+    "blends: within limits of jerk; a real robot's time law of blends has not been recorded";
+const PATH: &str =
+    "LIN and CIRC: within limits of jerk; a real robot's time law of them has not been recorded";
+const SPLINE: &str =
+    "splines: the speed along them by a model, which meets recorded durations within 3 %";
+const CRUISE: &str = "PTP without a cruise or without a plateau of acceleration: the law of ramps is continued to where nothing was recorded";
+const LOAD: &str = "load: ramps take it for a part of the arm; no recording has one";
+const JERK_REL: &str = "jerk_rel: scales jerk and snap of ramps; no recording has one";
+const PAUSE: &str =
+    "pauses after motions that the program waits for: 93 ms, the mean of 87 to 99 ms";
+const T1: &str = "T1: 225 mm/s at any override, and in blends; recorded for PTP at 50 %";
+const JERK: &str = "stops: within limits of jerk; a real robot's PTP motions take 4 % longer";
+const OVERRIDE: &str =
+    "override: scales the time of blends and paths of the TCP; recorded for PTP and splines";
+
+/// What the motions of a section rest on, under a timing of this name.
+fn of_section(section: &Section, timing: &str) -> Vec<(&'static str, MotionIndex)> {
+    let mut found = Vec::new();
+    if timing != "sunrise" {
+        let stops = section.pieces().iter().find(|piece| piece.kind == PieceKind::Settle);
+        found.extend(stops.map(|piece| (JERK, piece.motion)));
+        return found;
+    }
+    let path = section.path();
+    let moving = section.pieces().iter().filter(|piece| piece.kind.moves());
+    let alone = moving.clone().count() == 1;
+    for piece in moving {
+        let limits = path.limits_of(piece.step);
+        let mut add = |what| found.push((what, piece.motion));
+        match piece.kind {
+            PieceKind::Blend => add(BLEND),
+            PieceKind::Lin | PieceKind::Circ => add(PATH),
+            PieceKind::Spline if alone || !has_blends(section) => add(SPLINE),
+            PieceKind::Spline => add(BLEND),
+            PieceKind::Line if alone => {
+                let kinds = [LimitKind::Velocity, LimitKind::Acceleration];
+                let reached = |kind| piece.limits().iter().any(|at| is_of(at.limit, kind));
+                if !kinds.into_iter().all(reached) && limits.supervised_m_s().is_none() {
+                    add(CRUISE);
+                }
+                if path.load(piece.motion).is_some() {
+                    add(LOAD);
+                }
+                let full = &path.robot().limits().jerk_rad_s3;
+                let slower = path.speed_override().powi(3);
+                if (0..7).any(|j| limits.jerk_rad_s3()[j] < slower * full[j] * (1.0 - 1e-9)) {
+                    add(JERK_REL);
+                }
+            }
+            _ => {}
+        }
+        if limits.supervised_m_s().is_some() {
+            add(T1);
+        }
+        let recorded = matches!(piece.kind, PieceKind::Line | PieceKind::Spline) && alone;
+        if path.speed_override() < 1.0 && !recorded {
+            add(OVERRIDE);
+        }
+    }
+    let blocks = section.pieces().iter().find(|piece| section.is_blocking(piece));
+    found.extend(blocks.map(|piece| (PAUSE, piece.motion)));
+    found
+}
+
+fn has_blends(section: &Section) -> bool {
+    section.pieces().iter().any(|piece| piece.kind == PieceKind::Blend)
+}
+
+fn is_of(limit: Limit, wanted: LimitKind) -> bool {
+    matches!(limit, Limit::Motion { kind, .. } if kind == wanted)
+}
+
+/// Adds what a section rests on.
+pub(crate) fn add(records: &mut Vec<AssumptionRecord>, section: &Section, timing: &str) {
+    let mut last = None;
+    for now in of_section(section, timing) {
+        let (what, motion) = now;
+        match records.iter_mut().find(|record| record.what == what) {
+            // A motion of several pieces counts once.
+            Some(record) if last != Some(now) => record.motions += 1,
+            Some(_) => {}
+            None => records.push(AssumptionRecord {
+                what: what.to_owned(),
+                motions: 1,
+                first: motion.index() + 1,
+            }),
+        }
+        last = Some(now);
+    }
+}
