@@ -19,6 +19,7 @@ mod identify;
 mod import;
 #[cfg(feature = "live")]
 mod link;
+mod log_reading;
 mod model;
 mod plan;
 mod report;
@@ -49,6 +50,7 @@ pub(crate) use bridge_opcua::OpcUa;
 pub(crate) use bridge_ros2::{RetimeGoals, Ros2};
 pub(crate) use compare::Compare;
 pub(crate) use identify::Identify;
+pub(crate) use log_reading::LogReading;
 pub(crate) use model::{Fk, Format, Ik, Place, Robot, Schema};
 pub(crate) use plan::{Plan, Timing};
 pub(crate) use report::Report;

@@ -4,6 +4,8 @@ use std::path::PathBuf;
 
 use clap::Args;
 
+use super::LogReading;
+
 /// Identify a robot's limits, its time to settle and the curve of its blends from recordings.
 ///
 /// Each recording is matched with its program from stop to stop. Limits are identified from motions along
@@ -58,4 +60,7 @@ pub(crate) struct Identify {
     /// Print the figures as a JSON object, with all motions and blends
     #[arg(long)]
     pub(crate) json: bool,
+
+    #[command(flatten)]
+    pub(crate) log: LogReading,
 }

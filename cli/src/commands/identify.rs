@@ -4,7 +4,7 @@ use std::path::Path;
 
 use iiwa_eval::identify::{Recording, identify};
 use iiwa_kin::Robot;
-use iiwa_log::{JointLog, LogOptions, Loss, Positions};
+use iiwa_log::{JointLog, Loss, Positions};
 use iiwa_program::Program;
 use iiwa_view::{IdentificationReport, with_causes};
 
@@ -67,8 +67,7 @@ fn read(options: &Identify) -> Result<(Vec<Source>, Robot), Failure> {
     let mut sources = Vec::with_capacity(options.recordings.len());
     for path in &options.recordings {
         let name = path.display().to_string();
-        let commanded = LogOptions::default().with_positions(Positions::Commanded);
-        let log = input::recording(path, commanded)?;
+        let log = input::recording(path, options.log, Positions::Commanded)?;
         let program = match (&given, &log.program) {
             (Some((_, program, _)), _) => program.clone(),
             (None, Some(text)) => Program::from_json(text).map_err(|error| {
