@@ -18,8 +18,11 @@ mod deviation;
 mod edge;
 mod error;
 mod follow;
+mod line;
 mod noise;
 mod plan;
+mod start_fit;
+mod start_law;
 mod torques;
 
 use iiwa_log::JointLog;
@@ -27,8 +30,9 @@ use iiwa_program::{MotionIndex, MotionType};
 
 use iiwa_kin::vector::{self, add_scaled, norm, sub};
 
-use edge::{Edge, Line, Side, Stop};
+use edge::{Edge, Side, Stop};
 use follow::Followed;
+use line::Line;
 use noise::Noise;
 use plan::{Leg, Piece, PieceKind};
 
