@@ -43,6 +43,11 @@ pub(super) fn torque_percent(text: &str) -> Result<f64, String> {
     within(text, 100.0 * MIN_TORQUE_LIMIT, 100.0 * MAX_TORQUE_LIMIT, " %")
 }
 
+/// An override.
+pub(super) fn override_percent(text: &str) -> Result<f64, String> {
+    within(text, 1.0, 100.0, " %")
+}
+
 /// Seven numbers with commas in between.
 pub(super) fn seven(text: &str) -> Result<[f64; 7], String> {
     let values = text.split(',').map(number).collect::<Result<Vec<_>, _>>()?;

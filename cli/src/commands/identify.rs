@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use iiwa_eval::identify::{Recording, identify};
+use iiwa_eval::identify::{Recording, identify_at};
 use iiwa_kin::Robot;
 use iiwa_log::{JointLog, Loss, Positions};
 use iiwa_program::Program;
@@ -31,7 +31,7 @@ pub(crate) fn run(options: &Identify) -> Result<(), Failure> {
     let (sources, model) = read(options)?;
     let recordings: Vec<_> =
         sources.iter().map(|Source { program, log, .. }| Recording { program, log }).collect();
-    let found = identify(&recordings, &model)
+    let found = identify_at(&recordings, &model, 0.01 * options.override_percent)
         .map_err(|error| Failure::input(format!("{}: {error}", sources[error.recording()].name)))?;
     let name = options.name.as_deref().unwrap_or(model.name());
     let logs: Vec<_> =

@@ -19,7 +19,6 @@ mod edge;
 mod error;
 mod follow;
 mod line;
-mod noise;
 mod plan;
 mod start_fit;
 mod start_law;
@@ -30,10 +29,11 @@ use iiwa_program::{MotionIndex, MotionType};
 
 use iiwa_kin::vector::{self, add_scaled, norm, sub};
 
+use crate::noise::Noise;
+
 use edge::{Edge, Side, Stop};
 use follow::Followed;
 use line::Line;
-use noise::Noise;
 use plan::{Leg, Piece, PieceKind};
 
 pub use deviation::{Deviation, Location, TracePoint};

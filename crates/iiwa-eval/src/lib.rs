@@ -14,6 +14,7 @@ pub mod identify;
 mod least_squares;
 mod load_planning;
 mod local_cubic;
+mod noise;
 mod quantile;
 mod virtual_robot;
 

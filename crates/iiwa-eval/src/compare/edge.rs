@@ -13,8 +13,8 @@ use iiwa_kin::{
 use iiwa_log::JointLog;
 
 use super::curve::Curve;
-use super::noise::Noise;
 use super::start_fit::StartFit;
+use crate::noise::Noise;
 use crate::quantile::median;
 
 /// The way over which a ramp is looked at, in rad, if noise does not ask for more.
