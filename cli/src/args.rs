@@ -32,6 +32,7 @@ mod stored;
 #[cfg(feature = "live")]
 mod twin;
 mod urdf;
+mod validate;
 mod values;
 
 use std::ffi::OsString;
@@ -57,6 +58,7 @@ pub(crate) use report::Report;
 pub(crate) use ros::RosNaming;
 pub(crate) use shell::{Completions, Man};
 pub(crate) use urdf::Urdf;
+pub(crate) use validate::Validate;
 #[cfg(feature = "live")]
 pub(crate) use {
     addresses::{ClientKeys, DriveAddress, ServerKeys},
@@ -151,6 +153,7 @@ pub(crate) enum Command {
     Compare(Compare),
     Report(Report),
     Identify(Identify),
+    Validate(Validate),
     #[cfg(feature = "live")]
     #[command(flatten)]
     Live(Live),

@@ -30,3 +30,4 @@ mod scene;
 mod settings;
 mod tables;
 mod timing;
+mod validate;
