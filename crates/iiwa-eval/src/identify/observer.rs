@@ -34,7 +34,7 @@ const EXPLAINED_RAD: f64 = 1e-8;
 const SNAP_SHARE: f64 = 0.5;
 
 /// Samples of a motion along a line, with times at full override.
-struct Line<'a> {
+struct LineSamples<'a> {
     from: &'a Joints,
     direction: &'a Joints,
     motion: MotionIndex,
@@ -43,7 +43,7 @@ struct Line<'a> {
     length: f64,
 }
 
-impl Line<'_> {
+impl LineSamples<'_> {
     /// Both ends: the direction away from rest there, and the torques of an acceleration that way, in Nm per rad/s^2.
     fn ends(&self, path: &JointPath) -> [(RampEnd, Joints, Joints); 2] {
         let dynamics = path.dynamics(self.motion);
@@ -131,7 +131,8 @@ impl Observer<'_> {
             })
             .collect();
         let beside = (beside / t_s.len() as f64).sqrt();
-        let line = Line { from, direction: &direction, motion, t_s: &t_s, along: &along, length };
+        let line =
+            LineSamples { from, direction: &direction, motion, t_s: &t_s, along: &along, length };
         let fitted = self.fit_line(&line);
         let left = fitted.as_ref().map_or(length, |fitted| fitted.residual).hypot(beside);
         let fitted = fitted.filter(|_| left <= LEFT_RAD + LEFT_SHARE * length);
@@ -179,7 +180,7 @@ impl Observer<'_> {
     }
 
     /// Fits constant jerk to a line, and, where that leaves more than noise over, ramps as under Sunrise.
-    fn fit_line(&self, line: &Line<'_>) -> Option<FittedLine> {
+    fn fit_line(&self, line: &LineSamples<'_>) -> Option<FittedLine> {
         let noise_rad = self.watched.noise.along_rad(line.direction);
         let jerk = Ramps::fit(line.t_s, line.along, line.length);
         let jerk_residual = jerk.map_or(f64::INFINITY, |ramps| ramps.residual);
@@ -212,7 +213,7 @@ impl Observer<'_> {
     }
 
     /// The line as the model would do it, with the speed and the acceleration that were found; and when it is half-way.
-    fn expected(&self, line: &Line<'_>, found: Option<&Ramps>) -> (SoftLine, f64) {
+    fn expected(&self, line: &LineSamples<'_>, found: Option<&Ramps>) -> (SoftLine, f64) {
         let robot = self.watched.path.robot();
         let (limits, law) = (robot.limits(), robot.ramp_law());
         let most = |limits| largest_multiple(line.direction, limits);
@@ -231,7 +232,7 @@ impl Observer<'_> {
         (SoftLine { way: line.length, speed, acceleration, ends, width }, middle_s)
     }
 
-    fn observe_ramps(&mut self, line: &Line<'_>, seen: &[SoftEnd; 2]) {
+    fn observe_ramps(&mut self, line: &LineSamples<'_>, seen: &[SoftEnd; 2]) {
         let path = &self.watched.path;
         let law = path.robot().ramp_law();
         for ((end, away, torques), seen) in line.ends(path).into_iter().zip(seen) {

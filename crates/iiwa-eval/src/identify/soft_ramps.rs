@@ -18,7 +18,7 @@ const ACCELERATION: usize = 4;
 const RAMPS: [[usize; 2]; 2] = [[5, 6], [7, 8]];
 const COUNT: usize = 9;
 
-type Parameters = [f64; COUNT];
+type SoftParameters = [f64; COUNT];
 
 /// A phase shows a limit if it is at least this long, in s.
 const SHOWN_S: f64 = 2e-3;
@@ -84,13 +84,13 @@ struct SoftSamples<'a> {
 }
 
 /// The first phase of a ramp.
-fn first_phase(p: &Parameters, [speed, left]: [usize; 2]) -> SoftRamp {
+fn first_phase(p: &SoftParameters, [speed, left]: [usize; 2]) -> SoftRamp {
     let square = (1.0 - p[left]).max(1e-3) * p[ACCELERATION].powi(2);
     SoftRamp { speed: p[speed], jerk: square / (1.5 * p[speed]) }
 }
 
 impl SoftSamples<'_> {
-    fn line(&self, p: &Parameters) -> SoftLine {
+    fn line(&self, p: &SoftParameters) -> SoftLine {
         SoftLine {
             way: p[WAY],
             speed: p[SPEED],
@@ -101,7 +101,7 @@ impl SoftSamples<'_> {
     }
 
     /// The best parameters that fits from several starts lead to.
-    fn explore(&self, start: Parameters, [enough, worth]: [f64; 2]) -> Option<Parameters> {
+    fn explore(&self, start: SoftParameters, [enough, worth]: [f64; 2]) -> Option<SoftParameters> {
         let fit = |start| least_squares::fit(self, start, [false; COUNT]);
         let mut best = fit(start);
         if best.as_ref().is_some_and(|best| best.residual > worth) {
@@ -138,7 +138,7 @@ impl SoftSamples<'_> {
 }
 
 impl Model<COUNT> for SoftSamples<'_> {
-    fn samples(&self, p: &Parameters, mut each: impl FnMut(f64, Parameters)) {
+    fn samples(&self, p: &SoftParameters, mut each: impl FnMut(f64, SoftParameters)) {
         const STEP: f64 = 1e-6;
         let shape = SoftShape::new(&self.line(p));
         let moved: Vec<_> = (WAY..COUNT)
@@ -161,7 +161,7 @@ impl Model<COUNT> for SoftSamples<'_> {
         }
     }
 
-    fn least(&self) -> Parameters {
+    fn least(&self) -> SoftParameters {
         let mut least = [1e-3; COUNT];
         (least[FROM], least[BEGIN]) = (f64::NEG_INFINITY, f64::NEG_INFINITY);
         // No first phase is narrower.
@@ -203,8 +203,8 @@ impl SoftRamps {
     fn of(samples: &SoftSamples<'_>, fit: &Fit<COUNT>) -> Self {
         let p = &fit.parameters;
         let shape = SoftShape::new(&samples.line(p));
-        let told = |figure: &dyn Fn(&Parameters) -> f64| (figure(p), fit.deviation_of(figure));
-        let duration = |p: &Parameters| SoftShape::new(&samples.line(p)).duration_s;
+        let told = |figure: &dyn Fn(&SoftParameters) -> f64| (figure(p), fit.deviation_of(figure));
+        let duration = |p: &SoftParameters| SoftShape::new(&samples.line(p)).duration_s;
         let cruises = shape.cruise_s >= SHOWN_S;
         let keeps = shape.plateau_s.iter().all(|plateau_s| *plateau_s >= SHOWN_S);
         let end = |ramp: [usize; 2]| {

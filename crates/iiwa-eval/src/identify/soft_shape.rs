@@ -51,7 +51,7 @@ type Phase = [f64; 3];
 
 /// The state at the start of a phase: time, way, speed, acceleration; and the phase's jerk and snap.
 #[derive(Clone, Copy, Debug)]
-struct Instant {
+struct PhaseStart {
     t_s: f64,
     way: f64,
     speed: f64,
@@ -63,7 +63,7 @@ struct Instant {
 /// The way over time.
 #[derive(Clone, Debug)]
 pub(super) struct SoftShape {
-    instants: Vec<Instant>,
+    instants: Vec<PhaseStart>,
     way: f64,
     /// From start to end, in s.
     pub(super) duration_s: f64,
@@ -106,7 +106,7 @@ fn ramp(acceleration: f64, first: SoftRamp, width: f64) -> [Phase; 3] {
     phases
 }
 
-impl Instant {
+impl PhaseStart {
     /// Way, speed and acceleration after a time.
     fn after(&self, t: f64) -> [f64; 3] {
         let Self { way, speed, acceleration: a, jerk, snap, .. } = *self;
@@ -122,10 +122,10 @@ impl Instant {
 fn run(
     phases: impl Iterator<Item = Phase>,
     from: [f64; 4],
-    instants: &mut Vec<Instant>,
+    instants: &mut Vec<PhaseStart>,
 ) -> [f64; 4] {
     phases.fold(from, |[t_s, way, speed, acceleration], [seconds, jerk, snap]| {
-        let instant = Instant { t_s, way, speed, acceleration, jerk, snap };
+        let instant = PhaseStart { t_s, way, speed, acceleration, jerk, snap };
         instants.push(instant);
         let [way, speed, acceleration] = instant.after(seconds);
         [t_s + seconds, way, speed, acceleration]
