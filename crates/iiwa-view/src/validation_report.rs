@@ -80,7 +80,7 @@ const SLOWER_PERCENT: f64 = -8.0;
 const PLAN: &str = "the recording is a plan: nothing of it was measured on a robot";
 
 const SLOWER: &str = "most motions took far longer than planned: was the robot in T1, which caps the speed of the flange, or at \
-    another override than --override states?";
+    another override than stated?";
 
 impl Spread {
     fn of(values: impl Iterator<Item = f64>) -> Option<Self> {
