@@ -19,6 +19,7 @@ mod identify;
 mod import;
 #[cfg(feature = "live")]
 mod link;
+mod log_reading;
 mod model;
 mod plan;
 mod report;
@@ -31,6 +32,7 @@ mod stored;
 #[cfg(feature = "live")]
 mod twin;
 mod urdf;
+mod validate;
 mod values;
 
 use std::ffi::OsString;
@@ -49,12 +51,14 @@ pub(crate) use bridge_opcua::OpcUa;
 pub(crate) use bridge_ros2::{RetimeGoals, Ros2};
 pub(crate) use compare::Compare;
 pub(crate) use identify::Identify;
+pub(crate) use log_reading::LogReading;
 pub(crate) use model::{Fk, Format, Ik, Place, Robot, Schema};
 pub(crate) use plan::{Plan, Timing};
 pub(crate) use report::Report;
 pub(crate) use ros::RosNaming;
 pub(crate) use shell::{Completions, Man};
 pub(crate) use urdf::Urdf;
+pub(crate) use validate::Validate;
 #[cfg(feature = "live")]
 pub(crate) use {
     addresses::{ClientKeys, DriveAddress, ServerKeys},
@@ -149,6 +153,7 @@ pub(crate) enum Command {
     Compare(Compare),
     Report(Report),
     Identify(Identify),
+    Validate(Validate),
     #[cfg(feature = "live")]
     #[command(flatten)]
     Live(Live),

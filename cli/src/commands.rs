@@ -16,3 +16,4 @@ pub(crate) mod robot;
 pub(crate) mod schema;
 #[cfg(feature = "sunrise")]
 pub(crate) mod sunrise;
+pub(crate) mod validate;

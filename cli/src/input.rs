@@ -10,12 +10,13 @@ use std::{
 use iiwa_files::{NotBeside, beside, folder_of};
 use iiwa_json::{Step, locate};
 use iiwa_kin::Robot;
-use iiwa_log::{JointLog, LogOptions};
+use iiwa_log::{JointLog, Positions};
 use iiwa_program::{Program, ProgramError, Workcell};
 use iiwa_scene::Scene;
 use iiwa_view::with_causes;
 
 use crate::{
+    args::LogReading,
     failure::Failure,
     file_kind::{JsonKind, binary_hint},
 };
@@ -226,8 +227,12 @@ pub(crate) fn open(path: &Path) -> Result<File, Failure> {
 }
 
 /// Reads a recording in any format that holds joint positions.
-pub(crate) fn recording(path: &Path, options: LogOptions) -> Result<JointLog, Failure> {
-    JointLog::read_with(open(path)?, options)
+pub(crate) fn recording(
+    path: &Path,
+    reading: LogReading,
+    default: Positions,
+) -> Result<JointLog, Failure> {
+    JointLog::read_with(open(path)?, reading.options(default))
         .and_then(|log| log.check_rate().map(|()| log))
         .map_err(|error| {
             let hint = match path.extension() {

@@ -70,6 +70,7 @@ fn run(command: Command) -> Result<(), Failure> {
     match command {
         Command::Plan(options) => commands::plan::run(&options),
         Command::Compare(options) => commands::compare::run(&options),
+        Command::Validate(options) => commands::validate::run(&options),
         Command::Report(options) => commands::report::run(&options),
         Command::Identify(options) => commands::identify::run(&options),
         #[cfg(feature = "live")]

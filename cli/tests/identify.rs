@@ -122,6 +122,34 @@ fn says_what_is_missing_or_wrong() {
     }
 }
 
+/// Ramps as under Sunrise, at an override.
+#[test]
+fn ramps_at_an_override() {
+    let folder = tempdir().unwrap();
+    let program = r#"{ "version": 1, "start": { "joints_deg": [0, 0, 0, 0, 0, 0, 0] }, "motions": [
+        { "type": "ptp", "joints_deg": [120, 20, -30, 20, -60, 40, 30] },
+        { "type": "ptp", "joints_deg": [0, 0, 0, 0, 0, 0, 0] }] }"#;
+    fs::write(folder.path().join("program.json"), program).unwrap();
+    let plan = ["plan", "program.json", "--timing", "sunrise", "--rate", "500", "-o", "plan.mcap"];
+    iiwasim(&folder, &plan).success();
+    let plan = fs::read(folder.path().join("plan.mcap")).unwrap();
+    let mut log = iiwa_log::JointLog::read(&*plan).unwrap();
+    log.t_s.iter_mut().for_each(|t_s| *t_s /= 0.4);
+    let mut csv = Vec::new();
+    iiwa_log::JointLog::new(log.t_s, log.q_rad).write_csv(&mut csv).unwrap();
+    fs::write(folder.path().join("slow.csv"), csv).unwrap();
+    let slow = ["identify", "slow.csv", "--program", "program.json", "--override", "40"];
+    iiwasim(&folder, &slow).success().stdout(
+        contains("Ramps begin with constant snap, as under Sunrise: 2 motions")
+            .and(contains("A1  98.00000"))
+            .and(contains("R at stops, Nm/s: "))
+            .and(contains("they are the model's")),
+    );
+    iiwasim(&folder, &["identify", "slow.csv", "--override", "0"])
+        .code(2)
+        .stderr(contains("the range is 1 to 100 %"));
+}
+
 /// A recording that breaks off gives what it has, and says so.
 #[test]
 fn what_is_lost_is_said() {

@@ -18,6 +18,7 @@ mod keygen;
 mod kinematics;
 #[cfg(feature = "live")]
 mod link;
+mod log_reading;
 mod many;
 mod overlap;
 mod plan;
@@ -29,3 +30,4 @@ mod scene;
 mod settings;
 mod tables;
 mod timing;
+mod validate;

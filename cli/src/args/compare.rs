@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::values::at_least_0;
+use super::{LogReading, values::at_least_0};
 
 /// Compare a recording with a plan: the error of the cycle time, and the deviation from the path.
 ///
@@ -49,4 +49,7 @@ pub(crate) struct Compare {
     /// Built-in model or robot profile, instead of the plan's
     #[arg(long, value_name = "NAME|FILE")]
     pub(crate) robot: Option<String>,
+
+    #[command(flatten)]
+    pub(crate) log: LogReading,
 }

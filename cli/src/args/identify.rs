@@ -4,12 +4,15 @@ use std::path::PathBuf;
 
 use clap::Args;
 
+use super::{LogReading, values::override_percent};
+
 /// Identify a robot's limits, its time to settle and the curve of its blends from recordings.
 ///
 /// Each recording is matched with its program from stop to stop. Limits are identified from motions along
 /// lines from rest to rest: the whole motion is fitted instead of differentiated, so that noise averages
 /// out. Long motions of single joints at full speed are the most useful; of motions of several joints,
-/// those are used in which a single joint must have been the limit. The time to settle is identified from
+/// those are used in which a single joint must have been the limit. Where constant jerk does not explain a motion, the ramps of
+/// Sunrise are fitted to it, which begin with constant snap, and their law is identified: S and R of `ramps` in profiles. The time to settle is identified from
 /// stops between such motions, kappa from blends, regardless of time; of blends between two LINs by the
 /// TCP's path, as `tcp_blend_kappa`. Paths of the TCP and the blends at their ends are compared with what
 /// iiwasim assumes of them: orientation, E1, and blends with motions in joint space. For that, the
@@ -58,4 +61,12 @@ pub(crate) struct Identify {
     /// Print the figures as a JSON object, with all motions and blends
     #[arg(long)]
     pub(crate) json: bool,
+
+    /// Override of the robot during the recordings, in per cent: speeds are scaled by it, accelerations by its square, jerks by
+    /// its cube, pauses are not; the figures are those at 100 %
+    #[arg(long = "override", value_name = "PERCENT", default_value_t = 100.0, value_parser = override_percent)]
+    pub(crate) override_percent: f64,
+
+    #[command(flatten)]
+    pub(crate) log: LogReading,
 }

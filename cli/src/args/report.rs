@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::Urdf;
+use super::{LogReading, Urdf};
 
 /// Make a page of a plan or a recording: the arm in motion, its path, its joints over time, its motions.
 ///
@@ -44,4 +44,7 @@ pub(crate) struct Report {
     /// Built-in model or robot profile, instead of the file's
     #[arg(long, value_name = "NAME|FILE")]
     pub(crate) robot: Option<String>,
+
+    #[command(flatten)]
+    pub(crate) log: LogReading,
 }

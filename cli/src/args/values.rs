@@ -43,6 +43,7 @@ pub(super) fn torque_percent(text: &str) -> Result<f64, String> {
     within(text, 100.0 * MIN_TORQUE_LIMIT, 100.0 * MAX_TORQUE_LIMIT, " %")
 }
 
+/// An override.
 pub(super) fn override_percent(text: &str) -> Result<f64, String> {
     within(text, 100.0 * MIN_OVERRIDE, 100.0, " %")
 }

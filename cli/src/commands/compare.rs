@@ -1,7 +1,7 @@
 //! `iiwasim compare`.
 
 use iiwa_eval::Plan;
-use iiwa_log::{LogOptions, PlanRecordError};
+use iiwa_log::{PlanRecordError, Positions};
 use iiwa_view::{ComparisonReport, draw_comparison, with_causes};
 
 use crate::{args::Compare, failure::Failure, input, output, picture, replaceable::Replaceable};
@@ -25,7 +25,7 @@ pub(crate) fn run(options: &Compare) -> Result<(), Failure> {
     let refuse = |error: &dyn std::error::Error| {
         Failure::input(format!("{}: {}", measured_file.display(), with_causes(error)))
     };
-    let measured = input::recording(measured_file, LogOptions::default())?;
+    let measured = input::recording(measured_file, options.log, Positions::Measured)?;
     measured.check_robot(plan.robot()).map_err(|error| refuse(&error))?;
     let comparison = iiwa_eval::compare(&plan, &measured).map_err(|error| refuse(&error))?;
 

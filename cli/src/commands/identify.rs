@@ -2,9 +2,9 @@
 
 use std::path::Path;
 
-use iiwa_eval::identify::{Recording, identify};
+use iiwa_eval::identify::{Recording, identify_at};
 use iiwa_kin::Robot;
-use iiwa_log::{JointLog, LogOptions, Loss, Positions};
+use iiwa_log::{JointLog, Loss, Positions};
 use iiwa_program::Program;
 use iiwa_view::{IdentificationReport, with_causes};
 
@@ -31,7 +31,7 @@ pub(crate) fn run(options: &Identify) -> Result<(), Failure> {
     let (sources, model) = read(options)?;
     let recordings: Vec<_> =
         sources.iter().map(|Source { program, log, .. }| Recording { program, log }).collect();
-    let found = identify(&recordings, &model)
+    let found = identify_at(&recordings, &model, 0.01 * options.override_percent)
         .map_err(|error| Failure::input(format!("{}: {error}", sources[error.recording()].name)))?;
     let name = options.name.as_deref().unwrap_or(model.name());
     let logs: Vec<_> =
@@ -67,8 +67,7 @@ fn read(options: &Identify) -> Result<(Vec<Source>, Robot), Failure> {
     let mut sources = Vec::with_capacity(options.recordings.len());
     for path in &options.recordings {
         let name = path.display().to_string();
-        let commanded = LogOptions::default().with_positions(Positions::Commanded);
-        let log = input::recording(path, commanded)?;
+        let log = input::recording(path, options.log, Positions::Commanded)?;
         let program = match (&given, &log.program) {
             (Some((_, program, _)), _) => program.clone(),
             (None, Some(text)) => Program::from_json(text).map_err(|error| {

@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use iiwa_files::interrupt;
+use iiwa_log::Positions;
 use iiwa_view::{Extent, Page, PageOptions, ViewError, printable};
 
 use crate::{
@@ -29,8 +30,9 @@ pub(crate) fn run(options: &Report) -> Result<(), Failure> {
     let scene = options.scene.as_deref().map(scene).transpose()?;
     let files = ArmFiles::new(&options.arm)?;
     let arm = files.as_ref().map(ArmFiles::source);
-    let how =
-        PageOptions { robot, arm, scene, extent: Extent::Whole, interrupted: interrupt::has_come };
+    let log = options.log.options(Positions::Measured);
+    let (extent, interrupted) = (Extent::Whole, interrupt::has_come);
+    let how = PageOptions { robot, arm, scene, log, extent, interrupted };
     let page = Page::read(&options.file, options.measured.as_deref(), &how);
     let page = page.map_err(|error| match (&error, &files) {
         (ViewError::Arm { source }, Some(files)) => files.failure(source),

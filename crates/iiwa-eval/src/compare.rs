@@ -18,8 +18,11 @@ mod deviation;
 mod edge;
 mod error;
 mod follow;
-mod noise;
+mod line;
+mod motion_deviation;
 mod plan;
+mod start_fit;
+mod start_law;
 mod torques;
 
 use iiwa_log::JointLog;
@@ -27,13 +30,17 @@ use iiwa_program::{MotionIndex, MotionType};
 
 use iiwa_kin::vector::{self, add_scaled, norm, sub};
 
-use edge::{Edge, Line, Side, Stop};
+use crate::noise::Noise;
+
+use deviation::Deviations;
+use edge::{Edge, Side, Stop};
 use follow::Followed;
-use noise::Noise;
+use line::Line;
 use plan::{Leg, Piece, PieceKind};
 
 pub use deviation::{Deviation, Location, TracePoint};
 pub use error::CompareError;
+pub use motion_deviation::MotionDeviation;
 pub use plan::Plan;
 pub use torques::TorqueDifference;
 
@@ -56,6 +63,8 @@ pub struct Comparison {
     /// How far off the path of the TCP, in m: the distance between the measured TCP and the nearest
     /// point of its planned path about the matched place.
     pub tcp_m: Deviation,
+    /// How far off the path during each motion, in order; motions without a sample are left out.
+    pub motion_deviations: Vec<MotionDeviation>,
     /// Recorded torques beside those of the plan, if the recording has any.
     pub torques: Option<TorqueDifference>,
     /// Samples between departure and arrival.
@@ -179,9 +188,9 @@ pub fn compare(plan: &Plan, measured: &JointLog) -> Result<Comparison, CompareEr
     let to = to.min(followed.first + followed.place_s.len()).max(from + 1);
     report_gaps(measured, from..to, &noise, &mut losses);
     let places = followed.place_s.get(from - followed.first..).unwrap_or_default();
-    let (joints_rad, tcp_m, trace) =
-        deviation::deviations(plan, measured, from..to, places, departure.t_s)
-            .ok_or(CompareError::TooFewSamples { samples: 0 })?;
+    let deviations = deviation::deviations(plan, measured, from..to, places, departure.t_s)
+        .ok_or(CompareError::TooFewSamples { samples: 0 })?;
+    let Deviations { joints_rad, tcp_m, motions: motion_deviations, trace } = deviations;
     Ok(Comparison {
         cycle_time,
         departure_s: departure.t_s,
@@ -190,6 +199,7 @@ pub fn compare(plan: &Plan, measured: &JointLog) -> Result<Comparison, CompareEr
         stops: timing.stops(plan),
         joints_rad,
         tcp_m,
+        motion_deviations,
         torques: torques::differences(plan, measured, from..to, places),
         samples: to - from,
         step_s: noise.step_s,

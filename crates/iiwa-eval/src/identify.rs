@@ -5,6 +5,7 @@
 //! | figure | from | how |
 //! |---|---|---|
 //! | speed, acceleration, jerk | motions along a line from rest to rest | the seven phases of constant jerk are fitted to all samples of the motion (Larsen 2019, Appendix A differentiates) |
+//! | ramps | the same | where constant jerk does not explain a motion, ramps as under Sunrise are fitted; see [`FoundRamps`] |
 //! | time to settle | stops between two such motions | from the end of one to the start of the next, both as fitted (Appendix C) |
 //! | kappa(gamma) | blends | Eq. 39 is fitted to the path about each corner, whatever the time; then a polynomial to kappa over gamma (section 4.3) |
 //! | equal distances | blends between motions of unequal lengths | start and end are fitted too (Algorithm 3) |
@@ -19,6 +20,7 @@ mod blends;
 mod courses;
 mod error;
 mod findings;
+mod found_ramps;
 mod found_torques;
 mod identified;
 mod kappa;
@@ -27,6 +29,8 @@ mod observation;
 mod observer;
 mod ramps;
 mod recording;
+mod soft_ramps;
+mod soft_shape;
 mod stops;
 mod tcp_blends;
 mod torque_windows;
@@ -45,11 +49,12 @@ use self::{
 };
 pub use self::{
     error::IdentifyError,
+    found_ramps::FoundRamps,
     found_torques::{FoundLoad, FoundTorques},
     identified::{Identified, Settle},
     kappa::Kappa,
     observation::{
-        BlendObservation, CourseObservation, CoursePart, LeftOut, LineObservation,
+        BlendObservation, CourseObservation, CoursePart, LeftOut, LineLaw, LineObservation,
         TcpBlendObservation, Why,
     },
     recording::Recording,
@@ -62,10 +67,24 @@ pub use self::{
 ///
 /// If a program cannot be planned for `model`, or a recording shows nothing of its program.
 pub fn identify(recordings: &[Recording<'_>], model: &Robot) -> Result<Identified, IdentifyError> {
+    identify_at(recordings, model, 1.0)
+}
+
+/// The same, of a robot that ran at an override, as a share: its motions took so much longer, which scales speeds by the share,
+/// accelerations by its square, jerks by its cube and snaps by its fourth power. Pauses are not scaled.
+///
+/// # Errors
+///
+/// As [`identify`].
+pub fn identify_at(
+    recordings: &[Recording<'_>],
+    model: &Robot,
+    override_share: f64,
+) -> Result<Identified, IdentifyError> {
     let mut found = Findings::default();
     let mut followed_courses = Vec::new();
     for (recording, Recording { program, log }) in recordings.iter().enumerate() {
-        let watched = Watched::new(recording, program, log, model)
+        let watched = Watched::new(recording, program, log, model, override_share)
             .map_err(|fault| IdentifyError::Program { recording, fault })?;
         let sections = observe(&watched, &mut found)?;
         if program.has_frames() {

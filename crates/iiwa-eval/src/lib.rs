@@ -14,12 +14,13 @@ pub mod identify;
 mod least_squares;
 mod load_planning;
 mod local_cubic;
+mod noise;
 mod quantile;
 mod virtual_robot;
 
 pub use compare::{
-    CompareError, Comparison, CycleTime, Deviation, Location, MotionTime, Plan, StopTime,
-    TorqueDifference, TracePoint, compare,
+    CompareError, Comparison, CycleTime, Deviation, Location, MotionDeviation, MotionTime, Plan,
+    StopTime, TorqueDifference, TracePoint, compare,
 };
 pub use estimate::Estimate;
 pub use load_planning::LoadPlanning;

@@ -21,6 +21,8 @@ pub struct VirtualRobot {
     pub torque_noise_nm: Option<f64>,
     /// What hangs on its flange, whatever programs state; by default what they do.
     pub load: Option<Load>,
+    /// How it plans its motions; under limits of jerk by default.
+    pub plan: PlanOptions,
     /// How it plans with the load that programs state; by default as without one.
     pub load_planning: LoadPlanning,
     /// For how long it stands before and after a program, in s; 0.2 by default.
@@ -62,13 +64,14 @@ impl VirtualRobot {
             noise_rad: 0.0,
             torque_noise_nm: None,
             load: None,
+            plan: PlanOptions::with_timing(Timing::jerk_limited()),
             load_planning: LoadPlanning::Ignored,
             standing_s: 0.2,
             random,
         }
     }
 
-    /// Runs a program under limits of speed, acceleration and jerk, and gives what was sampled, torques with the sign
+    /// Runs a program, and gives what was sampled, torques with the sign
     /// of KUKA's controller.
     ///
     /// # Errors
@@ -76,8 +79,7 @@ impl VirtualRobot {
     /// If the program asks for something that the robot cannot do.
     pub fn run(&mut self, program: &Program) -> Result<JointLog, VirtualRobotError> {
         let program = self.load_planning.slowed(program, &self.robot)?;
-        let trajectory =
-            PlanOptions::with_timing(Timing::jerk_limited()).plan(&program, &self.robot)?;
+        let trajectory = self.plan.plan(&program, &self.robot)?;
         // It does not begin just at a sample.
         let begin_s = self.standing_s + self.random.f64() * self.period_s;
         let whole_s = begin_s + trajectory.cycle_time_s() + self.standing_s;

@@ -196,7 +196,8 @@ impl Setup {
         let robot = Some(self.robot.clone());
         let scene = self.arm.as_ref().map(|arm| arm.scene().clone());
         let arm = self.meshes.clone().map(|meshes| ArmSource::new(move |_| Ok(meshes.clone())));
-        let how = PageOptions { robot, arm, scene, extent, interrupted: interrupt::has_come };
+        let interrupted = interrupt::has_come;
+        let how = PageOptions { robot, arm, scene, extent, interrupted, ..PageOptions::default() };
         Ok(Page::read(plan, measured, &how)?)
     }
 

@@ -1,6 +1,7 @@
 //! What was identified from recordings, as JSON and as text.
 
 mod figure;
+mod ramp_figures;
 mod tcp_figures;
 mod torque_figures;
 
@@ -8,7 +9,7 @@ use std::{fmt::Write as _, path::Path};
 
 use iiwa_eval::{
     Estimate,
-    identify::{BlendObservation, Identified, LineObservation},
+    identify::{BlendObservation, Identified, LineLaw, LineObservation},
 };
 use iiwa_kin::{Joint, Robot};
 use iiwa_log::{JointLog, Loss};
@@ -18,6 +19,7 @@ use crate::{printable, table::table};
 
 use self::{
     figure::{EQUAL_SHARE, Figure, KappaFigure, blends},
+    ramp_figures::{RampFigures, unexplained},
     tcp_figures::TcpFigures,
     torque_figures::TorqueFigures,
 };
@@ -31,6 +33,8 @@ pub struct IdentificationReport {
     velocity_deg_s: [Option<Figure>; 7],
     acceleration_deg_s2: [Option<Figure>; 7],
     jerk_deg_s3: [Option<Figure>; 7],
+    /// The ramps of PTP motions; null if none begins with constant snap.
+    ramps: Option<RampFigures>,
     settle: Option<SettleFigure>,
     kappa: Option<KappaFigure>,
     /// 0 if blends begin and end at equal distances (Larsen 2019, Algorithm 3), 1 if they do not.
@@ -66,7 +70,10 @@ struct LineRow {
     velocity_deg_s: Option<f64>,
     acceleration_deg_s2: Option<f64>,
     jerk_deg_s3: Option<f64>,
+    /// `jerk` if constant jerk explains it, `snap` if ramps that begin with constant snap do.
+    law: &'static str,
     residual_deg: f64,
+    noise_deg: f64,
 }
 
 impl From<&LineObservation> for LineRow {
@@ -80,7 +87,12 @@ impl From<&LineObservation> for LineRow {
             velocity_deg_s: line.speed_rad_s.map(f64::to_degrees),
             acceleration_deg_s2: line.acceleration_rad_s2.map(f64::to_degrees),
             jerk_deg_s3: line.jerk_rad_s3.map(f64::to_degrees),
+            law: match line.law {
+                LineLaw::Jerk => "jerk",
+                LineLaw::Snap => "snap",
+            },
             residual_deg: line.residual_rad.to_degrees(),
+            noise_deg: line.noise_rad.to_degrees(),
         }
     }
 }
@@ -142,6 +154,7 @@ impl IdentificationReport {
             velocity_deg_s: degrees(&found.velocity_rad_s),
             acceleration_deg_s2: degrees(&found.acceleration_rad_s2),
             jerk_deg_s3: degrees(&found.jerk_rad_s3),
+            ramps: found.ramps.as_ref().map(RampFigures::new),
             settle: found.settle.map(|settle| SettleFigure {
                 mean_s: settle.mean_s.into(),
                 deviation_s: settle.deviation_s,
@@ -152,7 +165,7 @@ impl IdentificationReport {
             torques: found.torques.as_ref().map(TorqueFigures::new),
             lines: found.lines.iter().map(LineRow::from).collect(),
             blends: found.blends.iter().map(BlendRow::from).collect(),
-            losses: lost.chain(left_out).chain(unused).collect(),
+            losses: lost.chain(unexplained(found)).chain(left_out).chain(unused).collect(),
             output: output.map(|file| file.display().to_string()),
         }
     }
@@ -194,6 +207,9 @@ impl IdentificationReport {
             rows.add_row(row);
         }
         let mut text = format!("{rows}\n\n");
+        if let Some(ramps) = &self.ramps {
+            ramps.write(&mut text, model.ramp_law());
+        }
         match &self.settle {
             Some(SettleFigure { mean_s, deviation_s }) => {
                 let _ = writeln!(

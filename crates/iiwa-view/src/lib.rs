@@ -33,6 +33,7 @@ mod stated_time;
 mod summary;
 mod table;
 mod twin;
+mod validation_report;
 mod warning;
 
 pub use comparison_report::ComparisonReport;
@@ -57,4 +58,5 @@ pub use run_report::RunReport;
 pub use summary::{PlannedTimes, Summary, SummaryRow};
 pub use table::{assumption_lines, plan_table, table};
 pub use twin::{TwinRobot, TwinSetup, twin_page};
+pub use validation_report::ValidationReport;
 pub use warning::warning_lines;

@@ -147,9 +147,9 @@ pub fn plan_table(figures: &PlanFigures) -> String {
 
 /// What is assumed of the controller, as far as the time rests on it, one line each.
 #[must_use]
-pub fn assumption_lines(figures: &PlanFigures) -> String {
+pub fn assumption_lines(rests_on: &[AssumptionRecord]) -> String {
     let mut text = String::new();
-    for AssumptionRecord { what, motions, first, .. } in &figures.rests_on {
+    for AssumptionRecord { what, motions, first, .. } in rests_on {
         let of = match motions {
             1 => format!("motion {first}"),
             more => format!("{more} motions, the first is {first}"),

@@ -113,7 +113,7 @@ fn report(
     if !options.json {
         let mut text = plan_table(figures);
         if options.assumptions {
-            text.push_str(&assumption_lines(figures));
+            text.push_str(&assumption_lines(&figures.rests_on));
         }
         if let Some(file) = file {
             let _ = writeln!(text, "Trajectory in {}", file.display());

@@ -1,9 +1,13 @@
 //! How far the arm is from the planned path, whenever it is there.
 
-use iiwa_kin::{Joints, Robot, vector::distance};
+use iiwa_kin::{
+    Joints, Robot,
+    vector::{distance, sub},
+};
 use iiwa_log::JointLog;
 use iiwa_program::MotionIndex;
 
+use super::motion_deviation::{MotionDeviation, MotionDeviations};
 use super::plan::Plan;
 
 /// How far the recorded path is from the planned one.
@@ -54,18 +58,29 @@ pub struct TracePoint {
 /// Points of a trace at most.
 const TRACE: usize = 10_000;
 
+/// The deviations over some samples.
+pub(super) struct Deviations {
+    pub(super) joints_rad: Deviation,
+    pub(super) tcp_m: Deviation,
+    /// The largest ones of each motion.
+    pub(super) motions: Vec<MotionDeviation>,
+    /// Some of the samples.
+    pub(super) trace: Vec<TracePoint>,
+}
+
 /// The deviations in joint space and of the TCP over some samples, and some of them.
-pub(crate) fn deviations(
+pub(super) fn deviations(
     plan: &Plan,
     log: &JointLog,
     samples: std::ops::Range<usize>,
     place_s: &[f64],
     start_s: f64,
-) -> Option<(Deviation, Deviation, Vec<TracePoint>)> {
+) -> Option<Deviations> {
     let curve = &plan.curve;
     let thinned = samples.len().div_ceil(TRACE).max(1);
     let mut trace = Vec::with_capacity(samples.len() / thinned + 2);
     let (mut joints, mut tcp) = (Sum::default(), Sum::default());
+    let mut motions = MotionDeviations::default();
     let mut farthest = f64::NEG_INFINITY;
     let last = samples.len().checked_sub(1)?;
     for (k, (i, &plan_s)) in samples.zip(place_s).enumerate() {
@@ -79,6 +94,7 @@ pub(crate) fn deviations(
         let off_rad = distance(q, &planned);
         let tcp_m = plan.robot().flange_position(q);
         let off_m = tcp_distance(plan, plan_s, (&planned, &rate), tcp_m);
+        motions.add(plan.motion_at(plan_s), &sub(q, &planned), off_m);
         joints.add(off_rad, way, i, plan_s);
         tcp.add(off_m, way, i, plan_s);
         if k % thinned == 0 || k == last {
@@ -91,7 +107,12 @@ pub(crate) fn deviations(
             });
         }
     }
-    Some((joints.deviation(plan, log), tcp.deviation(plan, log), trace))
+    Some(Deviations {
+        joints_rad: joints.deviation(plan, log),
+        tcp_m: tcp.deviation(plan, log),
+        motions: motions.all(),
+        trace,
+    })
 }
 
 /// Distance of a point from the planned path of the TCP near the place that the plan's joints are at: the

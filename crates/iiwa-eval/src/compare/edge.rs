@@ -8,12 +8,13 @@
 
 use iiwa_kin::{
     Joints,
-    vector::{distance, dot, norm, scale, sub},
+    vector::{add_scaled, distance, dot, norm, scale, sub},
 };
 use iiwa_log::JointLog;
 
 use super::curve::Curve;
-use super::noise::Noise;
+use super::start_fit::StartFit;
+use crate::noise::Noise;
 use crate::quantile::median;
 
 /// The way over which a ramp is looked at, in rad, if noise does not ask for more.
@@ -21,6 +22,13 @@ const WAY_RAD: f64 = 3e-3;
 
 /// Farther than this from where it should, the arm does not stand for this stop, in rad.
 pub(super) const STANDS_RAD: f64 = 5e-3;
+
+/// Farther off its path, in rad, and by more than noise, an arm does not follow what is asked of it exactly.
+const TRACKS_RAD: f64 = 5e-6;
+
+/// By how much the means of the halves of a window may differ while the arm stands, in rad: an arm that was just braked sways,
+/// which is tried only where it is never as still as it could be.
+const SWAYS_RAD: [f64; 3] = [2e-6, 1e-5, 5e-5];
 
 /// The least samples of a ramp.
 const SAMPLES: usize = 5;
@@ -88,14 +96,16 @@ impl Stop<'_> {
         let near = away(&nearest) + STANDS_RAD + 20.0 * noise.norm_rad();
         let from = samples.clone().find(|i| away(i) <= near).unwrap_or(nearest);
         let to = samples.rev().find(|i| away(i) <= near).unwrap_or(nearest) + 1;
-        let (rest, at, stands) = match self.stand(log, from..to, noise, &planned) {
-            Some((rest, at)) => (rest, at, true),
-            // The recording is cut to the motion.
-            None if unclear.distance_rad <= 1e-4 + 20.0 * noise.norm_rad() => {
-                (planned, nearest, false)
-            }
-            None => return Err(unclear),
+        let stand = |sway_rad| {
+            let (rest, at) = self.stand(log, from..to, noise, &planned, sway_rad)?;
+            Some((rest, at, true))
         };
+        // The recording may be cut to the motion.
+        let is_cut = unclear.distance_rad <= 1e-4 + 20.0 * noise.norm_rad();
+        let cut = || is_cut.then_some((planned, nearest, false));
+        let [still, swaying @ ..] = SWAYS_RAD;
+        let found = stand(still).or_else(cut).or_else(|| swaying.into_iter().find_map(stand));
+        let (rest, at, stands) = found.ok_or(unclear)?;
         self.ramp(log, knot, &rest, at, noise).map(|edge| Edge { stands, ..edge }).ok_or(unclear)
     }
 
@@ -115,6 +125,7 @@ impl Stop<'_> {
         samples: std::ops::Range<usize>,
         noise: &Noise,
         planned: &Joints,
+        sway_rad: f64,
     ) -> Option<(Joints, usize)> {
         let window_s = (0.8 * self.stand_s).clamp(0.02, 0.5);
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "0 to 1e6")]
@@ -126,27 +137,40 @@ impl Stop<'_> {
         let count = 2 * half;
         // By how much the means of the halves of a window differ, while the arm stands.
         let noise_of_mean = noise.norm_rad() / (half as f64).sqrt();
-        let still = 3.0 * std::f64::consts::SQRT_2 * noise_of_mean + 2e-6;
+        let noise_still = 3.0 * std::f64::consts::SQRT_2 * noise_of_mean;
         // Creeping is not standing, even at a tenth of the planned speed.
-        let still = still.min(0.1 * self.speed_rad_s * half as f64 * noise.step_s);
+        let creeps = 0.1 * self.speed_rad_s * half as f64 * noise.step_s;
         let q = |i: usize| &log.q_rad[i];
-        let mut differences = HalfMeans::new(log, samples.start, half);
-        let mut found = None;
-        for at in samples.start..=samples.end - count {
-            if differences.norm() <= still {
-                found = Some(at);
-                if self.side == Side::Arrives {
-                    break;
+        let find = |still: f64| {
+            let mut differences = HalfMeans::new(log, samples.start, half);
+            let mut found = None;
+            for at in samples.start..=samples.end - count {
+                if differences.norm() <= still {
+                    found = Some(at);
+                    if self.side == Side::Arrives {
+                        break;
+                    }
+                }
+                if at < samples.end - count {
+                    differences.advance();
                 }
             }
-            if at < samples.end - count {
-                differences.advance();
-            }
-        }
-        let at = found?;
+            found
+        };
+        let at = find((noise_still + sway_rad).min(creeps))?;
+        // The window next to the ramp has its gentle beginning in it; those beyond have not.
+        let still = (noise_still + sway_rad).min(creeps);
+        let beyond = |k: usize| match self.side {
+            Side::Leaves => at.checked_sub(k * count).filter(|at| *at >= samples.start),
+            Side::Arrives => Some(at + k * count).filter(|at| at + count <= samples.end),
+        };
+        let is_still = |at: &usize| HalfMeans::new(log, *at, half).norm() <= still;
+        let still_ones = (1..=10).map_while(beyond).take_while(is_still);
+        let windows: Vec<_> = std::iter::once(at).chain(still_ones).collect();
+        let windows = &windows[windows.len() / 2..];
         let mut rest: Joints = std::array::from_fn(|j| {
-            let mut values: Vec<f64> = (at..at + count).map(|i| q(i)[j]).collect();
-            median(&mut values)
+            let values = windows.iter().flat_map(|at| (*at..at + count).map(|i| q(i)[j]));
+            median(&mut values.collect::<Vec<_>>())
         });
         if distance(&rest, planned) <= 3.0 * noise_of_mean + 1e-6 {
             rest = *planned;
@@ -166,56 +190,28 @@ impl Stop<'_> {
         let (curve, leaves) = (self.curve, self.side == Side::Leaves);
         let sign = if leaves { 1.0 } else { -1.0 };
         let unit = self.direction(knot)?;
-        let sigma = noise.along_rad(&unit);
-        let top = WAY_RAD.max(100.0 * sigma).min(0.25 * self.leg_rad);
-        let way = |i: usize| sign * dot(&sub(&log.q_rad[i], rest), &unit);
-        let step = |i: usize| {
-            let next = if leaves { i + 1 } else { i.checked_sub(1)? };
-            (next < log.t_s.len()).then_some(next)
-        };
-        // From the stand up the ramp; then what of it is above the noise.
-        let mut ramp = Vec::new();
-        let mut last_rest = at;
-        let mut i = at;
-        while let Some(next) = step(i) {
-            i = next;
-            let p = way(i);
-            if p <= 5.0 * sigma + 1e-12 {
-                ramp.clear();
-                last_rest = i;
-                continue;
-            }
-            // Coarse samples take what they need of the leg, up to half of it.
-            if p > top && (ramp.len() >= SAMPLES || p > 0.5 * self.leg_rad) {
-                break;
-            }
-            ramp.push((i, p));
-            if p > top && ramp.len() >= SAMPLES {
-                break;
-            }
+        let mut sigma = noise.along_rad(&unit);
+        let (mut last_rest, mut ramp) = self.samples_of_ramp(log, &unit, rest, at, sigma);
+        let plan_at = |p: f64| curve.time_along(knot, leaves, &unit, sign * p);
+        // Friction, elasticity and vibration take a real arm off its path as much as along it, and are no noise from sample
+        // to sample.
+        let off = off_path(ramp.iter().filter_map(|&(i, p)| {
+            let planned = sub(&curve.at(plan_at(p)?).0, &curve.knots()[knot].q);
+            let off = sub(&sub(&log.q_rad[i], rest), &planned);
+            Some(add_scaled(&off, -dot(&off, &unit), &unit))
+        }));
+        let tracks = off > TRACKS_RAD.max(2.0 * sigma);
+        if tracks {
+            sigma = 5.0 * off;
+            (last_rest, ramp) = self.samples_of_ramp(log, &unit, rest, at, sigma);
         }
         let plan_time = |p: f64| {
-            let t_s = curve.time_along(knot, leaves, &unit, sign * p)?;
+            let t_s = plan_at(p)?;
             let speed = dot(&curve.at(t_s).1, &unit);
             Some((sign * (t_s - curve.knots()[knot].t_s), speed))
         };
-        let fit = |law: &dyn Fn(f64) -> Option<(f64, f64)>| {
-            Line::fit(ramp.iter().filter_map(|&(i, p)| {
-                let (tau, speed) = law(p)?;
-                Some((tau, sign * log.t_s[i], speed * speed))
-            }))
-        };
-        let as_planned = fit(&plan_time);
-        let best = |a: Line, b: Line| if b.miss() < a.miss() { b } else { a };
-        let any = BENDS_RAD.into_iter().filter_map(|bend| fit(&|p| Some(ramp_law(p, bend))));
-        let any = any.filter(|line| line.points >= 4).reduce(best);
-        let line = match (as_planned, any) {
-            // Other than planned only if the plan's law is clearly not that of the arm: if noise made
-            // it fit so much worse once in a thousand times, or less.
-            (Some(plan), Some(other)) if plan.misfit(sigma.max(other.miss())) > 12.0 => other,
-            (Some(line), _) | (None, Some(line)) => line,
-            (None, None) => return None,
-        };
+        let points: Vec<_> = ramp.iter().map(|&(i, p)| (p, sign * log.t_s[i])).collect();
+        let line = StartFit { points: &points, sigma, tracks }.best(&plan_time)?;
         let first = ramp.first()?.0;
         let mut gap = (log.t_s[last_rest.min(first)], log.t_s[last_rest.max(first)]);
         for pair in ramp.windows(2) {
@@ -230,6 +226,44 @@ impl Stop<'_> {
             gap_s: gap,
             stands: true,
         })
+    }
+
+    /// The last sample at rest, and those of the ramp next to it that are above the noise, each with its way.
+    fn samples_of_ramp(
+        &self,
+        log: &JointLog,
+        unit: &Joints,
+        rest: &Joints,
+        at: usize,
+        sigma: f64,
+    ) -> (usize, Vec<(usize, f64)>) {
+        let leaves = self.side == Side::Leaves;
+        let sign = if leaves { 1.0 } else { -1.0 };
+        let top = WAY_RAD.max(100.0 * sigma).min(0.25 * self.leg_rad);
+        let step = |i: usize| {
+            let next = if leaves { i + 1 } else { i.checked_sub(1)? };
+            (next < log.t_s.len()).then_some(next)
+        };
+        let (mut last_rest, mut ramp) = (at, Vec::new());
+        let mut i = at;
+        while let Some(next) = step(i) {
+            i = next;
+            let p = sign * dot(&sub(&log.q_rad[i], rest), unit);
+            if p <= 5.0 * sigma + 1e-12 {
+                ramp.clear();
+                last_rest = i;
+                continue;
+            }
+            // Coarse samples take what they need of the leg, up to half of it.
+            if p > top && (ramp.len() >= SAMPLES || p > 0.5 * self.leg_rad) {
+                break;
+            }
+            ramp.push((i, p));
+            if p > top && ramp.len() >= SAMPLES {
+                break;
+            }
+        }
+        (last_rest, ramp)
     }
 
     /// The direction of the leg at the stop.
@@ -261,24 +295,10 @@ impl Stop<'_> {
     }
 }
 
-/// The ways after which a ramp's acceleration may have stopped to grow, in rad: from one that is at its
-/// acceleration from the first sample on to one of constant jerk throughout.
-const BENDS_RAD: [f64; 14] =
-    [1e-9, 3e-6, 1e-5, 2e-5, 5e-5, 1e-4, 2e-4, 3e-4, 5e-4, 8e-4, 1.3e-3, 2e-3, 3e-3, 1.0];
-
-/// The time for a way `p` from standstill with constant jerk up to the way `bend`, and with constant
-/// acceleration from then on, in units of the time to the bend; and the speed there in units of way.
-fn ramp_law(p: f64, bend: f64) -> (f64, f64) {
-    let y = p / bend;
-    if y <= 1.0 {
-        // y = tau^3
-        let tau = y.cbrt();
-        (tau, 3.0 * bend * tau * tau)
-    } else {
-        // y = tau^3 - (tau - 1)^3
-        let tau = 0.5 + (12.0 * y - 3.0).sqrt() / 6.0;
-        (tau, 3.0 * bend * (2.0 * tau - 1.0))
-    }
+/// How far samples are off their path, root mean square of each of the six directions across it, in rad.
+fn off_path(off: impl Iterator<Item = Joints>) -> f64 {
+    let (count, squares) = off.fold((0, 0.0), |sum, off| (sum.0 + 1, sum.1 + dot(&off, &off)));
+    (squares / (6.0 * f64::from(count.max(1)))).sqrt()
 }
 
 /// The means of the two halves of a window that moves on.
@@ -318,76 +338,5 @@ impl<'a> HalfMeans<'a> {
 
     fn norm(&self) -> f64 {
         norm(&self.difference) / self.half as f64
-    }
-}
-
-/// A line t = zero + slope tau through weighted points.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Line {
-    /// t where tau is 0.
-    pub(crate) zero: f64,
-    slope: f64,
-    points: usize,
-    /// Sum of weighted squares of what is left.
-    left: f64,
-    /// Sums of w, w tau, w tau^2.
-    sums: [f64; 3],
-}
-
-impl Line {
-    /// Through points (tau, t, weight). A single one is passed with slope 1. None without points, or if
-    /// t falls with tau.
-    pub(crate) fn fit(points: impl Iterator<Item = (f64, f64, f64)>) -> Option<Self> {
-        let points: Vec<_> = points.filter(|point| point.2 > 0.0).collect();
-        let [first, .., last] = points[..] else {
-            let (tau, t, w) = *points.first()?;
-            let sums = [w, w * tau, w * tau * tau];
-            return Some(Self { zero: t - tau, slope: 1.0, points: 1, left: 0.0, sums });
-        };
-        // About the first point: times of a clock are large.
-        let (tau0, t0) = (first.0, first.1);
-        let mut s = [0.0; 5];
-        for &(tau, t, w) in &points {
-            let (tau, t) = (tau - tau0, t - t0);
-            for (sum, term) in s.iter_mut().zip([w, w * tau, w * tau * tau, w * t, w * tau * t]) {
-                *sum += term;
-            }
-        }
-        let determinant = s[0] * s[2] - s[1] * s[1];
-        if determinant <= 1e-12 * s[0] * s[2] || last.0 == first.0 {
-            return None;
-        }
-        let slope = (s[0] * s[4] - s[1] * s[3]) / determinant;
-        let offset = (s[3] - slope * s[1]) / s[0];
-        if slope <= 0.0 {
-            return None;
-        }
-        let miss =
-            |&(tau, t, w): &(f64, f64, f64)| w * (t - t0 - offset - slope * (tau - tau0)).powi(2);
-        let left = points.iter().map(miss).sum();
-        let zero = t0 + offset - slope * tau0;
-        let moved = [s[0], s[1] + tau0 * s[0], s[2] + 2.0 * tau0 * s[1] + tau0 * tau0 * s[0]];
-        Some(Self { zero, slope, points: points.len(), left, sums: moved })
-    }
-
-    /// What is left of the way, root mean square, in rad.
-    fn miss(&self) -> f64 {
-        (self.left / self.points as f64).sqrt() / self.slope
-    }
-
-    /// How much worse it fits than noise would have it: chi squared, less the number of points.
-    fn misfit(&self, sigma: f64) -> f64 {
-        (self.miss() / sigma.max(1e-12)).powi(2) * self.points as f64 - self.points as f64
-    }
-
-    /// Standard deviation of where tau is 0, when the way has that of noise, in s.
-    fn deviation(&self, sigma: f64) -> f64 {
-        let [w, wt, wtt] = self.sums;
-        let sigma = sigma.max(self.miss());
-        let determinant = w * wtt - wt * wt;
-        if self.points < 2 || determinant <= 0.0 {
-            return sigma / w.sqrt();
-        }
-        sigma * self.slope * (wtt / determinant).sqrt()
     }
 }

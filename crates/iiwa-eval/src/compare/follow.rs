@@ -8,8 +8,8 @@ use iiwa_log::JointLog;
 
 use super::curve::{Curve, Place};
 use super::error::CompareError;
-use super::noise::Noise;
 use super::plan::{Leg, Plan};
+use crate::noise::Noise;
 
 /// How far from the plan's start and end the arm may stand, in rad.
 const ENDS_RAD: f64 = 0.05;

@@ -1,13 +1,14 @@
 //! Observations of all recordings, until something is concluded from them.
 
-use iiwa_kin::Robot;
+use iiwa_kin::{Joints, Robot};
 
 use crate::{
     estimate::Estimate,
     identify::{
+        found_ramps::RampFindings,
         identified::{Identified, Settle},
         kappa::Kappa,
-        limits::{self, Bound},
+        limits::{self, Bound, Plausible},
         ramps::Observed,
     },
 };
@@ -23,6 +24,7 @@ const TIME_SHARE: f64 = 0.01;
 pub(super) struct Findings {
     pub(super) known: Identified,
     pub(super) bounds: [Vec<Bound>; 3],
+    pub(super) ramps: RampFindings,
     pub(super) settles: Vec<Observed>,
     pub(super) unequal: Vec<Observed>,
     /// Of blends of the TCP: how far before and behind the target they begin and end, as shares of what the program asks
@@ -40,9 +42,14 @@ impl Findings {
         let tcp_blends = self.known.tcp_blends.iter().map(|blend| (blend.gamma_deg, blend.kappa));
         let [before, after] = self.tcp_reach.each_ref().map(|reach| Estimate::mean(reach));
         Identified {
-            velocity_rad_s: limits::estimate(speed, TOLERANCES[0]),
-            acceleration_rad_s2: limits::estimate(acceleration, TOLERANCES[1]),
+            velocity_rad_s: with_model(speed, &model.limits().velocity_rad_s, TOLERANCES[0]),
+            acceleration_rad_s2: with_model(
+                acceleration,
+                &model.limits().acceleration_rad_s2,
+                TOLERANCES[1],
+            ),
             jerk_rad_s3: limits::estimate(jerk, TOLERANCES[2]),
+            ramps: self.ramps.conclude(model.ramp_law()),
             settle: settle(&self.settles, self.period_s),
             kappa: Kappa::fit(&blends.collect::<Vec<_>>(), |gamma| model.kappa(gamma)),
             unequal_share: Estimate::mean(&self.unequal),
@@ -52,6 +59,15 @@ impl Findings {
             ..self.known
         }
     }
+}
+
+/// The limits that the observations show; of joints that they leave open, those that they show if the ratios of the limits
+/// are about the model's.
+fn with_model(bounds: &[Bound], model: &Joints, tolerance: f64) -> [Option<Estimate>; 7] {
+    let shown = limits::estimate(bounds, tolerance);
+    let by = Plausible { limits: model, factor: 1.35, share: 0.8 };
+    let by_model = limits::estimate(&limits::plausible(bounds, by), tolerance);
+    std::array::from_fn(|j| shown[j].or(by_model[j]))
 }
 
 fn settle(observations: &[Observed], period_s: f64) -> Option<Settle> {

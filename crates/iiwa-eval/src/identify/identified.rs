@@ -5,6 +5,7 @@ use iiwa_kin::Robot;
 use crate::{
     estimate::Estimate,
     identify::{
+        found_ramps::FoundRamps,
         found_torques::FoundTorques,
         kappa::Kappa,
         observation::{
@@ -23,6 +24,8 @@ pub struct Identified {
     pub acceleration_rad_s2: [Option<Estimate>; 7],
     /// Limits of jerk, in rad/s^3.
     pub jerk_rad_s3: [Option<Estimate>; 7],
+    /// The law of the ramps, if motions have ramps that begin with constant snap.
+    pub ramps: Option<FoundRamps>,
     /// The time to settle.
     pub settle: Option<Settle>,
     /// kappa over gamma.
@@ -78,6 +81,10 @@ impl Identified {
             }
         }
         let mut robot = model.clone().with_limits(limits);
+        if let Some(ramps) = &self.ramps {
+            let law = ramps.law(model.ramp_law());
+            robot = robot.with_ramp_law(law);
+        }
         if let Some(settle) = &self.settle {
             robot = robot.with_settle_time_s(settle.mean_s.value.max(SHORTEST_SETTLE_S));
         }

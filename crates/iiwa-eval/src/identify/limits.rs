@@ -2,7 +2,7 @@
 
 use iiwa_kin::Joints;
 
-use crate::{estimate::Estimate, identify::ramps::Observed};
+use crate::{estimate::Estimate, identify::ramps::Observed, quantile::median};
 
 /// The top speed of a motion along a line, or its acceleration or jerk: the largest that all joints
 /// allow. At least one of them is at its limit.
@@ -31,6 +31,38 @@ impl Bound {
             |j: usize| if moves(j) { figure * direction[j].abs() / shares[j] } else { 0.0 };
         Self { of_joint: std::array::from_fn(of_joint), deviation: deviation / figure }
     }
+}
+
+/// A model whose limits are about right.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Plausible<'a> {
+    /// Its limits.
+    pub(super) limits: &'a Joints,
+    /// A motion that shows limits which are, compared with what the others show, larger or smaller by more than this factor
+    /// was not fitted well.
+    pub(super) factor: f64,
+    /// A joint that uses less of its limit than this share of what the joint uses that is nearest to its own is not the one.
+    pub(super) share: f64,
+}
+
+/// The bounds without what is not plausible by a model.
+pub(super) fn plausible(bounds: &[Bound], by: Plausible<'_>) -> Vec<Bound> {
+    let Plausible { limits: model, factor, share } = by;
+    let largest = |bound: &Bound| (0..7).map(|j| bound.of_joint[j] / model[j]).fold(0.0, f64::max);
+    let mut all: Vec<f64> = bounds.iter().map(largest).collect();
+    if all.is_empty() {
+        return Vec::new();
+    }
+    let usual = median(&mut all);
+    let alike =
+        bounds.iter().filter(|bound| (usual / factor..=usual * factor).contains(&largest(bound)));
+    let with_near_joints = |bound: &Bound| {
+        let least = share * largest(bound);
+        let near = |j: usize| bound.of_joint[j] / model[j] >= least;
+        let of_joint = |j: usize| if near(j) { bound.of_joint[j] } else { 0.0 };
+        Bound { of_joint: std::array::from_fn(of_joint), ..*bound }
+    };
+    alike.map(with_near_joints).collect()
 }
 
 /// The joint, if it is only one.

@@ -25,8 +25,32 @@ pub struct LineObservation {
     pub acceleration_rad_s2: Option<f64>,
     /// Jerk along the way, in rad/s^3, if it shows.
     pub jerk_rad_s3: Option<f64>,
-    /// Root mean square of what the seven phases leave over, in rad.
+    /// The law that explains it.
+    pub law: LineLaw,
+    /// Root mean square of what that law leaves over, in rad.
     pub residual_rad: f64,
+    /// Noise of the recording along the way, in rad.
+    pub noise_rad: f64,
+}
+
+impl LineObservation {
+    /// Whether far more is left over than noise: no law that is known here explains the motion.
+    #[must_use]
+    pub fn is_unexplained(&self) -> bool {
+        self.residual_rad > UNEXPLAINED_RAD.max(30.0 * self.noise_rad)
+    }
+}
+
+/// Less is never called unexplained, in rad: lag and friction of measured positions.
+const UNEXPLAINED_RAD: f64 = 2e-5;
+
+/// How a motion along a line speeds up and slows down.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum LineLaw {
+    /// Seven phases of constant jerk.
+    Jerk,
+    /// Ramps that begin with constant snap, as under Sunrise: see [`RampLaw`](iiwa_kin::RampLaw).
+    Snap,
 }
 
 /// A blend.

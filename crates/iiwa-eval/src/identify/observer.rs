@@ -3,18 +3,20 @@
 use std::f64::consts::SQRT_2;
 
 use iiwa_kin::{
-    Joint, Joints,
-    vector::{distance, dot, norm, sub, unit},
+    Joint, Joints, RampEnd,
+    vector::{add_scaled, distance, dot, largest_multiple, norm, scale, sub, unit},
 };
-use iiwa_path::{BlendSearch, Step};
+use iiwa_path::{BlendSearch, JointPath, Step};
 use iiwa_program::{LimitKind, Motion, MotionIndex};
 
 use crate::identify::{
     blends::{BlendCurve, Corner},
     findings::Findings,
     limits::{self, Bound},
-    observation::{BlendObservation, FEWEST, LEFT_SHARE, LeftOut, LineObservation, Why},
-    ramps::Ramps,
+    observation::{BlendObservation, FEWEST, LEFT_SHARE, LeftOut, LineLaw, LineObservation, Why},
+    ramps::{Observed, Ramps},
+    soft_ramps::{SoftEnd, SoftRamps},
+    soft_shape::{SoftLine, SoftRamp},
     stops::Passage,
     watched::{CornerSpace, Watched},
 };
@@ -22,6 +24,49 @@ use crate::identify::{
 /// What may be left over of a motion that is taken for one along a line, or for a blend, in rad, beside a share of the
 /// way: what robots lag behind.
 const LEFT_RAD: f64 = 1e-3;
+
+/// Constant jerk explains a motion if it leaves no more over than so many times the noise, and so much in rad.
+const EXPLAINED_NOISE: f64 = 1.5;
+const EXPLAINED_RAD: f64 = 1e-8;
+
+/// Ramps that begin with constant snap are what the arm did if they leave no more over than this share of what constant jerk
+/// does: filters and lag make constant jerk look softer, too.
+const SNAP_SHARE: f64 = 0.5;
+
+/// Samples of a motion along a line, with times at full override.
+struct LineSamples<'a> {
+    from: &'a Joints,
+    direction: &'a Joints,
+    motion: MotionIndex,
+    t_s: &'a [f64],
+    along: &'a [f64],
+    length: f64,
+}
+
+impl LineSamples<'_> {
+    /// Both ends: the direction away from rest there, and the torques of an acceleration that way, in Nm per rad/s^2.
+    fn ends(&self, path: &JointPath) -> [(RampEnd, Joints, Joints); 2] {
+        let dynamics = path.dynamics(self.motion);
+        [(RampEnd::Start, 1.0, 0.0), (RampEnd::Stop, -1.0, self.length)].map(|(end, sign, way)| {
+            let away = scale(sign, self.direction);
+            let at = add_scaled(self.from, way, self.direction);
+            (end, away, dynamics.path_torques(&at, &away, &[0.0; 7]).acceleration)
+        })
+    }
+}
+
+/// What was fitted to a line.
+struct FittedLine {
+    /// When it begins and ends, in s.
+    time_s: [Observed; 2],
+    /// Top speed, acceleration and jerk, of those that show.
+    figures: [Option<Observed>; 3],
+    law: LineLaw,
+    residual: f64,
+    /// What constant jerk leaves over.
+    jerk_residual: f64,
+    ends: Option<[SoftEnd; 2]>,
+}
 
 /// Looks at one recording.
 pub(super) struct Observer<'a> {
@@ -31,26 +76,26 @@ pub(super) struct Observer<'a> {
 
 impl Observer<'_> {
     pub(super) fn observe(&mut self, passages: &[Passage]) {
-        let mut before: Option<(Ramps, &Passage)> = None;
+        let mut before: Option<([Observed; 2], &Passage)> = None;
         for passage in passages {
             let steps = &self.watched.path.steps()[passage.steps.clone()];
-            let ramps = if let [Step::Move { motion, blend: None, .. }] = steps {
+            let times = if let [Step::Move { motion, blend: None, .. }] = steps {
                 self.observe_line(*motion, passage)
             } else {
                 self.observe_blends(passage);
                 None
             };
-            if let (Some((last, stop)), Some(next)) = (before, ramps)
+            if let (Some(([_, last_s], stop)), Some([next_s, _])) = (before, times)
                 && stop.settles > 0
             {
                 let count = f64::from(stop.settles);
-                let stood_s = next.start_s.0 - last.end_s.0 - stop.waits_s;
+                let stood_s = next_s.0 - last_s.0 - stop.waits_s;
                 // Ramps that are found too long make the stops at both ends of their motion too short:
                 // each error counts in two of them.
-                let deviation_s = SQRT_2 * next.start_s.1.hypot(last.end_s.1);
+                let deviation_s = SQRT_2 * next_s.1.hypot(last_s.1);
                 self.found.settles.push((stood_s / count, deviation_s / count));
             }
-            before = ramps.map(|ramps| (ramps, passage));
+            before = times.map(|times| (times, passage));
         }
     }
 
@@ -59,18 +104,22 @@ impl Observer<'_> {
         self.found.known.left_out.push(LeftOut { recording, motion, why });
     }
 
-    fn observe_line(&mut self, motion: MotionIndex, passage: &Passage) -> Option<Ramps> {
+    fn observe_line(&mut self, motion: MotionIndex, passage: &Passage) -> Option<[Observed; 2]> {
         if self.watched.is_course(motion) {
             return None;
         }
         let Passage { from, to, samples, .. } = passage;
         let way = sub(to, from);
         let (length, direction) = (norm(&way), unit(&way));
-        let t_s = &self.watched.log.t_s[samples.clone()];
-        if t_s.len() < FEWEST {
+        let clock_s = &self.watched.log.t_s[samples.clone()];
+        if clock_s.len() < FEWEST {
             self.leave_out(motion, Why::TooFewSamples);
             return None;
         }
+        // At full override, from the first sample on.
+        let first_s = clock_s[0];
+        let scaled = |at_s: &f64| (at_s - first_s) * self.watched.override_share;
+        let t_s: Vec<f64> = clock_s.iter().map(scaled).collect();
         let mut beside = 0.0;
         let along: Vec<f64> = self.watched.log.q_rad[samples.clone()]
             .iter()
@@ -82,33 +131,113 @@ impl Observer<'_> {
             })
             .collect();
         let beside = (beside / t_s.len() as f64).sqrt();
-        let ramps = Ramps::fit(t_s, &along, length);
-        let left = ramps.map_or(length, |ramps| ramps.residual).hypot(beside);
-        let ramps = ramps.filter(|_| left <= LEFT_RAD + LEFT_SHARE * length);
-        let Some(ramps) = ramps else {
+        let line =
+            LineSamples { from, direction: &direction, motion, t_s: &t_s, along: &along, length };
+        let fitted = self.fit_line(&line);
+        let left = fitted.as_ref().map_or(length, |fitted| fitted.residual).hypot(beside);
+        let fitted = fitted.filter(|_| left <= LEFT_RAD + LEFT_SHARE * length);
+        let Some(fitted) = fitted else {
             self.leave_out(motion, Why::NoLine(left));
             return None;
         };
         let Motion::Ptp(ptp) = &self.watched.program.motions[motion.index()] else { return None };
         let shares = LimitKind::ALL.map(|kind| ptp.share(kind));
-        let figures = [ramps.speed, ramps.acceleration, ramps.jerk];
+        let FittedLine { figures, law, residual, .. } = fitted;
         for ((bounds, along), shares) in self.found.bounds.iter_mut().zip(figures).zip(shares) {
             bounds.extend(along.map(|along| Bound::new(along, &direction, shares)));
         }
+        if let Some(ends) = fitted.ends {
+            self.observe_ramps(&line, &ends);
+        }
+        if law == LineLaw::Snap {
+            let noise_rad = self.watched.noise.along_rad(&direction);
+            self.found.ramps.add_motion([residual, fitted.jerk_residual, noise_rad]);
+        }
         let moving = (0..7).filter(|&j| direction[j].abs() > limits::ROUNDING);
+        let real_s = |(at_s, deviation_s): Observed| {
+            (
+                first_s + at_s / self.watched.override_share,
+                deviation_s / self.watched.override_share,
+            )
+        };
+        let time_s = fitted.time_s.map(real_s);
+        let [speed, acceleration, jerk] = figures.map(|figure| figure.map(|(value, _)| value));
         self.found.known.lines.push(LineObservation {
             recording: self.watched.recording,
             motion,
             joint: limits::only(moving).and_then(Joint::from_index),
             from_rad: *from,
             to_rad: *to,
-            time_s: [ramps.start_s.0, ramps.end_s.0],
-            speed_rad_s: ramps.speed.map(|(speed, _)| speed),
-            acceleration_rad_s2: ramps.acceleration.map(|(acceleration, _)| acceleration),
-            jerk_rad_s3: ramps.jerk.map(|(jerk, _)| jerk),
-            residual_rad: ramps.residual,
+            time_s: time_s.map(|(at_s, _)| at_s),
+            speed_rad_s: speed,
+            acceleration_rad_s2: acceleration,
+            jerk_rad_s3: jerk,
+            law,
+            residual_rad: residual,
+            noise_rad: self.watched.noise.along_rad(&direction),
         });
-        Some(ramps)
+        Some(time_s)
+    }
+
+    /// Fits constant jerk to a line, and, where that leaves more than noise over, ramps as under Sunrise.
+    fn fit_line(&self, line: &LineSamples<'_>) -> Option<FittedLine> {
+        let noise_rad = self.watched.noise.along_rad(line.direction);
+        let jerk = Ramps::fit(line.t_s, line.along, line.length);
+        let jerk_residual = jerk.map_or(f64::INFINITY, |ramps| ramps.residual);
+        let by_jerk = jerk.map(|ramps| FittedLine {
+            time_s: [ramps.start_s, ramps.end_s],
+            figures: [ramps.speed, ramps.acceleration, ramps.jerk],
+            law: LineLaw::Jerk,
+            residual: ramps.residual,
+            jerk_residual,
+            ends: None,
+        });
+        if jerk_residual <= EXPLAINED_NOISE * noise_rad + EXPLAINED_RAD {
+            return by_jerk;
+        }
+        let (expected, middle_s) = self.expected(line, jerk.as_ref());
+        let worth = SNAP_SHARE * jerk_residual;
+        let enough = EXPLAINED_NOISE * noise_rad + EXPLAINED_RAD;
+        let snap =
+            SoftRamps::fit(line.t_s, line.along, &expected, middle_s, [enough, jerk_residual]);
+        let by_snap = snap.map(|ramps| FittedLine {
+            time_s: [ramps.start_s, ramps.end_s],
+            figures: [ramps.speed, ramps.acceleration, None],
+            law: LineLaw::Snap,
+            residual: ramps.residual,
+            jerk_residual,
+            ends: ramps.ends,
+        });
+        // More parameters leave less over anyway.
+        by_snap.filter(|fitted| fitted.residual < worth).or(by_jerk)
+    }
+
+    /// The line as the model would do it, with the speed and the acceleration that were found; and when it is half-way.
+    fn expected(&self, line: &LineSamples<'_>, found: Option<&Ramps>) -> (SoftLine, f64) {
+        let robot = self.watched.path.robot();
+        let (limits, law) = (robot.limits(), robot.ramp_law());
+        let most = |limits| largest_multiple(line.direction, limits);
+        let known = |figure: Option<Observed>, model: f64| figure.map_or(model, |(value, _)| value);
+        let speed = known(found.and_then(|ramps| ramps.speed), most(&limits.velocity_rad_s));
+        let speed = speed.min(line.length / law.least_cruise_s);
+        let acceleration =
+            known(found.and_then(|ramps| ramps.acceleration), most(&limits.acceleration_rad_s2));
+        let ends = line.ends(&self.watched.path).map(|(end, away, torques)| {
+            SoftRamp::by(&law.limits(&away, &torques, end), acceleration, law.width_rad_s)
+        });
+        let width = law.width_rad_s;
+        let half = line.along.iter().position(|way| *way >= 0.5 * line.length);
+        let half_s = line.t_s.get(half.unwrap_or_default()).copied().unwrap_or_default();
+        let middle_s = found.map_or(half_s, |ramps| f64::midpoint(ramps.start_s.0, ramps.end_s.0));
+        (SoftLine { way: line.length, speed, acceleration, ends, width }, middle_s)
+    }
+
+    fn observe_ramps(&mut self, line: &LineSamples<'_>, seen: &[SoftEnd; 2]) {
+        let path = &self.watched.path;
+        let law = path.robot().ramp_law();
+        for ((end, away, torques), seen) in line.ends(path).into_iter().zip(seen) {
+            self.found.ramps.add_end(end, seen, &away, &torques, law);
+        }
     }
 
     fn observe_blends(&mut self, passage: &Passage) {

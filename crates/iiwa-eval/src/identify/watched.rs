@@ -7,6 +7,8 @@ use iiwa_log::JointLog;
 use iiwa_path::{JointPath, Segment, Step};
 use iiwa_program::{Course, Fault, Motion, MotionIndex, OrientationType, Program};
 
+use crate::noise::Noise;
+
 /// A recording, and what its program asks for.
 pub(super) struct Watched<'a> {
     /// Its place, from 0.
@@ -14,6 +16,9 @@ pub(super) struct Watched<'a> {
     pub(super) program: &'a Program,
     pub(super) log: &'a JointLog,
     pub(super) path: JointPath,
+    /// The override at which the robot ran, as a share.
+    pub(super) override_share: f64,
+    pub(super) noise: Noise,
     /// Each motion as it were without blends: its segments.
     motions: Vec<Vec<Arc<dyn Segment>>>,
 }
@@ -37,6 +42,7 @@ impl<'a> Watched<'a> {
         program: &'a Program,
         log: &'a JointLog,
         model: &Robot,
+        override_share: f64,
     ) -> Result<Self, Fault> {
         let path = JointPath::new(program, model)?;
         let mut motions = vec![Vec::new(); program.motions.len()];
@@ -45,7 +51,8 @@ impl<'a> Watched<'a> {
                 motions[motion.index()].push(Arc::clone(segment));
             }
         }
-        Ok(Self { recording, program, log, path, motions })
+        let noise = Noise::of(log);
+        Ok(Self { recording, program, log, path, override_share, noise, motions })
     }
 
     /// Whether a motion is a path of the TCP.

@@ -66,6 +66,14 @@ impl Columns {
             }
             return Err(JointLogError::Unknown { found: format!("`{}`", names.join(" ")) });
         };
+        let other = match options.positions {
+            Positions::Measured => Source::Commanded,
+            Positions::Commanded => Source::Measured,
+        };
+        if options.positions_required && source == other {
+            let positions = options.positions;
+            return Err(JointLogError::MissingPositions { line, positions });
+        }
         if split {
             columns.choose("seconds", "`ZeitInSec`", Role::Seconds, seconds)?;
             columns.choose("nanoseconds", "`ZeitInNanoSec`", Role::Nanoseconds, nanoseconds)?;

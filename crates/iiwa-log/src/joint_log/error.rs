@@ -4,7 +4,7 @@ use std::io;
 
 use iiwa_kin::Joint;
 
-use super::Place;
+use super::{Place, Positions};
 use crate::ReadError;
 
 /// Why joint positions could not be read, or do not fit a robot.
@@ -42,6 +42,18 @@ pub enum JointLogError {
         what: String,
         /// The names that it may have.
         expected: String,
+    },
+    /// A `DataRecorder` log without the positions that are required.
+    #[error(
+        "line {line}: no {} positions (columns `{}_...[0]` to `[6]`) in this DataRecorder log, only {} ones: read those, \
+         or record both",
+        .positions.names().0, .positions.names().1, .positions.other().names().0
+    )]
+    MissingPositions {
+        /// The header line, from 1.
+        line: u64,
+        /// Those that are missing.
+        positions: Positions,
     },
     /// Two columns of the same content.
     #[error("line {line}: `{first}` and `{second}` are both a column for {what}")]

@@ -9,6 +9,8 @@ pub struct LogOptions {
     pub unit: Option<AngleUnit>,
     /// The positions that are read where a `DataRecorder` has both; by default, measured ones.
     pub positions: Positions,
+    /// Whether a `DataRecorder` log without these positions is refused; by default, the others are read.
+    pub positions_required: bool,
 }
 
 /// The unit of an angle.
@@ -30,6 +32,24 @@ pub enum Positions {
     Commanded,
 }
 
+impl Positions {
+    /// Their name, and the beginning of the names of their columns.
+    pub(super) fn names(self) -> (&'static str, &'static str) {
+        match self {
+            Self::Measured => ("measured", "axisQMsr"),
+            Self::Commanded => ("commanded", "axisQCmd"),
+        }
+    }
+
+    /// The others.
+    pub(super) fn other(self) -> Self {
+        match self {
+            Self::Measured => Self::Commanded,
+            Self::Commanded => Self::Measured,
+        }
+    }
+}
+
 impl LogOptions {
     /// Sets the unit of columns that name none.
     #[must_use]
@@ -42,6 +62,14 @@ impl LogOptions {
     #[must_use]
     pub fn with_positions(mut self, positions: Positions) -> Self {
         self.positions = positions;
+        self
+    }
+
+    /// Sets the only positions that are read of a `DataRecorder`.
+    #[must_use]
+    pub fn with_only(mut self, positions: Positions) -> Self {
+        self.positions = positions;
+        self.positions_required = true;
         self
     }
 }

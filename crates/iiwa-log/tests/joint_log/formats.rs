@@ -156,7 +156,16 @@ fn a_data_recorder_in_degrees() {
     assert_eq!(commanded.source, Some(Source::Commanded));
     assert_eq!(commanded.robot.as_deref(), Some("lbr_iiwa_7_r800"));
     assert_eq!(commanded.q_rad[1][6], 90.02_f64.to_radians());
-    // Where there are none, the others.
+    // Where there are none, the others, unless none but those may be read.
+    let measured_only = text.replace("axisQCmdT1m", "axisTauMsr");
+    assert_eq!(with(&measured_only, options).unwrap().source, Some(Source::Measured));
+    let only = LogOptions::default().with_only(Positions::Commanded);
+    assert_eq!(with(&text, only).unwrap().source, Some(Source::Commanded));
+    let error = with(&measured_only, only).unwrap_err().to_string();
+    assert!(
+        error.starts_with("line 1: no commanded positions (columns `axisQCmd_...[0]`"),
+        "{error}"
+    );
     assert_eq!(with(&table(&millis(3)), options).unwrap().source, Some(Source::Table));
 }
 

@@ -7,7 +7,7 @@ use std::{
 
 use iiwa_eval::{Comparison, Plan, TracePoint};
 use iiwa_kin::{Joints, Robot};
-use iiwa_log::{Loss, PlanPiece};
+use iiwa_log::{LogOptions, Loss, PlanPiece};
 use iiwa_look::Look;
 use iiwa_program::{Blend, LimitKind, Motion, Program};
 use iiwa_scene::{ArmInScene, ArmMeshes, Scene};
@@ -129,6 +129,8 @@ pub struct PageOptions {
     pub arm: Option<ArmSource>,
     /// What stands around the arm: the whole page shows it, and how near the arm comes.
     pub scene: Option<Scene>,
+    /// What the columns of logs leave open.
+    pub log: LogOptions,
     /// How much of the page is made.
     pub extent: Extent,
     /// Whether the work is to end early; asked again and again while something is planned.
@@ -142,6 +144,7 @@ impl Default for PageOptions {
             robot: None,
             arm: None,
             scene: None,
+            log: LogOptions::default(),
             extent: Extent::default(),
             interrupted: || false,
         }
@@ -215,8 +218,8 @@ impl Page {
         options: &PageOptions,
     ) -> Result<Self, ViewError> {
         let extent = options.extent;
-        let first = Source::read(file)?;
-        let second = measured.map(Source::read).transpose()?;
+        let first = Source::read(file, options.log)?;
+        let second = measured.map(|path| Source::read(path, options.log)).transpose()?;
         swapped(&first, second.as_ref())?;
         let (robot, assumed) = first.robot(options.robot.as_ref())?;
         first.check(&robot)?;

@@ -7,7 +7,7 @@ use std::{
 };
 
 use iiwa_kin::Robot;
-use iiwa_log::{JointLog, Loss, PlanRecord, Source as Format};
+use iiwa_log::{JointLog, LogOptions, Loss, PlanRecord, Source as Format};
 use iiwa_program::Program;
 use serde::Serialize;
 
@@ -40,9 +40,9 @@ pub(crate) enum Role {
 
 impl Source {
     /// Reads a file, as far as it is whole.
-    pub(crate) fn read(path: &Path) -> Result<Self, ViewError> {
+    pub(crate) fn read(path: &Path, options: LogOptions) -> Result<Self, ViewError> {
         let name = path.display().to_string();
-        let log = JointLog::read(open(path)?)
+        let log = JointLog::read_with(open(path)?, options)
             .and_then(|log| log.check_rate().map(|()| log))
             .map_err(|source| ViewError::Recording { name: name.clone(), source })?;
         let file = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned();

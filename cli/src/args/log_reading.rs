@@ -1,0 +1,51 @@
+//! Choices for logs whose columns leave them open.
+
+use clap::{Args, ValueEnum};
+use iiwa_log::{AngleUnit, LogOptions, Positions};
+
+/// Choices for reading logs and tables.
+#[derive(Args, Clone, Copy, Debug)]
+pub(crate) struct LogReading {
+    /// Unit of joint positions whose columns name none (`DataRecorder` logs, `q1` to `q7`) [default: rad; of a
+    /// `DataRecorder` log, deg if a position is beyond every range in rad]
+    #[arg(long, value_enum, value_name = "UNIT")]
+    unit: Option<AngleName>,
+
+    /// Columns of a `DataRecorder` log: commanded positions (axisQCmd) or measured ones (axisQMsr, which lag and have
+    /// noise) [default: measured; of `identify` and `validate`, commanded; or else what the log has]
+    #[arg(long, value_enum, value_name = "POSITIONS")]
+    positions: Option<PositionKind>,
+}
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
+enum AngleName {
+    /// Degrees
+    Deg,
+    /// Radians
+    Rad,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum PositionKind {
+    /// What the controller asked the joints for
+    Commanded,
+    /// What the encoders measured
+    Measured,
+}
+
+impl LogReading {
+    /// The options for reading; `default` unless the command line names the positions.
+    pub(crate) fn options(self, default: Positions) -> LogOptions {
+        let options = LogOptions::default();
+        let options = match self.positions {
+            Some(PositionKind::Commanded) => options.with_only(Positions::Commanded),
+            Some(PositionKind::Measured) => options.with_only(Positions::Measured),
+            None => options.with_positions(default),
+        };
+        match self.unit {
+            Some(AngleName::Deg) => options.with_unit(AngleUnit::Degrees),
+            Some(AngleName::Rad) => options.with_unit(AngleUnit::Radians),
+            None => options,
+        }
+    }
+}

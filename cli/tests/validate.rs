@@ -1,0 +1,105 @@
+//! `iiwasim validate` from outside: a recording and a program in, a table and a score out.
+
+#![expect(clippy::unwrap_used, reason = "a test fails by it")]
+
+use std::fs;
+
+use iiwa_log::JointLog;
+use predicates::{
+    prelude::PredicateBooleanExt,
+    str::{contains, is_empty},
+};
+use tempfile::{TempDir, tempdir};
+
+use crate::helpers::fixture;
+use crate::run::iiwasim;
+
+/// A folder with a program in `secret/program.json`, and with `secret/log.csv`: what a robot with the ramps of `timing` did at an
+/// override of 50 %.
+fn recorded(timing: &str) -> TempDir {
+    let folder = tempdir().unwrap();
+    let secret = folder.path().join("secret");
+    fs::create_dir(&secret).unwrap();
+    fs::copy(fixture("waits-and-stops.json"), secret.join("program.json")).unwrap();
+    let plan = ["plan", "secret/program.json", "-o", "plan.mcap", "--timing", timing];
+    iiwasim(&folder, &[&plan[..], &["--override", "50", "--rate", "500"]].concat()).success();
+    let plan = fs::read(folder.path().join("plan.mcap")).unwrap();
+    let log = JointLog::read(&*plan).unwrap();
+    let t_s = log.t_s.iter().map(|t_s| 7.0 + t_s).collect();
+    let mut csv = Vec::new();
+    JointLog::new(t_s, log.q_rad).write_csv(&mut csv).unwrap();
+    fs::write(secret.join("log.csv"), csv).unwrap();
+    folder
+}
+
+const FILES: [&str; 3] = ["validate", "secret/log.csv", "secret/program.json"];
+
+fn figures(folder: &TempDir, options: &[&str]) -> serde_json::Value {
+    let output = iiwasim(folder, &[&FILES[..], &["--json"], options].concat()).success();
+    serde_json::from_slice(&output.get_output().stdout).unwrap()
+}
+
+#[test]
+fn a_plan_of_the_same_robot_scores_zero() {
+    let folder = recorded("sunrise");
+    iiwasim(&folder, &[&FILES[..], &["--override", "50"]].concat())
+        .success()
+        .stdout(
+            contains("Time        off by 0.00 % (median)")
+                .and(contains("Recording   log.csv: a table, 250 Hz"))
+                .and(contains("timing sunrise, override 50 %"))
+                .and(contains("secret").not()),
+        )
+        .stderr(is_empty());
+    let found = figures(&folder, &["--override", "50"]);
+    assert_eq!(
+        (&found["recording"], &found["program"]),
+        (&"log.csv".into(), &"program.json".into())
+    );
+    assert!(!found.to_string().contains("secret"));
+    let motions = found["motions"].as_array().unwrap();
+    assert_eq!(motions.len(), 8);
+    // At the override, motions take twice as long as planned at full speed.
+    let first = &motions[0];
+    let [planned, measured] = ["planned_s", "measured_s"].map(|key| first[key].as_f64().unwrap());
+    assert!((planned - measured).abs() < 1e-6 && (0.9..1.2).contains(&planned), "{first}");
+    // Waits do not: this one took 1 s, and the program says 0.5 s.
+    let wait = &motions[2];
+    assert_eq!((&wait["type"], &wait["planned_s"]), (&"wait".into(), &0.5.into()));
+    assert!((wait["error_percent"].as_f64().unwrap() + 50.0).abs() < 0.1, "{wait}");
+    for key in
+        ["/score/time_percent/worst", "/score/joint_off_deg/worst", "/score/tcp_off_mm/worst"]
+    {
+        let worst = found.pointer(key).unwrap().as_f64().unwrap();
+        assert!(worst < 1e-3, "{key}: {worst}");
+    }
+}
+
+#[test]
+fn other_ramps_and_overrides_show() {
+    let folder = recorded("jerk");
+    let found = figures(&folder, &["--override", "50"]);
+    let worst = found.pointer("/score/time_percent/worst").unwrap().as_f64().unwrap();
+    assert!((1.0..20.0).contains(&worst), "{worst}");
+    let found = figures(&folder, &["--override", "50", "--timing", "jerk"]);
+    assert!(found.pointer("/score/time_percent/worst").unwrap().as_f64().unwrap() < 0.01);
+    iiwasim(&folder, &[&FILES[..], &["--timing", "jerk"]].concat())
+        .success()
+        .stdout(contains("Note: most motions took far longer than planned: was the robot in T1"));
+}
+
+#[test]
+fn what_is_wrong_is_said() {
+    let folder = recorded("sunrise");
+    for (arguments, words) in [
+        (&["validate", "secret/program.json", "secret/log.csv"][..], "secret/log.csv"),
+        (&["validate", "secret/none.csv", "secret/program.json"], "cannot read secret/none.csv"),
+        (&["validate", "secret/log.csv"], "PROGRAM.json"),
+        (
+            &["validate", "secret/log.csv", "secret/program.json", "--override", "120"],
+            "0.1 to 100 %",
+        ),
+    ] {
+        iiwasim(&folder, arguments).code(2).stdout(is_empty()).stderr(contains(words));
+    }
+}

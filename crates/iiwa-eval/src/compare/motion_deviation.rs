@@ -1,0 +1,46 @@
+//! How far off its path the arm was during each motion.
+
+use iiwa_kin::{Joint, Joints};
+use iiwa_program::MotionIndex;
+
+/// The largest deviations of a motion from its planned path, regardless of time.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MotionDeviation {
+    /// The motion.
+    pub motion: MotionIndex,
+    /// The joint that is farthest off the nearest place of the path.
+    pub joint: Joint,
+    /// By how much, in rad.
+    pub joint_rad: f64,
+    /// How far the TCP is off its path, in m.
+    pub tcp_m: f64,
+}
+
+/// Takes samples in the order of motions.
+#[derive(Debug, Default)]
+pub(super) struct MotionDeviations(Vec<MotionDeviation>);
+
+impl MotionDeviations {
+    /// Adds a sample of a motion: by how much each joint and the TCP are off.
+    pub(super) fn add(&mut self, motion: MotionIndex, off_rad: &Joints, off_m: f64) {
+        let mut worst = (Joint::A1, 0.0);
+        for (joint, off) in Joint::ALL.into_iter().zip(off_rad) {
+            if off.abs() > worst.1 {
+                worst = (joint, off.abs());
+            }
+        }
+        let (joint, joint_rad) = worst;
+        let Some(last) = self.0.last_mut().filter(|last| last.motion == motion) else {
+            self.0.push(MotionDeviation { motion, joint, joint_rad, tcp_m: off_m });
+            return;
+        };
+        if joint_rad > last.joint_rad {
+            (last.joint, last.joint_rad) = (joint, joint_rad);
+        }
+        last.tcp_m = last.tcp_m.max(off_m);
+    }
+
+    pub(super) fn all(self) -> Vec<MotionDeviation> {
+        self.0
+    }
+}

@@ -1,0 +1,92 @@
+//! When a start was, from the samples after it.
+
+use super::line::Line;
+use super::start_law::StartLaw;
+
+/// How often the way that is looked at is halved, to see whether the law of its beginning ends before.
+const TOPS: usize = 8;
+
+/// The least samples of a part of the way.
+const FEWEST: usize = 15;
+
+/// A plan that fits as well, in rad, is what the arm did.
+const EXACT_RAD: f64 = 1e-9;
+
+/// So much more chi squared is by chance once in a thousand times, or less.
+const CLEARLY: f64 = 12.0;
+
+/// The samples of a start from standstill. Of an arrival, time runs backwards.
+pub(super) struct StartFit<'a> {
+    /// Way in rad and time in s, the shortest way first.
+    pub(super) points: &'a [(f64, f64)],
+    /// Standard deviation of the ways, in rad.
+    pub(super) sigma: f64,
+    /// Whether the arm does not follow exactly: what is left over is not noise from sample to sample.
+    pub(super) tracks: bool,
+}
+
+impl StartFit<'_> {
+    /// The line whose zero is the start; `plan` is the plan's time and speed for a way, which is preferred.
+    pub(super) fn best(&self, plan: &dyn Fn(f64) -> Option<(f64, f64)>) -> Option<Line> {
+        let whole = self.points.last()?.0;
+        let planned = self.fit(plan, whole);
+        // Soft starts look like hard ones that begin later, so that the whole way decides which it is.
+        let on_whole = |is_soft| self.any(std::iter::once(whole), is_soft);
+        let hard = if self.tracks { None } else { on_whole(false) };
+        let soft = on_whole(true);
+        let is_soft = match (&hard, &soft) {
+            (Some(hard), Some(soft)) => self.is_worse(hard, soft),
+            (hard, _) => hard.is_none(),
+        };
+        let Some(other) = (if is_soft { soft } else { hard }) else { return planned };
+        match planned {
+            Some(planned) if !self.is_worse(&planned, &other) => Some(planned),
+            _ => self.any(self.tops(), is_soft),
+        }
+    }
+
+    /// Whether a line fits clearly worse than another one through the same points.
+    fn is_worse(&self, line: &Line, other: &Line) -> bool {
+        if self.tracks {
+            return other.miss() < 0.8 * line.miss();
+        }
+        line.misfit(self.sigma.max(other.miss()).max(EXACT_RAD)) > CLEARLY
+    }
+
+    /// The ways up to which the points are looked at.
+    fn tops(&self) -> impl Iterator<Item = f64> {
+        let whole = self.points.last().map(|point| point.0);
+        let tops = std::iter::successors(whole, |top| Some(0.5 * top));
+        let least = 50.0 * self.sigma;
+        let first = whole.unwrap_or_default();
+        tops.take_while(move |top| *top == first || *top > least).take(if self.tracks {
+            1
+        } else {
+            TOPS
+        })
+    }
+
+    /// The law that fits best, of all that are soft, or are not.
+    fn any(&self, tops: impl Iterator<Item = f64>, is_soft: bool) -> Option<Line> {
+        let whole = self.points.last()?.0;
+        let laws =
+            tops.flat_map(|top| StartLaw::all(is_soft, self.tracks).map(move |law| (law, top)));
+        let lines = laws.filter_map(|(law, top)| {
+            let least = if top < whole { FEWEST } else { 4 };
+            let line = self.fit(&|p| Some(law.time(p)), top)?;
+            Some(line).filter(|line| line.points >= least)
+        });
+        let rank = |line: &Line| {
+            if self.tracks { line.miss() } else { line.error(self.sigma) }
+        };
+        lines.reduce(|a, b| if rank(&b) < rank(&a) { b } else { a })
+    }
+
+    fn fit(&self, law: &dyn Fn(f64) -> Option<(f64, f64)>, top: f64) -> Option<Line> {
+        let points = self.points.iter().filter(|point| point.0 <= top);
+        Line::fit(points.filter_map(|&(p, t_s)| {
+            let (tau, speed) = law(p)?;
+            Some((tau, t_s, speed * speed))
+        }))
+    }
+}

@@ -1,0 +1,230 @@
+//! Motions along a line with ramps as under Sunrise, fitted to all of their samples at once.
+
+use crate::{
+    identify::{
+        ramps::Observed,
+        soft_shape::{SoftLine, SoftRamp, SoftShape},
+    },
+    least_squares::{self, Fit, Model},
+};
+
+/// Parameters: where and when it begins, how far it goes, its top speed and acceleration, and of the first phase of each ramp
+/// the speed at its end and what is left then of the square of the acceleration, as a share: 0 for a ramp of one phase.
+const FROM: usize = 0;
+const BEGIN: usize = 1;
+const WAY: usize = 2;
+const SPEED: usize = 3;
+const ACCELERATION: usize = 4;
+const RAMPS: [[usize; 2]; 2] = [[5, 6], [7, 8]];
+const COUNT: usize = 9;
+
+type SoftParameters = [f64; COUNT];
+
+/// A phase shows a limit if it is at least this long, in s.
+const SHOWN_S: f64 = 2e-3;
+
+/// A first phase that reaches a larger share of the acceleration shows no limit of jerk.
+const WHOLE_SHARE: f64 = 0.98;
+
+/// A first phase that is wider than the narrowest one by a smaller share is taken to be as narrow.
+const APART: f64 = 0.02;
+
+/// Where ramps may be, beside what is expected: the width of the first phase, in those of the narrowest one, and what is left
+/// of the square of the acceleration. The last phase has three forms, and a fit stays in the one in which it begins.
+const STARTS: [[f64; 2]; 9] = [
+    [1.02, 0.05],
+    [1.02, 0.25],
+    [1.02, 0.55],
+    [1.3, 0.05],
+    [1.3, 0.25],
+    [1.3, 0.55],
+    [1.7, 0.05],
+    [1.7, 0.25],
+    [1.7, 0.55],
+];
+
+/// With less noise, in rad, the right form is clear.
+const CLEAR_RAD: f64 = 1e-7;
+
+/// So many samples are enough to find the form.
+const ROUGHLY: usize = 160;
+
+/// A motion along a line, as it was observed; ways are those of the samples.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct SoftRamps {
+    /// When the arm began to move, in s.
+    pub(super) start_s: Observed,
+    /// When it came to rest, in s.
+    pub(super) end_s: Observed,
+    /// Top speed, if it was kept for a time.
+    pub(super) speed: Option<Observed>,
+    /// Acceleration, if it was kept for a time.
+    pub(super) acceleration: Option<Observed>,
+    /// What both ramps show, if acceleration was kept for a time.
+    pub(super) ends: Option<[SoftEnd; 2]>,
+    /// Root mean square of what the model leaves over.
+    pub(super) residual: f64,
+}
+
+/// What a ramp shows.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct SoftEnd {
+    /// The largest snap that would reach the acceleration in one phase, which sets the speed at the end of the first phase, in
+    /// rad/s^4; none if that speed is as low as it can be.
+    pub(super) snap: Option<Observed>,
+    /// Jerk at the end of the first phase, in rad/s^3, and the acceleration there, in rad/s^2; none if that is all of it.
+    pub(super) jerk: Option<(Observed, f64)>,
+}
+
+/// Samples of the way over time.
+struct SoftSamples<'a> {
+    t_s: &'a [f64],
+    way: &'a [f64],
+    width: f64,
+}
+
+/// The first phase of a ramp.
+fn first_phase(p: &SoftParameters, [speed, left]: [usize; 2]) -> SoftRamp {
+    let square = (1.0 - p[left]).max(1e-3) * p[ACCELERATION].powi(2);
+    SoftRamp { speed: p[speed], jerk: square / (1.5 * p[speed]) }
+}
+
+impl SoftSamples<'_> {
+    fn line(&self, p: &SoftParameters) -> SoftLine {
+        SoftLine {
+            way: p[WAY],
+            speed: p[SPEED],
+            acceleration: p[ACCELERATION],
+            ends: RAMPS.map(|ramp| first_phase(p, ramp)),
+            width: self.width,
+        }
+    }
+
+    /// The best parameters that fits from several starts lead to.
+    fn explore(&self, start: SoftParameters, [enough, worth]: [f64; 2]) -> Option<SoftParameters> {
+        let fit = |start| least_squares::fit(self, start, [false; COUNT]);
+        let mut best = fit(start);
+        if best.as_ref().is_some_and(|best| best.residual > worth) {
+            return None;
+        }
+        // Noise hides which form is the right one, so that all are tried.
+        let is_enough = |best: &Option<Fit<COUNT>>| {
+            enough <= CLEAR_RAD && best.as_ref().is_some_and(|best| best.residual <= enough)
+        };
+        // What one end is changes what is best for the other one.
+        for [speed, left] in RAMPS.into_iter().cycle().take(2 * RAMPS.len()) {
+            let from = best.as_ref().map_or(start, |best| best.parameters);
+            for [width, share] in STARTS {
+                if is_enough(&best) {
+                    break;
+                }
+                let mut other = from;
+                (other[speed], other[left]) = (width * self.width, share);
+                let found = fit(other);
+                // The first one that fits at all shows whether others are worth it.
+                if best.is_none() && found.as_ref().is_some_and(|found| found.residual > worth) {
+                    return None;
+                }
+                let residual = |fit: &Option<Fit<COUNT>>| {
+                    fit.as_ref().map_or(f64::INFINITY, |fit| fit.residual)
+                };
+                if residual(&found) < residual(&best) {
+                    best = found;
+                }
+            }
+        }
+        best.map(|best| best.parameters)
+    }
+}
+
+impl Model<COUNT> for SoftSamples<'_> {
+    fn samples(&self, p: &SoftParameters, mut each: impl FnMut(f64, SoftParameters)) {
+        const STEP: f64 = 1e-6;
+        let shape = SoftShape::new(&self.line(p));
+        let moved: Vec<_> = (WAY..COUNT)
+            .map(|i| {
+                let mut moved = *p;
+                let step = STEP * p[i].max(1e-2);
+                moved[i] += step;
+                (i, SoftShape::new(&self.line(&moved)), step)
+            })
+            .collect();
+        for (t_s, way) in self.t_s.iter().zip(self.way) {
+            let t = t_s - p[BEGIN];
+            let [at, speed] = shape.at(t);
+            let mut by = [0.0; COUNT];
+            (by[FROM], by[BEGIN]) = (1.0, -speed);
+            for (i, moved, step) in &moved {
+                by[*i] = (moved.at(t)[0] - at) / step;
+            }
+            each(way - p[FROM] - at, by);
+        }
+    }
+
+    fn least(&self) -> SoftParameters {
+        let mut least = [1e-3; COUNT];
+        (least[FROM], least[BEGIN]) = (f64::NEG_INFINITY, f64::NEG_INFINITY);
+        // No first phase is narrower.
+        for [speed, left] in RAMPS {
+            (least[speed], least[left]) = (self.width, 0.0);
+        }
+        least
+    }
+}
+
+impl SoftRamps {
+    /// Fits a way from rest to rest that is expected to be about `line`, with its middle at `middle_s`; none if it has
+    /// another form than could be fitted. A fit that leaves no more than `enough` is not improved on, nor is one that at first
+    /// leaves more than `worth`.
+    pub(super) fn fit(
+        t_s: &[f64],
+        way: &[f64],
+        line: &SoftLine,
+        middle_s: f64,
+        [enough, worth]: [f64; 2],
+    ) -> Option<Self> {
+        let all = SoftSamples { t_s, way, width: line.width };
+        let mut p = [0.0; COUNT];
+        (p[WAY], p[SPEED], p[ACCELERATION]) = (line.way, line.speed, line.acceleration);
+        for ([speed, left], end) in RAMPS.into_iter().zip(line.ends) {
+            let share = 1.5 * end.jerk * end.speed / line.acceleration.powi(2);
+            (p[speed], p[left]) = (end.speed, (1.0 - share).clamp(1e-3, 0.9));
+        }
+        p[BEGIN] = middle_s - 0.5 * SoftShape::new(&all.line(&p)).duration_s;
+        let step = t_s.len().div_ceil(ROUGHLY);
+        let some = |values: &[f64]| values.iter().step_by(step).copied().collect::<Vec<_>>();
+        let (some_s, some_way) = (some(t_s), some(way));
+        let roughly = SoftSamples { t_s: &some_s, way: &some_way, width: line.width };
+        let start = roughly.explore(p, [enough, worth])?;
+        let found = least_squares::fit(&all, start, [false; COUNT])?;
+        Some(Self::of(&all, &found))
+    }
+
+    fn of(samples: &SoftSamples<'_>, fit: &Fit<COUNT>) -> Self {
+        let p = &fit.parameters;
+        let shape = SoftShape::new(&samples.line(p));
+        let told = |figure: &dyn Fn(&SoftParameters) -> f64| (figure(p), fit.deviation_of(figure));
+        let duration = |p: &SoftParameters| SoftShape::new(&samples.line(p)).duration_s;
+        let cruises = shape.cruise_s >= SHOWN_S;
+        let keeps = shape.plateau_s.iter().all(|plateau_s| *plateau_s >= SHOWN_S);
+        let end = |ramp: [usize; 2]| {
+            let speed = ramp[0];
+            let narrow = p[speed] <= samples.width * (1.0 + APART);
+            let reached = first_phase(p, ramp).acceleration();
+            let whole = reached >= WHOLE_SHARE * p[ACCELERATION];
+            SoftEnd {
+                snap: (!narrow)
+                    .then(|| told(&|p| 2.0 / 9.0 * p[ACCELERATION].powi(3) / p[speed].powi(2))),
+                jerk: (!whole).then(|| (told(&|p| first_phase(p, ramp).jerk), reached)),
+            }
+        };
+        Self {
+            start_s: told(&|p| p[BEGIN]),
+            end_s: told(&|p| p[BEGIN] + duration(p)),
+            speed: cruises.then(|| told(&|p| p[SPEED])),
+            acceleration: keeps.then(|| told(&|p| p[ACCELERATION])),
+            ends: keeps.then(|| RAMPS.map(end)),
+            residual: fit.residual,
+        }
+    }
+}

@@ -1,0 +1,89 @@
+//! What was identified of the ramps of PTP motions.
+
+use std::fmt::Write as _;
+
+use iiwa_eval::{
+    Estimate,
+    identify::{FoundRamps, Identified, LineLaw},
+};
+use iiwa_kin::RampLaw;
+use serde::Serialize;
+
+use super::figure::Figure;
+
+/// The law of the ramps; null for joints that no recording shows as the one that limits a ramp.
+#[derive(Clone, Debug, Serialize)]
+pub(super) struct RampFigures {
+    /// S.
+    torque_snap_nm_s2: [Option<Figure>; 7],
+    /// R at the start and at the end.
+    start_nm_s: [Option<Figure>; 7],
+    stop_nm_s: [Option<Figure>; 7],
+    /// Motions with such ramps.
+    motions: usize,
+    /// Root mean squares over these motions: what the law leaves over, what constant jerk does, and the noise.
+    residual_deg: f64,
+    jerk_residual_deg: f64,
+    noise_deg: f64,
+}
+
+impl RampFigures {
+    pub(super) fn new(found: &FoundRamps) -> Self {
+        let figures = |all: &[Option<Estimate>; 7]| all.map(|figure| figure.map(Figure::from));
+        Self {
+            torque_snap_nm_s2: figures(&found.torque_snap_nm_s2),
+            start_nm_s: figures(&found.start_nm_s),
+            stop_nm_s: figures(&found.stop_nm_s),
+            motions: found.motions,
+            residual_deg: found.residual_rad.to_degrees(),
+            jerk_residual_deg: found.jerk_residual_rad.to_degrees(),
+            noise_deg: found.noise_rad.to_degrees(),
+        }
+    }
+
+    pub(super) fn write(&self, text: &mut String, model: &RampLaw) {
+        let Self { motions, residual_deg, jerk_residual_deg, noise_deg, .. } = self;
+        let _ = writeln!(
+            text,
+            "Ramps begin with constant snap, as under Sunrise: {motions} motions, {residual_deg:.1e} deg left over, \
+             {jerk_residual_deg:.1e} deg by constant jerk, noise {noise_deg:.1e} deg"
+        );
+        for (name, figures, model) in [
+            ("S, Nm/s^2", &self.torque_snap_nm_s2, &model.torque_snap_nm_s2),
+            ("R at starts, Nm/s", &self.start_nm_s, &model.start_nm_s),
+            ("R at stops, Nm/s", &self.stop_nm_s, &model.stop_nm_s),
+        ] {
+            let shown: Vec<_> = (1..)
+                .zip(figures.iter().zip(model))
+                .filter_map(|(joint, (figure, model))| {
+                    let figure = (*figure)?;
+                    Some(format!("A{joint} {figure} (n {}, model {model:.0})", figure.count))
+                })
+                .collect();
+            let shown = if shown.is_empty() { "not found".to_owned() } else { shown.join(", ") };
+            let _ = writeln!(text, "  {name}: {shown}");
+        }
+        text.push_str(
+            "  S and R of other joints, B, c and the width of a phase do not show: they are the model's\n",
+        );
+    }
+}
+
+/// A note about motions that no known law explains, if there are any.
+pub(super) fn unexplained(found: &Identified) -> Option<String> {
+    let all = found.lines.iter().filter(|line| line.is_unexplained());
+    let worst = all.clone().max_by(|a, b| a.residual_rad.total_cmp(&b.residual_rad))?;
+    let law = match worst.law {
+        LineLaw::Jerk => "constant jerk",
+        LineLaw::Snap => "constant snap",
+    };
+    Some(format!(
+        "{} of {} motions are not explained: {:.1e} deg are left over of motion {} by {law}, and the noise is {:.1e} deg; their \
+         figures are less certain than stated. Did the robot run at the stated override, and the program at full length?",
+        all.count(),
+        found.lines.len(),
+        worst.residual_rad.to_degrees(),
+        worst.motion,
+        worst.noise_rad.to_degrees(),
+    ))
+}

@@ -1,0 +1,236 @@
+//! A recording of a robot against the plan of its program, as a table with a score, to be sent to others: names of files are in
+//! it, their folders are not.
+
+use std::{ffi::OsStr, fmt::Write as _, path::Path};
+
+use comfy_table::Cell;
+use iiwa_eval::{Comparison, MotionTime};
+use iiwa_log::{AssumptionRecord, JointLog, Loss, PlanFigures};
+use iiwa_program::MotionType;
+use serde::Serialize;
+
+use crate::{
+    printable,
+    signed::{rounded, signed},
+    table::{assumption_lines, shortened, table},
+};
+
+/// A recording against the plan of its program. As JSON, this is the object of `iiwasim validate --json`.
+#[derive(Clone, Debug, Serialize)]
+pub struct ValidationReport {
+    /// Of iiwasim.
+    version: &'static str,
+    recording: String,
+    program: String,
+    robot: String,
+    timing: String,
+    override_percent: f64,
+    /// Where the positions were read.
+    positions: Option<String>,
+    rate_hz: f64,
+    noise_deg: f64,
+    motions: Vec<ValidatedMotion>,
+    /// Over the motions that have a duration: absolute errors.
+    score: Score,
+    /// What the plan rests on, beside published figures.
+    assumptions: Vec<String>,
+    /// What is assumed of the controller.
+    rests_on: Vec<AssumptionRecord>,
+    /// What the figures leave out or take for granted.
+    notes: Vec<String>,
+}
+
+/// A motion; durations are those at the override.
+#[derive(Clone, Debug, Serialize)]
+struct ValidatedMotion {
+    index: usize,
+    r#type: &'static str,
+    planned_s: f64,
+    /// Null if the recording does not show it.
+    measured_s: Option<f64>,
+    /// Planned minus measured, in per cent of the measured duration.
+    error_percent: Option<f64>,
+    /// The joint, from 1, that is farthest off the path, and by how much; null without samples, and for waits.
+    worst_joint: Option<usize>,
+    joint_off_deg: Option<f64>,
+    tcp_off_mm: Option<f64>,
+}
+
+/// How well the plan fits.
+#[derive(Clone, Copy, Debug, Serialize)]
+struct Score {
+    /// Motions with an error of time, without waits.
+    motions: usize,
+    time_percent: Option<Spread>,
+    joint_off_deg: Option<Spread>,
+    tcp_off_mm: Option<Spread>,
+    /// Of the whole program, signed; the plan's standing at its start and end is in both times.
+    cycle_time_percent: f64,
+}
+
+/// Of absolute values: half and 95 % of them are at most so large.
+#[derive(Clone, Copy, Debug, Serialize)]
+struct Spread {
+    median: f64,
+    most: f64,
+    worst: f64,
+}
+
+/// If most motions are off by more, the recording is of another setting of the robot.
+const SLOWER_PERCENT: f64 = -8.0;
+
+const PLAN: &str = "the recording is a plan: nothing of it was measured on a robot";
+
+const SLOWER: &str = "most motions took far longer than planned: was the robot in T1, which caps the speed of the flange, or at \
+    another override than stated?";
+
+impl Spread {
+    fn of(values: impl Iterator<Item = f64>) -> Option<Self> {
+        let mut all: Vec<f64> = values.map(f64::abs).collect();
+        all.sort_by(f64::total_cmp);
+        let worst = *all.last()?;
+        // The smallest value that so many per cent do not exceed.
+        let most = |percent: usize| all[(all.len() * percent).div_ceil(100).max(1) - 1];
+        Some(Self { median: most(50), most: most(95), worst })
+    }
+}
+
+impl ValidationReport {
+    /// Of a recording and its program, each with its file.
+    #[must_use]
+    pub fn new(
+        [recording, program]: [&Path; 2],
+        log: &JointLog,
+        figures: &PlanFigures,
+        comparison: &Comparison,
+    ) -> Self {
+        let name = |path: &Path| {
+            path.file_name().unwrap_or(OsStr::new("standard input")).to_string_lossy().into_owned()
+        };
+        let motions: Vec<_> =
+            comparison.motions.iter().map(|motion| row(motion, comparison)).collect();
+        let moving = || motions.iter().filter(|motion| motion.r#type != MotionType::Wait.name());
+        let score = Score {
+            motions: moving().filter(|motion| motion.error_percent.is_some()).count(),
+            time_percent: Spread::of(moving().filter_map(|motion| motion.error_percent)),
+            joint_off_deg: Spread::of(moving().filter_map(|motion| motion.joint_off_deg)),
+            tcp_off_mm: Spread::of(moving().filter_map(|motion| motion.tcp_off_mm)),
+            cycle_time_percent: comparison.cycle_time.error_percent,
+        };
+        let signed_errors = moving().filter_map(|motion| motion.error_percent);
+        let slower = signed_errors.clone().filter(|percent| *percent < SLOWER_PERCENT).count();
+        let plan = log.is_plan.then(|| PLAN.to_owned());
+        let hint = (2 * slower > score.motions).then(|| SLOWER.to_owned());
+        let read = log.losses.iter().filter(|loss| !matches!(loss, Loss::Gap { .. }));
+        Self {
+            version: env!("CARGO_PKG_VERSION"),
+            recording: name(recording),
+            program: name(program),
+            robot: figures.robot.clone(),
+            timing: figures.timing.to_string(),
+            override_percent: figures.override_percent.unwrap_or(100.0),
+            positions: log.source.map(|source| source.to_string()),
+            rate_hz: 1.0 / comparison.step_s,
+            noise_deg: comparison.noise_rad.to_degrees(),
+            motions,
+            score,
+            assumptions: figures.assumptions.clone(),
+            rests_on: figures.rests_on.clone(),
+            notes: read
+                .map(Loss::to_string)
+                .chain(comparison.losses.clone())
+                .chain(plan)
+                .chain(hint)
+                .collect(),
+        }
+    }
+
+    /// Table and sentences.
+    #[must_use]
+    pub fn text(&self) -> String {
+        let head =
+            ["motion", "type", "planned s", "measured s", "error %", "joint off deg", "TCP off mm"];
+        let mut rows = table(&head);
+        let known = |value: Option<f64>, digits: u8| {
+            let precision = usize::from(digits);
+            let shown = |value| format!("{:.precision$}", rounded(value, i32::from(digits)));
+            value.map_or_else(|| "?".to_owned(), shown)
+        };
+        shortened(&mut rows, &self.motions, |table, row| {
+            let is_wait = row.r#type == MotionType::Wait.name();
+            let moves = !is_wait && row.planned_s > 0.0;
+            let off = |value, digits| if moves { known(value, digits) } else { String::new() };
+            let error = row.error_percent.map(|percent| signed(percent, 2));
+            table.add_row([
+                Cell::new(row.index),
+                Cell::new(row.r#type),
+                Cell::new(format!("{:.3}", row.planned_s)),
+                Cell::new(known(row.measured_s, 3)),
+                Cell::new(error.unwrap_or_default()),
+                Cell::new(off(row.joint_off_deg, 4)),
+                Cell::new(off(row.tcp_off_mm, 3)),
+            ]);
+        });
+        let mut text = format!("{}\n\n", rows.trim_fmt());
+        let score = &self.score;
+        for (what, spread, digits, unit) in [
+            ("Time      ", score.time_percent, 2, "%"),
+            ("Joints    ", score.joint_off_deg, 4, "deg"),
+            ("TCP       ", score.tcp_off_mm, 3, "mm"),
+        ] {
+            let Some(Spread { median, most, worst }) = spread else { continue };
+            let _ = writeln!(
+                text,
+                "{what}  off by {median:.digits$} {unit} (median), {most:.digits$} {unit} (95 % of the motions), \
+                 {worst:.digits$} {unit} (worst)"
+            );
+        }
+        let cycle = signed(score.cycle_time_percent, 2);
+        let _ = writeln!(text, "Cycle time  {cycle} %, over {} motions", score.motions);
+        let positions = self.positions.as_deref().unwrap_or("unknown source");
+        let _ = writeln!(
+            text,
+            "Recording   {}: {}, {:.0} Hz, noise {:.1e} deg",
+            printable(&self.recording),
+            printable(positions),
+            self.rate_hz,
+            self.noise_deg
+        );
+        let _ = writeln!(
+            text,
+            "Plan        {} for {}, timing {}, override {} %, iiwasim {}",
+            printable(&self.program),
+            printable(&self.robot),
+            self.timing,
+            self.override_percent,
+            self.version
+        );
+        for assumption in &self.assumptions {
+            let _ = writeln!(text, "Assumed, not from a source: {}", printable(assumption));
+        }
+        text.push_str(&assumption_lines(&self.rests_on));
+        for note in &self.notes {
+            let _ = writeln!(text, "Note: {}", printable(note));
+        }
+        text
+    }
+}
+
+/// The row of a motion.
+fn row(motion: &MotionTime, comparison: &Comparison) -> ValidatedMotion {
+    let is_wait = motion.motion_type == MotionType::Wait;
+    let (planned_s, measured_s) = (motion.planned_s, motion.real_s);
+    let error = |measured_s: f64| 100.0 * (planned_s - measured_s) / measured_s;
+    let deviations = &comparison.motion_deviations;
+    let off = deviations.iter().find(|off| off.motion == motion.motion).filter(|_| !is_wait);
+    ValidatedMotion {
+        index: motion.motion.number(),
+        r#type: motion.motion_type.name(),
+        planned_s,
+        measured_s,
+        error_percent: measured_s.filter(|measured_s| *measured_s > 0.0).map(error),
+        worst_joint: off.map(|off| off.joint.number()),
+        joint_off_deg: off.map(|off| off.joint_rad.to_degrees()),
+        tcp_off_mm: off.map(|off| 1e3 * off.tcp_m),
+    }
+}
