@@ -62,10 +62,10 @@ pub(crate) struct Identify {
     #[arg(long)]
     pub(crate) json: bool,
 
-    /// Override of the robot during the recordings, in per cent: speeds are scaled by it, accelerations by its square, jerks by
+    /// Override of the robot during the recordings, in per cent, instead of the program's: speeds are scaled by it, accelerations by its square, jerks by
     /// its cube, pauses are not; the figures are those at 100 %
-    #[arg(long = "override", value_name = "PERCENT", default_value_t = 100.0, value_parser = override_percent)]
-    pub(crate) override_percent: f64,
+    #[arg(long = "override", value_name = "PERCENT", value_parser = override_percent)]
+    pub(crate) speed_override: Option<f64>,
 
     #[command(flatten)]
     pub(crate) log: LogReading,

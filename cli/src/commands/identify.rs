@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use iiwa_eval::identify::{Recording, identify_at};
+use iiwa_eval::identify::{Recording, identify};
 use iiwa_kin::Robot;
 use iiwa_log::{JointLog, Loss, Positions};
 use iiwa_program::Program;
@@ -28,10 +28,15 @@ pub(crate) fn run(options: &Identify) -> Result<(), Failure> {
         output::keep_inputs("profile", target, read, "--output")?;
         output::keep_existing("profile", target, options.overwrite)?;
     }
-    let (sources, model) = read(options)?;
+    let (mut sources, model) = read(options)?;
+    if let Some(percent) = options.speed_override {
+        for source in &mut sources {
+            source.program.workcell.speed_override = Some(0.01 * percent);
+        }
+    }
     let recordings: Vec<_> =
         sources.iter().map(|Source { program, log, .. }| Recording { program, log }).collect();
-    let found = identify_at(&recordings, &model, 0.01 * options.override_percent)
+    let found = identify(&recordings, &model)
         .map_err(|error| Failure::input(format!("{}: {error}", sources[error.recording()].name)))?;
     let name = options.name.as_deref().unwrap_or(model.name());
     let logs: Vec<_> =

@@ -63,28 +63,17 @@ pub use self::{
 /// Identifies the robot that did what the recordings show. `model` is the robot that it is taken for: its
 /// lengths and joint ranges hold.
 ///
+/// At the override of a program, its motions took so much longer, which scales speeds by that share, accelerations by its square,
+/// jerks by its cube and snaps by its fourth power. What is found is at full override. Pauses are not scaled.
+///
 /// # Errors
 ///
 /// If a program cannot be planned for `model`, or a recording shows nothing of its program.
 pub fn identify(recordings: &[Recording<'_>], model: &Robot) -> Result<Identified, IdentifyError> {
-    identify_at(recordings, model, 1.0)
-}
-
-/// The same, of a robot that ran at an override, as a share: its motions took so much longer, which scales speeds by the share,
-/// accelerations by its square, jerks by its cube and snaps by its fourth power. Pauses are not scaled.
-///
-/// # Errors
-///
-/// As [`identify`].
-pub fn identify_at(
-    recordings: &[Recording<'_>],
-    model: &Robot,
-    override_share: f64,
-) -> Result<Identified, IdentifyError> {
     let mut found = Findings::default();
     let mut followed_courses = Vec::new();
     for (recording, Recording { program, log }) in recordings.iter().enumerate() {
-        let watched = Watched::new(recording, program, log, model, override_share)
+        let watched = Watched::new(recording, program, log, model)
             .map_err(|fault| IdentifyError::Program { recording, fault })?;
         let sections = observe(&watched, &mut found)?;
         if program.has_frames() {

@@ -4,7 +4,7 @@
 
 use iiwa_eval::{
     Estimate, VirtualRobot,
-    identify::{Identified, LineLaw, LineObservation, Recording, identify, identify_at},
+    identify::{Identified, LineLaw, LineObservation, Recording, identify},
 };
 use iiwa_kin::{Joints, Robot};
 use iiwa_log::{JointLog, PlanOptions};
@@ -106,18 +106,16 @@ fn a_law_is_found_in_noise() {
 /// At 20 Hz and an override of 30 %, as the recording of a real robot.
 #[test]
 fn a_law_is_found_at_an_override() {
-    let program = program(&POSES_DEG);
-    let mut log = recorded(&program, 1e-9, 0.015);
-    for t_s in &mut log.t_s {
-        *t_s /= 0.3;
-    }
-    let recordings = [Recording { program: &program, log: &log }];
-    let found = identify_at(&recordings, &Robot::default(), 0.3).unwrap();
+    let mut program = program(&POSES_DEG);
+    program.workcell.speed_override = Some(0.3);
+    let log = recorded(&program, 1e-9, 0.05);
+    let found = identify(&[Recording { program: &program, log: &log }], &Robot::default()).unwrap();
     check(&found, [1e-6, 1e-3, 1e-3]);
-    // Between motions the robot stood for so long; it is not scaled.
-    assert!(found.settle.unwrap().mean_s.holds(0.05 / 0.3));
+    // Pauses are not scaled.
+    assert!(found.settle.unwrap().mean_s.holds(0.05));
     // At another override than stated, limits are others.
-    let found = identify(&recordings, &Robot::default()).unwrap();
+    program.workcell.speed_override = None;
+    let found = identify(&[Recording { program: &program, log: &log }], &Robot::default()).unwrap();
     let velocity = found.velocity_rad_s[0].unwrap().value;
     assert!((velocity / (0.3 * 1.0003 * 98_f64.to_radians()) - 1.0).abs() < 0.01, "{velocity}");
 }

@@ -223,7 +223,11 @@ impl Observer<'_> {
         let acceleration =
             known(found.and_then(|ramps| ramps.acceleration), most(&limits.acceleration_rad_s2));
         let ends = line.ends(&self.watched.path).map(|(end, away, torques)| {
-            SoftRamp::by(&law.limits(&away, &torques, end), acceleration, law.width_rad_s)
+            SoftRamp::by(
+                &law.limits(&away, &torques, &[1.0; 7], end),
+                acceleration,
+                law.width_rad_s,
+            )
         });
         let width = law.width_rad_s;
         let half = line.along.iter().position(|way| *way >= 0.5 * line.length);

@@ -216,7 +216,7 @@ mod tests {
             let end = |q, sign: f64, end| {
                 let away = unit.map(|u| sign * u);
                 let torques = robot.dynamics().path_torques(q, &away, &[0.0; 7]).acceleration;
-                let limits = law.limits(&away, &torques, end);
+                let limits = law.limits(&away, &torques, &[1.0; 7], end);
                 let guess = SoftRamp::by(&limits, acceleration, law.width_rad_s);
                 assert!(guess.jerk > 0.0);
                 guess

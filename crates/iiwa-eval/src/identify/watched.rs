@@ -42,9 +42,11 @@ impl<'a> Watched<'a> {
         program: &'a Program,
         log: &'a JointLog,
         model: &Robot,
-        override_share: f64,
     ) -> Result<Self, Fault> {
-        let path = JointPath::new(program, model)?;
+        let override_share = program.workcell.speed_override.unwrap_or(1.0);
+        let mut at_full = program.clone();
+        at_full.workcell.speed_override = None;
+        let path = JointPath::new(&at_full, model)?;
         let mut motions = vec![Vec::new(); program.motions.len()];
         for step in JointPath::new(&without_blends(program), model)?.steps() {
             if let Step::Move { motion, segment, .. } = step {
