@@ -109,10 +109,10 @@ pub fn plan_table(figures: &PlanFigures) -> String {
     let last = limits.pop().unwrap_or_default();
     let _ = writeln!(text, "{}, limits of {} and {last}", figures.robot, limits.join(", "));
     if figures.timing == "sunrise" {
-        let _ = writeln!(
-            text,
-            "PTP motions from rest to rest as Sunrise plans them; splines by a model, which exceeds limits of acceleration and jerk"
-        );
+        text.push_str("PTP motions from rest to rest as Sunrise plans them\n");
+        if figures.motions.iter().any(|motion| ["spline", "spl"].contains(&&*motion.r#type)) {
+            text.push_str("Splines by a model, which exceeds limits of acceleration and jerk\n");
+        }
     }
     if let Some(percent) = figures.override_percent {
         let _ = writeln!(
