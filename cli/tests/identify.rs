@@ -130,11 +130,10 @@ fn ramps_at_an_override() {
         { "type": "ptp", "joints_deg": [120, 20, -30, 20, -60, 40, 30] },
         { "type": "ptp", "joints_deg": [0, 0, 0, 0, 0, 0, 0] }] }"#;
     fs::write(folder.path().join("program.json"), program).unwrap();
-    let plan = ["plan", "program.json", "--timing", "sunrise", "--rate", "500", "-o", "plan.mcap"];
+    let plan = ["plan", "program.json", "--override", "40", "--rate", "500", "-o", "plan.mcap"];
     iiwasim(&folder, &plan).success();
     let plan = fs::read(folder.path().join("plan.mcap")).unwrap();
-    let mut log = iiwa_log::JointLog::read(&*plan).unwrap();
-    log.t_s.iter_mut().for_each(|t_s| *t_s /= 0.4);
+    let log = iiwa_log::JointLog::read(&*plan).unwrap();
     let mut csv = Vec::new();
     iiwa_log::JointLog::new(log.t_s, log.q_rad).write_csv(&mut csv).unwrap();
     fs::write(folder.path().join("slow.csv"), csv).unwrap();
@@ -147,7 +146,7 @@ fn ramps_at_an_override() {
     );
     iiwasim(&folder, &["identify", "slow.csv", "--override", "0"])
         .code(2)
-        .stderr(contains("the range is 1 to 100 %"));
+        .stderr(contains("the range is 0.1 to 100 %"));
 }
 
 /// A recording that breaks off gives what it has, and says so.

@@ -14,7 +14,7 @@ use tempfile::tempdir;
 fn tables_read_back_as_the_plan() {
     let folder = tempdir().unwrap();
     let program = fixture("pick-and-place.json").display().to_string();
-    let options = ["--csv", "a.csv", "--rate", "1000", "--json"];
+    let options = ["--csv", "a.csv", "--rate", "200", "--json", "--timing", "jerk"];
     let assert = iiwasim(&folder, &[&["plan", &program, "-o", "a.mcap"], &options[..]].concat());
     let figures: Value = serde_json::from_slice(&assert.success().get_output().stdout).unwrap();
     let read = |name: &str| JointLog::read(&*fs::read(folder.path().join(name)).unwrap()).unwrap();

@@ -220,6 +220,7 @@ proptest! {
         }
     }
 
+    /// But for the mesh: at narrow dips of the limits, durations differ by up to 1.6 % with finer cells.
     #[test]
     fn slower_takes_longer(poses in poses(), slower in 0.1..0.9_f64) {
         let robot = Robot::default();
@@ -230,6 +231,6 @@ proptest! {
         let Some([slow_s, fast_s]) = at(slower).zip(at(1.0)).map(|(a, b)| [a, b]) else {
             return Ok(());
         };
-        prop_assert!(slow_s >= fast_s * (1.0 - 0.01), "{slow_s} {fast_s}");
+        prop_assert!(slow_s >= fast_s * (1.0 - 0.02), "{slow_s} {fast_s}");
     }
 }
