@@ -128,7 +128,7 @@ fn a_program_runs() {
         assert!(ago < LONG, "{ago:?}");
         let [first, .., last] = recording.joint_states.as_slice() else { panic!("no states") };
         assert!(first.q[0].abs() < 1e-3 && (last.q[0].to_degrees() - 60.0).abs() < 1e-3);
-        assert!(first.t_s < 0.01 && (last.t_s - 3.2).abs() < 0.01);
+        assert!(first.t_s < 0.01 && (last.t_s - 3.23).abs() < 0.01);
         assert_eq!(recording.attachments.len(), 3);
         let metadata = &recording.metadata["iiwasim"];
         assert_eq!(metadata["sample_count"], recording.joint_states.len().to_string());
