@@ -132,7 +132,7 @@ fn a_program_runs() {
         assert_eq!(recording.attachments.len(), 3);
         let metadata = &recording.metadata["iiwasim"];
         assert_eq!(metadata["sample_count"], recording.joint_states.len().to_string());
-        assert!((metadata["cycle_time_s"].parse::<f64>().unwrap() - 3.2).abs() < 0.01);
+        assert!((metadata["cycle_time_s"].parse::<f64>().unwrap() - 3.23).abs() < 0.01);
 
         // The arm is at the other end now.
         rig.iiwasim("run", &[program])
