@@ -151,7 +151,7 @@ fn a_program_runs() {
         assert!((number("robot_program_cycle_time_s") - measured_s).abs() < 0.011, "{figures}");
         assert!((number("sample_step_s") - 0.005).abs() < 1e-6, "{figures}");
         // One definition: `compare` and the report find the same.
-        rig.iiwasim_alone(&["plan", program, "-o", "plan.mcap"]).success();
+        rig.iiwasim_alone(&["plan", program, "--timing", "jerk", "-o", "plan.mcap"]).success();
         let compared =
             rig.iiwasim_alone(&["compare", "plan.mcap", "again.mcap", "--json"]).success();
         let compared: serde_json::Value =
