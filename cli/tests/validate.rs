@@ -32,7 +32,7 @@ fn recorded(timing: &str) -> TempDir {
     folder
 }
 
-const FILES: [&str; 3] = ["validate", "secret/log.csv", "secret/program.json"];
+const FILES: [&str; 3] = ["validate", "secret/program.json", "secret/log.csv"];
 
 fn figures(folder: &TempDir, options: &[&str]) -> serde_json::Value {
     let output = iiwasim(folder, &[&FILES[..], &["--json"], options].concat()).success();
@@ -92,11 +92,11 @@ fn other_ramps_and_overrides_show() {
 fn what_is_wrong_is_said() {
     let folder = recorded("sunrise");
     for (arguments, words) in [
-        (&["validate", "secret/program.json", "secret/log.csv"][..], "secret/log.csv"),
-        (&["validate", "secret/none.csv", "secret/program.json"], "cannot read secret/none.csv"),
-        (&["validate", "secret/log.csv"], "PROGRAM.json"),
+        (&["validate", "secret/log.csv", "secret/program.json"][..], "secret/log.csv"),
+        (&["validate", "secret/program.json", "secret/none.csv"], "cannot read secret/none.csv"),
+        (&["validate", "secret/program.json"], "RECORDING"),
         (
-            &["validate", "secret/log.csv", "secret/program.json", "--override", "120"],
+            &["validate", "secret/program.json", "secret/log.csv", "--override", "120"],
             "0.1 to 100 %",
         ),
     ] {

@@ -19,14 +19,14 @@ use super::{LogReading, Timing, values::override_percent};
 /// preferred.
 #[derive(Args, Debug)]
 pub(crate) struct Validate {
+    /// The program that the robot ran
+    #[arg(value_name = "PROGRAM.json")]
+    pub(crate) program: PathBuf,
+
     /// The recording: a `DataRecorder` log, an MCAP file of `iiwasim run` or `record`, or a CSV file with the columns
     /// `t_s` and `joint_1_rad` (or `_deg`) to `joint_7_rad`
     #[arg(value_name = "RECORDING")]
     pub(crate) recording: PathBuf,
-
-    /// The program that the robot ran
-    #[arg(value_name = "PROGRAM.json")]
-    pub(crate) program: PathBuf,
 
     /// Print a JSON object
     #[arg(long)]
