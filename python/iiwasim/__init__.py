@@ -4,9 +4,9 @@
 >>> program = iw.Program([iw.ptp(deg=[20, 0, 0, -30, 0, 0, 0]), iw.wait(0.5)], start_deg=[0] * 7)
 >>> plan = iw.plan(program)
 >>> plan
-<iiwasim.Plan 1.052 s, 2 motions, jerk>
+<iiwasim.Plan 1.165 s, 2 motions, sunrise>
 >>> plan.motions[0].limited_by
-Limit(joint=4, kind='jerk')
+Limit(joint=4, kind='acceleration')
 
 Angles are in rad, lengths in m and times in s unless a name ends in another unit; arrays are (n, 7) and float64.
 """

@@ -34,7 +34,7 @@ class State(NamedTuple):
     >>> import iiwasim as iw
     >>> state = iw.plan(iw.Program([iw.ptp(deg=[30] + [0] * 6)], start_deg=[0] * 7)).at(0.2)
     >>> round(float(state.q[0]), 6), state.motion
-    (0.133863, 1)
+    (0.074721, 1)
     """
 
     t_s: float

@@ -147,7 +147,7 @@ impl Comparison {
     /// >>> samples = plan.sample(rate_hz=250)
     /// >>> comparison = iw.compare(plan, iw.Recording(samples.t, samples.q))
     /// >>> round(comparison.planned_s, 2)
-    /// 1.1
+    /// 1.2
     #[getter]
     fn planned_s(&self) -> f64 {
         self.compared.cycle_time.simulated_s

@@ -36,7 +36,7 @@ use crate::{
 /// >>> program = iw.Program([iw.ptp(deg=[30] + [0] * 6), iw.wait(0.5)], start_deg=[0] * 7)
 /// >>> plan = iw.plan(program)
 /// >>> plan
-/// <iiwasim.Plan 1.103 s, 2 motions, jerk>
+/// <iiwasim.Plan 1.196 s, 2 motions, sunrise>
 #[pyclass(frozen, module = "iiwasim")]
 pub(crate) struct Plan {
     program: Arc<Motions>,
@@ -93,7 +93,7 @@ impl Plan {
     /// >>> program = iw.Program([iw.ptp(deg=[30] + [0] * 6), iw.wait(0.5)], start_deg=[0] * 7)
     /// >>> plan = iw.plan(program)
     /// >>> round(plan.cycle_time_s, 3)
-    /// 1.103
+    /// 1.196
     #[getter]
     pub(crate) fn cycle_time_s(&self) -> f64 {
         self.trajectory.cycle_time_s()
@@ -105,7 +105,7 @@ impl Plan {
     /// >>> program = iw.Program([iw.ptp(deg=[30] + [0] * 6), iw.wait(0.5)], start_deg=[0] * 7)
     /// >>> plan = iw.plan(program)
     /// >>> round(plan.motion_time_s, 3)
-    /// 0.553
+    /// 0.646
     #[getter]
     fn motion_time_s(&self) -> f64 {
         self.trajectory.motion_time_s()
@@ -141,7 +141,7 @@ impl Plan {
     /// >>> program = iw.Program([iw.ptp(deg=[30] + [0] * 6), iw.wait(0.5)], start_deg=[0] * 7)
     /// >>> plan = iw.plan(program)
     /// >>> plan.timing
-    /// 'jerk'
+    /// 'sunrise'
     #[getter]
     fn timing(&self) -> &'static str {
         self.options.timing.name()
@@ -252,7 +252,7 @@ impl Plan {
     /// >>> program = iw.Program([iw.ptp(deg=[30] + [0] * 6), iw.wait(0.5)], start_deg=[0] * 7)
     /// >>> plan = iw.plan(program)
     /// >>> plan.sample(rate_hz=500).q.shape
-    /// (553, 7)
+    /// (600, 7)
     #[pyo3(signature = (*, rate_hz = 1000.0))]
     fn sample(slf: &Bound<'_, Self>, rate_hz: f64) -> PyResult<Samples> {
         Samples::of(slf, rate(rate_hz)?)
@@ -298,7 +298,7 @@ impl Plan {
     /// ...     file = os.path.join(folder, 'plan.mcap')
     /// ...     plan.write(file)
     /// ...     len(iw.Recording.load(file))
-    /// 277
+    /// 301
     #[pyo3(signature = (path, *, rate_hz = 250.0))]
     fn write(&self, py: Python<'_>, path: PathBuf, rate_hz: f64) -> PyResult<()> {
         let config = PlanConfig { rate_hz: rate(rate_hz)?, ..PlanConfig::default() };

@@ -18,7 +18,7 @@ use crate::{
 /// >>> program = iw.Program([iw.ptp(deg=[30] + [0] * 6), iw.wait(0.5)], start_deg=[0] * 7)
 /// >>> plan = iw.plan(program)
 /// >>> plan.sample(rate_hz=100)
-/// <iiwasim.Samples 112 at 100 Hz, 1.103 s>
+/// <iiwasim.Samples 121 at 100 Hz, 1.196 s>
 #[pyclass(frozen, module = "iiwasim")]
 pub(crate) struct Samples {
     plan: Py<Plan>,
@@ -138,7 +138,7 @@ impl Samples {
     /// >>> program = iw.Program([iw.ptp(deg=[30] + [0] * 6), iw.wait(0.5)], start_deg=[0] * 7)
     /// >>> plan = iw.plan(program)
     /// >>> plan.sample(rate_hz=100).tcp.shape
-    /// (112, 3)
+    /// (121, 3)
     #[getter]
     fn tcp<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
         let made = self.tcp.get_or_try_init(py, || {
@@ -169,7 +169,7 @@ impl Samples {
     /// >>> program = iw.Program([iw.ptp(deg=[30] + [0] * 6), iw.wait(0.5)], start_deg=[0] * 7)
     /// >>> plan = iw.plan(program)
     /// >>> plan.sample(rate_hz=100).torque.shape
-    /// (112, 7)
+    /// (121, 7)
     #[getter]
     fn torque<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
         let made = self.torque.get_or_try_init(py, || {

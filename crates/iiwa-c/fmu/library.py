@@ -79,12 +79,12 @@ class Library:
             self.c.iiwasim_string_free(place)
 
     @contextmanager
-    def plan(self, program, *, robot=None, timing="jerk", limit_torque_percent=0.0):
+    def plan(self, program, *, robot=None, timing="sunrise", limit_torque_percent=0.0):
         """The plan of a program: a path, or a text in bytes."""
         options = Options()
         self.call("iiwasim_options_default", ctypes.byref(options))
         options.robot = None if robot is None else robot.encode()
-        options.timing = {"jerk": 0, "acceleration": 1}[timing]
+        options.timing = {"jerk": 0, "acceleration": 1, "sunrise": 2}[timing]
         options.limit_torque_percent = limit_torque_percent
         loaded, plan = ctypes.c_void_p(), ctypes.c_void_p()
         try:

@@ -54,7 +54,7 @@ def main():
     parser.add_argument("--library", type=Path, default=built_library())
     parser.add_argument("--also", action="append", default=[], metavar="PLATFORM=LIBRARY")
     parser.add_argument("--robot", help="a built-in robot, or the file of a profile; else the program's")
-    parser.add_argument("--timing", choices=["jerk", "acceleration"], default="jerk")
+    parser.add_argument("--timing", choices=["sunrise", "jerk", "acceleration"], default="sunrise")
     options = parser.parse_args()
     fmu = options.output or Path(options.program.with_suffix(".fmu").name)
     also = [entry.split("=", 1) for entry in options.also]

@@ -21,7 +21,7 @@ use crate::limit::Limit;
 /// let path = JointPath::new(&program, &Robot::default())?;
 /// let sweep = SweepOptions { samples: 400 };
 /// let acceleration = Trajectory::plan(&path, Timing::Acceleration(sweep))?;
-/// let jerk = Trajectory::plan(&path, Timing::default())?;
+/// let jerk = Trajectory::plan(&path, Timing::jerk_limited())?;
 /// assert!(jerk.cycle_time_s() > acceleration.cycle_time_s());
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```

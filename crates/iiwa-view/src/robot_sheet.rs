@@ -57,6 +57,12 @@ pub fn robot_sheet(robot: &Robot) -> String {
     }
     let _ =
         writeln!(text, "Settles for {} s after a motion without a blend", robot.settle_time_s());
+    let _ = writeln!(
+        text,
+        "Stands for {} s after a motion that the program waits for; T1 holds TCP and flange at {} mm/s",
+        robot.blocking_pause_s(),
+        rounded(1e3 * robot.t1_speed_m_s())
+    );
 
     let masses = robot.link_mass_kg().map(rounded).join(", ");
     let _ = writeln!(text, "Link masses 0 to 7{}: {masses} kg", mark("masses"));

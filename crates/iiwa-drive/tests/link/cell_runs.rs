@@ -75,7 +75,7 @@ fn motions_with_frames_take_the_planned_time_and_path() {
         assert_as_planned(&run, &plan, 0.005);
         cycle_times_s.push(run.cycle_time_s.unwrap());
     }
-    // The operating mode arrives: 250 mm/s is less than some of the motions have.
+    // The operating mode arrives: 225 mm/s is less than some of the motions have.
     assert!(cycle_times_s[1] > 1.05 * cycle_times_s[0], "{cycle_times_s:?}");
 }
 

@@ -21,6 +21,9 @@ use crate::identify::{
     watched::{CornerSpace, Watched},
 };
 
+/// From this share of the largest speed on that the least time of a motion allows, it is that speed.
+const CRUISE_SHARE: f64 = 0.99;
+
 /// What may be left over of a motion that is taken for one along a line, or for a blend, in rad, beside a share of the
 /// way: what robots lag behind.
 const LEFT_RAD: f64 = 1e-3;
@@ -142,7 +145,14 @@ impl Observer<'_> {
         };
         let Motion::Ptp(ptp) = &self.watched.program.motions[motion.index()] else { return None };
         let shares = LimitKind::ALL.map(|kind| ptp.share(kind));
-        let FittedLine { figures, law, residual, .. } = fitted;
+        let FittedLine { mut figures, law, residual, .. } = fitted;
+        let least_s = self.watched.path.robot().ramp_law().least_cruise_s;
+        if law == LineLaw::Snap
+            && figures[0].is_some_and(|(speed, _)| speed * least_s > CRUISE_SHARE * length)
+        {
+            // No motion is shorter than this at its top speed: that is no limit of a joint.
+            figures[0] = None;
+        }
         for ((bounds, along), shares) in self.found.bounds.iter_mut().zip(figures).zip(shares) {
             bounds.extend(along.map(|along| Bound::new(along, &direction, shares)));
         }

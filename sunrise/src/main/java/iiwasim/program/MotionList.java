@@ -21,7 +21,7 @@ public final class MotionList {
         return motions;
     }
 
-    /** Whether TCP and flange are to move at 250 mm/s at most, as in the mode T1. */
+    /** Whether TCP and flange are to move slowly, as in the mode T1. */
     public boolean isT1() {
         return isT1;
     }
