@@ -122,9 +122,10 @@ fn pipelines_of_one_key_take_no_stop_of_another() {
             }
         });
         for _ in 0..10 {
-            for pair in [&alice, &bob] {
-                Client::new(&remote(pair), drive.instructions()).unwrap().state().unwrap();
-            }
+            let state = |pair| Client::new(&remote(pair), drive.instructions()).unwrap().state();
+            state(&alice).expect("another key is served at once");
+            // Of the crowd's own key, a new connection may give way to the next one of the crowd.
+            (0..100).find_map(|_| state(&bob).ok()).expect("the crowd's key is served in between");
             thread::sleep(Duration::from_millis(50));
         }
     });
