@@ -13,7 +13,7 @@
 3
 >>> figures = batches.read(folder / "figures")
 >>> [round(time_s, 3) for time_s in figures["cycle_time_s"].to_pylist()[:2]]
-[0.387, 0.504]
+[0.488, 0.6]
 >>> figures["error"].to_pylist()[2]
 'motion 1: ...'
 
@@ -111,7 +111,7 @@ def figures(programs: Iterable[Program | str], *, jobs: int | None = None, **opt
     >>> program = iw.Program([iw.ptp(deg=[30] + [0] * 6)], start_deg=[0] * 7)
     >>> table = batches.figures([program, "nonsense"], scene="fixtures/cage.json")
     >>> round(table["cycle_time_s"][0].as_py(), 3), table["clearance_obstacle"][0].as_py()
-    (0.603, 'column')
+    (0.696, 'column')
     >>> table["error"].to_pylist()
     [None, 'this is not JSON: ..., at line 1, column 1']
     """

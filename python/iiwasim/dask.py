@@ -70,7 +70,7 @@ def figures(
     >>> import iiwasim.dask
     >>> program = iw.Program([iw.ptp(deg=[30] + [0] * 6)], start_deg=[0] * 7)
     >>> round(iiwasim.dask.figures([program])["cycle_time_s"][0].as_py(), 3)
-    0.603
+    0.696
     """
     planning = Planning("program", options)
     return to_table(of_programs(programs, planning), planning, _Futures(_client(client)))
@@ -87,7 +87,7 @@ def mapped(frame: dd.DataFrame, *, column: str = "program", **options: Unpack[Op
     >>> programs = pandas.DataFrame({"name": ["a"], "program": [program.to_json()]})
     >>> result = iiwasim.dask.mapped(dask.dataframe.from_pandas(programs, npartitions=1)).compute()
     >>> result["name"][0], round(result["cycle_time_s"][0], 3)
-    ('a', 0.603)
+    ('a', 0.696)
     """
     planning = Planning(column, options)
     if column not in frame.columns:

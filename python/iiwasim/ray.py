@@ -66,7 +66,7 @@ def figures(programs: Iterable[Program | str], **options: Unpack[Options]) -> pa
     >>> import iiwasim.ray
     >>> program = iw.Program([iw.ptp(deg=[30] + [0] * 6)], start_deg=[0] * 7)
     >>> round(iiwasim.ray.figures([program])["cycle_time_s"][0].as_py(), 3)
-    0.603
+    0.696
     """
     planning = Planning("program", options)
     return to_table(of_programs(programs, planning), planning, _Tasks())
@@ -83,7 +83,7 @@ def mapped(dataset: Dataset, *, column: str = "program", chunk: int = 500, **opt
     >>> dataset = ray.data.from_items([{"name": "a", "program": program.to_json()}])
     >>> row, = iiwasim.ray.mapped(dataset).take_all()
     >>> row["name"], round(row["cycle_time_s"], 3)
-    ('a', 0.603)
+    ('a', 0.696)
     """
     planning = Planning(column, options)
     check("the dataset", dataset.schema().base_schema, column)

@@ -43,7 +43,7 @@ def asynchronous(folder: Path) -> Program:
 
     p.ptp("Belt/Fetch", "ptp(fetch).setBlendingRel(0.8)")
     p.wait(1, "SECONDS.sleep(1)")
-    p.ptp([0, 0.3, 0, -1.6, 0, 1.1, 0], "ptp(0, 0.3")
+    p.ptp([0, 0.3, 0, -1.6, 0, 1.1, 0], "ptp(0, 0.3", blocking=None)
     return p
 
 

@@ -23,7 +23,7 @@ ORDER = [
     *["seconds", "overlap", "overlap_motions", "load", "tool", "orientation"],
     *["velocity_rel", "acceleration_rel", "jerk_rel"],
     *["cart_velocity_mm_s", "cart_acceleration_mm_s2", "cart_jerk_mm_s3"],
-    *["orientation_velocity_deg_s", "orientation_acceleration_deg_s2", "blend", "source"],
+    *["orientation_velocity_deg_s", "orientation_acceleration_deg_s2", "blend", "blocking", "source"],
 ]
 
 
@@ -47,6 +47,9 @@ class Program:
         return {"file": file.relative_to(self.folder).as_posix(), "line": found[0]}
 
     def add(self, kind: str, place: str | tuple[str, str], **keys: object) -> None:
+        if kind != "wait" and not keys.get("blend"):
+            # The program waits for its end, unless something else is said.
+            keys.setdefault("blocking", True)
         given = {key: value for key, value in keys.items() if value is not None}
         motion = {"type": kind, **given, "source": self.source(place)}
         self.motions.append({key: motion[key] for key in sorted(motion, key=ORDER.index)})

@@ -159,7 +159,9 @@ impl Section {
             let way = Way { segment: segment.as_ref(), robot: path.robot(), tcp, speed_m_s };
             let mut nodes = way.nodes(&self.nodes[piece.nodes.clone()]);
             let usage = way.usage(&nodes, path.limits_of(piece.step));
-            nodes.iter_mut().for_each(|node| node.t_s += start_s);
+            for node in &mut nodes {
+                node.t_s += start_s;
+            }
             let end_s = nodes.last().map_or(start_s, |last| last.t_s);
             let range = all.len()..all.len() + nodes.len();
             pieces.extend(Piece::moving(self, piece.step, [start_s, end_s], &usage, range));

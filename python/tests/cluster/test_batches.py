@@ -155,7 +155,7 @@ def test_foreign_folders_are_refused(programs: list[str], tmp_path: Path) -> Non
     profile = iw.Robot.from_profile(iw.Robot("lbr_iiwa_14_r820").profile())
     for named, options in {
         "`chunk` is 2 there, 3 here": {"chunk": 3},
-        "`timing` is 'jerk' there, 'acceleration' here": {"timing": "acceleration"},
+        "`timing` is 'sunrise' there, 'acceleration' here": {"timing": "acceleration"},
         "`robot` is None there": {"robot": profile},
         "`scene` is None there": {"scene": FIXTURES / "cage.json"},
     }.items():

@@ -176,10 +176,7 @@ impl From<&Motion> for MotionWire {
                 source: None,
             }),
             Motion::Wait { seconds, overlap } => Self::Wait(WaitWire::new(*seconds, *overlap)),
-            Motion::Ptp(ptp) => {
-                let shares = [ptp.velocity_rel, ptp.acceleration_rel, ptp.jerk_rel];
-                Self::Ptp(PtpWire::to_joints(&ptp.target_rad, shares, ptp.blend))
-            }
+            Motion::Ptp(ptp) => Self::Ptp(PtpWire::to_joints(ptp)),
             Motion::Cartesian(own) => match &own.course {
                 Course::Ptp { to } => Self::Ptp(PtpWire::to_frame(own, to)),
                 Course::Lin { to } => Self::Lin(LinWire::new(own, to)),

@@ -150,12 +150,13 @@ impl PtpWire {
         }))
     }
 
-    pub(super) fn to_joints(
-        target_rad: &Joints,
-        shares: [Joints; 3],
-        blend: Option<Blend>,
-    ) -> Self {
-        Self { joints_rad: Some(*target_rad), ..Self::to_nowhere(shares, blend) }
+    pub(super) fn to_joints(ptp: &Ptp) -> Self {
+        let shares = [ptp.velocity_rel, ptp.acceleration_rel, ptp.jerk_rel];
+        Self {
+            joints_rad: Some(ptp.target_rad),
+            blocking: ptp.blocking,
+            ..Self::to_nowhere(shares, ptp.blend)
+        }
     }
 
     pub(super) fn to_frame(motion: &CartesianMotion, to: &TargetRef) -> Self {
@@ -164,6 +165,7 @@ impl PtpWire {
             frame: Some(to.into()),
             tool: motion.tool.clone(),
             base: motion.base.clone(),
+            blocking: motion.blocking,
             ..Self::to_nowhere(motion.shares.into_array(), blend)
         }
     }
