@@ -2,9 +2,10 @@
 
 #![expect(clippy::unwrap_used, reason = "a test fails by it")]
 
+use fastrand::Rng;
 use iiwa_kin::{Pose, Robot};
 use iiwa_path::JointPath;
-use iiwa_program::Program;
+use iiwa_program::{Blend, Motion, OperatingMode, Program, Ptp};
 use iiwa_traj::{SweepOptions, Timing, Trajectory};
 
 /// Motions of all kinds; with a tool so long that either may be the faster one.
@@ -89,4 +90,40 @@ fn ramps_are_not_changed() {
     assert!(held_s > 0.8 * slow && slow > 1.5 * fast, "{held_s} of {slow} s, {fast} s");
     // The way is the speed times the time in which it is held, but for the ramps.
     println!("{slow:.4} s, held for {held_s:.3} s; {fast:.4} s in other modes");
+}
+
+/// Random motions, blended or not, near and far: stamps increase, and the speed is kept.
+#[test]
+fn speeds_are_held_along_random_programs() {
+    let mut random = Rng::with_seed(36);
+    let robot = Robot::lbr_iiwa_7_r800();
+    let (mut planned, mut held) = (0, 0);
+    for _ in 0..60 {
+        let mut pose =
+            || std::array::from_fn(|j| robot.limits().upper_rad[j] * (1.6 * random.f64() - 0.8));
+        let [start, first, second]: [[f64; 7]; 3] = [pose(), pose(), pose()];
+        let share = if random.bool() { 1.0 } else { 1e-3 };
+        let near: [f64; 7] = std::array::from_fn(|j| start[j] + share * (first[j] - start[j]));
+        let mut program = Program::from_rad(start).build();
+        let blend = random.bool().then(|| Blend::Fraction(0.5 * random.f64()));
+        program.motions = vec![
+            Motion::Ptp(Ptp { blend, ..Ptp::to(near) }),
+            Motion::Ptp(Ptp::to(second).velocity(0.1 + 0.9 * random.f64())),
+        ];
+        program.workcell.mode = OperatingMode::T1;
+        let Ok(path) = JointPath::new(&program, &robot) else { continue };
+        let trajectory = Trajectory::plan(&path, Timing::default()).unwrap();
+        planned += 1;
+        let mut last = f64::NEG_INFINITY;
+        for state in trajectory.states() {
+            assert!(state.t_s > last, "{} s", state.t_s);
+            last = state.t_s;
+        }
+        for state in trajectory.samples(1000.0) {
+            let speed = robot.tcp_speed_m_s(&Pose::IDENTITY, &state.q, &state.dq);
+            assert!(speed < 0.225 * (1.0 + 1e-3), "{speed} m/s at {} s", state.t_s);
+            held += usize::from(speed > 0.225 * (1.0 - 1e-3));
+        }
+    }
+    assert!(planned > 40 && held > 10_000, "{planned} {held}");
 }
