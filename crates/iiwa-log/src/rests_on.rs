@@ -47,10 +47,9 @@ fn of_section(section: &Section, timing: &str) -> Vec<(&'static str, MotionIndex
         let limits = path.limits_of(piece.step);
         let mut add = |what| found.push((what, piece.motion));
         match piece.kind {
-            PieceKind::Blend => add(BLEND),
             PieceKind::Lin | PieceKind::Circ => add(PATH),
             PieceKind::Spline if alone || !has_blends(section) => add(SPLINE),
-            PieceKind::Spline => add(BLEND),
+            PieceKind::Blend | PieceKind::Spline => add(BLEND),
             PieceKind::Line if alone => {
                 let kinds = [LimitKind::Velocity, LimitKind::Acceleration];
                 let reached = |kind| piece.limits().iter().any(|at| is_of(at.limit, kind));
