@@ -56,7 +56,7 @@ impl Robotics<'_> {
 
     /// A program has one override: that of its first motion.
     fn keep_override(&mut self) -> Result<(), Stop> {
-        let station = &mut self.station;
+        let station = &mut *self.station;
         let now = station.speed_override.as_ref().map_or(1.0, |(share, _)| *share);
         let first = *station.first_override.get_or_insert(now);
         if now == first {

@@ -162,7 +162,7 @@ def test_foreign_folders_are_refused(programs: list[str], tmp_path: Path) -> Non
         with pytest.raises(iw.IiwasimError, match=named):
             batches.plan(source, target, **{"chunk": 2, **options})
     # What is left out, and its default.
-    assert batches.plan(source, target, chunk=2, timing="jerk").rows_planned == 0
+    assert batches.plan(source, target, chunk=2, timing="sunrise").rows_planned == 0
     source.write_text("\n".join([*programs[:3], programs[5]]))
     with pytest.raises(iw.IiwasimError, match="figures of another plan: `programs` is"):
         batches.plan(source, target, chunk=2)
