@@ -57,7 +57,7 @@ fn a_motion_that_goes_nowhere_takes_its_time() {
     let path = JointPath::new(&Program::from_json(PROGRAM).unwrap(), &Robot::default()).unwrap();
     let trajectory = Trajectory::plan(&path, Timing::default()).unwrap();
     let motions: Vec<_> =
-        trajectory.sections().iter().flat_map(|section| section.motions()).collect();
+        trajectory.sections().iter().flat_map(iiwa_traj::Section::motions).collect();
     let still = motions.iter().find(|motion| motion.motion.index() == 1).unwrap();
     assert!((still.end_s - still.start_s - 0.2).abs() < 1e-9);
     let before = motions.iter().find(|motion| motion.motion.index() == 0).unwrap();
