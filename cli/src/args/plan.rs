@@ -33,6 +33,7 @@ const METHOD: &str = "Methods of calculation (Larsen 2019)";
 ///
 /// `iiwasim plan PROJECT --application CLASS` plans an application of a Sunrise project, as `iiwasim import` takes it.
 #[derive(Args, Debug)]
+#[expect(clippy::struct_excessive_bools, reason = "options are independent")]
 pub(crate) struct Plan {
     /// Motion program in JSON (`iiwasim schema` describes it), or a folder of them; - reads
     /// standard input
