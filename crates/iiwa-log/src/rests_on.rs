@@ -59,9 +59,8 @@ fn of_section(section: &Section, timing: &str) -> Vec<(&'static str, MotionIndex
                 if path.load(piece.motion).is_some() {
                     add(LOAD);
                 }
-                let full = &path.robot().limits().jerk_rad_s3;
-                let slower = path.speed_override().powi(3);
-                if (0..7).any(|j| limits.jerk_rad_s3()[j] < slower * full[j] * (1.0 - 1e-9)) {
+                let shares = limits.jerk_shares(&path.full_limits());
+                if shares.into_iter().any(|share| share < 1.0 - 1e-9) {
                     add(JERK_REL);
                 }
             }

@@ -5,7 +5,7 @@ mod update;
 
 use std::sync::Arc;
 
-use iiwa_kin::{Dynamics, Joints, Load, Mount, Pose, Robot};
+use iiwa_kin::{Dynamics, Joints, Load, Mount, Pose, RampLaw, Robot};
 
 use crate::{
     builder::steps,
@@ -271,6 +271,18 @@ impl JointPath {
     #[must_use]
     pub fn speed_override(&self) -> f64 {
         self.carried.speed_override()
+    }
+
+    /// The robot's law of ramps, at the override.
+    #[must_use]
+    pub fn ramp_law(&self) -> RampLaw {
+        self.robot.ramp_law().slowed_down(self.speed_override())
+    }
+
+    /// All that the robot can do, at the override.
+    #[must_use]
+    pub fn full_limits(&self) -> MotionLimits {
+        MotionLimits::full(&self.robot).slowed_down(self.speed_override())
     }
 
     /// The path without the speed at which the operating mode T1 holds TCP and flange, and that speed in m/s; none in other

@@ -114,6 +114,12 @@ impl MotionLimits {
         self
     }
 
+    /// The shares of the joints' jerk limits of `full` that these are.
+    #[must_use]
+    pub fn jerk_shares(&self, full: &Self) -> Joints {
+        std::array::from_fn(|j| self.jerk_rad_s3()[j] / full.jerk_rad_s3()[j])
+    }
+
     /// The speed at which the operating mode T1 holds TCP and flange, in m/s, if that is one of these limits.
     #[must_use]
     pub fn supervised_m_s(&self) -> Option<f64> {

@@ -86,7 +86,7 @@ pub(crate) fn stamps(
     let closed_form = match (segments.as_slice(), pieces.ends) {
         _ if !pieces.torques.is_empty() => None,
         ([line], [None, None]) if line.is_line() && !options.general && sunrise => {
-            let law = path.robot().ramp_law().slowed_down(path.speed_override());
+            let law = path.ramp_law();
             ramp_limits(&path, &section.pieces[0], &law)
                 .map(|ends| closed_form::sunrise_line(line, ends, &law))
         }
@@ -131,10 +131,7 @@ fn ramp_limits(path: &JointPath, piece: &Piece, law: &RampLaw) -> Option<[RampLi
     let way: Joints = std::array::from_fn(|j| stop[j] - start[j]);
     let length = way.iter().map(|d| d * d).sum::<f64>().sqrt();
     let dynamics = path.dynamics(piece.motion);
-    let slower = path.speed_override().powi(3);
-    let full = path.robot().limits().jerk_rad_s3.map(|limit| slower * limit);
-    let jerk = path.limits_of(piece.step).jerk_rad_s3();
-    let shares = std::array::from_fn(|j| jerk[j] / full[j]);
+    let shares = path.limits_of(piece.step).jerk_shares(&path.full_limits());
     let limits = |q, sign: f64, end| {
         let away = way.map(|d| sign * d / length);
         let torques = dynamics.path_torques(q, &away, &[0.0; 7]).acceleration;

@@ -10,7 +10,7 @@ use iiwa_path::{JointPath, Step};
 use iiwa_solver::TorqueLimits;
 
 use crate::{
-    jerk::JerkTiming,
+    jerk::{self, JerkTiming},
     known_in_time::{is_early, needed_s},
     late_blend::LateBlend,
     program_clock::ProgramClock,
@@ -145,7 +145,7 @@ impl Planner {
         steps: Range<usize>,
         section: &mut Section,
     ) -> Result<(), TimingError> {
-        let Some(torques) = torque_limits(&self.path, steps.clone()) else {
+        let Some(torques) = torque_limits(&section.path, steps.clone()) else {
             self.plan_without_torques(steps, section)?;
             return Ok(());
         };
@@ -158,7 +158,7 @@ impl Planner {
         let needs = match self.jerk {
             // Where accelerations jump, torques are larger than with limits of jerk.
             Some(timing) if largest(section, true) < LIKELY => {
-                spline_speed::limit(section, &[], timing, &self.stop)?;
+                spline_speed::limit(section, timing, &self.stop)?;
                 largest(section, jumps)
             }
             _ => largest(section, true),
@@ -196,7 +196,7 @@ impl Planner {
         let moves = Moves { steps, ends: [None; 2], torques: &[] };
         sweep_moves(&moves, &mut self.scratch, &self.stop, section)?;
         match self.jerk {
-            Some(timing) => spline_speed::limit(section, &[], timing, &self.stop),
+            Some(timing) => spline_speed::limit(section, timing, &self.stop),
             None => Ok(()),
         }
     }
@@ -214,7 +214,7 @@ impl Planner {
         let scratch = self.torque_scratch.get_or_insert_with(|| Scratch::new(intervals));
         sweep_moves(&moves, scratch, &self.stop, section)?;
         match self.jerk {
-            Some(timing) => spline_speed::limit(section, torques, timing, &self.stop),
+            Some(timing) => jerk::limit(section, torques, timing, &self.stop),
             None => Ok(()),
         }
     }
@@ -268,9 +268,7 @@ impl Planner {
     /// How long a motion takes that goes nowhere, in s.
     fn still_s(&self) -> f64 {
         match self.jerk {
-            Some(JerkTiming { sunrise: true, .. }) => {
-                self.path.robot().ramp_law().least_cruise_s / self.path.speed_override()
-            }
+            Some(JerkTiming { sunrise: true, .. }) => self.path.ramp_law().least_cruise_s,
             _ => 0.0,
         }
     }
@@ -290,14 +288,9 @@ impl Planner {
         };
         match self.supervised {
             None => self.plan_moves(moves, &mut section)?,
-            Some((ref mut unsupervised, speed_m_s)) => {
-                std::mem::swap(&mut self.path, unsupervised);
-                section.path = self.path.clone();
-                let planned = self.plan_moves(moves, &mut section);
-                if let Some((unsupervised, _)) = &mut self.supervised {
-                    std::mem::swap(&mut self.path, unsupervised);
-                }
-                planned?;
+            Some((ref unsupervised, speed_m_s)) => {
+                section.path = unsupervised.clone();
+                self.plan_moves(moves, &mut section)?;
                 section.path = self.path.clone();
                 section.hold_speed(speed_m_s);
             }

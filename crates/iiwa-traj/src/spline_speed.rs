@@ -17,8 +17,8 @@ use std::sync::{Arc, atomic::AtomicBool};
 
 use iiwa_kin::RampEnd;
 use iiwa_path::{Grid, JointPath, Segment, Step};
-use iiwa_program::{LimitKind, MotionLimits};
-use iiwa_solver::{LimitedSegment, SolveError, TorqueLimits};
+use iiwa_program::LimitKind;
+use iiwa_solver::{LimitedSegment, SolveError};
 
 use crate::{
     jerk::{self, JerkTiming, Stamps},
@@ -45,16 +45,15 @@ const FINER: f64 = 2.0;
 
 /// Limits the jerk of `section` as [`jerk::limit`] does, but plans splines by the model if `timing` is Sunrise's.
 ///
-/// Splines under torque limits, and those for which the model has no solution, are planned as without it.
+/// Splines for which the model has no solution are planned as without it.
 pub(crate) fn limit(
     section: &mut Section,
-    torques: &[TorqueLimits],
     timing: JerkTiming,
     stop: &AtomicBool,
 ) -> Result<(), TimingError> {
     let is_spline = |piece: &Piece| piece.kind == PieceKind::Spline;
     let is_one = !section.pieces.is_empty() && section.pieces.iter().all(is_spline);
-    if timing.sunrise && torques.is_empty() && is_one {
+    if timing.sunrise && is_one {
         match stamps(section, timing.options, stop) {
             Ok(stamps) => {
                 section.stamp(stamps);
@@ -64,7 +63,7 @@ pub(crate) fn limit(
             Err(SolveError::NotConverged) => {}
         }
     }
-    jerk::limit(section, torques, timing, stop)
+    jerk::limit(section, &[], timing, stop)
 }
 
 /// The stamps of a section that is a spline, or a part of one between two stops.
@@ -108,9 +107,7 @@ fn model_segments<'a>(
     pieces: &[Piece],
     grid: &Grid,
 ) -> Option<Vec<SpeedLimitedSegment<'a>>> {
-    let speed_override = path.speed_override();
-    let full = MotionLimits::full(path.robot()).slowed_down(speed_override);
-    let law = path.robot().ramp_law().slowed_down(speed_override);
+    let (full, law) = (path.full_limits(), path.ramp_law());
     let segment = |piece: &Piece| {
         let Step::Move { segment, .. } = &path.steps()[piece.step] else { return None };
         let limits = path.limits_of(piece.step);
@@ -165,16 +162,14 @@ fn end_ramp(
     let top = sweep.top_speed();
     let speed = if segment.has_way() { top.min(of_tcp) } else { top };
     let dynamics = path.dynamics(pieces[index].motion);
-    let law = path.robot().ramp_law().slowed_down(path.speed_override());
-    let full = MotionLimits::full(path.robot()).slowed_down(path.speed_override());
     let [direction, ..] = shape.sigma_derivatives(s);
     let place = ramps::RestPlace {
         q: shape.at(s).q,
         direction,
         speed_rad_s: speed / at.way[0],
         acceleration_rad_s2: *limits.acceleration_rad_s2(),
-        jerk_rel: std::array::from_fn(|j| limits.jerk_rad_s3()[j] / full.jerk_rad_s3()[j]),
+        jerk_rel: limits.jerk_shares(&path.full_limits()),
         end,
     };
-    EndRamp::new(&place, &dynamics, &law, sweep.way_to_limit_rad(end))
+    EndRamp::new(&place, &dynamics, &path.ramp_law(), sweep.way_to_limit_rad(end))
 }
