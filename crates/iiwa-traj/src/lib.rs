@@ -72,6 +72,7 @@ pub use planner::Planner;
 pub use replanner::Replanner;
 pub use section::{Piece, PieceKind, Section};
 pub use state::State;
+pub use sunrise::{RampPhase, RampStart};
 pub use timing::{JerkOptions, SweepOptions, Timing, TimingError};
 pub use torques::{JointTorques, MotionTorques, TorqueFigures};
 pub use trajectory::Trajectory;

@@ -6,3 +6,4 @@ mod root;
 
 pub(crate) use line::{RampedLine, instants};
 pub(crate) use ramp::Ramp;
+pub use ramp::{RampPhase, RampStart};

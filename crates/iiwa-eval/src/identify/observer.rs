@@ -8,6 +8,7 @@ use iiwa_kin::{
 };
 use iiwa_path::{BlendSearch, JointPath, Step};
 use iiwa_program::{LimitKind, Motion, MotionIndex};
+use iiwa_traj::RampStart;
 
 use crate::identify::{
     blends::{BlendCurve, Corner},
@@ -16,7 +17,7 @@ use crate::identify::{
     observation::{BlendObservation, FEWEST, LEFT_SHARE, LeftOut, LineLaw, LineObservation, Why},
     ramps::{Observed, Ramps},
     soft_ramps::{SoftEnd, SoftRamps},
-    soft_shape::{SoftLine, SoftRamp},
+    soft_shape::SoftLine,
     stops::Passage,
     watched::{CornerSpace, Watched},
 };
@@ -233,7 +234,7 @@ impl Observer<'_> {
         let acceleration =
             known(found.and_then(|ramps| ramps.acceleration), most(&limits.acceleration_rad_s2));
         let ends = line.ends(&self.watched.path).map(|(end, away, torques)| {
-            SoftRamp::by(
+            RampStart::by(
                 &law.limits(&away, &torques, &[1.0; 7], end),
                 acceleration,
                 law.width_rad_s,

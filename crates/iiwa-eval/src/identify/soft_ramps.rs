@@ -1,9 +1,11 @@
 //! Motions along a line with ramps as under Sunrise, fitted to all of their samples at once.
 
+use iiwa_traj::RampStart;
+
 use crate::{
     identify::{
         ramps::Observed,
-        soft_shape::{SoftLine, SoftRamp, SoftShape},
+        soft_shape::{SoftLine, SoftShape},
     },
     least_squares::{self, Fit, Model},
 };
@@ -84,9 +86,9 @@ struct SoftSamples<'a> {
 }
 
 /// The first phase of a ramp.
-fn first_phase(p: &SoftParameters, [speed, left]: [usize; 2]) -> SoftRamp {
+fn first_phase(p: &SoftParameters, [speed, left]: [usize; 2]) -> RampStart {
     let square = (1.0 - p[left]).max(1e-3) * p[ACCELERATION].powi(2);
-    SoftRamp { speed: p[speed], jerk: square / (1.5 * p[speed]) }
+    RampStart { speed: p[speed], jerk: square / (1.5 * p[speed]) }
 }
 
 impl SoftSamples<'_> {

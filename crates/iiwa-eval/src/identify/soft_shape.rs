@@ -1,7 +1,7 @@
 //! The way of a motion along a line from rest to rest, as Sunrise plans it: ramps that begin with constant snap, plateaus, a
 //! cruise. [`RampLaw`](iiwa_kin::RampLaw) has the law; here, its figures are those of one motion.
 
-use iiwa_kin::RampLimits;
+use iiwa_traj::{RampPhase, RampStart};
 
 /// The figures of a motion; lengths in rad along the line.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -12,42 +12,10 @@ pub(super) struct SoftLine {
     /// Largest acceleration, in rad/s^2.
     pub(super) acceleration: f64,
     /// The ramps at the start and at the end.
-    pub(super) ends: [SoftRamp; 2],
+    pub(super) ends: [RampStart; 2],
     /// Width of a phase in speed, in rad/s.
     pub(super) width: f64,
 }
-
-/// The first phase of a ramp.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct SoftRamp {
-    /// The speed at its end, in rad/s.
-    pub(super) speed: f64,
-    /// The jerk at its end, in rad/s^3.
-    pub(super) jerk: f64,
-}
-
-impl SoftRamp {
-    /// The one that a law with these limits leads to.
-    pub(super) fn by(limits: &RampLimits, acceleration: f64, width: f64) -> Self {
-        let a = acceleration;
-        let first = |speed: f64| {
-            let b = limits.damping_per_s * (1.5 * speed).sqrt();
-            let root = 2.0 * limits.jerk / (b + (b * b + 4.0 * limits.jerk).sqrt());
-            Self { speed, jerk: (root * root).min(a * a / (1.5 * speed)) }
-        };
-        let found = first((2.0_f64.sqrt() / 3.0 * a.powf(1.5) / limits.snap.sqrt()).max(width));
-        let gain = (a * a - found.acceleration().powi(2)) / (2.0 * found.jerk);
-        if found.speed > width && gain >= width { first(width) } else { found }
-    }
-
-    /// The acceleration at its end, in rad/s^2.
-    pub(super) fn acceleration(self) -> f64 {
-        (1.5 * self.jerk * self.speed).sqrt()
-    }
-}
-
-/// A time of constant snap: its duration, and jerk and snap at its start.
-type Phase = [f64; 3];
 
 /// The state at the start of a phase: time, way, speed, acceleration; and the phase's jerk and snap.
 #[derive(Clone, Copy, Debug)]
@@ -72,40 +40,6 @@ pub(super) struct SoftShape {
     pub(super) cruise_s: f64,
 }
 
-/// The share of the phase of constant jerk in what the square of the acceleration gains after the first phase.
-const CONSTANT_SHARE: f64 = 0.61;
-
-/// The phases of a ramp up to an acceleration.
-fn ramp(acceleration: f64, first: SoftRamp, width: f64) -> [Phase; 3] {
-    let a = acceleration;
-    let jerk = first.jerk.min(a * a / (1.5 * first.speed));
-    let from = SoftRamp { jerk, ..first }.acceleration();
-    let seconds = 3.0 * first.speed / from;
-    let mut phases = [[seconds, 0.0, jerk / seconds], [0.0; 3], [0.0; 3]];
-    let (mut from, mut from_jerk, mut width) = (from, jerk, width);
-    if from >= a * (1.0 - 1e-12) {
-        return phases;
-    }
-    let gain = (a * a - from * from) / (2.0 * jerk);
-    if gain >= width {
-        let a2 = (from * from + CONSTANT_SHARE * (a * a - from * from)).sqrt();
-        from_jerk = (a2 * a2 - from * from) / (2.0 * gain);
-        phases[1] = [(a2 - from) / from_jerk, from_jerk, 0.0];
-        width = width.max((a * a - a2 * a2) / (2.0 * from_jerk));
-        from = a2;
-    }
-    let mean = (2.0 * from + a) / 3.0;
-    let seconds = 2.0 * width / (mean + (mean * mean + 2.0 / 3.0 * from_jerk * width).sqrt());
-    let snap = 2.0 * (a - from - from_jerk * seconds) / (seconds * seconds);
-    phases[2] = if from_jerk + snap * seconds >= 0.0 {
-        [seconds, from_jerk, snap]
-    } else {
-        let seconds = 2.0 * width / (from + a);
-        [seconds, (a - from) / seconds, 0.0]
-    };
-    phases
-}
-
 impl PhaseStart {
     /// Way, speed and acceleration after a time.
     fn after(&self, t: f64) -> [f64; 3] {
@@ -120,11 +54,11 @@ impl PhaseStart {
 
 /// The state after some phases, from rest; each phase is added to `instants`.
 fn run(
-    phases: impl Iterator<Item = Phase>,
+    phases: impl Iterator<Item = RampPhase>,
     from: [f64; 4],
     instants: &mut Vec<PhaseStart>,
 ) -> [f64; 4] {
-    phases.fold(from, |[t_s, way, speed, acceleration], [seconds, jerk, snap]| {
+    phases.fold(from, |[t_s, way, speed, acceleration], RampPhase { seconds, jerk, snap }| {
         let instant = PhaseStart { t_s, way, speed, acceleration, jerk, snap };
         instants.push(instant);
         let [way, speed, acceleration] = instant.after(seconds);
@@ -132,16 +66,21 @@ fn run(
     })
 }
 
+/// A time without jerk; none if it is below 0.
+fn constant(seconds: f64) -> RampPhase {
+    RampPhase { seconds: seconds.max(0.0), ..RampPhase::default() }
+}
+
 impl SoftShape {
     pub(super) fn new(line: &SoftLine) -> Self {
         let halves = line.ends.map(|end| {
-            let up = ramp(line.acceleration, end, line.width);
+            let up = end.phases(line.acceleration, line.width);
             let plateau_s =
-                line.speed / line.acceleration - up.iter().map(|phase| phase[0]).sum::<f64>();
-            let down = up.map(|[seconds, jerk, snap]| [seconds, -jerk, -snap]);
+                line.speed / line.acceleration - up.iter().map(|phase| phase.seconds).sum::<f64>();
+            let down = up.map(|phase| RampPhase { jerk: -phase.jerk, snap: -phase.snap, ..phase });
             let [a, b, c] = up;
             let [d, e, f] = down;
-            ([a, b, c, [plateau_s.max(0.0), 0.0, 0.0], d, e, f], plateau_s)
+            ([a, b, c, constant(plateau_s), d, e, f], plateau_s)
         });
         let mut instants = Vec::with_capacity(16);
         let ways = halves.map(|(phases, _)| {
@@ -151,11 +90,12 @@ impl SoftShape {
         let cruise_s = (line.way - ways[0] - ways[1]) / line.speed;
         let [(start, start_plateau_s), (stop, stop_plateau_s)] = halves;
         // Backwards in time, jerk begins with what it ended with, and acceleration and snap have the other sign.
-        let backwards = stop
-            .into_iter()
-            .rev()
-            .map(|[seconds, jerk, snap]| [seconds, jerk + snap * seconds, -snap]);
-        let phases = start.into_iter().chain([[cruise_s.max(0.0), 0.0, 0.0]]).chain(backwards);
+        let backwards = stop.into_iter().rev().map(|phase| RampPhase {
+            jerk: phase.jerk + phase.snap * phase.seconds,
+            snap: -phase.snap,
+            ..phase
+        });
+        let phases = start.into_iter().chain([constant(cruise_s)]).chain(backwards);
         instants.clear();
         let [duration_s, ..] = run(phases, [0.0; 4], &mut instants);
         Self {
@@ -217,7 +157,7 @@ mod tests {
                 let away = unit.map(|u| sign * u);
                 let torques = robot.dynamics().path_torques(q, &away, &[0.0; 7]).acceleration;
                 let limits = law.limits(&away, &torques, &[1.0; 7], end);
-                let guess = SoftRamp::by(&limits, acceleration, law.width_rad_s);
+                let guess = RampStart::by(&limits, acceleration, law.width_rad_s);
                 assert!(guess.jerk > 0.0);
                 guess
             };

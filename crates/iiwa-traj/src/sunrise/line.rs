@@ -3,7 +3,7 @@
 use iiwa_kin::{RampLaw, RampLimits};
 
 use super::{
-    ramp::{Phase, Ramp},
+    ramp::{Ramp, RampPhase},
     root::root,
 };
 use crate::phases::ProfilePoint;
@@ -23,7 +23,7 @@ pub(crate) struct RampedLine<'a> {
 /// From rest to a speed.
 struct Half {
     /// Ramp, plateau, ramp back.
-    phases: [Phase; 7],
+    phases: [RampPhase; 7],
     way: f64,
 }
 
@@ -32,18 +32,18 @@ impl Half {
         let ramp =
             Ramp::below(speed, limits.acceleration, &limits.ends[end], limits.law.width_rad_s);
         let plateau = (speed / ramp.acceleration - ramp.seconds).max(0.0);
-        let mut phases = [Phase::default(); 7];
+        let mut phases = [RampPhase::default(); 7];
         phases[..3].copy_from_slice(&ramp.phases);
         phases[3].seconds = plateau;
-        for (back, Phase { seconds, jerk, snap }) in phases[4..].iter_mut().zip(ramp.phases) {
-            *back = Phase { seconds, jerk: -jerk, snap: -snap };
+        for (back, RampPhase { seconds, jerk, snap }) in phases[4..].iter_mut().zip(ramp.phases) {
+            *back = RampPhase { seconds, jerk: -jerk, snap: -snap };
         }
         let end = phases.iter().fold(ProfilePoint::default(), |at, phase| phase.after(&at));
         Self { phases, way: end.way }
     }
 }
 
-impl Phase {
+impl RampPhase {
     /// The state at the end of a phase, from that at its start.
     fn after(&self, from: &ProfilePoint) -> ProfilePoint {
         let Self { seconds: t, jerk, snap } = *self;
@@ -79,12 +79,12 @@ pub(crate) fn instants(way: f64, limits: &RampedLine<'_>) -> Vec<ProfilePoint> {
     let cruise_s = (room(&both) / speed).max(0.0);
     let [start, stop] = both;
     // Backwards, acceleration and snap change their signs, and jerk begins with what it ended with.
-    let backwards = stop.phases.iter().rev().map(|Phase { seconds, jerk, snap }| Phase {
+    let backwards = stop.phases.iter().rev().map(|RampPhase { seconds, jerk, snap }| RampPhase {
         seconds: *seconds,
         jerk: jerk + snap * seconds,
         snap: -snap,
     });
-    let cruise = Phase { seconds: cruise_s, ..Phase::default() };
+    let cruise = RampPhase { seconds: cruise_s, ..RampPhase::default() };
     let phases = start.phases.into_iter().chain([cruise]).chain(backwards);
     let mut instants = vec![ProfilePoint::default()];
     let all_s: f64 = phases.clone().map(|phase| phase.seconds).sum();

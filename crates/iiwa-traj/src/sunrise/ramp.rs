@@ -17,21 +17,31 @@ use iiwa_kin::RampLimits;
 
 use super::root::root;
 
-/// A time of constant snap.
+/// A time of constant snap along a line.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(crate) struct Phase {
-    pub(crate) seconds: f64,
-    /// At its start, in rad/s^3.
-    pub(crate) jerk: f64,
+pub struct RampPhase {
+    /// Its duration, in s.
+    pub seconds: f64,
+    /// Jerk at its start, in rad/s^3.
+    pub jerk: f64,
     /// In rad/s^4.
-    pub(crate) snap: f64,
+    pub snap: f64,
+}
+
+/// The end of the phase of constant snap with which a ramp from rest begins, along a line in joint space.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RampStart {
+    /// Speed, in rad/s.
+    pub speed: f64,
+    /// Jerk, in rad/s^3.
+    pub jerk: f64,
 }
 
 /// A ramp from no acceleration to the largest one.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Ramp {
     /// Those that are left out take no time.
-    pub(crate) phases: [Phase; 3],
+    pub(crate) phases: [RampPhase; 3],
     pub(crate) seconds: f64,
     /// The acceleration at its end, in rad/s^2.
     pub(crate) acceleration: f64,
@@ -46,34 +56,8 @@ const ROUNDING: f64 = 1e-12;
 impl Ramp {
     /// The ramp to an acceleration, in rad/s^2, with a width in rad/s.
     pub(crate) fn to(acceleration: f64, limits: &RampLimits, width: f64) -> Self {
-        let a = acceleration;
-        let mut v1 = (2.0_f64.sqrt() / 3.0 * a.powf(1.5) / limits.snap.sqrt()).max(width);
-        let (mut jerk, mut a1) = first_phase(a, limits, v1);
-        // What constant jerk would need beyond v1.
-        let gain = |jerk: f64, a1: f64| (a * a - a1 * a1) / (2.0 * jerk);
-        if v1 > width && gain(jerk, a1) >= width {
-            v1 = width;
-            (jerk, a1) = first_phase(a, limits, v1);
-        }
-        let seconds = 3.0 * v1 / a1;
-        let mut phases = [
-            Phase { seconds, jerk: 0.0, snap: jerk / seconds },
-            Phase::default(),
-            Phase::default(),
-        ];
-        if a1 < a * (1.0 - ROUNDING) {
-            let (mut from, mut from_jerk, mut width) = (a1, jerk, width);
-            let gain = gain(jerk, a1);
-            if gain >= width {
-                let a2 = (a1 * a1 + CONSTANT_SHARE * (a * a - a1 * a1)).sqrt();
-                from_jerk = (a2 * a2 - a1 * a1) / (2.0 * gain);
-                phases[1] = Phase { seconds: (a2 - a1) / from_jerk, jerk: from_jerk, snap: 0.0 };
-                from = a2;
-                width = width.max((a * a - a2 * a2) / (2.0 * from_jerk));
-            }
-            phases[2] = last_phase(from, from_jerk, a, width);
-        }
-        Self { phases, seconds: phases.iter().map(|phase| phase.seconds).sum(), acceleration: a }
+        let phases = RampStart::by(limits, acceleration, width).phases(acceleration, width);
+        Self { phases, seconds: phases.iter().map(|phase| phase.seconds).sum(), acceleration }
     }
 
     /// The ramp to the largest acceleration, up to a limit, with which it and its mirror image stay below a speed.
@@ -108,26 +92,77 @@ fn largest_of_one_phase(limits: &RampLimits, width: f64) -> f64 {
     by_snap.min(product / (half + (half * half + product).sqrt()))
 }
 
-/// Jerk and acceleration at the end of the phase of constant snap that leads to a speed.
-fn first_phase(acceleration: f64, limits: &RampLimits, v1: f64) -> (f64, f64) {
-    // J + c sqrt(1.5 J v1) = Y is a quadratic equation in the root of J.
-    let b = limits.damping_per_s * (1.5 * v1).sqrt();
-    let root = 2.0 * limits.jerk / (b + (b * b + 4.0 * limits.jerk).sqrt());
-    let jerk = (root * root).min(acceleration * acceleration / (1.5 * v1));
-    (jerk, (1.5 * jerk * v1).sqrt())
+impl RampStart {
+    /// That of a ramp to an acceleration, in rad/s^2, with a width in rad/s.
+    #[must_use]
+    pub fn by(limits: &RampLimits, acceleration: f64, width: f64) -> Self {
+        let a = acceleration;
+        let v1 = (2.0_f64.sqrt() / 3.0 * a.powf(1.5) / limits.snap.sqrt()).max(width);
+        let found = Self::at(v1, limits, a);
+        if found.speed > width && found.gain(a) >= width {
+            Self::at(width, limits, a)
+        } else {
+            found
+        }
+    }
+
+    /// That of a phase which leads to a speed.
+    fn at(speed: f64, limits: &RampLimits, acceleration: f64) -> Self {
+        // J + c sqrt(1.5 J v1) = Y is a quadratic equation in the root of J.
+        let b = limits.damping_per_s * (1.5 * speed).sqrt();
+        let root = 2.0 * limits.jerk / (b + (b * b + 4.0 * limits.jerk).sqrt());
+        Self { speed, jerk: (root * root).min(acceleration * acceleration / (1.5 * speed)) }
+    }
+
+    /// The acceleration there, in rad/s^2.
+    #[must_use]
+    pub fn acceleration(&self) -> f64 {
+        (1.5 * self.jerk * self.speed).sqrt()
+    }
+
+    /// The speed that constant jerk would need from there to an acceleration.
+    fn gain(&self, acceleration: f64) -> f64 {
+        let a1 = self.acceleration();
+        (acceleration * acceleration - a1 * a1) / (2.0 * self.jerk)
+    }
+
+    /// The phases of the ramp to an acceleration, in rad/s^2, with a width in rad/s; those that are left out take no time.
+    #[must_use]
+    pub fn phases(&self, acceleration: f64, width: f64) -> [RampPhase; 3] {
+        let a = acceleration;
+        let first = Self { jerk: self.jerk.min(a * a / (1.5 * self.speed)), ..*self };
+        let (a1, jerk) = (first.acceleration(), first.jerk);
+        let seconds = 3.0 * first.speed / a1;
+        let mut phases = [RampPhase::default(); 3];
+        phases[0] = RampPhase { seconds, jerk: 0.0, snap: jerk / seconds };
+        if a1 < a * (1.0 - ROUNDING) {
+            let (mut from, mut from_jerk, mut width) = (a1, jerk, width);
+            let gain = first.gain(a);
+            if gain >= width {
+                let a2 = (a1 * a1 + CONSTANT_SHARE * (a * a - a1 * a1)).sqrt();
+                from_jerk = (a2 * a2 - a1 * a1) / (2.0 * gain);
+                phases[1] =
+                    RampPhase { seconds: (a2 - a1) / from_jerk, jerk: from_jerk, snap: 0.0 };
+                from = a2;
+                width = width.max((a * a - a2 * a2) / (2.0 * from_jerk));
+            }
+            phases[2] = last_phase(from, from_jerk, a, width);
+        }
+        phases
+    }
 }
 
 /// The phase that gains `width` of speed and ends with an acceleration `to`.
-fn last_phase(from: f64, jerk: f64, to: f64, width: f64) -> Phase {
+fn last_phase(from: f64, jerk: f64, to: f64, width: f64) -> RampPhase {
     // The speed gained in t with a jerk that changes linearly: t (2 from + to) / 3 + t^2 jerk / 6.
     let mean = (2.0 * from + to) / 3.0;
     let seconds = 2.0 * width / (mean + (mean * mean + 2.0 / 3.0 * jerk * width).sqrt());
     let snap = 2.0 * (to - from - jerk * seconds) / (seconds * seconds);
     if jerk + snap * seconds >= 0.0 {
-        return Phase { seconds, jerk, snap };
+        return RampPhase { seconds, jerk, snap };
     }
     let seconds = 2.0 * width / (from + to);
-    Phase { seconds, jerk: (to - from) / seconds, snap: 0.0 }
+    RampPhase { seconds, jerk: (to - from) / seconds, snap: 0.0 }
 }
 
 #[cfg(test)]
@@ -144,7 +179,7 @@ mod tests {
     /// Speed and acceleration after a ramp, and its largest jerk.
     fn run(ramp: &Ramp) -> [f64; 3] {
         let (mut v, mut a, mut most) = (0.0, 0.0, 0.0_f64);
-        for Phase { seconds: t, jerk, snap } in ramp.phases {
+        for RampPhase { seconds: t, jerk, snap } in ramp.phases {
             v += t * (a + t * (jerk / 2.0 + t * snap / 6.0));
             a += t * (jerk + t * snap / 2.0);
             most = most.max(jerk).max(jerk + t * snap);
