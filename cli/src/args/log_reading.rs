@@ -27,9 +27,9 @@ enum AngleName {
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum PositionKind {
-    /// What the controller asked the joints for
+    /// Positions that the controller commanded
     Commanded,
-    /// What the encoders measured
+    /// Positions that the encoders measured
     Measured,
 }
 

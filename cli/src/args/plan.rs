@@ -5,6 +5,7 @@ use std::{path::PathBuf, time::Duration};
 use bytesize::ByteSize;
 use clap::{Args, ValueEnum};
 use iiwa_path::{BlendSearch, BlendShape, Continuity};
+use iiwa_traj::SweepOptions;
 
 use super::{
     Answering, RosNaming, Urdf,
@@ -158,6 +159,17 @@ pub(crate) enum Timing {
     /// As a real robot was seen to move: PTP motions and splines from rest to rest as Sunrise plans them (splines: by a
     /// model); all else as jerk
     Sunrise,
+}
+
+impl Timing {
+    /// The timing of a plan, with these options of the sweep.
+    pub(crate) fn with(self, sweep: SweepOptions) -> iiwa_traj::Timing {
+        match self {
+            Self::Acceleration => iiwa_traj::Timing::Acceleration(sweep),
+            Self::Jerk => iiwa_traj::Timing::jerk_limited(),
+            Self::Sunrise => iiwa_traj::Timing::default(),
+        }
+    }
 }
 
 #[derive(Clone, Copy, Debug, ValueEnum)]

@@ -2,14 +2,10 @@
 
 use iiwa_eval::Plan;
 use iiwa_log::{PlanFigures, PlanOptions, Positions};
-use iiwa_traj::{JerkOptions, SweepOptions, Timing};
+use iiwa_traj::SweepOptions;
 use iiwa_view::{ValidationReport, with_causes};
 
-use crate::{
-    args::{self, Validate},
-    failure::Failure,
-    input, output,
-};
+use crate::{args::Validate, failure::Failure, input, output};
 
 /// Plans the program, compares the recording with the plan and prints the figures.
 pub(crate) fn run(options: &Validate) -> Result<(), Failure> {
@@ -22,7 +18,7 @@ pub(crate) fn run(options: &Validate) -> Result<(), Failure> {
         Failure::input(format!("{}: {}", options.recording.display(), with_causes(error)))
     };
     log.check_robot(&robot).map_err(|error| refuse(&error))?;
-    let how = PlanOptions::with_timing(timing(options.timing));
+    let how = PlanOptions::with_timing(options.timing.with(SweepOptions::default()));
     let trajectory = how
         .plan(&program, &robot)
         .map_err(|error| Failure::plan(&error, &program.sources, &text.name, &text.text))?;
@@ -35,12 +31,4 @@ pub(crate) fn run(options: &Validate) -> Result<(), Failure> {
         &comparison,
     );
     if options.json { output::print_json(&report) } else { output::print(&report.text()) }
-}
-
-fn timing(timing: args::Timing) -> Timing {
-    match timing {
-        args::Timing::Acceleration => Timing::Acceleration(SweepOptions::default()),
-        args::Timing::Jerk => Timing::jerk_limited(),
-        args::Timing::Sunrise => Timing::Sunrise(JerkOptions::default()),
-    }
 }

@@ -9,11 +9,11 @@ use iiwa_log::{PlanConfig, PlanFigures, PlanOptions, PlanWriter, Planning};
 use iiwa_path::{PathOptions, warnings};
 use iiwa_program::Program;
 use iiwa_scene::{ArmInScene, Scene};
-use iiwa_traj::{JerkOptions, SweepOptions, Timing};
+use iiwa_traj::SweepOptions;
 use iiwa_view::{PlanGates, PlanPicture, add_clearances, long_duration};
 
 use crate::{
-    args::{self, Plan},
+    args::Plan,
     arm_files::ArmFiles,
     failure::Failure,
     input::{self, ProgramText},
@@ -139,13 +139,7 @@ fn plan_options(options: &Plan) -> PlanOptions {
             blend_shape: options.blend_shape.into(),
             blend_search: options.blend_search.into(),
         },
-        timing: match options.timing {
-            args::Timing::Acceleration => {
-                Timing::Acceleration(SweepOptions { samples: options.samples as usize })
-            }
-            args::Timing::Jerk => Timing::jerk_limited(),
-            args::Timing::Sunrise => Timing::Sunrise(JerkOptions::default()),
-        },
+        timing: options.timing.with(SweepOptions { samples: options.samples as usize }),
         samples: options.samples,
     }
 }
