@@ -112,7 +112,7 @@ def ptp(
         acceleration_rel=_share("acceleration_rel", acceleration_rel),
         jerk_rel=_share("jerk_rel", jerk_rel),
         blend=_blend(blend_cart_mm, blend_ori_deg, fraction=blend_fraction, sunrise_rel=blend_sunrise_rel),
-        blocking=True if blocking else None,
+        blocking=blocking or None,
     )
 
 

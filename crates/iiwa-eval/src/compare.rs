@@ -63,7 +63,7 @@ pub struct Comparison {
     /// How far off the path of the TCP, in m: the distance between the measured TCP and the nearest
     /// point of its planned path about the matched place.
     pub tcp_m: Deviation,
-    /// How far off the path during each motion, in order; motions without a sample are left out.
+    /// Largest deviations from the path of each motion, in order; motions without samples are omitted.
     pub motion_deviations: Vec<MotionDeviation>,
     /// Recorded torques beside those of the plan, if the recording has any.
     pub torques: Option<TorqueDifference>,

@@ -295,7 +295,7 @@ impl Stop<'_> {
     }
 }
 
-/// How far samples are off their path, root mean square of each of the six directions across it, in rad.
+/// Root mean square distance of samples from the path, per direction of the six across it, in rad.
 fn off_path(off: impl Iterator<Item = Joints>) -> f64 {
     let (count, squares) = off.fold((0, 0.0), |sum, off| (sum.0 + 1, sum.1 + dot(&off, &off)));
     (squares / (6.0 * f64::from(count.max(1)))).sqrt()

@@ -49,7 +49,7 @@ impl Line {
         Some(Self { zero, slope, points: points.len(), left, sums: moved })
     }
 
-    /// What is left of the way, root mean square, in rad.
+    /// Root mean square residual of the position, in rad.
     pub(super) fn miss(&self) -> f64 {
         (self.left / self.points as f64).sqrt() / self.slope
     }
@@ -63,7 +63,7 @@ impl Line {
         systematic * self.deviation(sigma)
     }
 
-    /// How much worse it fits than noise would have it: chi squared, less the number of points.
+    /// Excess of chi squared over its expected value, the number of points.
     pub(super) fn misfit(&self, sigma: f64) -> f64 {
         (self.miss() / sigma.max(1e-12)).powi(2) * self.points as f64 - self.points as f64
     }

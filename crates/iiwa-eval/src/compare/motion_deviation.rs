@@ -1,4 +1,4 @@
-//! How far off its path the arm was during each motion.
+//! Largest deviations from the planned path of each motion.
 
 use iiwa_kin::{Joint, Joints};
 use iiwa_program::MotionIndex;
@@ -12,7 +12,7 @@ pub struct MotionDeviation {
     pub joint: Joint,
     /// By how much, in rad.
     pub joint_rad: f64,
-    /// How far the TCP is off its path, in m.
+    /// Distance of the TCP from its path, in m.
     pub tcp_m: f64,
 }
 

@@ -3,7 +3,7 @@
 use super::line::Line;
 use super::start_law::StartLaw;
 
-/// How often the way that is looked at is halved, to see whether the law of its beginning ends before.
+/// Number of times that the fitted part of the path is halved, in search of a part with one law.
 const TOPS: usize = 8;
 
 /// The least samples of a part of the way.
@@ -21,7 +21,7 @@ pub(super) struct StartFit<'a> {
     pub(super) points: &'a [(f64, f64)],
     /// Standard deviation of the ways, in rad.
     pub(super) sigma: f64,
-    /// Whether the arm does not follow exactly: what is left over is not noise from sample to sample.
+    /// True if the arm deviates from its set-points, so that residuals are correlated from sample to sample.
     pub(super) tracks: bool,
 }
 
@@ -45,7 +45,7 @@ impl StartFit<'_> {
         }
     }
 
-    /// Whether a line fits clearly worse than another one through the same points.
+    /// True if a line fits significantly worse than another one through the same points.
     fn is_worse(&self, line: &Line, other: &Line) -> bool {
         if self.tracks {
             return other.miss() < 0.8 * line.miss();

@@ -8,7 +8,7 @@
 /// A law of a start.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct StartLaw {
-    /// Whether jerk grows from 0, and does not begin with its constant value.
+    /// True if the jerk grows from 0; false if it begins with its constant value.
     is_soft: bool,
     /// The way after which the first phase ends, in rad.
     bend_rad: f64,

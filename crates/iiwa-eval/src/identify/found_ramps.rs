@@ -66,7 +66,7 @@ impl FoundRamps {
     }
 }
 
-/// What was observed of ramps so far.
+/// Observations of ramps so far.
 #[derive(Debug, Default)]
 pub(super) struct RampFindings {
     /// Bounds of S, of R at the start and of R at the end.
