@@ -56,6 +56,11 @@ pub enum RampEnd {
     Stop,
 }
 
+impl RampEnd {
+    /// Both, in order.
+    pub const BOTH: [Self; 2] = [Self::Start, Self::Stop];
+}
+
 /// R of a joint that was never seen to limit.
 const NEVER: f64 = 1e9;
 

@@ -16,10 +16,8 @@ pub struct AssumptionRecord {
     pub first: usize,
 }
 
-const BLEND: &str =
-    "blends: within limits of jerk; a real robot's time law of blends has not been recorded";
-const PATH: &str =
-    "LIN and CIRC: within limits of jerk; a real robot's time law of them has not been recorded";
+const BLEND: &str = "blends: within limits of jerk, with ramps next to rest as soft as recorded ones; no blend has been recorded";
+const PATH: &str = "LIN and CIRC: within limits of jerk, with ramps next to rest as soft as those of recorded SPL; neither has been recorded";
 const SPLINE: &str =
     "splines: the speed along them by a model, which meets recorded durations within 3 %";
 const CRUISE: &str = "PTP without a cruise or without a plateau of acceleration: the law of ramps is continued to where nothing was recorded";

@@ -1,5 +1,6 @@
 //! The path of a motion program.
 
+mod least_cruise;
 mod standing;
 mod update;
 

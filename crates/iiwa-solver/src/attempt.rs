@@ -350,8 +350,8 @@ impl Attempt {
         if stretches == 1.0 {
             let rates = &self.rates_along(k, [0.0, 1.0]);
             let geometry = &self.mesh.geometry[k];
-            let of = segment.largest_shares(geometry, rates);
-            let finer = of_uneven_curve(&of, &segment.share_errors(geometry, rates));
+            let of = cell.shares(segment.largest_shares(geometry, rates));
+            let finer = of_uneven_curve(&of, &cell.shares(segment.share_errors(geometry, rates)));
             if finer == 1.0 {
                 let [torque, of_room] = self.largest_torques(k, [0.0, 1.0], rates);
                 return CellShares { of, torque, of_room };
@@ -364,7 +364,7 @@ impl Attempt {
             let stretch = [from / stretches, (from + 1.0) / stretches];
             let geometry = cell.geometry(segments, stretch);
             let rates = &self.rates_along(k, stretch);
-            raise(&mut largest.of, &segment.largest_shares(&geometry, rates));
+            raise(&mut largest.of, &cell.shares(segment.largest_shares(&geometry, rates)));
             let [torque, of_room] = self.largest_torques(k, stretch, rates);
             largest.torque = larger(largest.torque, torque);
             largest.of_room = larger(largest.of_room, of_room);

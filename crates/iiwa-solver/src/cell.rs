@@ -1,5 +1,7 @@
 //! A cell of a mesh.
 
+use iiwa_program::{ByKind, LimitKind};
+
 use crate::{geometry::Geometry, limited_segment::LimitedSegment, peaks::SHARES};
 
 /// An interval of a segment's sigma on which x is a cubic.
@@ -14,9 +16,18 @@ pub struct Cell {
     pub length: f64,
     /// x = (dsigma/dt)^2 of the acceleration-limited stamps at its start.
     pub(crate) x: f64,
+    /// The share of the segment's limits of jerk that holds in it.
+    pub(crate) jerk_rel: f64,
 }
 
 impl Cell {
+    /// Shares of the limits that hold in it, from shares of its segment's.
+    #[inline(always)]
+    pub(crate) fn shares(&self, mut of: ByKind<f64>) -> ByKind<f64> {
+        of[LimitKind::Jerk] /= self.jerk_rel;
+        of
+    }
+
     /// The curve at [`SHARES`] of the cell's stretch between two shares of it.
     #[inline(always)]
     pub(crate) fn geometry(

@@ -268,7 +268,8 @@ impl AnyBlock<'_> {
             [0, 2, 3, 4, 6].map(|place| segment.derivatives_at(limited.geometry, place));
         let ([start_velocity, start_acceleration], both) = &limited.at_start();
         let both_start = both.as_ref().unwrap_or(&start);
-        let [velocity, acceleration, jerk] = LimitKind::ALL.map(|kind| &segment.inverse[kind]);
+        let [velocity, acceleration, full_jerk] = LimitKind::ALL.map(|kind| &segment.inverse[kind]);
+        let jerk = &full_jerk.map(|inverse| inverse / limited.cell.jerk_rel);
         let [start_limiting, acceleration_limiting, jerk_limiting] = &limited.limiting();
 
         self.weight.0[lane] = 0.5 * length;

@@ -13,6 +13,7 @@ use crate::{
     geometry::{Geometry, Places, SigmaDerivatives, in_plane},
     limiting_joints::LimitingJoints,
     peaks::{Peak, larger, parabola_error},
+    rest_ramp::RestRamp,
     swept::SweptNode,
     torque_limits::TorqueLimits,
 };
@@ -45,6 +46,8 @@ pub struct LimitedSegment<'a> {
     pub(crate) limiting: ByKind<LimitingJoints>,
     /// The limits of torque, if there are any.
     torque: Option<&'a TorqueLimits>,
+    /// The ramps at the rests before and after it, with sigma from there to its nearer end.
+    ramps: [Option<(RestRamp, f64)>; 2],
 }
 
 /// From this share of its limit on, the torque of a joint has rows.
@@ -95,6 +98,7 @@ impl<'a> LimitedSegment<'a> {
                 if tool.is_some() { LimitingJoints::ALL } else { LimitingJoints::JOINTS }
             }),
             torque: None,
+            ramps: [None; 2],
         };
         if let Some(graph) = segment.graph {
             // Perpendicular to each other: in a near turn-back, both would point almost the same way.
@@ -120,6 +124,23 @@ impl<'a> LimitedSegment<'a> {
     #[must_use]
     pub fn with_torque_limits(self, limits: &'a TorqueLimits) -> Self {
         Self { torque: Some(limits), ..self }
+    }
+
+    /// The segment with lower limits of jerk next to the rests before and after it, each with sigma from there to the
+    /// segment's nearer end, in rad.
+    #[must_use]
+    pub fn with_rest_ramps(self, ramps: [Option<(RestRamp, f64)>; 2]) -> Self {
+        Self { ramps, ..self }
+    }
+
+    /// The share of its limits of jerk that holds at `sigma`, in rad.
+    pub(crate) fn jerk_rel(&self, sigma: f64) -> f64 {
+        let ways = [sigma, self.length - sigma];
+        let shares = std::iter::zip(&self.ramps, ways).filter_map(|(ramp, way)| {
+            let (ramp, from_rest) = ramp.as_ref()?;
+            Some(ramp.jerk_rel_at(from_rest + way))
+        });
+        shares.fold(1.0, f64::min)
     }
 
     /// Whether torques are limited.
@@ -204,7 +225,7 @@ impl<'a> LimitedSegment<'a> {
     }
 
     /// Largest speed, acceleration and jerk of sigma by the limits of the tool, in rad/s, rad/s^2 and rad/s^3, where it goes
-    /// evenly and all of these are limited.
+    /// evenly and all of these are limited; of jerk from rest to rest.
     #[must_use]
     pub fn even_tool_limits(&self) -> Option<[f64; 3]> {
         if self.tool.is_none() || !self.shape.has_even_tool_way() {
@@ -219,7 +240,10 @@ impl<'a> LimitedSegment<'a> {
             return None;
         }
         let [direction, ..] = self.derivatives(0.0);
-        let limits = LimitKind::ALL.map(|kind| self.limits[kind][7] / direction[7]);
+        let mut limits = LimitKind::ALL.map(|kind| self.limits[kind][7] / direction[7]);
+        // With the same time for both ramps together.
+        let [start, stop] = [0.0, self.length].map(|sigma| 1.0 / self.jerk_rel(sigma));
+        limits[2] /= 0.5 * (start + stop);
         limits.iter().all(|limit| limit.is_finite()).then_some(limits)
     }
 
@@ -359,7 +383,12 @@ impl<'a> LimitedSegment<'a> {
     #[must_use]
     pub fn straight(&self, s: f64) -> [f64; 3] {
         let [direction, ..] = self.derivatives(s);
-        LimitKind::ALL.map(|kind| largest_multiple(&direction, &self.limits[kind]))
+        let [speed, acceleration, jerk] =
+            LimitKind::ALL.map(|kind| largest_multiple(&direction, &self.limits[kind]));
+        if self.ramps == [None; 2] {
+            return [speed, acceleration, jerk];
+        }
+        [speed, acceleration, jerk * self.jerk_rel(self.shape.sigma(s)[0] * self.unit)]
     }
 
     /// Shares of all limits at one place of its `geometry`, where speed, acceleration and jerk of sigma are these,

@@ -212,11 +212,10 @@ pub(crate) fn mesh(
                 *node = node.reversed();
             }
         }
-        cells.extend(nodes.windows(2).map(|pair| Cell {
-            segment: index,
-            from: pair[0].start,
-            length: pair[0].way_to(pair[1]),
-            x: swept_at(pair[0]).x,
+        cells.extend(nodes.windows(2).map(|pair| {
+            let (from, length) = (pair[0].start, pair[0].way_to(pair[1]));
+            let jerk_rel = segment.jerk_rel(from + 0.5 * length);
+            Cell { segment: index, from, length, x: swept_at(pair[0]).x, jerk_rel }
         }));
     }
     let to_rest = if ends_at_rest { cells.pop() } else { None };

@@ -5,17 +5,19 @@
 
 mod closed_form;
 mod horizon;
+mod rest_ramps;
 mod stamps;
 
 use std::{ops::Range, sync::atomic::AtomicBool};
 
-use iiwa_kin::{Joints, RampEnd, RampLaw, RampLimits};
-use iiwa_path::{JointPath, Step};
+use iiwa_kin::RampEnd;
+use iiwa_path::Step;
 use iiwa_solver::{LimitedSegment, SolveError, SweptNode, TorqueLimits, Window};
 
 use crate::{
     node::Node,
     section::{Piece, Section},
+    sunrise::ramp_limits,
     timing::{JerkOptions, TimingError},
 };
 use stamps::Stamper;
@@ -70,6 +72,7 @@ pub(crate) fn stamps(
         .map(|Node { t_s, p, rate, u, .. }| SweptNode { t_s, p, rate, u })
         .collect();
     let mut segments = Vec::with_capacity(section.pieces.len());
+    let mut own_stamps = Vec::with_capacity(section.pieces.len());
     for (i, piece) in section.pieces.iter().enumerate() {
         let Step::Move { segment, blend, .. } = &path.steps()[piece.step] else { continue };
         let limits = path.limits_of(piece.step);
@@ -82,21 +85,29 @@ pub(crate) fn stamps(
             Some(torques) => segment.with_torque_limits(torques),
             None => segment,
         });
+        own_stamps.push(swept);
     }
-    let closed_form = match (segments.as_slice(), pieces.ends) {
-        _ if !pieces.torques.is_empty() => None,
-        ([line], [None, None]) if line.is_line() && !options.general && sunrise => {
-            let law = path.ramp_law();
-            ramp_limits(&path, &section.pieces[0], &law)
-                .map(|ends| closed_form::sunrise_line(line, ends, &law))
+    let rests = pieces.ends.map(|end| end.is_none());
+    let is_closed = rests == [true; 2] && pieces.torques.is_empty() && !options.general;
+    if let [line] = segments.as_slice()
+        && is_closed
+        && line.is_line()
+    {
+        if !sunrise {
+            return Ok(closed_form::line(line).joined());
         }
-        ([line], [None, None]) if line.is_line() && !options.general => {
-            Some(closed_form::line(line))
+        let ends = RampEnd::BOTH.map(|end| ramp_limits(&path, &section.pieces, end));
+        if let [Some(start), Some(stop)] = ends {
+            return Ok(closed_form::sunrise_line(line, [start, stop], &path.ramp_law()).joined());
         }
-        ([path], [None, None]) if !options.general => closed_form::tcp_path(path),
-        _ => None,
-    };
-    if let Some(found) = closed_form {
+    }
+    if sunrise {
+        segments = rest_ramps::soften(segments, &own_stamps, &path, &section.pieces, rests);
+    }
+    if let [path] = segments.as_slice()
+        && is_closed
+        && let Some(found) = closed_form::tcp_path(path)
+    {
         return Ok(found.joined());
     }
     let found = match (segments.as_slice(), pieces.ends) {
@@ -121,23 +132,6 @@ pub(crate) fn from_rest_to_rest(
     stop: &AtomicBool,
 ) -> Result<Stamps, SolveError> {
     horizon::stamps(segments, start_s, options, stop).map(Stamps::joined)
-}
-
-/// The limits of the ramps at both ends of a piece that is a line. The load counts as a part of the arm, which is assumed: no
-/// recording has one. So does it that a share of the limits of jerk is the same share of those of snap.
-fn ramp_limits(path: &JointPath, piece: &Piece, law: &RampLaw) -> Option<[RampLimits; 2]> {
-    let Step::Move { segment, .. } = &path.steps()[piece.step] else { return None };
-    let [start, stop] = [0.0, 1.0].map(|s| segment.at(s).q);
-    let way: Joints = std::array::from_fn(|j| stop[j] - start[j]);
-    let length = way.iter().map(|d| d * d).sum::<f64>().sqrt();
-    let dynamics = path.dynamics(piece.motion);
-    let shares = path.limits_of(piece.step).jerk_shares(&path.full_limits());
-    let limits = |q, sign: f64, end| {
-        let away = way.map(|d| sign * d / length);
-        let torques = dynamics.path_torques(q, &away, &[0.0; 7]).acceleration;
-        law.limits(&away, &torques, &shares, end)
-    };
-    Some([limits(&start, 1.0, RampEnd::Start), limits(&stop, -1.0, RampEnd::Stop)])
 }
 
 /// The stamps of a window. Its ends are given: it cannot be slowed down.

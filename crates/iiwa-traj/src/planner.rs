@@ -97,14 +97,21 @@ impl Planner {
             supervised: None,
             stop: Arc::default(),
         };
-        planner.supervise();
+        planner.limit_as_sunrise();
         planner
     }
 
-    /// Notes what is planned where the speed of T1 is held while motions run.
-    fn supervise(&mut self) {
-        let holds = matches!(self.jerk, Some(JerkTiming { sunrise: true, .. }));
-        self.supervised = holds.then(|| self.path.unsupervised()).flatten();
+    /// Changes the path's limits to those of Sunrise: short motions, and what is planned where the speed of T1 is held while motions
+    /// run.
+    fn limit_as_sunrise(&mut self) {
+        self.supervised = None;
+        if let Some(JerkTiming { sunrise: true, .. }) = self.jerk {
+            let least_s = self.path.ramp_law().least_cruise_s;
+            if let Some(path) = self.path.with_least_cruise(least_s) {
+                self.path = path;
+            }
+            self.supervised = self.path.unsupervised();
+        }
     }
 
     /// The path.
@@ -118,7 +125,7 @@ impl Planner {
         (self.path, self.rest_rad) = (path.clone(), *path.start_rad());
         (self.step, self.time_s) = (0, 0.0);
         self.clock = ProgramClock::default();
-        self.supervise();
+        self.limit_as_sunrise();
     }
 
     /// Ends in [`TimingError::Interrupted`] soon after `stop` is set, in the middle of a section as well.
@@ -326,7 +333,7 @@ impl Planner {
                         late.known_s = known_s;
                     }
                     self.path.stop_before_blend(blend);
-                    self.supervise();
+                    self.limit_as_sunrise();
                     return Ok((stopped, blend));
                 }
                 self.clock.go_through(known_s);

@@ -89,6 +89,11 @@ impl PieceKind {
         }
     }
 
+    /// Whether the program says how the TCP moves, and not the joints.
+    pub(crate) fn is_of_tcp(self) -> bool {
+        matches!(self, Self::Lin | Self::Circ | Self::Spline)
+    }
+
     /// Whether the arm moves.
     #[must_use]
     pub fn moves(self) -> bool {

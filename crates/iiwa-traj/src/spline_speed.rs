@@ -2,11 +2,10 @@
 //!
 //! The model limits the speed of the TCP and its first two derivatives, at each place of the path. The solver of jerk-limited
 //! stamps gets these limits in the form of joint limits ([`limits`]), and a motion to start from ([`sweep`]). The ramps next
-//! to rest are those of PTP motions ([`ramps`]).
+//! to rest are those of PTP motions ([`EndRamp`]).
 
 mod held_speed;
 mod limits;
-mod ramps;
 mod sweep;
 mod usage;
 
@@ -15,7 +14,7 @@ mod tests;
 
 use std::sync::{Arc, atomic::AtomicBool};
 
-use iiwa_kin::RampEnd;
+use iiwa_kin::{RampEnd, vector};
 use iiwa_path::{Grid, JointPath, Segment, Step};
 use iiwa_program::LimitKind;
 use iiwa_solver::{LimitedSegment, SolveError};
@@ -24,11 +23,11 @@ use crate::{
     jerk::{self, JerkTiming, Stamps},
     section::{Piece, PieceKind, Section},
     section_sweep::SAMPLES_BEFORE_JERK,
+    sunrise::{EndRamp, ramp_limits},
     timing::{JerkOptions, TimingError},
 };
 use held_speed::HeldSpeed;
 use limits::SpeedLimitedSegment;
-use ramps::EndRamp;
 use sweep::SplineSweep;
 use usage::usage;
 
@@ -121,8 +120,7 @@ fn model_segments<'a>(
         segment.set_held(Arc::clone(&held));
     }
     let sweep = SplineSweep::new(&segments, grid);
-    let ramps =
-        [RampEnd::Start, RampEnd::Stop].map(|end| end_ramp(path, pieces, &segments, &sweep, end));
+    let ramps = RampEnd::BOTH.map(|end| end_ramp(path, pieces, &segments, &sweep, end));
     let [Some(start), Some(stop)] = ramps else { return None };
     for segment in &mut segments {
         segment.set_ramps([start, stop]);
@@ -161,15 +159,10 @@ fn end_ramp(
     let of_tcp = limits.tool().way[LimitKind::Velocity];
     let top = sweep.top_speed();
     let speed = if segment.has_way() { top.min(of_tcp) } else { top };
-    let dynamics = path.dynamics(pieces[index].motion);
     let [direction, ..] = shape.sigma_derivatives(s);
-    let place = ramps::RestPlace {
-        q: shape.at(s).q,
-        direction,
-        speed_rad_s: speed / at.way[0],
-        acceleration_rad_s2: *limits.acceleration_rad_s2(),
-        jerk_rel: limits.jerk_shares(&path.full_limits()),
-        end,
-    };
-    EndRamp::new(&place, &dynamics, &path.ramp_law(), sweep.way_to_limit_rad(end))
+    let rate = vector::norm(&direction);
+    let acceleration = vector::largest_multiple(&direction, limits.acceleration_rad_s2());
+    let of_ramp = ramp_limits(path, pieces, end)?;
+    let rates = [speed / at.way[0], acceleration].map(|of_sigma| rate * of_sigma);
+    EndRamp::new(rates, &of_ramp, &path.ramp_law(), sweep.way_to_limit_rad(end))
 }

@@ -1,9 +1,11 @@
 //! PTP motions from rest to rest as recordings show them under Sunrise.
 
+mod end_ramp;
 mod line;
 mod ramp;
 mod root;
 
+pub(crate) use end_ramp::{EndRamp, ramp_limits};
 pub(crate) use line::{RampedLine, instants};
 pub(crate) use ramp::Ramp;
 pub use ramp::{RampPhase, RampStart};

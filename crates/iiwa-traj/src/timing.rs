@@ -34,7 +34,8 @@ pub enum Timing {
     Jerk(JerkOptions),
     /// As [`Jerk`](Self::Jerk), but for motions from rest to rest as Sunrise was seen to plan them: PTP motions start and stop
     /// by the robot's [`RampLaw`](iiwa_kin::RampLaw), and splines go by its [`SplineSpeed`](iiwa_kin::SplineSpeed), a model. What
-    /// Sunrise does with blends and with LIN and CIRC motions is not known.
+    /// Sunrise does with blends and with LIN and CIRC motions is not known. They keep limits of jerk, and next to rest lower ones, so
+    /// that their ramps take as long there as those of PTP motions and single SPL.
     ///
     /// Along splines, joint velocities keep their limits, and joint accelerations and jerks exceed theirs in bends.
     Sunrise(JerkOptions),

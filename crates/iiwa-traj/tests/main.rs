@@ -6,6 +6,8 @@ mod interrupt;
 mod jerk;
 mod overlap;
 mod playback;
+mod recorded;
+mod rest_ramps;
 mod segment;
 mod speed_override;
 mod spline_speed;

@@ -11,30 +11,19 @@ use iiwa_program::Program;
 use iiwa_traj::{JerkOptions, LimitKind, Timing, Trajectory};
 use proptest::{prelude::*, test_runner::RngSeed};
 
+use crate::recorded::{POINTS, SHORT, frame, recorded_robot};
+
 fn sunrise() -> Timing {
     Timing::Sunrise(JerkOptions::default())
-}
-
-/// The robot of the recordings, with the plain flange.
-fn recorded_robot() -> Robot {
-    Robot::default().with_flange_m(0.126).unwrap()
 }
 
 /// A spline from the first of some poses of the arm through the frames of the others, with further keys of the motion.
 fn spline(robot: &Robot, poses_deg: &[Joints], keys: &str) -> Option<JointPath> {
     let mut segments = String::new();
     for pose_deg in &poses_deg[1..] {
-        let pose = robot.flange_pose(&pose_deg.map(f64::to_radians));
-        let [x, y, z] = pose.position_m.map(|m| 1e3 * m);
-        let [a, b, c] = pose.abc_rad().map(f64::to_degrees);
-        let e1 = pose_deg[2];
         let comma = if segments.is_empty() { "" } else { "," };
-        write!(
-            segments,
-            r#"{comma}{{ "type": "spl", "frame": {{ "x_mm": {x}, "y_mm": {y}, "z_mm": {z}, "a_deg": {a}, "b_deg": {b},
-                "c_deg": {c}, "e1_deg": {e1} }} }}"#
-        )
-        .unwrap();
+        let frame = frame(robot, pose_deg);
+        write!(segments, r#"{comma}{{ "type": "spl", "frame": {frame} }}"#).unwrap();
     }
     let text = format!(
         r#"{{ "version": 1, "start": {{ "joints_deg": {:?} }},
@@ -48,27 +37,6 @@ fn spline(robot: &Robot, poses_deg: &[Joints], keys: &str) -> Option<JointPath> 
 fn seconds(path: &JointPath, timing: Timing) -> f64 {
     Trajectory::plan(path, timing).unwrap().motion_time_s()
 }
-
-/// Taught points, in degrees, of one robot: docs/evidence.md has the source.
-const POINTS: [Joints; 5] = [
-    [129.326, 52.411, -79.129, 27.547, -159.391, 102.384, 38.650],
-    [84.643, 70.503, -71.651, 83.282, -159.744, 95.381, 19.585],
-    [99.924, 59.003, -77.681, 39.105, -148.451, 118.737, 35.970],
-    [74.142, 55.857, -59.149, 74.187, -142.174, 100.153, 34.758],
-    [93.052, 73.068, -73.452, 86.203, -164.678, 85.958, 16.974],
-];
-
-/// Ends of short lines, in degrees.
-const SHORT: [[Joints; 2]; 2] = [
-    [
-        [-31.323, 69.348, -59.619, 106.621, 129.843, 20.917, -98.844],
-        [-28.027, 68.088, -60.446, 101.617, 132.003, 22.394, -101.532],
-    ],
-    [
-        [-37.867, 71.826, -58.275, 116.056, 126.224, 18.227, -94.279],
-        [-31.323, 69.348, -59.619, 106.621, 129.843, 20.917, -98.844],
-    ],
-];
 
 /// Splines through some of the points, with the recorded duration in s.
 const RECORDED: [(&[usize], f64); 6] = [
@@ -95,19 +63,6 @@ fn durations_are_near_recorded_ones() {
         let allowed = if poses.len() == 2 { 2.0 } else { 3.0 };
         assert!(percent.abs() < allowed, "{recorded_s} s: {percent:+.2} %");
     }
-}
-
-/// LIN and CIRC motions, and splines under another timing, have limits of jerk.
-#[test]
-fn other_motions_are_as_under_jerk() {
-    let text = r#"{ "version": 1, "start": { "joints_deg": [0, 30, 0, -60, 0, 90, 0] }, "motions": [
-        { "type": "lin_rel", "offset": { "z_mm": -80 } }] }"#;
-    let program = Program::from_json(text).unwrap();
-    let path = JointPath::new(&program, &Robot::default()).unwrap();
-    let jerk = Timing::Jerk(JerkOptions::default());
-    assert_eq!(seconds(&path, sunrise()).to_bits(), seconds(&path, jerk).to_bits());
-    let spline = spline(&recorded_robot(), &POINTS[..3], "").unwrap();
-    assert_ne!(seconds(&spline, sunrise()).to_bits(), seconds(&spline, jerk).to_bits());
 }
 
 /// The robot at an override: all that has a unit of time, slower.

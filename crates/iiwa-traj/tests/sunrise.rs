@@ -4,7 +4,7 @@
 
 use iiwa_kin::{Joints, Robot};
 use iiwa_path::JointPath;
-use iiwa_program::{Blend, Program};
+use iiwa_program::Program;
 use iiwa_traj::{JerkOptions, Timing, Trajectory};
 use proptest::prelude::*;
 
@@ -109,18 +109,6 @@ fn another_implementation_finds_the_same() {
             }
         }
     }
-}
-
-/// Blends and what they join are as under limits of jerk.
-#[test]
-fn sections_with_blends_are_as_under_jerk() {
-    let program = Program::from_deg([0.0; 7])
-        .ptp_deg([40.0, 0.0, 0.0, -60.0, 0.0, 0.0, 0.0])
-        .blend(Blend::Fraction(0.3))
-        .ptp_deg([40.0, 30.0, 0.0, -30.0, 0.0, 0.0, 0.0])
-        .build();
-    let jerk = plan(&program, Timing::jerk_limited());
-    assert_eq!(plan(&program, sunrise()).cycle_time_s(), jerk.cycle_time_s());
 }
 
 fn pose() -> impl Strategy<Value = Joints> {

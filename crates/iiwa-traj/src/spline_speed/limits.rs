@@ -14,7 +14,8 @@ use iiwa_kin::{Joints, SplineSpeed};
 use iiwa_path::{Derivatives, Grid, GridNode, Segment, ToolCoordinate, ToolWay};
 use iiwa_program::{ByKind, LimitKind, MotionLimits, ToolLimits};
 
-use super::{held_speed::HeldSpeed, ramps::EndRamp};
+use super::held_speed::HeldSpeed;
+use crate::sunrise::EndRamp;
 
 /// The joint that stands for each kind of limit.
 const STANDS_FOR: [(LimitKind, usize); 3] =

@@ -1,0 +1,96 @@
+//! Short motions of the TCP.
+
+use std::sync::Arc;
+
+use iiwa_kin::vector;
+use iiwa_program::{LimitKind, MotionLimits, MotionType};
+
+use super::JointPath;
+use crate::{segment::Segment, step::Step};
+
+/// Places at which a motion is asked how fast the joints let the TCP go.
+const PLACES: [f64; 5] = [0.0, 0.25, 0.5, 0.75, 1.0];
+
+/// Ratio of that speed to the one between those places, at most.
+const BETWEEN: f64 = 1.5;
+
+impl JointPath {
+    /// The path with one more limit: the TCP does not go faster than its whole way in `seconds` on a LIN or CIRC motion from rest to
+    /// rest. None if no motion could.
+    #[must_use]
+    pub fn with_least_cruise(&self, seconds: f64) -> Option<Self> {
+        let moves = |step: Option<usize>| {
+            step.and_then(|step| self.steps.get(step)).is_some_and(Step::moves)
+        };
+        let mut steps: Option<Vec<Step>> = None;
+        for (i, step) in self.steps.iter().enumerate() {
+            let Step::Move { motion, segment, blend: None, .. } = step else { continue };
+            let is_of_tcp = matches!(
+                self.motion_type(*motion),
+                Some(MotionType::Lin | MotionType::LinRel | MotionType::Circ)
+            );
+            if !is_of_tcp || moves(i.checked_sub(1)) || moves(Some(i + 1)) {
+                continue;
+            }
+            let limits = self.limits_of(i);
+            let [way_m, ..] = segment.tool_way(0.0).way_m;
+            let speed = way_m / seconds;
+            if !segment.has_even_tool_way() || top_speed(segment.as_ref(), limits) <= speed {
+                continue;
+            }
+            let mut tool = *limits.tool();
+            tool.way[LimitKind::Velocity] = speed.min(tool.way[LimitKind::Velocity]);
+            let own = Some(Arc::new(limits.with_tool(tool)));
+            let steps = steps.get_or_insert_with(|| self.steps.to_vec());
+            if let Step::Move { limits, .. } = &mut steps[i] {
+                *limits = own;
+            }
+        }
+        Some(Self { steps: Arc::new(steps?), ..self.clone() })
+    }
+}
+
+/// The largest speed of the TCP that the limits of speed leave on a path on which it goes evenly, or a little more; in m/s.
+fn top_speed(segment: &dyn Segment, limits: &MotionLimits) -> f64 {
+    let joints = PLACES.map(|s| {
+        let [way_m, ..] = segment.tool_way(s).way_m;
+        way_m * vector::largest_multiple(&segment.at(s).dq, limits.velocity_rad_s())
+    });
+    let joints = BETWEEN * joints.into_iter().fold(0.0, f64::max);
+    joints.min(limits.tool().way[LimitKind::Velocity])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use iiwa_kin::Robot;
+    use iiwa_program::Program;
+
+    fn path(second_mm: f64, blend: bool) -> JointPath {
+        let blend = if blend { r#", "blend": {"cart_mm": 5}"# } else { "" };
+        let program = Program::from_json(&format!(
+            r#"{{"version": 1, "start": {{"joints_deg": [0, 30, 0, -80, 0, 60, 0]}}, "motions": [
+                {{"type": "lin_rel", "offset": {{"z_mm": 30}}{blend}}},
+                {{"type": "lin_rel", "offset": {{"x_mm": {second_mm}}}}}]}}"#
+        ));
+        JointPath::new(&program.unwrap(), &Robot::default()).unwrap()
+    }
+
+    #[test]
+    fn short_motions_from_rest_to_rest_are_slower() {
+        let path = path(150.0, false);
+        let slower = path.with_least_cruise(0.2).unwrap();
+        let limit = |step: usize| slower.limits_of(step).tool().way[LimitKind::Velocity];
+        let moves: Vec<usize> =
+            (0..path.steps().len()).filter(|step| path.steps()[*step].moves()).collect();
+        assert!((limit(moves[0]) - 0.15).abs() < 1e-9);
+        assert!((limit(moves[1]) - 0.75).abs() < 1e-9);
+        // In 0.01 s, the joints allow no such speed.
+        assert!(path.with_least_cruise(0.01).is_none());
+    }
+
+    #[test]
+    fn motions_that_go_on_are_not() {
+        assert!(path(60.0, true).with_least_cruise(0.2).is_none());
+    }
+}
