@@ -165,7 +165,7 @@ fn a_gate_that_is_not_met_exits_with_3() {
     plan(&folder, &program, &["--no-output", "--json", "--max-cycle-time", "8.5"])
         .code(3)
         .stdout(contains("cycle_time_s"))
-        .stderr(contains("8.846 s, more than 8.5 s"));
+        .stderr(contains("8.910 s, more than 8.5 s"));
     assert!(files(&folder).is_empty());
 }
 

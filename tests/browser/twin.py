@@ -511,13 +511,15 @@ def drive_goes_and_comes_back(browser: Browser, twin: Twin) -> None:
     twin.open(browser)
     twin.rig.drive.kill()
     twin.rig.drive.wait()
+    # The banner, the link and the mode are drawn by different messages.
     browser.until("document.getElementById('banner').textContent.includes('no drive answers')")
-    assert text(browser, "link") == "not live" and not browser.run("document.getElementById('banner').hidden")
-    assert text(browser, "mode") == "Not live: where the arm was"
+    browser.until("!document.getElementById('banner').hidden")
+    browser.until("document.getElementById('link').textContent === 'not live'")
+    browser.until("document.getElementById('mode').textContent === 'Not live: where the arm was'")
     twin.keep(browser, "twin-no-drive")
     twin.rig.start_drive()
     browser.until("document.getElementById('link').textContent === 'live'")
-    assert browser.run("document.getElementById('banner').hidden")
+    browser.until("document.getElementById('banner').hidden")
 
 
 def twin_ends(browser: Browser, twin: Twin) -> None:
