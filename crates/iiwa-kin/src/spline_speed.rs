@@ -32,8 +32,8 @@ pub struct SplineSpeed {
     /// Reach of the ramp of a start or a stop, as a share of the way on which a limit of speed is reached without limits of jerk.
     /// From there to twice as far, the limits go over into the others.
     pub ramp_reach: f64,
-    /// Time of the ramps of short or slow motions, in s. Where the speed is 0.55 times `least_cruise_s` times the acceleration
-    /// or less; from there to once that product, the time goes over into that of PTP ramps.
+    /// Time of the ramps of short motions, in s. Where the whole way over `least_cruise_s` is 0.55 times `least_cruise_s` times the
+    /// acceleration or less; from there to once that product, the time goes over into that of PTP ramps.
     pub short_ramp_s: f64,
 }
 

@@ -163,6 +163,14 @@ fn end_ramp(
     let rate = vector::norm(&direction);
     let acceleration = vector::largest_multiple(&direction, limits.acceleration_rad_s2());
     let of_ramp = ramp_limits(path, pieces, end)?;
-    let rates = [speed / at.way[0], acceleration].map(|of_sigma| rate * of_sigma);
-    EndRamp::new(rates, &of_ramp, &path.ramp_law(), sweep.way_to_limit_rad(end))
+    let [speed, cruise, acceleration] =
+        [speed / at.way[0], segment.cruise() / at.way[0], acceleration]
+            .map(|of_sigma| rate * of_sigma);
+    EndRamp::new(
+        [speed, acceleration],
+        cruise,
+        &of_ramp,
+        &path.ramp_law(),
+        sweep.way_to_limit_rad(end),
+    )
 }

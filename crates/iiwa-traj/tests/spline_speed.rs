@@ -180,8 +180,7 @@ proptest! {
         }
     }
 
-    /// But for the model of ramps, which comes from motions at full speed: at a lower one, short splines were seen to take up to
-    /// 9 % less time.
+    /// But for what its cells leave, the model is slower at lower limits of speed.
     #[test]
     fn slower_takes_longer(poses in poses(), slower in 0.1..0.9_f64) {
         let robot = Robot::default();
@@ -192,6 +191,6 @@ proptest! {
         let Some([slow_s, fast_s]) = at(slower).zip(at(1.0)).map(|(a, b)| [a, b]) else {
             return Ok(());
         };
-        prop_assert!(slow_s >= fast_s * (1.0 - 0.1), "{slow_s} {fast_s}");
+        prop_assert!(slow_s >= fast_s * (1.0 - 0.01), "{slow_s} {fast_s}");
     }
 }

@@ -47,18 +47,11 @@ impl Departure {
         found
     }
 
-    /// The ramp of a `segment` of joint space at its end `s`: as that of a PTP motion, it takes the same time and the same way to the
-    /// speed, but with one jerk.
-    fn in_joint_space(
-        &self,
-        segment: &LimitedSegment<'_>,
-        s: f64,
-        law: &RampLaw,
-        limits: &RampLimits,
-    ) -> RestRamp {
+    /// The ramp of a path in joint space, whose limits of jerk leave `jerk`: it takes the time and the way of the ramp of a PTP motion to
+    /// the speed, but with one jerk.
+    fn in_joint_space(&self, jerk: f64, law: &RampLaw, limits: &RampLimits) -> RestRamp {
         let Self { acceleration_rad_s2, speed_rad_s, way_rad } = *self;
         let ramp = Ramp::below(speed_rad_s, acceleration_rad_s2, limits, law.width_rad_s);
-        let [_, _, jerk] = segment.straight(s);
         let reach_rad = way_rad + speed_rad_s * lost_s(&ramp);
         RestRamp {
             jerk_rel: (0.5 * ramp.acceleration / lost_s(&ramp) / jerk).min(1.0),
@@ -67,17 +60,22 @@ impl Departure {
         }
     }
 
-    /// The ramp of a `segment` of a path of the TCP at its end `s`: as that of a single SPL.
+    /// The ramp of a path of the TCP, of `whole_rad` in all, whose limits of jerk leave `jerk`: as that of a single SPL.
     fn of_tcp(
         &self,
-        segment: &LimitedSegment<'_>,
-        s: f64,
+        jerk: f64,
         law: &RampLaw,
         limits: &RampLimits,
+        whole_rad: f64,
     ) -> Option<RestRamp> {
         let Self { acceleration_rad_s2, speed_rad_s, way_rad } = *self;
-        let ramp = EndRamp::new([speed_rad_s, acceleration_rad_s2], limits, law, way_rad)?;
-        let [_, _, jerk] = segment.straight(s);
+        let ramp = EndRamp::new(
+            [speed_rad_s, acceleration_rad_s2],
+            whole_rad / law.least_cruise_s,
+            limits,
+            law,
+            way_rad,
+        )?;
         Some(RestRamp {
             jerk_rel: (acceleration_rad_s2 / ramp.build_up_s / jerk).min(1.0),
             reach_rad: ramp.reach_rad,
@@ -127,10 +125,11 @@ pub(super) fn soften<'a>(
         };
         let departure = departures[k].filter(|_| rests[k])?;
         let limits = ramp_limits(path, pieces, end)?;
+        let [_, _, jerk] = segment.straight(s);
         if piece.kind.is_of_tcp() {
-            departure.of_tcp(segment, s, &law, &limits)
+            departure.of_tcp(jerk, &law, &limits, whole)
         } else {
-            Some(departure.in_joint_space(segment, s, &law, &limits))
+            Some(departure.in_joint_space(jerk, &law, &limits))
         }
     });
     let with_ramps = |(segment, (start, length)): (LimitedSegment<'a>, (f64, f64))| {

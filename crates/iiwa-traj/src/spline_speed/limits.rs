@@ -98,6 +98,11 @@ impl<'a> SpeedLimitedSegment<'a> {
         (self.from_rests_rad, self.cruise) = (from_rests_rad, cruise);
     }
 
+    /// The largest speed of y for the whole way to take its least time.
+    pub(super) fn cruise(&self) -> f64 {
+        self.cruise
+    }
+
     /// Sets the speeds that are held around minima.
     pub(super) fn set_held(&mut self, held: Arc<HeldSpeed>) {
         self.held = Some(held);

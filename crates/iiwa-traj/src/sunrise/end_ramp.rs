@@ -2,7 +2,7 @@
 //!
 //! A single SPL starts and stops as a PTP motion does: with the time of the PTP ramp at its ends, three recorded lines of 183 to
 //! 288 mm last as long as the model says within 1.2 %. Short ones have shorter ramps, of one time for all six recorded lines of
-//! 28 to 85 mm. What lies between both is not recorded: the time goes over from one into the other with the speed (assumption).
+//! 28 to 85 mm. What lies between both is not recorded: the time goes over from one into the other with the way (assumption).
 
 use iiwa_kin::{RampEnd, RampLaw, RampLimits, vector};
 use iiwa_path::{JointPath, Step};
@@ -10,8 +10,8 @@ use iiwa_path::{JointPath, Step};
 use super::ramp::Ramp;
 use crate::section::Piece;
 
-/// Ratio of speed and acceleration, over the least time of a cruise, up to which a motion is short: that of the longest of the
-/// short recorded lines.
+/// Ratio of the way to the acceleration, over the square of the least time of a cruise, up to which a motion is short: that of the longest
+/// of the short recorded lines.
 const SHORT: f64 = 0.55;
 
 /// Reach of the ramps of short motions, as a share of the way on which a limit of speed is reached without limits of jerk: all
@@ -31,15 +31,16 @@ pub(crate) struct EndRamp {
 
 impl EndRamp {
     /// The ramp by some `limits` to a speed (rad/s) and an acceleration (rad/s^2) of a path that reaches a limit of speed after
-    /// `limit_rad`. None if the arm does not move.
+    /// `limit_rad`; at the speed `cruise`, the whole way would take the least time. None if the arm does not move.
     pub(crate) fn new(
         [speed, acceleration]: [f64; 2],
+        cruise: f64,
         limits: &RampLimits,
         law: &RampLaw,
         limit_rad: f64,
     ) -> Option<Self> {
         let ramp = Ramp::below(speed, acceleration, limits, law.width_rad_s);
-        let ratio = speed / acceleration / law.least_cruise_s;
+        let ratio = cruise / acceleration / law.least_cruise_s;
         let like_ptp = ((ratio - SHORT) / (1.0 - SHORT)).clamp(0.0, 1.0);
         let between = |short: f64, ptp: f64| short + like_ptp * (ptp - short);
         let found = Self {
