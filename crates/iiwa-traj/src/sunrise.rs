@@ -3,7 +3,6 @@
 mod end_ramp;
 mod line;
 mod ramp;
-mod root;
 
 pub(crate) use end_ramp::{EndRamp, ramp_limits};
 pub(crate) use line::{RampedLine, instants};

@@ -9,7 +9,7 @@ use iiwa_solver::{LimitedSegment, RestRamp, SweptNode};
 
 use crate::{
     section::Piece,
-    sunrise::{EndRamp, Ramp, RampPhase, ramp_limits},
+    sunrise::{EndRamp, Ramp, ramp_limits},
 };
 
 /// Share of its first acceleration below which the arm has reached its speed.
@@ -51,10 +51,12 @@ impl Departure {
     /// the speed, but with one jerk.
     fn in_joint_space(&self, jerk: f64, law: &RampLaw, limits: &RampLimits) -> RestRamp {
         let Self { acceleration_rad_s2, speed_rad_s, way_rad } = *self;
-        let ramp = Ramp::below(speed_rad_s, acceleration_rad_s2, limits, law.width_rad_s);
-        let reach_rad = way_rad + speed_rad_s * lost_s(&ramp);
+        let ramp = Ramp::to(acceleration_rad_s2, limits, law.width_rad_s).below(speed_rad_s);
+        let lost_s = ramp.lost_s();
+        let reach_rad = way_rad + speed_rad_s * lost_s;
         RestRamp {
-            jerk_rel: (0.5 * ramp.acceleration / lost_s(&ramp) / jerk).min(1.0),
+            // Constant jerk loses half its time.
+            jerk_rel: (0.5 * ramp.acceleration / lost_s / jerk).min(1.0),
             reach_rad,
             end_rad: SHARP * reach_rad,
         }
@@ -82,16 +84,6 @@ impl Departure {
             end_rad: 2.0 * ramp.reach_rad,
         })
     }
-}
-
-/// The time that a ramp takes longer than one without limits of jerk would take to its speed. Constant jerk loses half its time.
-fn lost_s(ramp: &Ramp) -> f64 {
-    let (mut speed, mut acceleration) = (0.0, 0.0);
-    for RampPhase { seconds, jerk, snap } in ramp.phases {
-        speed += seconds * (acceleration + seconds * (jerk / 2.0 + seconds * snap / 6.0));
-        acceleration += seconds * (jerk + seconds * snap / 2.0);
-    }
-    ramp.seconds - speed / ramp.acceleration
 }
 
 /// The segments of `pieces` with soft ramps at the rests from which and to which they go. `stamps` are the acceleration-limited ones

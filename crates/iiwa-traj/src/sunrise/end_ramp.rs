@@ -39,7 +39,7 @@ impl EndRamp {
         law: &RampLaw,
         limit_rad: f64,
     ) -> Option<Self> {
-        let ramp = Ramp::below(speed, acceleration, limits, law.width_rad_s);
+        let ramp = Ramp::to(acceleration, limits, law.width_rad_s).below(speed);
         let ratio = cruise / acceleration / law.least_cruise_s;
         let like_ptp = ((ratio - SHORT) / (1.0 - SHORT)).clamp(0.0, 1.0);
         let between = |short: f64, ptp: f64| short + like_ptp * (ptp - short);

@@ -2,10 +2,7 @@
 
 use iiwa_kin::{RampLaw, RampLimits};
 
-use super::{
-    ramp::{Ramp, RampPhase},
-    root::root,
-};
+use super::ramp::{Ramp, RampPhase};
 use crate::phases::ProfilePoint;
 
 /// The limits of a line, in rad along it.
@@ -20,27 +17,63 @@ pub(crate) struct RampedLine<'a> {
     pub(crate) law: &'a RampLaw,
 }
 
-/// From rest to a speed.
+/// The way between a rest and a speed: ramp, plateau, and the ramp's mirror image.
 struct Half {
-    /// Ramp, plateau, ramp back.
-    phases: [RampPhase; 7],
-    way: f64,
+    /// To the largest acceleration, where the speed leaves room for it.
+    ramp: Ramp,
+    lost_s: f64,
 }
 
 impl Half {
-    fn new(speed: f64, limits: &RampedLine<'_>, end: usize) -> Self {
-        let ramp =
-            Ramp::below(speed, limits.acceleration, &limits.ends[end], limits.law.width_rad_s);
-        let plateau = (speed / ramp.acceleration - ramp.seconds).max(0.0);
+    fn new(limits: &RampedLine<'_>, end: usize) -> Self {
+        let ramp = Ramp::to(limits.acceleration, &limits.ends[end], limits.law.width_rad_s);
+        Self { lost_s: ramp.lost_s(), ramp }
+    }
+
+    /// The way to a speed, and its derivative.
+    fn way(&self, speed: f64) -> [f64; 2] {
+        let Self { ramp: Ramp { acceleration, seconds, .. }, lost_s } = *self;
+        let least = acceleration * seconds;
+        if speed >= least {
+            let steady = speed / acceleration;
+            let later = seconds - lost_s;
+            return [speed * (0.5 * steady + later), steady + later];
+        }
+        let time = (speed / least).cbrt() * (1.5 * seconds - lost_s);
+        [speed * time, 4.0 / 3.0 * time]
+    }
+
+    /// The phases to a speed.
+    fn phases(&self, speed: f64) -> [RampPhase; 7] {
+        let ramp = self.ramp.below(speed);
         let mut phases = [RampPhase::default(); 7];
         phases[..3].copy_from_slice(&ramp.phases);
-        phases[3].seconds = plateau;
+        phases[3].seconds = (speed / ramp.acceleration - ramp.seconds).max(0.0);
         for (back, RampPhase { seconds, jerk, snap }) in phases[4..].iter_mut().zip(ramp.phases) {
             *back = RampPhase { seconds, jerk: -jerk, snap: -snap };
         }
-        let end = phases.iter().fold(ProfilePoint::default(), |at, phase| phase.after(&at));
-        Self { phases, way: end.way }
+        phases
     }
+}
+
+/// The speed up to which both halves take a way between them, if that is below `speed`; and what is left of the way at it.
+fn top_speed(way: f64, speed: f64, halves: &[Half; 2]) -> [f64; 2] {
+    /// Doubles are used up long before.
+    const MOST_STEPS: usize = 50;
+    let mut top = speed;
+    for _ in 0..MOST_STEPS {
+        let [ways, slopes] = halves.iter().fold([0.0; 2], |[ways, slopes], half| {
+            let [way, slope] = half.way(top);
+            [ways + way, slopes + slope]
+        });
+        let left = way - ways;
+        // Newton's method: the ways are convex, so that it comes from above and does not go past.
+        if left >= -ROUNDING * way {
+            return [top, left.max(0.0)];
+        }
+        top += left / slopes;
+    }
+    [top, 0.0]
 }
 
 impl RampPhase {
@@ -66,26 +99,19 @@ const ROUNDING: f64 = 1e-12;
 
 /// The instants between the phases of constant snap, the start and the end among them; phases that take no time are left out.
 pub(crate) fn instants(way: f64, limits: &RampedLine<'_>) -> Vec<ProfilePoint> {
-    let halves = |speed: f64| [0, 1].map(|end| Half::new(speed, limits, end));
-    let room = |halves: &[Half; 2]| way - halves[0].way - halves[1].way;
-    let mut speed = limits.speed.min(way / limits.law.least_cruise_s);
-    let mut both = halves(speed);
-    let least_room = room(&both);
-    if least_room < 0.0 {
-        let value = |speed: f64| room(&halves(speed));
-        speed = root([0.0, speed], [way, least_room], 1e-14 * way, value);
-        both = halves(speed);
-    }
-    let cruise_s = (room(&both) / speed).max(0.0);
-    let [start, stop] = both;
+    let halves = [0, 1].map(|end| Half::new(limits, end));
+    let [speed, cruise] =
+        top_speed(way, limits.speed.min(way / limits.law.least_cruise_s), &halves);
+    let cruise_s = cruise / speed;
+    let [start, stop] = halves.map(|half| half.phases(speed));
     // Backwards, acceleration and snap change their signs, and jerk begins with what it ended with.
-    let backwards = stop.phases.iter().rev().map(|RampPhase { seconds, jerk, snap }| RampPhase {
+    let backwards = stop.iter().rev().map(|RampPhase { seconds, jerk, snap }| RampPhase {
         seconds: *seconds,
         jerk: jerk + snap * seconds,
         snap: -snap,
     });
     let cruise = RampPhase { seconds: cruise_s, ..RampPhase::default() };
-    let phases = start.phases.into_iter().chain([cruise]).chain(backwards);
+    let phases = start.into_iter().chain([cruise]).chain(backwards);
     let mut instants = vec![ProfilePoint::default()];
     let all_s: f64 = phases.clone().map(|phase| phase.seconds).sum();
     let shortest_s = SHORTEST_S.max(ROUNDING * all_s);
@@ -102,4 +128,64 @@ pub(crate) fn instants(way: f64, limits: &RampedLine<'_>) -> Vec<ProfilePoint> {
         *last = ProfilePoint { t_s: last.t_s, way, ..ProfilePoint::default() };
     }
     instants
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use iiwa_kin::Robot;
+    use proptest::prelude::*;
+
+    fn limits() -> impl Strategy<Value = [RampLimits; 2]> {
+        let log = |from: f64, to: f64| (from.ln()..to.ln()).prop_map(f64::exp);
+        let one = || (log(1e2, 1e6), log(50.0, 1e5), 0.0..40.0_f64);
+        [one(), one()].prop_map(|ends| {
+            ends.map(|(snap, jerk, damping_per_s)| RampLimits { snap, jerk, damping_per_s })
+        })
+    }
+
+    fn instants_of(
+        way: f64,
+        speed: f64,
+        acceleration: f64,
+        ends: [RampLimits; 2],
+    ) -> Vec<ProfilePoint> {
+        let law = Robot::default().ramp_law().clone();
+        instants(way, &RampedLine { speed, acceleration, ends, law: &law })
+    }
+
+    fn seconds(instants: &[ProfilePoint]) -> f64 {
+        instants.last().map_or(0.0, |last| last.t_s)
+    }
+
+    proptest! {
+        /// With and without plateau and cruise: phases join and lead to the end, at rest, below the limits of speed and acceleration.
+        #[test]
+        fn phases_lead_to_the_end(
+            ends in limits(), speed in 0.01..3.0_f64, acceleration in 1.0..30.0_f64, power in -9.0..1.5_f64,
+        ) {
+            let way = 10.0_f64.powf(power);
+            let found = instants_of(way, speed, acceleration, ends);
+            let top = speed.min(way / 0.2);
+            for pair in found.windows(2) {
+                prop_assert!(pair[0].t_s < pair[1].t_s && pair[0].way <= pair[1].way);
+                prop_assert!((pair[0].way + pair[0].phase_way - pair[1].way).abs() < 1e-9 * way);
+                prop_assert!(pair[1].speed > -1e-9 * top && pair[1].speed < top * (1.0 + 1e-9));
+                prop_assert!(pair[1].acceleration.abs() < acceleration * (1.0 + 1e-9));
+            }
+            let last = found[found.len() - 1];
+            prop_assert!(last.way == way && last.speed == 0.0);
+        }
+
+        /// A way that is a little longer takes a little longer.
+        #[test]
+        fn longer_takes_longer(
+            ends in limits(), speed in 0.01..3.0_f64, acceleration in 1.0..30.0_f64, power in -6.0..1.0_f64, more in -7.0..1.0_f64,
+        ) {
+            let way = 10.0_f64.powf(power);
+            let ratio = 1.0 + 10.0_f64.powf(more);
+            let [short, long] = [way, way * ratio].map(|way| seconds(&instants_of(way, speed, acceleration, ends)));
+            prop_assert!(long > short && long < short * ratio * (1.0 + 1e-9), "{short} {long}");
+        }
+    }
 }

@@ -9,13 +9,11 @@
 //! A width is 0.3 rad/s in all that was measured. The ramp from the acceleration down into the cruise is its mirror image in
 //! value.
 //!
-//! **Assumed**, as nothing was measured: where the speed is too low for both ramps, the width is a third of the speed at most, and
-//! the acceleration as large as fits; and where jerk would have to grow in phase 3, that phase is as long as with constant jerk.
-//! Both begin where what was measured ends.
+//! **Assumed**, as nothing was measured: where the speed is too low for a ramp and its mirror image, both are faster and lower, with
+//! the same snap; and where jerk would have to grow in phase 3, that phase is as long as with constant jerk. Both begin where what was
+//! measured ends.
 
 use iiwa_kin::RampLimits;
-
-use super::root::root;
 
 /// A time of constant snap along a line.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -60,36 +58,35 @@ impl Ramp {
         Self { phases, seconds: phases.iter().map(|phase| phase.seconds).sum(), acceleration }
     }
 
-    /// The ramp to the largest acceleration, up to a limit, with which it and its mirror image stay below a speed.
-    pub(crate) fn below(speed: f64, acceleration: f64, limits: &RampLimits, width: f64) -> Self {
-        // Three widths of speed are what a ramp of constant snap and its mirror image take.
-        let narrow = width.min(speed / 3.0);
-        let least = acceleration.min(largest_of_one_phase(limits, narrow));
-        let excess = |ramp: &Self| ramp.acceleration * ramp.seconds - speed;
-        let tolerance = ROUNDING * speed;
-        if narrow < width {
-            return Self::to(least, limits, narrow);
+    /// The ramp to an acceleration, or as far towards it as a speed allows: it and its mirror image stay below.
+    pub(crate) fn below(self, speed: f64) -> Self {
+        let share = speed / (self.acceleration * self.seconds);
+        if share >= 1.0 {
+            return self;
         }
-        let whole = Self::to(acceleration, limits, width);
-        if excess(&whole) <= tolerance {
-            return whole;
+        // With the same snap: speed goes with the third power of time, acceleration with the second.
+        let root = share.cbrt();
+        let faster = |RampPhase { seconds, jerk, snap }| RampPhase {
+            seconds: root * seconds,
+            jerk: root * jerk,
+            snap,
+        };
+        Self {
+            phases: self.phases.map(faster),
+            seconds: root * self.seconds,
+            acceleration: root * root * self.acceleration,
         }
-        let to = |acceleration: f64| Self::to(acceleration, limits, width);
-        let ends = [excess(&to(least)), excess(&whole)];
-        if ends[0] >= -tolerance {
-            return to(least);
-        }
-        to(root([least, acceleration], ends, tolerance, |middle| excess(&to(middle))))
     }
-}
 
-/// The largest acceleration that a phase of constant snap reaches within a width of speed.
-fn largest_of_one_phase(limits: &RampLimits, width: f64) -> f64 {
-    let by_snap = (3.0 * width * (0.5 * limits.snap).sqrt()).powf(2.0 / 3.0);
-    // a^2 / (1.5 width) + c a = Y.
-    let half = 0.75 * width * limits.damping_per_s;
-    let product = 1.5 * width * limits.jerk;
-    by_snap.min(product / (half + (half * half + product).sqrt()))
+    /// The time that it takes longer to its speed than the acceleration at its end would, in s.
+    pub(crate) fn lost_s(&self) -> f64 {
+        let (mut speed, mut acceleration) = (0.0, 0.0);
+        for RampPhase { seconds, jerk, snap } in self.phases {
+            speed += seconds * (acceleration + seconds * (jerk / 2.0 + seconds * snap / 6.0));
+            acceleration += seconds * (jerk + seconds * snap / 2.0);
+        }
+        self.seconds - speed / self.acceleration
+    }
 }
 
 impl RampStart {
@@ -201,17 +198,19 @@ mod tests {
             prop_assert!(ramp.phases.iter().all(|it| it.seconds >= 0.0 && it.jerk >= 0.0));
         }
 
-        /// Both ramps stay below any speed, and what changes little changes their time little.
+        /// Both ramps stay below any speed, with no more of anything than the whole ramp has, and what changes little changes them
+        /// little.
         #[test]
         fn it_fits_below_any_speed(limits in limits(), acceleration in 0.1..100.0_f64, speed in 1e-4..4.0_f64) {
-            let ramp = Ramp::below(speed, acceleration, &limits, 0.3);
-            let [v, a, _] = run(&ramp);
-            prop_assert!(a <= acceleration * (1.0 + 1e-9) && a > 0.0);
+            let whole = Ramp::to(acceleration, &limits, 0.3);
+            let ramp = whole.below(speed);
+            let [v, a, jerk] = run(&ramp);
+            prop_assert!((a / ramp.acceleration - 1.0).abs() < 1e-9 && v <= speed);
             prop_assert!(a * ramp.seconds <= speed * (1.0 + 1e-9));
-            prop_assert!(v <= speed);
-            // And none is softer than it has to be.
-            let more = Ramp::to((a * (1.0 + 1e-6)).min(acceleration), &limits, speed.min(0.9) / 3.0);
-            prop_assert!(a > acceleration * (1.0 - 1e-5) || run(&more)[1] * more.seconds > speed * (1.0 - 1e-9));
+            prop_assert!(jerk <= run(&whole)[2] * (1.0 + 1e-9));
+            let more = whole.below(speed * (1.0 + 1e-6));
+            prop_assert!((more.seconds / ramp.seconds - 1.0).abs() < 1e-6 && more.seconds >= ramp.seconds);
+            prop_assert!(ramp.lost_s() > 0.0 && ramp.lost_s() < ramp.seconds);
         }
     }
 
