@@ -1,6 +1,10 @@
 //! Numbers that look random and are the same on every machine.
 
-use iiwa_kin::{Joints, Robot};
+use iiwa_kin::{Joints, Robot, vector};
+use iiwa_path::JointPath;
+use iiwa_program::Program;
+
+use crate::Result;
 
 /// A generator of numbers (`splitmix64`, Steele et al. 2014).
 #[derive(Debug)]
@@ -34,4 +38,26 @@ impl Numbers {
 pub fn poses(robot: &Robot, count: usize) -> Vec<Joints> {
     let mut numbers = Numbers::new(1);
     (0..count).map(|_| numbers.joints(robot, 1.0)).collect()
+}
+
+/// Paths of `count` single PTP motions with one length in joint space, from poses in the middle of the ranges; every third
+/// motion moves a single joint.
+///
+/// # Errors
+///
+/// If a motion leaves the ranges.
+pub fn ptp_paths(robot: &Robot, count: usize, length_rad: f64) -> Result<Vec<JointPath>> {
+    let mut numbers = Numbers::new(2);
+    let path = |i: usize| {
+        let middle = numbers.joints(robot, 0.4);
+        let mut direction = numbers.joints(robot, 1.0);
+        if i.is_multiple_of(3) {
+            direction = std::array::from_fn(|j| if j == i / 3 % 7 { 1.0 } else { 0.0 });
+        }
+        let half = 0.5 * length_rad / vector::norm(&direction);
+        let [from, to] = [-half, half]
+            .map(|k| std::array::from_fn(|j| (middle[j] + k * direction[j]).to_degrees()));
+        Ok(JointPath::new(&Program::from_deg(from).ptp_deg(to).build(), robot)?)
+    };
+    (0..count).map(path).collect()
 }

@@ -20,7 +20,7 @@ use iiwa_program::{Motion, MotionIndex, Program};
 use iiwa_traj::{JerkOptions, Limit, LimitShare, Replanner, SweepOptions, Timing, Trajectory};
 use iiwasim_benches::{
     Result,
-    joints::poses,
+    joints::{poses, ptp_paths},
     long_program::{self, Kind},
     machine, reference,
 };
@@ -50,6 +50,9 @@ enum Workload {
     Plan,
     Jerk,
     LongJerk,
+    Sunrise,
+    Ptp,
+    ShortPtp,
     Replan,
     Torques,
     TorquesBatch,
@@ -58,7 +61,7 @@ enum Workload {
 }
 
 impl Workload {
-    const ALL: [Self; 12] = [
+    const ALL: [Self; 15] = [
         Self::Forward,
         Self::ForwardBatch,
         Self::BlendSearch,
@@ -66,6 +69,9 @@ impl Workload {
         Self::Plan,
         Self::Jerk,
         Self::LongJerk,
+        Self::Sunrise,
+        Self::Ptp,
+        Self::ShortPtp,
         Self::Replan,
         Self::Torques,
         Self::TorquesBatch,
@@ -82,6 +88,9 @@ impl Workload {
             Self::Plan => "ten motions from JSON to stamps",
             Self::Jerk => "stamps of ten motions, jerk-limited",
             Self::LongJerk => "stamps of 100 motions, jerk-limited",
+            Self::Sunrise => "stamps of ten motions, Sunrise",
+            Self::Ptp => "stamps of 100 PTP motions of 2 rad, Sunrise",
+            Self::ShortPtp => "stamps of 100 PTP motions of 0.2 rad, Sunrise",
             Self::Replan => "a target of 100 motions moves, jerk-limited",
             Self::Torques => "inverse dynamics, 1000 poses",
             Self::TorquesBatch => "inverse dynamics, batch of 1000",
@@ -165,13 +174,18 @@ impl Workload {
                     )?);
                 }
             }
-            Self::Jerk | Self::LongJerk => {
+            Self::Ptp => plan_ptps(&robot, 2.0, runs)?,
+            Self::ShortPtp => plan_ptps(&robot, 0.2, runs)?,
+            Self::Jerk | Self::Sunrise | Self::LongJerk => {
                 let text = match self {
                     Self::LongJerk => long_program::text(Kind::Blended, 100),
                     _ => reference::ten_motions()?,
                 };
                 let path = JointPath::new(&Program::from_json(&text)?, &robot)?;
-                let timing = Timing::jerk_limited();
+                let timing = match self {
+                    Self::Sunrise => Timing::Sunrise(JerkOptions::default()),
+                    _ => Timing::jerk_limited(),
+                };
                 for _ in 0..runs {
                     black_box(Trajectory::plan(black_box(&path), timing)?);
                 }
@@ -204,6 +218,15 @@ impl Workload {
         }
         Ok(())
     }
+}
+
+/// Plans 100 single PTP motions of one length in joint space.
+fn plan_ptps(robot: &Robot, length_rad: f64, runs: u64) -> Result<()> {
+    let paths = ptp_paths(robot, 100, length_rad)?;
+    for path in (0..runs).flat_map(|_| &paths) {
+        black_box(Trajectory::plan(black_box(path), Timing::Sunrise(JerkOptions::default()))?);
+    }
+    Ok(())
 }
 
 /// Plans ten motions with a load that torques hold back.
