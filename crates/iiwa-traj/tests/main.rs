@@ -5,6 +5,7 @@ mod cartesian_figures;
 mod interrupt;
 mod jerk;
 mod overlap;
+mod pauses;
 mod playback;
 mod recorded;
 mod rest_ramps;
