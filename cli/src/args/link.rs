@@ -13,7 +13,7 @@ use iiwa_link::{message::IoValue, security::Endpoint};
 use super::{
     RosNaming,
     addresses::{DRIVE, DriveAddress, STREAM, ServerKeys},
-    robot_values::{io_value, noise, percent, percent_above_zero, period, speed},
+    robot_values::{io_value, lag, noise, percent, percent_above_zero, period, speed},
     values::{at_least_0, epoch, seven, whole},
 };
 
@@ -110,7 +110,18 @@ pub(crate) struct Cabinet {
     #[arg(long, value_name = "X", default_value_t = 1.0, value_parser = speed)]
     pub(crate) speed: f64,
 
-    /// Standard deviation of measured joint positions, in rad
+    /// Lag of measured joint positions behind commanded ones, in ms: as on a real robot, 2.4, if the number is left out
+    #[arg(long, value_name = "MS", default_value_t = 0.0, num_args = 0..=1, require_equals = true,
+        default_missing_value = "2.4", value_parser = lag)]
+    pub(crate) lag: f64,
+
+    /// Vibration of measured positions while a joint moves, its standard deviation in rad: as on a real robot, 6e-6, if the
+    /// number is left out
+    #[arg(long, value_name = "RAD", default_value_t = 0.0, num_args = 0..=1, require_equals = true,
+        default_missing_value = "6e-6", value_parser = noise)]
+    pub(crate) vibration: f64,
+
+    /// Noise of measured joint positions, at rest as well, its standard deviation in rad
     #[arg(long, value_name = "RAD", default_value_t = 0.0, value_parser = noise)]
     pub(crate) noise: f64,
 

@@ -14,6 +14,11 @@ pub(super) fn speed(text: &str) -> Result<f64, String> {
     within(text, 0.01, 100.0, "")
 }
 
+/// A lag in ms.
+pub(super) fn lag(text: &str) -> Result<f64, String> {
+    within(text, 0.0, 1000.0, " ms")
+}
+
 /// A standard deviation in rad.
 pub(super) fn noise(text: &str) -> Result<f64, String> {
     within(text, 0.0, 0.1, " rad")

@@ -425,6 +425,7 @@ fn wrong_usage_is_refused() {
             &["drive", "--key", "d.key"],
             &["drive", "--instructions", "127.0.0.1"],
             &["cabinet", "--period", "0"],
+            &["cabinet", "--lag=1001"],
             &["cabinet", "--start-deg", "180,0,0,0,0,0,0"],
         ] {
             rig.start(arguments).end().code(2);

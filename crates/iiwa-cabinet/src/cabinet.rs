@@ -32,6 +32,7 @@ use crate::{
     config::{CabinetConfig, Faults},
     faulty_link::FaultyLink,
     fri,
+    position_sensors::PositionSensors,
     program::{self, ProgramInput},
     report::Report,
     shared::{Shared, lock},
@@ -103,8 +104,13 @@ impl Cabinet {
             format: Format::V1,
         };
         let robot = config.robot.clone();
-        let mut simulation =
-            Simulation::new(config.robot, config.start_rad, fri, config.noise_rad, random_id());
+        let mut simulation = Simulation::new(config.robot, config.start_rad, fri, random_id());
+        simulation.position_sensors = PositionSensors::new(
+            f64::from(config.period_ms) * 1e-3,
+            config.lag_s,
+            config.vibration_rad,
+            config.noise_rad,
+        );
         simulation.torque_sensors =
             TorqueSensors::new(&robot, config.load, config.mount, config.torque_noise_nm);
         if config.without_times {

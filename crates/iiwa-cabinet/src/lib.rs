@@ -29,6 +29,7 @@ mod fri;
 mod io;
 mod latency;
 mod noise;
+mod position_sensors;
 mod program;
 mod repeated;
 mod report;

@@ -22,7 +22,7 @@ use iiwa_traj::{
 
 use crate::{
     io::Ports,
-    noise::Noise,
+    position_sensors::PositionSensors,
     temperatures::Temperatures,
     torque_sensors::{JointMotion, TorqueReading, TorqueSensors},
 };
@@ -61,7 +61,7 @@ pub(crate) struct Simulation {
     pressed_until: Option<u64>,
     /// The emergency stop is pressed at this share of the next motion.
     press_at: Option<f64>,
-    noise: Noise,
+    pub(crate) position_sensors: PositionSensors,
     temperatures: Temperatures,
     pub(crate) torque_sensors: TorqueSensors,
     torques: TorqueReading,
@@ -141,13 +141,7 @@ impl JointBraking {
 }
 
 impl Simulation {
-    pub(crate) fn new(
-        robot: Robot,
-        start_rad: Joints,
-        fri: ControllerConfig,
-        noise_rad: f64,
-        boot: u64,
-    ) -> Self {
+    pub(crate) fn new(robot: Robot, start_rad: Joints, fri: ControllerConfig, boot: u64) -> Self {
         let torque_sensors = TorqueSensors::new(&robot, None, None, 0.0);
         Self {
             robot,
@@ -163,7 +157,7 @@ impl Simulation {
             fri: Controller::new(fri),
             pressed_until: None,
             press_at: None,
-            noise: Noise::new(noise_rad, NOISE_SEED),
+            position_sensors: PositionSensors::ideal(),
             temperatures: Temperatures::new(),
             torque_sensors,
             torques: TorqueReading::default(),
@@ -274,9 +268,8 @@ impl Simulation {
         self.temperatures.advance(&speed_rel, self.period_s);
         let motion = self.joint_motion();
         self.torques = self.torque_sensors.read(&self.q, &motion);
-        let measured_rad = self.q.map(|q| q + self.noise.next());
         let reading = Reading {
-            measured_rad,
+            measured_rad: self.position_sensors.read(&self.q),
             commanded_rad: self.q,
             ipo_rad: Some(self.ipo_rad()),
             measured_torque_nm: self.torques.measured_nm,
@@ -577,9 +570,6 @@ impl Simulation {
         Ok(answer)
     }
 }
-
-/// Of noise of positions.
-const NOISE_SEED: u64 = 1;
 
 /// How long a simulated emergency stop stays pressed, in s.
 pub(crate) const EMERGENCY_STOP_HELD_S: f64 = 2.0;

@@ -25,6 +25,8 @@ pub(crate) fn run(options: &args::Cabinet) -> Result<(), Failure> {
     config.period_ms = options.period;
     config.receive_multiplier = options.receive_multiplier;
     config.speed = options.speed;
+    config.lag_s = options.lag * 1e-3;
+    config.vibration_rad = options.vibration;
     config.noise_rad = options.noise;
     config.torque_noise_nm = options.torque_noise;
     (config.load, config.mount) = (options.load, options.mount);

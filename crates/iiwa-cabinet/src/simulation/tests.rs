@@ -31,7 +31,7 @@ impl SimulationScene {
     fn new(period_ms: u32, receive_multiplier: u32, start_rad: Joints) -> Self {
         let config = ControllerConfig { period_ms, receive_multiplier, format: Format::V1 };
         let mut scene = Self {
-            simulation: Simulation::new(Robot::default(), start_rad, config, 0.0, 1),
+            simulation: Simulation::new(Robot::default(), start_rad, config, 1),
             client: Client::default(),
             at_rad: start_rad,
             speed_rad_s: [0.0; 7],
@@ -172,6 +172,23 @@ fn the_arm_brakes_within_its_range() {
     }
 }
 
+/// FRI messages have exact commanded positions, and measured ones as the sensors report them.
+#[test]
+fn measured_positions_lag_and_commanded_ones_do_not() {
+    let mut scene = SimulationScene::new(2, 1, [0.1; 7]);
+    // Of whole cycles, so that the trace has the expected positions.
+    scene.simulation.position_sensors = PositionSensors::new(scene.period_s, 0.004, 0.0, 0.0);
+    scene.speed_up();
+    let [.., late, _, now] = scene.trace.as_slice() else { unreachable!() };
+    let latest = scene.client.latest().unwrap();
+    let off = |a: &Option<Joints>, b: &Joints| {
+        a.unwrap().iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
+    };
+    assert!(off(&latest.commanded_rad, now) < 1e-15);
+    assert!(off(&latest.measured_rad, late) < 1e-12);
+    assert!(now[0] - late[0] > 0.006, "the arm moves");
+}
+
 /// The sensors show the torques of the motion with its load, in the sign of KUKA's controller, while a stop slows it down as
 /// well; and nothing external.
 #[test]
@@ -187,7 +204,7 @@ fn measured_torques_are_those_of_the_motion_with_its_load() {
     let robot = Robot::default();
     let start_rad = *program.start.joints_rad().unwrap();
     let config = ControllerConfig { period_ms: 1, receive_multiplier: 1, format: Format::V1 };
-    let mut simulation = Simulation::new(robot.clone(), start_rad, config, 0.0, 1);
+    let mut simulation = Simulation::new(robot.clone(), start_rad, config, 1);
     let trajectory = plan(&robot, start_rad, program.into()).unwrap();
     simulation.begin(RUN, trajectory.clone()).unwrap();
     let mut message = Vec::new();
