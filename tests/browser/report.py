@@ -186,7 +186,8 @@ def timeline_and_table_are_linked(browser: Browser, pages: Pages) -> None:
 def curves_can_be_chosen(browser: Browser, pages: Pages) -> None:
     desk(browser)
     browser.open(pages.page("ten-motions"))
-    assert browser.run("document.querySelectorAll('#charts canvas').length") == 5
+    shown = "document.querySelectorAll('#charts .chart:not([hidden]) canvas').length"
+    assert browser.run(shown) == 5
     seen = {browser.run(CHARTS)}
     for selector in ("#chips label:nth-child(1)", "#units", "#in"):
         browser.click(selector)
@@ -201,6 +202,15 @@ def curves_can_be_chosen(browser: Browser, pages: Pages) -> None:
     for selector in ("#units", "#chips label:nth-child(1)"):
         browser.click(selector)
     assert browser.run(CHARTS) in seen, "what was changed back looks otherwise"
+    # The snap is shown on request, without any limit. Each ramp of a line has some where it begins.
+    titles = "[...document.querySelectorAll('#charts h3:not([hidden])')].map(it => it.textContent)"
+    browser.click("#snap")
+    assert browser.run(shown) == 6
+    assert browser.run(titles)[4] == "Snap, deg/s\u2074", browser.run(titles)
+    browser.click("#snap")
+    assert browser.run(shown) == 5
+    browser.open(pages.page("recorder"))
+    assert browser.run("document.getElementById('snap').hidden"), "a recording has no snap"
 
 
 def schemes_and_phones(browser: Browser, pages: Pages) -> None:

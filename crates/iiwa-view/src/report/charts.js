@@ -5,6 +5,8 @@ const QUANTITIES = [
   { key: "velocity", title: "Velocity", unit: "deg/s", limit: "velocity_rad_s" },
   { key: "acceleration", title: "Acceleration", unit: "deg/s\u00b2", limit: "acceleration_rad_s2" },
   { key: "jerk", title: "Jerk", unit: "deg/s\u00b3", limit: "jerk_rad_s3" },
+  // No joint has a limit of it. It is shown on request.
+  { key: "snap", title: "Snap", unit: "deg/s\u2074" },
   { key: "torque", title: "Torque, link side", unit: "Nm", limit: "torque_nm", factor: 1 },
 ];
 
@@ -26,10 +28,14 @@ for (const quantity of QUANTITIES) quantity.own = ownLimits(quantity.key);
 /** What of a quantity is drawn, in per cent of the limits: more would flatten all else. */
 const MOST_PERCENT = 300;
 
+/** Shares of limits are shown, of what has any. */
+const asShare = (quantity) => state.percent && Boolean(quantity.limit);
+
 /** What takes a joint's value of a quantity to what is shown: in per cent of its limits, whose middle is 0, or in degrees
     or Nm. */
-function shownScale(quantity, percent) {
-  const upper = report.robot[quantity.limit];
+function shownScale(quantity) {
+  const percent = asShare(quantity);
+  const upper = report.robot[quantity.limit] || Array(7).fill(Infinity);
   const lower = quantity.key === "position" ? report.robot.lower_rad : upper.map((limit) => -limit);
   const { factor = DEG } = quantity;
   const scale = (j) => (percent ? 200 / (upper[j] - lower[j]) : factor);
@@ -48,9 +54,10 @@ function drawQuantity(canvas, quantity, state, theme, withTimes) {
   const size = cleared(canvas);
   const { context } = size;
   const shown = state.joints.flatMap((on, j) => (on ? [j] : []));
-  const { scale, offset, highest, lowest } = shownScale(quantity, state.percent);
+  const { scale, offset, highest, lowest } = shownScale(quantity);
+  const percent = asShare(quantity);
   // What is drawn: at least the band of the limits in per cent, at most three times as much.
-  let most = state.percent ? 108 : 0;
+  let most = percent ? 108 : 0;
   for (const arm of report.arms) {
     const curve = arm[quantity.key];
     const from = Math.max(countUpTo(curve.t_s, state.window.from) - 1, 0);
@@ -65,22 +72,22 @@ function drawQuantity(canvas, quantity, state, theme, withTimes) {
     }
   }
   const largest = most / 1.06;
-  most = Math.min(most, state.percent ? MOST_PERCENT : Infinity) || 1;
+  most = Math.min(most, percent ? MOST_PERCENT : Infinity) || 1;
   const axis = axes(context, size, state.window, [-most, most], theme, withTimes);
   const { x, y, left, right, top, bottom } = axis;
 
   clipped(context, axis);
   // Beyond the limits: of all joints in per cent, else of the joint that may go farthest.
-  const farthest = state.percent ? 100 : Math.max(...shown.map(highest), 0);
-  const deepest = state.percent ? -100 : Math.min(...shown.map(lowest), 0);
+  const farthest = percent ? 100 : Math.max(...shown.map(highest), 0);
+  const deepest = percent ? -100 : Math.min(...shown.map(lowest), 0);
   context.fillStyle = theme.beyond;
   context.fillRect(left, top, right - left, Math.max(0, y(farthest) - top));
   context.fillRect(left, y(deepest), right - left, Math.max(0, bottom - y(deepest)));
   context.setLineDash([5, 4]);
   context.lineWidth = 1;
-  for (const j of state.percent ? [-1] : shown) {
-    context.strokeStyle = state.percent ? theme.blend : theme.joints[j];
-    for (const limit of state.percent ? [-100, 100] : [lowest(j), highest(j)]) {
+  for (const j of percent ? [-1] : quantity.limit ? shown : []) {
+    context.strokeStyle = percent ? theme.blend : theme.joints[j];
+    for (const limit of percent ? [-100, 100] : [lowest(j), highest(j)]) {
       const at = Math.round(y(limit)) + 0.5;
       context.beginPath();
       context.moveTo(left, at);
@@ -98,7 +105,7 @@ function drawQuantity(canvas, quantity, state, theme, withTimes) {
     context.fillStyle = theme.own;
     context.fillRect(a, y(farthest), b - a, y(widest) - y(farthest));
     context.fillRect(a, y(-widest), b - a, y(-farthest) - y(-widest));
-    const same = state.percent && shown.every((j) => shares[j] === shares[shown[0]]);
+    const same = percent && shown.every((j) => shares[j] === shares[shown[0]]);
     for (const j of same ? shown.slice(0, 1) : shown.filter((k) => shares[k] < 1)) {
       context.strokeStyle = same ? theme.blend : theme.joints[j];
       for (const sign of [-1, 1]) {

@@ -15,19 +15,27 @@ pub(crate) struct Curves {
     velocity: Curve,
     acceleration: Curve,
     jerk: Curve,
-    /// The source of velocity, acceleration and jerk, as text.
+    /// Without columns of a recording.
+    snap: Curve,
+    /// The source of velocity, acceleration, jerk and snap, as text.
     method: String,
 }
 
 impl Curves {
-    pub(crate) fn of_plan(planned: Planned, smooth: bool, shift_s: f64) -> Self {
-        let Planned { position, velocity, acceleration, jerk } = planned;
-        let method = if smooth {
-            "from the nodes of the trajectory; jerk is the mean from node to node"
-        } else {
-            "from the nodes of the trajectory; planned without limits of jerk: acceleration jumps"
+    pub(crate) fn of_plan(planned: Planned, timing: Option<&str>, shift_s: f64) -> Self {
+        let Planned { position, velocity, acceleration, jerk, snap } = planned;
+        let method = match timing {
+            Some("acceleration") => {
+                "from the nodes of the trajectory; planned without limits of jerk: acceleration jumps"
+            }
+            Some("sunrise") => {
+                "from the nodes of the trajectory; from node to node, jerk is linear. Sunrise's ramps may have more \
+                 jerk than its limit, which holds for blends, LIN and CIRC"
+            }
+            _ => "from the nodes of the trajectory; from node to node, jerk is linear",
         };
-        Self::of([position, velocity, acceleration, jerk], method.to_owned(), shift_s)
+        let samples = [position, velocity, acceleration, jerk, snap];
+        Self::of(samples, method.to_owned(), shift_s)
     }
 
     pub(crate) fn of_recording(measured: Measured, shift_s: f64) -> Self {
@@ -41,12 +49,13 @@ impl Curves {
                  {window_ms:.0} ms: shorter peaks are lower here than they were"
             )
         };
-        Self::of([position, velocity, acceleration, jerk], method, shift_s)
+        let samples = [position, velocity, acceleration, jerk, Samples::default()];
+        Self::of(samples, method, shift_s)
     }
 
-    fn of(samples: [Samples; 4], method: String, shift_s: f64) -> Self {
-        let [position, velocity, acceleration, jerk] =
+    fn of(samples: [Samples; 5], method: String, shift_s: f64) -> Self {
+        let [position, velocity, acceleration, jerk, snap] =
             samples.map(|samples| Curve::new(&samples, shift_s));
-        Self { position, velocity, acceleration, jerk, method }
+        Self { position, velocity, acceleration, jerk, snap, method }
     }
 }

@@ -508,11 +508,11 @@ impl Making<'_> {
         let (poses, curves) = match (self.extent, role) {
             (Extent::Sketch, _) => (Poses::new(&log.t_s, &log.q_rad, shift_s), None),
             (Extent::Whole, Role::Plan) => {
-                let smooth = source.record.timing() != Some("acceleration");
-                let planned = Planned::new(&source.record.nodes, smooth);
+                let timing = source.record.timing();
+                let planned = Planned::new(&source.record.nodes, timing != Some("acceleration"));
                 measure(&planned.position, &planned.velocity);
                 let poses = Poses::new(&planned.position.t_s, &planned.position.rows, shift_s);
-                (poses, Some(Curves::of_plan(planned, smooth, shift_s)))
+                (poses, Some(Curves::of_plan(planned, timing, shift_s)))
             }
             (Extent::Whole, _) => {
                 let poses = Poses::new(&log.t_s, &log.q_rad, shift_s);

@@ -42,30 +42,50 @@ function valuesAt(of, decimals, unit) {
 
 function addQuantities() {
   const shown = QUANTITIES.filter(({ key }) => report.arms.some((arm) => arm[key].columns > 0));
-  shown.forEach((quantity, i) => {
+  const lowest = shown.filter(({ key }) => key !== "snap").at(-1);
+  shown.forEach((quantity) => {
     const title = element("h3");
-    const last = i + 1 === shown.length;
-    addChart($("charts"), {
+    const last = quantity === lowest;
+    const { canvas } = addChart($("charts"), {
       title,
       label: `${quantity.title} of the joints over time`,
       height: last ? 166 : 0,
       draw: (canvas, colours) => {
+        if (canvas.parentElement.hidden) return;
+        const percent = asShare(quantity);
         const largest = drawQuantity(canvas, quantity, state, colours, last);
         const beyond =
-          state.percent && largest > MOST_PERCENT ? `, up to ${number(largest, 0)}, drawn up to ${MOST_PERCENT}` : "";
-        title.textContent = `${quantity.title}, ${state.percent ? "% of the limit" : quantity.unit}${beyond}`;
+          percent && largest > MOST_PERCENT ? `, up to ${number(largest, 0)}, drawn up to ${MOST_PERCENT}` : "";
+        title.textContent = `${quantity.title}, ${percent ? "% of the limit" : quantity.unit}${beyond}`;
       },
       readings: (t) => {
-        const { scale, offset } = shownScale(quantity, state.percent);
+        const { scale, offset } = shownScale(quantity);
+        const percent = asShare(quantity);
         const value = (arm, j) => readingAt(arm[quantity.key], t, j, 7) * scale(j) + offset(j);
         const joints = state.joints.flatMap((on, j) => (on ? [j] : []));
         return joints.map((j) => [
           `a${j + 1}`,
           `A${j + 1}`,
-          valuesAt((arm) => value(arm, j), state.percent ? 1 : 2, state.percent ? "%" : quantity.unit),
+          valuesAt((arm) => value(arm, j), percent ? 1 : 2, percent ? "%" : quantity.unit),
         ]);
       },
     });
+    if (quantity.key === "snap") offerSnap(title, canvas.parentElement);
+  });
+}
+
+/** A button that shows the chart of the snap, and hides it. */
+function offerSnap(title, box) {
+  const show = (on) => {
+    title.hidden = box.hidden = !on;
+    $("snap").textContent = on ? "Hide snap" : "Show snap";
+    $("snap").setAttribute("aria-pressed", String(on));
+  };
+  show(false);
+  $("snap").hidden = false;
+  $("snap").addEventListener("click", () => {
+    show(box.hidden);
+    drawCharts();
   });
 }
 

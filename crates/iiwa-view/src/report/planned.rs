@@ -11,21 +11,26 @@ const STEP_S: f64 = 0.004;
 /// Samples of a plan beside its nodes, at most: of half an hour. No screen shows more of them.
 const SAMPLES: f64 = 450_000.0;
 
-/// Position, velocity, acceleration and jerk of a plan.
+/// The shortest step from node to node, in s, of which the velocities tell how the jerk changes: times are in whole nanoseconds.
+const LEAST_S: f64 = 0.002;
+
+/// Position, velocity, acceleration, jerk and snap of a plan.
 #[derive(Debug, Default)]
 pub(crate) struct Planned {
     pub(crate) position: Samples,
     pub(crate) velocity: Samples,
     pub(crate) acceleration: Samples,
-    /// Steps; without samples if the acceleration jumps.
+    /// Without samples if the acceleration jumps, as is the snap.
     pub(crate) jerk: Samples,
+    /// Steps.
+    pub(crate) snap: Samples,
 }
 
 impl Planned {
     /// Samples at the nodes and between those that are far apart.
     ///
-    /// Under limits of jerk (`smooth`), acceleration is linear between nodes, so that jerk is its mean
-    /// there: exact on lines, whose jerk is constant from node to node. Without them, acceleration is
+    /// Under limits of jerk (`smooth`), velocity is a cubic between nodes, so that jerk is linear and snap constant there:
+    /// exact on lines, on which either jerk or snap is constant from node to node. Without them, acceleration is
     /// constant from a node on, and jumps.
     pub(crate) fn new(nodes: &[PlanNode], smooth: bool) -> Self {
         let ends = nodes.first().zip(nodes.last());
@@ -43,17 +48,22 @@ impl Planned {
             velocity: samples(count),
             acceleration: samples(if smooth { count } else { count + nodes.len() }),
             jerk: samples(if smooth { both_ends } else { 0 }),
+            snap: samples(if smooth { both_ends } else { 0 }),
         };
         for pair in nodes.windows(2) {
             let (from, to) = (&pair[0], &pair[1]);
             let span_s = to.t_s - from.t_s;
             let steps = steps(span_s);
+            let jerks: [[f64; 2]; 7] = std::array::from_fn(|j| {
+                jerk_at_ends(span_s, [from.dq[j], from.ddq[j]], [to.dq[j], to.ddq[j]])
+            });
             for i in 0..steps {
                 let share = f64::from(i) / f64::from(steps);
                 let t_s = from.t_s + share * span_s;
                 let ddq: Joints = std::array::from_fn(|j| {
-                    let slope = if smooth { to.ddq[j] - from.ddq[j] } else { 0.0 };
-                    from.ddq[j] + share * slope
+                    let [a, b] = if smooth { jerks[j] } else { [0.0; 2] };
+                    let passed_s = share * span_s;
+                    from.ddq[j] + passed_s * (a + 0.5 * share * (b - a))
                 });
                 planned.position.push(
                     t_s,
@@ -74,9 +84,11 @@ impl Planned {
                 planned.acceleration.push(t_s, ddq);
             }
             if smooth {
-                let jerk = std::array::from_fn(|j| (to.ddq[j] - from.ddq[j]) / span_s);
-                planned.jerk.push(from.t_s, jerk);
-                planned.jerk.push(to.t_s, jerk);
+                let snap = jerks.map(|[a, b]| (b - a) / span_s);
+                for (at, t_s) in [from.t_s, to.t_s].into_iter().enumerate() {
+                    planned.jerk.push(t_s, jerks.map(|jerk| jerk[at]));
+                    planned.snap.push(t_s, snap);
+                }
             } else {
                 // A step, not a ramp to the next node.
                 planned.acceleration.push(to.t_s, from.ddq);
@@ -89,6 +101,17 @@ impl Planned {
         }
         planned
     }
+}
+
+/// Jerk at both ends of a span of time, of the cubic with these velocities and accelerations there.
+fn jerk_at_ends(span_s: f64, [v, a]: [f64; 2], [v_end, a_end]: [f64; 2]) -> [f64; 2] {
+    let mean = (a_end - a) / span_s;
+    if span_s < LEAST_S {
+        return [mean; 2];
+    }
+    // How far the mean acceleration is above that of a linear one.
+    let above = 6.0 * ((v_end - v) / span_s - 0.5 * (a + a_end)) / span_s;
+    [mean + above, mean - above]
 }
 
 /// The cubic with these values and slopes at both ends of a span.
@@ -130,8 +153,33 @@ mod tests {
             assert!((planned.acceleration.rows[i][3] - expected.ddq[3]).abs() < 1e-12);
         }
         assert!(planned.jerk.rows.iter().all(|row| (row[0] - 6.0).abs() < 1e-9));
+        assert!(planned.snap.rows.iter().all(|row| row[0].abs() < 1e-9));
         let jumps = Planned::new(&[node(0.0), node(0.5)], false);
-        assert!(jumps.jerk.rows.is_empty());
+        assert!(jumps.jerk.rows.is_empty() && jumps.snap.rows.is_empty());
         assert_eq!(jumps.acceleration.rows[10], [0.0; 7]);
+    }
+
+    /// A ramp as Sunrise begins it: its snap is constant.
+    #[test]
+    fn constant_snap_is_met() {
+        let node = |t: f64| PlanNode {
+            t_s: t,
+            q: [t.powi(4) / 24.0; 7],
+            dq: [t.powi(3) / 6.0; 7],
+            ddq: [0.5 * t * t; 7],
+        };
+        // The last span is too short to tell the change of the jerk: its mean is left.
+        let planned = Planned::new(&[node(0.0), node(0.06), node(0.061)], true);
+        for (t_s, row) in std::iter::zip(&planned.acceleration.t_s, &planned.acceleration.rows) {
+            assert!((row[6] - 0.5 * t_s * t_s).abs() < 1e-12, "{t_s} s: {}", row[6]);
+        }
+        let [jerk, snap] = [&planned.jerk, &planned.snap]
+            .map(|samples| samples.rows.iter().map(|row| row[2]).collect::<Vec<_>>());
+        for (found, expected) in std::iter::zip(jerk, [0.0, 0.06, 0.0605, 0.0605]) {
+            assert!((found - expected).abs() < 1e-12, "{found}");
+        }
+        for (found, expected) in std::iter::zip(snap, [1.0, 1.0, 0.0, 0.0]) {
+            assert!((found - expected).abs() < 1e-9, "{found}");
+        }
     }
 }
