@@ -57,6 +57,7 @@ class Options(TypedDict, total=False):
     blend_search: str
     samples: int
     limit_torque_percent: float | None
+    override_percent: float | None
     scene: Scene | str | PathLike[str] | None
 
 
@@ -78,8 +79,9 @@ class Planning:
         plan_all([], **self.options)
         # Numbers of numpy are as good, and JSON has none of them.
         self.options["samples"] = int(self.options["samples"])
-        if (percent := self.options["limit_torque_percent"]) is not None:
-            self.options["limit_torque_percent"] = float(percent)
+        for name in ("limit_torque_percent", "override_percent"):
+            if (percent := self.options[name]) is not None:
+                self.options[name] = float(percent)
 
     def described(self) -> dict[str, Any]:
         """The options as JSON: equal ones lead to equal figures."""

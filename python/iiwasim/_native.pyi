@@ -300,6 +300,7 @@ def plan(
     blend_search: _Search | str = "first-crossing",
     samples: int = 100,
     limit_torque_percent: float | None = None,
+    override_percent: float | None = None,
 ) -> Plan: ...
 def plan_all(
     programs: Iterable[Program],
@@ -310,6 +311,7 @@ def plan_all(
     blend_search: _Search | str = "first-crossing",
     samples: int = 100,
     limit_torque_percent: float | None = None,
+    override_percent: float | None = None,
     jobs: int | None = None,
     progress: Callable[[int, int], object] | None = None,
 ) -> list[Plan | ProgramError]: ...

@@ -11,7 +11,7 @@ use std::{
 use iiwa_kin::Robot as Model;
 use iiwa_log::PlanOptions;
 use iiwa_path::JointPath;
-use iiwa_program::{MAX_TORQUE_LIMIT, MIN_TORQUE_LIMIT, Program as Motions};
+use iiwa_program::{MAX_TORQUE_LIMIT, MIN_OVERRIDE, MIN_TORQUE_LIMIT, Program as Motions};
 use iiwa_traj::{PlanError, Planner, TimingError, Trajectory};
 use pyo3::{
     exceptions::{PyRuntimeError, PyValueError},
@@ -36,15 +36,13 @@ struct Job {
 }
 
 impl Job {
-    fn new(program: &Program, robot: Option<&Arc<Model>>, torque_rel: Option<f64>) -> Self {
-        let motions = match torque_rel {
-            None => Arc::clone(&program.parsed),
-            Some(share) => {
-                let mut motions = (*program.parsed).clone();
-                motions.workcell.torque_limit_rel = Some(share);
-                Arc::new(motions)
-            }
-        };
+    fn new(program: &Program, robot: Option<&Arc<Model>>, instead: Instead) -> Self {
+        let mut motions = Arc::clone(&program.parsed);
+        if instead.torque_limit_rel.is_some() || instead.speed_override.is_some() {
+            let workcell = &mut Arc::make_mut(&mut motions).workcell;
+            workcell.torque_limit_rel = instead.torque_limit_rel.or(workcell.torque_limit_rel);
+            workcell.speed_override = instead.speed_override.or(workcell.speed_override);
+        }
         let robot = robot.map_or_else(|| Arc::new(program.model()), Arc::clone);
         Self { program: motions, text: Arc::clone(&program.text), robot }
     }
@@ -80,14 +78,33 @@ impl Job {
     }
 }
 
-/// A limit of torque as a share of the robot's.
-fn torque_share(percent: Option<f64>) -> PyResult<Option<f64>> {
+/// Options that replace those of the program.
+#[derive(Clone, Copy)]
+struct Instead {
+    /// Torque limit as a share of the robot's.
+    torque_limit_rel: Option<f64>,
+    /// Override of the controller, as a share.
+    speed_override: Option<f64>,
+}
+
+impl Instead {
+    fn new(limit_torque_percent: Option<f64>, override_percent: Option<f64>) -> PyResult<Self> {
+        let torque = (MIN_TORQUE_LIMIT, MAX_TORQUE_LIMIT);
+        Ok(Self {
+            torque_limit_rel: share("limit_torque_percent", limit_torque_percent, torque)?,
+            speed_override: share("override_percent", override_percent, (MIN_OVERRIDE, 1.0))?,
+        })
+    }
+}
+
+/// The share of a percentage within bounds, which are shares.
+fn share(name: &str, percent: Option<f64>, (least, most): (f64, f64)) -> PyResult<Option<f64>> {
     let Some(percent) = percent else { return Ok(None) };
     let share = percent / 100.0;
-    if !(MIN_TORQUE_LIMIT..=MAX_TORQUE_LIMIT).contains(&share) {
-        let (least, most) = (100.0 * MIN_TORQUE_LIMIT, 100.0 * MAX_TORQUE_LIMIT);
+    if !(least..=most).contains(&share) {
+        let (least, most) = (100.0 * least, 100.0 * most);
         return Err(PyValueError::new_err(format!(
-            "limit_torque_percent is {percent}; from {least} to {most} are possible"
+            "{name} is {percent}; from {least} to {most} are possible"
         )));
     }
     Ok(Some(share))
@@ -108,17 +125,20 @@ fn give_way(takes_all: bool) {
 /// By `timing='sunrise'`, PTP motions from rest to rest start and stop as Sunrise was seen to plan them, and splines go by a model.
 ///
 /// The robot is the program's unless `robot` is given: a `Robot`, a name or the path of a profile. `limit_torque_percent` limits
-/// torques, too. Raises `ProgramError` with line, column and motion. Ctrl-C ends it.
+/// torques, too. `override_percent` is the controller's override, in place of the program's: motions take longer by it, pauses and
+/// waits do not. Raises `ProgramError` with line, column and motion. Ctrl-C ends it.
 ///
 /// >>> import iiwasim as iw
 /// >>> program = iw.Program([iw.ptp(deg=[30] + [0] * 6), iw.wait(0.5)], start_deg=[0] * 7)
 /// >>> plan = iw.plan(program)
 /// >>> iw.plan(program, robot='lbr_iiwa_14_r820', timing='acceleration').cycle_time_s < plan.cycle_time_s * 2
 /// True
+/// >>> round(iw.plan(program, override_percent=50).motion_time_s / plan.motion_time_s, 3)
+/// 2.0
 #[pyfunction]
 #[pyo3(signature = (
     program, *, robot = None, timing = "sunrise", blend_shape = "iiwa", blend_search = "first-crossing", samples = 100,
-    limit_torque_percent = None
+    limit_torque_percent = None, override_percent = None
 ))]
 #[expect(clippy::too_many_arguments, reason = "they are options by keyword in Python")]
 pub(crate) fn plan(
@@ -130,10 +150,12 @@ pub(crate) fn plan(
     blend_search: &str,
     samples: i64,
     limit_torque_percent: Option<f64>,
+    override_percent: Option<f64>,
 ) -> PyResult<Plan> {
     let options = plan_options(timing, blend_shape, blend_search, samples)?;
     let robot = robot.map(|robot| robot.model(py).map(Arc::new)).transpose()?;
-    let job = Job::new(program.get(), robot.as_ref(), torque_share(limit_torque_percent)?);
+    let instead = Instead::new(limit_torque_percent, override_percent)?;
+    let job = Job::new(program.get(), robot.as_ref(), instead);
     let work = move |stop| {
         let planned = job.plan(&mut None, &options, &stop);
         (job, planned)
@@ -155,7 +177,7 @@ pub(crate) fn plan(
 #[pyfunction]
 #[pyo3(signature = (
     programs, *, robot = None, timing = "sunrise", blend_shape = "iiwa", blend_search = "first-crossing", samples = 100,
-    limit_torque_percent = None, jobs = None, progress = None
+    limit_torque_percent = None, override_percent = None, jobs = None, progress = None
 ))]
 #[expect(clippy::too_many_arguments, reason = "they are options by keyword in Python")]
 pub(crate) fn plan_all<'py>(
@@ -167,19 +189,20 @@ pub(crate) fn plan_all<'py>(
     blend_search: &str,
     samples: i64,
     limit_torque_percent: Option<f64>,
+    override_percent: Option<f64>,
     jobs: Option<i64>,
     progress: Option<Bound<'py, PyAny>>,
 ) -> PyResult<Bound<'py, PyList>> {
     let options = plan_options(timing, blend_shape, blend_search, samples)?;
     let robot = robot.map(|robot| robot.model(py).map(Arc::new)).transpose()?;
-    let torque_rel = torque_share(limit_torque_percent)?;
+    let instead = Instead::new(limit_torque_percent, override_percent)?;
     let mut work = Vec::new();
     for (index, program) in programs.try_iter()?.enumerate() {
         let program = program?;
         let program = program
             .cast::<Program>()
             .map_err(|_| unexpected(&format!("programs[{index}]"), &program, "a Program"))?;
-        work.push(Job::new(program.get(), robot.as_ref(), torque_rel));
+        work.push(Job::new(program.get(), robot.as_ref(), instead));
     }
     let total = work.len();
     let cores = available_parallelism().map_or(1, usize::from);

@@ -50,6 +50,7 @@ def test_programs_without_a_motion_have_no_peak(motion: iw.Motion) -> None:
     [
         {"samples": np.int64(50), "timing": "acceleration"},
         {"limit_torque_percent": np.float32(80)},
+        {"override_percent": np.float32(50)},
         {"chunk": np.int32(1), "jobs": np.uint8(1)},
     ],
     ids=str,

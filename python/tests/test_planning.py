@@ -14,7 +14,7 @@ import sys
 import threading
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
-from typing import Callable, TypeVar
+from typing import Any, Callable, TypeVar
 
 import numpy as np
 import pytest
@@ -101,9 +101,17 @@ def test_options_of_plans() -> None:
     limited = iw.plan(program, limit_torque_percent=40)
     assert limited.cycle_time_s > jerk.cycle_time_s
     assert limited.figures()["limit_torque_percent"] == 40
-    for wrong in ({"timing": "speed"}, {"blend_shape": "round"}, {"samples": 1}, {"limit_torque_percent": 0}):
+    wrongs: list[dict[str, Any]] = [
+        {"timing": "speed"},
+        {"blend_shape": "round"},
+        {"samples": 1},
+        {"limit_torque_percent": 0},
+        {"override_percent": 0},
+        {"override_percent": 100.1},
+    ]
+    for wrong in wrongs:
         with pytest.raises(ValueError, match=next(iter(wrong))):
-            iw.plan(program, **wrong)  # type: ignore[arg-type]
+            iw.plan(program, **wrong)
     with pytest.raises(TypeError):
         iw.plan(program, "jerk")  # type: ignore[misc]
 
@@ -157,6 +165,21 @@ def test_arrays_of_samples_are_not_written_to() -> None:
     for values in (samples.t, samples.q, samples.dq, samples.ddq, samples.motion, samples.tcp, samples.torque):
         with pytest.raises(ValueError, match="read-only"):
             values[0] = 1
+
+
+def test_the_override_slows_motions_and_nothing_else() -> None:
+    program = iw.Program.load(FIXTURES / "ten-motions.json")
+    full, slow = iw.plan(program), iw.plan(program, override_percent=25)
+    assert slow.motion_time_s == pytest.approx(4 * full.motion_time_s, rel=1e-3)
+    assert (slow.settle_time_s, slow.wait_time_s) == (full.settle_time_s, full.wait_time_s)
+    # It replaces the program's, and the program of the plan has it.
+    assert iw.plan(slow.program).cycle_time_s == slow.cycle_time_s
+    assert iw.plan(slow.program, override_percent=100).cycle_time_s == full.cycle_time_s
+    assert json.loads(slow.program.to_json())["override_percent"] == 25
+    (of_many,) = iw.plan_all([program], override_percent=25)
+    assert isinstance(of_many, iw.Plan)
+    assert of_many.cycle_time_s == slow.cycle_time_s
+    assert pickle.loads(pickle.dumps(slow)).cycle_time_s == slow.cycle_time_s
 
 
 def test_the_program_of_a_plan_is_the_program() -> None:
