@@ -55,9 +55,9 @@ fn gates_name_both_figures() {
     let both = ["--max-error-percent", "5", "--max-deviation-mm", "1"];
     iiwasim(&folder, &[&["compare", "plan.mcap", "real.mcap", "--json"], &both[..]].concat())
         .code(3)
-        .stdout(contains("\"error_percent\":16.5"))
-        .stderr(contains("off by +16.5").and(contains("mm, more than 1 mm")));
-    let wide = ["--max-error-percent", "17", "--max-deviation-mm", "3"];
+        .stdout(contains("\"error_percent\":21.5"))
+        .stderr(contains("off by +21.5").and(contains("mm, more than 1 mm")));
+    let wide = ["--max-error-percent", "22", "--max-deviation-mm", "3"];
     iiwasim(&folder, &[&["compare", "plan.mcap", "real.mcap"], &wide[..]].concat()).success();
     iiwasim(&folder, &["compare", "plan.mcap", "real.mcap", "--max-error-percent", "-1"]).code(2);
 }

@@ -43,13 +43,13 @@ fn tells_how_near_the_arm_comes() {
     let arguments = ["ten-motions.json", "--scene", "cage.json"];
     plan(&cell, &arguments)
         .success()
-        .stdout(contains("\nClearance 79.1 mm: link 6 to column at 0.96"))
+        .stdout(contains("\nClearance 79.1 mm: link 6 to column at 1.0"))
         .stderr(is_empty());
     let figures = json(plan(&cell, &[&arguments[..], &["--json"]].concat()));
     let clearance = &figures["clearance"];
     assert!((clearance["distance_mm"].as_f64().unwrap() - 79.1).abs() < 0.1, "{clearance}");
     assert_eq!((&clearance["link"], &clearance["obstacle"]), (&6.into(), &"column".into()));
-    assert!((clearance["at_s"].as_f64().unwrap() - 0.96).abs() < 0.01, "{clearance}");
+    assert!((clearance["at_s"].as_f64().unwrap() - 1.008).abs() < 0.01, "{clearance}");
     assert_eq!(clearance.as_object().unwrap().len(), 4);
     let itself = &figures["self_clearance"];
     assert!(itself["distance_mm"].as_f64().unwrap() > 30.0, "{itself}");

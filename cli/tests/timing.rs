@@ -8,7 +8,7 @@ use tempfile::tempdir;
 use crate::helpers::{figures, fixture, plan};
 use crate::run::iiwasim;
 
-/// Recorded PTP motions take 4 % longer than plans under limits of jerk.
+/// Recorded PTP motions take 4 % longer than plans under limits of jerk, short ones more.
 #[test]
 fn ptp_motions_can_start_as_in_sunrise() {
     let folder = tempdir().unwrap();
@@ -18,7 +18,7 @@ fn ptp_motions_can_start_as_in_sunrise() {
         figures(plan(&folder, &program, &options))["cycle_time_s"].as_f64().unwrap()
     };
     let [sunrise, jerk] = ["sunrise", "jerk"].map(cycle_time);
-    assert!(sunrise > 1.01 * jerk && sunrise < 1.1 * jerk, "{sunrise} {jerk}");
+    assert!(sunrise > 1.01 * jerk && sunrise < 1.2 * jerk, "{sunrise} {jerk}");
     let options = ["--no-output", "--timing", "sunrise"];
     let said = "PTP motions from rest to rest as Sunrise plans them";
     plan(&folder, &program, &options).success().stdout(contains(said));

@@ -46,8 +46,8 @@ pub struct LimitedSegment<'a> {
     pub(crate) limiting: ByKind<LimitingJoints>,
     /// The limits of torque, if there are any.
     torque: Option<&'a TorqueLimits>,
-    /// The ramps at the rests before and after it, with sigma from there to its nearer end.
-    ramps: [Option<(RestRamp, f64)>; 2],
+    /// The ramps at the rests at its start and its end.
+    ramps: [Option<RestRamp>; 2],
 }
 
 /// From this share of its limit on, the torque of a joint has rows.
@@ -126,20 +126,17 @@ impl<'a> LimitedSegment<'a> {
         Self { torque: Some(limits), ..self }
     }
 
-    /// The segment with lower limits of jerk next to the rests before and after it, each with sigma from there to the
-    /// segment's nearer end, in rad.
+    /// The segment with lower limits of jerk next to the rests at its start and its end.
     #[must_use]
-    pub fn with_rest_ramps(self, ramps: [Option<(RestRamp, f64)>; 2]) -> Self {
+    pub fn with_rest_ramps(self, ramps: [Option<RestRamp>; 2]) -> Self {
         Self { ramps, ..self }
     }
 
     /// The share of its limits of jerk that holds at `sigma`, in rad.
     pub(crate) fn jerk_rel(&self, sigma: f64) -> f64 {
         let ways = [sigma, self.length - sigma];
-        let shares = std::iter::zip(&self.ramps, ways).filter_map(|(ramp, way)| {
-            let (ramp, from_rest) = ramp.as_ref()?;
-            Some(ramp.jerk_rel_at(from_rest + way))
-        });
+        let shares = std::iter::zip(&self.ramps, ways)
+            .filter_map(|(ramp, way)| Some(ramp.as_ref()?.jerk_rel_at(way)));
         shares.fold(1.0, f64::min)
     }
 

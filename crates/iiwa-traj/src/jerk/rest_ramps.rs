@@ -86,8 +86,8 @@ impl Departure {
     }
 }
 
-/// The segments of `pieces` with soft ramps at the rests from which and to which they go. `stamps` are the acceleration-limited ones
-/// of each.
+/// The segments of `pieces`, the first and the last with soft ramps at the rests from which and to which they go. `stamps` are the
+/// acceleration-limited ones of each.
 pub(super) fn soften<'a>(
     segments: Vec<LimitedSegment<'a>>,
     stamps: &[&[SweptNode]],
@@ -124,9 +124,11 @@ pub(super) fn soften<'a>(
             Some(departure.in_joint_space(jerk, &law, &limits))
         }
     });
-    let with_ramps = |(segment, (start, length)): (LimitedSegment<'a>, (f64, f64))| {
-        let ways = [start, (whole - start - length).max(0.0)];
-        segment.with_rest_ramps(std::array::from_fn(|k| Some((ramps[k]?, ways[k]))))
+    // Not in the blends between: their bends would take jerk that is not there.
+    let last = segments.len() - 1;
+    let with_ramps = |(i, segment): (usize, LimitedSegment<'a>)| {
+        let [start, stop] = [ramps[0].filter(|_| i == 0), ramps[1].filter(|_| i == last)];
+        segment.with_rest_ramps([start, stop])
     };
-    segments.into_iter().zip(starts.into_iter().zip(lengths)).map(with_ramps).collect()
+    segments.into_iter().enumerate().map(with_ramps).collect()
 }
