@@ -5,7 +5,8 @@ const { robot } = report;
 
 for (const arm of report.arms) {
   arm.poses = unpackPoses(arm.poses);
-  for (const name of ["position", "velocity", "acceleration", "jerk", "snap", "torque"]) arm[name] = unpackCurve(arm[name]);
+  for (const name of ["position", "velocity", "acceleration", "jerk", "snap", "torque"])
+    arm[name] = unpackCurve(arm[name]);
   if (arm.speed) arm.speed = unpackCurve(arm.speed);
   for (const it of [arm.clearance, arm.self_clearance]) if (it) it.distance = unpackCurve(it.distance);
 }
