@@ -107,10 +107,9 @@ impl Planner {
         self.supervised = None;
         if let Some(JerkTiming { sunrise: true, .. }) = self.jerk {
             let least_s = self.path.ramp_law().least_cruise_s;
-            if let Some(path) = self.path.with_least_cruise(least_s) {
-                self.path = path;
-            }
-            self.supervised = self.path.unsupervised();
+            let slower = |path: JointPath| path.with_least_cruise(least_s).unwrap_or(path);
+            self.supervised = self.path.unsupervised().map(|(path, speed)| (slower(path), speed));
+            self.path = slower(self.path.clone());
         }
     }
 

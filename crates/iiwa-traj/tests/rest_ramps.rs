@@ -1,5 +1,7 @@
 //! Sections that are not one PTP motion: their ramps next to rest are as soft as recorded ones.
 
+#![expect(clippy::unwrap_used, reason = "a test fails by it")]
+
 use iiwa_kin::{Joints, Robot};
 use iiwa_path::JointPath;
 use iiwa_program::{Blend, Program};
@@ -9,8 +11,8 @@ use proptest::{prelude::*, test_runner::RngSeed};
 use crate::recorded::{POINTS, SHORT, frame, recorded_robot};
 
 fn plan(program: &Program, robot: &Robot, timing: Timing) -> Trajectory {
-    let path = JointPath::new(program, robot).expect("a path");
-    Trajectory::plan(&path, timing).expect("a plan")
+    let path = JointPath::new(program, robot).unwrap();
+    Trajectory::plan(&path, timing).unwrap()
 }
 
 /// The solver for all sections, also where there is a closed form.
@@ -48,7 +50,7 @@ fn lines_of_the_tcp_start_as_single_spl_do() {
         let text = format!(
             r#"{{ "version": 1, "start": {{ "joints_deg": {from_deg:?} }}, "motions": [{{ "type": "lin", "frame": {frame} }}] }}"#
         );
-        let program = Program::from_json(&text).expect("a program");
+        let program = Program::from_json(&text).unwrap();
         let [sunrise, jerk] = [Timing::default(), Timing::jerk_limited()].map(|timing| {
             100.0 * (plan(&program, &robot, timing).motion_time_s() / recorded_s - 1.0)
         });
@@ -56,6 +58,22 @@ fn lines_of_the_tcp_start_as_single_spl_do() {
         assert!(sunrise.abs() < 4.0, "{recorded_s} s: {sunrise:+.2} %");
         assert!(jerk < -6.0);
     }
+}
+
+/// A LIN motion of 30 mm goes at 150 mm/s at most: T1, which holds 225 mm/s, does not change it.
+#[test]
+fn short_lines_of_the_tcp_are_as_slow_in_t1() {
+    let robot = Robot::default();
+    let seconds = |mode: &str| {
+        let text = format!(
+            r#"{{ "version": 1{mode}, "start": {{ "joints_deg": [0, 30, 0, -80, 0, 60, 0] }}, "motions": [
+                {{ "type": "lin_rel", "offset": {{ "z_mm": 30 }} }}] }}"#
+        );
+        let program = Program::from_json(&text).unwrap();
+        plan(&program, &robot, Timing::default()).motion_time_s()
+    };
+    let [auto, t1] = ["", r#", "mode": "t1""#].map(seconds);
+    assert!(auto > 0.25 && (t1 / auto - 1.0).abs() < 1e-6, "{auto} {t1}");
 }
 
 fn pose() -> impl Strategy<Value = Joints> {
