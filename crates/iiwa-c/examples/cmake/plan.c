@@ -45,7 +45,7 @@ int main(int argc, char **argv) {
     IiwasimOptions options;
 
     IiwasimStatus status = iiwasim_options_default(&options);
-    options.timing = IIWASIM_TIMING_JERK;
+    options.timing = IIWASIM_TIMING_SUNRISE;
     if (status == IIWASIM_STATUS_OK) {
         status = iiwasim_program_load(argv[1], &program);
     }
