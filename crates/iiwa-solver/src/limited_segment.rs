@@ -140,6 +140,15 @@ impl<'a> LimitedSegment<'a> {
         shares.fold(1.0, f64::min)
     }
 
+    /// The largest x at `sigma`, in rad, that a constant jerk leaves on the way from or to a rest with a ramp.
+    pub(crate) fn ramp_x(&self, sigma: f64) -> f64 {
+        let ends = [(sigma, 0.0), (self.length - sigma, 1.0)];
+        let ramps = std::iter::zip(&self.ramps, ends).filter(|(ramp, _)| ramp.is_some());
+        ramps
+            .map(|(_, (way, s))| (4.5 * self.straight(s)[2] * way * way).powf(2.0 / 3.0))
+            .fold(f64::INFINITY, f64::min)
+    }
+
     /// Whether torques are limited.
     #[must_use]
     pub fn limits_torque(&self) -> bool {

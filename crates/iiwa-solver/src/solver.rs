@@ -483,6 +483,7 @@ fn lower_to_jerk(segments: &[LimitedSegment<'_>], mesh: &Mesh, x: &mut [f64]) {
     let mut lowered = false;
     for (k, (cell, geometry)) in std::iter::zip(&mesh.cells, &mesh.geometry).enumerate() {
         let segment = &segments[cell.segment];
+        x[k] = x[k].min(segment.ramp_x(cell.from));
         if segment.is_line() {
             continue;
         }
