@@ -180,7 +180,8 @@ proptest! {
         }
     }
 
-    /// But for what its cells leave, the model is slower at lower limits of speed.
+    /// But for what its cells leave, the model is slower at lower limits of speed. A spline that turns back on the last thousandth of its
+    /// way was seen to take 7 % less time, all the same.
     #[test]
     fn slower_takes_longer(poses in poses(), slower in 0.1..0.9_f64) {
         let robot = Robot::default();
