@@ -115,9 +115,13 @@ pub(super) fn soften<'a>(
             RampEnd::Start => (segments.first()?, pieces.first()?, 0.0),
             RampEnd::Stop => (segments.last()?, pieces.last()?, 1.0),
         };
-        let departure = departures[k].filter(|_| rests[k])?;
+        let mut departure = departures[k].filter(|_| rests[k])?;
         let limits = ramp_limits(path, pieces, end)?;
-        let [_, _, jerk] = segment.straight(s);
+        let [_, acceleration, jerk] = segment.straight(s);
+        if segment.limits_torque() {
+            // Torques may leave next to none: the law knows ramps of the limits of acceleration.
+            departure.acceleration_rad_s2 = acceleration;
+        }
         if piece.kind.is_of_tcp() {
             departure.of_tcp(jerk, &law, &limits, whole)
         } else {

@@ -150,7 +150,7 @@ mod tests {
         acceleration: f64,
         ends: [RampLimits; 2],
     ) -> Vec<ProfilePoint> {
-        let law = Robot::default().ramp_law().clone();
+        let law = *Robot::default().ramp_law();
         instants(way, &RampedLine { speed, acceleration, ends, law: &law })
     }
 
