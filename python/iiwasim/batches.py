@@ -13,7 +13,7 @@
 3
 >>> figures = batches.read(folder / "figures")
 >>> [round(time_s, 3) for time_s in figures["cycle_time_s"].to_pylist()[:2]]
-[0.488, 0.6]
+[0.493, 0.6]
 >>> figures["error"].to_pylist()[2]
 'motion 1: ...'
 
