@@ -81,7 +81,7 @@ pub use error::SolveError;
 pub use geometry::Geometry;
 pub use limited_segment::LimitedSegment;
 pub use mesh::Mesh;
-pub use rest_ramp::RestRamp;
+pub use rest_ramp::{RestRamp, fade};
 pub use solution::Solution;
 pub use swept::SweptNode;
 pub use torque_limits::TorqueLimits;

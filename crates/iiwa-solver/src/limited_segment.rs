@@ -5,7 +5,7 @@
 //! the part across the path jumps. With s as the parameter the part along the path would jump as
 //! well: the solver would have to make the speed's own second derivative jump against it.
 
-use iiwa_kin::{Joints, PathTorques, vector};
+use iiwa_kin::{Joints, PathTorques, RampEnd, vector};
 use iiwa_path::{Coordinates, PlanarGraph, Segment, ToolCoordinate};
 use iiwa_program::{ByKind, LimitKind, MotionLimits};
 
@@ -126,10 +126,19 @@ impl<'a> LimitedSegment<'a> {
         Self { torque: Some(limits), ..self }
     }
 
-    /// The segment with lower limits of jerk next to the rests at its start and its end.
+    /// Lowers the limits of jerk next to the rest at one end.
+    pub fn set_rest_ramp(&mut self, end: RampEnd, ramp: RestRamp) {
+        let [start, stop] = &mut self.ramps;
+        *match end {
+            RampEnd::Start => start,
+            RampEnd::Stop => stop,
+        } = Some(ramp);
+    }
+
+    /// sigma, in rad, and (dsigma/dt)^2 of the acceleration-limited stamps.
     #[must_use]
-    pub fn with_rest_ramps(self, ramps: [Option<RestRamp>; 2]) -> Self {
-        Self { ramps, ..self }
+    pub fn swept(&self) -> impl DoubleEndedIterator<Item = [f64; 2]> + Clone {
+        self.swept.iter().map(|node| [node.p * self.length, self.swept_x(node)])
     }
 
     /// The share of its limits of jerk that holds at `sigma`, in rad.

@@ -15,10 +15,16 @@ impl RestRamp {
     /// The share of the limits of jerk at a way from the rest, in rad.
     pub(crate) fn jerk_rel_at(&self, way_rad: f64) -> f64 {
         let Self { jerk_rel, reach_rad, end_rad } = *self;
-        let near = ((end_rad - way_rad) / (end_rad - reach_rad)).clamp(0.0, 1.0);
-        let weight = near * near * (3.0 - 2.0 * near);
+        let weight = fade((end_rad - way_rad) / (end_rad - reach_rad));
         1.0 + weight * (jerk_rel - 1.0)
     }
+}
+
+/// The weight of a limit that fades out: from 0 and less, where it is 0, to 1 and more, where it is 1, without a jump of its slope.
+#[must_use]
+pub fn fade(near: f64) -> f64 {
+    let near = near.clamp(0.0, 1.0);
+    near * near * (3.0 - 2.0 * near)
 }
 
 #[cfg(test)]

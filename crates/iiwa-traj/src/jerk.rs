@@ -72,7 +72,6 @@ pub(crate) fn stamps(
         .map(|Node { t_s, p, rate, u, .. }| SweptNode { t_s, p, rate, u })
         .collect();
     let mut segments = Vec::with_capacity(section.pieces.len());
-    let mut own_stamps = Vec::with_capacity(section.pieces.len());
     for (i, piece) in section.pieces.iter().enumerate() {
         let Step::Move { segment, blend, .. } = &path.steps()[piece.step] else { continue };
         let limits = path.limits_of(piece.step);
@@ -85,7 +84,6 @@ pub(crate) fn stamps(
             Some(torques) => segment.with_torque_limits(torques),
             None => segment,
         });
-        own_stamps.push(swept);
     }
     let rests = pieces.ends.map(|end| end.is_none());
     let is_closed = rests == [true; 2] && pieces.torques.is_empty() && !options.general;
@@ -102,7 +100,7 @@ pub(crate) fn stamps(
         }
     }
     if sunrise {
-        segments = rest_ramps::soften(segments, &own_stamps, &path, &section.pieces, rests);
+        rest_ramps::soften(&mut segments, &path, &section.pieces, rests);
     }
     if let [path] = segments.as_slice()
         && is_closed

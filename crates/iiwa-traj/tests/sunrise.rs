@@ -111,7 +111,8 @@ fn another_implementation_finds_the_same() {
     }
 }
 
-fn pose() -> impl Strategy<Value = Joints> {
+/// Poses in degrees, all over the arm's range.
+pub(crate) fn pose() -> impl Strategy<Value = Joints> {
     [160.0, 110.0, 160.0, 110.0, 160.0, 110.0, 165.0_f64].map(|most| -most..most)
 }
 

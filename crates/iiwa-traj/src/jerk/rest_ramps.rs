@@ -1,11 +1,11 @@
 //! Ramps next to the rests of a section, as soft as those of PTP motions under Sunrise.
 //!
-//! Recorded are PTP motions from rest to rest. **Assumed** here is that any other motion leaves rest, and comes to it, in the time of
-//! the ramp of a PTP motion there in the direction of its path: jerk is that low until the arm has reached its speed.
+//! PTP motions from rest to rest have been recorded. This module **assumes** that all other motions accelerate and brake in the same
+//! time as a PTP motion in the direction of the path: a lower jerk limit holds until the arm has reached its speed.
 
 use iiwa_kin::{RampEnd, RampLaw, RampLimits};
 use iiwa_path::JointPath;
-use iiwa_solver::{LimitedSegment, RestRamp, SweptNode};
+use iiwa_solver::{LimitedSegment, RestRamp};
 
 use crate::{
     section::Piece,
@@ -15,10 +15,10 @@ use crate::{
 /// Share of its first acceleration below which the arm has reached its speed.
 const STEADY: f64 = 0.25;
 
-/// Where the limits of jerk are as elsewhere, as a multiple of a ramp's reach in joint space: soon after the speed is reached.
+/// Way after which the full jerk limits hold again, as a multiple of a ramp's reach in joint space.
 const SHARP: f64 = 1.25;
 
-/// How the acceleration-limited stamps leave a rest, or seen backwards come to it, along sigma.
+/// First acceleration from rest in the acceleration-limited stamps; for the end of a section, they are read backwards.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Departure {
     acceleration_rad_s2: f64,
@@ -28,7 +28,7 @@ struct Departure {
 }
 
 impl Departure {
-    /// That of stamps with these ways from the rest, in rad, and squares of the speed. None if they do not move.
+    /// Reads stamps: distances from rest in rad, and squared speeds. None if there is no motion.
     fn new(stamps: impl Iterator<Item = [f64; 2]>) -> Option<Self> {
         let (mut at, mut found) = ([0.0; 2], None);
         for [way_rad, x] in stamps {
@@ -86,30 +86,29 @@ impl Departure {
     }
 }
 
-/// The segments of `pieces`, the first and the last with soft ramps at the rests from which and to which they go. `stamps` are the
-/// acceleration-limited ones of each.
-pub(super) fn soften<'a>(
-    segments: Vec<LimitedSegment<'a>>,
-    stamps: &[&[SweptNode]],
+/// Softens the ramps of the first and the last of `segments`, those of `pieces`, at the ends at which the arm `rests`.
+///
+/// Ramps do not go on into blends: lower limits of jerk would slow down their bends as well.
+pub(super) fn soften(
+    segments: &mut [LimitedSegment<'_>],
     path: &JointPath,
     pieces: &[Piece],
     rests: [bool; 2],
-) -> Vec<LimitedSegment<'a>> {
-    let lengths: Vec<f64> = segments.iter().map(LimitedSegment::length_rad).collect();
-    let whole: f64 = lengths.iter().sum();
-    let starts: Vec<f64> = lengths
-        .iter()
-        .scan(0.0, |before, length| Some(std::mem::replace(before, *before + length)))
-        .collect();
-    let all = std::iter::zip(stamps, std::iter::zip(&starts, &lengths)).flat_map(
-        |(nodes, (start, length))| {
-            nodes.iter().map(move |node| [start + node.p * length, (node.rate * length).powi(2)])
-        },
-    );
-    let departures =
-        [Departure::new(all.clone()), Departure::new(all.rev().map(|[way, x]| [whole - way, x]))];
+) {
+    let starts_rad = segments.iter().scan(0.0, |start, segment| {
+        let after = *start + segment.length_rad();
+        Some(std::mem::replace(start, after))
+    });
+    let starts_rad: Vec<f64> = starts_rad.collect();
+    let whole_rad: f64 = segments.iter().map(LimitedSegment::length_rad).sum();
+    let stamps = std::iter::zip(&*segments, starts_rad)
+        .flat_map(|(segment, start)| segment.swept().map(move |[sigma, x]| [start + sigma, x]));
+    let departures = [
+        Departure::new(stamps.clone()),
+        Departure::new(stamps.rev().map(|[way, x]| [whole_rad - way, x])),
+    ];
     let law = path.ramp_law();
-    let ramps: [Option<RestRamp>; 2] = std::array::from_fn(|k| {
+    let ramp = |k: usize| {
         let end = RampEnd::BOTH[k];
         let (segment, piece, s) = match end {
             RampEnd::Start => (segments.first()?, pieces.first()?, 0.0),
@@ -123,16 +122,16 @@ pub(super) fn soften<'a>(
             departure.acceleration_rad_s2 = acceleration;
         }
         if piece.kind.is_of_tcp() {
-            departure.of_tcp(jerk, &law, &limits, whole)
+            departure.of_tcp(jerk, &law, &limits, whole_rad)
         } else {
             Some(departure.in_joint_space(jerk, &law, &limits))
         }
-    });
-    // Not in the blends between: their bends would take jerk that is not there.
-    let last = segments.len() - 1;
-    let with_ramps = |(i, segment): (usize, LimitedSegment<'a>)| {
-        let [start, stop] = [ramps[0].filter(|_| i == 0), ramps[1].filter(|_| i == last)];
-        segment.with_rest_ramps([start, stop])
     };
-    segments.into_iter().enumerate().map(with_ramps).collect()
+    let [start, stop] = [ramp(0), ramp(1)];
+    if let Some((first, ramp)) = segments.first_mut().zip(start) {
+        first.set_rest_ramp(RampEnd::Start, ramp);
+    }
+    if let Some((last, ramp)) = segments.last_mut().zip(stop) {
+        last.set_rest_ramp(RampEnd::Stop, ramp);
+    }
 }

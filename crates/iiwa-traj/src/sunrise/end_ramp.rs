@@ -4,11 +4,10 @@
 //! 288 mm last as long as the model says within 1.2 %. Short ones have shorter ramps, of one time for all six recorded lines of
 //! 28 to 85 mm. What lies between both is not recorded: the time goes over from one into the other with the way (assumption).
 
-use iiwa_kin::{RampEnd, RampLaw, RampLimits, vector};
-use iiwa_path::{JointPath, Step};
+use iiwa_kin::{RampLaw, RampLimits};
+use iiwa_solver::fade;
 
 use super::ramp::Ramp;
-use crate::section::Piece;
 
 /// Ratio of the way to the acceleration, over the square of the least time of a cruise, up to which a motion is short: that of the longest
 /// of the short recorded lines.
@@ -54,26 +53,6 @@ impl EndRamp {
 
     /// Weight of these limits at a way from rest, in rad: 1 within reach, 0 beyond twice the reach.
     pub(crate) fn weight(&self, way_rad: f64) -> f64 {
-        let near = (2.0 - way_rad / self.reach_rad).clamp(0.0, 1.0);
-        near * near * (3.0 - 2.0 * near)
+        fade(2.0 - way_rad / self.reach_rad)
     }
-}
-
-/// The limits of the ramp at one end of `pieces`, which go from rest to rest. None if they do not move.
-///
-/// The load counts as a part of the arm, which is assumed: no recording has one. So does it that a share of the limits of jerk is the
-/// same share of those of snap.
-pub(crate) fn ramp_limits(path: &JointPath, pieces: &[Piece], end: RampEnd) -> Option<RampLimits> {
-    let (piece, s, sign) = match end {
-        RampEnd::Start => (pieces.first()?, 0.0, 1.0),
-        RampEnd::Stop => (pieces.last()?, 1.0, -1.0),
-    };
-    let Step::Move { segment, .. } = &path.steps()[piece.step] else { return None };
-    let [direction, ..] = segment.sigma_derivatives(s);
-    let rate = vector::norm(&direction);
-    let away = direction.map(|d| sign * d / rate);
-    let dynamics = path.dynamics(piece.motion);
-    let torques = dynamics.path_torques(&segment.at(s).q, &away, &[0.0; 7]).acceleration;
-    let shares = path.limits_of(piece.step).jerk_shares(&path.full_limits());
-    Some(path.ramp_law().limits(&away, &torques, &shares, end))
 }

@@ -15,6 +15,8 @@
 
 use iiwa_kin::RampLimits;
 
+use crate::phases::ProfilePoint;
+
 /// A time of constant snap along a line.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct RampPhase {
@@ -51,6 +53,21 @@ const CONSTANT_SHARE: f64 = 0.61;
 /// The share of a limit that is rounding.
 const ROUNDING: f64 = 1e-12;
 
+impl RampPhase {
+    /// The state at the end of a phase, from that at its start.
+    pub(super) fn after(&self, from: &ProfilePoint) -> ProfilePoint {
+        let Self { seconds: t, jerk, snap } = *self;
+        let ProfilePoint { speed: v, acceleration: a, .. } = *from;
+        ProfilePoint {
+            t_s: from.t_s + t,
+            way: from.way + t * (v + t * (a / 2.0 + t * (jerk / 6.0 + t * snap / 24.0))),
+            speed: v + t * (a + t * (jerk / 2.0 + t * snap / 6.0)),
+            acceleration: a + t * (jerk + t * snap / 2.0),
+            ..ProfilePoint::default()
+        }
+    }
+}
+
 impl Ramp {
     /// The ramp to an acceleration, in rad/s^2, with a width in rad/s.
     pub(crate) fn to(acceleration: f64, limits: &RampLimits, width: f64) -> Self {
@@ -80,12 +97,9 @@ impl Ramp {
 
     /// The time that it takes longer to its speed than the acceleration at its end would, in s.
     pub(crate) fn lost_s(&self) -> f64 {
-        let (mut speed, mut acceleration) = (0.0, 0.0);
-        for RampPhase { seconds, jerk, snap } in self.phases {
-            speed += seconds * (acceleration + seconds * (jerk / 2.0 + seconds * snap / 6.0));
-            acceleration += seconds * (jerk + seconds * snap / 2.0);
-        }
-        self.seconds - speed / self.acceleration
+        let rest = ProfilePoint::default();
+        let end = self.phases.iter().fold(rest, |at, phase| phase.after(&at));
+        self.seconds - end.speed / self.acceleration
     }
 }
 
@@ -163,11 +177,12 @@ fn last_phase(from: f64, jerk: f64, to: f64, width: f64) -> RampPhase {
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    fn limits() -> impl Strategy<Value = RampLimits> {
+    /// Limits within and far beyond those of the arm.
+    pub(in crate::sunrise) fn limits() -> impl Strategy<Value = RampLimits> {
         let log = |from: f64, to: f64| (from.ln()..to.ln()).prop_map(f64::exp);
         (log(1e2, 1e6), log(50.0, 1e5), 0.0..40.0_f64)
             .prop_map(|(snap, jerk, damping_per_s)| RampLimits { snap, jerk, damping_per_s })
