@@ -89,7 +89,7 @@ impl PieceKind {
         }
     }
 
-    /// Whether the program says how the TCP moves, and not the joints.
+    /// Returns whether the motion is defined for the TCP: LIN, CIRC or a spline.
     pub(crate) fn is_of_tcp(self) -> bool {
         matches!(self, Self::Lin | Self::Circ | Self::Spline)
     }

@@ -69,7 +69,7 @@ struct Run {
     /// A PTP motion to the home pose in between, where the arm already is.
     still: bool,
     /// Times in s from the start of the first motion to that of the second, and from there to that of the motion after
-    /// it, where that is no spline of five or six segments.
+    /// it; none if that motion is a spline of five or six segments.
     recorded_s: [Option<f64>; 2],
 }
 

@@ -1,4 +1,4 @@
-//! Short motions of the TCP.
+//! The speed limit of short LIN and CIRC motions.
 
 use std::sync::Arc;
 
