@@ -33,14 +33,14 @@ fn runs_are_timed_by_commanded_positions() {
     in_real_time(|| {
         let rig = untimed_rig();
         let program = rig.slow_program();
-        // 3.230 s with 0.050 s to settle.
-        let stated = "3\\.1[78][0-9] s from the first to the last change of the commanded positions, in \
-                      cycles of 5 ms; the plan has 3.180 s there, without 0.050 s of standing before and after";
+        // 3.289 s with 0.050 s to settle.
+        let stated = "3\\.2[34][0-9] s from the first to the last change of the commanded positions, in \
+                      cycles of 5 ms; the plan has 3.239 s there, without 0.050 s of standing before and after";
         rig.iiwasim("run", &[program])
             .success()
             .stdout(
                 is_match(
-                    "Measured   3\\.2[23][0-9] s, planned 3.230 s: the plan is off by [-+]?0.00",
+                    "Measured   3\\.2[89][0-9] s, planned 3.289 s: the plan is off by [-+]?0.00",
                 )
                 .unwrap(),
             )
