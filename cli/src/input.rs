@@ -58,6 +58,12 @@ pub(crate) fn set_default_robot(name: String) {
     let _ = ROBOT.set(name);
 }
 
+/// The robot that the settings name: a built-in model, or the path of a profile.
+#[cfg(feature = "sunrise")]
+pub(crate) fn usual_robot() -> Option<&'static str> {
+    ROBOT.get().map(String::as_str)
+}
+
 /// The robot of programs and commands that name none.
 pub(crate) fn default_robot() -> Result<Robot, Failure> {
     ROBOT.get().map_or_else(|| Ok(Robot::default()), |name| find_robot(name))
@@ -134,11 +140,13 @@ fn program_of(
     };
     let merged = file.map(|file| Program::merged_json(&text, &file)).transpose().map_err(refuse)?;
     let robot = match (robot, &program.robot) {
-        (Some(name), _) => find_robot(name)?,
-        (None, None) => default_robot()?,
-        (None, Some(robot)) => {
-            Robot::built_in(robot).map_or_else(|| named(path, [&name, &text], robot), Ok)?
-        }
+        // A profile says all of a robot, a name of a model nothing about its flange.
+        (Some(name), _) if Robot::built_in(name).is_none() => find_robot(name)?,
+        (Some(name), _) => program.with_flange(find_robot(name)?),
+        (None, None) => program.with_flange(default_robot()?),
+        (None, Some(robot)) => program.with_flange(
+            Robot::built_in(robot).map_or_else(|| named(path, [&name, &text], robot), Ok)?,
+        ),
     };
     Ok((ProgramText { name, text, merged }, program, robot))
 }

@@ -43,7 +43,14 @@ impl Job {
             workcell.torque_limit_rel = instead.torque_limit_rel.or(workcell.torque_limit_rel);
             workcell.speed_override = instead.speed_override.or(workcell.speed_override);
         }
-        let robot = robot.map_or_else(|| Arc::new(program.model()), Arc::clone);
+        let robot = match robot {
+            None => Arc::new(program.model()),
+            // The name of a model says nothing about the flange.
+            Some(robot) if Model::built_in(robot.name()).as_ref() == Some(robot) => {
+                Arc::new(program.parsed.with_flange((**robot).clone()))
+            }
+            Some(robot) => Arc::clone(robot),
+        };
         Self { program: motions, text: Arc::clone(&program.text), robot }
     }
 

@@ -44,7 +44,9 @@ impl Program {
     pub(crate) fn of(py: Python<'_>, program: Motions, robot: Option<Model>) -> PyResult<Self> {
         let robot = match (&program.robot, robot) {
             (Some(_), Some(robot)) => Some(Arc::new(robot)),
-            (Some(name), None) => Some(Arc::new(find(py, name.as_ref())?)),
+            (Some(name), None) => {
+                Some(Arc::new(program.with_flange(find(py, name.as_ref())?)))
+            }
             (None, robot) => robot.map(Arc::new),
         };
         Ok(Self { text: program.to_json().into(), parsed: Arc::new(program), robot })
@@ -68,13 +70,15 @@ impl Program {
     fn names_its_robot(&self) -> bool {
         let name = self.parsed.robot.as_deref();
         let named = name.map_or_else(|| Some(Model::default()), Model::built_in);
-        named.is_some_and(|named| is_same(&named, &self.model()))
+        named.is_some_and(|named| is_same(&self.parsed.with_flange(named), &self.model()))
     }
 
     fn read(py: Python<'_>, text: &str, robot: Option<Arc<Model>>) -> PyResult<Self> {
         let program = Motions::from_json(text).map_err(|error| program_error(py, &error))?;
         let robot = match (&program.robot, robot) {
-            (Some(name), None) => Some(Arc::new(find(py, name.as_ref())?)),
+            (Some(name), None) => {
+                Some(Arc::new(program.with_flange(find(py, name.as_ref())?)))
+            }
             (_, robot) => robot,
         };
         Ok(Self { parsed: Arc::new(program), text: text.into(), robot })
@@ -82,7 +86,8 @@ impl Program {
 
     /// The robot that it is for, unless another one is given.
     pub(crate) fn model(&self) -> Model {
-        self.robot.as_deref().cloned().unwrap_or_default()
+        let robot = self.robot.as_deref().cloned();
+        robot.unwrap_or_else(|| self.parsed.with_flange(Model::default()))
     }
 
     /// With another value of a key.
@@ -234,6 +239,7 @@ impl Program {
         };
         let named = program.robot.as_deref();
         let robot = named.map(|name| model_beside(py, &path, name, &text)).transpose()?;
+        let robot = robot.map(|robot| program.with_flange(robot));
         Ok(Self { parsed: Arc::new(program), text: text.into(), robot: robot.map(Arc::new) })
     }
 

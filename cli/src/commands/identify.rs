@@ -93,13 +93,16 @@ fn read(options: &Identify) -> Result<(Vec<Source>, Robot), Failure> {
             })?;
             model = Some(match (recorded, program.robot.as_deref()) {
                 (Some(robot), _) => robot,
-                (None, None) => input::default_robot()?,
-                (None, Some(robot)) => Robot::built_in(robot).ok_or_else(|| {
-                    Failure::input(format!(
-                        "{name}: the robot `{robot}` of its program is not built in; name its profile \
-                         with --robot"
-                    ))
-                })?,
+                (None, None) => program.with_flange(input::default_robot()?),
+                (None, Some(robot)) => {
+                    let model = Robot::built_in(robot).ok_or_else(|| {
+                        Failure::input(format!(
+                            "{name}: the robot `{robot}` of its program is not built in; name its profile \
+                             with --robot"
+                        ))
+                    })?;
+                    program.with_flange(model)
+                }
             });
         }
         if let Some(model) = &model {

@@ -55,14 +55,15 @@ impl ProgramSource {
 
     /// The robot that it names; the default model if it names none.
     pub(crate) fn robot(&self) -> Result<Robot, Failure> {
-        match (&self.profile, &self.program.robot) {
-            (Some(robot), _) => Ok(robot.clone()),
-            (None, None) => Ok(Robot::default()),
+        let robot = match (&self.profile, &self.program.robot) {
+            (Some(robot), _) => robot.clone(),
+            (None, None) => Robot::default(),
             (None, Some(name)) => Robot::built_in(name).ok_or_else(|| {
                 let why = "a program that is no file has its profile in the options";
                 no_robot(name, why, &self.text)
-            }),
-        }
+            })?,
+        };
+        Ok(self.program.with_flange(robot))
     }
 }
 

@@ -8,7 +8,7 @@ use crate::{
     cartesian_fault::CartesianFault,
     limit_kind::{LimitKind, percent},
     motion_index::MotionIndex,
-    workcell::{MAX_TORQUE_LIMIT, MIN_OVERRIDE, MIN_TORQUE_LIMIT},
+    workcell::{MAX_FLANGE_M, MAX_TORQUE_LIMIT, MIN_OVERRIDE, MIN_TORQUE_LIMIT},
 };
 
 /// Something in a motion program that cannot be planned.
@@ -126,6 +126,12 @@ pub enum Fault {
         /// What it is, as a share.
         found: f64,
     },
+    /// The length of the flange is out of range.
+    #[error("a flange of {} mm; it must be above 0 and at most {} mm", 1e3 * .found_m, 1e3 * MAX_FLANGE_M)]
+    Flange {
+        /// What it is, in m.
+        found_m: f64,
+    },
     /// A motion whose end the program waits for has a blend.
     #[error("motion {motion} is blocking and cannot be blended: remove its blend, or `blocking`")]
     BlockingBlend {
@@ -171,6 +177,7 @@ impl Fault {
             | Self::Load { .. }
             | Self::TorqueLimit { .. }
             | Self::Override { .. }
+            | Self::Flange { .. }
             | Self::BlockingBlend { .. } => false,
         }
     }
@@ -184,6 +191,7 @@ impl Fault {
             Self::NoMotions => locate(text, &[motions]),
             Self::TorqueLimit { .. } => locate(text, &[Key("limit_torque_percent")]),
             Self::Override { .. } => locate(text, &[Key("override_percent")]),
+            Self::Flange { .. } => locate(text, &[Key("flange_mm")]),
             Self::Cartesian { motion, key, fault } => {
                 let mut path = match motion {
                     Some(motion) => vec![motions, Index(motion.index()), Key(key)],

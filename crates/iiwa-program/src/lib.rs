@@ -68,6 +68,6 @@ pub use target::{Target, TargetRef};
 pub use tool_limits::ToolLimits;
 pub use wire::ProgramError;
 pub use workcell::{
-    Base, MAX_TORQUE_LIMIT, MIN_OVERRIDE, MIN_TORQUE_LIMIT, NameFault, OperatingMode, Tool,
-    Workcell,
+    Base, MAX_FLANGE_M, MAX_TORQUE_LIMIT, MIN_OVERRIDE, MIN_TORQUE_LIMIT, NameFault, OperatingMode,
+    Tool, Workcell,
 };

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use iiwa_kin::{Joint, Joints, Limits, Load};
+use iiwa_kin::{Joint, Joints, Limits, Load, Robot};
 
 use crate::{
     blend::Blend,
@@ -12,7 +12,7 @@ use crate::{
     motion_index::MotionIndex,
     source::Sources,
     target::TargetRef,
-    workcell::{MAX_TORQUE_LIMIT, MIN_OVERRIDE, MIN_TORQUE_LIMIT, Workcell},
+    workcell::{MAX_FLANGE_M, MAX_TORQUE_LIMIT, MIN_OVERRIDE, MIN_TORQUE_LIMIT, Workcell},
 };
 
 /// A motion program (version 1).
@@ -203,6 +203,24 @@ impl Program {
         Ok(())
     }
 
+    /// The robot with the flange that the program states; as it is if the program states none.
+    ///
+    /// ```
+    /// use iiwa_kin::Robot;
+    /// use iiwa_program::Program;
+    ///
+    /// let program = Program::from_json(r#"{ "version": 1, "flange_mm": 126, "start": { "joints_deg": [0, 0, 0, 0, 0, 0, 0] },
+    ///     "motions": [{ "type": "wait", "seconds": 1 }] }"#)?;
+    /// assert_eq!(program.with_flange(Robot::default()).lengths().flange_m, 0.126);
+    /// # Ok::<(), iiwa_program::ProgramError>(())
+    /// ```
+    #[must_use]
+    pub fn with_flange(&self, robot: Robot) -> Robot {
+        let Some(flange_m) = self.workcell.flange_m else { return robot };
+        // A length that is out of range is a fault of the program.
+        robot.clone().with_flange_m(flange_m).unwrap_or(robot)
+    }
+
     /// Checks all that can be checked without a robot.
     ///
     /// # Errors
@@ -221,6 +239,11 @@ impl Program {
             && !(MIN_OVERRIDE..=1.0).contains(&found)
         {
             return Err(Fault::Override { found });
+        }
+        if let Some(found_m) = self.workcell.flange_m
+            && !(found_m > 0.0 && found_m <= MAX_FLANGE_M)
+        {
+            return Err(Fault::Flange { found_m });
         }
         self.entries().try_for_each(|(motion, entry)| self.check_entry(motion, entry))
     }

@@ -29,11 +29,11 @@ use serde_json::value::RawValue;
 use crate::{
     program::{Program, Start},
     source::Sources,
-    workcell::Workcell,
+    workcell::{MAX_FLANGE_M, Workcell},
 };
 use by_name::{by_name, word_or_null};
 use error::VERSION;
-use exact::exact_percent;
+use exact::{exact_length_mm, exact_percent};
 use frames::{BaseWire, TargetRefWire, TargetWire, ToolWire};
 use include::{included, no_files};
 use motions::{MotionWire, checked, motions_out};
@@ -100,7 +100,8 @@ impl Program {
             WorkcellWire { tools, bases, frames, tool, base, mode, mount }.workcell(text)?;
         let torque_limit_rel = wire.limit_torque_percent.map(|percent| percent / 100.0);
         let speed_override = wire.override_percent.map(|percent| percent / 100.0);
-        let own = Workcell { torque_limit_rel, speed_override, ..named };
+        let flange_m = wire.flange_mm.map(|mm| mm / 1e3);
+        let own = Workcell { flange_m, torque_limit_rel, speed_override, ..named };
         let workcell = match wire.include {
             Some(name) => included(text, &name, read)?.updated_with(own),
             None => own,
@@ -129,6 +130,7 @@ impl Program {
         let wire = ProgramOut {
             version: VERSION,
             robot: self.robot.as_deref(),
+            flange_mm: self.workcell.flange_m.map(exact_length_mm),
             start: StartWire::from(&self.start),
             workcell: WorkcellOut::from(&self.workcell),
             limit_torque_percent: self.workcell.torque_limit_rel.map(exact_percent),
@@ -161,6 +163,11 @@ struct ProgramWire<'a> {
     /// A built-in model (`lbr_iiwa_7_r800`, `lbr_iiwa_14_r820`) or a robot profile file.
     #[serde(default)]
     robot: Option<String>,
+    /// The length of the robot's flange, from the wrist to its face, in mm, where it is not that of the model: 152 with a media
+    /// flange "Touch", 126 with others.
+    #[serde(default)]
+    #[schemars(extend("exclusiveMinimum" = 0, "maximum" = 1e3 * MAX_FLANGE_M))]
+    flange_mm: Option<f64>,
     /// A file with more `tools`, `bases` and `frames`, `*.json` beside the program or in a folder below it.
     #[serde(default)]
     include: Option<String>,
@@ -207,6 +214,8 @@ struct ProgramOut<'a> {
     version: u64,
     #[serde(skip_serializing_if = "Option::is_none")]
     robot: Option<&'a str>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    flange_mm: Option<f64>,
     start: StartWire,
     #[serde(flatten)]
     workcell: WorkcellOut<'a>,

@@ -27,6 +27,9 @@ pub struct Workcell {
     pub mode: OperatingMode,
     /// How the robot's foot stands.
     pub mount: Mount,
+    /// The length of the robot's flange, from the wrist to its face, in m, above 0 and at most [`MAX_FLANGE_M`]; that of the
+    /// robot's model if absent.
+    pub flange_m: Option<f64>,
     /// The largest torque of the joints, either way, as a share of the robot's limits; torques limit nothing if absent.
     /// From [`MIN_TORQUE_LIMIT`] to [`MAX_TORQUE_LIMIT`].
     pub torque_limit_rel: Option<f64>,
@@ -34,6 +37,9 @@ pub struct Workcell {
     /// absent. From [`MIN_OVERRIDE`] to 1.
     pub speed_override: Option<f64>,
 }
+
+/// The longest flange, in m.
+pub const MAX_FLANGE_M: f64 = 10.0;
 
 /// The least override.
 pub const MIN_OVERRIDE: f64 = 0.001;
@@ -221,6 +227,7 @@ impl Workcell {
             base: own.base,
             mode: own.mode,
             mount: own.mount,
+            flange_m: own.flange_m,
             torque_limit_rel: own.torque_limit_rel,
             speed_override: own.speed_override,
             ..self
@@ -230,7 +237,8 @@ impl Workcell {
     /// Whether nothing is named, and the mode is the usual one.
     #[must_use]
     pub fn is_empty(&self) -> bool {
-        let Self { mount, torque_limit_rel, speed_override, .. } = *self;
-        *self == Self { mount, torque_limit_rel, speed_override, ..Self::default() }
+        let Self { mount, flange_m, torque_limit_rel, speed_override, .. } = *self;
+        let rest = Self { mount, flange_m, torque_limit_rel, speed_override, ..Self::default() };
+        *self == rest
     }
 }

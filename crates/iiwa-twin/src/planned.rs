@@ -59,6 +59,14 @@ impl Planned {
                 own[0]
             ));
         }
+        let flange_m = setup.robot.lengths().flange_m;
+        if let Some(other_m) = program.workcell.flange_m.filter(|other_m| *other_m != flange_m) {
+            return Err(format!(
+                "{name} is a program for a flange of {:.0} mm; the twin was started with one of {:.0} mm",
+                1e3 * other_m,
+                1e3 * flange_m
+            ));
+        }
         let how = PlanOptions::default();
         let plan = how.plan(&program, &setup.robot).map_err(|error| {
             let (name, text, error) = (name.to_owned(), text.clone(), Box::new(error));

@@ -17,6 +17,11 @@ pub(super) fn exact_mm(m: f64) -> f64 {
     exact(m, 1e3 * m, |mm| 1e-3 * mm)
 }
 
+/// A length of the robot in m, in mm: profiles divide by 1000.
+pub(super) fn exact_length_mm(m: f64) -> f64 {
+    exact(m, 1e3 * m, |mm| mm / 1e3)
+}
+
 /// A share, in per cent.
 pub(super) fn exact_percent(share: f64) -> f64 {
     exact(share, 100.0 * share, |percent| percent / 100.0)
