@@ -11,7 +11,7 @@ use iiwa_view::printable;
 use crate::{
     args::Answering,
     failure::{Failure, print_note},
-    input::{ProgramText, Text, default_robot, find_robot},
+    input::{ProgramText, Text, find_robot, usual_robot},
 };
 
 /// The file of answers that is beside a project's sources.
@@ -32,21 +32,21 @@ impl Application {
     ) -> Result<Self, Failure> {
         let project = Project::open(folder).map_err(|error| Failure::input(error.to_string()))?;
         let start_rad = answering.start_deg.map(|deg| deg.map(f64::to_radians));
-        let usual = robot.map_or_else(default_robot, find_robot)?;
+        let answers = answers(folder, answering)?;
+        let robot = given_robot(robot, &answers, answering.answers.as_deref().unwrap_or(folder))?;
         if let Some(start_rad) = &start_rad {
+            let usual = robot.as_ref().map_or_else(Robot::default, |(robot, _)| robot.clone());
             let limits = usual.limits();
             limits
                 .check(start_rad)
                 .map_err(|outside| Failure::input(format!("--start-deg: {outside}")))?;
         }
-        let robot_name = robot_name(&usual, robot);
-        let options = ImportOptions {
-            robot: (robot.is_some() || robot_name.is_some()).then_some(usual),
-            robot_name,
-            start_rad,
-            answers: answers(folder, answering)?,
-        };
-        Ok(Self { project, options })
+        let (robot, robot_name) = robot.unzip();
+        let flange_m = answering.flange_mm.map(|mm| mm / 1e3);
+        Ok(Self {
+            project,
+            options: ImportOptions { robot, robot_name, flange_m, start_rad, answers },
+        })
     }
 
     /// The program of the application that is named, or of the only one.
@@ -81,19 +81,25 @@ pub(crate) fn program(
         print_note(&printable(&format!("Note: {}: {}\n", note.source, note.text)));
     }
     let text = ProgramText::made(import.application.name, import.program.to_json());
-    let robot = match (application.options.robot, &import.program.robot) {
-        (Some(robot), _) => robot,
-        (None, Some(name)) => find_robot(name)?,
-        (None, None) => Robot::default(),
-    };
-    Ok((text, import.program, robot))
+    Ok((text, import.program, import.robot))
 }
 
-/// What a program calls the robot: nothing if it is the default one.
-fn robot_name(robot: &Robot, given: Option<&str>) -> Option<String> {
-    let is_default = robot.name() == Robot::default().name();
-    let name = given.map_or_else(|| robot.name().to_owned(), str::to_owned);
-    (!is_default).then_some(name)
+/// The robot that is given, with its name: by the option, by the answers, or by the settings.
+fn given_robot(
+    option: Option<&str>,
+    answers: &Answers,
+    beside: &Path,
+) -> Result<Option<(Robot, String)>, Failure> {
+    if let Some(name) = option {
+        return Ok(Some((find_robot(name)?, name.to_owned())));
+    }
+    if let Some(name) = &answers.robot {
+        let file = if beside.is_dir() { beside.join(name) } else { beside.with_file_name(name) };
+        let name = if file.is_file() { file.display().to_string() } else { name.clone() };
+        return Ok(Some((find_robot(&name)?, name)));
+    }
+    let usual = usual_robot().map(|name| Ok((find_robot(name)?, name.to_owned())));
+    usual.transpose()
 }
 
 /// What is answered: by a file, and by options, which win.
@@ -155,6 +161,11 @@ pub(crate) fn failure(folder: &Path, error: &ImportError) -> Failure {
             format!("{error} ({up_to}; --no-output shows what was understood)")
         }
         ImportError::Several { .. } => format!("{error} with --application"),
+        ImportError::Robots(_) => {
+            format!("{error}; choose it with --robot {}", Robot::BUILT_IN.join(" or --robot "))
+        }
+        ImportError::Flanges(_) => format!("{error}; choose it with --flange-mm"),
+        ImportError::UnknownRobot(_) => format!("{error}, by --robot"),
         _ => error.to_string(),
     };
     Failure::input(format!("{}: {text}", folder.display()))

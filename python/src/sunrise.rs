@@ -119,6 +119,7 @@ pub(crate) fn import_application<'py>(
     let options = ImportOptions {
         robot_name: robot.as_ref().map(|robot| robot.name().to_owned()),
         robot: robot.clone(),
+        flange_m: None,
         start_rad,
         answers: given,
     };

@@ -6,7 +6,7 @@ import json
 import math
 from pathlib import Path
 
-from poses import Pose
+from poses import FLANGE, Pose
 from station import Load, Station
 
 
@@ -108,7 +108,12 @@ class Program:
             "bases": {name: station.base(name) for name in sorted(self.used_bases)},
             "frames": {name: station.target(name) for name in sorted(self.used_frames)},
         }
-        parts = ['  "version": 1', '  "start": { "joints_rad": [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0] }']
+        parts = [
+            '  "version": 1',
+            '  "robot": "lbr_iiwa_7_r800"',
+            f'  "flange_mm": {FLANGE}',
+            '  "start": { "joints_rad": [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0] }',
+        ]
         for key, entries in named.items():
             if entries:
                 lines = [f"    {json.dumps(name)}: {json.dumps(entry)}" for name, entry in entries.items()]

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::values::seven;
+use super::values::{length_mm, seven};
 
 const SUNRISE: &str = "Applications of Sunrise projects";
 
@@ -28,7 +28,11 @@ pub(crate) struct Answering {
     #[arg(long, value_name = "ID=VALUE", help_heading = SUNRISE)]
     pub(crate) data: Vec<String>,
 
-    /// File of answers: TOML with `[answers]`, `[inputs]` and `[data]`; the options above win over it
+    /// Length of the robot's flange in mm, where the project does not state it, or states it wrongly
+    #[arg(long, value_name = "MM", value_parser = length_mm, help_heading = SUNRISE)]
+    pub(crate) flange_mm: Option<f64>,
+
+    /// File of answers: TOML with `robot`, `flange_mm`, `[answers]`, `[inputs]` and `[data]`; the options above win over it
     /// [default: iiwasim-answers.toml in the project, if there is one]
     #[arg(long, value_name = "FILE.toml", help_heading = SUNRISE)]
     pub(crate) answers: Option<PathBuf>,
@@ -41,10 +45,11 @@ pub(crate) struct Answering {
 impl Answering {
     /// Whether anything is said that is for applications only.
     pub(crate) fn is_given(&self) -> bool {
-        let Self { application, answer, input, data, answers, start_deg } = self;
+        let Self { application, answer, input, data, flange_mm, answers, start_deg } = self;
         application.is_some()
             || answers.is_some()
             || start_deg.is_some()
+            || flange_mm.is_some()
             || !(answer.is_empty() && input.is_empty() && data.is_empty())
     }
 }

@@ -9,7 +9,8 @@ use super::Answering;
 /// Import a Sunrise project: an application as the motion program that it runs, or frames and tools.
 ///
 /// From the folder of a project, an application is evaluated without a robot, and its program is written: each motion with
-/// its file and line. Where the application asks - dialogs, inputs, process data - it is answered by options or a file; every
+/// its file and line. The robot and its flange are those that the project states; if it states none, they are a question. Where
+/// the application asks - dialogs, inputs, process data - it is answered by options or a file; every
 /// question is listed with its answer. What cannot be known before the program runs is refused, with file, line and reason.
 /// If the project has several applications, they are listed with what they need.
 ///
@@ -32,7 +33,7 @@ pub(crate) struct Import {
     pub(crate) answering: Answering,
 
     /// Import frames and tools, although the project has applications
-    #[arg(long, conflicts_with_all = ["application", "answer", "input", "data", "answers", "start_deg"])]
+    #[arg(long, conflicts_with_all = ["application", "answer", "input", "data", "answers", "start_deg", "flange_mm"])]
     pub(crate) frames: bool,
 
     /// Path of the program or of the frames [default: APPLICATION.json or frames.json]
@@ -47,7 +48,8 @@ pub(crate) struct Import {
     #[arg(long, conflicts_with = "output")]
     pub(crate) no_output: bool,
 
-    /// Built-in model or robot profile that runs the application, and on which frames are checked [default: the LBR iiwa 7 R800]
+    /// Built-in model or robot profile that runs the application, and on which frames are checked [default: the one that the
+    /// project states]
     #[arg(long, value_name = "NAME|FILE")]
     pub(crate) robot: Option<String>,
 

@@ -2,7 +2,7 @@
 
 use std::time::{Duration, UNIX_EPOCH};
 
-use iiwa_program::{MAX_TORQUE_LIMIT, MIN_OVERRIDE, MIN_TORQUE_LIMIT};
+use iiwa_program::{MAX_FLANGE_M, MAX_TORQUE_LIMIT, MIN_OVERRIDE, MIN_TORQUE_LIMIT};
 
 /// A number.
 pub(super) fn number(text: &str) -> Result<f64, String> {
@@ -46,6 +46,11 @@ pub(super) fn torque_percent(text: &str) -> Result<f64, String> {
 /// An override.
 pub(super) fn override_percent(text: &str) -> Result<f64, String> {
     within(text, 100.0 * MIN_OVERRIDE, 100.0, " %")
+}
+
+/// A length of the robot, in mm.
+pub(super) fn length_mm(text: &str) -> Result<f64, String> {
+    within(text, 1.0, 1e3 * MAX_FLANGE_M, " mm")
 }
 
 /// Seven numbers with commas in between.

@@ -20,8 +20,8 @@ impl Station {
     /// The program, the place of each of its motions, and what was asked. It has the tools, bases and frames that its
     /// motions use.
     pub(crate) fn finish(self) -> (Program, Vec<Place>, Vec<Question>) {
-        let Self { schedule, workcell, robot_name, start_rad, questions, first_override, .. } =
-            self;
+        let Self { schedule, workcell, robot_name, flange_m, start_rad, .. } = self;
+        let (questions, first_override) = (self.questions, self.first_override);
         let (mut motions, places): (Vec<Motion>, Vec<Place>) =
             schedule.finish().into_iter().unzip();
         let mut used = Used::default();
@@ -34,9 +34,10 @@ impl Station {
             used.course(&own.course);
         }
         let mut program = Program::from_rad(start_rad).build();
-        program.robot = robot_name;
+        program.robot = Some(robot_name);
         program.motions = motions;
         program.workcell = used.of(workcell);
+        program.workcell.flange_m = flange_m;
         program.workcell.speed_override = first_override.filter(|share| *share < 1.0);
         (program, places, questions)
     }

@@ -5,12 +5,15 @@ use std::{rc::Rc, thread};
 use iiwa_java::{ClassId, Classes, Machine, Note, Place, Refusal, Stop};
 use iiwa_kin::{Joints, Robot};
 use iiwa_program::{Motion, Program, Source};
-use iiwa_sunrise::{Answers, DataFile, ExportedProject, Project, ProjectData, Question};
+use iiwa_sunrise::{
+    Answers, DataFile, ExportedProject, Project, ProjectData, Question, RobotStatement,
+};
 
 use crate::{
     applications::Application,
     import_error::{ImportError, RefusedImport},
     import_note::ImportNote,
+    robot_choice::RobotChoice,
     station::{Station, StationSetup},
     station_host::StationHost,
 };
@@ -18,11 +21,13 @@ use crate::{
 /// How an application is imported.
 #[derive(Clone, Debug, Default)]
 pub struct ImportOptions {
-    /// The robot that runs it; if absent, the built-in model that the project's process data name
-    /// ([`ExportedProject::ROBOT_ID`]), or else the LBR iiwa 7 R800.
+    /// The robot that runs it; if absent, the one that the project states. A built-in model has the flange that is given, or
+    /// that the project states.
     pub robot: Option<Robot>,
-    /// What the program calls the robot that is given; the program's default if absent.
+    /// What the program calls the robot that is given; its own name if absent.
     pub robot_name: Option<String>,
+    /// The length of the robot's flange, in m; if absent, the one that the project states.
+    pub flange_m: Option<f64>,
     /// Where the arm stands when it begins, in rad; if absent, where the project's process data say
     /// ([`ExportedProject::START_ID`]), or else with all joints at 0.
     pub start_rad: Option<Joints>,
@@ -35,6 +40,10 @@ pub struct ImportOptions {
 pub struct Import {
     /// The application.
     pub application: Application,
+    /// The robot that runs it.
+    pub robot: Robot,
+    /// Where the project states the robot and its flange; empty where they were given, or assumed.
+    pub statements: Vec<RobotStatement>,
     /// The program that it runs; its motions have their places in the sources.
     pub program: Program,
     /// What is not as the sources have it.
@@ -111,14 +120,14 @@ fn import_here(
 ) -> Result<Import, ImportError> {
     let classes = project.classes();
     let (id, application) = find(project, &classes, name)?;
-    let (robot, robot_name) = match &options.robot {
-        Some(robot) => (robot.clone(), options.robot_name.clone()),
-        None => stated_robot(&data_file),
-    };
+    let choice = RobotChoice::new(project, &application, &data_file, options)?;
+    let RobotChoice { robot, name, flange_m, statements, questions: mut asked, notes: mut told } =
+        choice;
     let start_rad = options.start_rad.or_else(|| stated_start(&data_file)).unwrap_or_default();
     let station = Rc::new(StationHost::new(Station::new(StationSetup {
-        robot,
-        robot_name,
+        robot: robot.clone(),
+        robot_name: name,
+        flange_m,
         data_file,
         start_rad,
         answers: options.answers.clone(),
@@ -127,7 +136,8 @@ fn import_here(
     let mut machine = Machine::new(classes, station.clone(), here);
     // As the controller does.
     let end = machine.run_class(id, &["initialize", "run"]);
-    let notes = machine.notes.iter().map(note).collect();
+    told.extend(machine.notes.iter().map(note));
+    let notes = told;
     let refusal = match end {
         Ok(()) | Err(Stop::Ended) => None,
         Err(Stop::Refused(refusal)) => Some(*refusal),
@@ -142,10 +152,12 @@ fn import_here(
         return Err(ImportError::Thread("its station is still in use".to_owned()));
     };
     let (program, places, questions) = station.into_station().finish();
+    asked.extend(questions);
+    let questions = asked;
     let program = with_sources(program, &places);
     match refusal {
         None if program.motions.iter().any(Motion::moves) => {
-            Ok(Import { application, program, notes, questions })
+            Ok(Import { application, robot, statements, program, notes, questions })
         }
         None => Err(ImportError::NoMotions { application: Box::new(application) }),
         Some(Refusal { reason, place }) => {
@@ -165,16 +177,9 @@ fn import_here(
 }
 
 /// The value of process data.
-fn stated<'d>(data_file: &'d DataFile, id: &str) -> Option<&'d str> {
+pub(crate) fn stated<'d>(data_file: &'d DataFile, id: &str) -> Option<&'d str> {
     let own = data_file.process_data.iter().find(|own| own.id == id)?;
     own.value.as_deref().or(own.default_value.as_deref())
-}
-
-/// The robot that an exported project is for.
-fn stated_robot(data_file: &DataFile) -> (Robot, Option<String>) {
-    let name = stated(data_file, ExportedProject::ROBOT_ID);
-    let found = name.and_then(|name| Some((Robot::built_in(name)?, Some(name.to_owned()))));
-    found.unwrap_or_default()
 }
 
 /// Where the arm stands when an exported project begins.

@@ -1,7 +1,8 @@
 //! Why an application is not imported.
 
+use iiwa_kin::BadLength;
 use iiwa_program::{Program, Source};
-use iiwa_sunrise::{DataFileError, Question, SourceError};
+use iiwa_sunrise::{DataFileError, Question, RobotStatement, SourceError};
 
 use crate::{applications::Application, import_note::ImportNote};
 
@@ -53,6 +54,18 @@ pub enum ImportError {
         /// Why.
         reason: String,
     },
+    /// The project's files name different models of robots.
+    #[error("the project's files do not agree on the robot: {}", said(.0))]
+    Robots(Vec<RobotStatement>),
+    /// The project's files name different flanges.
+    #[error("the project's files do not agree on the robot's flange: {}", said(.0))]
+    Flanges(Vec<RobotStatement>),
+    /// The robot that is named is not built in.
+    #[error("the robot is called `{0}`, which is no built-in model: its profile has to be given")]
+    UnknownRobot(String),
+    /// The length of the flange that is given is none.
+    #[error("the flange: {0}")]
+    FlangeLength(BadLength),
     /// The application ends without a motion.
     #[error("{}:{}: {} moves nothing", .application.file, .application.line, .application.name)]
     NoMotions {
@@ -82,6 +95,16 @@ pub struct RefusedImport {
     pub notes: Vec<ImportNote>,
     /// What it asked up to there, and how it was answered.
     pub questions: Vec<Question>,
+}
+
+/// What statements say, the first ones of many.
+fn said(statements: &[RobotStatement]) -> String {
+    const MOST: usize = 6;
+    let mut said: Vec<_> = statements.iter().take(MOST).map(ToString::to_string).collect();
+    if statements.len() > MOST {
+        said.push(format!("and {} more", statements.len() - MOST));
+    }
+    said.join(", ")
 }
 
 fn names(applications: &[Application]) -> String {

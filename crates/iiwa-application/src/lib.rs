@@ -31,6 +31,7 @@ mod process_data;
 mod robot_api;
 #[cfg(test)]
 mod robot_api_tests;
+mod robot_choice;
 mod robot_value;
 mod robotics;
 mod schedule;

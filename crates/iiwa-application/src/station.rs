@@ -19,8 +19,10 @@ use crate::{
 #[derive(Clone, Debug, Default)]
 pub(crate) struct StationSetup {
     pub(crate) robot: Robot,
-    /// The name of the robot in the program; none for the usual one.
-    pub(crate) robot_name: Option<String>,
+    /// The name of the robot in the program.
+    pub(crate) robot_name: String,
+    /// The flange that the program states, in m.
+    pub(crate) flange_m: Option<f64>,
     pub(crate) data_file: DataFile,
     /// Where the arm stands, in rad.
     pub(crate) start_rad: Joints,
@@ -31,7 +33,8 @@ pub(crate) struct StationSetup {
 #[derive(Debug)]
 pub(crate) struct Station {
     pub(crate) robot: Robot,
-    pub(crate) robot_name: Option<String>,
+    pub(crate) robot_name: String,
+    pub(crate) flange_m: Option<f64>,
     pub(crate) start_rad: Joints,
     /// Where the arm stands, or will once it has done what it was told.
     pub(crate) at_rad: Joints,
@@ -86,7 +89,7 @@ pub(crate) struct TreeFrame {
 
 impl Station {
     pub(crate) fn new(setup: StationSetup) -> Self {
-        let StationSetup { robot, robot_name, data_file, start_rad, answers } = setup;
+        let StationSetup { robot, robot_name, flange_m, data_file, start_rad, answers } = setup;
         let cell = ImportedCell::new(&data_file);
         let tools = data_file.tools.iter().zip(&cell.tools);
         let tools = tools.map(|(template, imported)| Body::of_template(template, Some(imported)));
@@ -95,6 +98,7 @@ impl Station {
         Self {
             robot,
             robot_name,
+            flange_m,
             start_rad,
             at_rad: start_rad,
             home_rad: [0.0; 7],

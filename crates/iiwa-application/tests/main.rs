@@ -2,4 +2,5 @@
 
 mod evaluation;
 mod projects;
+mod robots;
 mod round_trip;

@@ -5,7 +5,7 @@ use std::{collections::BTreeMap, fmt};
 use iiwa_json::Place;
 use serde::Deserialize;
 
-/// Answers to the questions of an application: its dialogs, inputs and process data.
+/// Answers to the questions of an application: its dialogs, inputs and process data; and the robot that runs it.
 ///
 /// ```
 /// use iiwa_sunrise::{AnswerValue, Answers};
@@ -25,6 +25,10 @@ use serde::Deserialize;
 /// ```
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Answers {
+    /// The robot: a built-in model, or the file of a profile.
+    pub robot: Option<String>,
+    /// The length of its flange, in mm.
+    pub flange_mm: Option<f64>,
     /// Numbers of buttons, from 0, by the text of the dialog or a part of it that no other has. Of several, each answers the
     /// dialog once, and the last one from then on.
     pub dialogs: BTreeMap<String, Vec<usize>>,
@@ -95,6 +99,10 @@ pub struct AnswersError {
 #[serde(deny_unknown_fields)]
 struct AnswersWire {
     #[serde(default)]
+    robot: Option<String>,
+    #[serde(default)]
+    flange_mm: Option<f64>,
+    #[serde(default)]
     answers: BTreeMap<String, ButtonsWire>,
     #[serde(default)]
     inputs: BTreeMap<String, AnswerValue>,
@@ -113,7 +121,7 @@ enum ButtonsWire {
 }
 
 impl Answers {
-    /// Reads answers from TOML: `[answers]` to dialogs, `[inputs]` and `[data]`.
+    /// Reads answers from TOML: `robot` and `flange_mm`, `[answers]` to dialogs, `[inputs]` and `[data]`.
     ///
     /// # Errors
     ///
@@ -128,7 +136,13 @@ impl Answers {
             ButtonsWire::Each(numbers) => numbers,
         };
         let dialogs = wire.answers.into_iter().map(|(text, buttons)| (text, numbers(buttons)));
-        Ok(Self { dialogs: dialogs.collect(), inputs: wire.inputs, data: wire.data })
+        Ok(Self {
+            robot: wire.robot,
+            flange_mm: wire.flange_mm,
+            dialogs: dialogs.collect(),
+            inputs: wire.inputs,
+            data: wire.data,
+        })
     }
 }
 

@@ -18,13 +18,15 @@ pub(crate) struct Element<'t> {
     pub(crate) name: String,
     attributes: Vec<(String, String)>,
     pub(crate) children: Vec<Element<'t>>,
+    /// The text in it.
+    words: String,
     text: &'t str,
     /// The start tag.
     span: Range<usize>,
 }
 
 impl<'t> Element<'t> {
-    /// The outermost element of a text. Text between elements, comments and instructions are passed over.
+    /// The outermost element of a text. Comments and instructions are passed over.
     pub(crate) fn read(text: &'t str) -> Result<Self, DataFileError> {
         let fail = |span: Range<usize>, problem: String| DataFileError::Xml {
             at: Place::of_span(text, span),
@@ -51,6 +53,12 @@ impl<'t> Element<'t> {
                 }
                 Event::Empty(tag) => Some(Self::of_tag(text, span.clone(), &tag)?),
                 Event::End(_) => open.pop(),
+                Event::Text(words) => {
+                    if let (Some(inner), Ok(words)) = (open.last_mut(), words.decode()) {
+                        inner.words.push_str(&words);
+                    }
+                    None
+                }
                 Event::Eof => {
                     return match (open.last(), outermost) {
                         (Some(inner), _) => {
@@ -94,11 +102,16 @@ impl<'t> Element<'t> {
             let key = String::from_utf8_lossy(attribute.key.as_ref()).into_owned();
             attributes.push((key, value.into_owned()));
         }
-        Ok(Self { name, attributes, children: Vec::new(), text, span })
+        Ok(Self { name, attributes, children: Vec::new(), words: String::new(), text, span })
     }
 
     pub(crate) fn place(&self) -> Place {
         Place::of_span(self.text, self.span.clone())
+    }
+
+    /// The text in the element itself, not in those within it.
+    pub(crate) fn words(&self) -> &str {
+        &self.words
     }
 
     pub(crate) fn attribute(&self, name: &str) -> Option<&str> {

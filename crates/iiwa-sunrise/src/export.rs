@@ -69,8 +69,11 @@ impl ExportedProject {
     /// The path of [`data_file`](Self::data_file) in the project.
     pub const DATA_FILE: &str = "RoboticsAPI.data.xml";
 
-    /// The process data that names the program's robot, if it names one.
+    /// The process data that names the program's robot.
     pub const ROBOT_ID: &str = "iiwasim_robot";
+
+    /// The process data with the length of the robot's flange, in mm.
+    pub const FLANGE_ID: &str = "iiwasim_flange_mm";
 
     /// The process data with the joints before the first motion: seven numbers, in rad.
     pub const START_ID: &str = "iiwasim_start_rad";
@@ -100,11 +103,13 @@ impl ExportedProject {
         let heading = ClassHeading { class: &class, program: &options.name, start_deg: &start_deg };
         let java = ExportedClass::new(program, &mut tree, &mut tools, &mut notices)?.text(&heading);
         let start = start_rad.map(literal::number).join(" ");
-        let robot = program.robot.clone().map(|value| DataSetting { id: Self::ROBOT_ID, value });
-        let settings = robot
-            .into_iter()
-            .chain([DataSetting { id: Self::START_ID, value: start }])
-            .collect::<Vec<_>>();
+        let named = program.robot.clone().unwrap_or_else(|| robot.name().to_owned());
+        let flange = literal::number(1e3 * robot.lengths().flange_m);
+        let settings = [
+            DataSetting { id: Self::ROBOT_ID, value: named },
+            DataSetting { id: Self::FLANGE_ID, value: flange },
+            DataSetting { id: Self::START_ID, value: start },
+        ];
         let data_file = to_xml(&tree.finish(tools.templates()), &settings);
         Ok(Self { class, java, data_file, start_rad, start_deg, notices })
     }
@@ -118,7 +123,7 @@ impl ExportedProject {
 
 /// The robot as stations of Sunrise usually call it.
 fn device(robot: &Robot) -> String {
-    let is_14 = robot.name() == Robot::lbr_iiwa_14_r820().name();
+    let is_14 = robot.lengths().upper_arm_m == Robot::lbr_iiwa_14_r820().lengths().upper_arm_m;
     if is_14 { "LBR_iiwa_14_R820_1" } else { "LBR_iiwa_7_R800_1" }.to_owned()
 }
 

@@ -38,6 +38,7 @@ mod project;
 mod project_folder;
 mod question;
 mod read;
+mod robot_statement;
 mod write;
 
 pub use answers::{AnswerValue, Answers, AnswersError};
@@ -51,5 +52,8 @@ pub use error::DataFileError;
 pub use export::{ExportError, ExportNotice, ExportOptions, ExportedProject};
 pub use iiwa_java::{SourceError, SourceFault};
 pub use names::Renamed;
-pub use project::{Project, ProjectData, ProjectError, SourceFile};
+pub use project::{Project, ProjectData, ProjectError, SourceFile, StationFault};
 pub use question::{Question, QuestionKind};
+pub use robot_statement::{
+    OTHER_FLANGE_M, RobotStatement, Stated, StatedBy, StatedModel, TOUCH_FLANGE_M,
+};

@@ -8,20 +8,34 @@ use std::{
 
 use iiwa_java::{Classes, SourceError, SourceFault, Unit, decode};
 
-use crate::project_folder::{self, DATA_FILE, FolderFault, MOST_FILES, MOST_FOLDERS};
+use crate::{
+    project_folder::{self, DATA_FILE, FolderFault, MOST_FILES, MOST_FOLDERS, STATION_FILE},
+    robot_statement::{RobotStatement, in_java, in_station},
+};
 
 /// Of a file.
 const MOST_BYTES: u64 = 10_000_000;
 /// Of all files.
 const MOST_BYTES_IN_ALL: u64 = 100_000_000;
 
-/// The Java files of a Sunrise project, and its data file.
+/// The Java files of a Sunrise project, its data file, and what it states about its robot.
 ///
 /// A file that cannot be used is kept with what is wrong with it: it matters only if something in it is needed.
 #[derive(Debug)]
 pub struct Project {
     files: Vec<SourceFile>,
     data: ProjectData,
+    station: Result<Vec<RobotStatement>, StationFault>,
+}
+
+/// A `StationSetup.cat` that cannot be used.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{path} cannot be used: {reason}")]
+pub struct StationFault {
+    /// The file, from the project's folder on.
+    pub path: String,
+    /// Why.
+    pub reason: String,
 }
 
 /// A Java file of a project.
@@ -29,6 +43,7 @@ pub struct Project {
 pub struct SourceFile {
     path: String,
     unit: Result<Unit, SourceError>,
+    robots: Vec<RobotStatement>,
 }
 
 /// The file `RoboticsAPI.data.xml` of a project, from which [`DataFile`](crate::DataFile) reads frames and tools.
@@ -101,7 +116,7 @@ impl Project {
     }
 
     /// Reads the project in a folder: all `*.java` in it and below it, apart from hidden folders and from `bin` and
-    /// `target`; and `RoboticsAPI.data.xml`, in the folder, in one within it, or around it.
+    /// `target`; and `RoboticsAPI.data.xml` and `StationSetup.cat`, in the folder, in one within it, or around it.
     ///
     /// # Errors
     ///
@@ -112,7 +127,7 @@ impl Project {
             FolderFault::Folders => ProjectError::TooManyFolders { most: MOST_FOLDERS },
             FolderFault::Unreadable(path, source) => ProjectError::Folder { path, source },
         })?;
-        let data = match &project_folder::data_files(folder)[..] {
+        let data = match &project_folder::nearest(folder, DATA_FILE)[..] {
             [] => ProjectData::Absent,
             [(name, path)] => match contents(path) {
                 Ok(bytes) => ProjectData::Found { path: name.clone(), text: decode(&bytes) },
@@ -123,6 +138,14 @@ impl Project {
             several => ProjectData::Several(several.iter().map(|(name, _)| name.clone()).collect()),
         };
         let mut reading = Reading::default();
+        match &project_folder::nearest(folder, STATION_FILE)[..] {
+            [] => {}
+            [(name, path)] => reading.add_station(name, contents(path)),
+            [(first, _), (second, _), ..] => {
+                let reason = format!("there is {second} as well");
+                reading.station = Err(StationFault { path: first.clone(), reason });
+            }
+        }
         for (name, path) in found {
             match contents(&path) {
                 Ok(bytes) => reading.add(name, &bytes)?,
@@ -132,8 +155,8 @@ impl Project {
         Ok(reading.project(data))
     }
 
-    /// A project of files that are given by their names from its folder on, with `/`, and their contents. That called
-    /// `RoboticsAPI.data.xml` is its data file; all others are Java.
+    /// A project of files that are given by their names from its folder on, with `/`, and their contents. Those called
+    /// `RoboticsAPI.data.xml` and `StationSetup.cat` are its data file and its station; all others are Java.
     ///
     /// # Errors
     ///
@@ -147,10 +170,12 @@ impl Project {
         let mut reading = Reading::default();
         for (path, bytes) in files {
             let path = path.into();
-            if path.rsplit('/').next() == Some(DATA_FILE) {
-                data = ProjectData::Found { path, text: decode(bytes.as_ref()) };
-            } else {
-                reading.add(path, bytes.as_ref())?;
+            match path.rsplit('/').next() {
+                Some(DATA_FILE) => {
+                    data = ProjectData::Found { path, text: decode(bytes.as_ref()) };
+                }
+                Some(STATION_FILE) => reading.add_station(&path, Ok(bytes.as_ref().to_vec())),
+                _ => reading.add(path, bytes.as_ref())?,
             }
         }
         Ok(reading.project(data))
@@ -175,6 +200,15 @@ impl Project {
         classes
     }
 
+    /// What its `StationSetup.cat` states about its robots; nothing if there is none.
+    ///
+    /// # Errors
+    ///
+    /// If there is one that cannot be used.
+    pub fn station(&self) -> Result<&[RobotStatement], &StationFault> {
+        self.station.as_deref()
+    }
+
     /// Its data file.
     #[must_use]
     pub fn data(&self) -> &ProjectData {
@@ -187,6 +221,12 @@ impl SourceFile {
     #[must_use]
     pub fn path(&self) -> &str {
         &self.path
+    }
+
+    /// The robots that it names.
+    #[must_use]
+    pub fn robots(&self) -> &[RobotStatement] {
+        &self.robots
     }
 
     /// Why nothing in it can be used.
@@ -206,10 +246,16 @@ impl SourceFile {
 }
 
 /// A project as it is read.
-#[derive(Default)]
 struct Reading {
     files: Vec<SourceFile>,
+    station: Result<Vec<RobotStatement>, StationFault>,
     bytes: u64,
+}
+
+impl Default for Reading {
+    fn default() -> Self {
+        Self { files: Vec::new(), station: Ok(Vec::new()), bytes: 0 }
+    }
 }
 
 impl Reading {
@@ -226,18 +272,25 @@ impl Reading {
         if self.bytes > MOST_BYTES_IN_ALL {
             return Err(ProjectError::TooLarge { most: MOST_BYTES_IN_ALL });
         }
-        let unit = iiwa_java::read(&path, &decode(bytes));
-        self.files.push(SourceFile { path, unit });
+        let text = decode(bytes);
+        let (unit, robots) = (iiwa_java::read(&path, &text), in_java(&path, &text));
+        self.files.push(SourceFile { path, unit, robots });
         Ok(())
+    }
+
+    fn add_station(&mut self, path: &str, bytes: Result<Vec<u8>, SourceFault>) {
+        let read = bytes.map_err(|fault| fault.to_string());
+        let read = read.and_then(|bytes| in_station(path, &decode(&bytes)));
+        self.station = read.map_err(|reason| StationFault { path: path.to_owned(), reason });
     }
 
     fn add_faulty(&mut self, path: String, fault: SourceFault) {
         let error = SourceError { file: path.clone(), line: 1, column: 1, fault };
-        self.files.push(SourceFile { path, unit: Err(error) });
+        self.files.push(SourceFile { path, unit: Err(error), robots: Vec::new() });
     }
 
     fn project(self, data: ProjectData) -> Project {
-        Project { files: self.files, data }
+        Project { files: self.files, data, station: self.station }
     }
 }
 

@@ -14,6 +14,9 @@ pub(crate) const MOST_FOLDERS: usize = 100_000;
 /// Where the frames and tools of a project are.
 pub(crate) const DATA_FILE: &str = "RoboticsAPI.data.xml";
 
+/// Where the configuration of a project's station is.
+pub(crate) const STATION_FILE: &str = "StationSetup.cat";
+
 /// What a folder holds too much of.
 #[derive(Debug)]
 pub(crate) enum FolderFault {
@@ -60,26 +63,26 @@ pub(crate) fn sources(root: &Path) -> Result<Vec<(String, PathBuf)>, FolderFault
     Ok(found)
 }
 
-/// The data files of a project, with their names from its folder on: that in the folder, else those one level below, else
-/// that one level above.
-pub(crate) fn data_files(root: &Path) -> Vec<(String, PathBuf)> {
-    let here = root.join(DATA_FILE);
+/// The files of a project that have this name, with their names from its folder on: that in the folder, else those one level
+/// below, else that one level above.
+pub(crate) fn nearest(root: &Path, file: &str) -> Vec<(String, PathBuf)> {
+    let here = root.join(file);
     if here.is_file() {
-        return vec![(DATA_FILE.to_owned(), here)];
+        return vec![(file.to_owned(), here)];
     }
     let mut below = Vec::new();
     for (name, folder) in entries(root).unwrap_or_default() {
-        let path = folder.join(DATA_FILE);
+        let path = folder.join(file);
         if !is_left_out(&name) && path.is_file() {
-            below.push((format!("{name}/{DATA_FILE}"), path));
+            below.push((format!("{name}/{file}"), path));
         }
     }
     if below.is_empty()
         && let Ok(root) = root.canonicalize()
-        && let Some(above) = root.parent().map(|above| above.join(DATA_FILE))
+        && let Some(above) = root.parent().map(|above| above.join(file))
         && above.is_file()
     {
-        return vec![(format!("../{DATA_FILE}"), above)];
+        return vec![(format!("../{file}"), above)];
     }
     below
 }

@@ -29,4 +29,8 @@ pub enum QuestionKind {
     Input,
     /// A value of the operator's.
     ProcessData,
+    /// The model of the robot, which the project does not state.
+    Robot,
+    /// The length of its flange in mm, which the project does not state.
+    Flange,
 }

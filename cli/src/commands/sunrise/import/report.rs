@@ -4,7 +4,7 @@ use std::{fmt::Write as _, path::Path};
 
 use iiwa_application::{Import, ImportNote, RefusedImport};
 use iiwa_program::{Motion, Program, Source};
-use iiwa_sunrise::{Question, QuestionKind};
+use iiwa_sunrise::{Question, QuestionKind, RobotStatement};
 use iiwa_view::{printable, table};
 use serde::Serialize;
 
@@ -15,6 +15,11 @@ const SHOWN: usize = 100;
 pub(super) struct ProgramReport {
     project: String,
     application: String,
+    /// The robot, by its name in the program.
+    robot: Option<String>,
+    flange_mm: Option<f64>,
+    /// Where the project states them.
+    stated: Vec<Note>,
     motions: Vec<MotionRow>,
     questions: Vec<QuestionRow>,
     notes: Vec<Note>,
@@ -57,6 +62,9 @@ impl ProgramReport {
         Self {
             project: project.display().to_string(),
             application: import.application.qualified_name.clone(),
+            robot: import.program.robot.clone(),
+            flange_mm: flange_mm(&import.program),
+            stated: import.statements.iter().map(Note::of_statement).collect(),
             motions: rows(&import.program),
             questions: import.questions.iter().map(QuestionRow::new).collect(),
             notes: import.notes.iter().map(Note::new).collect(),
@@ -71,6 +79,9 @@ impl ProgramReport {
         Self {
             project: project.display().to_string(),
             application: refused.application.qualified_name.clone(),
+            robot: refused.understood.robot.clone(),
+            flange_mm: flange_mm(&refused.understood),
+            stated: Vec::new(),
             motions: rows(&refused.understood),
             questions: refused.questions.iter().map(QuestionRow::new).collect(),
             notes: refused.notes.iter().map(Note::new).collect(),
@@ -79,9 +90,23 @@ impl ProgramReport {
         }
     }
 
+    /// The robot and its flange, and where the project states them.
+    fn robot_text(&self) -> String {
+        let Some(robot) = &self.robot else { return String::new() };
+        let mut text = format!("Robot {}", printable(robot));
+        if let Some(flange_mm) = self.flange_mm {
+            let _ = write!(text, ", flange {flange_mm} mm");
+        }
+        for own in &self.stated {
+            let (file, words) = (printable(&own.file), printable(&own.text));
+            let _ = write!(text, "\n  {file}:{}: {words}", own.line);
+        }
+        text + "\n\n"
+    }
+
     /// For people.
     pub(super) fn text(&self) -> String {
-        let mut text = String::new();
+        let mut text = self.robot_text();
         if !self.motions.is_empty() {
             let mut table = table(&["motion", "type", "line"]);
             let hidden = self.motions.len().saturating_sub(2 * SHOWN);
@@ -125,6 +150,11 @@ impl ProgramReport {
     }
 }
 
+/// The length of the flange that the program states, in mm.
+fn flange_mm(program: &Program) -> Option<f64> {
+    program.workcell.flange_m.map(|length_m| (1e6 * length_m).round() / 1e3)
+}
+
 /// Its type in programs.
 fn kind(motion: &Motion) -> &'static str {
     match motion {
@@ -152,6 +182,8 @@ impl QuestionRow {
             kind: match question.kind {
                 QuestionKind::Dialog => "dialog",
                 QuestionKind::Input => "input",
+                QuestionKind::Robot => "robot",
+                QuestionKind::Flange => "flange",
                 _ => "process data",
             },
             asked: question.asked.clone(),
@@ -177,6 +209,8 @@ impl QuestionRow {
         let option = match self.kind {
             "dialog" => "--answer",
             "input" => "--input",
+            "robot" => return format!("--robot {}", self.answer),
+            "flange" => return format!("--flange-mm {}", self.answer),
             _ => "--data",
         };
         format!("{option} \"{}={}\"", self.asked, self.answer)
@@ -184,6 +218,11 @@ impl QuestionRow {
 }
 
 impl Note {
+    fn of_statement(statement: &RobotStatement) -> Self {
+        let (text, file) = (statement.words.clone(), statement.file.clone());
+        Self { text, file, line: statement.line }
+    }
+
     fn new(note: &ImportNote) -> Self {
         let Source { file, line } = note.source.clone();
         Self { text: note.text.clone(), file, line }
