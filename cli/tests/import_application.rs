@@ -102,13 +102,17 @@ fn answers_come_from_a_file_or_from_options() {
     let folder = tempdir().unwrap();
     let all = run_on(&folder, "import", "dialogs", &["--json", "--no-output"]).success();
     let report: Value = serde_json::from_slice(&all.get_output().stdout).unwrap();
-    let question = &report["questions"][0];
+    let dialog = |report: &Value| {
+        let questions = report["questions"].as_array().unwrap().iter();
+        questions.filter(|own| own["kind"] == "dialog").cloned().next().unwrap()
+    };
+    let question = dialog(&report);
     assert_eq!(question["asked"], "Which part is fetched?");
     assert_eq!((&question["answer"], &question["is_given"]), (&"1".into(), &true.into()));
     let other = ["--answer", "Which part=0", "--json", "--no-output"];
     let other = run_on(&folder, "import", "dialogs", &other).success();
     let other: Value = serde_json::from_slice(&other.get_output().stdout).unwrap();
-    assert_eq!(other["questions"][0]["answer"], "0");
+    assert_eq!(dialog(&other)["answer"], "0");
     for (option, value, reason) in [
         ("--answer", "Which part", "a name, = and a value"),
         ("--answer", "Which part=left", "number of a button"),
@@ -128,4 +132,43 @@ fn frames_of_a_project_with_applications_are_had_too() {
     let folder = tempdir().unwrap();
     run_on(&folder, "import", "frames", &["--frames"]).success();
     assert_eq!(files(&folder), ["frames.json"]);
+}
+
+#[test]
+fn robot_and_flange_are_shown_and_asked_for() {
+    let folder = tempdir().unwrap();
+    run_on(&folder, "import", "dialogs", &["--no-output"])
+        .success()
+        .stdout(contains("Robot lbr_iiwa_7_r800, flange 152 mm\n"))
+        .stdout(contains("--flange-mm 152"));
+    let given = ["--robot", "lbr_iiwa_14_r820", "--flange-mm", "126", "--no-output"];
+    run_on(&folder, "import", "dialogs", &given)
+        .success()
+        .stdout(contains("Robot lbr_iiwa_14_r820, flange 126 mm\n"))
+        .stdout(contains("--flange-mm").not());
+    run_on(&folder, "import", "dialogs", &["--flange-mm", "0"]).code(2);
+}
+
+#[test]
+fn a_profile_comes_along_with_the_program() {
+    let folder = tempdir().unwrap();
+    let at = |name: &str| folder.path().join(name);
+    let profile = "{ \"version\": 1, \"lengths_mm\": { \"flange\": 140 } }\n";
+    for name in ["robots", "programs"] {
+        fs::create_dir(at(name)).unwrap();
+    }
+    fs::write(at("robots/cell.json"), profile).unwrap();
+    let robot = at("robots/cell.json").display().to_string();
+    let target = ["--robot", &robot, "-o", "programs/wave.json"];
+    run_on(&folder, "import", "dialogs", &target).success();
+    assert_eq!(fs::read_to_string(at("programs/cell.json")).unwrap(), profile);
+    let program: Value =
+        serde_json::from_str(&fs::read_to_string(at("programs/wave.json")).unwrap()).unwrap();
+    assert_eq!(program["robot"], "cell.json");
+    assert!(program.get("flange_mm").is_none());
+    // Another profile of this name is kept.
+    fs::write(at("programs/cell.json"), "{ \"version\": 1 }\n").unwrap();
+    let again = ["--robot", &robot, "-o", "programs/again.json"];
+    run_on(&folder, "import", "dialogs", &again).code(2).stderr(contains("cell.json exists"));
+    assert!(!at("programs/again.json").exists());
 }
