@@ -1,5 +1,6 @@
 //! Sunrise applications: projects, their evaluation, and round trips.
 
+mod cases;
 mod evaluation;
 mod projects;
 mod robots;
