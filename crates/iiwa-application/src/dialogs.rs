@@ -3,7 +3,7 @@
 use iiwa_java::{Stop, Value};
 use iiwa_sunrise::{Question, QuestionKind};
 
-use crate::{arguments::flattened, robotics::Robotics};
+use crate::{arguments::flattened, asked::Asked, robotics::Robotics};
 
 impl Robotics<'_> {
     /// `displayModalDialog(type, text, buttons...)`: the number of the button that answers it, the first one unless another
@@ -52,6 +52,7 @@ impl Robotics<'_> {
         let count = self.station.answered.entry(key).or_default();
         let button = buttons.get(*count).or(buttons.last()).copied();
         *count += 1;
+        self.station.continued += usize::from(*count < buttons.len());
         button
     }
 
@@ -66,6 +67,13 @@ impl Robotics<'_> {
     ) {
         let (file, line) = (self.here.file.to_string(), self.here.line);
         let asked = asked.to_owned();
+        self.station.asked.push(Asked {
+            kind,
+            subject: asked.clone(),
+            choices: choices.clone(),
+            answer: Some(answer.clone()),
+            is_given,
+        });
         let question = Question { kind, asked, choices, answer, is_given, file, line };
         // An input is read again and again; each dialog is a question of its own.
         if kind == QuestionKind::Dialog || !self.station.questions.contains(&question) {

@@ -1,6 +1,6 @@
 //! From an application of a project to the motion program that it runs.
 
-use std::{rc::Rc, thread};
+use std::{collections::BTreeMap, rc::Rc, thread};
 
 use iiwa_java::{ClassId, Classes, Machine, Note, Place, Refusal, Stop};
 use iiwa_kin::{Joints, Robot};
@@ -11,6 +11,7 @@ use iiwa_sunrise::{
 
 use crate::{
     applications::Application,
+    asked::EndlessLoop,
     import_error::{ImportError, RefusedImport},
     import_note::ImportNote,
     robot_choice::RobotChoice,
@@ -118,49 +119,40 @@ fn import_here(
     options: &ImportOptions,
     data_file: DataFile,
 ) -> Result<Import, ImportError> {
-    let classes = project.classes();
-    let (id, application) = find(project, &classes, name)?;
+    let (_, application) = find(project, &project.classes(), name)?;
     let choice = RobotChoice::new(project, &application, &data_file, options)?;
-    let RobotChoice { robot, name, flange_m, statements, questions: mut asked, notes: mut told } =
+    let RobotChoice { robot, name: robot_name, flange_m, statements, mut questions, mut notes } =
         choice;
     let start_rad = options.start_rad.or_else(|| stated_start(&data_file)).unwrap_or_default();
-    let station = Rc::new(StationHost::new(Station::new(StationSetup {
+    let answers = options.answers.clone();
+    let setup = StationSetup {
         robot: robot.clone(),
-        robot_name: name,
+        robot_name,
         flange_m,
         data_file,
         start_rad,
-        answers: options.answers.clone(),
-    })));
-    let here = Place { file: application.file.as_str().into(), line: application.line };
-    let mut machine = Machine::new(classes, station.clone(), here);
-    // As the controller does.
-    let end = machine.run_class(id, &["initialize", "run"]);
-    told.extend(machine.notes.iter().map(note));
-    let notes = told;
-    let refusal = match end {
-        Ok(()) | Err(Stop::Ended) => None,
-        Err(Stop::Refused(refusal)) => Some(*refusal),
-        Err(Stop::Thrown(thrown)) => {
-            let class = thrown.classes.first().map_or("Exception", |class| class);
-            let reason = format!("an exception ends the application: {class}, {}", thrown.message);
-            Some(Refusal { reason, place: thrown.place.clone() })
+        answers,
+    };
+    let run = Run::new(project, name, setup.clone())?;
+    notes.extend(run.notes.iter().map(note));
+    if let (Ok(()), Some(endless)) = (&run.end, &run.station.endless) {
+        let ways = ways_out(project, name, &setup, endless, &run.station.answered);
+        let own = notes.iter_mut().rev().find(|note| {
+            note.source == source(&endless.place) && note.text.starts_with("the loop has no end")
+        });
+        if let (Some(own), Some(ways)) = (own, ways) {
+            own.text += &ways;
         }
-    };
-    drop(machine);
-    let Some(station) = Rc::into_inner(station) else {
-        return Err(ImportError::Thread("its station is still in use".to_owned()));
-    };
-    let (program, places, questions) = station.into_station().finish();
-    asked.extend(questions);
-    let questions = asked;
+    }
+    let (program, places, asked) = run.station.finish();
+    questions.extend(asked);
     let program = with_sources(program, &places);
-    match refusal {
-        None if program.motions.iter().any(Motion::moves) => {
+    match run.end {
+        Ok(()) if program.motions.iter().any(Motion::moves) => {
             Ok(Import { application, robot, statements, program, notes, questions })
         }
-        None => Err(ImportError::NoMotions { application: Box::new(application) }),
-        Some(Refusal { reason, place }) => {
+        Ok(()) => Err(ImportError::NoMotions { application: Box::new(application) }),
+        Err(Refusal { reason, place }) => {
             let lacks = matches!(project.data(), ProjectData::Absent)
                 && reason.contains("the data file has no");
             let absent = if lacks { "; the project has no RoboticsAPI.data.xml" } else { "" };
@@ -173,6 +165,90 @@ fn import_here(
                 questions,
             })))
         }
+    }
+}
+
+/// An evaluation of an application from its beginning to its end.
+struct Run {
+    end: Result<(), Refusal>,
+    notes: Vec<Note>,
+    station: Station,
+}
+
+impl Run {
+    fn new(
+        project: &Project,
+        name: Option<&str>,
+        setup: StationSetup,
+    ) -> Result<Self, ImportError> {
+        let classes = project.classes();
+        let (id, application) = find(project, &classes, name)?;
+        let station = Rc::new(StationHost::new(Station::new(setup)));
+        let here = Place { file: application.file.as_str().into(), line: application.line };
+        let mut machine = Machine::new(classes, station.clone(), here);
+        // As the controller does.
+        let end = match machine.run_class(id, &["initialize", "run"]) {
+            Ok(()) | Err(Stop::Ended) => Ok(()),
+            Err(Stop::Refused(refusal)) => Err(*refusal),
+            Err(Stop::Thrown(thrown)) => {
+                let class = thrown.classes.first().map_or("Exception", |class| class);
+                let reason =
+                    format!("an exception ends the application: {class}, {}", thrown.message);
+                Err(Refusal { reason, place: thrown.place.clone() })
+            }
+        };
+        let notes = std::mem::take(&mut machine.notes);
+        drop(machine);
+        match Rc::into_inner(station) {
+            Some(station) => Ok(Self { end, notes, station: station.into_station() }),
+            None => Err(ImportError::Thread("its station is still in use".to_owned())),
+        }
+    }
+}
+
+/// Buttons that are tried, of all dialogs of a loop together.
+const MAX_WAYS: usize = 16;
+
+/// The answers to dialogs that end an endless loop: each is tried in a run of its own.
+fn ways_out(
+    project: &Project,
+    name: Option<&str>,
+    setup: &StationSetup,
+    endless: &EndlessLoop,
+    answered: &BTreeMap<String, usize>,
+) -> Option<String> {
+    let buttons = endless
+        .dialogs
+        .iter()
+        .flat_map(|dialog| (0..dialog.choices.len()).map(move |button| (dialog, button)));
+    let mut found = Vec::new();
+    for (dialog, button) in buttons.take(MAX_WAYS) {
+        let mut answers = setup.answers.clone();
+        let dialogs = &mut answers.dialogs;
+        let key = dialogs.keys().find(|part| dialog.subject.contains(part.as_str())).cloned();
+        let key = key.unwrap_or_else(|| dialog.subject.clone());
+        let mut given = dialogs.remove(&key).unwrap_or_default();
+        let before = answered.get(&key).or(answered.get(&dialog.subject)).copied().unwrap_or(1);
+        let last = given.last().copied().unwrap_or(0);
+        given.resize(before.max(given.len()), last);
+        given.push(button);
+        let list: Vec<_> = given.iter().map(usize::to_string).collect();
+        let option = format!("--answer \"{key}={}\"", list.join(","));
+        dialogs.insert(key, given);
+        let setup = StationSetup { answers, ..setup.clone() };
+        let run = Run::new(project, name, setup).ok()?;
+        if run.station.endless.is_none_or(|own| own.place != endless.place) {
+            let choice = dialog.choices.get(button).cloned().unwrap_or_default();
+            found.push(format!(
+                "{button} ({choice}) to `{}` ends it, as in {option}",
+                dialog.subject
+            ));
+        }
+    }
+    match (endless.dialogs.is_empty(), found.is_empty()) {
+        (true, _) => None,
+        (false, true) => Some("; no answer to a dialog in it is known to end it".to_owned()),
+        (false, false) => Some(format!("; the answer {}", found.join(", or "))),
     }
 }
 

@@ -3,7 +3,7 @@
 use iiwa_java::{Stop, Value};
 use iiwa_sunrise::{AnswerValue, QuestionKind};
 
-use crate::robotics::Robotics;
+use crate::{asked::Asked, robotics::Robotics};
 
 impl Robotics<'_> {
     /// A method of a group of inputs and outputs.
@@ -66,8 +66,7 @@ impl Robotics<'_> {
             if is_output && is_boolean {
                 return Ok(Value::Boolean(false));
             }
-            let kind = if is_output { "output" } else { "input" };
-            return Ok(self.unknown(format!("the {kind} `{id}`, for which no value is given")));
+            return Ok(self.without_value(&id, is_output));
         };
         let value = match (&given, is_boolean) {
             (AnswerValue::Boolean(value), _) => Value::Boolean(*value),
@@ -86,5 +85,29 @@ impl Robotics<'_> {
         };
         self.record(QuestionKind::Input, &id, Vec::new(), given.to_string(), true);
         Ok(value)
+    }
+
+    /// A signal for which no value is given: what is tried, what ends a loop, or unknown.
+    fn without_value(&mut self, id: &str, is_output: bool) -> Value {
+        if is_output {
+            return self.unknown(format!("the output `{id}`, for which no value is given"));
+        }
+        if let Some((tried, value)) = &self.station.trial
+            && tried == id
+        {
+            return Value::Boolean(*value);
+        }
+        if let Some(value) = self.station.supposed.get(id).copied() {
+            self.record(QuestionKind::Input, id, Vec::new(), value.to_string(), false);
+            return Value::Boolean(value);
+        }
+        self.station.asked.push(Asked {
+            kind: QuestionKind::Input,
+            subject: id.to_owned(),
+            choices: Vec::new(),
+            answer: None,
+            is_given: false,
+        });
+        self.unknown(format!("the input `{id}`, for which no value is given (--input {id}=VALUE)"))
     }
 }

@@ -9,6 +9,7 @@ mod application_api;
 mod applications;
 mod arguments;
 mod arrival;
+mod asked;
 mod body;
 mod dialogs;
 mod enum_constant;

@@ -8,6 +8,7 @@ use iiwa_program::{Frame, Tool, Workcell};
 use iiwa_sunrise::{Answers, DataFile, ImportedCell, ProcessData, Question};
 
 use crate::{
+    asked::{Asked, EndlessLoop},
     body::{Body, tip_name},
     flange_load::together,
     frame_value::{FrameValue, Parent, then},
@@ -66,6 +67,16 @@ pub(crate) struct Station {
     /// How often each dialog was answered.
     pub(crate) answered: BTreeMap<String, usize>,
     pub(crate) questions: Vec<Question>,
+    /// What was asked, each time, with the answer if there was one.
+    pub(crate) asked: Vec<Asked>,
+    /// Answers after which another one is given to the same dialog.
+    pub(crate) continued: usize,
+    /// A value of an input that is tried, and not an answer yet.
+    pub(crate) trial: Option<(String, bool)>,
+    /// Values of inputs that end loops, where none is given.
+    pub(crate) supposed: BTreeMap<String, bool>,
+    /// The loop without an end in which the evaluation ended.
+    pub(crate) endless: Option<EndlessLoop>,
     /// What was set, by `Group.Name`.
     pub(crate) outputs: BTreeMap<String, Value>,
     pub(crate) process_data: Vec<ProcessData>,
@@ -117,6 +128,11 @@ impl Station {
             answers,
             answered: BTreeMap::new(),
             questions: Vec::new(),
+            asked: Vec::new(),
+            continued: 0,
+            trial: None,
+            supposed: BTreeMap::new(),
+            endless: None,
             outputs: BTreeMap::new(),
             process_data: data_file.process_data,
             changed_data: BTreeMap::new(),

@@ -2,7 +2,7 @@
 
 use std::{cell::RefCell, rc::Rc};
 
-use iiwa_java::{Host, HostValue, Machine, Object, Stop, Value};
+use iiwa_java::{Host, HostValue, Machine, Object, Progress, Stop, Value};
 
 use crate::{robot_value::RobotValue, robotics::Robotics, station::Station};
 
@@ -23,6 +23,9 @@ const ACTING: [&str; 11] = [
     "setDestination",
     "setHomePosition",
 ];
+
+/// Those that only take time.
+const PAUSING: [&str; 5] = ["milliSleep", "nanoSleep", "sleep", "await", "awaitFileAvailable"];
 
 /// Those whose receiver must be known.
 const ON_RECEIVERS: [&str; 4] = ["move", "moveAsync", "attachTo", "detach"];
@@ -67,6 +70,35 @@ impl Host for StationHost {
 
     fn acts(&self) -> &'static str {
         "the arm moves or waits"
+    }
+
+    fn pausing(&self) -> &'static [&'static str] {
+        &PAUSING
+    }
+
+    fn progress(&self) -> Progress {
+        let station = self.0.borrow();
+        Progress {
+            actions: station.schedule.sent(),
+            asked: station.asked.len(),
+            continued: station.continued,
+        }
+    }
+
+    fn suppose(&self, asked: usize, answer: Option<bool>) -> bool {
+        self.0.borrow_mut().suppose(asked, answer)
+    }
+
+    fn settle(&self) {
+        self.0.borrow_mut().settle();
+    }
+
+    fn answers_since(&self, asked: usize) -> Option<String> {
+        self.0.borrow().answers_since(asked)
+    }
+
+    fn endless(&self, machine: &Machine, asked: usize) {
+        self.0.borrow_mut().ended_in_loop(&machine.here, asked);
     }
 
     fn call(

@@ -7,7 +7,7 @@ use iiwa_program::{Motion, Program};
 use iiwa_sunrise::Project;
 
 /// An application with these members, in which `run` has this body.
-fn application(members: &str, run: &str) -> String {
+pub(crate) fn application(members: &str, run: &str) -> String {
     format!(
         "import static com.kuka.roboticsAPI.motionModel.BasicMotions.ptp;\n\
          public class Main extends RoboticsAPIApplication {{\n\
@@ -20,11 +20,11 @@ fn import_all(files: &[(&str, &str)]) -> Result<Import, ImportError> {
     iiwa_application::import(&project, None, &ImportOptions::default())
 }
 
-fn import(members: &str, run: &str) -> Result<Import, ImportError> {
+pub(crate) fn import(members: &str, run: &str) -> Result<Import, ImportError> {
     import_all(&[("src/Main.java", &application(members, run))])
 }
 
-fn first_joints(program: &Program) -> Vec<f64> {
+pub(crate) fn first_joints(program: &Program) -> Vec<f64> {
     let first = |motion: &Motion| match motion {
         Motion::Ptp(ptp) => Some(ptp.target_rad[0]),
         _ => None,
@@ -33,14 +33,14 @@ fn first_joints(program: &Program) -> Vec<f64> {
 }
 
 /// Where A1 goes, motion by motion.
-fn goes(members: &str, run: &str) -> Vec<f64> {
+pub(crate) fn goes(members: &str, run: &str) -> Vec<f64> {
     match import(members, run) {
         Ok(import) => first_joints(&import.program),
         Err(error) => panic!("{error}\n{run}"),
     }
 }
 
-fn refused(members: &str, run: &str) -> RefusedImport {
+pub(crate) fn refused(members: &str, run: &str) -> RefusedImport {
     match import(members, run) {
         Err(ImportError::Refused(refused)) => *refused,
         other => panic!("{other:?}"),
@@ -97,7 +97,7 @@ fn expressions_have_the_values_of_java() {
     }
 }
 
-const MOVE: &str = "lbr.move(ptp(a, 0, 0, 0, 0, 0, 0));";
+pub(crate) const MOVE: &str = "lbr.move(ptp(a, 0, 0, 0, 0, 0, 0));";
 
 #[test]
 fn statements_do_what_they_do_in_java() {

@@ -2,6 +2,7 @@
 
 mod cases;
 mod evaluation;
+mod loops;
 mod projects;
 mod robots;
 mod round_trip;

@@ -2,7 +2,7 @@
 //! only where it does not act.
 
 use crate::{
-    effects::Effects,
+    effects::{Action, Effects},
     machine::Machine,
     syntax::{Class, Expression, ExpressionKind, Member, Statement, StatementKind},
 };
@@ -230,7 +230,9 @@ impl Search<'_> {
 
     fn called(&mut self, name: &str) {
         if self.machine.host.acting().contains(&name) {
-            self.found.acts = true;
+            let is_pause = self.machine.host.pausing().contains(&name);
+            let action = if is_pause { Action::Pause } else { Action::Motion };
+            self.found.action = self.found.action.max(action);
             return;
         }
         let own = self.machine.effects_of_method(name);

@@ -5,8 +5,8 @@ use std::collections::BTreeSet;
 /// What statements do beyond having values.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Effects {
-    /// Whether they act: do what the evaluation is for.
-    pub(crate) acts: bool,
+    /// Whether they do what the evaluation is for.
+    pub(crate) action: Action,
     /// Whether they may leave what is around them: by `return`, `throw`, or the `break` of a loop around.
     pub(crate) leaves: bool,
     /// Whether they may go on with the next turn of a loop around.
@@ -17,9 +17,27 @@ pub(crate) struct Effects {
     pub(crate) changes: BTreeSet<String>,
 }
 
+/// Actions of statements, the strongest last.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) enum Action {
+    #[default]
+    None,
+    /// They take time, and do nothing else.
+    Pause,
+    Motion,
+}
+
 impl Effects {
+    pub(crate) fn acts(&self) -> bool {
+        self.action > Action::None
+    }
+
+    pub(crate) fn moves(&self) -> bool {
+        self.action == Action::Motion
+    }
+
     pub(crate) fn add(&mut self, other: &Self) {
-        self.acts |= other.acts;
+        self.action = self.action.max(other.action);
         self.leaves |= other.leaves;
         self.continues |= other.continues;
         self.assigns.extend(other.assigns.iter().cloned());

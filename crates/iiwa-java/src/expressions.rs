@@ -150,7 +150,7 @@ impl Machine {
             Err(unknown) => {
                 for side in [then, otherwise] {
                     let effects = self.effects_of_expression(side);
-                    if effects.acts {
+                    if effects.acts() {
                         return self.refuse_unknown("which side is taken here", &unknown);
                     }
                     self.forget_values(&effects, &unknown);
@@ -239,7 +239,7 @@ impl Machine {
             Value::Unknown(unknown) => {
                 // Whether the right side is evaluated is not known.
                 let effects = self.effects_of_expression(right);
-                if effects.acts {
+                if effects.acts() {
                     return self.refuse_unknown("whether the right side is evaluated", &unknown);
                 }
                 let second = self.evaluated(right)?;

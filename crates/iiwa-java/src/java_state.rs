@@ -58,6 +58,8 @@ pub(crate) struct Local {
     /// None if it takes any value.
     pub(crate) type_name: Option<TypeName>,
     pub(crate) value: Value,
+    /// Whether the program has given it a value.
+    pub(crate) is_assigned: bool,
 }
 
 impl JavaState {
@@ -89,7 +91,12 @@ impl JavaState {
     pub(crate) fn declare(&mut self, name: &str, type_name: Option<&TypeName>, value: Value) {
         if let Some(locals) = self.locals_mut() {
             let value = type_name.map_or(value.clone(), |wanted| value.converted_to(wanted));
-            locals.push(Local { name: name.to_owned(), type_name: type_name.cloned(), value });
+            locals.push(Local {
+                name: name.to_owned(),
+                type_name: type_name.cloned(),
+                value,
+                is_assigned: true,
+            });
         }
     }
 }

@@ -41,7 +41,7 @@ mod variables;
 pub use class_id::ClassId;
 pub use classes::{ClassName, Classes};
 pub use host_value::HostValue;
-pub use machine::{Host, Machine, Note};
+pub use machine::{Host, Machine, Note, Progress};
 pub use place::Place;
 pub use read::read;
 pub use source_error::{SourceError, SourceFault};

@@ -1,11 +1,16 @@
 //! Loops.
 //!
-//! A loop is endless if nothing that outlives its turns changed in a turn, or if it says so and nothing in it can leave it.
-//! One turn of it is planned: what follows it is not reached.
+//! A loop ends when its condition says so. It is endless if the condition is true after a turn in which nothing that outlives
+//! the turns changed, or if the loop says so and nothing in it can leave it, unless further answers to its questions are given.
+//! The turns up to there are planned: what follows the loop is not reached. A loop without a motion in it is never the
+//! application's cycle: it waits for something. It is refused if a given answer keeps it waiting; an input without an answer
+//! gets the value that ends the loop, if there is one such value only.
+
+use std::rc::Rc;
 
 use crate::{
     flow::Flow,
-    machine::Machine,
+    machine::{Machine, Progress},
     stop::Stop,
     syntax::{Expression, Statement, StatementKind},
     value::Value,
@@ -78,9 +83,11 @@ impl Machine {
         turn: &Turn<'_>,
         label: Option<&str>,
     ) -> Result<Flow, Stop> {
-        let mut is_first = true;
+        let begin = self.host.progress();
+        let mut before = (self.java.changes, begin);
+        let mut turns = 0;
         loop {
-            if !(is_first && turn.is_do)
+            if !(turns == 0 && turn.is_do)
                 && let Some(condition) = turn.condition
             {
                 self.here.line = condition.line;
@@ -88,13 +95,19 @@ impl Machine {
                     Ok(true) => {}
                     Ok(false) => return Ok(Flow::Next),
                     Err(unknown) => {
+                        if self.is_ended_by_input(condition, turn.body, before.1)? {
+                            return Ok(Flow::Next);
+                        }
                         self.here.line = statement.line;
                         return self.passed_over(std::iter::once(statement), "loop", &unknown);
                     }
                 }
             }
-            is_first = false;
-            let changes = self.java.changes;
+            if turns > 0 {
+                self.check_end(statement, turn, turns, before)?;
+            }
+            before = (self.java.changes, self.host.progress());
+            turns += 1;
             match self.turn(turn.body, label)? {
                 Flow::Next => {}
                 Flow::Break(None) => return Ok(Flow::Next),
@@ -104,14 +117,93 @@ impl Machine {
                 self.here.line = update.line;
                 self.evaluated(update)?;
             }
-            let says_so = Self::is_always_true(turn.condition);
-            let is_unchanged = self.java.changes == changes;
-            if (is_unchanged || says_so) && self.is_endless(turn.body, is_unchanged) {
-                self.here.line = statement.line;
-                self.note("the loop has no end: one turn of it is planned");
-                return Err(Stop::Ended);
-            }
         }
+    }
+
+    /// Ends the evaluation if a loop, whose condition is true after a turn, goes on for ever; `before` are the counts before
+    /// that turn.
+    fn check_end(
+        &mut self,
+        statement: &Statement,
+        turn: &Turn<'_>,
+        turns: usize,
+        before: (u64, Progress),
+    ) -> Result<(), Stop> {
+        let (changes, before) = before;
+        let now = self.host.progress();
+        // Further answers are given for further turns.
+        if now.continued != before.continued {
+            return Ok(());
+        }
+        let is_unchanged = self.java.changes == changes;
+        let says_so = Self::is_always_true(turn.condition);
+        let moves = now.actions != before.actions;
+        let is_without_exit = says_so && !self.effects_of(std::iter::once(turn.body)).leaves;
+        let is_endless = if moves {
+            is_unchanged || is_without_exit
+        } else {
+            // A turn without a motion may come before one with a motion, unless it changes nothing.
+            is_unchanged
+        };
+        if !is_endless {
+            return Ok(());
+        }
+        self.here.line = statement.line;
+        if !moves && !is_without_exit {
+            return match self.host.answers_since(before.asked) {
+                Some(answers) => self.refuse(format!("the loop waits for {answers}")),
+                None => self.refuse(
+                    "the loop never ends: nothing that its condition depends on changes in it; what a key, a thread or \
+                     an observer would change is not evaluated",
+                ),
+            };
+        }
+        if moves {
+            let planned = match turns {
+                1 => "one turn of it is planned".to_owned(),
+                _ => format!("{turns} turns of it are planned"),
+            };
+            let answers = self.host.answers_since(before.asked);
+            let kept = answers.map(|own| format!(" with {own}")).unwrap_or_default();
+            self.note(format!("the loop has no end{kept}: {planned}"));
+        } else {
+            self.note("the loop has no end, and no motion is in it");
+        }
+        Rc::clone(&self.host).endless(self, before.asked);
+        Err(Stop::Ended)
+    }
+
+    /// Whether a loop that only waits ends by one value of the only input that its condition depends on, and not by the
+    /// other: that value is taken from here on.
+    fn is_ended_by_input(
+        &mut self,
+        condition: &Expression,
+        body: &Statement,
+        before: Progress,
+    ) -> Result<bool, Stop> {
+        let effects = self.effects_of_expression(condition);
+        let is_pure = !effects.acts() && effects.assigns.is_empty() && effects.changes.is_empty();
+        if !is_pure || self.effects_of(std::iter::once(body)).moves() {
+            return Ok(false);
+        }
+        let mut repeats = [None; 2];
+        for (repeats, value) in repeats.iter_mut().zip([false, true]) {
+            if !self.host.suppose(before.asked, Some(value)) {
+                return Ok(false);
+            }
+            // A condition that cannot be evaluated with this value says nothing.
+            *repeats = self.condition(condition).ok().and_then(Result::ok);
+            self.host.suppose(before.asked, None);
+        }
+        let ends_by = match repeats {
+            [Some(true), Some(false)] => true,
+            [Some(false), Some(true)] => false,
+            _ => return Ok(false),
+        };
+        self.host.suppose(before.asked, Some(ends_by));
+        self.host.settle();
+        // The answer is recorded where it is read.
+        Ok(matches!(self.condition(condition)?, Ok(false)))
     }
 
     /// One turn; `continue` ends it.
@@ -121,12 +213,6 @@ impl Machine {
             Flow::Continue(Some(own)) if Some(own.as_str()) == label => Flow::Next,
             other => other,
         })
-    }
-
-    /// Whether a loop that nothing is known to end has no end. One that does nothing ends by the number of steps.
-    fn is_endless(&mut self, body: &Statement, is_unchanged: bool) -> bool {
-        let effects = self.effects_of(std::iter::once(body));
-        effects.acts && (is_unchanged || !effects.leaves)
     }
 
     fn for_each(

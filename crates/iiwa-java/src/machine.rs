@@ -31,6 +31,17 @@ pub struct Note {
     pub place: Place,
 }
 
+/// Counts of what a host has done and asked.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Progress {
+    /// Actions other than pauses: motions.
+    pub actions: usize,
+    /// Questions, however they were answered.
+    pub asked: usize,
+    /// Answers after which another one is given to the same question.
+    pub continued: usize,
+}
+
 /// Whoever knows the classes that are neither of the project nor of Java's own library, and what it means to act: to do what an
 /// evaluation is for. Where something is not known, it answers nothing, and the value is unknown.
 pub trait Host {
@@ -42,6 +53,25 @@ pub trait Host {
 
     /// What acting is, in messages: "the arm moves or waits".
     fn acts(&self) -> &'static str;
+
+    /// Those of the acting methods that only take time.
+    fn pausing(&self) -> &'static [&'static str];
+
+    /// Counts of what was done so far.
+    fn progress(&self) -> Progress;
+
+    /// Supposes an answer to the only question since `asked` that has none; `None` drops the supposition. False if there is no
+    /// such question.
+    fn suppose(&self, asked: usize, answer: Option<bool>) -> bool;
+
+    /// Makes the supposed answer the one that is taken from here on.
+    fn settle(&self);
+
+    /// Describes the answers since `asked` that keep a loop going, such as "the input `A.B`, which is given as false".
+    fn answers_since(&self, asked: usize) -> Option<String>;
+
+    /// Is told that a loop goes on for ever by the answers since `asked`.
+    fn endless(&self, machine: &Machine, asked: usize);
 
     /// `receiver.name(arguments)`.
     ///

@@ -68,6 +68,9 @@ impl Machine {
                         None => Value::default_of(&type_name),
                     };
                     self.java.declare(&variable.name, Some(&type_name), value);
+                    if let Some(local) = self.java.locals_mut().and_then(|own| own.last_mut()) {
+                        local.is_assigned = variable.initial.is_some();
+                    }
                 }
                 Ok(Flow::Next)
             }
@@ -160,7 +163,7 @@ impl Machine {
     ) -> Result<Flow, Stop> {
         let acts = self.host.acts();
         let mut effects = self.effects_of(statements);
-        if effects.acts {
+        if effects.acts() {
             return self.refuse_unknown(
                 &format!("whether this {what}, in which {acts}, is taken"),
                 unknown,
@@ -173,7 +176,7 @@ impl Machine {
         // Whether the rest of the method is run is not known: it must not act either.
         let method = self.java.activation().map(|own| own.method.clone()).unwrap_or_default();
         effects = self.effects_of_method(&method);
-        if effects.acts || method.is_empty() {
+        if effects.acts() || method.is_empty() {
             return self.refuse_unknown(
                 &format!("whether this {what} leaves what is around it, where {acts},"),
                 unknown,

@@ -297,9 +297,11 @@ impl Machine {
             None => value,
         };
         let lasts = match slot {
-            Slot::Local(index) => {
-                self.java.activation().is_some_and(|own| *index < own.outside_loop)
-            }
+            // Nobody has read a variable before its first value.
+            Slot::Local(index) => self.java.activation().is_some_and(|own| {
+                let is_assigned = own.locals.get(*index).is_some_and(|local| local.is_assigned);
+                is_assigned && *index < own.outside_loop
+            }),
             Slot::Elsewhere => false,
             _ => true,
         };
@@ -310,6 +312,7 @@ impl Machine {
             Slot::Local(index) => {
                 if let Some(local) = self.java.locals_mut().and_then(|own| own.get_mut(*index)) {
                     local.value = value.clone();
+                    local.is_assigned = true;
                 }
             }
             Slot::Field(object, owner, name) => {
