@@ -137,6 +137,16 @@ fn answers(folder: &Path, answering: &Answering) -> Result<Answers, Failure> {
         let (id, value) = pair("--data", given)?;
         answers.data.insert(id, AnswerValue::of_text(value));
     }
+    for given in &answering.fired {
+        let (place, values) = pair("--fired", given)?;
+        let values: Result<Vec<_>, _> = values.split(',').map(|own| own.trim().parse()).collect();
+        let values = values.map_err(|_| {
+            Failure::input(format!(
+                "--fired {given}: after = is true or false, or several of these with commas"
+            ))
+        })?;
+        answers.fired.insert(place, values);
+    }
     Ok(answers)
 }
 

@@ -332,6 +332,7 @@ def import_application(
     answers: Mapping[str, int | Sequence[int]] | None = None,
     inputs: Mapping[str, bool | int | float | str] | None = None,
     data: Mapping[str, bool | int | float | str] | None = None,
+    fired: Mapping[str, bool | Sequence[bool]] | None = None,
     robot: _Robot | None = None,
     start_deg: ArrayLike | None = None,
 ) -> tuple[Program, dict[str, Any]]: ...

@@ -46,6 +46,20 @@ impl<'py> FromPyObject<'_, 'py> for Buttons {
     }
 }
 
+/// Whether a break condition fired, one time after the other.
+pub(crate) struct Fired(Vec<bool>);
+
+impl<'py> FromPyObject<'_, 'py> for Fired {
+    type Error = PyErr;
+
+    fn extract(value: Borrowed<'_, 'py, PyAny>) -> PyResult<Self> {
+        let one = value.extract().map(|is_fired| vec![is_fired]);
+        let all = one.or_else(|_| value.extract());
+        all.map(Self)
+            .map_err(|_| unexpected("an answer", &value, "True or False, or a list of these"))
+    }
+}
+
 /// The value of an input, or of process data.
 pub(crate) struct Value(AnswerValue);
 
@@ -67,7 +81,7 @@ impl<'py> FromPyObject<'_, 'py> for Value {
 /// `questions`.
 ///
 /// The application may be left out if there is one only. Dialogs are answered by `answers` (the number of a button, from 0, by the
-/// text), `inputs` and process `data` are given by name. Raises `SunriseError` with file and line.
+/// text), `inputs` and process `data` are given by name, break conditions (`fired`) by file and line of `hasFired`. Raises `SunriseError` with file and line.
 ///
 /// >>> import iiwasim as iw
 /// >>> program, told = iw.import_application('fixtures/sunrise/joints')
@@ -75,7 +89,8 @@ impl<'py> FromPyObject<'_, 'py> for Value {
 /// 10
 #[pyfunction]
 #[pyo3(signature = (
-    folder, *, application = None, answers = None, inputs = None, data = None, robot = None, start_deg = None
+    folder, *, application = None, answers = None, inputs = None, data = None, fired = None, robot = None,
+    start_deg = None
 ))]
 #[expect(clippy::too_many_arguments, reason = "they are options by keyword in Python")]
 pub(crate) fn import_application<'py>(
@@ -85,6 +100,7 @@ pub(crate) fn import_application<'py>(
     answers: Option<BTreeMap<String, Buttons>>,
     inputs: Option<BTreeMap<String, Value>>,
     data: Option<BTreeMap<String, Value>>,
+    fired: Option<BTreeMap<String, Fired>>,
     robot: Option<RobotArgument<'py>>,
     start_deg: Option<JointsLike<'py>>,
 ) -> PyResult<(Program, Bound<'py, PyDict>)> {
@@ -110,6 +126,10 @@ pub(crate) fn import_application<'py>(
             unasked.push((kind, name.clone()));
             known.insert(name, value.0);
         }
+    }
+    for (place, values) in fired.unwrap_or_default() {
+        unasked.push((QuestionKind::Fired, place.clone()));
+        given.fired.insert(place, values.0);
     }
     let start_rad = match &start_deg {
         None => None,

@@ -28,11 +28,17 @@ pub(crate) struct Answering {
     #[arg(long, value_name = "ID=VALUE", help_heading = SUNRISE)]
     pub(crate) data: Vec<String>,
 
+    /// Whether a break condition fired, by the file and line of `hasFired`, as Search.java:29=true; several values answer it one
+    /// after the other
+    #[arg(long, value_name = "FILE:LINE=BOOL[,BOOL]...", help_heading = SUNRISE)]
+    pub(crate) fired: Vec<String>,
+
     /// Length of the robot's flange in mm, where the project does not state it, or states it wrongly
     #[arg(long, value_name = "MM", value_parser = length_mm, help_heading = SUNRISE)]
     pub(crate) flange_mm: Option<f64>,
 
-    /// File of answers: TOML with `robot`, `flange_mm`, `[answers]`, `[inputs]` and `[data]`; the options above win over it
+    /// File of answers: TOML with `robot`, `flange_mm`, `[answers]`, `[inputs]`, `[data]` and `[fired]`; the options above win
+    /// over it
     /// [default: iiwasim-answers.toml in the project, if there is one]
     #[arg(long, value_name = "FILE.toml", help_heading = SUNRISE)]
     pub(crate) answers: Option<PathBuf>,
@@ -45,11 +51,11 @@ pub(crate) struct Answering {
 impl Answering {
     /// Whether anything is said that is for applications only.
     pub(crate) fn is_given(&self) -> bool {
-        let Self { application, answer, input, data, flange_mm, answers, start_deg } = self;
+        let Self { application, answer, input, data, fired, flange_mm, answers, start_deg } = self;
         application.is_some()
             || answers.is_some()
             || start_deg.is_some()
             || flange_mm.is_some()
-            || !(answer.is_empty() && input.is_empty() && data.is_empty())
+            || !(answer.is_empty() && input.is_empty() && data.is_empty() && fired.is_empty())
     }
 }

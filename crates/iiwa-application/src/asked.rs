@@ -62,6 +62,7 @@ impl Station {
             let kind = match own.kind {
                 QuestionKind::Dialog => "the dialog",
                 QuestionKind::Input => "the input",
+                QuestionKind::Fired => "the condition at",
                 _ => "the value of",
             };
             let is_given = if own.is_given { "given as" } else { "taken as" };

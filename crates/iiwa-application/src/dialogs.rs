@@ -75,8 +75,10 @@ impl Robotics<'_> {
             is_given,
         });
         let question = Question { kind, asked, choices, answer, is_given, file, line };
-        // An input is read again and again; each dialog is a question of its own.
-        if kind == QuestionKind::Dialog || !self.station.questions.contains(&question) {
+        // An input is read again and again; each dialog and each break condition is a question of its own.
+        if matches!(kind, QuestionKind::Dialog | QuestionKind::Fired)
+            || !self.station.questions.contains(&question)
+        {
             self.station.questions.push(question);
         }
     }

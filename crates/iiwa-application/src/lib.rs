@@ -14,6 +14,7 @@ mod body;
 mod dialogs;
 mod enum_constant;
 mod finish;
+mod fired;
 mod flange_load;
 mod frame_value;
 mod frames_api;

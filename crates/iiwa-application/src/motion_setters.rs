@@ -68,6 +68,7 @@ impl Robotics<'_> {
                 }
             }
             "breakWhen" => {
+                motion.borrow_mut().settings.has_break = true;
                 self.note("a motion with `breakWhen` is planned to its end, as if the condition did not come true");
             }
             "triggerWhen" => self.note("what a trigger starts is not evaluated"),

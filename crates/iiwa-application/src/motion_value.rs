@@ -68,6 +68,8 @@ pub(crate) struct Settings {
     pub(crate) turns_with_path: Option<bool>,
     pub(crate) aux_orientation: Option<AuxOrientation>,
     pub(crate) circ_angle_rad: Option<f64>,
+    /// Whether a condition may end the motion.
+    pub(crate) has_break: bool,
 }
 
 /// The sizes of a blend.
@@ -128,6 +130,7 @@ impl Settings {
             turns_with_path: self.turns_with_path.or(defaults.turns_with_path),
             aux_orientation: self.aux_orientation.or(defaults.aux_orientation),
             circ_angle_rad: self.circ_angle_rad,
+            has_break: self.has_break || defaults.has_break,
         }
     }
 }

@@ -12,7 +12,7 @@ use iiwa_program::{
 use crate::{
     arrival::{joints_at, moved_by, on_circle},
     motion_value::{Blending, Goal, MotionValue, Obstacle, Settings, Way},
-    robot_value::{RobotValue, robot},
+    robot_value::{RobotValue, Sent, robot},
     robotics::Robotics,
     spot::Spot,
     station::FOOT,
@@ -45,13 +45,16 @@ impl Robotics<'_> {
                 .refuse(format!("{what} moves, but it is not attached to the robot's flange"));
         }
         self.keep_override()?;
+        let mut has_break = false;
         for (motion, settings) in members(motion, &Settings::default()) {
+            has_break |= settings.has_break;
             self.send_one(mover, &motion, &settings)?;
         }
         if !is_async {
             self.station.schedule.await_all();
         }
-        Ok(robot(RobotValue::Container(Rc::new(self.station.schedule.sent()))))
+        let sent = Sent { count: self.station.schedule.sent(), has_break };
+        Ok(robot(RobotValue::Container(Rc::new(sent))))
     }
 
     /// A program has one override: that of its first motion.

@@ -29,8 +29,8 @@ pub(crate) enum RobotValue {
     /// An `LBRE1Redundancy`.
     Redundancy(Rc<RefCell<RedundancyValue>>),
     Motion(Rc<RefCell<MotionValue>>),
-    /// What sending a motion gives; how many motions had been sent by then.
-    Container(Rc<usize>),
+    /// What sending a motion gives.
+    Container(Rc<Sent>),
     /// The limits of the robot's joints.
     JointLimits,
     /// A value of the operator's, by its id.
@@ -39,6 +39,15 @@ pub(crate) enum RobotValue {
     IoGroup(Rc<str>),
     Constant(Rc<EnumConstant>),
     Opaque(Rc<Opaque>),
+}
+
+/// A motion that was sent, or several.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Sent {
+    /// How many motions had been sent by then.
+    pub(crate) count: usize,
+    /// Whether a condition may end it.
+    pub(crate) has_break: bool,
 }
 
 /// A `JointPosition`.

@@ -66,6 +66,8 @@ pub(crate) struct Station {
     pub(crate) answers: Answers,
     /// How often each dialog was answered.
     pub(crate) answered: BTreeMap<String, usize>,
+    /// How often it was asked at each place whether a condition came true.
+    pub(crate) fired: BTreeMap<String, usize>,
     pub(crate) questions: Vec<Question>,
     /// What was asked, each time, with the answer if there was one.
     pub(crate) asked: Vec<Asked>,
@@ -127,6 +129,7 @@ impl Station {
             first_override: None,
             answers,
             answered: BTreeMap::new(),
+            fired: BTreeMap::new(),
             questions: Vec::new(),
             asked: Vec::new(),
             continued: 0,

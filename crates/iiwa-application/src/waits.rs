@@ -4,7 +4,7 @@ use iiwa_java::{Stop, Value};
 
 use crate::{
     enum_constant::EnumConstant,
-    robot_value::{RobotValue, robot},
+    robot_value::{RobotValue, Sent, robot},
     robotics::Robotics,
 };
 
@@ -98,8 +98,9 @@ impl Robotics<'_> {
         Ok(Value::Null)
     }
 
-    /// A method of a motion's container; `sent` motions had been sent by then.
-    pub(crate) fn call_container(&mut self, sent: usize, name: &str) -> Result<Value, Stop> {
+    /// A method of a motion's container.
+    pub(crate) fn call_container(&mut self, sent: Sent, name: &str) -> Result<Value, Stop> {
+        let Sent { count: sent, has_break } = sent;
         let is_under_way =
             self.station.schedule.is_under_way() && sent == self.station.schedule.sent();
         match name {
@@ -116,6 +117,17 @@ impl Robotics<'_> {
                     self.station.schedule.await_all();
                 }
                 Ok(Value::Boolean(true))
+            }
+            "hasFired" if has_break => Ok(self.ask_fired("the break condition of a motion")),
+            "getFiredBreakConditionInfo" if has_break => {
+                Ok(match self.ask_fired("the break condition of a motion") {
+                    Value::Boolean(true) => robot(RobotValue::source(
+                        "IFiredConditionInfo",
+                        "the state of the robot when a break condition fired",
+                    )),
+                    Value::Boolean(false) => Value::Null,
+                    other => other,
+                })
             }
             "hasFired" | "hasError" | "isCanceled" => Ok(Value::Boolean(false)),
             "cancel" if is_under_way => self.refuse(

@@ -1,7 +1,5 @@
 //! Loops: which end, which are the cycle of an application, and which wait for ever.
 
-#![expect(clippy::unwrap_used, reason = "a test fails by it")]
-
 use crate::evaluation::{MOVE, first_joints, goes, import, refused};
 
 fn with_move(run: &str) -> String {

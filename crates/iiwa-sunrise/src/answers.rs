@@ -18,6 +18,8 @@ use serde::Deserialize;
 ///     "Gripper.Closed" = true
 ///     [data]
 ///     velocity = 0.25
+///     [fired]
+///     "Search.java:29" = true
 /// "#)?;
 /// assert_eq!(answers.dialogs["Once more?"], [0, 0, 1]);
 /// assert_eq!(answers.inputs["Gripper.Closed"], AnswerValue::Boolean(true));
@@ -36,6 +38,9 @@ pub struct Answers {
     pub inputs: BTreeMap<String, AnswerValue>,
     /// Process data, by id.
     pub data: BTreeMap<String, AnswerValue>,
+    /// Whether conditions come true that are measured while the arm moves, by the place at which the program asks for it, as
+    /// `Search.java:29`, with or without the folders of the file. Of several, each answers it once, and the last one from then on.
+    pub fired: BTreeMap<String, Vec<bool>>,
 }
 
 /// A value that is given as an answer.
@@ -108,6 +113,15 @@ struct AnswersWire {
     inputs: BTreeMap<String, AnswerValue>,
     #[serde(default)]
     data: BTreeMap<String, AnswerValue>,
+    #[serde(default)]
+    fired: BTreeMap<String, FiredWire>,
+}
+
+#[derive(Deserialize)]
+#[serde(untagged, expecting = "whether a condition fired is true or false, or a list of these")]
+enum FiredWire {
+    One(bool),
+    Each(Vec<bool>),
 }
 
 #[derive(Deserialize)]
@@ -121,7 +135,7 @@ enum ButtonsWire {
 }
 
 impl Answers {
-    /// Reads answers from TOML: `robot` and `flange_mm`, `[answers]` to dialogs, `[inputs]` and `[data]`.
+    /// Reads answers from TOML: `robot` and `flange_mm`, `[answers]` to dialogs, `[inputs]`, `[data]` and `[fired]`.
     ///
     /// # Errors
     ///
@@ -136,12 +150,18 @@ impl Answers {
             ButtonsWire::Each(numbers) => numbers,
         };
         let dialogs = wire.answers.into_iter().map(|(text, buttons)| (text, numbers(buttons)));
+        let each = |fired| match fired {
+            FiredWire::One(is_fired) => vec![is_fired],
+            FiredWire::Each(all) => all,
+        };
+        let fired = wire.fired.into_iter().map(|(place, fired)| (place, each(fired)));
         Ok(Self {
             robot: wire.robot,
             flange_mm: wire.flange_mm,
             dialogs: dialogs.collect(),
             inputs: wire.inputs,
             data: wire.data,
+            fired: fired.collect(),
         })
     }
 }

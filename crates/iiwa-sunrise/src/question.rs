@@ -5,7 +5,8 @@
 pub struct Question {
     /// Of which kind it is.
     pub kind: QuestionKind,
-    /// The text of the dialog, `Group.Name` of the input, or the id of the process data.
+    /// The text of the dialog, `Group.Name` of the input, the id of the process data, or the file and line at which it is asked
+    /// whether a condition came true.
     pub asked: String,
     /// The buttons of the dialog.
     pub choices: Vec<String>,
@@ -33,4 +34,6 @@ pub enum QuestionKind {
     Robot,
     /// The length of its flange in mm, which the project does not state.
     Flange,
+    /// Whether a condition came true that is measured while the arm moves.
+    Fired,
 }

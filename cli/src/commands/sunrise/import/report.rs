@@ -184,6 +184,7 @@ impl QuestionRow {
                 QuestionKind::Input => "input",
                 QuestionKind::Robot => "robot",
                 QuestionKind::Flange => "flange",
+                QuestionKind::Fired => "fired",
                 _ => "process data",
             },
             asked: question.asked.clone(),
@@ -211,6 +212,7 @@ impl QuestionRow {
             "input" => "--input",
             "robot" => return format!("--robot {}", self.answer),
             "flange" => return format!("--flange-mm {}", self.answer),
+            "fired" => "--fired",
             _ => "--data",
         };
         format!("{option} \"{}={}\"", self.asked, self.answer)
