@@ -45,8 +45,35 @@ fn setting(name: &str) -> Option<Setting> {
     })
 }
 
-/// What limits a motion, in names of setters.
-const LIMITING: [&str; 5] = ["Velocity", "Acceleration", "Jerk", "Blending", "Override"];
+/// Words in the names of setters that limit a motion or change its target.
+const DECISIVE: [&str; 12] = [
+    "Velocity",
+    "Acceleration",
+    "Jerk",
+    "Blending",
+    "Override",
+    "Offset",
+    "Destination",
+    "Target",
+    "Frame",
+    "Position",
+    "Transformation",
+    "Redundancy",
+];
+
+/// The component of a relative motion's offset (x, y, z in mm; a, b, c in rad) that a setter changes.
+fn offset_component(name: &str) -> Option<usize> {
+    let component = name.strip_prefix("set")?.strip_suffix("Offset")?;
+    Some(match component {
+        "X" => 0,
+        "Y" => 1,
+        "Z" => 2,
+        "Alpha" | "A" => 3,
+        "Beta" | "B" => 4,
+        "Gamma" | "C" => 5,
+        _ => return None,
+    })
+}
 
 impl Robotics<'_> {
     /// A method of a motion; setters give it back.
@@ -59,6 +86,11 @@ impl Robotics<'_> {
         let this = || robot(RobotValue::Motion(Rc::clone(motion)));
         if let Some(setting) = setting(name) {
             self.set(motion, name, setting, arguments)?;
+            return Ok(this());
+        }
+        let is_relative = matches!(motion.borrow().way, Way::LinRel { .. });
+        if is_relative && let Some(component) = offset_component(name) {
+            self.set_offset(motion, name, component, arguments)?;
             return Ok(this());
         }
         match name {
@@ -97,8 +129,8 @@ impl Robotics<'_> {
                 let copy = motion.borrow().clone();
                 return Ok(robot(RobotValue::motion(copy)));
             }
-            name if name.starts_with("set") && LIMITING.iter().any(|word| name.contains(word)) => {
-                let reason = format!("`{name}` limits this motion, and what it means is not known: take it out");
+            name if name.starts_with("set") && DECISIVE.iter().any(|word| name.contains(word)) => {
+                let reason = format!("`{name}` changes this motion, and its effect is not known: remove the call");
                 motion.borrow_mut().obstruct(Obstacle::Refused(reason));
             }
             name if name.starts_with("set") || name.starts_with("add") => {
@@ -167,6 +199,32 @@ impl Robotics<'_> {
             Setting::BlendingOri if is_in_joints => {}
             Setting::BlendingOri => settings.blending.orientation_rad = Some(given),
             Setting::CircAngle => settings.circ_angle_rad = Some(given),
+        }
+        Ok(())
+    }
+
+    /// Sets one component of a relative motion's offset; the others stay.
+    fn set_offset(
+        &mut self,
+        motion: &Rc<RefCell<MotionValue>>,
+        name: &str,
+        component: usize,
+        arguments: &[Value],
+    ) -> Result<(), Stop> {
+        if let Some(unknown) = first_unknown(arguments) {
+            let what = format!("the argument of `{name}` of this motion");
+            motion.borrow_mut().obstruct(Obstacle::Unknown(what, unknown));
+            return Ok(());
+        }
+        let Some([value]) = numbers(arguments).and_then(|given| <[f64; 1]>::try_from(given).ok())
+        else {
+            return self.throw("IllegalArgumentException", format!("`{name}` takes a number"));
+        };
+        if let Way::LinRel { offset, .. } = &mut motion.borrow_mut().way {
+            let mut components = offset.xyz_mm.iter_mut().chain(&mut offset.abc_rad);
+            if let Some(own) = components.nth(component) {
+                *own = value;
+            }
         }
         Ok(())
     }

@@ -182,6 +182,8 @@ fn goal(arguments: &[Value]) -> Option<Goal> {
 
 fn lin_rel(arguments: &[Value]) -> Option<Way> {
     let (offset, within) = match arguments {
+        // Its setters give the offset.
+        [] => (Some(Frame::default()), None),
         [offset] => (offset_of(std::slice::from_ref(offset)), None),
         [offset, within] if !is_number(offset) => {
             (offset_of(std::slice::from_ref(offset)), Some(within))
