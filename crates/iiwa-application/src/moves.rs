@@ -110,7 +110,8 @@ impl Robotics<'_> {
             self.station.at_rad = target_rad;
             return self.put(Motion::Ptp(ptp));
         }
-        let course = self.course(mover, motion, settings)?;
+        let law = self.law_of(&motion.way, settings.orientation).unwrap_or_default();
+        let course = self.course(mover, motion, settings, law)?;
         let mut own = CartesianMotion::new(course);
         own.tool = self.station.tcp_name(mover);
         own.shares = shares;
@@ -118,7 +119,7 @@ impl Robotics<'_> {
         own.blend = if own.is_ptp() {
             one_blend(&settings.blending).map(PathBlend::from)
         } else {
-            own.orientation = settings.orientation.unwrap_or_default();
+            own.orientation = law;
             path_blend(&settings.blending)
         };
         self.put(Motion::Cartesian(Box::new(own)))
@@ -163,10 +164,10 @@ impl Robotics<'_> {
         mover: Spot,
         motion: &MotionValue,
         settings: &Settings,
+        law: OrientationType,
     ) -> Result<Course, Stop> {
         let tcp = self.station.in_flange(mover).unwrap_or_default().pose();
         let from = self.station.robot.flange_pose(&self.station.at_rad).then(&tcp);
-        let law = settings.orientation.unwrap_or_default();
         let with_law = |pose: &Pose| match law {
             OrientationType::Constant => Pose { rotation: from.rotation, ..*pose },
             _ => *pose,
@@ -227,6 +228,17 @@ impl Robotics<'_> {
         }
     }
 
+    /// The orientation type of a motion. `OriJoint` on a spline is planned as `Variable`: the motions of its wrist axes along
+    /// a spline are not known.
+    fn law_of(&mut self, way: &Way, law: Option<OrientationType>) -> Option<OrientationType> {
+        let is_spline = matches!(way, Way::Spl(_) | Way::Spline(_));
+        if is_spline && law == Some(OrientationType::Joints) {
+            self.note("`OriJoint` on a spline is planned as `Variable`, which is an assumption");
+            return Some(OrientationType::Variable);
+        }
+        law
+    }
+
     /// The segments of a spline; the arm stands at the end of the last one then.
     fn spline(
         &mut self,
@@ -252,7 +264,8 @@ impl Robotics<'_> {
             if settings.blending != Blending::default() {
                 return self.refuse("a segment of a spline has a blending: set it on the spline");
             }
-            let own_law = settings.orientation.unwrap_or(law);
+            let own = self.law_of(&Way::Spline(Vec::new()), settings.orientation);
+            let own_law = own.unwrap_or(law);
             let (place, course) = match &segment.way {
                 Way::Spl(to) => {
                     let place = self.place_of(to)?;
@@ -295,7 +308,7 @@ impl Robotics<'_> {
             e1_rad = place.e1_rad.or(e1_rad);
             last = Some(place.target);
             let limits = SegmentLimits { shares: settings.shares, tool: settings.tool };
-            found.push(SplineSegment { course, orientation: settings.orientation, limits });
+            found.push(SplineSegment { course, orientation: own, limits });
         }
         let Some(last) = last else { return self.refuse("a spline has no segments") };
         self.arrive(&last, (&at, tcp), e1_rad, None)?;
