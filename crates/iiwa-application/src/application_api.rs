@@ -120,6 +120,11 @@ impl Robotics<'_> {
                 None => Ok(None),
             },
             "Flange" => Ok(Some(robot(RobotValue::Spot(Spot::Flange)))),
+            // Without a value, reading it gives an unknown value with its id.
+            "IProcessData" | "ProcessData" => {
+                let id = Rc::from(named.unwrap_or(field));
+                Ok(Some(robot(RobotValue::ProcessData(id))))
+            }
             class => match class.strip_suffix("IOGroup") {
                 Some(group) if !group.is_empty() => {
                     Ok(Some(robot(RobotValue::IoGroup(Rc::from(group)))))

@@ -92,7 +92,8 @@ impl Robotics<'_> {
         let class = data_type.rsplit('.').next().unwrap_or_default().to_owned();
         let text = text.trim();
         let value = match class.as_str() {
-            "Boolean" => text.parse().ok().map(Value::Boolean),
+            // Workbench writes `True` and `False`; Java accepts both in any case.
+            "Boolean" => text.to_ascii_lowercase().parse().ok().map(Value::Boolean),
             "Integer" | "Short" | "Byte" => text.parse().ok().map(Value::Int),
             "Long" => text.parse().ok().map(Value::Long),
             "Double" | "Float" => {
