@@ -28,7 +28,7 @@ const LISTED: [(&str, &[&str]); 8] = [
 ];
 
 /// Enums whose constants do not change what is planned.
-const OTHERS: [&str; 14] = [
+const OTHERS: [&str; 15] = [
     "AxisEnum",
     "CallerTask",
     "ClientCommandMode",
@@ -43,6 +43,7 @@ const OTHERS: [&str; 14] = [
     "UserKeyAlignment",
     "UserKeyEvent",
     "UserKeyLED",
+    "UserKeyLEDSize",
 ];
 
 impl EnumConstant {

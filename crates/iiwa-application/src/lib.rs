@@ -44,6 +44,7 @@ mod station_text;
 #[cfg(test)]
 mod test_station;
 mod tools_api;
+mod user_keys;
 mod waits;
 
 pub use applications::Application;

@@ -44,7 +44,7 @@ const CONCURRENT: [&str; 6] =
     ["Thread", "Timer", "TimerTask", "Executors", "ExecutorService", "CompletableFuture"];
 
 /// Classes of KUKA's whose objects do not change what is planned, by ends of their names.
-const OPAQUE: [&str; 13] = [
+const OPAQUE: [&str; 12] = [
     "ControlMode",
     "LoadData",
     "FRIConfiguration",
@@ -57,7 +57,6 @@ const OPAQUE: [&str; 13] = [
     "DataRecorder",
     "ESM",
     "ErrorHandler",
-    "UserKeyBar",
 ];
 
 /// What values of a class depend on, if they cannot be known.
@@ -97,6 +96,9 @@ impl Robotics<'_> {
                 Ok(transformation_static(name, arguments))
             }
             ("Vector", "of", _) => Ok(new_vector(arguments)),
+            ("JointPosition", "ofDeg" | "ofRad", _) => {
+                self.joints_static(name, arguments).map(Some)
+            }
             ("FRIConfiguration", ..) => {
                 Ok(Some(robot(RobotValue::opaque("FRIConfiguration"))))
             }

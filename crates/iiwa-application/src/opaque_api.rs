@@ -27,10 +27,12 @@ impl Robotics<'_> {
             "IApplicationUI" => {
                 return match name {
                     "displayModalDialog" => self.ask(arguments),
-                    _ => Ok(robot(RobotValue::opaque("UserInterface"))),
+                    name => Ok(self.call_user_interface(name)),
                 };
             }
-            "ITaskLogger" | "UserInterface" | "IObserver" => return Ok(Value::Null),
+            "IUserKeyBar" => return Ok(self.call_user_key_bar(name)),
+            "IUserKey" => return Ok(self.call_user_key(name)),
+            "ITaskLogger" | "IObserver" => return Ok(Value::Null),
             "IApplicationControl" => {
                 return match (name, arguments) {
                     ("setApplicationOverride" | "clipApplicationOverride", [share]) => {
@@ -137,9 +139,7 @@ impl Robotics<'_> {
     /// The objects of the API that an application gets by its own methods or by injection, by their class.
     pub(crate) fn service(class: &str) -> Option<Value> {
         let class = match class {
-            "LBR" | "LBRMed" | "Robot" | "AbstractRobot" | "RobotDevice" => {
-                return Some(robot(RobotValue::Robot));
-            }
+            arm if is_arm(arm) => return Some(robot(RobotValue::Robot)),
             "World" => return Some(robot(RobotValue::Spot(Spot::World))),
             "IApplicationData" | "ApplicationData" | "IPersistenceEngine" => "IApplicationData",
             "IApplicationUI" | "ApplicationUI" | "ITaskUI" => "IApplicationUI",
@@ -152,4 +152,14 @@ impl Robotics<'_> {
         };
         Some(robot(RobotValue::opaque(class)))
     }
+}
+
+/// Whether a device class is the arm: `LBR` and `Robot`, and `RoboticArm` and `LBRMed7` of Sunrise.OS Med and Sunrise 2. The
+/// LBR Med has the kinematics of the LBR iiwa.
+pub(crate) fn is_arm(class: &str) -> bool {
+    /// Classes of the FRI and of redundancies begin like those of robots.
+    const OTHERS: [&str; 3] = ["LBRE1Redundancy", "LBRJointOverlay", "LBRWrenchOverlay"];
+    let is_general =
+        ["Robot", "AbstractRobot", "RobotDevice", "RoboticArm", "IRoboticArm"].contains(&class);
+    is_general || (class.starts_with("LBR") && !OTHERS.contains(&class))
 }
