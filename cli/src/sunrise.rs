@@ -5,7 +5,7 @@ use std::path::Path;
 use iiwa_application::{Import, ImportError, ImportOptions};
 use iiwa_kin::Robot;
 use iiwa_program::Program;
-use iiwa_sunrise::{AnswerValue, Answers, Project};
+use iiwa_sunrise::{AnswerValue, Answers, Project, Question, QuestionKind};
 use iiwa_view::printable;
 
 use crate::{
@@ -71,7 +71,9 @@ pub(crate) fn program(
     let import = application
         .import(answering.application.as_deref())
         .map_err(|error| failure(folder, &error))?;
-    for question in import.questions.iter().filter(|question| !question.is_given) {
+    // A duration that is not given has a note of its own.
+    let is_open = |own: &&Question| !own.is_given && own.kind != QuestionKind::Time;
+    for question in import.questions.iter().filter(is_open) {
         print_note(&printable(&format!(
             "Note: {}:{} asks {:?}, answered by {}\n",
             question.file, question.line, question.asked, question.answer
@@ -146,6 +148,19 @@ fn answers(folder: &Path, answering: &Answering) -> Result<Answers, Failure> {
             ))
         })?;
         answers.fired.insert(place, values);
+    }
+    for given in &answering.time {
+        let (place, seconds) = pair("--time", given)?;
+        let found = seconds.trim().parse().ok().and_then(Answers::seconds);
+        let fault = || Failure::input(format!("--time {given}: {}", Answers::SECONDS));
+        answers.times.insert(place, found.ok_or_else(fault)?);
+    }
+    for given in &answering.tool {
+        let (name, numbers) = pair("--tool", given)?;
+        let numbers: Result<Vec<_>, _> = numbers.split(',').map(|own| own.trim().parse()).collect();
+        let found = numbers.ok().and_then(|numbers| Answers::frame(&numbers));
+        let fault = || Failure::input(format!("--tool {given}: {}", Answers::FRAME));
+        answers.tools.insert(name, found.ok_or_else(fault)?);
     }
     Ok(answers)
 }

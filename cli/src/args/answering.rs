@@ -33,12 +33,22 @@ pub(crate) struct Answering {
     #[arg(long, value_name = "FILE:LINE=BOOL[,BOOL]...", help_heading = SUNRISE)]
     pub(crate) fired: Vec<String>,
 
+    /// Seconds that a hold without an end, a gripper or a mobile platform takes, by the place of its call, as
+    /// Fetch.java:26=2.5 [default: 0]
+    #[arg(long, value_name = "FILE:LINE=SECONDS", help_heading = SUNRISE)]
+    pub(crate) time: Vec<String>,
+
+    /// Frame of a tool that the project's data file lacks, relative to the flange, in mm and degrees: the TCP by Pen=0,0,120,
+    /// another frame by Pen/Tip=0,0,120,0,90,0
+    #[arg(long, value_name = "TOOL=X,Y,Z[,A,B,C]", help_heading = SUNRISE)]
+    pub(crate) tool: Vec<String>,
+
     /// Length of the robot's flange in mm, where the project does not state it, or states it wrongly
     #[arg(long, value_name = "MM", value_parser = length_mm, help_heading = SUNRISE)]
     pub(crate) flange_mm: Option<f64>,
 
-    /// File of answers: TOML with `robot`, `flange_mm`, `[answers]`, `[inputs]`, `[data]` and `[fired]`; the options above win
-    /// over it
+    /// File of answers: TOML with `robot`, `flange_mm`, `[answers]`, `[inputs]`, `[data]`, `[fired]`, `[times]` and `[tools]`;
+    /// the options above win over it
     /// [default: iiwasim-answers.toml in the project, if there is one]
     #[arg(long, value_name = "FILE.toml", help_heading = SUNRISE)]
     pub(crate) answers: Option<PathBuf>,
@@ -51,11 +61,12 @@ pub(crate) struct Answering {
 impl Answering {
     /// Whether anything is said that is for applications only.
     pub(crate) fn is_given(&self) -> bool {
-        let Self { application, answer, input, data, fired, flange_mm, answers, start_deg } = self;
+        let Self { application, answer, input, data, fired, time, tool, .. } = self;
+        let Self { flange_mm, answers, start_deg, .. } = self;
         application.is_some()
             || answers.is_some()
             || start_deg.is_some()
             || flange_mm.is_some()
-            || !(answer.is_empty() && input.is_empty() && data.is_empty() && fired.is_empty())
+            || ![answer, input, data, fired, time, tool].into_iter().all(Vec::is_empty)
     }
 }

@@ -33,7 +33,7 @@ pub(crate) struct Import {
     pub(crate) answering: Answering,
 
     /// Import frames and tools, although the project has applications
-    #[arg(long, conflicts_with_all = ["application", "answer", "input", "data", "answers", "start_deg", "flange_mm"])]
+    #[arg(long, conflicts_with_all = ["application", "answer", "input", "data", "time", "tool", "answers", "start_deg", "fired", "flange_mm"])]
     pub(crate) frames: bool,
 
     /// Path of the program or of the frames [default: APPLICATION.json or frames.json]

@@ -3,9 +3,11 @@
 use std::{collections::BTreeMap, fmt};
 
 use iiwa_json::Place;
+use iiwa_program::Frame;
 use serde::Deserialize;
 
-/// Answers to the questions of an application: its dialogs, inputs and process data; and the robot that runs it.
+/// Answers to the questions of an application: its dialogs, inputs and process data, durations, and tools that the data file
+/// lacks; and the robot that runs it.
 ///
 /// ```
 /// use iiwa_sunrise::{AnswerValue, Answers};
@@ -20,7 +22,12 @@ use serde::Deserialize;
 ///     velocity = 0.25
 ///     [fired]
 ///     "Search.java:29" = true
+///     [times]
+///     "Fetch.java:26" = 2.5
+///     [tools]
+///     Gripper = [0, 0, 120]
 /// "#)?;
+/// assert_eq!(answers.times["Fetch.java:26"], 2.5);
 /// assert_eq!(answers.dialogs["Once more?"], [0, 0, 1]);
 /// assert_eq!(answers.inputs["Gripper.Closed"], AnswerValue::Boolean(true));
 /// # Ok::<(), iiwa_sunrise::AnswersError>(())
@@ -41,6 +48,10 @@ pub struct Answers {
     /// Whether conditions come true that are measured while the arm moves, by the place at which the program asks for it, as
     /// `Search.java:29`, with or without the folders of the file. Of several, each answers it once, and the last one from then on.
     pub fired: BTreeMap<String, Vec<bool>>,
+    /// Durations in s of holds that the operator ends, of grippers and of platforms, by `File.java:line`.
+    pub times: BTreeMap<String, f64>,
+    /// Frames of tools that the data file lacks, relative to the flange: the TCP by `Tool`, others by `Tool/Frame`.
+    pub tools: BTreeMap<String, Frame>,
 }
 
 /// A value that is given as an answer.
@@ -115,6 +126,10 @@ struct AnswersWire {
     data: BTreeMap<String, AnswerValue>,
     #[serde(default)]
     fired: BTreeMap<String, FiredWire>,
+    #[serde(default)]
+    times: BTreeMap<String, SecondsWire>,
+    #[serde(default)]
+    tools: BTreeMap<String, FrameWire>,
 }
 
 #[derive(Deserialize)]
@@ -122,6 +137,30 @@ struct AnswersWire {
 enum FiredWire {
     One(bool),
     Each(Vec<bool>),
+}
+
+#[derive(Deserialize)]
+#[serde(try_from = "f64")]
+struct SecondsWire(f64);
+
+impl TryFrom<f64> for SecondsWire {
+    type Error = &'static str;
+
+    fn try_from(seconds: f64) -> Result<Self, Self::Error> {
+        Answers::seconds(seconds).map(Self).ok_or(Answers::SECONDS)
+    }
+}
+
+#[derive(Deserialize)]
+#[serde(try_from = "Vec<f64>")]
+struct FrameWire(Frame);
+
+impl TryFrom<Vec<f64>> for FrameWire {
+    type Error = &'static str;
+
+    fn try_from(numbers: Vec<f64>) -> Result<Self, Self::Error> {
+        Answers::frame(&numbers).map(Self).ok_or(Answers::FRAME)
+    }
 }
 
 #[derive(Deserialize)]
@@ -135,7 +174,32 @@ enum ButtonsWire {
 }
 
 impl Answers {
-    /// Reads answers from TOML: `robot` and `flange_mm`, `[answers]` to dialogs, `[inputs]`, `[data]` and `[fired]`.
+    /// The expected form of a duration.
+    pub const SECONDS: &'static str = "a duration is a number of seconds from 0 to 86400";
+    /// The expected form of a tool's frame.
+    pub const FRAME: &'static str =
+        "a tool frame is x, y, z in mm, and perhaps a, b, c in degrees, relative to the flange";
+
+    /// A duration, if it is one that a motion program can have.
+    #[must_use]
+    pub fn seconds(seconds: f64) -> Option<f64> {
+        (0.0..=86400.0).contains(&seconds).then_some(seconds)
+    }
+
+    /// A frame by x, y, z in mm, and perhaps a, b, c in degrees.
+    #[must_use]
+    pub fn frame(numbers: &[f64]) -> Option<Frame> {
+        let (xyz_mm, abc_deg) = match *numbers {
+            [x, y, z] => ([x, y, z], [0.0; 3]),
+            [x, y, z, a, b, c] => ([x, y, z], [a, b, c]),
+            _ => return None,
+        };
+        let is_finite = numbers.iter().all(|number| number.is_finite());
+        is_finite.then(|| Frame { xyz_mm, abc_rad: abc_deg.map(f64::to_radians) })
+    }
+
+    /// Reads answers from TOML: `robot` and `flange_mm`, `[answers]` to dialogs, `[inputs]`, `[data]`, `[fired]`, `[times]` and
+    /// `[tools]`.
     ///
     /// # Errors
     ///
@@ -162,6 +226,8 @@ impl Answers {
             inputs: wire.inputs,
             data: wire.data,
             fired: fired.collect(),
+            times: wire.times.into_iter().map(|(place, SecondsWire(own))| (place, own)).collect(),
+            tools: wire.tools.into_iter().map(|(name, FrameWire(own))| (name, own)).collect(),
         })
     }
 }
@@ -184,6 +250,24 @@ mod tests {
         let error = Answers::from_toml("[answers]\n\"Go?\" = true\n").err();
         let text = error.map(|error| error.to_string()).unwrap_or_default();
         assert!(text.contains("the number of a button") && text.contains("line 2"), "{text}");
+    }
+
+    #[test]
+    fn durations_and_tools_are_checked() {
+        for (text, reason) in [
+            ("[times]\n\"A.java:3\" = -1", Answers::SECONDS),
+            ("[times]\n\"A.java:3\" = nan", Answers::SECONDS),
+            ("[tools]\nPen = [1, 2]", Answers::FRAME),
+        ] {
+            let error = Answers::from_toml(text).err();
+            let found = error.map(|error| error.to_string()).unwrap_or_default();
+            assert!(found.contains(reason) && found.contains("line 2"), "{text}: {found}");
+        }
+        let tools =
+            Answers::from_toml("[tools]\n\"Pen/Tip\" = [1, 2, 3, 90, 0, 0]").map(|own| own.tools);
+        let tip = tools.unwrap_or_default().get("Pen/Tip").copied().unwrap_or_default();
+        assert_eq!(tip.xyz_mm, [1.0, 2.0, 3.0]);
+        assert_eq!(tip.abc_rad, [std::f64::consts::FRAC_PI_2, 0.0, 0.0]);
     }
 
     #[test]

@@ -62,6 +62,8 @@ pub struct Teaching {
 pub struct ToolTemplate {
     /// Its name.
     pub name: String,
+    /// Its class in Java, with the package, if that is stated.
+    pub class: Option<String>,
     /// The path of the frame that moves unless another is named, as `/FRAME`.
     pub default_frame: Option<String>,
     /// Its frames, the outermost ones in the flange's.

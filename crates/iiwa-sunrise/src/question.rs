@@ -5,8 +5,8 @@
 pub struct Question {
     /// Of which kind it is.
     pub kind: QuestionKind,
-    /// The text of the dialog, `Group.Name` of the input, the id of the process data, or the file and line at which it is asked
-    /// whether a condition came true.
+    /// The text of the dialog, `Group.Name` of the input, the id of the process data, `File.java:line` of the condition or the
+    /// duration, or the name of the tool.
     pub asked: String,
     /// The buttons of the dialog.
     pub choices: Vec<String>,
@@ -36,4 +36,8 @@ pub enum QuestionKind {
     Flange,
     /// Whether a condition came true that is measured while the arm moves.
     Fired,
+    /// The duration of a hold, of a gripper or of a platform.
+    Time,
+    /// A frame of a tool that the data file lacks.
+    Tool,
 }

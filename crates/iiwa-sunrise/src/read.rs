@@ -253,6 +253,7 @@ fn redundancy(entry: &Element<'_>, rest: &mut Rest) -> Result<TaughtRedundancy, 
 fn tool(element: &Element<'_>, rest: &mut Rest) -> Result<ToolTemplate, DataFileError> {
     let mut tool = ToolTemplate {
         name: element.required("name")?.to_owned(),
+        class: element.attribute("class").map(str::to_owned),
         default_frame: element.attribute("defaultMotionFrameRef").map(str::to_owned),
         frames: Vec::new(),
         load: None,

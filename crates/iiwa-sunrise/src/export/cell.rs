@@ -227,6 +227,7 @@ impl ExportedTool {
     pub(super) fn with_load(&self, name: &str, load: Option<iiwa_kin::Load>) -> ToolTemplate {
         ToolTemplate {
             name: name.to_owned(),
+            class: None,
             default_frame: Some(format!("/{}", self.tcp)),
             frames: self.frames.clone(),
             load,

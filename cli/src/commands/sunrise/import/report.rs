@@ -185,6 +185,8 @@ impl QuestionRow {
                 QuestionKind::Robot => "robot",
                 QuestionKind::Flange => "flange",
                 QuestionKind::Fired => "fired",
+                QuestionKind::Time => "time",
+                QuestionKind::Tool => "tool",
                 _ => "process data",
             },
             asked: question.asked.clone(),
@@ -213,6 +215,8 @@ impl QuestionRow {
             "robot" => return format!("--robot {}", self.answer),
             "flange" => return format!("--flange-mm {}", self.answer),
             "fired" => "--fired",
+            "time" => "--time",
+            "tool" => "--tool",
             _ => "--data",
         };
         format!("{option} \"{}={}\"", self.asked, self.answer)
