@@ -117,6 +117,8 @@ fn answers_come_from_a_file_or_from_options() {
         ("--answer", "Which part", "a name, = and a value"),
         ("--answer", "Which part=left", "number of a button"),
         ("--answers", "none.toml", "cannot read none.toml"),
+        ("--time", "Fetch.java:3=-1", "a number of seconds from 0"),
+        ("--tool", "Pen=0,0", "x, y, z in mm"),
         ("--start-deg", "0,0,0,-130,0,0,0", "A4"),
     ] {
         run_on(&folder, "import", "dialogs", &[option, value]).code(2).stderr(contains(reason));
@@ -171,4 +173,21 @@ fn a_profile_comes_along_with_the_program() {
     let again = ["--robot", &robot, "-o", "programs/again.json"];
     run_on(&folder, "import", "dialogs", &again).code(2).stderr(contains("cell.json exists"));
     assert!(!at("programs/again.json").exists());
+}
+
+#[test]
+fn durations_and_tools_that_the_project_lacks_are_given() {
+    let folder = tempdir().unwrap();
+    let hold = ["--time", "Lean.java:21=2.5", "--json", "--no-output"];
+    let held = run_on(&folder, "import", "../sunrise-cases/hold-until-ended", &hold).success();
+    let report: Value = serde_json::from_slice(&held.get_output().stdout).unwrap();
+    assert_eq!(report["motions"][1]["type"], "wait");
+    assert_eq!(report["questions"][0]["kind"], "time");
+    let without = run_on(&folder, "import", "../sunrise-cases/hold-until-ended", &["--no-output"]);
+    without.success().stdout(contains("--time \"Lean.java:21=0\""));
+    run_on(&folder, "import", "../sunrise-cases/tool-missing", &["--no-output"])
+        .code(2)
+        .stderr(contains("no template `Pen`").and(contains("--tool")));
+    let tool = ["--tool", "Pen=0,0,120", "--tool", "Pen/Side=50,0,100,0,90,0", "--no-output"];
+    run_on(&folder, "import", "../sunrise-cases/tool-missing", &tool).success();
 }

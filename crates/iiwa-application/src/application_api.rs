@@ -129,9 +129,18 @@ impl Robotics<'_> {
                 Some(group) if !group.is_empty() => {
                     Ok(Some(robot(RobotValue::IoGroup(Rc::from(group)))))
                 }
-                _ => Ok(None),
+                _ => Ok(self.injected_by_name(class, named.unwrap_or(field))),
             },
         }
+    }
+
+    /// A tool of a class of its own, such as those of KUKA's gripper toolbox: by its name in the data file, or by its class.
+    fn injected_by_name(&mut self, class: &str, name: &str) -> Option<Value> {
+        let known = self.template(name).map(|body| (body.name, body.is_workpiece));
+        let of_class = || self.template_of_class(class).map(|name| (name.to_owned(), false));
+        let missing = || class.ends_with("Gripper").then(|| (name.to_owned(), false));
+        let (name, is_workpiece) = known.or_else(of_class).or_else(missing)?;
+        Some(self.injected_body(&name, is_workpiece))
     }
 }
 

@@ -1,5 +1,8 @@
 //! Tools and workpieces.
 
+use std::rc::Rc;
+
+use iiwa_java::{Place, Unknown};
 use iiwa_kin::Load;
 use iiwa_program::{Frame, Tool};
 use iiwa_sunrise::{ImportedTool, ToolFrame, ToolTemplate};
@@ -20,6 +23,10 @@ pub(crate) struct Body {
     pub(crate) attached: Option<(Spot, Frame)>,
     /// Its name in programs, if it is a template of a tool that is used as it is.
     pub(crate) in_programs: Option<String>,
+    /// Its class in Java, if the data file states it.
+    pub(crate) class: Option<String>,
+    /// The place at which it is injected, if neither the data file nor an answer describes it.
+    pub(crate) missing: Option<Place>,
 }
 
 /// A frame of a tool or a workpiece.
@@ -31,6 +38,8 @@ pub(crate) struct BodyFrame {
     pub(crate) frame: Frame,
     /// Its name in programs, `TOOL` or `TOOL/TIP`, if the tool is used as it is.
     pub(crate) in_programs: Option<String>,
+    /// The value on which its place depends, if that is not known.
+    pub(crate) unknown: Option<Rc<Unknown>>,
 }
 
 impl Body {
@@ -44,13 +53,18 @@ impl Body {
             load: None,
             attached: None,
             in_programs: None,
+            class: None,
+            missing: None,
         }
     }
 
     /// One from a template; a tool is `imported`.
     pub(crate) fn of_template(template: &ToolTemplate, imported: Option<&ImportedTool>) -> Self {
-        let mut body =
-            Self { load: template.load, ..Self::bare(&template.name, imported.is_none()) };
+        let mut body = Self {
+            load: template.load,
+            class: template.class.clone(),
+            ..Self::bare(&template.name, imported.is_none())
+        };
         let root = (String::new(), Frame::default());
         let mut open: Vec<_> =
             template.frames.iter().rev().map(|frame| (frame, root.clone())).collect();
@@ -59,7 +73,7 @@ impl Body {
             let path = format!("{above}/{}", frame.name);
             let own = if above.is_empty() { frame.frame } else { then(&within, &frame.frame) };
             open.extend(frame.children.iter().rev().map(|child| (child, (path.clone(), own))));
-            body.frames.push(BodyFrame { path, frame: own, in_programs: None });
+            body.frames.push(BodyFrame { path, frame: own, in_programs: None, unknown: None });
         }
         body.default = body
             .frames
@@ -97,7 +111,9 @@ impl Body {
     pub(crate) fn as_tool(&self, root: &Frame) -> Tool {
         let at =
             |index: usize| self.frames.get(index).map_or(*root, |frame| then(root, &frame.frame));
-        let tips = self.frames.iter().enumerate().filter(|(index, _)| Some(*index) != self.default);
+        let tips = self.frames.iter().enumerate();
+        let tips =
+            tips.filter(|(index, own)| Some(*index) != self.default && own.unknown.is_none());
         let tips = tips.map(|(index, frame)| (tip_name(&frame.path), at(index)));
         Tool { tcp: self.default.map_or(*root, at), tips: tips.collect(), load: None }
     }

@@ -66,8 +66,24 @@ impl Robotics<'_> {
         name: &str,
         arguments: &[Value],
     ) -> Result<Value, Stop> {
-        let own = || robot(RobotValue::Frame(Rc::clone(this)));
         let changes = name.starts_with("set") || name == "transform";
+        let result = self.frame_call(this, changes, name, arguments)?;
+        // Where a frame is after a change that is not understood is not known.
+        if changes && let Value::Unknown(unknown) = &result {
+            this.borrow_mut().unknown.get_or_insert(Rc::clone(unknown));
+            return Ok(robot(RobotValue::Frame(Rc::clone(this))));
+        }
+        Ok(result)
+    }
+
+    fn frame_call(
+        &mut self,
+        this: &Rc<RefCell<FrameValue>>,
+        changes: bool,
+        name: &str,
+        arguments: &[Value],
+    ) -> Result<Value, Stop> {
+        let own = || robot(RobotValue::Frame(Rc::clone(this)));
         if changes && let Some(unknown) = first_unknown(arguments) {
             this.borrow_mut().unknown.get_or_insert(unknown);
             return Ok(own());
@@ -106,9 +122,10 @@ impl Robotics<'_> {
                 self.set_parent(this, parent, keeps_place)
             }
             ("setTransformationFromParent", [transformation]) => {
-                if let Some(frame) = offset_of(transformation) {
-                    this.borrow_mut().frame = frame;
-                }
+                let Some(frame) = offset_of(transformation) else {
+                    return Ok(self.not_known("Frame.setTransformationFromParent"));
+                };
+                this.borrow_mut().frame = frame;
                 Ok(own())
             }
             _ => {
@@ -174,6 +191,9 @@ impl Robotics<'_> {
         name: &str,
         arguments: &[Value],
     ) -> Result<Value, Stop> {
+        if let Some(unknown) = &this.unknown {
+            return Ok(Value::Unknown(Rc::clone(unknown)));
+        }
         if let Some(index) = index_of(name, "get") {
             return Ok(Value::Double(number_of(&this.frame, index)));
         }
@@ -238,7 +258,7 @@ impl Robotics<'_> {
                 let frame = frame.borrow().clone();
                 Some(frame).filter(|frame| frame.unknown.is_none())
             }
-            RobotValue::Spot(spot) => self.spot_frame(spot),
+            RobotValue::Spot(spot) => self.spot_frame(spot).filter(|frame| frame.unknown.is_none()),
             RobotValue::Transformation(frame) => Some(FrameValue::within(Spot::World, *frame)),
             _ => None,
         }
@@ -246,6 +266,10 @@ impl Robotics<'_> {
 
     /// A spot as a frame in its parent; in the world, if it moves with the arm.
     pub(crate) fn spot_frame(&self, spot: Spot) -> Option<FrameValue> {
+        if let Some(unknown) = self.station.unknown_of(spot) {
+            let own = FrameValue::within(Spot::World, Frame::default());
+            return Some(FrameValue { unknown: Some(unknown), ..own });
+        }
         let Spot::Tree(index) = spot else {
             return Some(FrameValue::within(Spot::World, self.station.in_world(spot)?));
         };
@@ -391,10 +415,13 @@ impl Robotics<'_> {
 }
 
 /// A transformation.
-fn offset_of(value: &Value) -> Option<Frame> {
+pub(crate) fn offset_of(value: &Value) -> Option<Frame> {
     match robot_value(value)? {
         RobotValue::Transformation(offset) => Some(*offset),
-        RobotValue::Frame(frame) => Some(frame.borrow().frame),
+        RobotValue::Frame(frame) => {
+            let frame = frame.borrow();
+            frame.unknown.is_none().then_some(frame.frame)
+        }
         _ => None,
     }
 }

@@ -121,7 +121,7 @@ fn import_here(
 ) -> Result<Import, ImportError> {
     let (_, application) = find(project, &project.classes(), name)?;
     let choice = RobotChoice::new(project, &application, &data_file, options)?;
-    let RobotChoice { robot, name: robot_name, flange_m, statements, mut questions, mut notes } =
+    let RobotChoice { robot, name: robot_name, flange_m, statements, questions: of_robot, mut notes } =
         choice;
     let start_rad = options.start_rad.or_else(|| stated_start(&data_file)).unwrap_or_default();
     let answers = options.answers.clone();
@@ -144,8 +144,8 @@ fn import_here(
             own.text += &ways;
         }
     }
-    let (program, places, asked) = run.station.finish();
-    questions.extend(asked);
+    let (program, places, mut questions) = run.station.finish();
+    questions.extend(of_robot);
     let program = with_sources(program, &places);
     match run.end {
         Ok(()) if program.motions.iter().any(Motion::moves) => {

@@ -44,9 +44,8 @@ const CONCURRENT: [&str; 6] =
     ["Thread", "Timer", "TimerTask", "Executors", "ExecutorService", "CompletableFuture"];
 
 /// Classes of KUKA's whose objects do not change what is planned, by ends of their names.
-const OPAQUE: [&str; 12] = [
+const OPAQUE: [&str; 11] = [
     "ControlMode",
-    "LoadData",
     "FRIConfiguration",
     "FRISession",
     "FRIJointOverlay",
@@ -125,6 +124,7 @@ impl Robotics<'_> {
         match class {
             "Frame" => return Ok(Some(self.new_frame(arguments))),
             "JointPosition" => return self.new_joints(arguments).map(Some),
+            "LoadData" => return Ok(Some(self.new_load(arguments))),
             "LBRE1Redundancy" => return Ok(Some(new_redundancy(arguments))),
             "Vector" => return Ok(new_vector(arguments)),
             "Tool" | "Workpiece" => {

@@ -44,11 +44,17 @@ pub(crate) enum Way {
     Spl(Goal),
     Spline(Vec<Rc<RefCell<MotionValue>>>),
     Batch(Vec<Rc<RefCell<MotionValue>>>),
-    Hold {
-        seconds: f64,
-    },
+    Hold(HoldTime),
     /// One that cannot be planned.
     Refused,
+}
+
+/// The duration of a hold.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum HoldTime {
+    Seconds(f64),
+    /// Until the operator or the program ends it.
+    UntilEnded,
 }
 
 /// A frame to go to: as it is when the motion is sent.

@@ -7,8 +7,9 @@ use iiwa_program::Frame;
 
 use crate::{
     arguments::{first_unknown, flattened, frame, joints, numbers, robot_value},
+    durations::hold_time,
     frame_value::FrameValue,
-    motion_value::{Goal, MotionValue, Obstacle, Way},
+    motion_value::{Goal, HoldTime, MotionValue, Obstacle, Way},
     robot_value::{RobotValue, robot},
     robotics::Robotics,
     spot::Spot,
@@ -200,7 +201,7 @@ fn lin_rel(arguments: &[Value]) -> Option<Way> {
 
 /// A motion that stands for a time.
 fn position_hold(arguments: &[Value]) -> Value {
-    let mut motion = MotionValue::new(Way::Hold { seconds: 0.0 });
+    let mut motion = MotionValue::new(Way::Hold(HoldTime::UntilEnded));
     match arguments {
         [_, Value::Unknown(unknown), _] | [_, _, Value::Unknown(unknown)] => {
             let what = "the time of this hold".to_owned();
@@ -212,21 +213,17 @@ fn position_hold(arguments: &[Value]) -> Value {
                 Some(RobotValue::Constant(unit)) => amount.and_then(|time| unit.seconds(time)),
                 _ => None,
             };
-            match seconds {
-                Some(seconds) if seconds >= 0.0 => motion.way = Way::Hold { seconds },
-                _ => motion.obstruct(endless(amount)),
+            if let Some(seconds) = seconds {
+                motion.way = Way::Hold(hold_time(seconds));
+            } else {
+                let reason = "the time of this hold is not a number and a unit of time";
+                motion.obstruct(Obstacle::Refused(reason.to_owned()));
             }
         }
-        _ => motion.obstruct(endless(None)),
+        // Without a time, it has no end.
+        _ => {}
     }
     robot(RobotValue::motion(motion))
-}
-
-fn endless(amount: Option<f64>) -> Obstacle {
-    let of = amount.map_or(String::new(), |amount| format!(" of {amount}"));
-    Obstacle::Refused(format!(
-        "`positionHold`{of} has no end: the arm stands until something else happens; give it a time"
-    ))
 }
 
 fn target_unknown(unknown: Rc<Unknown>) -> Obstacle {

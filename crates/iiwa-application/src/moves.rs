@@ -11,6 +11,7 @@ use iiwa_program::{
 
 use crate::{
     arrival::{joints_at, moved_by, on_circle},
+    frame_value::Parent,
     motion_value::{Blending, Goal, MotionValue, Obstacle, Settings, Way},
     robot_value::{RobotValue, Sent, robot},
     robotics::Robotics,
@@ -38,7 +39,9 @@ impl Robotics<'_> {
         motion: &Rc<RefCell<MotionValue>>,
         is_async: bool,
     ) -> Result<Value, Stop> {
+        self.note_default_frame(mover);
         let mover = self.station.default_frame(mover);
+        self.check_known(mover)?;
         if self.station.in_flange(mover).is_none() {
             let what = self.spot_name(mover);
             return self
@@ -88,9 +91,8 @@ impl Robotics<'_> {
         if self.station.schedule.sent() >= MAX_MOTIONS {
             return self.refuse(format!("the arm is moved more than {MAX_MOTIONS} times"));
         }
-        if let Way::Hold { seconds } = motion.way {
-            self.station.schedule.await_all();
-            return self.wait(seconds);
+        if let Way::Hold(time) = motion.way {
+            return self.hold(time);
         }
         self.begin_to_move()?;
         let shares = ByKind::from_fn(|kind| settings.shares[kind].unwrap_or([1.0; 7]));
@@ -134,7 +136,7 @@ impl Robotics<'_> {
 
     /// The program waits, while the arm moves on.
     pub(crate) fn wait(&mut self, seconds: f64) -> Result<(), Stop> {
-        self.check(&Motion::Wait { seconds, overlap: 0 })?;
+        self.check_wait(seconds)?;
         let overlap = self.station.schedule.under_way();
         if overlap > MAX_OVERLAP {
             return self.refuse(format!(
@@ -143,6 +145,11 @@ impl Robotics<'_> {
         }
         self.station.schedule.wait(seconds, self.here.clone());
         Ok(())
+    }
+
+    /// That a program can have a wait of so many seconds.
+    pub(crate) fn check_wait(&self, seconds: f64) -> Result<(), Stop> {
+        self.check(&Motion::Wait { seconds, overlap: 0 })
     }
 
     /// That a program can have this motion.
@@ -222,7 +229,7 @@ impl Robotics<'_> {
                 }]))
             }
             Way::Spline(segments) => self.spline(&from, &tcp, law, segments),
-            Way::Joints(_) | Way::Home | Way::Batch(_) | Way::Hold { .. } | Way::Refused => {
+            Way::Joints(_) | Way::Home | Way::Batch(_) | Way::Hold(_) | Way::Refused => {
                 self.refuse("this motion has no course of the TCP")
             }
         }
@@ -343,9 +350,14 @@ impl Robotics<'_> {
     fn place_of(&mut self, goal: &Goal) -> Result<Destination, Stop> {
         match goal {
             Goal::Spot(Spot::Tree(index)) => {
+                self.note_world_after_drive();
                 let Some(found) = self.station.tree.get(*index).cloned() else {
                     return self.refuse("this frame is not in the data file");
                 };
+                self.check_known(Spot::Tree(*index))?;
+                if self.station.is_changed(*index) {
+                    return Ok(self.changed_place(*index, &found.name));
+                }
                 let Some(target) = self.station.workcell.frames.get(&found.name) else {
                     // A base that is no frame to go to itself.
                     let base = Target { base: Some(found.name), ..Target::at(Frame::default()) };
@@ -363,6 +375,7 @@ impl Robotics<'_> {
                 Ok(given(target))
             }
             Goal::Spot(spot) => {
+                self.check_known(*spot)?;
                 if self.station.in_flange(*spot).is_some() {
                     let what = self.spot_name(*spot);
                     return self.refuse(format!("{what} is a target, and it moves with the arm"));
@@ -379,6 +392,12 @@ impl Robotics<'_> {
                 if let Some(unknown) = &frame.unknown {
                     return self.refuse_unknown("the target of this motion", unknown);
                 }
+                if matches!(frame.parent, Parent::Spot(Spot::Tree(_))) {
+                    self.note_world_after_drive();
+                }
+                if let Parent::Spot(parent) = frame.parent {
+                    self.check_known(parent)?;
+                }
                 let Some(place) = self.station.frame_in_world(&frame) else {
                     return self.refuse(
                         "the target of this motion is given in something that is attached to nothing",
@@ -394,6 +413,16 @@ impl Robotics<'_> {
                 Ok(given(target))
             }
         }
+    }
+
+    /// A frame of the data file that the application has moved: its place by now, with the redundancy of the data file.
+    fn changed_place(&self, index: usize, name: &str) -> Destination {
+        let place = self.station.in_world(Spot::Tree(index)).unwrap_or_default();
+        let target = match self.station.workcell.frames.get(name) {
+            Some(taught) => Target { frame: place, base: Some(FOOT.to_owned()), ..taught.clone() },
+            None => in_foot(place),
+        };
+        given(target)
     }
 
     /// Before the first motion: the tool at the flange is that of the program, and its load what is carried.

@@ -5,6 +5,7 @@ use iiwa_java::{Stop, Value};
 
 use crate::{
     arguments::first_unknown,
+    platform_api::{is_platform, name_platform, platform},
     robot_value::{Opaque, RobotValue, robot},
     robotics::Robotics,
     spot::Spot,
@@ -69,6 +70,8 @@ impl Robotics<'_> {
                 self.note("a session of FRI is planned as if it were there at once");
                 return Ok(Value::Null);
             }
+            "MobilePlatform" => return self.call_platform(name, arguments),
+            "PlatformMotion" => return Ok(self.call_platform_motion(name)),
             "Thread" => {
                 return self.call_thread(name, arguments);
             }
@@ -97,6 +100,9 @@ impl Robotics<'_> {
             }
             ("getProcessData", [id]) => self.process_data(id),
             ("createFromTemplate", [template]) => self.body_of_template(template),
+            ("changeFrameTransformation" | "changeFramePosition", [frame, to]) => {
+                self.change_data_frame(frame, to)
+            }
             _ => Ok(self.not_known(&format!("IApplicationData.{name}"))),
         }
     }
@@ -106,8 +112,14 @@ impl Robotics<'_> {
         let controller = robot(RobotValue::opaque("Controller"));
         match (name, arguments) {
             ("getDefaultController" | "getController", _) => controller,
+            ("getEngine" | "getPersistenceEngine" | "getDefaultPersistenceEngine", _) => {
+                robot(RobotValue::opaque("IApplicationData"))
+            }
             ("getControllers", []) => Value::list(vec![controller]),
             ("getDevices", []) => Value::list(vec![arm]),
+            ("getDeviceFromType" | "getDevice" | "getRobot", _) if name_platform(arguments) => {
+                platform()
+            }
             ("getDeviceFromType" | "getDevice", [.., Value::ForeignClass(class)])
                 if !class.contains("LBR") && !class.contains("Robot") =>
             {
@@ -148,6 +160,7 @@ impl Robotics<'_> {
             "IContext" | "ApplicationContext" | "RoboticsAPIContext" => "IContext",
             "Controller" | "SunriseController" => "Controller",
             "IObserverManager" | "ObserverManager" => "IObserverManager",
+            class if is_platform(class) => return Some(platform()),
             _ => return None,
         };
         Some(robot(RobotValue::opaque(class)))

@@ -55,6 +55,7 @@ impl Robotics<'_> {
             RobotValue::Motion(motion) => self.call_motion(motion, name, arguments),
             RobotValue::Container(sent) => self.call_container(**sent, name),
             RobotValue::JointLimits => Ok(self.call_limits(name)),
+            RobotValue::Load(load) => self.call_load(load, name, arguments),
             RobotValue::ProcessData(id) => self.call_process_data(id, name, arguments),
             RobotValue::IoGroup(group) => self.call_io_group(group, name, arguments),
             RobotValue::Constant(constant) => self.call_constant(constant, name, arguments),
@@ -116,7 +117,7 @@ impl Robotics<'_> {
                 Ok(Value::Boolean(true))
             }
             ("hasActiveMotionCommand", []) => {
-                if self.station.schedule.is_under_way() {
+                if self.station.schedule.is_under_way() || self.station.schedule.is_holding() {
                     self.note("a program that asks whether the arm moves is planned as if it awaited its end");
                     self.station.schedule.await_all();
                 }
@@ -157,6 +158,10 @@ impl Robotics<'_> {
             Some(RobotValue::Spot(spot)) => self.station.default_frame(spot),
             _ => return Ok(self.not_known("LBR.getCurrentCartesianPosition")),
         };
+        if let Some(unknown) = self.station.unknown_of(spot) {
+            return Ok(Value::Unknown(unknown));
+        }
+        self.check_template(spot)?;
         let Some(tcp) = self.station.in_flange(spot) else {
             let what = self.spot_name(spot);
             return self.refuse(format!(

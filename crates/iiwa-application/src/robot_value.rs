@@ -3,7 +3,7 @@
 use std::{any::Any, cell::RefCell, rc::Rc};
 
 use iiwa_java::{HostValue, Unknown, Value};
-use iiwa_kin::Joints;
+use iiwa_kin::{Joints, Load};
 use iiwa_program::Frame;
 
 use crate::{
@@ -33,6 +33,8 @@ pub(crate) enum RobotValue {
     Container(Rc<Sent>),
     /// The limits of the robot's joints.
     JointLimits,
+    /// A `LoadData`.
+    Load(LoadRef),
     /// A value of the operator's, by its id.
     ProcessData(Rc<str>),
     /// A group of inputs and outputs, by its name.
@@ -48,6 +50,15 @@ pub(crate) struct Sent {
     pub(crate) count: usize,
     /// Whether a condition may end it.
     pub(crate) has_break: bool,
+}
+
+/// A `LoadData`.
+#[derive(Clone, Debug)]
+pub(crate) enum LoadRef {
+    /// That of a tool or a workpiece, by its place among those that were made.
+    Body(usize),
+    /// One that the program has made.
+    Own(Rc<RefCell<Load>>),
 }
 
 /// A `JointPosition`.
@@ -112,6 +123,8 @@ impl HostValue for RobotValue {
             (Self::ProcessData(a), Self::ProcessData(b)) | (Self::IoGroup(a), Self::IoGroup(b)) => {
                 a == b
             }
+            (Self::Load(LoadRef::Body(a)), Self::Load(LoadRef::Body(b))) => a == b,
+            (Self::Load(LoadRef::Own(a)), Self::Load(LoadRef::Own(b))) => Rc::ptr_eq(a, b),
             (Self::Constant(a), Self::Constant(b)) => a == b,
             (Self::Opaque(a), Self::Opaque(b)) => Rc::ptr_eq(a, b),
             _ => false,
@@ -131,6 +144,7 @@ impl HostValue for RobotValue {
             Self::Motion(_) => "a motion",
             Self::Container(_) => "a motion container",
             Self::JointLimits => "the limits of the joints",
+            Self::Load(_) => "load data",
             Self::ProcessData(_) => "process data",
             Self::IoGroup(_) => "a group of inputs and outputs",
             Self::Constant(_) => "a constant",
@@ -151,6 +165,7 @@ impl HostValue for RobotValue {
             Self::Motion(_) => "RobotMotion",
             Self::Container(_) => "IMotionContainer",
             Self::JointLimits => "JointLimits",
+            Self::Load(_) => "LoadData",
             Self::ProcessData(_) => "IProcessData",
             Self::IoGroup(_) => "AbstractIOGroup",
             Self::Constant(constant) => &constant.class,
@@ -159,7 +174,14 @@ impl HostValue for RobotValue {
     }
 
     fn is_mutable(&self) -> bool {
-        matches!(self, Self::Joints(_) | Self::Frame(_) | Self::Redundancy(_) | Self::Motion(_))
+        matches!(
+            self,
+            Self::Joints(_)
+                | Self::Frame(_)
+                | Self::Redundancy(_)
+                | Self::Motion(_)
+                | Self::Load(_)
+        )
     }
 
     fn can_act(&self) -> bool {

@@ -12,6 +12,17 @@ pub(crate) struct Schedule {
     under_way: usize,
     /// How many motions were sent in all.
     sent: usize,
+    /// The hold that the program has begun, and has neither awaited nor ended.
+    hold: Option<Hold>,
+}
+
+/// A hold in progress: its wait, and how long the program has slept since it began.
+#[derive(Debug)]
+struct Hold {
+    entry: usize,
+    slept_s: f64,
+    /// Whether its time is known apart from what the program does: it is not cut short by the program.
+    is_fixed: bool,
 }
 
 #[derive(Debug)]
@@ -25,6 +36,8 @@ struct Entry {
 impl Schedule {
     /// Adds a motion that the program does not wait for.
     pub(crate) fn send(&mut self, motion: Motion, place: Place) {
+        // It begins at the end of a hold.
+        self.hold = None;
         self.entries.push(Entry { motion, place, is_awaited: false });
         self.under_way += 1;
         self.sent += 1;
@@ -47,6 +60,7 @@ impl Schedule {
 
     /// The program waits until the arm stands.
     pub(crate) fn await_all(&mut self) {
+        self.hold = None;
         // What was awaited before is not looked for again.
         if std::mem::take(&mut self.under_way) == 0 {
             return;
@@ -56,19 +70,82 @@ impl Schedule {
         }
     }
 
+    /// The arm holds its position for so many seconds, while the program goes on.
+    pub(crate) fn hold(&mut self, seconds: f64, is_fixed: bool, place: Place) {
+        self.hold = Some(Hold { entry: self.entries.len(), slept_s: 0.0, is_fixed });
+        self.sent += 1;
+        let motion = Motion::Wait { seconds, overlap: 0 };
+        self.entries.push(Entry { motion, place, is_awaited: true });
+    }
+
+    /// Whether the program has begun a hold, and has neither awaited nor ended it.
+    pub(crate) fn is_holding(&self) -> bool {
+        self.hold.is_some()
+    }
+
+    /// The program ends the hold in progress, which has lasted as long as the program has slept since it began.
+    pub(crate) fn end_hold(&mut self) {
+        let Some(Hold { entry, slept_s, is_fixed: false }) = self.hold.take() else { return };
+        if let Some(Entry { motion: Motion::Wait { seconds, .. }, .. }) =
+            self.entries.get_mut(entry)
+        {
+            *seconds = slept_s;
+        }
+    }
+
+    /// The time that a sleep goes on after the hold in progress; all of it without a hold.
+    fn beyond_hold(&mut self, seconds: f64) -> f64 {
+        let Some(Hold { entry, slept_s, .. }) = &mut self.hold else { return seconds };
+        let Some(Entry { motion: Motion::Wait { seconds: held, .. }, .. }) =
+            self.entries.get(*entry)
+        else {
+            return seconds;
+        };
+        let left = (*held - *slept_s).max(0.0);
+        *slept_s += seconds.min(left);
+        if seconds > left {
+            self.hold = None;
+        }
+        seconds - seconds.min(left)
+    }
+
     /// The program waits for so many seconds, while the arm moves on.
     pub(crate) fn wait(&mut self, seconds: f64, place: Place) {
+        let seconds = match self.beyond_hold(seconds) {
+            0.0 if seconds > 0.0 => return,
+            beyond => beyond,
+        };
         let motion = Motion::Wait { seconds, overlap: self.under_way };
         self.entries.push(Entry { motion, place, is_awaited: true });
     }
 
     /// What hangs on the flange changes. Of several changes without anything between them, the last one counts.
     pub(crate) fn load(&mut self, load: Option<Load>, place: Place) {
+        // A hold in progress goes on afterwards.
+        let rest = self.rest_of_hold();
         self.await_all();
         if let Some(Entry { motion: Motion::Load(_), .. }) = self.entries.last() {
             self.entries.pop();
         }
         self.entries.push(Entry { motion: Motion::Load(load), place, is_awaited: true });
+        if let Some((seconds, is_fixed, place)) = rest {
+            self.hold = Some(Hold { entry: self.entries.len(), slept_s: 0.0, is_fixed });
+            let motion = Motion::Wait { seconds, overlap: 0 };
+            self.entries.push(Entry { motion, place, is_awaited: true });
+        }
+    }
+
+    /// Ends the hold in progress where the program is, and gives the time that is left of it.
+    fn rest_of_hold(&mut self) -> Option<(f64, bool, Place)> {
+        let Hold { entry, slept_s, is_fixed } = self.hold.take()?;
+        let Entry { motion: Motion::Wait { seconds, .. }, place, .. } =
+            self.entries.get_mut(entry)?
+        else {
+            return None;
+        };
+        let rest = *seconds - slept_s;
+        *seconds = slept_s;
+        Some((rest, is_fixed, place.clone()))
     }
 
     /// All, with blends only where a motion follows that is known in time, and without changes of the load that nothing
@@ -77,6 +154,10 @@ impl Schedule {
         while let Some(Entry { motion: Motion::Load(_), .. }) = self.entries.last() {
             self.entries.pop();
         }
+        // Holds that were ended at once.
+        self.entries.retain(
+            |entry| !matches!(entry.motion, Motion::Wait { seconds, overlap: 0 } if seconds <= 0.0),
+        );
         let mut is_followed = false;
         for entry in self.entries.iter_mut().rev() {
             match &mut entry.motion {
@@ -164,6 +245,37 @@ mod tests {
             })
             .collect();
         assert_eq!(overlaps, [0, 2, 0]);
+    }
+
+    fn waits(schedule: Schedule) -> Vec<(f64, u32)> {
+        let entries = schedule.finish();
+        let waits = entries.iter().filter_map(|(motion, place)| match motion {
+            Motion::Wait { seconds, .. } => Some((*seconds, place.line)),
+            _ => None,
+        });
+        waits.collect()
+    }
+
+    #[test]
+    fn sleeps_run_during_a_hold() {
+        let mut schedule = Schedule::default();
+        schedule.hold(3.0, false, place(1));
+        schedule.wait(1.0, place(2));
+        schedule.wait(4.0, place(3));
+        schedule.wait(0.5, place(4));
+        assert_eq!(waits(schedule), [(3.0, 1), (2.0, 3), (0.5, 4)]);
+        let mut schedule = Schedule::default();
+        schedule.hold(3.0, false, place(1));
+        schedule.wait(1.0, place(2));
+        schedule.end_hold();
+        schedule.hold(3.0, false, place(4));
+        schedule.end_hold();
+        schedule.hold(2.0, false, place(6));
+        schedule.wait(0.5, place(7));
+        schedule.load(Some(Load { mass_kg: 1.0, ..Load::default() }), place(8));
+        schedule.wait(0.5, place(9));
+        schedule.send(blended(), place(10));
+        assert_eq!(waits(schedule), [(1.0, 1), (0.5, 6), (1.5, 6)]);
     }
 
     #[test]

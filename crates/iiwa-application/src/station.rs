@@ -1,8 +1,8 @@
 //! The station that an application moves: the arm, what is attached to it, its frames, and what people and signals say.
 
-use std::collections::BTreeMap;
+use std::{collections::BTreeMap, rc::Rc};
 
-use iiwa_java::{Place, Value};
+use iiwa_java::{Place, Unknown, Value};
 use iiwa_kin::{Joints, Load, Pose, Robot};
 use iiwa_program::{Frame, Tool, Workcell};
 use iiwa_sunrise::{Answers, DataFile, ImportedCell, ProcessData, Question};
@@ -59,6 +59,8 @@ pub(crate) struct Station {
     pub(crate) has_moved: bool,
     /// The place of the last change of what is attached.
     pub(crate) attached_at: Option<Place>,
+    /// The place of the last drive of a mobile platform, until a frame of the world is a target.
+    pub(crate) driven_at: Option<Place>,
     /// The share of its speed at which the application runs, and where that was set.
     pub(crate) speed_override: Option<(f64, Place)>,
     /// The share at the first motion.
@@ -96,8 +98,12 @@ pub(crate) struct TreeFrame {
     /// Where it is in its parent.
     pub(crate) frame: Frame,
     pub(crate) parent: Option<usize>,
-    /// Where it is in the robot's foot.
+    /// Where the data file has it in the robot's foot.
     pub(crate) pose: Pose,
+    /// Whether the application has changed it.
+    pub(crate) is_changed: bool,
+    /// The value on which its place depends, if the application has changed it by one that is not known.
+    pub(crate) unknown: Option<Rc<Unknown>>,
 }
 
 impl Station {
@@ -125,6 +131,7 @@ impl Station {
             carried: None,
             has_moved: false,
             attached_at: None,
+            driven_at: None,
             speed_override: None,
             first_override: None,
             answers,
@@ -156,6 +163,9 @@ impl Station {
 
     /// Where a spot is in the flange's frame; none if it does not hang on the flange.
     pub(crate) fn in_flange(&self, spot: Spot) -> Option<Frame> {
+        if self.unknown_of(spot).is_some() {
+            return None;
+        }
         match spot {
             Spot::Flange => Some(Frame::default()),
             Spot::World | Spot::Tree(_) => None,
@@ -172,6 +182,9 @@ impl Station {
 
     /// Where a spot is in the robot's foot; none if it is of something that lies anywhere.
     pub(crate) fn in_world(&self, spot: Spot) -> Option<Frame> {
+        if self.unknown_of(spot).is_some() {
+            return None;
+        }
         match spot {
             Spot::World => Some(Frame::default()),
             Spot::Flange => Some(Frame::from(&self.robot.flange_pose(&self.at_rad))),
@@ -224,8 +237,10 @@ impl Station {
 
     /// All that hangs on the flange; none if that weighs nothing.
     pub(crate) fn flange_load(&self) -> Option<Load> {
-        let of =
-            |(index, body): (usize, &Body)| Some((self.in_flange(Spot::Root(index))?, body.load?));
+        let of = |(index, body): (usize, &Body)| {
+            let load = body.load.filter(|load| load.mass_kg > 0.0)?;
+            Some((self.in_flange(Spot::Root(index))?, load))
+        };
         together(&self.bodies.iter().enumerate().filter_map(of).collect::<Vec<_>>())
     }
 
@@ -250,8 +265,10 @@ impl Station {
         let index = spot.body()?;
         if self.tool_at_flange(index).is_some()
             && let Spot::Of(_, frame) = spot
+            // A frame that the application has added or changed is of no template.
+            && let Some(own) = &self.bodies.get(index)?.frames.get(frame)?.in_programs
         {
-            return self.bodies.get(index)?.frames.get(frame)?.in_programs.clone();
+            return Some(own.clone());
         }
         let root = self.in_flange(Spot::Root(index))?;
         let body = self.bodies.get(index)?;
@@ -314,6 +331,8 @@ fn tree(cell: &ImportedCell) -> Vec<TreeFrame> {
             frame,
             parent,
             pose: found.pose,
+            is_changed: false,
+            unknown: None,
         });
     }
     tree

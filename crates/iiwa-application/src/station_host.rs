@@ -9,8 +9,8 @@ use crate::{robot_value::RobotValue, robotics::Robotics, station::Station};
 /// The station that applications are run in.
 pub(crate) struct StationHost(RefCell<Station>);
 
-/// Methods, of any class, that move the arm, make it wait, or change its load.
-const ACTING: [&str; 11] = [
+/// Methods, of any class, that move the arm, make it wait, or change its load, and classes that do.
+const ACTING: [&str; 16] = [
     "move",
     "moveAsync",
     "attachTo",
@@ -22,6 +22,12 @@ const ACTING: [&str; 11] = [
     "awaitFileAvailable",
     "setDestination",
     "setHomePosition",
+    // Motions of mobile platforms, where they are made.
+    "VirtualLine",
+    "VirtualLineMotion",
+    "RelativeMotion",
+    "MobilePlatformRelativeMotion",
+    "MobilePlatformVelocityMotion",
 ];
 
 /// Those that only take time.

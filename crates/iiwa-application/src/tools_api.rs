@@ -1,14 +1,17 @@
 //! Tools, workpieces and their frames: what they move, and what they are attached to.
 
+use std::rc::Rc;
+
 use iiwa_java::{HostValue, Stop, Value};
 use iiwa_json::meant;
 use iiwa_program::Frame;
+use iiwa_sunrise::QuestionKind;
 
 use crate::{
     arguments::robot_value,
-    body::Body,
+    body::{Body, BodyFrame},
     frame_value::inverse,
-    robot_value::{RobotValue, robot},
+    robot_value::{LoadRef, RobotValue, robot},
     robotics::Robotics,
     spot::Spot,
 };
@@ -54,16 +57,38 @@ impl Robotics<'_> {
                 let attached = self.station.in_flange(spot).is_some();
                 Ok(Value::Boolean(attached))
             }
-            ("getLoadData", []) => Ok(robot(RobotValue::opaque("LoadData"))),
+            ("getLoadData", []) => Ok(match spot.body() {
+                Some(body) => robot(RobotValue::Load(LoadRef::Body(body))),
+                None => robot(RobotValue::Load(LoadRef::Own(Rc::default()))),
+            }),
+            ("addChildFrame" | "addDefaultMotionFrame" | "addFrame", _) => {
+                self.add_child(spot, name, arguments)
+            }
+            (
+                "setTransformationFromParent" | "changeTransformation" | "setTransformation",
+                [to],
+            ) => self.change_frame(spot, to),
+            _ if spot.body().is_some()
+                && (name.starts_with("grip") || name.starts_with("release")) =>
+            {
+                self.grip(name)
+            }
             ("equals", [other]) => {
                 let other = robot_value(other);
                 Ok(Value::Boolean(
                     other.is_some_and(|other| RobotValue::Spot(spot).is_same(&other)),
                 ))
             }
-            ("changeFramePosition" | "setAdditionalParameter", _) => self.refuse(format!(
-                "`{name}` changes a frame of the data file, which cannot be planned yet"
-            )),
+            ("setAdditionalParameter", _) => Ok(Value::Null),
+            // What else a tool is given, as the force of a gripper, is not planned.
+            _ if changes(name) && matches!(spot, Spot::Root(_)) => {
+                self.note(format!("`{name}` of a tool is left out of the plan"));
+                Ok(Value::Null)
+            }
+            _ if changes(name) => {
+                let object = self.spot_name(spot);
+                self.refuse(format!("`{name}` changes {object}, and its effect is not known"))
+            }
             _ => match self.spot_frame(spot) {
                 Some(frame) => self.frame_method(&frame, name, arguments),
                 None => Ok(self.not_known(&format!("ObjectFrame.{name}"))),
@@ -142,6 +167,12 @@ impl Robotics<'_> {
         if let Some(body) = self.station.bodies.get_mut(body) {
             body.attached = Some((to, frame));
         }
+        let missing = self.station.bodies.get(body).filter(|body| body.missing.is_some());
+        if let Some(name) = missing.map(|body| body.name.clone()) {
+            self.note(format!(
+                "the data file has no template `{name}`: it is planned without load"
+            ));
+        }
         self.load_changed()?;
         Ok(Value::Null)
     }
@@ -187,6 +218,7 @@ impl Robotics<'_> {
         if let Some(found) = found {
             return Ok(robot(RobotValue::Spot(found)));
         }
+        self.check_template(spot)?;
         let known: Vec<String> = match spot.body().and_then(|body| self.station.bodies.get(body)) {
             Some(body) => body.frames.iter().map(|frame| frame.path.clone()).collect(),
             None => {
@@ -215,11 +247,11 @@ impl Robotics<'_> {
             }
             _ => return self.refuse("a template is named by a string"),
         };
-        let Some(template) = self.template(&name) else {
+        let Some(template) = self.template(&name).or_else(|| self.given_body(&name, false)) else {
             let known: Vec<String> =
                 self.station.templates.iter().map(|template| template.name.clone()).collect();
             return self.refuse(format!(
-                "the data file has no template `{name}`{}",
+                "the data file has no template `{name}`{}; add it there, or give its TCP by --tool \"{name}=X,Y,Z,A,B,C\"",
                 instead(&name, &known)
             ));
         };
@@ -235,11 +267,48 @@ impl Robotics<'_> {
     pub(crate) fn injected_body(&mut self, name: &str, is_workpiece: bool) -> Value {
         let known = self.station.injected.get(name).copied();
         let made = known.unwrap_or_else(|| {
-            let template = self.template(name).unwrap_or_else(|| Body::bare(name, is_workpiece));
+            let template = self.template(name).or_else(|| self.given_body(name, is_workpiece));
+            let template = template.unwrap_or_else(|| Body {
+                missing: Some(self.here.clone()),
+                ..Body::bare(name, is_workpiece)
+            });
             self.station.made(&template)
         });
         self.station.injected.insert(name.to_owned(), made);
         robot(RobotValue::Spot(Spot::Root(made)))
+    }
+
+    /// A tool or workpiece whose frames are given as an answer: `Name` its TCP, `Name/Frame` others.
+    fn given_body(&mut self, name: &str, is_workpiece: bool) -> Option<Body> {
+        let given = self.station.answers.tools.clone();
+        let mut body = Body::bare(name, is_workpiece);
+        for (key, frame) in given {
+            let path = if key == name {
+                body.default = Some(body.frames.len());
+                "/TCP".to_owned()
+            } else {
+                match key.strip_prefix(name) {
+                    Some(path) if path.starts_with('/') => path.to_owned(),
+                    _ => continue,
+                }
+            };
+            body.frames.push(BodyFrame { path, frame, in_programs: None, unknown: None });
+            let numbers = frame.xyz_mm.into_iter().chain(frame.abc_rad.map(f64::to_degrees));
+            let numbers: Vec<_> = numbers.map(|number| number.to_string()).collect();
+            self.record(QuestionKind::Tool, &key, Vec::new(), numbers.join(","), true);
+        }
+        (!body.frames.is_empty()).then_some(body)
+    }
+
+    /// The only tool or workpiece whose template has this class.
+    pub(crate) fn template_of_class(&self, class: &str) -> Option<&str> {
+        let has_class = |body: &&Body| {
+            let own = body.class.as_deref().map(|own| own.rsplit('.').next().unwrap_or(own));
+            own == Some(class)
+        };
+        let mut found = self.station.templates.iter().filter(has_class);
+        let only = found.next()?;
+        found.next().is_none().then_some(only.name.as_str())
     }
 
     fn own_name(&self, spot: Spot) -> String {
@@ -286,11 +355,37 @@ impl Robotics<'_> {
             _ => if is_workpiece { "Workpiece" } else { "Tool" }.to_owned(),
         };
         let body = self.template(&name).unwrap_or_else(|| Body::bare(&name, is_workpiece));
-        if arguments.len() > 1 && body.load.is_none() {
-            self.note(format!("what `{name}` weighs by its constructor is left out of the plan"));
+        let mut body = body;
+        match arguments.get(1).map(robot_value) {
+            None => {}
+            Some(Some(RobotValue::Load(load))) => body.load = Some(self.load_in(&load)),
+            Some(_) if body.load.is_some() => {}
+            Some(_) => {
+                self.note(format!(
+                    "what `{name}` weighs by its constructor is left out of the plan"
+                ));
+            }
         }
         let made = self.station.made(&body);
         robot(RobotValue::Spot(Spot::Root(made)))
+    }
+
+    /// Notes which frame of a tool moves if its template names none: the only one of a gripper, else the root.
+    pub(crate) fn note_default_frame(&mut self, mover: Spot) {
+        let Spot::Root(index) = mover else { return };
+        let Some(body) = self.station.bodies.get_mut(index) else { return };
+        let (None, Some(first)) = (body.default, body.frames.first()) else { return };
+        let is_plain = body.class.as_deref().is_none_or(|own| own.contains(".geometricModel."));
+        let (name, path) = (&body.name, &first.path);
+        let text = if is_plain || body.frames.len() > 1 {
+            format!("`{name}` has no default motion frame: its root moves, and none of its frames")
+        } else {
+            let text =
+                format!("`{name}` has no default motion frame: its only frame `{path}` moves");
+            body.default = Some(0);
+            text
+        };
+        self.note(text);
     }
 
     fn set_default_frame(&mut self, spot: Spot, frame: &Value) {
@@ -303,6 +398,13 @@ impl Robotics<'_> {
             };
         }
     }
+}
+
+/// Whether a method changes an object, by its name.
+fn changes(name: &str) -> bool {
+    let begins = |verb: &&str| name.starts_with(*verb);
+    ["set", "change", "transform", "add", "remove"].iter().any(begins)
+        && !name.starts_with("transformation")
 }
 
 /// What may be meant in place of `name`.

@@ -112,7 +112,7 @@ impl Robotics<'_> {
                 Ok(Value::Null)
             }
             "isFinished" => {
-                if self.station.schedule.is_under_way() {
+                if self.station.schedule.is_under_way() || self.station.schedule.is_holding() {
                     self.note("a program that asks whether a motion is over is planned as if it awaited its end");
                     self.station.schedule.await_all();
                 }
@@ -130,6 +130,10 @@ impl Robotics<'_> {
                 })
             }
             "hasFired" | "hasError" | "isCanceled" => Ok(Value::Boolean(false)),
+            "cancel" if sent == self.station.schedule.sent() && self.station.schedule.is_holding() => {
+                self.station.schedule.end_hold();
+                Ok(Value::Null)
+            }
             "cancel" if is_under_way => self.refuse(
                 "a motion is cancelled while it runs: where the arm stops depends on when that is; send a motion that ends there",
             ),
