@@ -14,7 +14,9 @@ pub struct Classes {
     known: Vec<KnownClass>,
     units: Vec<Header>,
     /// By `package.Class` or `package.Class.Inner`.
-    by_qualified_name: HashMap<String, ClassId>,
+    by_qualified_name: HashMap<String, Vec<ClassId>>,
+    /// The class that is run: copies of classes beside it are preferred to copies in other source folders.
+    main: Option<ClassId>,
     /// Files that cannot be used, by the name of the class that they should have.
     faulty: HashMap<String, SourceError>,
     /// Classes that stand in methods, by where they are in memory: each is added once.
@@ -113,8 +115,7 @@ impl Classes {
         for inner in &class.classes {
             self.add_class(inner, Some(id), place, &qualified);
         }
-        // The first of several copies counts.
-        self.by_qualified_name.entry(qualified).or_insert(id);
+        self.by_qualified_name.entry(qualified).or_default().push(id);
         id
     }
 
@@ -145,7 +146,7 @@ impl Classes {
     /// these are looked for.
     fn search(&self, name: &str, from: ClassId, inherits: bool) -> Option<ClassId> {
         if let Some((above, own)) = name.rsplit_once('.') {
-            let whole = self.by_qualified_name.get(name).copied();
+            let whole = self.by_qualified_name(name);
             return whole
                 .or_else(|| self.inner(self.search(above, from, inherits)?, own, inherits));
         }
@@ -161,11 +162,11 @@ impl Classes {
         }
         let header = &self.units[self.known(from).unit];
         if let Some(whole) = header.imports.get(name) {
-            return self.by_qualified_name.get(whole).copied();
+            return self.by_qualified_name(whole);
         }
         let in_package = |package: &str| {
             let separator = if package.is_empty() { "" } else { "." };
-            self.by_qualified_name.get(&format!("{package}{separator}{name}")).copied()
+            self.by_qualified_name(&format!("{package}{separator}{name}"))
         };
         in_package(&header.package)
             .or_else(|| header.all_of.iter().find_map(|package| in_package(package)))
@@ -269,9 +270,51 @@ impl Classes {
         has.map(|(class, _)| class.clone()).collect()
     }
 
-    /// The class of this whole name.
+    /// The class of this whole name; the first one, if the project has several copies of it.
     pub(crate) fn by_qualified_name(&self, name: &str) -> Option<ClassId> {
-        self.by_qualified_name.get(name).copied()
+        self.preferred(name).first().copied()
+    }
+
+    /// The copies of a class in the source folder of the class that is run; all copies, if that folder has none.
+    fn preferred(&self, name: &str) -> Vec<ClassId> {
+        let all = self.by_qualified_name.get(name).map_or(&[][..], Vec::as_slice);
+        let beside = |id: &&ClassId| {
+            self.main.is_some_and(|main| self.source_folder(main) == self.source_folder(**id))
+        };
+        let beside: Vec<_> = all.iter().filter(beside).copied().collect();
+        if beside.is_empty() { all.to_vec() } else { beside }
+    }
+
+    /// The folder in which the folders of packages begin.
+    fn source_folder(&self, id: ClassId) -> &str {
+        let file = &*self.known(id).file;
+        let folder = file.rsplit_once('/').map_or("", |(folder, _)| folder);
+        let packages = self.package(id).replace('.', "/");
+        folder.strip_suffix(packages.as_str()).unwrap_or(folder).trim_end_matches('/')
+    }
+
+    /// The class that is run.
+    pub(crate) fn set_main(&mut self, id: ClassId) {
+        self.main = Some(id);
+    }
+
+    pub(crate) fn main(&self) -> Option<ClassId> {
+        self.main
+    }
+
+    /// The files of other copies of a class, with other contents, that could have been meant as well.
+    pub(crate) fn copies(&self, id: ClassId) -> Vec<&str> {
+        let KnownClass { class, outer, .. } = self.known(id);
+        if outer.is_some() {
+            return Vec::new();
+        }
+        let package = self.package(id);
+        let dot = if package.is_empty() { "" } else { "." };
+        let others = self.preferred(&format!("{package}{dot}{}", class.name));
+        let contents = |id: ClassId| format!("{:?}", self.known(id).class);
+        let others = others.into_iter().filter(|other| *other != id);
+        let different = others.filter(|other| contents(*other) != contents(id));
+        different.map(|other| &*self.known(other).file).collect()
     }
 
     /// The classes of which objects can be made, that stand in no other class, and whose first class above that is not of the

@@ -299,6 +299,15 @@ impl Machine {
         if !self.java.initialized.insert(class) {
             return Ok(());
         }
+        let copies = self.java.classes.copies(class).join(", ");
+        if !copies.is_empty() && self.java.classes.main() != Some(class) {
+            let known = self.java.classes.known(class);
+            let (name, file) = (known.class.name.clone(), Rc::clone(&known.file));
+            self.note(format!(
+                "the class {name} is taken from {file}; there are other copies in {copies}: import from the folder of the project \
+                 that is meant"
+            ));
+        }
         if let Some(parent) = self.java.classes.parent(class) {
             self.initialize(parent)?;
         }
@@ -355,6 +364,7 @@ impl Machine {
     ///
     /// An exception that nothing catches, or that the evaluation ends before they do.
     pub fn run_class(&mut self, class: ClassId, methods: &[&str]) -> Result<(), Stop> {
+        self.java.classes.set_main(class);
         let file = Rc::clone(&self.java.classes.known(class).file);
         let line = self.java.classes.known(class).class.line;
         self.here = Place { file, line };
