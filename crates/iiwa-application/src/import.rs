@@ -58,7 +58,7 @@ pub struct Import {
 const STACK: usize = 256 << 20;
 
 /// Runs an application of a project without a robot, and gives the program of its motions. It may be named with or without its
-/// package, and not at all if the project has one only.
+/// package, by its file from the project's folder on, and not at all if the project has one only.
 ///
 /// ```
 /// use iiwa_application::{ImportOptions, import};
@@ -283,7 +283,8 @@ fn find(
             }
         };
     };
-    let is_it = |own: &Application| own.name == name || own.qualified_name == name;
+    let is_it =
+        |own: &Application| own.name == name || own.qualified_name == name || own.file == name;
     let mut found = all.iter().filter(|(_, own)| is_it(own));
     match (found.next(), found.next()) {
         (Some(only), None) => Ok(only.clone()),

@@ -107,7 +107,20 @@ fn said(statements: &[RobotStatement]) -> String {
     said.join(", ")
 }
 
+/// The names of applications; with their files, which select them as well, where names alone are ambiguous.
 fn names(applications: &[Application]) -> String {
-    let names: Vec<_> = applications.iter().map(|own| own.name.as_str()).collect();
+    let name = |own: &Application| {
+        let count = |is_same: &dyn Fn(&Application) -> bool| {
+            applications.iter().filter(|other| is_same(other)).count()
+        };
+        if count(&|other| other.name == own.name) == 1 {
+            own.name.clone()
+        } else if count(&|other| other.qualified_name == own.qualified_name) == 1 {
+            own.qualified_name.clone()
+        } else {
+            own.file.clone()
+        }
+    };
+    let names: Vec<_> = applications.iter().map(name).collect();
     names.join(", ")
 }

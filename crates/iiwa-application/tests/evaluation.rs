@@ -286,3 +286,33 @@ fn a_file_that_cannot_be_used_matters_where_it_is_needed() {
         other => panic!("{other:?}"),
     }
 }
+
+#[test]
+fn copies_of_a_class_are_told_apart() {
+    let base =
+        |angle: &str| format!("package a; class Base {{ double angle() {{ return {angle}; }} }}");
+    let main = application("", "double a = new a.Base().angle(); MOVE").replace("MOVE", MOVE);
+    let (one, two) = (base("0.1"), base("0.2"));
+    // The one beside the application counts.
+    let files = [
+        ("old/src/a/Base.java", one.as_str()),
+        ("src/a/Base.java", two.as_str()),
+        ("src/Main.java", main.as_str()),
+    ];
+    let found = import_all(&files).unwrap();
+    assert_eq!((first_joints(&found.program), found.notes.len()), (vec![0.2], 0));
+    // Otherwise, the first one, with a note unless they are the same.
+    let files = [files[0], ("new/src/a/Base.java", two.as_str()), files[2]];
+    let found = import_all(&files).unwrap();
+    let text = found.notes.iter().map(|note| note.text.as_str()).collect::<String>();
+    assert!(text.contains("old/src/a/Base.java") && text.contains("new/src/a/Base.java"), "{text}");
+    let files = [files[0], ("new/src/a/Base.java", one.as_str()), files[2]];
+    assert!(import_all(&files).unwrap().notes.is_empty());
+    // Applications are chosen by their file.
+    let files = [("one/Main.java", main.as_str()), ("two/Main.java", main.as_str()), files[0]];
+    let project = Project::from_texts(files).unwrap();
+    let import = |name| iiwa_application::import(&project, Some(name), &ImportOptions::default());
+    let error = import("Main").unwrap_err().to_string();
+    assert!(error.contains("one/Main.java, two/Main.java"), "{error}");
+    assert_eq!(import("two/Main.java").unwrap().application.file, "two/Main.java");
+}
