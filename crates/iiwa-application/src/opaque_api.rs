@@ -43,6 +43,15 @@ impl Robotics<'_> {
                         let share = self.station.speed_override.as_ref();
                         Ok(Value::Double(share.map_or(1.0, |(share, _)| *share)))
                     }
+                    ("pause" | "halt", []) => {
+                        self.take_given_time(
+                            "the application pauses until the operator resumes it",
+                        )?;
+                        Ok(Value::Null)
+                    }
+                    _ if name.starts_with("get") || name.starts_with("is") => {
+                        Ok(self.not_known(&format!("IApplicationControl.{name}")))
+                    }
                     _ => Ok(Value::Null),
                 };
             }
