@@ -39,7 +39,7 @@ impl Robotics<'_> {
             return self.call_robot(&own, name, arguments).map(Some);
         }
         if base == "Thread" {
-            return self.call_thread(name, arguments).map(Some);
+            return self.call_thread(Some(object), name, arguments).map(Some);
         }
         if !is_task(base) {
             return Ok(None);

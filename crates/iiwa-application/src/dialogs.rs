@@ -67,13 +67,16 @@ impl Robotics<'_> {
     ) {
         let (file, line) = (self.here.file.to_string(), self.here.line);
         let asked = asked.to_owned();
-        self.station.asked.push(Asked {
-            kind,
-            subject: asked.clone(),
-            choices: choices.clone(),
-            answer: Some(answer.clone()),
-            is_given,
-        });
+        // Durations and tools end no loop.
+        if !matches!(kind, QuestionKind::Time | QuestionKind::Tool) {
+            self.station.asked.push(Asked {
+                kind,
+                subject: asked.clone(),
+                choices: choices.clone(),
+                answer: Some(answer.clone()),
+                is_given,
+            });
+        }
         let question = Question { kind, asked, choices, answer, is_given, file, line };
         // An input is read again and again; each dialog and each break condition is a question of its own.
         if matches!(kind, QuestionKind::Dialog | QuestionKind::Fired)

@@ -47,6 +47,7 @@ mod station_host;
 mod station_text;
 #[cfg(test)]
 mod test_station;
+mod threads_api;
 mod tools_api;
 mod user_keys;
 mod waits;

@@ -136,7 +136,8 @@ impl Robotics<'_> {
             return Ok(Some(motion));
         }
         if CONCURRENT.contains(&class) {
-            return Ok(Some(robot(RobotValue::opaque("Thread"))));
+            let task = arguments.iter().find_map(Value::object).cloned();
+            return Ok(Some(robot(RobotValue::thread(task))));
         }
         if is_condition(class) {
             return Ok(Some(condition()));

@@ -82,7 +82,7 @@ impl Robotics<'_> {
             "MobilePlatform" => return self.call_platform(name, arguments),
             "PlatformMotion" => return Ok(self.call_platform_motion(name)),
             "Thread" => {
-                return self.call_thread(name, arguments);
+                return self.call_thread(opaque.task.as_ref(), name, arguments);
             }
             _ => {}
         }
@@ -138,22 +138,6 @@ impl Robotics<'_> {
             ("getDeviceFromType" | "getDevice" | "getRobot", _) => arm,
             _ if FLUENT.iter().any(|begin| name.starts_with(begin)) => Value::Null,
             _ => self.not_known(&format!("Controller.{name}")),
-        }
-    }
-
-    /// A method of a thread, a timer or an executor.
-    pub(crate) fn call_thread(&mut self, name: &str, arguments: &[Value]) -> Result<Value, Stop> {
-        match (name, arguments) {
-            ("start" | "run" | "submit" | "execute" | "schedule" | "scheduleAtFixedRate", _) => self.refuse(
-                "a thread is started: what it does to the arm, and when, is not known ahead; call it from the application \
-                 itself, or leave it out",
-            ),
-            ("sleep", [amount]) => self.sleep_ms(amount),
-            ("join" | "interrupt" | "shutdown" | "shutdownNow" | "setDaemon" | "setName", _) => {
-                Ok(Value::Null)
-            }
-            ("isInterrupted" | "interrupted", _) => Ok(Value::Boolean(false)),
-            _ => Ok(self.unknown("what a thread does")),
         }
     }
 

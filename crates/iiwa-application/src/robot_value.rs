@@ -2,7 +2,7 @@
 
 use std::{any::Any, cell::RefCell, rc::Rc};
 
-use iiwa_java::{HostValue, Unknown, Value};
+use iiwa_java::{HostValue, Object, Unknown, Value};
 use iiwa_kin::{Joints, Load};
 use iiwa_program::Frame;
 
@@ -76,6 +76,8 @@ pub(crate) struct Opaque {
     pub(crate) class: Rc<str>,
     /// What values that it gives depend on, as "a measured force"; else they are results of methods that are not known.
     pub(crate) gives: Option<Rc<str>>,
+    /// The task of a thread or a timer.
+    pub(crate) task: Option<Rc<Object>>,
 }
 
 impl RobotValue {
@@ -92,12 +94,21 @@ impl RobotValue {
     }
 
     pub(crate) fn opaque(class: &str) -> Self {
-        Self::Opaque(Rc::new(Opaque { class: Rc::from(class), gives: None }))
+        Self::Opaque(Rc::new(Opaque { class: Rc::from(class), gives: None, task: None }))
+    }
+
+    /// A thread, a timer or an executor; a thread has a task.
+    pub(crate) fn thread(task: Option<Rc<Object>>) -> Self {
+        Self::Opaque(Rc::new(Opaque { class: Rc::from("Thread"), gives: None, task }))
     }
 
     /// An object from which values come that cannot be known, for a reason.
     pub(crate) fn source(class: &str, gives: &str) -> Self {
-        Self::Opaque(Rc::new(Opaque { class: Rc::from(class), gives: Some(Rc::from(gives)) }))
+        Self::Opaque(Rc::new(Opaque {
+            class: Rc::from(class),
+            gives: Some(Rc::from(gives)),
+            task: None,
+        }))
     }
 }
 

@@ -229,6 +229,7 @@ impl Search<'_> {
     }
 
     fn called(&mut self, name: &str) {
+        self.found.calls.insert(name.to_owned());
         if self.machine.host.acting().contains(&name) {
             let is_pause = self.machine.host.pausing().contains(&name);
             let action = if is_pause { Action::Pause } else { Action::Motion };

@@ -15,6 +15,8 @@ pub(crate) struct Effects {
     pub(crate) assigns: BTreeSet<String>,
     /// Variables whose contents change.
     pub(crate) changes: BTreeSet<String>,
+    /// The names of methods that are called.
+    pub(crate) calls: BTreeSet<String>,
 }
 
 /// Actions of statements, the strongest last.
@@ -42,5 +44,6 @@ impl Effects {
         self.continues |= other.continues;
         self.assigns.extend(other.assigns.iter().cloned());
         self.changes.extend(other.changes.iter().cloned());
+        self.calls.extend(other.calls.iter().cloned());
     }
 }
