@@ -121,18 +121,18 @@ fn import_here(
 ) -> Result<Import, ImportError> {
     let (_, application) = find(project, &project.classes(), name)?;
     let choice = RobotChoice::new(project, &application, &data_file, options)?;
-    let RobotChoice { robot, name: robot_name, flange_m, statements, questions: of_robot, mut notes } =
-        choice;
+    let RobotChoice {
+        robot,
+        name: robot_name,
+        flange_m,
+        statements,
+        questions: of_robot,
+        mut notes,
+    } = choice;
     let start_rad = options.start_rad.or_else(|| stated_start(&data_file)).unwrap_or_default();
     let answers = options.answers.clone();
-    let setup = StationSetup {
-        robot: robot.clone(),
-        robot_name,
-        flange_m,
-        data_file,
-        start_rad,
-        answers,
-    };
+    let setup =
+        StationSetup { robot: robot.clone(), robot_name, flange_m, data_file, start_rad, answers };
     let run = Run::new(project, name, setup.clone())?;
     notes.extend(run.notes.iter().map(note));
     if let (Ok(()), Some(endless)) = (&run.end, &run.station.endless) {

@@ -1,8 +1,8 @@
 //! Sunrise projects of a few lines, one per rule of the evaluation. Each folder of `fixtures/sunrise-cases` has an `expected.toml`:
 //!
-//! - `motions`: the type of each motion, and values of its keys as in a program; `robot` likewise,
+//! - `motions`: the type of each motion, and values of its keys as in a program; `robot` and `flange_mm` likewise,
 //! - `notes_contain`: a part of a note each; an empty list if there are no notes,
-//! - `asks`: `asked = answer` of each question, in order,
+//! - `asks`: `asked = answer` of each question but those for the robot and its flange, in order,
 //! - or `refused`, with `file`, `line` and `reason_contains`,
 //! - `application`, if the project has several,
 //! - `answers`: the text of an answer file; if absent, that of `iiwasim-answers.toml` in the folder.
@@ -18,7 +18,7 @@ use std::{
 
 use iiwa_application::{Import, ImportError, ImportOptions};
 use iiwa_program::Source;
-use iiwa_sunrise::{Answers, Project};
+use iiwa_sunrise::{Answers, Project, QuestionKind};
 use serde::Deserialize;
 use serde_json::Value;
 
@@ -28,6 +28,7 @@ struct Expected {
     answers: Option<String>,
     application: Option<String>,
     robot: Option<String>,
+    flange_mm: Option<f64>,
     motions: Option<Vec<Value>>,
     notes_contain: Option<Vec<String>>,
     asks: Option<Vec<String>>,
@@ -101,6 +102,9 @@ fn of_import(import: &Import, expected: &Expected) -> Vec<String> {
     if let Some(robot) = &expected.robot {
         wrong.extend(difference("robot", &program["robot"], &Value::from(robot.clone())));
     }
+    if let Some(flange_mm) = expected.flange_mm {
+        wrong.extend(difference("flange_mm", &program["flange_mm"], &Value::from(flange_mm)));
+    }
     let notes: Vec<_> = import.notes.iter().map(|note| note.text.as_str()).collect();
     if let Some(parts) = &expected.notes_contain {
         let is_missing = |part: &&String| !notes.iter().any(|note| note.contains(part.as_str()));
@@ -109,8 +113,9 @@ fn of_import(import: &Import, expected: &Expected) -> Vec<String> {
             wrong.push("there are notes".to_owned());
         }
     }
-    let asked = import.questions.iter().map(|own| format!("{} = {}", own.asked, own.answer));
-    let asked: Vec<_> = asked.collect();
+    let of_robot = [QuestionKind::Robot, QuestionKind::Flange];
+    let asked = import.questions.iter().filter(|own| !of_robot.contains(&own.kind));
+    let asked: Vec<_> = asked.map(|own| format!("{} = {}", own.asked, own.answer)).collect();
     if let Some(asks) = &expected.asks
         && *asks != asked
     {
