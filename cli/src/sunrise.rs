@@ -5,7 +5,7 @@ use std::path::Path;
 use iiwa_application::{Import, ImportError, ImportOptions};
 use iiwa_kin::Robot;
 use iiwa_program::Program;
-use iiwa_sunrise::{AnswerValue, Answers, Project, Question, QuestionKind};
+use iiwa_sunrise::{AnswerValue, Answers, ExportedProject, Project, Question, QuestionKind};
 use iiwa_view::printable;
 
 use crate::{
@@ -183,7 +183,13 @@ pub(crate) fn failure(folder: &Path, error: &ImportError) -> Failure {
                 1 => "one motion before it was understood".to_owned(),
                 _ => format!("{moves} motions before it were understood"),
             };
-            format!("{error} ({up_to}; --no-output shows what was understood)")
+            let fill_in = match refused.reason.ends_with(ExportedProject::DATA_FILE)
+                && !refused.missing.is_empty()
+            {
+                true => "; iiwasim import --write-data FILE.xml writes one to fill in",
+                false => "",
+            };
+            format!("{error}{fill_in} ({up_to}; --no-output shows what was understood)")
         }
         ImportError::Several { .. } => format!("{error} with --application"),
         ImportError::Robots(_) => {

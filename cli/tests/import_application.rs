@@ -191,3 +191,40 @@ fn durations_and_tools_that_the_project_lacks_are_given() {
     let tool = ["--tool", "Pen=0,0,120", "--tool", "Pen/Side=50,0,100,0,90,0", "--no-output"];
     run_on(&folder, "import", "../sunrise-cases/tool-missing", &tool).success();
 }
+
+#[test]
+fn a_data_file_to_fill_in_lists_all_that_is_missing() {
+    let folder = tempdir().unwrap();
+    let at = |name: &str| folder.path().join(name);
+    run_on(&folder, "import", "../sunrise-cases/no-data-file", &[])
+        .code(2)
+        .stderr(contains("--write-data"));
+    run_on(&folder, "import", "../sunrise-cases/no-data-file", &["--write-data", "data.xml"])
+        .success()
+        .stdout(contains("- the template `Pen`\n- the frame `/Start`\n- the frame `/End`\n"));
+    // Filled in, it is the data file of the project.
+    let mut text = fs::read_to_string(at("data.xml")).unwrap();
+    for (frame, x) in [("Start", "500.0"), ("End", "550.0")] {
+        let place = r#"<transformation a="0.0" b="0.0" c="0.0" x="0.0" y="0.0" z="0.0"/>"#;
+        let (before, after) = text.split_once(&format!("<frame name=\"{frame}\">")).unwrap();
+        let filled = place
+            .replace("b=\"0.0\"", "b=\"3.141592653589793\"")
+            .replace("x=\"0.0\"", &format!("x=\"{x}\""))
+            .replace("z=\"0.0\"", "z=\"300.0\"");
+        let after = after.replacen(place, &filled, 1);
+        text = format!("{before}<frame name=\"{frame}\">{after}");
+    }
+    let project = at("project");
+    fs::create_dir_all(project.join("src/application")).unwrap();
+    let java = "src/application/Probe.java";
+    fs::copy(fixture("../sunrise-cases/no-data-file").join(java), project.join(java)).unwrap();
+    fs::write(project.join("RoboticsAPI.data.xml"), text).unwrap();
+    let start = ["import", "project", "--start-deg", "0,30,0,-60,0,90,0", "--no-output"];
+    iiwasim(&folder, &start).success().stdout(contains("lin"));
+    // It is not written over another file.
+    run_on(&folder, "import", "../sunrise-cases/no-data-file", &["--write-data", "data.xml"])
+        .code(2)
+        .stderr(contains("data.xml exists"));
+    run_on(&folder, "import", "joints", &["--write-data", "none.xml"]).code(2);
+    assert!(!at("none.xml").exists());
+}

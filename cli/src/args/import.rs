@@ -44,6 +44,10 @@ pub(crate) struct Import {
     #[arg(long, conflicts_with = "no_output")]
     pub(crate) overwrite: bool,
 
+    /// Write a data file with all that the application needs and the project lacks, to fill in, and import nothing
+    #[arg(long, value_name = "FILE.xml", conflicts_with_all = ["frames", "output", "no_output"])]
+    pub(crate) write_data: Option<PathBuf>,
+
     /// Print the tables only, write no file
     #[arg(long, conflicts_with = "output")]
     pub(crate) no_output: bool,

@@ -10,6 +10,7 @@ use crate::{
     body::BodyFrame,
     frame_value::{inverse, then},
     frames_api::offset_of,
+    missing::Missing,
     robot_value::{RobotValue, robot},
     robotics::Robotics,
     spot::Spot,
@@ -58,6 +59,7 @@ impl Robotics<'_> {
         };
         let Some(place) = &body.missing else { return Ok(()) };
         let name = &body.name;
+        self.station.missing.replace(Some(Missing::Template(name.clone())));
         self.refuse(format!(
             "the data file has no template `{name}`, which is injected at {place}: its frames are not known; add the template, or \
              give its TCP by --tool \"{name}=X,Y,Z,A,B,C\" and other frames by --tool \"{name}/FRAME=...\""

@@ -1,12 +1,13 @@
 //! From an application of a project to the motion program that it runs.
 
-use std::{collections::BTreeMap, rc::Rc, thread};
+use std::{collections::BTreeMap, fmt::Write as _, rc::Rc, thread};
 
 use iiwa_java::{ClassId, Classes, Machine, Note, Place, Refusal, Stop};
 use iiwa_kin::{Joints, Robot};
 use iiwa_program::{Motion, Program, Source};
 use iiwa_sunrise::{
-    Answers, DataFile, ExportedProject, Project, ProjectData, Question, RobotStatement,
+    Answers, DataFile, ExportedProject, Project, ProjectData, Question, QuestionKind,
+    RobotStatement,
 };
 
 use crate::{
@@ -14,6 +15,7 @@ use crate::{
     asked::EndlessLoop,
     import_error::{ImportError, RefusedImport},
     import_note::ImportNote,
+    missing::Missing,
     robot_choice::RobotChoice,
     station::{Station, StationSetup},
     station_host::StationHost,
@@ -129,10 +131,20 @@ fn import_here(
         questions: of_robot,
         mut notes,
     } = choice;
-    let start_rad = options.start_rad.or_else(|| stated_start(&data_file)).unwrap_or_default();
+    let start_rad = options.start_rad.or_else(|| stated_start(&data_file));
+    let is_start_known = start_rad.is_some();
+    let start_rad = start_rad.unwrap_or_default();
     let answers = options.answers.clone();
-    let setup =
-        StationSetup { robot: robot.clone(), robot_name, flange_m, data_file, start_rad, answers };
+    let setup = StationSetup {
+        robot: robot.clone(),
+        robot_name,
+        flange_m,
+        data_file,
+        start_rad,
+        is_start_known,
+        answers,
+        is_survey: false,
+    };
     let run = Run::new(project, name, setup.clone())?;
     notes.extend(run.notes.iter().map(note));
     if let (Ok(()), Some(endless)) = (&run.end, &run.station.endless) {
@@ -144,8 +156,12 @@ fn import_here(
             own.text += &ways;
         }
     }
+    let first_missing = run.station.missing.take();
     let (program, places, mut questions) = run.station.finish();
     questions.extend(of_robot);
+    if !is_start_known && program.motions.iter().any(Motion::moves) {
+        questions.push(start_question(&application));
+    }
     let program = with_sources(program, &places);
     match run.end {
         Ok(()) if program.motions.iter().any(Motion::moves) => {
@@ -153,19 +169,63 @@ fn import_here(
         }
         Ok(()) => Err(ImportError::NoMotions { application: Box::new(application) }),
         Err(Refusal { reason, place }) => {
-            let lacks = matches!(project.data(), ProjectData::Absent)
-                && reason.contains("the data file has no");
-            let absent = if lacks { "; the project has no RoboticsAPI.data.xml" } else { "" };
+            let missing =
+                first_missing.map_or_else(Vec::new, |first| survey(project, name, setup, first));
+            let mut reason = reason;
+            if let [_, _, ..] = missing.as_slice() {
+                let all: Vec<_> = missing.iter().map(ToString::to_string).collect();
+                let _ = write!(reason, "; in all it lacks {}", all.join(", "));
+            }
+            if !missing.is_empty() && matches!(project.data(), ProjectData::Absent) {
+                reason += "; the project has no RoboticsAPI.data.xml";
+            }
             Err(ImportError::Refused(Box::new(RefusedImport {
                 application,
                 source: source(&place),
-                reason: reason + absent,
+                reason,
                 understood: program,
+                missing,
                 notes,
                 questions,
             })))
         }
     }
+}
+
+/// The question for the joints before the first motion.
+fn start_question(application: &Application) -> Question {
+    Question {
+        kind: QuestionKind::Start,
+        asked: "start".to_owned(),
+        choices: Vec::new(),
+        answer: "0,0,0,0,0,0,0".to_owned(),
+        is_given: false,
+        file: application.file.clone(),
+        line: application.line,
+    }
+}
+
+/// Runs that look for further entries of the data file.
+const MAX_SURVEYS: usize = 200;
+
+/// All entries that the data file lacks, as far as runs come that have those before: `first` and others.
+fn survey(
+    project: &Project,
+    name: Option<&str>,
+    setup: StationSetup,
+    first: Missing,
+) -> Vec<Missing> {
+    let mut setup = StationSetup { is_survey: true, ..setup };
+    let mut found = vec![first];
+    while let Some(last) = found.last().filter(|_| found.len() < MAX_SURVEYS) {
+        last.add_to(&mut setup.data_file);
+        let run = Run::new(project, name, setup.clone()).ok();
+        match run.and_then(|run| run.station.missing.take()) {
+            Some(next) if !found.contains(&next) => found.push(next),
+            _ => break,
+        }
+    }
+    found
 }
 
 /// An evaluation of an application from its beginning to its end.

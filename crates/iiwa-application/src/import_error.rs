@@ -4,7 +4,7 @@ use iiwa_kin::BadLength;
 use iiwa_program::{Program, Source};
 use iiwa_sunrise::{DataFileError, Question, RobotStatement, SourceError};
 
-use crate::{applications::Application, import_note::ImportNote};
+use crate::{applications::Application, import_note::ImportNote, missing::Missing};
 
 /// Why an application is not imported.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -91,6 +91,8 @@ pub struct RefusedImport {
     pub reason: String,
     /// The motions up to there.
     pub understood: Program,
+    /// The entries that the data file lacks, if it was refused for one of them.
+    pub missing: Vec<Missing>,
     /// What is not as the sources have it.
     pub notes: Vec<ImportNote>,
     /// What it asked up to there, and how it was answered.

@@ -336,12 +336,16 @@ impl Robotics<'_> {
                 self.station.at_rad = joints_rad;
                 Ok(())
             }
+            Err(_) if self.station.is_survey => Ok(()),
             Err(reason) => {
                 let what = match target {
                     TargetRef::Named(name) => format!("the frame `{name}`"),
                     TargetRef::Given(_) => "the target of this motion".to_owned(),
                 };
-                self.refuse(format!("{what} cannot be reached: {reason}"))
+                let hint = self.station.start_hint.as_ref();
+                let hint = hint.filter(|_| self.station.schedule.sent() == 0);
+                let hint = hint.map_or_else(String::new, |hint| format!("; {hint}"));
+                self.refuse(format!("{what} cannot be reached: {reason}{hint}"))
             }
         }
     }

@@ -5,6 +5,7 @@ use iiwa_json::meant;
 use iiwa_sunrise::{AnswerValue, QuestionKind};
 
 use crate::{
+    missing::Missing,
     robot_value::{RobotValue, robot},
     robotics::Robotics,
 };
@@ -22,6 +23,7 @@ impl Robotics<'_> {
         if known.contains(&&*id) || self.station.answers.data.contains_key(&*id) {
             return Ok(robot(RobotValue::ProcessData(id)));
         }
+        self.station.missing.replace(Some(Missing::ProcessData(id.to_string())));
         let instead = match meant(&id, known) {
             Some(meant) => format!("; did you mean `{meant}`?"),
             None => String::new(),

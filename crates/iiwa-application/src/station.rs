@@ -1,17 +1,18 @@
 //! The station that an application moves: the arm, what is attached to it, its frames, and what people and signals say.
 
-use std::{collections::BTreeMap, rc::Rc};
+use std::{cell::RefCell, collections::BTreeMap, rc::Rc};
 
 use iiwa_java::{Place, Unknown, Value};
 use iiwa_kin::{Joints, Load, Pose, Robot};
 use iiwa_program::{Frame, Tool, Workcell};
-use iiwa_sunrise::{Answers, DataFile, ImportedCell, ProcessData, Question};
+use iiwa_sunrise::{Answers, DataFile, FrameCheck, ImportedCell, ProcessData, Question, Verdict};
 
 use crate::{
     asked::{Asked, EndlessLoop},
     body::{Body, tip_name},
     flange_load::together,
     frame_value::{FrameValue, Parent, then},
+    missing::Missing,
     schedule::Schedule,
     spot::Spot,
 };
@@ -27,7 +28,11 @@ pub(crate) struct StationSetup {
     pub(crate) data_file: DataFile,
     /// Where the arm stands, in rad.
     pub(crate) start_rad: Joints,
+    /// Whether that is known, not assumed.
+    pub(crate) is_start_known: bool,
     pub(crate) answers: Answers,
+    /// Whether the run only finds out what the data file lacks: frames need not be within reach then.
+    pub(crate) is_survey: bool,
 }
 
 /// The state of the station.
@@ -37,6 +42,11 @@ pub(crate) struct Station {
     pub(crate) robot_name: String,
     pub(crate) flange_m: Option<f64>,
     pub(crate) start_rad: Joints,
+    /// The end of a message that the first motion is not possible, if the start is not known.
+    pub(crate) start_hint: Option<String>,
+    pub(crate) is_survey: bool,
+    /// The entry of the data file for whose lack the run was refused.
+    pub(crate) missing: RefCell<Option<Missing>>,
     /// Where the arm stands, or will once it has done what it was told.
     pub(crate) at_rad: Joints,
     /// Where `ptpHome` goes.
@@ -88,6 +98,19 @@ pub(crate) struct Station {
     pub(crate) changed_data: BTreeMap<String, Value>,
 }
 
+/// The way to say where the arm stands before the first motion; with the joints of the first taught frame, as a proposal.
+fn start_hint(cell: &ImportedCell, robot: &Robot) -> String {
+    let hint = "the arm is taken to stand with all joints at 0 before the first motion: say where it stands by --start-deg";
+    let taught = cell.frames.iter().find_map(|frame| {
+        let FrameCheck { joints_rad, verdict } = frame.check(robot);
+        Some((&frame.name, joints_rad.filter(|_| verdict == Verdict::Agrees)?))
+    });
+    let Some((name, joints_rad)) = taught else { return hint.to_owned() };
+    let joints: Vec<_> =
+        joints_rad.map(|q| format!("{}", (1e3 * q.to_degrees()).round() / 1e3)).into();
+    format!("{hint}; it was at the frame `{name}` with --start-deg {}", joints.join(","))
+}
+
 /// A frame of the data file's tree.
 #[derive(Clone, Debug)]
 pub(crate) struct TreeFrame {
@@ -108,8 +131,9 @@ pub(crate) struct TreeFrame {
 
 impl Station {
     pub(crate) fn new(setup: StationSetup) -> Self {
-        let StationSetup { robot, robot_name, flange_m, data_file, start_rad, answers } = setup;
+        let StationSetup { robot, robot_name, flange_m, data_file, start_rad, answers, .. } = setup;
         let cell = ImportedCell::new(&data_file);
+        let start_hint = (!setup.is_start_known).then(|| start_hint(&cell, &robot));
         let tools = data_file.tools.iter().zip(&cell.tools);
         let tools = tools.map(|(template, imported)| Body::of_template(template, Some(imported)));
         let workpieces = data_file.workpieces.iter();
@@ -119,6 +143,9 @@ impl Station {
             robot_name,
             flange_m,
             start_rad,
+            start_hint,
+            is_survey: setup.is_survey,
+            missing: RefCell::new(None),
             at_rad: start_rad,
             home_rad: [0.0; 7],
             tree: tree(&cell),

@@ -11,6 +11,7 @@ use crate::{
     arguments::robot_value,
     body::{Body, BodyFrame},
     frame_value::inverse,
+    missing::Missing,
     robot_value::{LoadRef, RobotValue, robot},
     robotics::Robotics,
     spot::Spot,
@@ -219,6 +220,17 @@ impl Robotics<'_> {
             return Ok(robot(RobotValue::Spot(found)));
         }
         self.check_template(spot)?;
+        let missing = match spot {
+            Spot::Tree(_) => Some(Missing::Frame(format!(
+                "{}/{}",
+                self.station.own_path(spot).trim_end_matches('/'),
+                path.trim_start_matches('/')
+            ))),
+            _ => spot.body().and_then(|index| self.station.bodies.get(index)).map(|body| {
+                Missing::TemplateFrame { template: body.name.clone(), path: path.clone() }
+            }),
+        };
+        self.station.missing.replace(missing);
         let known: Vec<String> = match spot.body().and_then(|body| self.station.bodies.get(body)) {
             Some(body) => body.frames.iter().map(|frame| frame.path.clone()).collect(),
             None => {
@@ -234,6 +246,7 @@ impl Robotics<'_> {
         if let Some(found) = self.station.tree_frame(path) {
             return Ok(robot(RobotValue::Spot(Spot::Tree(found))));
         }
+        self.station.missing.replace(Some(Missing::Frame(path.to_owned())));
         let known: Vec<String> = self.station.tree.iter().map(|frame| frame.path.clone()).collect();
         self.refuse(format!("the data file has no frame `{path}`{}", instead(path, &known)))
     }
@@ -248,6 +261,7 @@ impl Robotics<'_> {
             _ => return self.refuse("a template is named by a string"),
         };
         let Some(template) = self.template(&name).or_else(|| self.given_body(&name, false)) else {
+            self.station.missing.replace(Some(Missing::Template(name.clone())));
             let known: Vec<String> =
                 self.station.templates.iter().map(|template| template.name.clone()).collect();
             return self.refuse(format!(

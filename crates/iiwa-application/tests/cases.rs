@@ -2,7 +2,7 @@
 //!
 //! - `motions`: the type of each motion, and values of its keys as in a program; `robot` and `flange_mm` likewise,
 //! - `notes_contain`: a part of a note each; an empty list if there are no notes,
-//! - `asks`: `asked = answer` of each question but those for the robot and its flange, in order,
+//! - `asks`: `asked = answer` of each question but those for the robot, its flange and its start, in order,
 //! - or `refused`, with `file`, `line` and `reason_contains`,
 //! - `application`, if the project has several,
 //! - `answers`: the text of an answer file; if absent, that of `iiwasim-answers.toml` in the folder.
@@ -113,7 +113,7 @@ fn of_import(import: &Import, expected: &Expected) -> Vec<String> {
             wrong.push("there are notes".to_owned());
         }
     }
-    let of_robot = [QuestionKind::Robot, QuestionKind::Flange];
+    let of_robot = [QuestionKind::Robot, QuestionKind::Flange, QuestionKind::Start];
     let asked = import.questions.iter().filter(|own| !of_robot.contains(&own.kind));
     let asked: Vec<_> = asked.map(|own| format!("{} = {}", own.asked, own.answer)).collect();
     if let Some(asks) = &expected.asks

@@ -90,7 +90,7 @@ fn stated<const N: usize>(files: [(String, String); N]) -> (String, Option<f64>)
 }
 
 fn asked(import: &Import) -> Vec<(QuestionKind, &str, bool)> {
-    let questions = import.questions.iter();
+    let questions = import.questions.iter().filter(|own| own.kind != QuestionKind::Start);
     questions.map(|own| (own.kind, own.answer.as_str(), own.is_given)).collect()
 }
 
@@ -110,7 +110,7 @@ fn the_station_states_robot_and_flange() {
             "StationSetup.cat:3 says Media flange electrical"
         ]
     );
-    assert!(import.questions.is_empty() && import.notes.is_empty());
+    assert!(asked(&import).is_empty() && import.notes.is_empty());
     let touch = station("LBR_iiwa_7_R800_1", "Media flange Touch pneumatic");
     assert_eq!(stated([anonymous(), touch]), (SMALL.to_owned(), Some(152.0)));
 }
@@ -239,7 +239,7 @@ fn a_station_that_cannot_be_read_is_a_note() {
     let broken = ("StationSetup.cat".to_owned(), "<ConfigurationProject>".to_owned());
     let import = imported([anonymous(), broken], &ImportOptions::default()).unwrap();
     assert!(import.notes[0].text.contains("StationSetup.cat cannot be used"), "{:?}", import.notes);
-    assert_eq!(import.questions.len(), 2);
+    assert_eq!(asked(&import).len(), 2);
 }
 
 #[test]
@@ -265,4 +265,34 @@ fn an_exported_program_brings_its_robot_along() {
     // A profile is not part of the project.
     let error = imported(exported("own.json", Robot::default()), &ImportOptions::default());
     assert_eq!(error.unwrap_err(), ImportError::UnknownRobot("own.json".to_owned()));
+}
+
+#[test]
+fn the_start_is_a_question_until_it_is_given() {
+    let is_asked = |options: &ImportOptions| {
+        let import = imported([anonymous()], options).unwrap();
+        import.questions.iter().any(|own| own.kind == QuestionKind::Start)
+    };
+    assert!(is_asked(&ImportOptions::default()));
+    let start_rad = Some([0.0, 0.1, 0.0, -0.5, 0.0, 0.0, 0.0]);
+    assert!(!is_asked(&ImportOptions { start_rad, ..ImportOptions::default() }));
+}
+
+#[test]
+fn a_first_motion_out_of_reach_names_the_joints_of_a_taught_frame() {
+    let frames = taught("LBR_iiwa_7_R800_1", &Robot::default());
+    let linear = java("@Inject private LBR lbr;", "lbr.move(linRel(0, 0, 150));");
+    let error = imported([linear, frames.clone()], &ImportOptions::default()).unwrap_err();
+    let text = error.to_string();
+    let (_, proposed) = text.split_once("it was at the frame `P0` with --start-deg ").unwrap();
+    for (proposed, taught) in proposed.split(',').zip(POSES[0]) {
+        assert!((proposed.parse::<f64>().unwrap() - taught.to_degrees()).abs() < 1e-3, "{text}");
+    }
+    // Behind a motion the start is none of the reasons.
+    let later = java(
+        "@Inject private LBR lbr;",
+        "lbr.move(ptp(0, 0, 0, 0, 0, 0.1, 0)); lbr.move(linRel(0, 0, 500));",
+    );
+    let text = imported([later, frames], &ImportOptions::default()).unwrap_err().to_string();
+    assert!(text.contains("cannot be reached") && !text.contains("--start-deg"), "{text}");
 }

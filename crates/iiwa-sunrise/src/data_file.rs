@@ -58,7 +58,7 @@ pub struct Teaching {
 }
 
 /// The template of a tool.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct ToolTemplate {
     /// Its name.
     pub name: String,

@@ -14,7 +14,7 @@ mod tools;
 use iiwa_kin::{Joints, Mount, Robot};
 use iiwa_program::{Motion, MotionIndex, OperatingMode, Program};
 
-use crate::write::{DataSetting, to_xml};
+use crate::data_file::ProcessData;
 
 use self::{
     cell::WorldTree,
@@ -105,12 +105,20 @@ impl ExportedProject {
         let start = start_rad.map(literal::number).join(" ");
         let named = program.robot.clone().unwrap_or_else(|| robot.name().to_owned());
         let flange = literal::number(1e3 * robot.lengths().flange_m);
-        let settings = [
-            DataSetting { id: Self::ROBOT_ID, value: named },
-            DataSetting { id: Self::FLANGE_ID, value: flange },
-            DataSetting { id: Self::START_ID, value: start },
+        let setting = |id: &str, value: String| ProcessData {
+            id: id.to_owned(),
+            data_type: "java.lang.String".to_owned(),
+            default_value: Some(value.clone()),
+            value: Some(value),
+            ..ProcessData::default()
+        };
+        let mut file = tree.finish(tools.templates());
+        file.process_data = vec![
+            setting(Self::ROBOT_ID, named),
+            setting(Self::FLANGE_ID, flange),
+            setting(Self::START_ID, start),
         ];
-        let data_file = to_xml(&tree.finish(tools.templates()), &settings);
+        let data_file = file.to_xml();
         Ok(Self { class, java, data_file, start_rad, start_deg, notices })
     }
 

@@ -34,6 +34,8 @@ pub enum QuestionKind {
     Robot,
     /// The length of its flange in mm, which the project does not state.
     Flange,
+    /// The joints with which the arm stands before the first motion, in degrees.
+    Start,
     /// Whether a condition came true that is measured while the arm moves.
     Fired,
     /// The duration of a hold, of a gripper or of a platform.

@@ -5,17 +5,13 @@ use std::fmt::Write as _;
 use iiwa_program::{Frame, Load};
 use quick_xml::escape::escape;
 
-use crate::data_file::{DataFile, TaughtRedundancy, Teaching, ToolFrame, ToolTemplate, WorldFrame};
-
-/// A value that an application can ask the data file for.
-pub(crate) struct DataSetting {
-    pub(crate) id: &'static str,
-    pub(crate) value: String,
-}
+use crate::data_file::{
+    DataFile, ProcessData, TaughtRedundancy, Teaching, ToolFrame, ToolTemplate, WorldFrame,
+};
 
 impl DataFile {
     /// The file as XML, which [`from_xml`](Self::from_xml) reads back to the last bit. Gravity is that of a robot which stands
-    /// upright; what a file has beside frames and tools is not kept. Names have no control characters: XML has no way to
+    /// upright; what a file has beside frames, tools and process data is not kept. Names have no control characters: XML has no way to
     /// write them.
     ///
     /// ```
@@ -29,40 +25,25 @@ impl DataFile {
     /// ```
     #[must_use]
     pub fn to_xml(&self) -> String {
-        to_xml(self, &[])
-    }
-}
-
-/// The file as XML, with settings.
-pub(crate) fn to_xml(file: &DataFile, settings: &[DataSetting]) -> String {
-    let mut xml = XmlText::default();
-    xml.open("RoboticsAPIData", &[("version", "3".to_owned())]);
-    xml.open("world", &[]);
-    xml.empty("gravitation", &numbers(["x", "y", "z"], [0.0, 0.0, 9.81]));
-    file.frames.iter().for_each(|frame| xml.world_frame(frame));
-    xml.close("world");
-    if !file.tools.is_empty() {
-        xml.open("objectTemplates", &[]);
-        file.tools.iter().for_each(|tool| xml.tool(tool));
-        xml.close("objectTemplates");
-    }
-    if !settings.is_empty() {
-        xml.open("processDataContainer", &[]);
-        for DataSetting { id, value } in settings {
-            xml.empty(
-                "processData",
-                &[
-                    ("id", (*id).to_owned()),
-                    ("dataType", "java.lang.String".to_owned()),
-                    ("defaultValue", value.clone()),
-                    ("value", value.clone()),
-                ],
-            );
+        let mut xml = XmlText::default();
+        xml.open("RoboticsAPIData", &[("version", "3".to_owned())]);
+        xml.open("world", &[]);
+        xml.empty("gravitation", &numbers(["x", "y", "z"], [0.0, 0.0, 9.81]));
+        self.frames.iter().for_each(|frame| xml.world_frame(frame));
+        xml.close("world");
+        if !self.tools.is_empty() {
+            xml.open("objectTemplates", &[]);
+            self.tools.iter().for_each(|tool| xml.tool(tool));
+            xml.close("objectTemplates");
         }
-        xml.close("processDataContainer");
+        if !self.process_data.is_empty() {
+            xml.open("processDataContainer", &[]);
+            self.process_data.iter().for_each(|data| xml.process_data(data));
+            xml.close("processDataContainer");
+        }
+        xml.close("RoboticsAPIData");
+        xml.text
     }
-    xml.close("RoboticsAPIData");
-    xml.text
 }
 
 type XmlAttribute = (&'static str, String);
@@ -105,6 +86,14 @@ impl XmlText {
 
     fn empty(&mut self, name: &str, attributes: &[XmlAttribute]) {
         self.tag(name, attributes, "/>");
+    }
+
+    fn process_data(&mut self, data: &ProcessData) {
+        let ProcessData { id, data_type, default_value, value, min, max } = data;
+        let given = [("defaultValue", default_value), ("value", value), ("min", min), ("max", max)];
+        let given = given.into_iter().filter_map(|(key, value)| Some((key, value.clone()?)));
+        let attributes = [("id", id.clone()), ("dataType", data_type.clone())];
+        self.empty("processData", &attributes.into_iter().chain(given).collect::<Vec<_>>());
     }
 
     fn close(&mut self, name: &str) {

@@ -1,9 +1,14 @@
 //! An application as a program.
 
-use std::path::{Path, PathBuf};
+use std::{
+    fmt::Write as _,
+    path::{Path, PathBuf},
+};
 
 use iiwa_application::{Application as Found, ImportError};
 use iiwa_kin::Robot;
+use iiwa_sunrise::{DataFile, ProjectData};
+use iiwa_view::printable;
 
 use crate::{
     args::Import as ImportArgs,
@@ -25,6 +30,9 @@ pub(super) fn run(options: &ImportArgs) -> Result<(), Failure> {
         if all.len() > 1 {
             return listing::run(folder, &application, all, options.json);
         }
+    }
+    if let Some(target) = &options.write_data {
+        return write_data(options, &application, target);
     }
     let mut import = match application.import(name) {
         Ok(import) => import,
@@ -49,6 +57,44 @@ pub(super) fn run(options: &ImportArgs) -> Result<(), Failure> {
     }
     let report = ProgramReport::new(folder, &import, target.as_deref());
     if options.json { output::print_json(&report) } else { output::print(&report.text()) }
+}
+
+/// Writes a data file with the entries that the application needs and the project lacks; their numbers are zeros.
+fn write_data(
+    options: &ImportArgs,
+    application: &Application,
+    target: &Path,
+) -> Result<(), Failure> {
+    let folder = options.project.as_path();
+    let name = options.answering.application.as_deref();
+    let missing = match application.import(name) {
+        Err(ImportError::Refused(refused)) if !refused.missing.is_empty() => refused.missing,
+        Err(error) => return Err(failure(folder, &error)),
+        Ok(_) => {
+            return Err(Failure::input(format!(
+                "{}: the application needs no entry of a data file that the project lacks",
+                folder.display()
+            )));
+        }
+    };
+    if !matches!(application.project.data(), ProjectData::Absent) {
+        let all: Vec<_> = missing.iter().map(ToString::to_string).collect();
+        return Err(Failure::input(format!(
+            "{}: the project has a data file, which lacks {}: add them there, with what it has",
+            folder.display(),
+            all.join(", ")
+        )));
+    }
+    output::keep_existing("data file", target, options.overwrite)?;
+    let mut file = DataFile::default();
+    missing.iter().for_each(|entry| entry.add_to(&mut file));
+    output::write(target, file.to_xml().as_bytes())?;
+    let mut text = format!("{} lists, with zeros for its numbers:\n", target.display());
+    for entry in &missing {
+        let _ = writeln!(text, "- {}", printable(&entry.to_string()));
+    }
+    text += "Fill it in (x, y, z in mm, a, b, c in rad), and put it into the project as RoboticsAPI.data.xml.\n";
+    output::print(&text)
 }
 
 /// The name by which a program in the file `target` finds its robot: a profile is copied to the folder of the program.
