@@ -184,7 +184,7 @@ fn durations_and_tools_that_the_project_lacks_are_given() {
     assert_eq!(report["motions"][1]["type"], "wait");
     assert_eq!(report["questions"][0]["kind"], "time");
     let without = run_on(&folder, "import", "../sunrise-cases/hold-until-ended", &["--no-output"]);
-    without.success().stdout(contains("--time \"Lean.java:21=0\""));
+    without.success().stdout(contains("--time \"src/application/Lean.java:21=0\""));
     run_on(&folder, "import", "../sunrise-cases/tool-missing", &["--no-output"])
         .code(2)
         .stderr(contains("no template `Pen`").and(contains("--tool")));

@@ -21,11 +21,11 @@ impl Robotics<'_> {
     /// The duration in s that is given for this line; 0 otherwise, with a note. `event` is a clause such as "the platform
     /// drives".
     pub(crate) fn given_seconds(&mut self, event: &str) -> Result<f64, Stop> {
-        let place = self.here.to_string();
-        let is_here = |key: &str| place == key || place.ends_with(&format!("/{key}"));
-        let given = self.station.answers.times.iter().find(|(key, _)| is_here(key));
-        let given = given.map(|(_, seconds)| *seconds);
-        let asked = place.rsplit('/').next().unwrap_or_default().to_owned();
+        let asked = self.here.to_string();
+        // Its file, with or without its folders; the key that states most of them counts.
+        let is_here = |key: &str| asked == key || asked.ends_with(&format!("/{key}"));
+        let given = self.station.answers.times.iter().filter(|(key, _)| is_here(key));
+        let given = given.max_by_key(|(key, _)| key.len()).map(|(_, seconds)| *seconds);
         let seconds = given.unwrap_or(0.0);
         if Answers::seconds(seconds).is_none() {
             return self.refuse(format!("`{asked}` is given as {seconds}: {}", Answers::SECONDS));

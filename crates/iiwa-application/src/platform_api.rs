@@ -26,10 +26,12 @@ const OTHERS: [&str; 11] = [
     "Exception",
 ];
 
-/// Whether a class, or the name of a device, is that of a mobile platform.
+/// Whether a class, or the name of a device, is that of a mobile platform. The arm on it has a name of its own.
 pub(crate) fn is_platform(name: &str) -> bool {
     let lower = name.to_ascii_lowercase();
-    WORDS.iter().any(|word| lower.contains(word)) && !OTHERS.iter().any(|end| name.ends_with(end))
+    !lower.contains("lbr")
+        && WORDS.iter().any(|word| lower.contains(word))
+        && !OTHERS.iter().any(|end| name.ends_with(end))
 }
 
 /// Whether one of these names a mobile platform: a class or the name of a device.

@@ -28,7 +28,9 @@ impl Robotics<'_> {
             Some(meant) => format!("; did you mean `{meant}`?"),
             None => String::new(),
         };
-        self.refuse(format!("the data file has no process data `{id}`{instead}"))
+        self.refuse(format!(
+            "the data file has no process data `{id}`{instead}; give the value by --data \"{id}=VALUE\""
+        ))
     }
 
     /// A method of process data.
