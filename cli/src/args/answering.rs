@@ -11,7 +11,8 @@ const SUNRISE: &str = "Applications of Sunrise projects";
 /// Which application of a Sunrise project, and what it is answered.
 #[derive(Args, Debug, Default)]
 pub(crate) struct Answering {
-    /// Application of a Sunrise project, by its class; with several, left out, they are listed
+    /// Application of a Sunrise project, by its class, or by its file if several have this class; with several, left out, they
+    /// are listed
     #[arg(long, value_name = "CLASS", help_heading = SUNRISE)]
     pub(crate) application: Option<String>,
 

@@ -30,7 +30,7 @@ pub(crate) struct Import {
     pub(crate) project: PathBuf,
 
     #[command(flatten)]
-    pub(crate) answering: Answering,
+    pub(crate) answering: Box<Answering>,
 
     /// Import frames and tools, although the project has applications
     #[arg(long, conflicts_with_all = ["application", "answer", "input", "data", "time", "tool", "answers", "start_deg", "fired", "flange_mm"])]

@@ -104,7 +104,7 @@ pub(crate) struct Plan {
     pub(crate) max_file_size: ByteSize,
 
     #[command(flatten)]
-    pub(crate) answering: Answering,
+    pub(crate) answering: Box<Answering>,
 
     /// Built-in model or robot profile, instead of the program's
     #[arg(long, value_name = "NAME|FILE")]

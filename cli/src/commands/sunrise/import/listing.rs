@@ -29,10 +29,14 @@ pub(super) fn run(
     applications: Vec<Found>,
     json: bool,
 ) -> Result<(), Failure> {
+    let names: Vec<_> = applications.iter().map(|own| own.qualified_name.clone()).collect();
     let rows: Vec<_> = applications
         .into_iter()
         .map(|own| {
-            let (motions, questions, refused) = match project.import(Some(&own.qualified_name)) {
+            // Copies of an application are told apart by their files.
+            let copies = names.iter().filter(|name| **name == own.qualified_name).count();
+            let name = if copies > 1 { &own.file } else { &own.qualified_name };
+            let (motions, questions, refused) = match project.import(Some(name)) {
                 Ok(Import { program, questions, .. }) => {
                     (Some(program.motions.len()), questions.len(), None)
                 }
