@@ -333,6 +333,8 @@ def import_application(
     inputs: Mapping[str, bool | int | float | str] | None = None,
     data: Mapping[str, bool | int | float | str] | None = None,
     fired: Mapping[str, bool | Sequence[bool]] | None = None,
+    times: Mapping[str, float] | None = None,
+    tools: Mapping[str, Sequence[float]] | None = None,
     robot: _Robot | None = None,
     start_deg: ArrayLike | None = None,
 ) -> tuple[Program, dict[str, Any]]: ...

@@ -81,7 +81,9 @@ impl<'py> FromPyObject<'_, 'py> for Value {
 /// `questions`.
 ///
 /// The application may be left out if there is one only. Dialogs are answered by `answers` (the number of a button, from 0, by the
-/// text), `inputs` and process `data` are given by name, break conditions (`fired`) by file and line of `hasFired`. Raises `SunriseError` with file and line.
+/// text), `inputs` and process `data` are given by name, break conditions (`fired`) by file and line of `hasFired`. `times` are
+/// seconds of holds, grippers and platforms by file and line; `tools` are frames that the data file lacks: x, y, z in mm, and perhaps
+/// a, b, c in degrees. Raises `SunriseError` with file and line.
 ///
 /// >>> import iiwasim as iw
 /// >>> program, told = iw.import_application('fixtures/sunrise/joints')
@@ -89,8 +91,8 @@ impl<'py> FromPyObject<'_, 'py> for Value {
 /// 10
 #[pyfunction]
 #[pyo3(signature = (
-    folder, *, application = None, answers = None, inputs = None, data = None, fired = None, robot = None,
-    start_deg = None
+    folder, *, application = None, answers = None, inputs = None, data = None, fired = None, times = None,
+    tools = None, robot = None, start_deg = None
 ))]
 #[expect(clippy::too_many_arguments, reason = "they are options by keyword in Python")]
 pub(crate) fn import_application<'py>(
@@ -101,6 +103,8 @@ pub(crate) fn import_application<'py>(
     inputs: Option<BTreeMap<String, Value>>,
     data: Option<BTreeMap<String, Value>>,
     fired: Option<BTreeMap<String, Fired>>,
+    times: Option<BTreeMap<String, f64>>,
+    tools: Option<BTreeMap<String, Vec<f64>>>,
     robot: Option<RobotArgument<'py>>,
     start_deg: Option<JointsLike<'py>>,
 ) -> PyResult<(Program, Bound<'py, PyDict>)> {
@@ -130,6 +134,18 @@ pub(crate) fn import_application<'py>(
     for (place, values) in fired.unwrap_or_default() {
         unasked.push((QuestionKind::Fired, place.clone()));
         given.fired.insert(place, values.0);
+    }
+    for (place, seconds) in times.unwrap_or_default() {
+        let found = Answers::seconds(seconds);
+        let fault = || PyValueError::new_err(format!("times, {place:?}: {}", Answers::SECONDS));
+        unasked.push((QuestionKind::Time, place.clone()));
+        given.times.insert(place.clone(), found.ok_or_else(fault)?);
+    }
+    for (name, numbers) in tools.unwrap_or_default() {
+        let found = Answers::frame(&numbers);
+        let fault = || PyValueError::new_err(format!("tools, {name:?}: {}", Answers::FRAME));
+        unasked.push((QuestionKind::Tool, name.clone()));
+        given.tools.insert(name.clone(), found.ok_or_else(fault)?);
     }
     let start_rad = match &start_deg {
         None => None,
