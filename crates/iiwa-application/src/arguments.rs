@@ -20,12 +20,16 @@ pub(crate) fn robot_value(value: &Value) -> Option<RobotValue> {
     }
 }
 
-/// The first argument that is not known, also in an array or a list.
+/// The first argument that is not known, also in an array, a list, a frame or a joint position.
 pub(crate) fn first_unknown(arguments: &[Value]) -> Option<Rc<Unknown>> {
     arguments.iter().find_map(|argument| match argument {
         Value::Unknown(unknown) => Some(Rc::clone(unknown)),
         Value::Array(_) | Value::List(_) => first_unknown(&argument.elements()?),
-        _ => None,
+        other => match robot_value(other)? {
+            RobotValue::Joints(joints) => joints.borrow().unknown.clone(),
+            RobotValue::Frame(frame) => frame.borrow().unknown.clone(),
+            _ => None,
+        },
     })
 }
 
@@ -45,7 +49,8 @@ pub(crate) fn joints(arguments: &[Value]) -> Option<Joints> {
     if let [only] = arguments
         && let Some(RobotValue::Joints(joints)) = robot_value(only)
     {
-        return Some(joints.borrow().joints_rad);
+        let joints = joints.borrow();
+        return joints.unknown.is_none().then_some(joints.joints_rad);
     }
     numbers(arguments)?.try_into().ok()
 }

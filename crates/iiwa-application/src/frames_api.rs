@@ -112,9 +112,10 @@ impl Robotics<'_> {
             }
             ("transform", [reference, offset]) => Ok(self.transform_in(this, reference, offset)),
             ("setRedundancyInformation", [.., redundancy]) => {
-                if let Some(RobotValue::Redundancy(redundancy)) = robot_value(redundancy) {
-                    this.borrow_mut().redundancy = *redundancy.borrow();
-                }
+                let Some(RobotValue::Redundancy(redundancy)) = robot_value(redundancy) else {
+                    return Ok(self.not_known("Frame.setRedundancyInformation"));
+                };
+                this.borrow_mut().redundancy = *redundancy.borrow();
                 Ok(own())
             }
             ("setParent", [parent, rest @ ..]) => {

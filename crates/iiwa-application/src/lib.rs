@@ -32,6 +32,8 @@ mod motion_setters;
 mod motion_value;
 mod motions;
 mod moves;
+#[cfg(test)]
+mod offered_tests;
 mod opaque_api;
 mod platform_api;
 mod process_data;

@@ -90,6 +90,11 @@ impl Robotics<'_> {
             return Ok(self.unknown(gives.to_string()));
         }
         if FLUENT.iter().any(|begin| name.starts_with(begin)) {
+            if &*opaque.class == "LoadData" {
+                self.note(
+                    "a load that the application sets is left out: that of the template counts",
+                );
+            }
             return Ok(robot(RobotValue::Opaque(opaque.clone())));
         }
         if let Some(unknown) = first_unknown(arguments) {

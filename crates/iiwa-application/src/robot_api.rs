@@ -22,8 +22,11 @@ const MEASURED: [(&str, &str); 4] = [
     ("Temperature", "a measured temperature"),
 ];
 
+/// Beginnings of the names of methods that change nothing.
+const READING: [&str; 8] = ["get", "is", "has", "to", "equals", "distance", "copy", "compare"];
+
 impl Robotics<'_> {
-    /// A method of a value of the API.
+    /// A method of a value of the API. One that is not known may have changed the value.
     pub(crate) fn call_robot(
         &mut self,
         receiver: &RobotValue,
@@ -34,6 +37,7 @@ impl Robotics<'_> {
             ("toString", []) => return Ok(Value::text(self.station.robot_text(receiver))),
             ("hashCode", []) => return Ok(self.unknown("a hash code")),
             ("getClass", []) => return Ok(Value::ForeignClass(Rc::from(receiver.class()))),
+            ("equals", [Value::Unknown(unknown)]) => return Ok(Value::Unknown(unknown.clone())),
             ("equals", [other])
                 if !matches!(receiver, RobotValue::Joints(_) | RobotValue::Spot(_)) =>
             {
@@ -42,6 +46,34 @@ impl Robotics<'_> {
             }
             _ => {}
         }
+        let result = self.call_known(receiver, name, arguments)?;
+        if let Value::Unknown(unknown) = &result
+            && !READING.iter().any(|begin| name.starts_with(begin))
+        {
+            receiver.spoil(unknown);
+            let is_new = unknown.reason.ends_with("which is not known");
+            match receiver {
+                RobotValue::Redundancy(_) => {
+                    return self.refuse(format!("`{name}` of a redundancy is not evaluated"));
+                }
+                RobotValue::Robot | RobotValue::Spot(_) if is_new => {
+                    let kind = receiver.kind();
+                    self.note(format!(
+                        "`{name}` of {kind} is not evaluated: what it changes is left out"
+                    ));
+                }
+                _ => {}
+            }
+        }
+        Ok(result)
+    }
+
+    fn call_known(
+        &mut self,
+        receiver: &RobotValue,
+        name: &str,
+        arguments: &[Value],
+    ) -> Result<Value, Stop> {
         match receiver {
             RobotValue::Robot => self.call_lbr(name, arguments),
             RobotValue::Joints(joints) => self.call_joints(joints, name, arguments),

@@ -9,7 +9,7 @@ use iiwa_program::Frame;
 use crate::{
     enum_constant::EnumConstant,
     frame_value::{FrameValue, RedundancyValue},
-    motion_value::MotionValue,
+    motion_value::{MotionValue, Obstacle},
     spot::Spot,
 };
 
@@ -91,6 +91,19 @@ impl RobotValue {
 
     pub(crate) fn motion(motion: MotionValue) -> Self {
         Self::Motion(Rc::new(RefCell::new(motion)))
+    }
+
+    /// Makes unknown what a program may change of the value.
+    pub(crate) fn spoil(&self, unknown: &Rc<Unknown>) {
+        let unknown = Rc::clone(unknown);
+        match self {
+            Self::Joints(own) => own.borrow_mut().unknown = Some(unknown),
+            Self::Frame(own) => own.borrow_mut().unknown = Some(unknown),
+            Self::Motion(own) => {
+                own.borrow_mut().obstruct(Obstacle::Unknown("this motion".to_owned(), unknown));
+            }
+            _ => {}
+        }
     }
 
     pub(crate) fn opaque(class: &str) -> Self {

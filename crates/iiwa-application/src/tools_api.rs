@@ -44,6 +44,9 @@ impl Robotics<'_> {
                 Ok(robot(RobotValue::Spot(self.station.default_frame(spot))))
             }
             ("setDefaultMotionFrame", [frame]) => {
+                if let Value::Unknown(unknown) = frame {
+                    return self.refuse_unknown("the frame that moves", unknown);
+                }
                 self.set_default_frame(spot, frame);
                 Ok(Value::Null)
             }

@@ -2,6 +2,7 @@
 
 mod cases;
 mod evaluation;
+mod java_library;
 mod loops;
 mod projects;
 mod robots;

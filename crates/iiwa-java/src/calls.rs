@@ -6,6 +6,7 @@ use crate::{
     class_id::ClassId,
     classes::simple,
     flow::Flow,
+    java_lists::REMOVE_ELEMENT,
     java_state::{Activation, MAX_DEPTH},
     machine::Machine,
     place::Place,
@@ -24,9 +25,31 @@ impl Machine {
         arguments: &[Expression],
     ) -> Result<Value, Stop> {
         let receiver = on.map(|on| self.evaluated(on)).transpose()?;
-        let arguments = self.evaluated_all(arguments)?;
+        let values = self.evaluated_all(arguments)?;
         self.here.line = expression.line;
+        for value in receiver.iter().chain(&values) {
+            self.refresh(value);
+        }
         let place = self.here.clone();
+        let (arguments, expressions) = (values, arguments);
+        if let (Some(list @ Value::List(_)), "remove", [Value::Int(_)]) =
+            (&receiver, name, &*arguments)
+        {
+            let name = match self.is_boxed(&expressions[0]) {
+                Some(true) => REMOVE_ELEMENT,
+                Some(false) => name,
+                None => {
+                    let unknown = self.unknown(
+                        "`remove` of a list, whose argument may be an index or an element",
+                    );
+                    if let Value::Unknown(unknown) = &unknown {
+                        self.spoil(list, unknown);
+                    }
+                    return Ok(unknown);
+                }
+            };
+            return self.call_library(list, name, &arguments);
+        }
         let result = match (on.map(|on| &on.kind), receiver) {
             (Some(ExpressionKind::Super), Some(Value::Object(object))) => {
                 self.call_above(&object, name, &arguments)
@@ -50,6 +73,9 @@ impl Machine {
                 if self.java.classes.is_a(object.class, id) { object.class } else { id }
             });
             if let Some((owner, method)) = self.method(start, name, arguments) {
+                if let Some(value) = self.undecided(start, name, arguments)? {
+                    return Ok(value);
+                }
                 let this = this.filter(|_| !method.is_static);
                 return self.run(owner, this, &method, arguments);
             }
@@ -77,6 +103,9 @@ impl Machine {
         for import in self.java.classes.static_imports(name, class) {
             if let Some(id) = self.java.classes.by_qualified_name(&import) {
                 if let Some((owner, method)) = self.method(id, name, arguments) {
+                    if let Some(value) = self.undecided(id, name, arguments)? {
+                        return Ok(value);
+                    }
                     return self.run(owner, None, &method, arguments);
                 }
             } else if let Some(value) = self.foreign_static(simple(&import), name, arguments)? {
@@ -101,6 +130,9 @@ impl Machine {
         if let Some(parent) = self.java.classes.parent(class)
             && let Some((owner, method)) = self.method(parent, name, arguments)
         {
+            if let Some(value) = self.undecided(parent, name, arguments)? {
+                return Ok(value);
+            }
             return self.run(owner, Some(Rc::clone(object)), &method, arguments);
         }
         if let Some(base) = self.java.classes.foreign_parent(class).map(str::to_owned)
@@ -127,6 +159,9 @@ impl Machine {
             Value::Object(object) => self.call_on_object(object, name, arguments),
             Value::Class(id) => {
                 if let Some((owner, method)) = self.method(*id, name, arguments) {
+                    if let Some(value) = self.undecided(*id, name, arguments)? {
+                        return Ok(value);
+                    }
                     return self.run(owner, None, &method, arguments);
                 }
                 self.of_class(*id, name, arguments)
@@ -144,7 +179,11 @@ impl Machine {
             }
             Value::Host(value) => {
                 let (host, value) = (Rc::clone(&self.host), Rc::clone(value));
-                host.call(self, &value, name, arguments)
+                let result = host.call(self, &value, name, arguments)?;
+                if result.unknown().is_some_and(|own| own.reason.ends_with("which is not known")) {
+                    self.after_unmodelled(None, name, arguments, &result)?;
+                }
+                Ok(result)
             }
             Value::Unknown(unknown) => {
                 if self.host.acting_on_receivers().contains(&name) {
@@ -152,6 +191,7 @@ impl Machine {
                     return self.refuse_unknown(&format!("what `{name}` is called on"), &unknown);
                 }
                 self.may_act_with(name, arguments);
+                self.after_unmodelled(None, name, arguments, receiver)?;
                 Ok(receiver.clone())
             }
             Value::Null => {
@@ -171,6 +211,9 @@ impl Machine {
         if let Some((owner, method)) = self.method(object.class, name, arguments)
             && method.body.is_some()
         {
+            if let Some(value) = self.undecided(object.class, name, arguments)? {
+                return Ok(value);
+            }
             let this = (!method.is_static).then(|| Rc::clone(object));
             return self.run(owner, this, &method, arguments);
         }
@@ -275,7 +318,9 @@ impl Machine {
             return self.refuse(format!("the motion depends on {what}"));
         }
         self.may_act_with(name, arguments);
-        Ok(self.unknown(what))
+        let result = self.unknown(what);
+        self.after_unmodelled(None, name, arguments, &result)?;
+        Ok(result)
     }
 
     /// Notes that something that is not looked into could act.
@@ -285,102 +330,6 @@ impl Machine {
             self.note(format!(
                 "`{name}` gets what can act, and its source is not in the project: what it does with it is left out"
             ));
-        }
-    }
-
-    /// The method that is meant, and the class in which it stands.
-    pub(crate) fn method(
-        &self,
-        id: ClassId,
-        name: &str,
-        arguments: &[Value],
-    ) -> Option<(ClassId, Arc<Method>)> {
-        let mut best: Option<(u32, ClassId, Arc<Method>)> = None;
-        for (owner, method) in self.java.classes.methods(id, name) {
-            let Some(fit) = self.fit(owner, &method, arguments) else { continue };
-            // Among equal fits, the nearest method with a body wins.
-            let is_better = best.as_ref().is_none_or(|(other, _, found)| {
-                fit > *other || (fit == *other && found.body.is_none() && method.body.is_some())
-            });
-            if is_better {
-                best = Some((fit, owner, method));
-            }
-        }
-        best.map(|(_, owner, method)| (owner, method))
-    }
-
-    /// How well arguments fit parameters; none if they do not.
-    pub(crate) fn fit(&self, owner: ClassId, method: &Method, arguments: &[Value]) -> Option<u32> {
-        let parameters = &method.parameters;
-        let all = |arguments: &[Value]| {
-            let pairs = arguments.iter().zip(parameters);
-            let fits = pairs.map(|(value, own)| self.fits(owner, value, &own.type_name));
-            fits.sum::<Option<u32>>()
-        };
-        if arguments.len() == parameters.len()
-            && let Some(fit) = all(arguments)
-        {
-            return Some(1000 + fit);
-        }
-        let fixed = parameters.len().checked_sub(1).filter(|_| method.is_variadic)?;
-        let (first, others) = arguments.split_at_checked(fixed)?;
-        let last = &parameters.get(fixed)?.type_name;
-        let element = TypeName { dimensions: last.dimensions.checked_sub(1)?, ..last.clone() };
-        let rest = others.iter().map(|value| self.fits(owner, value, &element));
-        Some(all(first)? + rest.sum::<Option<u32>>()?)
-    }
-
-    fn fits(&self, owner: ClassId, value: &Value, wanted: &TypeName) -> Option<u32> {
-        if wanted.dimensions > 0 {
-            return match value {
-                Value::Array(array) if array.element.dimensions + 1 == wanted.dimensions => Some(9),
-                Value::Null | Value::Unknown(_) => Some(3),
-                _ => None,
-            };
-        }
-        let name = simple(&wanted.name);
-        let rank = |order: &[&str]| {
-            let place = order.iter().position(|own| *own == name);
-            place.and_then(|place| u32::try_from(9 - place.min(8)).ok())
-        };
-        let is_primitive = matches!(
-            name,
-            "boolean" | "char" | "byte" | "short" | "int" | "long" | "float" | "double"
-        );
-        match value {
-            Value::Unknown(_) => Some(3),
-            Value::Null => (!is_primitive).then_some(3),
-            Value::Boolean(_) => rank(&["boolean", "Boolean", "Object"]),
-            Value::Char(_) => {
-                rank(&["char", "int", "long", "float", "double", "Character", "Object"])
-            }
-            Value::Int(_) => rank(&[
-                "int", "long", "float", "double", "Integer", "Number", "Object", "short", "byte",
-            ]),
-            Value::Long(_) => rank(&["long", "float", "double", "Long", "Number", "Object"]),
-            Value::Float(_) => rank(&["float", "double", "Float", "Number", "Object"]),
-            Value::Double(_) => rank(&["double", "Double", "Number", "Object"]),
-            Value::Text(_) => rank(&["String", "CharSequence", "Object", "Comparable"]),
-            Value::Object(object) => match self.java.classes.find(&wanted.name, owner) {
-                Some(id) => {
-                    let parents = self.java.classes.with_parents(object.class);
-                    let place = parents.iter().position(|parent| *parent == id)?;
-                    u32::try_from(9 - place.min(7)).ok()
-                }
-                None if is_primitive || name == "String" => None,
-                None => Some(1),
-            },
-            Value::Array(_) => (name == "Object").then_some(2),
-            _ if is_primitive || name == "String" => None,
-            Value::Host(own) => Some(match self.java.classes.find(&wanted.name, owner) {
-                Some(_) => return None,
-                None if own.class() == name => 8,
-                None => 2,
-            }),
-            _ => match self.java.classes.find(&wanted.name, owner) {
-                Some(_) => None,
-                None => Some(2),
-            },
         }
     }
 

@@ -28,6 +28,9 @@ impl Machine {
     ) -> Result<Value, Stop> {
         let arguments = self.evaluated_all(arguments)?;
         self.here.line = expression.line;
+        for value in &arguments {
+            self.refresh(value);
+        }
         let Some(within) = self.java.activation().map(|own| own.class) else {
             return self.refuse("an object is made outside of a class");
         };
@@ -160,6 +163,14 @@ impl Machine {
                 arguments.len()
             ));
         };
+        let all = constructors.iter().map(|own| (class, Arc::clone(own))).collect();
+        if let Some((unknown, _)) = self.fitting(all, arguments) {
+            let name = &declaration.name;
+            return self.refuse_unknown(
+                &format!("which of the constructors of {name} is called"),
+                &unknown,
+            );
+        }
         let from = self.enter(class, Some(Rc::clone(object)), &constructor, arguments)?;
         let result = self.in_constructor(object, class, &constructor);
         self.leave(from, &result);

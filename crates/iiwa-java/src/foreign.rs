@@ -3,6 +3,8 @@
 use std::{cell::RefCell, rc::Rc};
 
 use crate::{
+    java_list::{List, ListKind},
+    java_sorting::Known,
     machine::Machine,
     stop::Stop,
     value::{Map, MapOrder, Thrown, Value},
@@ -79,35 +81,54 @@ impl Machine {
             | "CopyOnWriteArrayList"
             | "ConcurrentLinkedQueue"
             | "LinkedBlockingQueue" => {
-                Value::list(first.and_then(Value::elements).unwrap_or_default())
+                let kind = match class {
+                    "Stack" => ListKind::Stack,
+                    "ArrayList" | "Vector" | "CopyOnWriteArrayList" => ListKind::List,
+                    _ => ListKind::Deque,
+                };
+                let list = List::new(kind, Vec::new());
+                match self.first_elements(class, first) {
+                    Ok(values) => list.renew(values),
+                    Err(unknown) => list.spoil(&unknown),
+                }
+                Value::List(Rc::new(list))
             }
             "HashSet" | "TreeSet" | "LinkedHashSet" => {
                 // In the order of insertion; where another order would show, see `iterated`.
-                let mut values: Vec<Value> = Vec::new();
-                for value in first.and_then(Value::elements).unwrap_or_default() {
-                    if !values.iter().any(|other| other.is_same(&value)) {
-                        values.push(value);
+                let order = order_of(class);
+                let set = Map { order, is_set: true, ..Map::default() };
+                let set = Value::Map(Rc::new(RefCell::new(set)));
+                match self.first_elements(class, first) {
+                    Ok(values) => {
+                        self.call_library(&set, "addAll", &[Value::list(values)])?;
                     }
+                    Err(unknown) => self.spoil(&set, &unknown),
                 }
-                Value::Map(Rc::new(RefCell::new(Map {
-                    entries: values.into_iter().map(|value| (value, Value::Null)).collect(),
-                    order: order_of(class),
-                    is_set: true,
-                })))
+                set
             }
             "HashMap" | "LinkedHashMap" | "TreeMap" | "Hashtable" | "ConcurrentHashMap"
             | "EnumMap" => {
-                let entries = match first {
-                    Some(Value::Map(other)) => other.borrow().entries.clone(),
-                    _ => Vec::new(),
-                };
-                let order = order_of(class);
-                Value::Map(Rc::new(RefCell::new(Map { entries, order, is_set: false })))
+                let map = Map { order: order_of(class), ..Map::default() };
+                let map = Value::Map(Rc::new(RefCell::new(map)));
+                match first {
+                    Some(other @ Value::Map(_)) => {
+                        self.call_library(&map, "putAll", std::slice::from_ref(other))?;
+                    }
+                    // The class of an enum, or a capacity.
+                    None | Some(Value::Int(_) | Value::Class(_) | Value::ForeignClass(_)) => {}
+                    Some(other) => {
+                        let what = self.unknown(format!("a `{class}` of {}", other.kind()));
+                        if let Some(unknown) = other.unknown().or(what.unknown()) {
+                            self.spoil(&map, &Rc::clone(unknown));
+                        }
+                    }
+                }
+                map
             }
             "StringBuilder" | "StringBuffer" => {
                 let text = match first {
-                    Some(Value::Text(text)) => text.to_string(),
-                    _ => String::new(),
+                    None | Some(Value::Int(_)) => Ok(String::new()),
+                    Some(other) => self.text_of(other)?,
                 };
                 Value::Builder(Rc::new(RefCell::new(text)))
             }
@@ -145,6 +166,24 @@ impl Machine {
             _ => return Rc::clone(&self.host).construct(self, class, arguments),
         };
         Ok(Some(value))
+    }
+
+    /// The elements with which a collection begins.
+    fn first_elements(&self, class: &str, first: Option<&Value>) -> Known<Vec<Value>> {
+        let Some(first) = first else { return Ok(Vec::new()) };
+        if let Value::Int(_) | Value::Class(_) = first {
+            return Ok(Vec::new());
+        }
+        let unknown = first.unknown().cloned().or_else(|| Self::unknown_contents(first));
+        match (unknown, Self::iterated(first)) {
+            (Some(unknown), _) => Err(unknown),
+            (None, Some(values)) => Ok(values),
+            (None, None) => {
+                let what =
+                    self.unknown(format!("a `{class}` of {} without an order", first.kind()));
+                what.unknown().cloned().map_or(Ok(Vec::new()), Err)
+            }
+        }
     }
 
     /// Refuses a class of the project whose file cannot be used.

@@ -1,15 +1,18 @@
-//! Lists, maps, sets and arrays.
+//! Methods of values of Java's own library, and its static methods for collections and arrays.
 
-use std::{cell::RefCell, cmp::Ordering, rc::Rc};
+use std::{cell::RefCell, rc::Rc};
 
 use crate::{
+    java_list::{List, View},
+    java_sorting::REVERSE_ORDER,
     machine::Machine,
     stop::Stop,
-    value::{Array, Map, MapOrder, Value},
+    unknown::Unknown,
+    value::{Array, Value},
 };
 
 /// Elements of a collection: more would fill memory, and no program has them.
-const MAX_ELEMENTS: usize = 1_000_000;
+pub(crate) const MAX_ELEMENTS: usize = 1_000_000;
 
 impl Machine {
     /// A method of a value of Java's own.
@@ -19,6 +22,9 @@ impl Machine {
         name: &str,
         arguments: &[Value],
     ) -> Result<Value, Stop> {
+        if let Some(unknown) = Self::unknown_contents(receiver) {
+            return self.of_unknown_contents(receiver, name, arguments, unknown);
+        }
         let found = match receiver {
             Value::Text(text) => {
                 if let Some(unknown) = arguments.iter().find(|own| own.unknown().is_some()) {
@@ -40,21 +46,10 @@ impl Machine {
                     self.of_map(receiver, &map, name, arguments)?
                 }
             }
-            Value::Iterator(left) => match (name, arguments) {
-                ("hasNext", []) => Some(Value::Boolean(!left.borrow().is_empty())),
-                ("next", []) => {
-                    self.java.changes += 1;
-                    let next = left.borrow_mut().pop();
-                    match next {
-                        Some(value) => Some(value),
-                        None => {
-                            return self
-                                .throw("NoSuchElementException", "an iterator is at its end");
-                        }
-                    }
-                }
-                _ => None,
-            },
+            Value::Iterator(iteration) => {
+                let iteration = Rc::clone(iteration);
+                self.of_iterator(&iteration, name, arguments)?
+            }
             Value::Cell(value) => {
                 let value = Rc::clone(value);
                 self.of_cell(&value, name, arguments)?
@@ -77,17 +72,45 @@ impl Machine {
         match found {
             Some(value) => Ok(value),
             None => match (name, arguments) {
-                ("equals", [other]) => Ok(Value::Boolean(receiver.is_same(other))),
+                ("equals", [other]) => Ok(match self.are_equal(receiver, other)? {
+                    Ok(is_equal) => Value::Boolean(is_equal),
+                    Err(unknown) => Value::Unknown(unknown),
+                }),
                 ("toString", []) => {
                     Ok(self.text_of(receiver)?.map_or_else(Value::Unknown, Value::text))
                 }
                 ("hashCode", []) => Ok(self.unknown("a hash code")),
                 ("getClass", []) => Ok(self.unknown("the class of an object")),
-                _ => Ok(self.unknown(format!(
-                    "the result of `{name}` of {}, which is not known",
-                    receiver.kind()
-                ))),
+                _ => self.unmodelled(receiver, name, arguments),
             },
+        }
+    }
+
+    /// A method of a collection or a builder whose contents are not known.
+    fn of_unknown_contents(
+        &mut self,
+        receiver: &Value,
+        name: &str,
+        arguments: &[Value],
+        unknown: Rc<Unknown>,
+    ) -> Result<Value, Stop> {
+        match (receiver, name, arguments) {
+            (Value::List(list), "clear", []) if list.view.borrow().is_none() => {
+                self.java.changes += 1;
+                list.renew(Vec::new());
+                Ok(Value::Null)
+            }
+            (Value::Map(map), "clear", []) => {
+                self.java.changes += 1;
+                let mut map = map.borrow_mut();
+                map.entries.clear();
+                map.unknown = None;
+                Ok(Value::Null)
+            }
+            _ => {
+                self.check_not_run(name, arguments)?;
+                Ok(Value::Unknown(unknown))
+            }
         }
     }
 
@@ -100,7 +123,6 @@ impl Machine {
             ("doubleValue", []) => receiver.clone().cast_to(&primitive("double")),
             ("floatValue", []) => receiver.clone().cast_to(&primitive("float")),
             ("booleanValue" | "charValue", []) => receiver.clone(),
-            ("equals", [other]) => Value::Boolean(receiver.is_same(other)),
             ("compareTo", [other]) => match (receiver.number(), other.number()) {
                 (Some(a), Some(b)) => Value::Int(a.total_cmp(&b) as i32),
                 _ => return None,
@@ -135,310 +157,6 @@ impl Machine {
         self.binary(crate::syntax::BinaryOperator::Add, value, &Value::Int(by))
     }
 
-    fn of_list(
-        &mut self,
-        list: &Rc<RefCell<Vec<Value>>>,
-        name: &str,
-        arguments: &[Value],
-    ) -> Result<Option<Value>, Stop> {
-        if list.borrow().len() > MAX_ELEMENTS {
-            return self.refuse("a list has more than a million elements");
-        }
-        let is_change = ["add", "push", "pop", "remove", "clear", "set", "poll", "offer"];
-        if is_change.iter().any(|beginning| name.starts_with(beginning)) {
-            self.java.changes += 1;
-            return self.change_list(list, name, arguments);
-        }
-        let length = list.borrow().len();
-        Ok(Some(match (name, arguments) {
-            ("size", []) => Value::Int(i32::try_from(length).unwrap_or(i32::MAX)),
-            ("isEmpty" | "empty", []) => Value::Boolean(length == 0),
-            ("get" | "elementAt", [index]) => {
-                if let Value::Unknown(_) = index {
-                    return Ok(Some(index.clone()));
-                }
-                let index = self.index(index, length)?;
-                let value = list.borrow().get(index).cloned();
-                value.unwrap_or(Value::Null)
-            }
-            ("getFirst" | "firstElement" | "element", []) => match list.borrow().first() {
-                Some(value) => value.clone(),
-                None => return self.empty_list(),
-            },
-            ("getLast" | "lastElement" | "peek", []) => match list.borrow().last() {
-                Some(value) => value.clone(),
-                None if name == "peek" => Value::Null,
-                None => return self.empty_list(),
-            },
-            // Of an entry of a map.
-            ("getKey", []) if length == 2 => list.borrow()[0].clone(),
-            ("getValue", []) if length == 2 => list.borrow()[1].clone(),
-            ("contains", [value]) => Value::Boolean(self.list_place(list, value)?.is_some()),
-            ("indexOf", [value]) => {
-                let place = self.list_place(list, value)?;
-                Value::Int(place.and_then(|place| i32::try_from(place).ok()).unwrap_or(-1))
-            }
-            ("iterator", []) => {
-                let left = list.borrow().iter().rev().cloned().collect();
-                Value::Iterator(Rc::new(RefCell::new(left)))
-            }
-            ("toArray", _) => Value::array("Object", list.borrow().clone()),
-            ("subList", [begin, end]) => {
-                let [begin, end] = [self.index(begin, length + 1)?, self.index(end, length + 1)?];
-                let part = list.borrow().get(begin..end).map(<[Value]>::to_vec);
-                match part {
-                    Some(values) => Value::list(values),
-                    None => return self.throw("IndexOutOfBoundsException", "of a list's part"),
-                }
-            }
-
-            _ => return Ok(None),
-        }))
-    }
-
-    /// A method that changes a list.
-    fn change_list(
-        &mut self,
-        list: &Rc<RefCell<Vec<Value>>>,
-        name: &str,
-        arguments: &[Value],
-    ) -> Result<Option<Value>, Stop> {
-        let length = list.borrow().len();
-        Ok(Some(match (name, arguments) {
-            ("add" | "addLast" | "offer" | "addElement" | "put" | "offerLast", [value]) => {
-                list.borrow_mut().push(value.clone());
-                Value::Boolean(true)
-            }
-            ("push", [value]) => {
-                list.borrow_mut().push(value.clone());
-                value.clone()
-            }
-            ("addFirst" | "offerFirst", [value]) => {
-                list.borrow_mut().insert(0, value.clone());
-                Value::Null
-            }
-            ("add", [index, value]) => {
-                let index = self.index(index, length + 1)?;
-                list.borrow_mut().insert(index, value.clone());
-                Value::Null
-            }
-            ("addAll", [values]) => match Self::iterated(values) {
-                Some(values) => {
-                    list.borrow_mut().extend(values);
-                    Value::Boolean(true)
-                }
-                None => return Ok(None),
-            },
-            ("set", [index, value]) => {
-                let index = self.index(index, length)?;
-                std::mem::replace(&mut list.borrow_mut()[index], value.clone())
-            }
-            ("remove", [Value::Int(index)]) => {
-                let index = self.index(&Value::Int(*index), length)?;
-                list.borrow_mut().remove(index)
-            }
-            ("remove", [value]) => {
-                let place = self.list_place(list, value)?;
-                if let Some(place) = place {
-                    list.borrow_mut().remove(place);
-                }
-                Value::Boolean(place.is_some())
-            }
-            ("remove" | "removeFirst", []) => {
-                if length == 0 {
-                    return self.empty_list();
-                }
-                list.borrow_mut().remove(0)
-            }
-            ("poll" | "pollFirst", []) => {
-                if length == 0 {
-                    Value::Null
-                } else {
-                    list.borrow_mut().remove(0)
-                }
-            }
-            ("pop" | "removeLast", []) => match list.borrow_mut().pop() {
-                Some(value) => value,
-                None => return self.empty_list(),
-            },
-            ("clear", []) => {
-                list.borrow_mut().clear();
-                Value::Null
-            }
-            _ => return Ok(None),
-        }))
-    }
-
-    /// What is thrown where a list has nothing to give.
-    fn empty_list<T>(&self) -> Result<T, Stop> {
-        self.throw("NoSuchElementException", "a list is empty")
-    }
-
-    fn list_place(
-        &mut self,
-        list: &Rc<RefCell<Vec<Value>>>,
-        value: &Value,
-    ) -> Result<Option<usize>, Stop> {
-        let values = list.borrow().clone();
-        for (place, other) in values.iter().enumerate() {
-            if self.are_equal(other, value)? {
-                return Ok(Some(place));
-            }
-        }
-        Ok(None)
-    }
-
-    /// `equals`; what is unknown equals nothing.
-    fn are_equal(&mut self, a: &Value, b: &Value) -> Result<bool, Stop> {
-        if let Value::Object(object) = a {
-            let own = self.java.classes.methods(object.class, "equals");
-            if !own.is_empty() {
-                let value = self.call_on_object(object, "equals", std::slice::from_ref(b))?;
-                return Ok(matches!(value, Value::Boolean(true)));
-            }
-        }
-        Ok(a.is_same(b))
-    }
-
-    fn of_set(
-        &mut self,
-        receiver: &Value,
-        set: &Rc<RefCell<Map>>,
-        name: &str,
-        arguments: &[Value],
-    ) -> Result<Option<Value>, Stop> {
-        let key = arguments.first().cloned().unwrap_or(Value::Null);
-        Ok(Some(match name {
-            "add" => {
-                let is_new = self.key_place(set, &key)?.is_none();
-                if is_new {
-                    self.java.changes += 1;
-                    set.borrow_mut().entries.push((key, Value::Null));
-                }
-                Value::Boolean(is_new)
-            }
-            "addAll" => {
-                for value in Self::iterated(&key).unwrap_or_default() {
-                    self.of_set(receiver, set, "add", &[value])?;
-                }
-                Value::Boolean(true)
-            }
-            "contains" => Value::Boolean(self.key_place(set, &key)?.is_some()),
-            "iterator" => match Self::iterated(receiver) {
-                Some(mut values) => {
-                    values.reverse();
-                    Value::Iterator(Rc::new(RefCell::new(values)))
-                }
-                None => return Ok(None),
-            },
-            _ => return self.of_map(receiver, set, name, arguments),
-        }))
-    }
-
-    fn of_map(
-        &mut self,
-        receiver: &Value,
-        map: &Rc<RefCell<Map>>,
-        name: &str,
-        arguments: &[Value],
-    ) -> Result<Option<Value>, Stop> {
-        let length = map.borrow().entries.len();
-        Ok(Some(match (name, arguments) {
-            ("size", []) => Value::Int(i32::try_from(length).unwrap_or(i32::MAX)),
-            ("isEmpty", []) => Value::Boolean(length == 0),
-            ("put", [key, value]) => {
-                if length > MAX_ELEMENTS {
-                    return self.refuse("a map has more than a million entries");
-                }
-                self.java.changes += 1;
-                if let Some(place) = self.key_place(map, key)? {
-                    let entries = &mut map.borrow_mut().entries;
-                    std::mem::replace(&mut entries[place].1, value.clone())
-                } else {
-                    map.borrow_mut().entries.push((key.clone(), value.clone()));
-                    Value::Null
-                }
-            }
-            ("get" | "getOrDefault", [key, rest @ ..]) => match self.key_place(map, key)? {
-                Some(place) => map.borrow().entries[place].1.clone(),
-                None => rest.first().cloned().unwrap_or(Value::Null),
-            },
-            ("containsKey", [key]) => Value::Boolean(self.key_place(map, key)?.is_some()),
-            ("remove", [key]) => match self.key_place(map, key)? {
-                Some(place) => {
-                    self.java.changes += 1;
-                    map.borrow_mut().entries.remove(place).1
-                }
-                None => Value::Null,
-            },
-            ("clear", []) => {
-                self.java.changes += 1;
-                map.borrow_mut().entries.clear();
-                Value::Null
-            }
-            ("keySet", []) => match Self::iterated(receiver) {
-                Some(keys) => Value::list(keys),
-                None => return Ok(None),
-            },
-            ("values", []) => match Self::ordered_entries(map) {
-                Some(entries) => Value::list(entries.into_iter().map(|(_, value)| value).collect()),
-                None => return Ok(None),
-            },
-            ("entrySet", []) => match Self::ordered_entries(map) {
-                Some(entries) => Value::list(
-                    entries.into_iter().map(|(key, value)| Value::list(vec![key, value])).collect(),
-                ),
-                None => return Ok(None),
-            },
-            _ => return Ok(None),
-        }))
-    }
-
-    fn key_place(&mut self, map: &Rc<RefCell<Map>>, key: &Value) -> Result<Option<usize>, Stop> {
-        let count = map.borrow().entries.len();
-        for place in 0..count {
-            let other = map.borrow().entries.get(place).map(|(other, _)| other.clone());
-            if let Some(other) = other
-                && self.are_equal(&other, key)?
-            {
-                return Ok(Some(place));
-            }
-        }
-        Ok(None)
-    }
-
-    /// What a loop goes through, in order; none if that has none.
-    pub(crate) fn iterated(values: &Value) -> Option<Vec<Value>> {
-        match values {
-            Value::Map(map) => {
-                let map = Rc::clone(map);
-                Some(Self::ordered_entries(&map)?.into_iter().map(|(key, _)| key).collect())
-            }
-            other => other.elements(),
-        }
-    }
-
-    /// The entries of a map in the order in which Java goes through them; none where that depends on hashes that are not
-    /// known.
-    fn ordered_entries(map: &Rc<RefCell<Map>>) -> Option<Vec<(Value, Value)>> {
-        let mut entries = map.borrow().entries.clone();
-        match map.borrow().order {
-            MapOrder::Linked => {}
-            MapOrder::Sorted => entries.sort_by(|(a, _), (b, _)| compared(a, b)),
-            MapOrder::Hashed if entries.len() <= 1 => {}
-            MapOrder::Hashed => {
-                // As in a `HashMap`: by buckets, in which entries are in the order of insertion.
-                let buckets = (entries.len() * 4).div_ceil(3).max(16).next_power_of_two();
-                let hashes: Option<Vec<usize>> =
-                    entries.iter().map(|(key, _)| bucket(key, buckets)).collect();
-                let mut both: Vec<_> = hashes?.into_iter().zip(entries).collect();
-                both.sort_by_key(|(bucket, _)| *bucket);
-                entries = both.into_iter().map(|(_, entry)| entry).collect();
-            }
-        }
-        Some(entries)
-    }
-
     /// `Arrays.name(...)`, `Collections.name(...)`, `Objects.name(...)`; none if it is not known.
     pub(crate) fn of_collections(
         &mut self,
@@ -446,11 +164,37 @@ impl Machine {
         name: &str,
         arguments: &[Value],
     ) -> Result<Option<Value>, Stop> {
+        if class != "Collections" {
+            return self.of_arrays(class, name, arguments);
+        }
+        match self.reordered(name, arguments)? {
+            Some(value) => Ok(Some(value)),
+            None => self.of_collections_class(name, arguments),
+        }
+    }
+
+    /// `Arrays.name(...)`, `List.of(...)`, `Objects.name(...)`; none if it is not known.
+    fn of_arrays(
+        &mut self,
+        class: &str,
+        name: &str,
+        arguments: &[Value],
+    ) -> Result<Option<Value>, Stop> {
         Ok(Some(match (class, name, arguments) {
-            ("Arrays", "asList", [Value::Array(array)]) if array.element.name != "double" => {
-                Value::list(array.values.borrow().clone())
+            ("Arrays", "asList", [Value::Array(array)])
+                if array.element.dimensions > 0 || !is_primitive(&array.element.name) =>
+            {
+                let values = array.values.borrow().clone();
+                List::view(View::Array(Rc::clone(array)), values)
             }
-            ("Arrays", "asList", values) | ("List", "of", values) => Value::list(values.to_vec()),
+            ("Arrays", "asList", values) => {
+                // As of an array that nobody else has: its length cannot change.
+                let Value::Array(array) = Value::array("Object", values.to_vec()) else {
+                    return Ok(None);
+                };
+                List::view(View::Array(array), values.to_vec())
+            }
+            ("List", "of", values) => Value::list(values.to_vec()),
             ("Arrays", "fill", [Value::Array(array), value]) => {
                 self.java.changes += 1;
                 let value = value.clone().converted_to(&array.element);
@@ -469,83 +213,186 @@ impl Machine {
                 self.text_of_elements(&values)?.map_or_else(Value::Unknown, Value::text)
             }
             ("Arrays", "equals", [Value::Array(a), Value::Array(b)]) => {
-                let (a, b) = (a.values.borrow(), b.values.borrow());
-                let equal = a.len() == b.len() && a.iter().zip(&*b).all(|(a, b)| a.is_same(b));
-                Value::Boolean(equal)
+                let [a, b] = [a, b].map(|own| Value::list(own.values.borrow().clone()));
+                match self.are_equal(&a, &b)? {
+                    Ok(is_equal) => Value::Boolean(is_equal),
+                    Err(unknown) => Value::Unknown(unknown),
+                }
             }
-            ("Arrays", "sort", [Value::Array(array)]) => {
-                self.java.changes += 1;
-                array.values.borrow_mut().sort_by(compared);
-                Value::Null
+            (
+                "Arrays",
+                "copyOfRange",
+                [Value::Array(array), Value::Int(begin), Value::Int(end)],
+            ) => {
+                let length = array.values.borrow().len();
+                let begin = self.index(&Value::Int(*begin), length + 1)?;
+                let end = usize::try_from(*end).unwrap_or(0).min(MAX_ELEMENTS);
+                if end < begin {
+                    return self.throw("IllegalArgumentException", "of a range of an array");
+                }
+                let mut values: Vec<_> =
+                    array.values.borrow().iter().skip(begin).take(end - begin).cloned().collect();
+                values.resize(end - begin, Value::default_of(&array.element));
+                let element = array.element.clone();
+                Value::Array(Rc::new(Array { element, values: RefCell::new(values) }))
             }
-            ("Collections", "sort", [Value::List(list)])
-                if list.borrow().iter().all(|own| !matches!(own, Value::Object(_))) =>
-            {
-                self.java.changes += 1;
-                list.borrow_mut().sort_by(compared);
-                Value::Null
+            ("Arrays", "sort", [Value::Array(array), rest @ ..]) if rest.len() != 2 => {
+                let length = array.values.borrow().len();
+                let (begin, end, comparator) = match rest {
+                    [] => (0, length, None),
+                    [comparator] => (0, length, Some(comparator)),
+                    [begin, end, others @ ..] => (
+                        self.index(begin, length + 1)?,
+                        self.index(end, length + 1)?,
+                        others.first(),
+                    ),
+                };
+                self.sort_array(array, begin, end, comparator)?
             }
-            ("Collections", "reverse", [Value::List(list)]) => {
-                self.java.changes += 1;
-                list.borrow_mut().reverse();
-                Value::Null
+            ("Arrays", "sort", [Value::Array(array), begin, end]) => {
+                let length = array.values.borrow().len();
+                let [begin, end] = [self.index(begin, length + 1)?, self.index(end, length + 1)?];
+                self.sort_array(array, begin, end, None)?
             }
-            ("Collections", "shuffle", [Value::List(list)]) => {
-                let unknown = self.unknown("a random order");
-                list.borrow_mut().fill(unknown);
-                Value::Null
-            }
-            ("Collections", "addAll", [Value::List(list), values @ ..]) => {
-                self.java.changes += 1;
-                list.borrow_mut().extend(values.iter().cloned());
-                Value::Boolean(true)
-            }
-            ("Collections", "emptyList", []) => Value::list(Vec::new()),
-            ("Collections", _, [value])
-                if name.starts_with("unmodifiable") || name.starts_with("synchronized") =>
-            {
-                value.clone()
-            }
-            ("Objects", "equals", [a, b]) => Value::Boolean(self.are_equal(a, b)?),
+            ("Objects", "equals", [a, b]) => match self.are_equal(a, b)? {
+                Ok(is_equal) => Value::Boolean(is_equal),
+                Err(unknown) => Value::Unknown(unknown),
+            },
             ("Objects", "requireNonNull", [value, ..]) => value.clone(),
             _ => return Ok(None),
         }))
     }
-}
 
-/// The natural order of numbers and strings.
-fn compared(a: &Value, b: &Value) -> Ordering {
-    match (a, b) {
-        (Value::Text(a), Value::Text(b)) => a.cmp(b),
-        (Value::Object(a), Value::Object(b)) => {
-            let ordinal = |object: &crate::value::Object| object.constant.as_ref().map(|own| own.1);
-            ordinal(a).cmp(&ordinal(b))
+    /// Methods of `Collections` that order or replace elements.
+    fn reordered(&mut self, name: &str, arguments: &[Value]) -> Result<Option<Value>, Stop> {
+        Ok(Some(match (name, arguments) {
+            ("sort", [Value::List(list), rest @ ..]) => {
+                let values = list.borrow().clone();
+                match self.sorted(values, rest.first())? {
+                    Ok(values) => self.replace_elements(list, values)?,
+                    Err(unknown) => self.spoil(&arguments[0], &unknown),
+                }
+                Value::Null
+            }
+            ("max" | "min", [values, rest @ ..]) => {
+                let Some(values) = Self::iterated(values) else { return Ok(None) };
+                match self.sorted(values, rest.first())? {
+                    Err(unknown) => Value::Unknown(unknown),
+                    Ok(sorted) => {
+                        let found = if name == "max" { sorted.last() } else { sorted.first() };
+                        match found {
+                            Some(value) => value.clone(),
+                            None => {
+                                return self
+                                    .throw("NoSuchElementException", "a collection is empty");
+                            }
+                        }
+                    }
+                }
+            }
+            ("reverse", [Value::List(list)]) => {
+                let values = list.borrow().iter().rev().cloned().collect();
+                self.replace_elements(list, values)?;
+                Value::Null
+            }
+            ("swap", [Value::List(list), a, b]) => {
+                let length = list.borrow().len();
+                let [a, b] = [self.index(a, length)?, self.index(b, length)?];
+                let mut values = list.borrow().clone();
+                values.swap(a, b);
+                self.replace_elements(list, values)?;
+                Value::Null
+            }
+            ("rotate", [Value::List(list), Value::Int(distance)]) => {
+                let mut values = list.borrow().clone();
+                if let Ok(length) = i64::try_from(values.len())
+                    && length > 0
+                {
+                    let by = i64::from(*distance).rem_euclid(length);
+                    values.rotate_right(usize::try_from(by).unwrap_or(0));
+                }
+                self.replace_elements(list, values)?;
+                Value::Null
+            }
+            ("fill", [Value::List(list), value]) => {
+                let values = vec![value.clone(); list.borrow().len()];
+                self.replace_elements(list, values)?;
+                Value::Null
+            }
+            ("shuffle", [Value::List(list), ..]) => {
+                let unknown = self.unknown("a random order");
+                let values = vec![unknown; list.borrow().len()];
+                self.replace_elements(list, values)?;
+                Value::Null
+            }
+            _ => return Ok(None),
+        }))
+    }
+
+    /// Other methods of `Collections`.
+    fn of_collections_class(
+        &mut self,
+        name: &str,
+        arguments: &[Value],
+    ) -> Result<Option<Value>, Stop> {
+        Ok(Some(match (name, arguments) {
+            ("reverseOrder", []) => Value::ForeignClass(Rc::from(REVERSE_ORDER)),
+            ("nCopies", [Value::Int(count), value]) => {
+                let count = usize::try_from(*count).unwrap_or(0).min(MAX_ELEMENTS);
+                Value::list(vec![value.clone(); count])
+            }
+            ("frequency", [values, value]) => {
+                let Some(values) = Self::iterated(values) else { return Ok(None) };
+                let mut count = 0;
+                for other in values {
+                    match self.are_equal(value, &other)? {
+                        Ok(is_equal) => count += i32::from(is_equal),
+                        Err(unknown) => return Ok(Some(Value::Unknown(unknown))),
+                    }
+                }
+                Value::Int(count)
+            }
+            ("addAll", [list, values @ ..]) => {
+                let mut is_changed = false;
+                for value in values {
+                    let added = self.call_on(list, "add", std::slice::from_ref(value))?;
+                    is_changed |= matches!(added, Value::Boolean(true));
+                }
+                Value::Boolean(is_changed)
+            }
+            ("singletonList" | "singleton", [value]) => Value::list(vec![value.clone()]),
+            ("emptyList", []) => Value::list(Vec::new()),
+            (_, [value])
+                if name.starts_with("unmodifiable") || name.starts_with("synchronized") =>
+            {
+                value.clone()
+            }
+            _ => return Ok(None),
+        }))
+    }
+
+    fn sort_array(
+        &mut self,
+        array: &Rc<Array>,
+        begin: usize,
+        end: usize,
+        comparator: Option<&Value>,
+    ) -> Result<Value, Stop> {
+        let part = array.values.borrow().get(begin..end).map(<[Value]>::to_vec);
+        let Some(part) = part else {
+            return self.throw("IllegalArgumentException", "of a range of an array");
+        };
+        self.java.changes += 1;
+        match self.sorted(part, comparator)? {
+            Ok(part) => {
+                array.values.borrow_mut().splice(begin..end, part);
+            }
+            Err(unknown) => self.spoil(&Value::Array(Rc::clone(array)), &unknown),
         }
-        _ => match (a.number(), b.number()) {
-            (Some(a), Some(b)) => a.total_cmp(&b),
-            _ => Ordering::Equal,
-        },
+        Ok(Value::Null)
     }
 }
 
-/// The bucket of a `HashMap` in which a key is; none if its hash is not known.
-#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "as Java does")]
-fn bucket(key: &Value, buckets: usize) -> Option<usize> {
-    let hash = match key {
-        Value::Text(text) => text
-            .encode_utf16()
-            .fold(0_u32, |hash, unit| hash.wrapping_mul(31).wrapping_add(u32::from(unit))),
-        Value::Int(value) => *value as u32,
-        Value::Char(code) => u32::from(*code),
-        Value::Long(value) => (*value ^ (*value >> 32)) as u32,
-        Value::Boolean(value) => {
-            if *value {
-                1231
-            } else {
-                1237
-            }
-        }
-        _ => return None,
-    };
-    Some((hash ^ (hash >> 16)) as usize & (buckets - 1))
+fn is_primitive(name: &str) -> bool {
+    matches!(name, "boolean" | "char" | "byte" | "short" | "int" | "long" | "float" | "double")
 }

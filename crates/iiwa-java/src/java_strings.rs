@@ -78,7 +78,9 @@ impl Machine {
             ("equalsIgnoreCase", [Value::Text(other)]) => {
                 Value::Boolean(text.to_lowercase() == other.to_lowercase())
             }
-            ("compareTo", [Value::Text(other)]) => Value::Int(text.cmp(other) as i32),
+            ("compareTo", [Value::Text(other)]) => {
+                Value::Int(crate::java_sorting::compare_texts(text, other))
+            }
             ("contains", [Value::Text(other)]) => Value::Boolean(text.contains(&**other)),
             ("startsWith", [Value::Text(other)]) => Value::Boolean(text.starts_with(&**other)),
             ("endsWith", [Value::Text(other)]) => Value::Boolean(text.ends_with(&**other)),
@@ -168,32 +170,108 @@ impl Machine {
         arguments: &[Value],
     ) -> Result<Option<Value>, Stop> {
         let Value::Builder(builder) = receiver else { return Ok(None) };
+        let text = match &*builder.borrow() {
+            Ok(text) => text.clone(),
+            Err(unknown) => return Ok(Some(Value::Unknown(Rc::clone(unknown)))),
+        };
+        if matches!(name, "equals" | "hashCode" | "compareTo") {
+            // Of the object, not of its text.
+            return Ok(match (name, arguments) {
+                ("equals", [other]) => Some(Value::Boolean(receiver.is_same(other))),
+                _ => None,
+            });
+        }
+        if let Some(unknown) = arguments.iter().find_map(Value::unknown)
+            && (BUILDING.contains(&name) || name == "append")
+        {
+            self.spoil(receiver, unknown);
+            return Ok(Some(receiver.clone()));
+        }
+        let mut units: Vec<u16> = text.encode_utf16().collect();
+        let length = units.len();
+        let mut result = receiver.clone();
         match (name, arguments) {
             ("append", [value]) => {
-                let text = match self.text_of(value)? {
-                    Ok(text) => text,
-                    Err(unknown) => return Ok(Some(Value::Unknown(unknown))),
+                let added = match self.text_of(value)? {
+                    Ok(added) => added,
+                    Err(unknown) => {
+                        self.spoil(receiver, &unknown);
+                        return Ok(Some(result));
+                    }
                 };
-                if builder.borrow().len() + text.len() > MAX_LETTERS {
+                if text.len() + added.len() > MAX_LETTERS {
                     return self.refuse("a string is longer than a million letters");
                 }
                 self.java.changes += 1;
-                builder.borrow_mut().push_str(&text);
-                Ok(Some(receiver.clone()))
+                if let Ok(text) = &mut *builder.borrow_mut() {
+                    text.push_str(&added);
+                }
+                return Ok(Some(result));
             }
-            ("setLength", [Value::Int(0)]) => {
-                builder.borrow_mut().clear();
-                Ok(Some(Value::Null))
+            ("insert", [place, value]) => {
+                let place = self.index(place, length + 1)?;
+                let added = match self.text_of(value)? {
+                    Ok(added) => added,
+                    Err(unknown) => {
+                        self.spoil(receiver, &unknown);
+                        return Ok(Some(result));
+                    }
+                };
+                units.splice(place..place, added.encode_utf16());
             }
             ("reverse", []) => {
-                let reversed: String = builder.borrow().chars().rev().collect();
-                *builder.borrow_mut() = reversed;
-                Ok(Some(receiver.clone()))
+                units = text.chars().rev().collect::<String>().encode_utf16().collect();
+            }
+            ("replace", [begin, end, Value::Text(added)]) => {
+                let begin = self.index(begin, length + 1)?;
+                let end = self.builder_end(begin, end, length)?;
+                units.splice(begin..end, added.encode_utf16());
+            }
+            ("delete", [begin, end]) => {
+                let begin = self.index(begin, length + 1)?;
+                let end = self.builder_end(begin, end, length)?;
+                units.drain(begin..end);
+            }
+            ("deleteCharAt", [place]) => {
+                let place = self.index(place, length)?;
+                units.remove(place);
+            }
+            ("setCharAt", [place, Value::Char(code)]) => {
+                let place = self.index(place, length)?;
+                units[place] = *code;
+                result = Value::Null;
+            }
+            ("setLength", [wanted]) => {
+                let wanted = self.index(wanted, MAX_LETTERS)?;
+                units.resize(wanted, 0);
+                result = Value::Null;
             }
             _ => {
-                let text = Rc::from(builder.borrow().as_str());
-                self.of_string(&text, name, arguments)
+                let text = Rc::from(text.as_str());
+                return self.of_string(&text, name, arguments);
             }
         }
+        if units.len() > MAX_LETTERS {
+            return self.refuse("a string is longer than a million letters");
+        }
+        self.java.changes += 1;
+        *builder.borrow_mut() = Ok(String::from_utf16_lossy(&units));
+        Ok(Some(result))
+    }
+
+    /// The end of a piece of a builder: at most the builder's.
+    fn builder_end(&mut self, begin: usize, end: &Value, length: usize) -> Result<usize, Stop> {
+        let end = end.integer().and_then(|end| usize::try_from(end).ok()).unwrap_or(0).min(length);
+        if end < begin {
+            return self.throw(
+                "StringIndexOutOfBoundsException",
+                format!("begin {begin}, end {end}, length {length}"),
+            );
+        }
+        Ok(end)
     }
 }
+
+/// Methods that change a builder.
+const BUILDING: [&str; 6] =
+    ["insert", "replace", "delete", "deleteCharAt", "setCharAt", "setLength"];

@@ -231,6 +231,10 @@ impl Machine {
         if let Value::Null = values {
             return self.throw("NullPointerException", "what a loop goes through is null");
         }
+        self.refresh(&values);
+        if let Some(unknown) = Self::unknown_contents(&values) {
+            return self.passed_over(std::iter::once(statement), "loop", &unknown);
+        }
         let Some(elements) = Self::iterated(&values) else {
             return self.refuse(format!("a loop goes through {}", values.kind()));
         };

@@ -2,7 +2,7 @@
 
 use std::{fmt::Write as _, rc::Rc};
 
-use crate::{machine::Machine, stop::Stop, unknown::Unknown, value::Value};
+use crate::{java_list::MapPart, machine::Machine, stop::Stop, unknown::Unknown, value::Value};
 
 /// A text, or what it depends on.
 pub(crate) type Text = Result<String, Rc<Unknown>>;
@@ -59,8 +59,12 @@ impl Machine {
             Value::Float(value) => float(*value),
             Value::Double(value) => double(*value),
             Value::Text(text) => text.to_string(),
-            Value::Builder(text) => text.borrow().clone(),
+            Value::Builder(text) => match &*text.borrow() {
+                Ok(text) => text.clone(),
+                Err(unknown) => return Ok(Err(Rc::clone(unknown))),
+            },
             Value::List(list) => {
+                self.refresh(value);
                 let values = list.borrow().clone();
                 return self.listed(&values, depth);
             }
@@ -69,11 +73,15 @@ impl Machine {
                 return self.text_within(&value, depth + 1);
             }
             Value::Map(map) if map.borrow().is_set => {
-                let Some(values) = Self::iterated(value) else { return Ok(Ok("[]".to_owned())) };
-                return self.listed(&values, depth);
+                return match self.map_part(map, MapPart::Keys) {
+                    Ok(values) => self.listed(&values, depth),
+                    Err(unknown) => Ok(Err(unknown)),
+                };
             }
             Value::Map(map) => {
-                let entries = map.borrow().entries.clone();
+                let Some(entries) = Self::ordered_entries(map) else {
+                    return Ok(self.map_part(map, MapPart::Keys).map(|_| String::new()));
+                };
                 let mut text = "{".to_owned();
                 for (index, (key, value)) in entries.iter().enumerate() {
                     let comma = if index == 0 { "" } else { ", " };

@@ -3,7 +3,12 @@
 use std::{cell::RefCell, collections::HashMap, rc::Rc};
 
 use crate::{
-    class_id::ClassId, host_value::HostValue, place::Place, syntax::TypeName, unknown::Unknown,
+    class_id::ClassId,
+    host_value::HostValue,
+    java_list::{Iteration, List, ListKind},
+    place::Place,
+    syntax::TypeName,
+    unknown::Unknown,
 };
 
 /// A value; copies of arrays, collections and objects are the same array, collection or object, as in Java.
@@ -28,15 +33,15 @@ pub enum Value {
     /// An array.
     Array(Rc<Array>),
     /// Any `java.util` list, stack or queue.
-    List(Rc<RefCell<Vec<Value>>>),
+    List(Rc<List>),
     /// Any `java.util` map or set.
     Map(Rc<RefCell<Map>>),
-    /// Where an iteration stands: what is left, from the last one on.
-    Iterator(Rc<RefCell<Vec<Value>>>),
+    /// An `Iterator` or `ListIterator`.
+    Iterator(Rc<RefCell<Iteration>>),
     /// An `AtomicInteger` or the like.
     Cell(Rc<RefCell<Value>>),
     /// A `StringBuilder` or `StringBuffer`.
-    Builder(Rc<RefCell<String>>),
+    Builder(Rc<RefCell<Result<String, Rc<Unknown>>>>),
     /// Of a class of the project.
     Object(Rc<Object>),
     /// An exception of Java's or KUKA's.
@@ -68,6 +73,8 @@ pub struct Map {
     pub order: MapOrder,
     /// Whether it is a set: its keys are the elements.
     pub is_set: bool,
+    /// What its contents depend on, if they are not known.
+    pub unknown: Option<Rc<Unknown>>,
 }
 
 /// An object, or a constant of an enum.
@@ -138,7 +145,7 @@ impl Value {
     /// A list.
     #[must_use]
     pub fn list(values: Vec<Self>) -> Self {
-        Self::List(Rc::new(RefCell::new(values)))
+        Self::List(Rc::new(List::new(ListKind::List, values)))
     }
 
     /// An array of objects of this type.
@@ -202,9 +209,8 @@ impl Value {
                 a == b
             }
             (Self::Array(a), Self::Array(b)) => Rc::ptr_eq(a, b),
-            (Self::List(a), Self::List(b)) | (Self::Iterator(a), Self::Iterator(b)) => {
-                Rc::ptr_eq(a, b)
-            }
+            (Self::List(a), Self::List(b)) => Rc::ptr_eq(a, b),
+            (Self::Iterator(a), Self::Iterator(b)) => Rc::ptr_eq(a, b),
             (Self::Map(a), Self::Map(b)) => Rc::ptr_eq(a, b),
             (Self::Builder(a), Self::Builder(b)) => Rc::ptr_eq(a, b),
             (Self::Cell(a), Self::Cell(b)) => Rc::ptr_eq(a, b),

@@ -1,0 +1,460 @@
+//! Methods of lists, stacks, queues and their iterators.
+
+use std::{cell::RefCell, rc::Rc};
+
+use crate::{
+    java_collections::MAX_ELEMENTS,
+    java_list::{Iteration, List, ListKind, MapPart, View},
+    machine::Machine,
+    stop::Stop,
+    value::{Array, Value},
+};
+
+impl Machine {
+    /// Brings a list that shows another object up to date.
+    pub(crate) fn refresh(&mut self, value: &Value) {
+        let Value::List(list) = value else { return };
+        let view = list.view.borrow().clone();
+        match view {
+            None => {}
+            Some(View::Array(array)) => list.renew(array.values.borrow().clone()),
+            Some(View::Part { of, begin, length, whole }) => {
+                self.refresh(&Value::List(Rc::clone(&of)));
+                let part = of.borrow().get(begin..begin + length).map(<[Value]>::to_vec);
+                match (of.unknown(), part) {
+                    (Some(unknown), _) => list.spoil(&unknown),
+                    (None, Some(part)) if of.borrow().len() == whole => list.renew(part),
+                    _ => {
+                        let unknown = self.unknown("a part of a list that was changed since");
+                        if let Value::Unknown(unknown) = unknown {
+                            list.spoil(&unknown);
+                        }
+                    }
+                }
+            }
+            Some(View::Map(map, part)) => match self.map_part(&map, part) {
+                Ok(values) => list.renew(values),
+                Err(unknown) => list.spoil(&unknown),
+            },
+        }
+    }
+
+    /// Changes what a list shows, after a change of the list.
+    fn write_back(&mut self, list: &Rc<List>) -> Result<(), Stop> {
+        let view = list.view.borrow().clone();
+        match view {
+            None => {}
+            Some(View::Array(array)) => {
+                if list.borrow().len() != array.values.borrow().len() {
+                    return self.throw("UnsupportedOperationException", "of `Arrays.asList`");
+                }
+                array.values.borrow_mut().clone_from(&list.borrow());
+            }
+            Some(View::Part { of, begin, length, whole }) => {
+                let values = list.borrow().clone();
+                let now = values.len();
+                of.borrow_mut().splice(begin..begin + length, values);
+                let whole = whole + now - length;
+                *list.view.borrow_mut() =
+                    Some(View::Part { of: Rc::clone(&of), begin, length: now, whole });
+                self.write_back(&of)?;
+            }
+            Some(View::Map(..)) => {
+                let unknown = self.unknown("a map that was changed by its keys or values");
+                if let Value::Unknown(unknown) = unknown {
+                    self.spoil(&Value::List(Rc::clone(list)), &unknown);
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Replaces the elements of a list.
+    pub(crate) fn replace_elements(
+        &mut self,
+        list: &Rc<List>,
+        values: Vec<Value>,
+    ) -> Result<(), Stop> {
+        self.java.changes += 1;
+        list.renew(values);
+        self.write_back(list)
+    }
+
+    /// A method of a list; none if it is not known.
+    pub(crate) fn of_list(
+        &mut self,
+        list: &Rc<List>,
+        name: &str,
+        arguments: &[Value],
+    ) -> Result<Option<Value>, Stop> {
+        if list.borrow().len() > MAX_ELEMENTS {
+            return self.refuse("a list has more than a million elements");
+        }
+        if let Some(value) = self.read_list(list, name, arguments)? {
+            return Ok(Some(value));
+        }
+        let Some((value, is_changed)) = self.change_list(list, name, arguments)? else {
+            return Ok(None);
+        };
+        if is_changed {
+            self.java.changes += 1;
+            self.write_back(list)?;
+        }
+        Ok(Some(value))
+    }
+
+    fn read_list(
+        &mut self,
+        list: &Rc<List>,
+        name: &str,
+        arguments: &[Value],
+    ) -> Result<Option<Value>, Stop> {
+        let length = list.borrow().len();
+        let count = |number: usize| Value::Int(i32::try_from(number).unwrap_or(i32::MAX));
+        let values = || list.borrow().clone();
+        Ok(Some(match (name, arguments) {
+            ("size", []) => count(length),
+            ("isEmpty" | "empty", []) => Value::Boolean(length == 0),
+            ("get" | "elementAt", [index]) => {
+                if let Value::Unknown(_) = index {
+                    return Ok(Some(index.clone()));
+                }
+                let index = self.index(index, length)?;
+                let value = list.borrow().get(index).cloned();
+                value.unwrap_or(Value::Null)
+            }
+            ("getFirst" | "firstElement" | "element", []) => match values().first() {
+                Some(value) => value.clone(),
+                None => return self.empty_list(),
+            },
+            ("getLast" | "lastElement", []) => match values().last() {
+                Some(value) => value.clone(),
+                None => return self.empty_list(),
+            },
+            ("peek", []) if list.kind == ListKind::Stack => match values().last() {
+                Some(value) => value.clone(),
+                None => return self.throw("EmptyStackException", "a stack is empty"),
+            },
+            ("peek" | "peekFirst", []) => values().first().cloned().unwrap_or(Value::Null),
+            ("peekLast", []) => values().last().cloned().unwrap_or(Value::Null),
+            // Of an entry of a map.
+            ("getKey", []) if length == 2 => list.borrow()[0].clone(),
+            ("getValue", []) if length == 2 => list.borrow()[1].clone(),
+            ("setValue", [_]) => {
+                return self.refuse("`setValue` of a map's entry is not evaluated: use `put`");
+            }
+            ("contains", [value]) => match self.place_of(&values(), value)? {
+                Ok(place) => Value::Boolean(place.is_some()),
+                Err(unknown) => Value::Unknown(unknown),
+            },
+            ("containsAll", [others]) => {
+                let Some(others) = Self::iterated(others) else { return Ok(None) };
+                for other in others {
+                    match self.place_of(&values(), &other)? {
+                        Ok(Some(_)) => {}
+                        Ok(None) => return Ok(Some(Value::Boolean(false))),
+                        Err(unknown) => return Ok(Some(Value::Unknown(unknown))),
+                    }
+                }
+                Value::Boolean(true)
+            }
+            ("indexOf", [value]) => match self.place_of(&values(), value)? {
+                Ok(place) => place.map_or(Value::Int(-1), count),
+                Err(unknown) => Value::Unknown(unknown),
+            },
+            ("lastIndexOf", [value]) => {
+                let reversed: Vec<_> = values().into_iter().rev().collect();
+                match self.place_of(&reversed, value)? {
+                    Ok(place) => place.map_or(Value::Int(-1), |own| count(length - 1 - own)),
+                    Err(unknown) => Value::Unknown(unknown),
+                }
+            }
+            ("iterator" | "listIterator", []) => iterator(list, 0),
+            ("listIterator", [begin]) => iterator(list, self.index(begin, length + 1)?),
+            ("toArray", [Value::Array(wanted)]) => {
+                let (element, values) = (wanted.element.clone(), RefCell::new(values()));
+                Value::Array(Rc::new(Array { element, values }))
+            }
+            ("toArray", []) => Value::array("Object", values()),
+            ("clone", []) => Value::List(Rc::new(List::new(list.kind, values()))),
+            ("ensureCapacity" | "trimToSize", _) => Value::Null,
+            ("subList", [begin, end]) => {
+                let [begin, end] = [self.index(begin, length + 1)?, self.index(end, length + 1)?];
+                let part = list.borrow().get(begin..end).map(<[Value]>::to_vec);
+                let Some(values) = part else {
+                    return self.throw("IndexOutOfBoundsException", "of a list's part");
+                };
+                let (of, length, whole) = (Rc::clone(list), end - begin, length);
+                List::view(View::Part { of, begin, length, whole }, values)
+            }
+            _ => return Ok(None),
+        }))
+    }
+
+    /// A method that changes a list, and whether it did.
+    fn change_list(
+        &mut self,
+        list: &Rc<List>,
+        name: &str,
+        arguments: &[Value],
+    ) -> Result<Option<(Value, bool)>, Stop> {
+        let length = list.borrow().len();
+        let value = match (name, arguments) {
+            ("add" | "offer" | "offerLast", [value]) => {
+                list.borrow_mut().push(value.clone());
+                Value::Boolean(true)
+            }
+            ("addLast" | "addElement" | "put", [value]) => {
+                list.borrow_mut().push(value.clone());
+                Value::Null
+            }
+            ("push", [value]) => {
+                let place = if list.kind == ListKind::Stack { length } else { 0 };
+                list.borrow_mut().insert(place, value.clone());
+                value.clone()
+            }
+            ("addFirst", [value]) => {
+                list.borrow_mut().insert(0, value.clone());
+                Value::Null
+            }
+            ("offerFirst", [value]) => {
+                list.borrow_mut().insert(0, value.clone());
+                Value::Boolean(true)
+            }
+            ("add", [index, value]) => {
+                let index = self.index(index, length + 1)?;
+                list.borrow_mut().insert(index, value.clone());
+                Value::Null
+            }
+            ("addAll", [values]) => match Self::iterated(values) {
+                Some(values) => {
+                    let is_changed = !values.is_empty();
+                    list.borrow_mut().extend(values);
+                    return Ok(Some((Value::Boolean(is_changed), is_changed)));
+                }
+                None => return Ok(None),
+            },
+            ("addAll", [index, values]) => {
+                let index = self.index(index, length + 1)?;
+                let Some(values) = Self::iterated(values) else { return Ok(None) };
+                let is_changed = !values.is_empty();
+                list.borrow_mut().splice(index..index, values);
+                return Ok(Some((Value::Boolean(is_changed), is_changed)));
+            }
+            ("removeAll" | "retainAll", [others]) => {
+                return self.keep_elements(list, others, name == "retainAll");
+            }
+            ("set", [index, value]) => {
+                let index = self.index(index, length)?;
+                std::mem::replace(&mut list.borrow_mut()[index], value.clone())
+            }
+            // The call has found out that the argument is no index.
+            (REMOVE_ELEMENT, [value]) => {
+                return self.remove_element(list, value);
+            }
+            ("remove", [Value::Int(index)]) => {
+                let index = self.index(&Value::Int(*index), length)?;
+                list.borrow_mut().remove(index)
+            }
+            ("remove", [Value::Unknown(_)]) => return Ok(None),
+            ("remove" | "removeFirstOccurrence", [value]) => {
+                return self.remove_element(list, value);
+            }
+            _ => return self.shorten_list(list, name, arguments),
+        };
+        Ok(Some((value, true)))
+    }
+
+    /// A method that takes elements from a list, or sorts it, and whether it changed it.
+    fn shorten_list(
+        &mut self,
+        list: &Rc<List>,
+        name: &str,
+        arguments: &[Value],
+    ) -> Result<Option<(Value, bool)>, Stop> {
+        let length = list.borrow().len();
+        // Of a stack, the end; of others, the beginning.
+        let top = if list.kind == ListKind::Stack { length.saturating_sub(1) } else { 0 };
+        let value = match (name, arguments) {
+            ("remove" | "removeFirst", []) => {
+                if length == 0 {
+                    return self.empty_list();
+                }
+                list.borrow_mut().remove(0)
+            }
+            ("poll" | "pollFirst", []) => {
+                if length == 0 {
+                    return Ok(Some((Value::Null, false)));
+                }
+                list.borrow_mut().remove(0)
+            }
+            ("pollLast", []) => {
+                let last = list.borrow_mut().pop();
+                last.unwrap_or(Value::Null)
+            }
+            ("pop", []) => {
+                if length == 0 {
+                    return self.empty_list();
+                }
+                list.borrow_mut().remove(top)
+            }
+            ("removeLast", []) => {
+                let last = list.borrow_mut().pop();
+                match last {
+                    Some(value) => value,
+                    None => return self.empty_list(),
+                }
+            }
+            ("clear" | "removeAllElements", []) => {
+                list.renew(Vec::new());
+                Value::Null
+            }
+            ("sort", [comparator]) => {
+                let values = list.borrow().clone();
+                match self.sorted(values, Some(comparator))? {
+                    Ok(values) => list.renew(values),
+                    Err(unknown) => self.spoil(&Value::List(Rc::clone(list)), &unknown),
+                }
+                Value::Null
+            }
+            _ => return Ok(None),
+        };
+        Ok(Some((value, true)))
+    }
+
+    fn remove_element(
+        &mut self,
+        list: &Rc<List>,
+        value: &Value,
+    ) -> Result<Option<(Value, bool)>, Stop> {
+        let values = list.borrow().clone();
+        Ok(Some(match self.place_of(&values, value)? {
+            Ok(Some(place)) => {
+                list.borrow_mut().remove(place);
+                (Value::Boolean(true), true)
+            }
+            Ok(None) => (Value::Boolean(false), false),
+            Err(unknown) => {
+                self.spoil(&Value::List(Rc::clone(list)), &unknown);
+                (Value::Unknown(unknown), false)
+            }
+        }))
+    }
+
+    /// `retainAll`, `removeAll`: keeps the elements that are in another collection, or those that are not.
+    fn keep_elements(
+        &mut self,
+        list: &Rc<List>,
+        others: &Value,
+        keeps: bool,
+    ) -> Result<Option<(Value, bool)>, Stop> {
+        let Some(others) = Self::iterated(others) else { return Ok(None) };
+        let values = list.borrow().clone();
+        let mut kept = Vec::new();
+        for value in values {
+            match self.place_of(&others, &value)? {
+                Ok(place) if place.is_some() == keeps => kept.push(value),
+                Ok(_) => {}
+                Err(unknown) => {
+                    self.spoil(&Value::List(Rc::clone(list)), &unknown);
+                    return Ok(Some((Value::Unknown(unknown), false)));
+                }
+            }
+        }
+        let is_changed = kept.len() != list.borrow().len();
+        list.renew(kept);
+        Ok(Some((Value::Boolean(is_changed), is_changed)))
+    }
+
+    /// What is thrown where a list has nothing to give.
+    fn empty_list<T>(&self) -> Result<T, Stop> {
+        self.throw("NoSuchElementException", "a list is empty")
+    }
+
+    /// A method of an iterator; none if it is not known.
+    pub(crate) fn of_iterator(
+        &mut self,
+        iteration: &Rc<RefCell<Iteration>>,
+        name: &str,
+        arguments: &[Value],
+    ) -> Result<Option<Value>, Stop> {
+        let (list, next, last) = {
+            let own = iteration.borrow();
+            (Rc::clone(&own.list), own.next, own.last)
+        };
+        self.refresh(&Value::List(Rc::clone(&list)));
+        let length = list.borrow().len();
+        let count = |number: usize| Value::Int(i32::try_from(number).unwrap_or(i32::MAX));
+        let to = |next: usize, last: Option<usize>| {
+            let mut own = iteration.borrow_mut();
+            (own.next, own.last) = (next, last);
+        };
+        Ok(Some(match (name, arguments) {
+            ("hasNext" | "hasMoreElements", []) => Value::Boolean(next < length),
+            ("hasPrevious", []) => Value::Boolean(next > 0),
+            ("nextIndex", []) => count(next),
+            ("next" | "nextElement", []) => {
+                self.java.changes += 1;
+                let found = list.borrow().get(next).cloned();
+                let Some(value) = found else {
+                    return self.throw("NoSuchElementException", "an iterator is at its end");
+                };
+                to(next + 1, Some(next));
+                value
+            }
+            ("previous", []) => {
+                self.java.changes += 1;
+                let found = next.checked_sub(1).and_then(|own| list.borrow().get(own).cloned());
+                let Some(value) = found else {
+                    return self.throw("NoSuchElementException", "an iterator is at its beginning");
+                };
+                to(next - 1, Some(next - 1));
+                value
+            }
+            ("remove" | "set", _) => {
+                let Some(place) = last.filter(|own| *own < length) else {
+                    return self.throw("IllegalStateException", "an iterator has no element");
+                };
+                self.java.changes += 1;
+                match arguments {
+                    [] => {
+                        to(if next > place { next - 1 } else { next }, None);
+                        if let Some(View::Map(map, _)) = list.view.borrow().clone() {
+                            Self::remove_entry(&map, place);
+                            return Ok(Some(Value::Null));
+                        }
+                        list.borrow_mut().remove(place);
+                    }
+                    [value] => list.borrow_mut()[place] = value.clone(),
+                    _ => return Ok(None),
+                }
+                self.write_back(&list)?;
+                Value::Null
+            }
+            ("add", [value]) => {
+                list.borrow_mut().insert(next.min(length), value.clone());
+                to(next + 1, None);
+                self.java.changes += 1;
+                self.write_back(&list)?;
+                Value::Null
+            }
+            _ => return Ok(None),
+        }))
+    }
+}
+
+/// `remove(Object)`, where the argument is a number.
+pub(crate) const REMOVE_ELEMENT: &str = "remove(Object)";
+
+fn iterator(list: &Rc<List>, next: usize) -> Value {
+    let list = Rc::clone(list);
+    Value::Iterator(Rc::new(RefCell::new(Iteration { list, next, last: None })))
+}
+
+/// An iterator over the elements of a set.
+pub(crate) fn set_iterator(set: &Rc<RefCell<crate::value::Map>>, keys: Vec<Value>) -> Value {
+    match List::view(View::Map(Rc::clone(set), MapPart::Keys), keys) {
+        Value::List(list) => iterator(&list, 0),
+        other => other,
+    }
+}

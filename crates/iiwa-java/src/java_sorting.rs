@@ -1,0 +1,178 @@
+//! Order and equality of values in Java's collections.
+
+use std::{cmp::Ordering, rc::Rc};
+
+use crate::{
+    machine::Machine,
+    stop::Stop,
+    unknown::Unknown,
+    value::{Object, Value},
+};
+
+/// A result, or what it depends on.
+pub(crate) type Known<T> = Result<T, Rc<Unknown>>;
+
+/// The class that `Collections.reverseOrder()` stands for.
+pub(crate) const REVERSE_ORDER: &str = "ReverseOrder";
+
+/// `String.compareTo`.
+pub(crate) fn compare_texts(a: &str, b: &str) -> i32 {
+    let [first, second] = [a, b].map(|text| text.encode_utf16().collect::<Vec<_>>());
+    let differs = first.iter().zip(&second).find(|(a, b)| a != b);
+    match differs {
+        Some((a, b)) => i32::from(*a) - i32::from(*b),
+        None => {
+            i32::try_from(first.len()).unwrap_or(i32::MAX)
+                - i32::try_from(second.len()).unwrap_or(i32::MAX)
+        }
+    }
+}
+
+fn ordinal(object: &Object) -> Option<i32> {
+    object.constant.as_ref().map(|(_, ordinal)| *ordinal)
+}
+
+/// The natural order of numbers, strings and constants; none of others.
+pub(crate) fn natural(a: &Value, b: &Value) -> Option<Ordering> {
+    match (a, b) {
+        (Value::Text(a), Value::Text(b)) => Some(compare_texts(a, b).cmp(&0)),
+        (Value::Boolean(a), Value::Boolean(b)) => Some(a.cmp(b)),
+        (Value::Object(a), Value::Object(b)) => Some(ordinal(a)?.cmp(&ordinal(b)?)),
+        _ => match (a.integer(), b.integer()) {
+            (Some(a), Some(b)) => Some(a.cmp(&b)),
+            _ => Some(a.number()?.total_cmp(&b.number()?)),
+        },
+    }
+}
+
+impl Machine {
+    /// The order of two elements, by a comparator or by their own.
+    fn order_of_elements(
+        &mut self,
+        comparator: Option<&Value>,
+        a: &Value,
+        b: &Value,
+    ) -> Result<Known<Ordering>, Stop> {
+        for value in [a, b] {
+            if let Value::Unknown(unknown) = value {
+                return Ok(Err(Rc::clone(unknown)));
+            }
+        }
+        let order = match comparator {
+            None | Some(Value::Null) => {
+                if let Some(order) = natural(a, b) {
+                    return Ok(Ok(order));
+                }
+                match a {
+                    Value::Object(object) => {
+                        self.call_on_object(object, "compareTo", std::slice::from_ref(b))?
+                    }
+                    _ => self.unknown(format!("the order of {}", a.kind())),
+                }
+            }
+            Some(Value::ForeignClass(class)) if &**class == REVERSE_ORDER => {
+                return self.order_of_elements(None, b, a);
+            }
+            Some(Value::Object(object)) => {
+                self.call_on_object(object, "compare", &[a.clone(), b.clone()])?
+            }
+            Some(Value::Unknown(unknown)) => Value::Unknown(Rc::clone(unknown)),
+            Some(other) => self.unknown(format!("the order of {}", other.kind())),
+        };
+        Ok(match order {
+            Value::Int(order) => Ok(order.cmp(&0)),
+            Value::Unknown(unknown) => Err(unknown),
+            other => return self.refuse(format!("the result of a comparison is {}", other.kind())),
+        })
+    }
+
+    /// Elements in order; equal ones stay in theirs, as in Java.
+    pub(crate) fn sorted(
+        &mut self,
+        mut values: Vec<Value>,
+        comparator: Option<&Value>,
+    ) -> Result<Known<Vec<Value>>, Stop> {
+        if values.len() < 2 {
+            return Ok(Ok(values));
+        }
+        let second = values.split_off(values.len() / 2);
+        let (first, second) = (self.sorted(values, comparator)?, self.sorted(second, comparator)?);
+        let (Ok(first), Ok(second)) = (&first, &second) else {
+            return Ok(first.and(second));
+        };
+        let mut merged = Vec::with_capacity(first.len() + second.len());
+        let (mut first, mut second) = (first.iter().peekable(), second.iter().peekable());
+        while let (Some(a), Some(b)) = (first.peek(), second.peek()) {
+            let order = match self.order_of_elements(comparator, a, b)? {
+                Ok(order) => order,
+                Err(unknown) => return Ok(Err(unknown)),
+            };
+            let next = if order == Ordering::Greater { second.next() } else { first.next() };
+            merged.extend(next.cloned());
+        }
+        merged.extend(first.chain(second).cloned());
+        Ok(Ok(merged))
+    }
+
+    /// `a.equals(b)`, of elements.
+    pub(crate) fn are_equal(&mut self, a: &Value, b: &Value) -> Result<Known<bool>, Stop> {
+        for value in [a, b] {
+            if let Some(unknown) =
+                value.unknown().cloned().or_else(|| Self::unknown_contents(value))
+            {
+                return Ok(Err(unknown));
+            }
+        }
+        let result = match (a, b) {
+            (Value::Object(object), _)
+                if !self.java.classes.methods(object.class, "equals").is_empty() =>
+            {
+                self.call_on_object(object, "equals", std::slice::from_ref(b))?
+            }
+            (Value::Host(_), _) if !a.is_same(b) => {
+                self.call_on(a, "equals", std::slice::from_ref(b))?
+            }
+            (Value::List(first), Value::List(second)) if !a.is_same(b) => {
+                let [first, second] = [first, second].map(|list| list.borrow().clone());
+                if first.len() != second.len() {
+                    return Ok(Ok(false));
+                }
+                for (a, b) in first.iter().zip(&second) {
+                    match self.are_equal(a, b)? {
+                        Ok(true) => {}
+                        other => return Ok(other),
+                    }
+                }
+                Value::Boolean(true)
+            }
+            (Value::Map(_), Value::Map(_)) if !a.is_same(b) => {
+                self.unknown("whether two maps or sets are equal")
+            }
+            // Boxed numbers of different types differ.
+            _ => Value::Boolean(
+                a.is_same(b) && std::mem::discriminant(a) == std::mem::discriminant(b),
+            ),
+        };
+        Ok(match result {
+            Value::Boolean(is_equal) => Ok(is_equal),
+            Value::Unknown(unknown) => Err(unknown),
+            other => return self.refuse(format!("the result of `equals` is {}", other.kind())),
+        })
+    }
+
+    /// The place of the first of these that equals a value.
+    pub(crate) fn place_of(
+        &mut self,
+        values: &[Value],
+        value: &Value,
+    ) -> Result<Known<Option<usize>>, Stop> {
+        for (place, other) in values.iter().enumerate() {
+            match self.are_equal(value, other)? {
+                Ok(true) => return Ok(Ok(Some(place))),
+                Ok(false) => {}
+                Err(unknown) => return Ok(Err(unknown)),
+            }
+        }
+        Ok(Ok(None))
+    }
+}

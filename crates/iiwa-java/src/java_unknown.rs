@@ -1,0 +1,160 @@
+//! Calls of Java's library that are not modelled: what they may change is unknown from then on.
+
+use std::rc::Rc;
+
+use crate::{java_list::View, machine::Machine, stop::Stop, unknown::Unknown, value::Value};
+
+/// Methods of the library that change nothing, though their results are not known.
+const READING: [&str; 22] = [
+    "hashCode",
+    "getClass",
+    "stream",
+    "parallelStream",
+    "spliterator",
+    "capacity",
+    "chars",
+    "codePointAt",
+    "equals",
+    "deepEquals",
+    "toString",
+    "deepToString",
+    "deepHashCode",
+    "binarySearch",
+    "search",
+    "ceilingKey",
+    "floorKey",
+    "higherKey",
+    "lowerKey",
+    "containsValue",
+    "matches",
+    "getSuppressed",
+];
+
+/// Methods, of any class, that run what they are given.
+const RUNNING: [&str; 4] = ["forEach", "forEachOrdered", "ifPresent", "peek"];
+
+impl Machine {
+    /// What the contents of a collection or a builder depend on, if they are not known.
+    pub(crate) fn unknown_contents(value: &Value) -> Option<Rc<Unknown>> {
+        match value {
+            Value::List(list) => list.unknown(),
+            Value::Map(map) => map.borrow().unknown.clone(),
+            Value::Builder(text) => text.borrow().as_ref().err().cloned(),
+            Value::Iterator(iteration) => iteration.borrow().list.unknown(),
+            _ => None,
+        }
+    }
+
+    /// Makes the contents of a collection, an array or a builder unknown, with those of what it shows.
+    pub(crate) fn spoil(&mut self, value: &Value, unknown: &Rc<Unknown>) {
+        self.java.changes += 1;
+        match value {
+            Value::List(list) => {
+                list.spoil(unknown);
+                let view = list.view.borrow().clone();
+                match view {
+                    Some(View::Array(array)) => self.spoil(&Value::Array(array), unknown),
+                    Some(View::Part { of, .. }) => self.spoil(&Value::List(of), unknown),
+                    Some(View::Map(map, _)) => self.spoil(&Value::Map(map), unknown),
+                    None => {}
+                }
+            }
+            Value::Array(array) => {
+                array.values.borrow_mut().fill(Value::Unknown(Rc::clone(unknown)));
+            }
+            Value::Map(map) => {
+                let mut map = map.borrow_mut();
+                let entry = Value::Unknown(Rc::clone(unknown));
+                map.entries = vec![(entry.clone(), entry)];
+                map.unknown = Some(Rc::clone(unknown));
+            }
+            Value::Builder(text) => *text.borrow_mut() = Err(Rc::clone(unknown)),
+            Value::Cell(own) => *own.borrow_mut() = Value::Unknown(Rc::clone(unknown)),
+            Value::Iterator(iteration) => {
+                let list = Rc::clone(&iteration.borrow().list);
+                self.spoil(&Value::List(list), unknown);
+            }
+            _ => {}
+        }
+    }
+
+    /// The result of a method of the library that is not modelled: it may have changed its receiver and its arguments.
+    pub(crate) fn unmodelled(
+        &mut self,
+        receiver: &Value,
+        name: &str,
+        arguments: &[Value],
+    ) -> Result<Value, Stop> {
+        let result = self
+            .unknown(format!("the result of `{name}` of {}, which is not known", receiver.kind()));
+        self.after_unmodelled(Some(receiver), name, arguments, &result)?;
+        Ok(result)
+    }
+
+    /// What a call that is not looked into may do to its receiver and its arguments.
+    pub(crate) fn after_unmodelled(
+        &mut self,
+        receiver: Option<&Value>,
+        name: &str,
+        arguments: &[Value],
+        result: &Value,
+    ) -> Result<(), Stop> {
+        self.check_not_run(name, arguments)?;
+        let (false, Value::Unknown(unknown)) = (READING.contains(&name), result) else {
+            return Ok(());
+        };
+        for value in receiver.into_iter().chain(arguments) {
+            if let Value::Object(object) = value {
+                self.may_be_called(object, name, unknown)?;
+            } else {
+                self.spoil(value, unknown);
+            }
+        }
+        Ok(())
+    }
+
+    /// Refuses methods that would run code which is not evaluated.
+    pub(crate) fn check_not_run(&self, name: &str, arguments: &[Value]) -> Result<(), Stop> {
+        let is_code = |own: &&Rc<Unknown>| {
+            own.reason.contains("lambda expression") || own.reason.contains("method reference")
+        };
+        match arguments.iter().filter_map(Value::unknown).find(is_code) {
+            Some(code) if RUNNING.contains(&name) => {
+                self.refuse_unknown(&format!("what `{name}` does"), code)
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// A library may call the methods of an object that implements one of its interfaces.
+    fn may_be_called(
+        &mut self,
+        object: &Rc<crate::value::Object>,
+        name: &str,
+        unknown: &Rc<Unknown>,
+    ) -> Result<(), Stop> {
+        let known = self.java.classes.known(object.class);
+        let (class, id) = (std::sync::Arc::clone(&known.class), object.class);
+        let is_of_library = |own: &crate::syntax::TypeName| {
+            self.java.classes.find(&own.name, id).is_none()
+                && !matches!(crate::classes::simple(&own.name), "Serializable" | "Cloneable")
+        };
+        let is_anonymous = class.name.is_empty();
+        if !is_anonymous && !class.implements.iter().chain(&class.extends).any(is_of_library) {
+            return Ok(());
+        }
+        for method in &class.methods {
+            let Some(body) = &method.body else { continue };
+            let effects = self.effects_of(body);
+            if effects.acts() {
+                let acts = self.host.acts();
+                return self.refuse(format!(
+                    "`{name}` may call `{}`, in which {acts}, and is not evaluated",
+                    method.name
+                ));
+            }
+            self.forget_values(&effects, unknown);
+        }
+        Ok(())
+    }
+}
