@@ -9,28 +9,33 @@ use crate::{
     enum_constant::EnumConstant,
     frame_value::{FrameValue, RedundancyValue},
     motion_value::{MotionValue, Way},
-    robot_value::{JointsValue, RobotValue, Sent},
+    robot_value::{JointsValue, LoadRef, RobotValue, Sent},
     robotics::Robotics,
     spot::Spot,
     test_station::machine,
 };
 
-const SOURCES: [&str; 16] = [
+const SOURCES: [&str; 21] = [
     include_str!("application_api.rs"),
     include_str!("dialogs.rs"),
     include_str!("fired.rs"),
+    include_str!("frame_changes.rs"),
     include_str!("frames_api.rs"),
     include_str!("inputs.rs"),
     include_str!("joints_api.rs"),
     include_str!("library_api.rs"),
+    include_str!("load_api.rs"),
     include_str!("motion_setters.rs"),
     include_str!("motions.rs"),
     include_str!("moves.rs"),
     include_str!("opaque_api.rs"),
+    include_str!("platform_api.rs"),
     include_str!("process_data.rs"),
     include_str!("robot_api.rs"),
     include_str!("station_host.rs"),
+    include_str!("threads_api.rs"),
     include_str!("tools_api.rs"),
+    include_str!("user_keys.rs"),
     include_str!("waits.rs"),
 ];
 
@@ -67,6 +72,7 @@ fn receivers() -> Vec<RobotValue> {
         RobotValue::motion(motion),
         RobotValue::Container(Rc::new(Sent { count: 0, has_break: true })),
         RobotValue::JointLimits,
+        RobotValue::Load(LoadRef::Own(Rc::default())),
         RobotValue::ProcessData(Rc::from("velocity")),
         RobotValue::IoGroup(Rc::from("Cell")),
         RobotValue::source("Scanner", "data of a file"),
@@ -75,7 +81,6 @@ fn receivers() -> Vec<RobotValue> {
         "IApplicationData",
         "IApplicationUI",
         "ITaskLogger",
-        "UserInterface",
         "IObserver",
         "IApplicationControl",
         "IContext",
@@ -84,7 +89,10 @@ fn receivers() -> Vec<RobotValue> {
         "ICondition",
         "FRISession",
         "Thread",
-        "LoadData",
+        "MobilePlatform",
+        "PlatformMotion",
+        "IUserKeyBar",
+        "IUserKey",
     ];
     all.extend(classes.map(RobotValue::opaque));
     let constant = EnumConstant::named("TimeUnit", "SECONDS");
@@ -112,7 +120,6 @@ fn ignores_arguments(class: &str, name: &str) -> bool {
         // What is said, shown, observed, switched or set there moves no arm; settings of a motion either change how the arm
         // follows its path, or make it unknown.
         "ITaskLogger"
-        | "UserInterface"
         | "IObserver"
         | "IApplicationUI"
         | "IApplicationControl"
@@ -120,12 +127,20 @@ fn ignores_arguments(class: &str, name: &str) -> bool {
         | "FRISession"
         | "Controller"
         | "IContext"
+        | "IUserKeyBar"
+        | "IUserKey"
+        // A platform drives whatever its motion is; a load that stays as it was is noted.
+        | "MobilePlatform"
+        | "PlatformMotion"
         | "LoadData"
         | "RobotMotion" => true,
         "Thread" => matches!(
             name,
             "join"
                 | "interrupt"
+                | "cancel"
+                | "purge"
+                | "setPriority"
                 | "shutdown"
                 | "shutdownNow"
                 | "setDaemon"
@@ -146,9 +161,13 @@ fn ignores_arguments(class: &str, name: &str) -> bool {
         "JointLimits" => name.starts_with("get"),
         // Of frames, whatever device is named.
         "Frame" | "ObjectFrame" | "Tool" => {
-            ["getX", "getY", "getZ", "getRed", "hasRed", "isReady", "isAttached", "detach"]
-                .iter()
-                .any(|begin| name.starts_with(begin))
+            // A frame that is changed by an unknown value has an unknown place.
+            name.ends_with("ransformationFromParent")
+                || ["setTransformation", "changeTransformation", "setAdditionalParameter"]
+                    .contains(&name)
+                || ["getX", "getY", "getZ", "getRed", "hasRed", "isReady", "isAttached", "detach"]
+                    .iter()
+                    .any(|begin| name.starts_with(begin))
         }
         _ => false,
     }

@@ -83,7 +83,10 @@ impl Robotics<'_> {
                     other.is_some_and(|other| RobotValue::Spot(spot).is_same(&other)),
                 ))
             }
-            ("setAdditionalParameter", _) => Ok(Value::Null),
+            ("setAdditionalParameter", _) => {
+                self.note("`setAdditionalParameter` of a frame is left out of the plan");
+                Ok(Value::Null)
+            }
             // What else a tool is given, as the force of a gripper, is not planned.
             _ if changes(name) && matches!(spot, Spot::Root(_)) => {
                 self.note(format!("`{name}` of a tool is left out of the plan"));
