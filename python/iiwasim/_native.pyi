@@ -336,5 +336,6 @@ def import_application(
     times: Mapping[str, float] | None = None,
     tools: Mapping[str, Sequence[float]] | None = None,
     robot: _Robot | None = None,
+    flange_mm: float | None = None,
     start_deg: ArrayLike | None = None,
 ) -> tuple[Program, dict[str, Any]]: ...

@@ -83,7 +83,8 @@ impl<'py> FromPyObject<'_, 'py> for Value {
 /// The application may be left out if there is one only. Dialogs are answered by `answers` (the number of a button, from 0, by the
 /// text), `inputs` and process `data` are given by name, break conditions (`fired`) by file and line of `hasFired`. `times` are
 /// seconds of holds, grippers and platforms by file and line; `tools` are frames that the data file lacks: x, y, z in mm, and perhaps
-/// a, b, c in degrees. Raises `SunriseError` with file and line.
+/// a, b, c in degrees. The robot and its flange are those that the project states, unless `robot` and `flange_mm` are given; what no
+/// file states is among the questions. Raises `SunriseError` with file and line.
 ///
 /// >>> import iiwasim as iw
 /// >>> program, told = iw.import_application('fixtures/sunrise/joints')
@@ -92,7 +93,7 @@ impl<'py> FromPyObject<'_, 'py> for Value {
 #[pyfunction]
 #[pyo3(signature = (
     folder, *, application = None, answers = None, inputs = None, data = None, fired = None, times = None,
-    tools = None, robot = None, start_deg = None
+    tools = None, robot = None, flange_mm = None, start_deg = None
 ))]
 #[expect(clippy::too_many_arguments, reason = "they are options by keyword in Python")]
 pub(crate) fn import_application<'py>(
@@ -106,6 +107,7 @@ pub(crate) fn import_application<'py>(
     times: Option<BTreeMap<String, f64>>,
     tools: Option<BTreeMap<String, Vec<f64>>>,
     robot: Option<RobotArgument<'py>>,
+    flange_mm: Option<f64>,
     start_deg: Option<JointsLike<'py>>,
 ) -> PyResult<(Program, Bound<'py, PyDict>)> {
     let project = open(py, &folder)?;
@@ -154,8 +156,8 @@ pub(crate) fn import_application<'py>(
     let robot = robot.map(|robot| robot.model(py)).transpose()?;
     let options = ImportOptions {
         robot_name: robot.as_ref().map(|robot| robot.name().to_owned()),
-        robot: robot.clone(),
-        flange_m: None,
+        robot,
+        flange_m: flange_mm.map(|mm| mm / 1e3),
         start_rad,
         answers: given,
     };
@@ -175,5 +177,5 @@ pub(crate) fn import_application<'py>(
     };
     let questions: Vec<_> = imported.questions.iter().map(asked).collect();
     told.set_item("questions", questions)?;
-    Ok((Program::of(py, imported.program, robot)?, told))
+    Ok((Program::of(py, imported.program, Some(imported.robot))?, told))
 }
