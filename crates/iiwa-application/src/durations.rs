@@ -32,7 +32,7 @@ impl Robotics<'_> {
         }
         if given.is_none() {
             self.note(format!(
-                "{event}: its time is not in the plan; --time \"{asked}=SECONDS\" adds it"
+                "{event}: its time is not in the plan; an answer, `[times]`, adds it"
             ));
         }
         let (answer, is_given) = (seconds.to_string(), given.is_some());

@@ -62,7 +62,7 @@ impl Robotics<'_> {
         self.station.missing.replace(Some(Missing::Template(name.clone())));
         self.refuse(format!(
             "the data file has no template `{name}`, which is injected at {place}: its frames are not known; add the template, or \
-             give its TCP by --tool \"{name}=X,Y,Z,A,B,C\" and other frames by --tool \"{name}/FRAME=...\""
+             answer with its frames: `[tools]`, `{name}` for the TCP and `{name}/FRAME` for others"
         ))
     }
 

@@ -29,7 +29,7 @@ impl Robotics<'_> {
             None => String::new(),
         };
         self.refuse(format!(
-            "the data file has no process data `{id}`{instead}; give the value by --data \"{id}=VALUE\""
+            "the data file has no process data `{id}`{instead}; an answer, `[data]`, gives it a value"
         ))
     }
 

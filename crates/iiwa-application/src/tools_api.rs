@@ -271,7 +271,7 @@ impl Robotics<'_> {
             let known: Vec<String> =
                 self.station.templates.iter().map(|template| template.name.clone()).collect();
             return self.refuse(format!(
-                "the data file has no template `{name}`{}; add it there, or give its TCP by --tool \"{name}=X,Y,Z,A,B,C\"",
+                "the data file has no template `{name}`{}; add it there, or answer with its TCP: `[tools]`, `{name}`",
                 instead(&name, &known)
             ));
         };
