@@ -80,7 +80,8 @@ pub(crate) fn program(
         )));
     }
     for note in &import.notes {
-        print_note(&printable(&format!("Note: {}: {}\n", note.source, note.text)));
+        let text = with_options(&note.text);
+        print_note(&printable(&format!("Note: {}: {text}\n", note.source)));
     }
     let text = ProgramText::made(import.application.name, import.program.to_json());
     Ok((text, import.program, import.robot))
@@ -173,6 +174,25 @@ fn pair<'a>(option: &str, given: &'a str) -> Result<(String, &'a str), Failure> 
     }
 }
 
+/// The options that give answers, by the tables of a file of answers that messages name.
+const OPTIONS: [(&str, &str); 5] = [
+    ("`[inputs]`", "--input"),
+    ("`[data]`", "--data"),
+    ("`[fired]`", "--fired"),
+    ("`[times]`", "--time"),
+    ("`[tools]`", "--tool"),
+];
+
+/// A message about answers with the options that give them.
+pub(crate) fn with_options(message: &str) -> String {
+    let named = OPTIONS.iter().filter(|(table, _)| message.contains(table));
+    let options: Vec<_> = named.map(|(_, option)| *option).collect();
+    if options.is_empty() {
+        return message.to_owned();
+    }
+    format!("{message} ({} on the command line)", options.join(", "))
+}
+
 /// Why an application is not imported, for people.
 pub(crate) fn failure(folder: &Path, error: &ImportError) -> Failure {
     let text = match error {
@@ -183,6 +203,7 @@ pub(crate) fn failure(folder: &Path, error: &ImportError) -> Failure {
                 1 => "one motion before it was understood".to_owned(),
                 _ => format!("{moves} motions before it were understood"),
             };
+            let error = with_options(&error.to_string());
             let fill_in = match refused.reason.ends_with(ExportedProject::DATA_FILE)
                 && !refused.missing.is_empty()
             {
