@@ -83,7 +83,9 @@ impl Search<'_> {
                     self.expression(value);
                 });
             }
-            StatementKind::Expression(value) => self.expression(value),
+            StatementKind::Expression(value) | StatementKind::Yield(value) => {
+                self.expression(value);
+            }
             StatementKind::If { condition, then, otherwise } => {
                 self.expression(condition);
                 self.statement(then);
@@ -209,6 +211,20 @@ impl Search<'_> {
                 self.expression(condition);
                 self.expression(then);
                 self.expression(otherwise);
+            }
+            ExpressionKind::Switch { value, groups } => {
+                self.expression(value);
+                self.breakable += 1;
+                for group in groups {
+                    self.statements(&group.body);
+                }
+                self.breakable -= 1;
+            }
+            // Run later, or not at all: what leaves it does not leave what is around it.
+            ExpressionKind::Lambda(body) => {
+                let (leaves, continues) = (self.found.leaves, self.found.continues);
+                self.statements(body);
+                (self.found.leaves, self.found.continues) = (leaves, continues);
             }
             ExpressionKind::Literal(_)
             | ExpressionKind::Name(_)

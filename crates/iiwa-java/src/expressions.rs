@@ -90,6 +90,23 @@ impl Machine {
                 let simple = crate::classes::simple(&type_name.name);
                 Ok(found.map_or_else(|| Value::ForeignClass(Rc::from(simple)), Value::Class))
             }
+            ExpressionKind::Switch { value, groups } => {
+                self.value_of_switch(expression, value, groups)
+            }
+            ExpressionKind::Lambda(body) => {
+                let effects = self.effects_of(body);
+                if effects.acts {
+                    let acts = self.host.acts();
+                    return self
+                        .refuse(format!("a lambda expression, in which {acts}, is not evaluated"));
+                }
+                let value = self.unknown("a lambda expression, which is not evaluated");
+                if let Value::Unknown(unknown) = &value {
+                    // It may be run at any time.
+                    self.forget_values(&effects, unknown);
+                }
+                Ok(value)
+            }
             ExpressionKind::Unsupported(what) => {
                 Ok(self.unknown(format!("{what}, which is not evaluated")))
             }

@@ -10,6 +10,8 @@ pub(crate) enum Flow {
     Break(Option<String>),
     /// By `continue`, likewise.
     Continue(Option<String>),
+    /// By `yield`.
+    Yield(Value),
     /// By `return`.
     Return(Value),
 }

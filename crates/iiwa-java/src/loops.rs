@@ -12,7 +12,7 @@ use crate::{
     flow::Flow,
     machine::{Machine, Progress},
     stop::Stop,
-    syntax::{Expression, Statement, StatementKind},
+    syntax::{Expression, Statement, StatementKind, TypeName},
     value::Value,
 };
 
@@ -69,8 +69,8 @@ impl Machine {
                 }
                 Turn { condition: condition.as_ref(), update, body, is_do: false }
             }
-            StatementKind::ForEach { name, iterable, body } => {
-                return self.for_each(statement, name, iterable, body, label);
+            StatementKind::ForEach { type_name, name, iterable, body } => {
+                return self.for_each(statement, (type_name, name), iterable, body, label);
             }
             _ => return Ok(Flow::Next),
         };
@@ -218,7 +218,7 @@ impl Machine {
     fn for_each(
         &mut self,
         statement: &Statement,
-        name: &str,
+        (type_name, name): (&TypeName, &str),
         iterable: &Expression,
         body: &Statement,
         label: Option<&str>,
@@ -240,7 +240,7 @@ impl Machine {
         };
         for element in elements {
             let outside = self.local_count();
-            self.java.declare(name, None, element);
+            self.java.declare(name, Some(type_name), element);
             let flow = self.turn(body, label);
             self.forget_locals(outside);
             match flow? {

@@ -1,8 +1,8 @@
 //! From the text of a source file to its syntax.
 //!
-//! This folder alone knows the parser, the crate `java-lang`. It is recursive, forgiving, and slow on some input, so that
-//! a file is first held against [bounds], then [mended](mend) where the parser would misunderstand it; what comes out is
-//! held against the tokens of the file.
+//! This folder alone knows the parser, `tree-sitter` with its grammar of Java. Tokens are counted, and brackets matched, before it
+//! runs; its tree is held against [bounds]; and operators are put together once more by [operands], as the grammar does not rank all
+//! of them as Java does.
 
 mod bounds;
 mod declarations;
@@ -10,9 +10,9 @@ mod expressions;
 mod fault;
 mod lines;
 mod literals;
-mod mend;
+mod operands;
+mod parser;
 mod reader;
-mod refine;
 mod statements;
 #[cfg(test)]
 #[path = "../tests/unit/read.rs"]
@@ -21,17 +21,15 @@ mod tokens;
 
 use std::thread;
 
-use java_lang::{CompilationUnit, parse_str};
-
-use self::{fault::Fault, lines::Lines, mend::Mended, reader::Reader, tokens::Tokens};
+use self::{fault::Fault, lines::Lines, reader::Reader, tokens::Tokens};
 use crate::{
     source_error::{SourceError, SourceFault},
     syntax::Unit,
 };
 
-/// Of the stack that the parser has; it is reserved, and taken up as far as it is used. The bounds
-/// let it use half without optimisation, most of all for lambda expressions within one another.
-const STACK_BYTES: usize = 256 << 20;
+/// The stack on which a tree is read; it is reserved, and taken up as far as it is used. The deepest tree that is accepted
+/// needs a third of it without optimisation.
+const STACK_BYTES: usize = 64 << 20;
 
 /// Reads a source file of this name.
 ///
@@ -40,8 +38,8 @@ const STACK_BYTES: usize = 256 << 20;
 /// If the text is not Java, or is beyond a bound, with the place.
 pub fn read(file: &str, text: &str) -> Result<Unit, SourceError> {
     let result = thread::scope(|scope| {
-        let parser = thread::Builder::new().stack_size(STACK_BYTES);
-        match parser.spawn_scoped(scope, || unit(text)) {
+        let reader = thread::Builder::new().stack_size(STACK_BYTES);
+        match reader.spawn_scoped(scope, || unit(text)) {
             Ok(thread) => thread.join().unwrap_or_else(|_| Err(no_result("it failed"))),
             Err(error) => Err(no_result(&error.to_string())),
         }
@@ -58,14 +56,12 @@ fn unit(text: &str) -> Result<Unit, Fault> {
         return Err(Fault { at, what: SourceFault::Binary });
     }
     let tokens = Tokens::scan(text)?;
-    bounds::check(&tokens)?;
-    let mended = Mended::new(text, &tokens);
+    bounds::check_brackets(&tokens)?;
+    // The end of a file for old editors.
+    let text = text.strip_suffix('\u{1a}').unwrap_or(text);
     let lines = Lines::new(text);
-    let reader = Reader { text, tokens: &tokens, mended: &mended, lines: &lines };
-    match parse_str::<CompilationUnit>(&mended.text) {
-        Ok(parsed) => reader.unit(&parsed),
-        Err(error) => Err(reader.parser_fault(&error)),
-    }
+    let tree = parser::parse(text, &tokens, &lines)?;
+    Reader { text, lines: &lines }.unit(tree.root_node())
 }
 
 fn no_result(why: &str) -> Fault {

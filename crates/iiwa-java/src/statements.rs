@@ -110,6 +110,7 @@ impl Machine {
                 let value = value.as_ref().map_or(Ok(Value::Null), |own| self.evaluated(own))?;
                 Ok(Flow::Return(value))
             }
+            StatementKind::Yield(value) => Ok(Flow::Yield(self.evaluated(value)?)),
             StatementKind::Throw(value) => {
                 let value = self.evaluated(value)?;
                 self.here.line = statement.line;
@@ -200,7 +201,41 @@ impl Machine {
         if let Value::Null = value {
             return self.throw("NullPointerException", "the value of a switch is null");
         }
-        let Some(first) = self.matching_group(&value, groups)? else { return Ok(Flow::Next) };
+        let flow = self.switched(&value, groups)?;
+        Ok(if matches!(flow, Flow::Break(None)) { Flow::Next } else { flow })
+    }
+
+    /// The value of a switch that is an expression.
+    pub(crate) fn value_of_switch(
+        &mut self,
+        expression: &Expression,
+        value: &Expression,
+        groups: &[SwitchGroup],
+    ) -> Result<Value, Stop> {
+        let value = self.evaluated(value)?;
+        self.here.line = expression.line;
+        match value {
+            Value::Unknown(unknown) => {
+                let effects = self.effects_of_expression(expression);
+                if effects.acts {
+                    return self.refuse_unknown("which group of this switch is taken", &unknown);
+                }
+                self.forget_values(&effects, &unknown);
+                return Ok(Value::Unknown(unknown));
+            }
+            Value::Null => {
+                return self.throw("NullPointerException", "the value of a switch is null");
+            }
+            _ => {}
+        }
+        match self.switched(&value, groups)? {
+            Flow::Yield(value) => Ok(value),
+            _ => self.refuse("a switch has no value for this"),
+        }
+    }
+
+    fn switched(&mut self, value: &Value, groups: &[SwitchGroup]) -> Result<Flow, Stop> {
+        let Some(first) = self.matching_group(value, groups)? else { return Ok(Flow::Next) };
         let outside = self.local_count();
         let mut flow = Flow::Next;
         for group in &groups[first..] {
@@ -210,7 +245,7 @@ impl Machine {
             }
         }
         self.forget_locals(outside);
-        Ok(if matches!(flow, Flow::Break(None)) { Flow::Next } else { flow })
+        Ok(flow)
     }
 
     fn matching_group(

@@ -25,6 +25,8 @@ pub(crate) enum ClassKind {
     Class,
     Interface,
     Enum,
+    /// Read as a class, with the members that it has by being one.
+    Record,
 }
 
 /// A class, an interface or an enum.
@@ -151,6 +153,7 @@ pub(crate) enum StatementKind {
         body: Box<Statement>,
     },
     ForEach {
+        type_name: TypeName,
         name: String,
         iterable: Expression,
         body: Box<Statement>,
@@ -163,6 +166,8 @@ pub(crate) enum StatementKind {
     Continue(Option<String>),
     Return(Option<Expression>),
     Throw(Expression),
+    /// The value of the switch around it.
+    Yield(Expression),
     Try {
         /// Declarations, or expressions.
         resources: Vec<Statement>,
@@ -179,7 +184,7 @@ pub(crate) enum StatementKind {
     },
     Assert,
     Empty,
-    /// What it is, with its article: "a yield statement".
+    /// What it is, with its article: "an annotation type".
     Unsupported(String),
 }
 
@@ -293,7 +298,14 @@ pub(crate) enum ExpressionKind {
     Super,
     /// `Name.class`.
     ClassLiteral(TypeName),
-    /// What it is, with its article: "a lambda expression".
+    /// A `switch` with a value: what its groups [yield](StatementKind::Yield).
+    Switch {
+        value: Box<Expression>,
+        groups: Vec<SwitchGroup>,
+    },
+    /// The body of a lambda expression, which is searched for what it may do, and not evaluated.
+    Lambda(Vec<Statement>),
+    /// What it is, with its article: "a method reference".
     Unsupported(String),
 }
 

@@ -2,324 +2,377 @@
 
 use std::sync::Arc;
 
-use java_lang::{Span, ast};
+use tree_sitter::Node;
 
-use super::{fault::Fault, reader::Reader};
+use super::{
+    fault::Fault,
+    reader::{Reader, brackets, child_of_kind, children, is_annotation, named},
+};
 use crate::syntax::{
     Annotation, Class, ClassKind, Constant, Expression, ExpressionKind, Field, Import, Literal,
     Member, Method, Parameter, Statement, StatementKind, TypeName, Unit,
 };
 
 impl Reader<'_> {
-    pub(super) fn unit(&self, unit: &ast::CompilationUnit) -> Result<Unit, Fault> {
-        if let ast::CompilationUnitKind::Compact(members) = &unit.kind {
-            let what = "a class is expected: what is here is outside of any";
-            return Err(Fault::syntax(self.start(members.span()), what));
-        }
+    pub(super) fn unit(&self, program: Node<'_>) -> Result<Unit, Fault> {
         let mut read = Unit::default();
-        if let Some(package) = unit.package() {
-            read.package = self.path(&package.name)?;
-        }
-        for import in &unit.imports {
-            read.imports.extend(self.import(import)?);
-        }
-        for declaration in unit.type_decls() {
-            read.classes.extend(self.class(declaration)?);
+        let mut is_within_head = true;
+        for node in children(program) {
+            match node.kind() {
+                "package_declaration" | "import_declaration" if !is_within_head => {
+                    let what = "`package` and `import` are expected before all classes";
+                    return Err(Fault::syntax(node.start_byte(), what));
+                }
+                "package_declaration" => {
+                    let name = named(node).into_iter().find(|own| !is_annotation(*own));
+                    read.package = self.path(name.ok_or_else(|| self.misread(node))?)?;
+                }
+                "import_declaration" => read.imports.push(self.import(node)?),
+                // A module names no class.
+                "module_declaration" | ";" => {}
+                _ if is_class(node) => {
+                    is_within_head = false;
+                    read.classes.extend(self.class(node)?);
+                }
+                _ => {
+                    let what = "a class is expected: what is here is outside of any";
+                    return Err(Fault::syntax(node.start_byte(), what));
+                }
+            }
         }
         Ok(read)
     }
 
-    /// None for a module, which names no class.
-    fn import(&self, import: &ast::ImportDecl) -> Result<Option<Import>, Fault> {
-        let (path, is_static, is_all) = match import {
-            ast::ImportDecl::SingleType { path, .. } => (path, false, false),
-            ast::ImportDecl::TypeOnDemand { path, .. } => (path, false, true),
-            ast::ImportDecl::SingleStatic { path, .. } => (path, true, false),
-            ast::ImportDecl::StaticOnDemand { path, .. } => (path, true, true),
-            ast::ImportDecl::Module { .. } => return Ok(None),
-        };
-        Ok(Some(Import { path: self.path(path)?, is_static, is_all }))
-    }
-
-    /// None for what holds no code: a semicolon, a type of annotations; and for records.
-    pub(super) fn class(&self, declaration: &ast::TypeDecl) -> Result<Option<Arc<Class>>, Fault> {
-        Ok(match declaration {
-            ast::TypeDecl::Class(class) => Some(self.named_class(class)?),
-            ast::TypeDecl::Interface(interface) => Some(self.interface(interface)?),
-            ast::TypeDecl::Enum(listed) => Some(self.enumeration(listed)?),
-            ast::TypeDecl::Record(_)
-            | ast::TypeDecl::AnnotationType(_)
-            | ast::TypeDecl::Empty(_) => None,
+    fn import(&self, node: Node<'_>) -> Result<Import, Fault> {
+        let path = named(node).into_iter().next().ok_or_else(|| self.misread(node))?;
+        Ok(Import {
+            path: self.path(path)?,
+            is_static: child_of_kind(node, "static").is_some(),
+            is_all: child_of_kind(node, "asterisk").is_some(),
         })
     }
 
-    fn named_class(&self, class: &ast::ClassDecl) -> Result<Arc<Class>, Fault> {
-        let mut read = empty_class(self.name(&class.name)?, ClassKind::Class);
-        read.line = self.line(class.name.span());
-        read.is_abstract = self.is_declared_abstract(class.class_span);
-        if let Some(extends) = &class.extends_clause {
-            read.extends = Some(self.type_name(&extends.supertype)?);
+    /// None for a type of annotations, which holds no code.
+    pub(super) fn class(&self, node: Node<'_>) -> Result<Option<Arc<Class>>, Fault> {
+        let kind = match node.kind() {
+            "class_declaration" => ClassKind::Class,
+            "interface_declaration" => ClassKind::Interface,
+            "enum_declaration" => ClassKind::Enum,
+            "record_declaration" => ClassKind::Record,
+            _ => return Ok(None),
+        };
+        let name = self.field(node, "name")?;
+        let mut read = empty_class(self.name(name)?, kind);
+        read.line = self.line(name);
+        read.is_abstract = kind == ClassKind::Interface || has_modifier(node, "abstract");
+        if let Some(superclass) = node.child_by_field_name("superclass") {
+            let extends = named(superclass).pop().ok_or_else(|| self.misread(superclass))?;
+            read.extends = Some(self.type_name(extends)?);
         }
-        if let Some(implements) = &class.implements_clause {
-            read.implements = self.type_names(&implements.supertypes)?;
+        let interfaces = node
+            .child_by_field_name("interfaces")
+            .or_else(|| child_of_kind(node, "extends_interfaces"));
+        if let Some(list) = interfaces.and_then(|own| child_of_kind(own, "type_list")) {
+            read.implements = self.type_names(&named(list))?;
         }
-        self.members(&mut read, &class.body.declarations)?;
-        Ok(Arc::new(read))
-    }
-
-    /// Of classes in methods, the parser drops what is before `class`.
-    fn is_declared_abstract(&self, class: Span) -> bool {
-        let keyword = self.token(class);
-        let words = (0..keyword).rev().map(|index| self.tokens.text(index));
-        let modifiers =
-            ["public", "protected", "private", "static", "final", "strictfp", "abstract"];
-        words.take_while(|word| modifiers.contains(word)).any(|word| word == "abstract")
+        let body = self.field(node, "body")?;
+        if kind == ClassKind::Record {
+            self.record(&mut read, self.field(node, "parameters")?, body)?;
+        } else {
+            self.members(&mut read, body)?;
+        }
+        Ok(Some(Arc::new(read)))
     }
 
     /// The body of an anonymous class, or of a constant: it has no name.
     pub(super) fn unnamed_class(
         &self,
-        place: Span,
-        body: &ast::ClassBodyDeclList,
+        place: Node<'_>,
+        body: Node<'_>,
     ) -> Result<Arc<Class>, Fault> {
         let mut read = empty_class(String::new(), ClassKind::Class);
         read.line = self.line(place);
-        self.members(&mut read, &body.declarations)?;
+        self.members(&mut read, body)?;
         Ok(Arc::new(read))
     }
 
-    fn enumeration(&self, listed: &ast::EnumDecl) -> Result<Arc<Class>, Fault> {
-        let mut read = empty_class(self.name(&listed.name)?, ClassKind::Enum);
-        read.line = self.line(listed.name.span());
-        if let Some(implements) = &listed.implements_clause {
-            read.implements = self.type_names(&implements.supertypes)?;
+    /// A record as the class that it abbreviates: a field and a method for each component, and a constructor of all of them.
+    fn record(&self, class: &mut Class, written: Node<'_>, body: Node<'_>) -> Result<(), Fault> {
+        let (components, is_variadic) = self.parameters(written)?;
+        for component in &components {
+            class.members.push(Member::Field(Field {
+                name: component.name.clone(),
+                type_name: component.type_name.clone(),
+                line: class.line,
+                is_static: false,
+                annotations: Vec::new(),
+                initial: None,
+            }));
         }
-        for constant in &listed.body.constants {
-            let body = match &constant.body {
-                Some(body) => Some(self.unnamed_class(constant.name.span(), body)?),
-                None => None,
+        self.members(class, body)?;
+        let line = class.line;
+        let expression = |kind| Expression { line, kind };
+        let field = |name: &str| {
+            let of = Box::new(expression(ExpressionKind::This));
+            expression(ExpressionKind::Field { of, name: name.to_owned() })
+        };
+        let is_canonical = |own: &Arc<Method>| {
+            let types = own.parameters.iter().map(|parameter| &parameter.type_name);
+            types.eq(components.iter().map(|component| &component.type_name))
+        };
+        if !class.constructors.iter().any(is_canonical) {
+            let compact = children(body)
+                .into_iter()
+                .find(|child| child.kind() == "compact_constructor_declaration");
+            let mut statements = match compact {
+                Some(compact) => self.block(self.field(compact, "body")?)?,
+                None => Vec::new(),
             };
-            read.constants.push(Constant {
-                name: self.name(&constant.name)?,
-                line: self.line(constant.name.span()),
-                arguments: self.expressions(&constant.args)?,
-                body,
-            });
-        }
-        self.members(&mut read, &listed.body.members)?;
-        Ok(Arc::new(read))
-    }
-
-    fn interface(&self, interface: &ast::InterfaceDecl) -> Result<Arc<Class>, Fault> {
-        let mut read = empty_class(self.name(&interface.name)?, ClassKind::Interface);
-        read.line = self.line(interface.name.span());
-        read.is_abstract = true;
-        if let Some(extends) = &interface.extends_clause {
-            read.implements = self.type_names(&extends.supertypes)?;
-        }
-        for member in &interface.body.members {
-            match member {
-                ast::InterfaceMemberDecl::Field(field) => self.field(&mut read, field)?,
-                ast::InterfaceMemberDecl::Method(method) => {
-                    read.methods.push(Arc::new(self.method(method)?));
-                }
-                ast::InterfaceMemberDecl::Class(class) => {
-                    read.classes.push(self.named_class(class)?);
-                }
-                ast::InterfaceMemberDecl::Interface(inner) => {
-                    read.classes.push(self.interface(inner)?);
-                }
-                ast::InterfaceMemberDecl::Enum(listed) => {
-                    read.classes.push(self.enumeration(listed)?);
-                }
-                ast::InterfaceMemberDecl::Record(_)
-                | ast::InterfaceMemberDecl::AnnotationInterface(_)
-                | ast::InterfaceMemberDecl::Empty(_) => {}
+            for Parameter { name, .. } in &components {
+                let kind = StatementKind::Expression(expression(ExpressionKind::Assign {
+                    operator: None,
+                    target: Box::new(field(name)),
+                    value: Box::new(expression(ExpressionKind::Name(name.clone()))),
+                }));
+                statements.push(Statement { line, kind });
             }
+            let parameters = components
+                .iter()
+                .map(|own| Parameter { name: own.name.clone(), type_name: own.type_name.clone() });
+            class.constructors.push(Arc::new(Method {
+                name: class.name.clone(),
+                line,
+                is_static: false,
+                annotations: Vec::new(),
+                parameters: parameters.collect(),
+                is_variadic,
+                returns: void(),
+                body: Some(statements),
+            }));
         }
-        Ok(Arc::new(read))
-    }
-
-    fn members(&self, class: &mut Class, members: &[ast::ClassBodyDecl]) -> Result<(), Fault> {
-        for member in members {
-            match member {
-                ast::ClassBodyDecl::Field(field) => self.field(class, field)?,
-                ast::ClassBodyDecl::Method(method) => {
-                    class.methods.push(Arc::new(self.method(method)?));
-                }
-                ast::ClassBodyDecl::Constructor(constructor) => {
-                    let constructor = self.constructor(&class.name, constructor)?;
-                    class.constructors.push(Arc::new(constructor));
-                }
-                ast::ClassBodyDecl::StaticInit(initializer) => {
-                    let body = self.block(&initializer.block)?;
-                    class.members.push(Member::Initializer { is_static: true, body });
-                }
-                ast::ClassBodyDecl::InstanceInit(initializer) => {
-                    let is_static = self.is_static_initializer(initializer.block.brace_span.0);
-                    let body = self.block(&initializer.block)?;
-                    class.members.push(Member::Initializer { is_static, body });
-                }
-                ast::ClassBodyDecl::Class(inner) => class.classes.push(self.named_class(inner)?),
-                ast::ClassBodyDecl::Interface(inner) => class.classes.push(self.interface(inner)?),
-                ast::ClassBodyDecl::Enum(inner) => class.classes.push(self.enumeration(inner)?),
-                ast::ClassBodyDecl::Record(_)
-                | ast::ClassBodyDecl::AnnotationType(_)
-                | ast::ClassBodyDecl::Empty(_) => {}
+        for Parameter { name, type_name } in components {
+            let is_declared =
+                class.methods.iter().any(|own| own.name == name && own.parameters.is_empty());
+            if !is_declared {
+                let kind = StatementKind::Return(Some(field(&name)));
+                class.methods.push(Arc::new(Method {
+                    name,
+                    line,
+                    is_static: false,
+                    annotations: Vec::new(),
+                    parameters: Vec::new(),
+                    is_variadic: false,
+                    returns: type_name,
+                    body: Some(vec![Statement { line, kind }]),
+                }));
             }
         }
         Ok(())
     }
 
-    /// The parser takes the word before a block for a modifier, and drops it.
-    fn is_static_initializer(&self, brace: Span) -> bool {
-        self.tokens.text_before(self.token(brace)) == "static"
+    fn members(&self, class: &mut Class, body: Node<'_>) -> Result<(), Fault> {
+        for member in children(body) {
+            match member.kind() {
+                "{" | "}" | "," | ";" => {}
+                "enum_constant" => class.constants.push(self.constant(member)?),
+                "enum_body_declarations" => self.members(class, member)?,
+                "field_declaration" | "constant_declaration" => self.fields(class, member)?,
+                "method_declaration" => class.methods.push(Arc::new(self.method(member)?)),
+                "constructor_declaration" => {
+                    let constructor = self.constructor(&class.name, member)?;
+                    class.constructors.push(Arc::new(constructor));
+                }
+                "static_initializer" => {
+                    let block =
+                        child_of_kind(member, "block").ok_or_else(|| self.misread(member))?;
+                    let body = self.block(block)?;
+                    class.members.push(Member::Initializer { is_static: true, body });
+                }
+                "block" => {
+                    let body = self.block(member)?;
+                    class.members.push(Member::Initializer { is_static: false, body });
+                }
+                // Read with its components.
+                "compact_constructor_declaration" if class.kind == ClassKind::Record => {}
+                _ if is_class(member) => class.classes.extend(self.class(member)?),
+                _ => return Err(self.misread(member)),
+            }
+        }
+        Ok(())
     }
 
-    fn field(&self, class: &mut Class, field: &ast::FieldDecl) -> Result<(), Fault> {
-        let is_static = class.kind == ClassKind::Interface || is_static(&field.modifiers);
-        let TypeName { name: type_name, dimensions } = self.type_name(&field.ty)?;
-        for declarator in &field.declarators {
+    fn constant(&self, node: Node<'_>) -> Result<Constant, Fault> {
+        let name = self.field(node, "name")?;
+        let arguments = node.child_by_field_name("arguments");
+        let body = node.child_by_field_name("body");
+        Ok(Constant {
+            name: self.name(name)?,
+            line: self.line(name),
+            arguments: arguments.map_or(Ok(Vec::new()), |own| self.expressions(&named(own)))?,
+            body: body.map(|body| self.unnamed_class(name, body)).transpose()?,
+        })
+    }
+
+    fn fields(&self, class: &mut Class, node: Node<'_>) -> Result<(), Fault> {
+        let is_static = class.kind == ClassKind::Interface || has_modifier(node, "static");
+        let TypeName { name: type_name, dimensions } = self.type_name(self.field(node, "type")?)?;
+        for declarator in node.children_by_field_name("declarator", &mut node.walk()) {
             let variable = self.variable(declarator)?;
-            let name_span =
-                declarator.name.as_ref().map_or(field.ty.span(), java_lang::Ident::span);
             class.members.push(Member::Field(Field {
                 name: variable.name,
                 type_name: TypeName {
                     name: type_name.clone(),
                     dimensions: dimensions + variable.dimensions,
                 },
-                line: self.line(name_span),
+                line: self.line(declarator),
                 is_static,
-                annotations: self.annotations(&field.modifiers)?,
+                annotations: self.annotations(node)?,
                 initial: variable.initial,
             }));
         }
         Ok(())
     }
 
-    fn method(&self, method: &ast::MethodDecl) -> Result<Method, Fault> {
-        let (parameters, is_variadic) = self.parameters(&method.params)?;
-        let mut returns = match &method.return_type {
-            ast::MethodReturnType::Type(written) => self.type_name(written)?,
-            ast::MethodReturnType::Void(_) => TypeName { name: "void".to_owned(), dimensions: 0 },
-        };
-        // `int values()[]` is an old way to write `int[] values()`, of which the parser drops the brackets.
-        let mut behind = self.token_behind(method.paren_span.1);
-        while self.tokens.text(behind) == "[" {
-            returns.dimensions += 1;
-            behind += 2;
-        }
+    fn method(&self, node: Node<'_>) -> Result<Method, Fault> {
+        let name = self.field(node, "name")?;
+        let (parameters, is_variadic) = self.parameters(self.field(node, "parameters")?)?;
+        let mut returns = self.type_name(self.field(node, "type")?)?;
+        // `int values()[]` is an old way to write `int[] values()`.
+        returns.dimensions += node.child_by_field_name("dimensions").map_or(0, brackets);
+        let body = node.child_by_field_name("body");
         Ok(Method {
-            name: self.name(&method.name)?,
-            line: self.line(method.name.span()),
-            is_static: is_static(&method.modifiers),
-            annotations: self.annotations(&method.modifiers)?,
+            name: self.name(name)?,
+            line: self.line(name),
+            is_static: has_modifier(node, "static"),
+            annotations: self.annotations(node)?,
             parameters,
             is_variadic,
             returns,
-            body: method.body.as_ref().map(|body| self.block(body)).transpose()?,
+            body: body.map(|body| self.block(body)).transpose()?,
         })
     }
 
-    fn constructor(&self, class: &str, written: &ast::ConstructorDecl) -> Result<Method, Fault> {
-        let name = self.name(&written.name)?;
+    fn constructor(&self, class: &str, node: Node<'_>) -> Result<Method, Fault> {
+        let written = self.field(node, "name")?;
+        let name = self.name(written)?;
         if name != class {
             let what = format!("`{name}` lacks the type that it returns, or `void`");
-            return Err(Fault::syntax(self.start(written.name.span()), what));
+            return Err(Fault::syntax(written.start_byte(), what));
         }
-        let (parameters, is_variadic) = self.parameters(&written.params)?;
+        let (parameters, is_variadic) = self.parameters(self.field(node, "parameters")?)?;
         let mut body = Vec::new();
-        if let Some(call) = &written.body.explicit_constructor_call {
-            body.push(self.constructor_call(call)?);
+        for statement in named(self.field(node, "body")?) {
+            body.push(match statement.kind() {
+                "explicit_constructor_invocation" => self.constructor_call(statement)?,
+                _ => self.statement(statement)?,
+            });
         }
-        body.extend(self.statements(&written.body.stmts)?);
         Ok(Method {
             name,
-            line: self.line(written.name.span()),
+            line: self.line(written),
             is_static: false,
-            annotations: self.annotations(&written.modifiers)?,
+            annotations: self.annotations(node)?,
             parameters,
             is_variadic,
-            returns: TypeName { name: "void".to_owned(), dimensions: 0 },
+            returns: void(),
             body: Some(body),
         })
     }
 
-    fn constructor_call(&self, call: &ast::ExplicitConstructorCall) -> Result<Statement, Fault> {
-        let (span, kind) = match call {
-            ast::ExplicitConstructorCall::This { this_span, args, .. } => {
-                (*this_span, ExpressionKind::ThisCall(self.expressions(args)?))
-            }
-            ast::ExplicitConstructorCall::Super { super_span, args, .. } => {
-                (*super_span, ExpressionKind::SuperCall(self.expressions(args)?))
-            }
-            ast::ExplicitConstructorCall::SuperFromExpr { super_span, .. } => {
-                let what = "a `super(...)` of an outer object".to_owned();
-                (*super_span, ExpressionKind::Unsupported(what))
-            }
+    fn constructor_call(&self, node: Node<'_>) -> Result<Statement, Fault> {
+        let constructor = self.field(node, "constructor")?;
+        let arguments = named(self.field(node, "arguments")?);
+        let kind = if node.child_by_field_name("object").is_some() {
+            ExpressionKind::Unsupported("a `super(...)` of an outer object".to_owned())
+        } else if constructor.kind() == "this" {
+            ExpressionKind::ThisCall(self.expressions(&arguments)?)
+        } else {
+            ExpressionKind::SuperCall(self.expressions(&arguments)?)
         };
-        let line = self.line(span);
+        let line = self.line(constructor);
         Ok(Statement { line, kind: StatementKind::Expression(Expression { line, kind }) })
     }
 
     /// The parameters, and whether the last takes any number of arguments.
-    fn parameters(
-        &self,
-        written: &[ast::FormalParameter],
-    ) -> Result<(Vec<Parameter>, bool), Fault> {
+    fn parameters(&self, node: Node<'_>) -> Result<(Vec<Parameter>, bool), Fault> {
         let mut parameters = Vec::new();
         let mut is_variadic = false;
-        for parameter in written {
-            let (ty, name, is_any_number) = match parameter {
-                ast::FormalParameter::Normal { ty, name, .. } => (ty, name, false),
-                ast::FormalParameter::VarArgs { ty, name, .. } => (ty, name, true),
-            };
-            let Some(name) = name else {
-                let at = self.mended.original(ty.span().end());
-                return Err(Fault::syntax(at, "the name of a parameter is expected"));
-            };
-            // `void run(Program this)` says of what the method is, and is given no argument.
-            if name.name() == "this" {
-                continue;
+        for written in named(node) {
+            if is_variadic {
+                let what = "a parameter with `...` is expected to be the last";
+                return Err(Fault::syntax(written.start_byte(), what));
             }
-            let mut type_name = self.type_name(ty)?;
-            type_name.dimensions += usize::from(is_any_number);
-            is_variadic = is_any_number;
-            parameters.push(Parameter { name: self.name(name)?, type_name });
+            match written.kind() {
+                "formal_parameter" => {
+                    let mut type_name = self.type_name(self.field(written, "type")?)?;
+                    type_name.dimensions +=
+                        written.child_by_field_name("dimensions").map_or(0, brackets);
+                    let name = self.name(self.field(written, "name")?)?;
+                    parameters.push(Parameter { name, type_name });
+                }
+                "spread_parameter" => {
+                    is_variadic = true;
+                    let parts = named(written)
+                        .into_iter()
+                        .filter(|part| !is_annotation(*part) && part.kind() != "modifiers");
+                    let parts: Vec<_> = parts.collect();
+                    let [type_node, declarator] = parts[..] else {
+                        return Err(self.misread(written));
+                    };
+                    let mut type_name = self.type_name(type_node)?;
+                    type_name.dimensions += 1;
+                    let name = self.name(self.field(declarator, "name")?)?;
+                    parameters.push(Parameter { name, type_name });
+                }
+                // `void run(Program this)` says of what the method is, and is given no argument.
+                "receiver_parameter" => {}
+                _ => return Err(self.misread(written)),
+            }
         }
         Ok((parameters, is_variadic))
     }
 
-    fn annotations(&self, modifiers: &[ast::Modifier]) -> Result<Vec<Annotation>, Fault> {
+    fn annotations(&self, node: Node<'_>) -> Result<Vec<Annotation>, Fault> {
         let mut read = Vec::new();
-        for modifier in modifiers {
-            let ast::Modifier::Annotation(annotation) = modifier else { continue };
-            let value = match annotation {
-                ast::Annotation::Marker { .. } => None,
-                ast::Annotation::SingleElement { value, .. } => Some(value.as_ref()),
-                ast::Annotation::Normal { pairs, .. } => {
-                    pairs.iter().find(|pair| pair.key.name() == "value").map(|pair| &pair.value)
+        let modifiers = child_of_kind(node, "modifiers").map_or(Vec::new(), named);
+        for annotation in modifiers.into_iter().filter(|own| is_annotation(*own)) {
+            let path = self.path(self.field(annotation, "name")?)?;
+            let mut value = None;
+            let arguments = annotation.child_by_field_name("arguments");
+            for argument in arguments.map_or(Vec::new(), named) {
+                let node = match argument.kind() {
+                    "element_value_pair" => {
+                        let is_value = self.source(self.field(argument, "key")?) == "value";
+                        is_value.then(|| self.field(argument, "value")).transpose()?
+                    }
+                    _ => Some(argument),
+                };
+                if let Some(node) = node.filter(|node| node.kind() == "string_literal")
+                    && let ExpressionKind::Literal(Literal::String(text)) = self.literal(node)?
+                {
+                    value = Some(text);
                 }
-            };
-            let value = match value {
-                Some(ast::ElementValue::Expr(ast::Expr::Literal(literal))) => {
-                    text_of(self.literal(literal)?)
-                }
-                _ => None,
-            };
-            let name = annotation.path().last_ident();
-            read.push(Annotation { name: self.name(name)?, value });
+            }
+            read.push(Annotation { name: crate::classes::simple(&path).to_owned(), value });
         }
         Ok(read)
     }
 }
 
-fn text_of(literal: ExpressionKind) -> Option<String> {
-    match literal {
-        ExpressionKind::Literal(Literal::String(text)) => Some(text),
-        _ => None,
-    }
+/// Whether a node declares a class, or a type of annotations.
+pub(super) fn is_class(node: Node<'_>) -> bool {
+    matches!(
+        node.kind(),
+        "class_declaration"
+            | "interface_declaration"
+            | "enum_declaration"
+            | "record_declaration"
+            | "annotation_type_declaration"
+    )
+}
+
+fn void() -> TypeName {
+    TypeName { name: "void".to_owned(), dimensions: 0 }
 }
 
 fn empty_class(name: String, kind: ClassKind) -> Class {
@@ -338,6 +391,7 @@ fn empty_class(name: String, kind: ClassKind) -> Class {
     }
 }
 
-fn is_static(modifiers: &[ast::Modifier]) -> bool {
-    modifiers.iter().any(|modifier| matches!(modifier, ast::Modifier::Static(_)))
+fn has_modifier(node: Node<'_>, modifier: &str) -> bool {
+    child_of_kind(node, "modifiers")
+        .is_some_and(|modifiers| child_of_kind(modifiers, modifier).is_some())
 }

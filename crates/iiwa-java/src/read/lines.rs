@@ -12,6 +12,11 @@ impl<'t> Lines<'t> {
         Self { text, starts: std::iter::once(0).chain(starts).collect() }
     }
 
+    /// The byte at which a line begins, which is counted from 0; beyond the last line, the end of the text.
+    pub(super) fn start(&self, row: usize) -> usize {
+        self.starts.get(row).copied().unwrap_or(self.text.len())
+    }
+
     /// The line of a byte, from 1.
     pub(super) fn line(&self, at: usize) -> u32 {
         u32::try_from(self.starts.partition_point(|start| *start <= at)).unwrap_or(u32::MAX)

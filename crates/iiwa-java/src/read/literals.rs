@@ -1,44 +1,36 @@
 //! Literals and their values.
 
-use java_lang::{Span, ast};
+use tree_sitter::Node;
 
 use super::{fault::Fault, reader::Reader};
 use crate::syntax::{ExpressionKind, Literal};
 
 impl Reader<'_> {
-    pub(super) fn literal(&self, literal: &ast::Lit) -> Result<ExpressionKind, Fault> {
-        let value = match literal {
-            ast::Lit::Int(number) => self.integer(number, false)?,
-            ast::Lit::Float(number) => {
-                let Some(value) = self.float(number.span)? else {
-                    let what = "a hexadecimal number with an exponent";
-                    return Ok(ExpressionKind::Unsupported(what.to_owned()));
-                };
-                value
-            }
-            ast::Lit::Bool(value) => Literal::Boolean(value.value),
-            ast::Lit::Char(value) => self.character(value.span)?,
-            ast::Lit::Str(value) if self.source(value.span).starts_with("\"\"\"") => {
+    pub(super) fn literal(&self, node: Node<'_>) -> Result<ExpressionKind, Fault> {
+        let written = self.source(node);
+        let value = match node.kind() {
+            "true" => Literal::Boolean(true),
+            "false" => Literal::Boolean(false),
+            "null_literal" => Literal::Null,
+            "character_literal" => self.character(node)?,
+            "string_literal" if written.starts_with("\"\"\"") => {
                 return Ok(ExpressionKind::Unsupported("a text block".to_owned()));
             }
-            ast::Lit::Str(value) => {
-                let units = self.units(value.span)?;
-                Literal::String(String::from_utf16_lossy(&units))
+            "string_literal" => Literal::String(String::from_utf16_lossy(&self.units(node)?)),
+            "decimal_floating_point_literal" => self.float(node)?,
+            "hex_floating_point_literal" => {
+                let what = "a hexadecimal number with an exponent";
+                return Ok(ExpressionKind::Unsupported(what.to_owned()));
             }
-            ast::Lit::Null(_) => Literal::Null,
+            _ => self.integer(node, false)?,
         };
         Ok(ExpressionKind::Literal(value))
     }
 
     /// An `int` or a `long`; the least of them have their sign before them.
-    pub(super) fn integer(
-        &self,
-        number: &ast::IntLit,
-        is_negative: bool,
-    ) -> Result<Literal, Fault> {
-        let written = self.source(number.span);
-        let fault =
-            |what: &str| Fault::syntax(self.start(number.span), format!("{written}: {what}"));
+    pub(super) fn integer(&self, node: Node<'_>, is_negative: bool) -> Result<Literal, Fault> {
+        let written = self.source(node);
+        let fault = |what: &str| Fault::syntax(node.start_byte(), format!("{written}: {what}"));
         let digits = written.replace('_', "");
         let (digits, is_long) = match digits.strip_suffix(['l', 'L']) {
             Some(digits) => (digits, true),
@@ -74,41 +66,39 @@ impl Reader<'_> {
         Ok(Literal::Int(if is_negative { value.wrapping_neg() } else { value }))
     }
 
-    /// A `float` or a `double`; none if it is written in base 16.
-    fn float(&self, span: Span) -> Result<Option<Literal>, Fault> {
-        let written = self.source(span);
+    /// A `float` or a `double`.
+    fn float(&self, node: Node<'_>) -> Result<Literal, Fault> {
+        let written = self.source(node);
         let digits = written.replace('_', "");
-        if digits.starts_with("0x") || digits.starts_with("0X") {
-            return Ok(None);
-        }
-        let fault = |what: &str| Fault::syntax(self.start(span), format!("{written}: {what}"));
+        let fault = |what: &str| Fault::syntax(node.start_byte(), format!("{written}: {what}"));
         if let Some(digits) = digits.strip_suffix(['f', 'F']) {
             let value: f32 = digits.parse().map_err(|_| fault("a number is expected"))?;
             if !value.is_finite() {
                 return Err(fault("this is more than a `float` holds"));
             }
-            return Ok(Some(Literal::Float(value)));
+            return Ok(Literal::Float(value));
         }
         let digits = digits.strip_suffix(['d', 'D']).unwrap_or(&digits);
         let value: f64 = digits.parse().map_err(|_| fault("a number is expected"))?;
         if !value.is_finite() {
             return Err(fault("this is more than a `double` holds"));
         }
-        Ok(Some(Literal::Double(value)))
+        Ok(Literal::Double(value))
     }
 
-    fn character(&self, span: Span) -> Result<Literal, Fault> {
-        match self.units(span)?[..] {
+    fn character(&self, node: Node<'_>) -> Result<Literal, Fault> {
+        match self.units(node)?[..] {
             [unit] => Ok(Literal::Char(unit)),
-            _ => {
-                Err(Fault::syntax(self.start(span), "one character is expected between the quotes"))
-            }
+            _ => Err(Fault::syntax(
+                node.start_byte(),
+                "one character is expected between the quotes",
+            )),
         }
     }
 
     /// What is between quotes, in UTF-16 as Java has it.
-    fn units(&self, span: Span) -> Result<Vec<u16>, Fault> {
-        let written = self.source(span);
+    fn units(&self, node: Node<'_>) -> Result<Vec<u16>, Fault> {
+        let written = self.source(node);
         let inner = written.get(1..written.len().saturating_sub(1)).unwrap_or("");
         let mut units = Vec::with_capacity(inner.len());
         let mut rest = inner.chars();
@@ -118,7 +108,7 @@ impl Reader<'_> {
                 units.extend_from_slice(character.encode_utf16(&mut buffer));
                 continue;
             }
-            let at = self.start(span) + written.len() - 2 - rest.as_str().len();
+            let at = node.start_byte() + written.len() - 2 - rest.as_str().len();
             let unknown =
                 || Fault::syntax(at, "`\\` is followed by no character that it may escape");
             let escaped = rest.next().ok_or_else(unknown)?;

@@ -1,88 +1,107 @@
 //! From the parser's tree to ours: what all kinds of nodes need.
-//!
-//! The parser lets pass some things that are not Java, and drops others that are. Whatever it could have changed is
-//! held against the tokens of the file.
 
-use java_lang::{Ident, Span, ast};
+use tree_sitter::Node;
 
-use super::{
-    fault::Fault,
-    lines::Lines,
-    mend::Mended,
-    tokens::{Kind, Tokens},
-};
+use super::{fault::Fault, lines::Lines};
 use crate::syntax::TypeName;
 
 /// Reads the parser's tree of one file.
 pub(super) struct Reader<'t> {
     pub(super) text: &'t str,
-    pub(super) tokens: &'t Tokens<'t>,
-    pub(super) mended: &'t Mended,
     pub(super) lines: &'t Lines<'t>,
 }
 
-impl Reader<'_> {
-    /// Where a span begins in the file.
-    pub(super) fn start(&self, span: Span) -> usize {
-        self.mended.original(span.start())
+impl<'t> Reader<'t> {
+    pub(super) fn line(&self, node: Node<'_>) -> u32 {
+        self.lines.line(node.start_byte())
     }
 
-    pub(super) fn line(&self, span: Span) -> u32 {
-        self.lines.line(self.start(span))
+    /// The source text of a node.
+    pub(super) fn source(&self, node: Node<'_>) -> &'t str {
+        self.text.get(node.byte_range()).unwrap_or("")
     }
 
-    /// What the file has at a span.
-    pub(super) fn source(&self, span: Span) -> &str {
-        self.text.get(self.start(span)..self.mended.original(span.end())).unwrap_or("")
-    }
-
-    /// The number of the token that begins at a span.
-    pub(super) fn token(&self, span: Span) -> usize {
-        self.tokens.from(self.start(span))
-    }
-
-    /// The number of the first token behind a span.
-    pub(super) fn token_behind(&self, span: Span) -> usize {
-        self.tokens.from(self.mended.original(span.end()))
-    }
-
-    /// A name; the parser takes other tokens for names, too.
-    pub(super) fn name(&self, ident: &Ident) -> Result<String, Fault> {
-        let index = self.token(ident.span());
-        let found = self.tokens.text(index);
-        let is_name = self.tokens.kind(index) == Some(Kind::Word) && !is_reserved(found);
-        if is_name && found == ident.name() {
+    /// A name; the parser takes keywords for names where it expects none.
+    pub(super) fn name(&self, node: Node<'_>) -> Result<String, Fault> {
+        let found = self.source(node);
+        let is_name =
+            matches!(node.kind(), "identifier" | "type_identifier" | "underscore_pattern");
+        if is_name && !is_reserved(found) {
             return Ok(found.to_owned());
         }
-        Err(Fault::syntax(self.start(ident.span()), format!("a name is expected, not `{found}`")))
+        Err(Fault::syntax(node.start_byte(), format!("a name is expected, not `{found}`")))
     }
 
-    pub(super) fn type_name(&self, written: &ast::Type) -> Result<TypeName, Fault> {
-        let (name, dimensions) = match written {
-            ast::Type::Primitive(primitive) => (primitive.kind.as_str().to_owned(), 0),
-            ast::Type::Void(_) => ("void".to_owned(), 0),
-            ast::Type::Reference(ast::ReferenceType::ClassOrInterfaceType(class)) => {
-                (self.path(&class.path)?, 0)
+    /// The child in a field of the grammar.
+    pub(super) fn field<'n>(&self, node: Node<'n>, field: &str) -> Result<Node<'n>, Fault> {
+        node.child_by_field_name(field).ok_or_else(|| self.misread(node))
+    }
+
+    /// The error where the grammar has nodes that this reader does not know.
+    pub(super) fn misread(&self, node: Node<'_>) -> Fault {
+        let begin = self.source(node).split_whitespace().next().unwrap_or("");
+        Fault::syntax(node.start_byte(), format!("`{begin}` is not expected here"))
+    }
+
+    pub(super) fn type_name(&self, node: Node<'_>) -> Result<TypeName, Fault> {
+        let (name, dimensions) = match node.kind() {
+            "integral_type" | "floating_point_type" | "boolean_type" | "void_type" => {
+                (self.source(node).to_owned(), 0)
             }
-            ast::Type::Reference(ast::ReferenceType::TypeVar(name)) => (self.name(name)?, 0),
-            ast::Type::Reference(ast::ReferenceType::Array(array)) => {
-                let TypeName { name, dimensions } = self.type_name(&array.elem_type)?;
-                (name, dimensions + array.dims.len())
+            "array_type" => {
+                let TypeName { name, dimensions } = self.type_name(self.field(node, "element")?)?;
+                (name, dimensions + brackets(self.field(node, "dimensions")?))
             }
+            "annotated_type" => {
+                let inner = named(node).pop().ok_or_else(|| self.misread(node))?;
+                return self.type_name(inner);
+            }
+            _ => (self.path(node)?, 0),
         };
         Ok(TypeName { name, dimensions })
     }
 
-    pub(super) fn type_names(&self, written: &[ast::Type]) -> Result<Vec<TypeName>, Fault> {
-        written.iter().map(|written| self.type_name(written)).collect()
+    /// Names with dots between them, without type arguments.
+    pub(super) fn path(&self, node: Node<'_>) -> Result<String, Fault> {
+        match node.kind() {
+            "scoped_identifier" | "scoped_type_identifier" | "generic_type" => {
+                let is_name =
+                    |child: &Node<'_>| !is_annotation(*child) && child.kind() != "type_arguments";
+                let names = named(node).into_iter().filter(is_name);
+                let names: Result<Vec<String>, Fault> = names.map(|own| self.path(own)).collect();
+                Ok(names?.join("."))
+            }
+            _ => self.name(node),
+        }
     }
 
-    /// Names with dots between them, without type arguments.
-    pub(super) fn path(&self, path: &ast::Path) -> Result<String, Fault> {
-        let names: Result<Vec<String>, Fault> =
-            path.segments.iter().map(|segment| self.name(&segment.ident)).collect();
-        Ok(names?.join("."))
+    pub(super) fn type_names(&self, nodes: &[Node<'_>]) -> Result<Vec<TypeName>, Fault> {
+        nodes.iter().map(|node| self.type_name(*node)).collect()
     }
+}
+
+/// All children but comments.
+pub(super) fn children(node: Node<'_>) -> Vec<Node<'_>> {
+    node.children(&mut node.walk()).filter(|child| !child.is_extra()).collect()
+}
+
+/// The children that are more than a symbol or a keyword.
+pub(super) fn named(node: Node<'_>) -> Vec<Node<'_>> {
+    node.named_children(&mut node.walk()).filter(|child| !child.is_extra()).collect()
+}
+
+/// The first child of a kind.
+pub(super) fn child_of_kind<'n>(node: Node<'n>, kind: &str) -> Option<Node<'n>> {
+    children(node).into_iter().find(|child| child.kind() == kind)
+}
+
+/// The dimensions that are written as `[]`.
+pub(super) fn brackets(node: Node<'_>) -> usize {
+    children(node).iter().filter(|child| child.kind() == "[").count()
+}
+
+pub(super) fn is_annotation(node: Node<'_>) -> bool {
+    matches!(node.kind(), "annotation" | "marker_annotation")
 }
 
 /// The words of Java that are no names; those that only some places reserve are names elsewhere.

@@ -1,279 +1,278 @@
 //! Statements.
 
-use java_lang::{Ident, Span, ast};
+use tree_sitter::Node;
 
-use super::{fault::Fault, reader::Reader};
+use super::{
+    declarations::is_class,
+    fault::Fault,
+    reader::{Reader, brackets, child_of_kind, children, named},
+};
 use crate::syntax::{
-    Catch, Expression, ExpressionKind, Literal, Statement, StatementKind, SwitchGroup, TypeName,
-    Variable,
+    Catch, Expression, ExpressionKind, Statement, StatementKind, SwitchGroup, TypeName, Variable,
 };
 
 impl Reader<'_> {
-    pub(super) fn block(&self, block: &ast::Block) -> Result<Vec<Statement>, Fault> {
-        self.statements(&block.stmts)
+    pub(super) fn block(&self, block: Node<'_>) -> Result<Vec<Statement>, Fault> {
+        self.statements(&children(block))
     }
 
-    pub(super) fn statements(&self, statements: &[ast::Stmt]) -> Result<Vec<Statement>, Fault> {
-        statements.iter().map(|statement| self.statement(statement)).collect()
+    /// Statements; the braces around them and the like may be among the nodes.
+    fn statements(&self, nodes: &[Node<'_>]) -> Result<Vec<Statement>, Fault> {
+        let is_statement = |node: &&Node<'_>| node.is_named() || node.kind() == ";";
+        nodes.iter().filter(is_statement).map(|node| self.statement(*node)).collect()
     }
 
-    fn boxed_statement(&self, statement: &ast::Stmt) -> Result<Box<Statement>, Fault> {
-        Ok(Box::new(self.statement(statement)?))
+    fn boxed_statement(&self, node: Node<'_>) -> Result<Box<Statement>, Fault> {
+        Ok(Box::new(self.statement(node)?))
     }
 
-    fn statement(&self, statement: &ast::Stmt) -> Result<Statement, Fault> {
-        let (span, kind) = match statement {
-            ast::Stmt::Empty(span) => (*span, StatementKind::Empty),
-            ast::Stmt::Block(block) => {
-                (block.brace_span.0, StatementKind::Block(self.block(block)?))
+    pub(super) fn statement(&self, node: Node<'_>) -> Result<Statement, Fault> {
+        let kind = match node.kind() {
+            ";" => StatementKind::Empty,
+            "block" => StatementKind::Block(self.block(node)?),
+            "labeled_statement" => {
+                let [label, body] = children_of_label(node).ok_or_else(|| self.misread(node))?;
+                let label = self.name(label)?;
+                StatementKind::Labelled { label, body: self.boxed_statement(body)? }
             }
-            ast::Stmt::Labeled(labelled) => (
-                labelled.label.span(),
-                StatementKind::Labelled {
-                    label: self.name(&labelled.label)?,
-                    body: self.boxed_statement(&labelled.stmt)?,
+            "expression_statement" => {
+                let expression = self.only(node)?;
+                let read = self.expression(expression)?;
+                if !is_statement(&read.kind) {
+                    let what = "a statement is expected: this has a value, and does nothing";
+                    return Err(Fault::syntax(expression.start_byte(), what));
+                }
+                StatementKind::Expression(read)
+            }
+            "local_variable_declaration" => return self.local(node),
+            "if_statement" => StatementKind::If {
+                condition: self.expression(self.field(node, "condition")?)?,
+                then: self.boxed_statement(self.field(node, "consequence")?)?,
+                otherwise: match node.child_by_field_name("alternative") {
+                    Some(otherwise) => Some(self.boxed_statement(otherwise)?),
+                    None => None,
                 },
-            ),
-            ast::Stmt::Expr(statement) => (
-                statement.expr.span(),
-                StatementKind::Expression(self.expression(&statement.expr)?),
-            ),
-            ast::Stmt::LocalVarDecl(local) => return self.local(local),
-            ast::Stmt::If(choice) => (choice.if_span, self.choice(choice)?),
-            ast::Stmt::Assert(assert) => (assert.assert_span, StatementKind::Assert),
-            ast::Stmt::Switch(switch) => (switch.switch_span, self.switch(switch)?),
-            ast::Stmt::While(wait) => (
-                wait.while_span,
-                StatementKind::While {
-                    condition: self.expression(&wait.cond)?,
-                    body: self.boxed_statement(&wait.body)?,
-                },
-            ),
-            ast::Stmt::DoWhile(wait) => (
-                wait.do_span,
-                StatementKind::DoWhile {
-                    body: self.boxed_statement(&wait.body)?,
-                    condition: self.expression(&wait.cond)?,
-                },
-            ),
-            ast::Stmt::For(count) => (count.for_span, self.count(count)?),
-            ast::Stmt::EnhancedFor(each) => (each.for_span, self.each(each)?),
-            ast::Stmt::Break(jump) => (jump.keyword_span, StatementKind::Break(self.label(jump)?)),
-            ast::Stmt::Continue(jump) => {
-                (jump.keyword_span, StatementKind::Continue(self.label(jump)?))
-            }
-            ast::Stmt::Return(result) => {
-                let value =
-                    result.value.as_ref().map(|value| self.expression(value)).transpose()?;
-                (result.return_span, StatementKind::Return(value))
-            }
-            ast::Stmt::Throw(throw) => {
-                (throw.throw_span, StatementKind::Throw(self.expression(&throw.expr)?))
-            }
-            ast::Stmt::Synchronized(locked) => {
-                let body = self.block(&locked.body)?;
-                (locked.synchronized_span, StatementKind::Synchronized { body })
-            }
-            ast::Stmt::Try(attempt) => self.attempt(attempt)?,
-            ast::Stmt::Yield(result) => {
-                (result.yield_span, StatementKind::Unsupported("a yield statement".to_owned()))
-            }
-            ast::Stmt::ClassDecl(declaration) => return self.local_class(declaration),
-        };
-        Ok(Statement { line: self.line(span), kind })
-    }
-
-    fn local_class(&self, declaration: &ast::TypeDecl) -> Result<Statement, Fault> {
-        let kind = match self.class(declaration)? {
-            Some(class) => StatementKind::LocalClass(class),
-            None => match declaration {
-                ast::TypeDecl::Empty(_) => StatementKind::Empty,
-                ast::TypeDecl::Record(_) => StatementKind::Unsupported("a record".to_owned()),
-                _ => StatementKind::Unsupported("an annotation type".to_owned()),
             },
+            "assert_statement" => StatementKind::Assert,
+            "switch_expression" => {
+                let (value, groups) = self.switch(node, false)?;
+                StatementKind::Switch { value, groups }
+            }
+            "while_statement" => StatementKind::While {
+                condition: self.expression(self.field(node, "condition")?)?,
+                body: self.boxed_statement(self.field(node, "body")?)?,
+            },
+            "do_statement" => StatementKind::DoWhile {
+                body: self.boxed_statement(self.field(node, "body")?)?,
+                condition: self.expression(self.field(node, "condition")?)?,
+            },
+            "for_statement" => self.count(node)?,
+            "enhanced_for_statement" => {
+                let TypeName { name: type_name, dimensions } =
+                    self.type_name(self.field(node, "type")?)?;
+                let more = node.child_by_field_name("dimensions").map_or(0, brackets);
+                StatementKind::ForEach {
+                    type_name: TypeName { name: type_name, dimensions: dimensions + more },
+                    name: self.name(self.field(node, "name")?)?,
+                    iterable: self.expression(self.field(node, "value")?)?,
+                    body: self.boxed_statement(self.field(node, "body")?)?,
+                }
+            }
+            "break_statement" => StatementKind::Break(self.label(node)?),
+            "continue_statement" => StatementKind::Continue(self.label(node)?),
+            "return_statement" => {
+                let value = named(node).into_iter().next();
+                StatementKind::Return(value.map(|value| self.expression(value)).transpose()?)
+            }
+            "throw_statement" => StatementKind::Throw(self.expression(self.only(node)?)?),
+            "yield_statement" => StatementKind::Yield(self.expression(self.only(node)?)?),
+            "synchronized_statement" => {
+                StatementKind::Synchronized { body: self.block(self.field(node, "body")?)? }
+            }
+            "try_statement" | "try_with_resources_statement" => self.attempt(node)?,
+            _ if is_class(node) => {
+                let kind = match self.class(node)? {
+                    Some(class) => StatementKind::LocalClass(class),
+                    None => StatementKind::Unsupported("an annotation type".to_owned()),
+                };
+                return Ok(Statement { line: self.line(node), kind });
+            }
+            _ => return Err(self.misread(node)),
         };
-        Ok(Statement { line: self.line(declaration.span()), kind })
+        Ok(Statement { line: self.line(node), kind })
     }
 
-    fn local(&self, local: &ast::LocalVarDeclStmt) -> Result<Statement, Fault> {
-        let (type_name, span) = match &local.ty {
-            ast::LocalVarType::Type(written) => (self.type_name(written)?, written.span()),
-            ast::LocalVarType::Var(span) => {
-                (TypeName { name: "var".to_owned(), dimensions: 0 }, *span)
-            }
-        };
-        let begins = local.modifiers.first().map_or(span, ast::Modifier::span);
-        let variables = local.declarators.iter().map(|variable| self.variable(variable));
-        let variables = variables.collect::<Result<_, _>>()?;
+    /// The only part of a node that is more than a symbol.
+    fn only<'n>(&self, node: Node<'n>) -> Result<Node<'n>, Fault> {
+        match named(node)[..] {
+            [only] => Ok(only),
+            _ => Err(self.misread(node)),
+        }
+    }
+
+    fn local(&self, node: Node<'_>) -> Result<Statement, Fault> {
+        let type_name = self.type_name(self.field(node, "type")?)?;
+        let mut variables = Vec::new();
+        for variable in node.children_by_field_name("declarator", &mut node.walk()) {
+            variables.push(self.variable(variable)?);
+        }
         let kind = StatementKind::Local { type_name, variables };
-        Ok(Statement { line: self.line(begins), kind })
+        Ok(Statement { line: self.line(node), kind })
     }
 
     /// A variable or a field, from its name on.
-    pub(super) fn variable(&self, variable: &ast::VariableDeclarator) -> Result<Variable, Fault> {
-        let (name, span) = self.declared(variable)?;
-        let initial = variable.initializer.as_ref();
-        let initial = initial.map(|initial| self.expression(initial)).transpose()?;
-        if initial.is_none() {
-            self.check_without_value(span)?;
-        }
-        Ok(Variable { name, dimensions: variable.dims.len(), initial })
-    }
-
-    fn declared(&self, variable: &ast::VariableDeclarator) -> Result<(String, Span), Fault> {
-        match &variable.name {
-            Some(name) => Ok((self.name(name)?, name.span())),
-            None => Ok(("_".to_owned(), Span::call_site())),
-        }
-    }
-
-    /// The parser drops values that it cannot read, so that none is left only if there is no `=`.
-    fn check_without_value(&self, name: Span) -> Result<(), Fault> {
-        let mut index = self.token_behind(name);
-        while matches!(self.tokens.text(index), "[" | "]") {
-            index += 1;
-        }
-        match self.tokens.text(index) {
-            "=" => Err(self.fault_of_value(index + 1)),
-            _ => Ok(()),
-        }
-    }
-
-    fn label(&self, jump: &ast::JumpStmt) -> Result<Option<String>, Fault> {
-        jump.label.as_ref().map(|label: &Ident| self.name(label)).transpose()
-    }
-
-    fn choice(&self, choice: &ast::IfStmt) -> Result<StatementKind, Fault> {
-        let otherwise = match &choice.else_clause {
-            Some((_, otherwise)) => Some(self.boxed_statement(otherwise)?),
-            None => None,
-        };
-        Ok(StatementKind::If {
-            condition: self.expression(&choice.cond)?,
-            then: self.boxed_statement(&choice.then_stmt)?,
-            otherwise,
+    pub(super) fn variable(&self, node: Node<'_>) -> Result<Variable, Fault> {
+        let initial = node.child_by_field_name("value");
+        Ok(Variable {
+            name: self.name(self.field(node, "name")?)?,
+            dimensions: node.child_by_field_name("dimensions").map_or(0, brackets),
+            initial: initial.map(|initial| self.expression(initial)).transpose()?,
         })
     }
 
-    fn count(&self, count: &ast::ForStmt) -> Result<StatementKind, Fault> {
-        let initial = match &count.init {
-            ast::ForInit::LocalVarDecl(local) => vec![self.local(local)?],
-            ast::ForInit::Exprs(expressions) => self.expression_statements(expressions)?,
-        };
-        Ok(StatementKind::For {
-            initial,
-            condition: count.cond.as_ref().map(|cond| self.expression(cond)).transpose()?,
-            update: self.expressions(&count.update)?,
-            body: self.boxed_statement(&count.body)?,
-        })
+    fn label(&self, node: Node<'_>) -> Result<Option<String>, Fault> {
+        named(node).into_iter().next().map(|label| self.name(label)).transpose()
     }
 
-    fn expression_statements(&self, expressions: &[ast::Expr]) -> Result<Vec<Statement>, Fault> {
-        let statement = |expression: &ast::Expr| {
-            let kind = StatementKind::Expression(self.expression(expression)?);
-            Ok(Statement { line: self.line(expression.span()), kind })
-        };
-        expressions.iter().map(statement).collect()
-    }
-
-    fn each(&self, each: &ast::EnhancedForStmt) -> Result<StatementKind, Fault> {
-        let names = each.var_decl.declarators.iter().map(|variable| self.declared(variable));
-        let names: Vec<(String, Span)> = names.collect::<Result<_, _>>()?;
-        let Some((name, _)) = names.into_iter().next() else {
-            return Err(Fault::syntax(self.start(each.for_span), "a variable is expected"));
-        };
-        Ok(StatementKind::ForEach {
-            name,
-            iterable: self.expression(&each.iterable)?,
-            body: self.boxed_statement(&each.body)?,
-        })
-    }
-
-    fn switch(&self, switch: &ast::SwitchStmt) -> Result<StatementKind, Fault> {
-        let value = self.expression(&switch.selector)?;
-        let groups = switch.cases.iter().map(|group| self.switch_group(group));
-        Ok(StatementKind::Switch { value, groups: groups.collect::<Result<_, _>>()? })
-    }
-
-    fn switch_group(&self, group: &ast::SwitchCaseGroup) -> Result<SwitchGroup, Fault> {
-        let at = self.start(group.colon_span);
-        if group.labels.is_empty() {
-            return Err(Fault::syntax(at, "`case` or `default` is expected"));
-        }
-        let falls_through = self.source(group.colon_span) != "->";
-        if !falls_through && group.stmts.len() != 1 {
-            return Err(Fault::syntax(at, "one statement is expected behind `->`"));
-        }
-        let mut labels = Vec::new();
-        for label in &group.labels {
-            match label {
-                ast::SwitchCase::CaseValues { values, .. } => {
-                    labels.extend(self.expressions(values)?.into_iter().map(Some));
-                }
-                ast::SwitchCase::CaseNull { null_span, .. } => {
-                    labels.push(Some(self.null(*null_span)));
-                }
-                ast::SwitchCase::CaseNullDefault { null_span, .. } => {
-                    labels.extend([Some(self.null(*null_span)), None]);
-                }
-                ast::SwitchCase::CasePattern { case_span, .. } => labels.push(Some(Expression {
-                    line: self.line(*case_span),
-                    kind: ExpressionKind::Unsupported("a `case` with a pattern".to_owned()),
-                })),
-                ast::SwitchCase::Default { .. } => labels.push(None),
-            }
-        }
-        Ok(SwitchGroup { labels, body: self.statements(&group.stmts)?, falls_through })
-    }
-
-    fn null(&self, span: Span) -> Expression {
-        Expression { line: self.line(span), kind: ExpressionKind::Literal(Literal::Null) }
-    }
-
-    fn attempt(&self, attempt: &ast::TryStmt) -> Result<(Span, StatementKind), Fault> {
-        let (span, written, block, catches, finally) = match attempt {
-            ast::TryStmt::Basic { try_span, block, catches, finally_block, .. } => {
-                (*try_span, &[][..], block, catches, finally_block)
-            }
-            ast::TryStmt::TryWithResources {
-                try_span,
-                resources,
-                block,
-                catches,
-                finally_block,
-                ..
-            } => (*try_span, &resources[..], block, catches, finally_block),
-        };
-        if written.is_empty() && catches.is_empty() && finally.is_none() {
-            let at = self.start(block.brace_span.1);
-            return Err(Fault::syntax(at, "`catch` or `finally` is expected after this `}`"));
-        }
-        let mut resources = Vec::new();
-        for resource in written {
-            resources.push(match resource {
-                ast::TryResource::Decl(local) => self.local(local)?,
-                ast::TryResource::VarRef(name) => {
-                    let line = self.line(name.span());
-                    let name = Expression { line, kind: ExpressionKind::Name(self.name(name)?) };
-                    Statement { line, kind: StatementKind::Expression(name) }
-                }
+    fn count(&self, node: Node<'_>) -> Result<StatementKind, Fault> {
+        let mut initial = Vec::new();
+        for own in node.children_by_field_name("init", &mut node.walk()) {
+            initial.push(if own.kind() == "local_variable_declaration" {
+                self.local(own)?
+            } else {
+                let kind = StatementKind::Expression(self.expression(own)?);
+                Statement { line: self.line(own), kind }
             });
         }
-        let catches = catches.iter().map(|clause| self.catch(clause));
-        let kind = StatementKind::Try {
-            resources,
-            body: self.block(block)?,
-            catches: catches.collect::<Result<_, _>>()?,
-            finally: finally.as_ref().map(|(_, block)| self.block(block)).transpose()?,
-        };
-        Ok((span, kind))
-    }
-
-    fn catch(&self, clause: &ast::CatchClause) -> Result<Catch, Fault> {
-        Ok(Catch {
-            types: self.type_names(&clause.param.ty.types)?,
-            name: self.name(&clause.param.name)?,
-            body: self.block(&clause.block)?,
+        let condition = node.child_by_field_name("condition");
+        let update: Vec<_> = node.children_by_field_name("update", &mut node.walk()).collect();
+        Ok(StatementKind::For {
+            initial,
+            condition: condition.map(|own| self.expression(own)).transpose()?,
+            update: self.expressions(&update)?,
+            body: self.boxed_statement(self.field(node, "body")?)?,
         })
     }
+
+    /// The value and the groups of a switch; of one that has a value, expressions behind `->` are values.
+    pub(super) fn switch(
+        &self,
+        node: Node<'_>,
+        has_value: bool,
+    ) -> Result<(Expression, Vec<SwitchGroup>), Fault> {
+        let value = self.expression(self.field(node, "condition")?)?;
+        let groups = named(self.field(node, "body")?);
+        let groups = groups.into_iter().map(|group| self.switch_group(group, has_value));
+        Ok((value, groups.collect::<Result<_, _>>()?))
+    }
+
+    fn switch_group(&self, node: Node<'_>, has_value: bool) -> Result<SwitchGroup, Fault> {
+        let mut labels = Vec::new();
+        let mut body = Vec::new();
+        for child in children(node) {
+            if child.kind() == "switch_label" {
+                self.switch_labels(child, &mut labels)?;
+            } else if child.is_named() || child.kind() == ";" {
+                let is_value = has_value && child.kind() == "expression_statement";
+                body.push(if is_value && node.kind() == "switch_rule" {
+                    let kind = StatementKind::Yield(self.expression(self.only(child)?)?);
+                    Statement { line: self.line(child), kind }
+                } else {
+                    self.statement(child)?
+                });
+            }
+        }
+        Ok(SwitchGroup { labels, body, falls_through: node.kind() != "switch_rule" })
+    }
+
+    fn switch_labels(
+        &self,
+        node: Node<'_>,
+        labels: &mut Vec<Option<Expression>>,
+    ) -> Result<(), Fault> {
+        let unsupported = |node: Node<'_>, what: &str| Expression {
+            line: self.line(node),
+            kind: ExpressionKind::Unsupported(what.to_owned()),
+        };
+        let values = named(node);
+        if values.is_empty() {
+            labels.push(None);
+        }
+        for value in values {
+            match value.kind() {
+                "pattern" => labels.push(Some(unsupported(node, "a `case` with a pattern"))),
+                "guard" => {}
+                // `case null, default`.
+                "identifier" if self.source(value) == "default" => labels.push(None),
+                _ => labels.push(Some(self.expression(value)?)),
+            }
+        }
+        if let Some(guard) = child_of_kind(node, "guard") {
+            *labels = vec![Some(unsupported(guard, "a `case` with a condition"))];
+        }
+        Ok(())
+    }
+
+    fn attempt(&self, node: Node<'_>) -> Result<StatementKind, Fault> {
+        let mut resources = Vec::new();
+        let written = node.child_by_field_name("resources").map_or(Vec::new(), named);
+        for resource in written {
+            let line = self.line(resource);
+            let kind = match resource.child_by_field_name("type") {
+                Some(type_node) => {
+                    let value = self.field(resource, "value")?;
+                    let variable = Variable {
+                        name: self.name(self.field(resource, "name")?)?,
+                        dimensions: 0,
+                        initial: Some(self.expression(value)?),
+                    };
+                    let type_name = self.type_name(type_node)?;
+                    StatementKind::Local { type_name, variables: vec![variable] }
+                }
+                None => StatementKind::Expression(self.expression(self.only(resource)?)?),
+            };
+            resources.push(Statement { line, kind });
+        }
+        let mut catches = Vec::new();
+        let mut finally = None;
+        for child in named(node) {
+            match child.kind() {
+                "catch_clause" => catches.push(self.catch(child)?),
+                "finally_clause" => finally = Some(self.block(self.only(child)?)?),
+                _ => {}
+            }
+        }
+        let body = self.block(self.field(node, "body")?)?;
+        Ok(StatementKind::Try { resources, body, catches, finally })
+    }
+
+    fn catch(&self, node: Node<'_>) -> Result<Catch, Fault> {
+        let parameter =
+            child_of_kind(node, "catch_formal_parameter").ok_or_else(|| self.misread(node))?;
+        let types = child_of_kind(parameter, "catch_type").ok_or_else(|| self.misread(node))?;
+        Ok(Catch {
+            types: self.type_names(&named(types))?,
+            name: self.name(self.field(parameter, "name")?)?,
+            body: self.block(self.field(node, "body")?)?,
+        })
+    }
+}
+
+/// A label and what it is before.
+fn children_of_label(node: Node<'_>) -> Option<[Node<'_>; 2]> {
+    let [label, _, body] = children(node)[..] else { return None };
+    Some([label, body])
+}
+
+/// Whether an expression can be a statement: Java has none that only has a value.
+fn is_statement(kind: &ExpressionKind) -> bool {
+    matches!(
+        kind,
+        ExpressionKind::Assign { .. }
+            | ExpressionKind::Step { .. }
+            | ExpressionKind::Call { .. }
+            | ExpressionKind::New { .. }
+            | ExpressionKind::Switch { .. }
+            | ExpressionKind::Unsupported(_)
+    )
 }

@@ -1,6 +1,4 @@
-//! A file as tokens: what bounds and places need to know before the parser runs.
-
-use std::ops::Range;
+//! A file as tokens: what bounds, and messages about syntax errors, need beside the parser's tree.
 
 use super::fault::Fault;
 use crate::source_error::SourceFault;
@@ -37,8 +35,6 @@ pub(super) struct Token {
 pub(super) struct Tokens<'t> {
     text: &'t str,
     pub(super) list: Vec<Token>,
-    /// Of bytes that mean nothing: comments, and what an editor put at the end.
-    pub(super) comments: Vec<Range<usize>>,
 }
 
 impl<'t> Tokens<'t> {
@@ -46,8 +42,9 @@ impl<'t> Tokens<'t> {
     ///
     /// If a text or a comment does not end, if a character means nothing in Java, or if there are too many tokens.
     pub(super) fn scan(text: &'t str) -> Result<Self, Fault> {
-        let mut tokens = Self { text, list: Vec::new(), comments: Vec::new() };
+        let mut tokens = Self { text, list: Vec::new() };
         let mut at = 0;
+        let mut comments = 0;
         while let Some(first) = text[at..].chars().next() {
             let rest = &text[at..];
             // Ctrl-Z is the end of a file for old editors.
@@ -55,15 +52,14 @@ impl<'t> Tokens<'t> {
             if first.is_whitespace() {
                 at += first.len_utf8();
             } else if rest.starts_with("//") || rest.starts_with("/*") || is_end_mark {
-                let length = if is_end_mark { 1 } else { comment(rest, at)? };
-                tokens.comments.push(at..at + length);
-                at += length;
+                at += if is_end_mark { 1 } else { comment(rest, at)? };
+                comments += 1;
             } else {
                 let (kind, length) = token(rest, first, at)?;
                 tokens.list.push(Token { start: at, end: at + length, kind });
                 at += length;
             }
-            if tokens.list.len() + tokens.comments.len() > MOST_TOKENS {
+            if tokens.list.len() + comments > MOST_TOKENS {
                 return Err(Fault { at, what: SourceFault::TooManyTokens { most: MOST_TOKENS } });
             }
         }
@@ -75,17 +71,8 @@ impl<'t> Tokens<'t> {
         self.list.get(index).map_or("", |token| &self.text[token.start..token.end])
     }
 
-    /// What the token before says; nothing before the first.
-    pub(super) fn text_before(&self, index: usize) -> &'t str {
-        index.checked_sub(1).map_or("", |index| self.text(index))
-    }
-
     pub(super) fn kind(&self, index: usize) -> Option<Kind> {
         self.list.get(index).map(|token| token.kind)
-    }
-
-    pub(super) fn kind_before(&self, index: usize) -> Option<Kind> {
-        self.kind(index.checked_sub(1)?)
     }
 
     /// The number of the first token that begins at this byte or behind it.
@@ -107,11 +94,6 @@ impl<'t> Tokens<'t> {
     pub(super) fn end_before(&self, index: usize) -> usize {
         index.checked_sub(1).and_then(|index| self.list.get(index)).map_or(0, |token| token.end)
     }
-}
-
-/// Whether an expression follows this word; else an operator does.
-pub(super) fn begins_expression(word: &str) -> bool {
-    matches!(word, "return" | "case" | "throw" | "assert" | "else" | "do" | "yield")
 }
 
 fn comment(rest: &str, at: usize) -> Result<usize, Fault> {

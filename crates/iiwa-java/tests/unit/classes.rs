@@ -32,7 +32,6 @@ fn files_without_a_type() {
         "package a;",
         ";",
         "@interface A { }",
-        "record A(int b) { }",
         "module a.b { requires c; }",
         "\u{1a}",
     ] {
@@ -88,6 +87,21 @@ fn members() {
     is(
         "class A { class B { static class C { } } enum D { E } interface F { } record G(int h) { } @interface I { } ; }",
         "<class A extends - implements [], <class B extends - implements [], <class C extends - implements []>>, \
-         <enum D extends - implements [], E()>, <abstract interface F extends - implements []>>",
+         <enum D extends - implements [], E()>, <abstract interface F extends - implements []>, \
+         <record G extends - implements [], int h=-, int h() {return this.h;}, new void G(int h) {(this.h = h);}>>",
+    );
+}
+
+#[test]
+fn records() {
+    is(
+        "record A<T>(int b, T... c) implements D { static int E = 1; A { f(); } public int b() { return 2; } }",
+        "<record A extends - implements [D], int b=-, T[] c=-, static int E=1, int b() {return 2;}, T[] c() {return this.c;}, \
+         new void A(int b T[] c...) {f(); (this.b = b); (this.c = c);}>",
+    );
+    is(
+        "record A(int b) { A(int c) { this.b = c; } A() { this(1); } }",
+        "<record A extends - implements [], int b=-, int b() {return this.b;}, new void A(int c) {(this.b = c);}, \
+         new void A() {this(1);}>",
     );
 }

@@ -117,6 +117,15 @@ fn operators() {
     is("a + +b + c", "((a + (+ b)) + c)");
     is("~+~a", "(~ (+ (~ a)))");
     is("f(+1, +a)", "f((+ 1) (+ a))");
+    is("-a++", "(- (a++))");
+    is("!a.b--", "(! (a.b--))");
+    is("- -a++ * b", "((- (- (a++))) * b)");
+    is("-(a)--", "(- (a--))");
+    is("(int) a++", "((int) (a++))");
+    is("--n", "(--n)");
+    is("- --n", "(- (--n))");
+    is("a+++b", "((a++) + b)");
+    is("a - --b", "(a - (--b))");
     is("++a", "(++a)");
     is("a--", "(a--)");
     is("--a[0]", "(--a[0])");
@@ -145,7 +154,7 @@ fn casts_and_parentheses() {
     is("(A) (b)", "((A) b)");
     is("(A) !b", "((A) (! b))");
     is("(Runnable & java.io.Serializable) a", "((Runnable) a)");
-    // What the parser takes for casts of `+b` and `-b`.
+    // What the parser may take for casts of `+b` and `-b`.
     is("(a) + b", "(a + b)");
     is("(a) - b * c", "(a - (b * c))");
     is("(a) - (b) - c", "((a - b) - c)");
@@ -156,6 +165,9 @@ fn casts_and_parentheses() {
     is("\"x\" + (a < b) + \"y\"", "((\"x\" + (a < b)) + \"y\")");
     is("(a & b) - c * d", "((a & b) - (c * d))");
     is("(a)++", "(a++)");
+    is("(a) - b > 0 ? (c) - 1 : (d.e) + f * g", "(((a - b) > 0) ? (c - 1) : (d.e + (f * g)))");
+    is("a = (b) + (c) * (d) - (e)", "(a = ((b + (c * d)) - e))");
+    is("(int) -a - b", "(((int) (- a)) - b)");
     is("(int) (a) - b", "(((int) a) - b)");
     is("f(a) - b", "(f(a) - b)");
     is("f((a) - b, (c) + d)", "f((a - b) (c + d))");
@@ -169,15 +181,32 @@ fn casts_and_parentheses() {
 
 #[test]
 fn what_is_not_supported_is_named() {
-    is("x -> x + 1", "<a lambda expression>");
-    is("() -> { return; }", "<a lambda expression>");
-    is("(int a, int b) -> a - b", "<a lambda expression>");
-    is("(a, b) -> a - b", "<a lambda expression>");
-    is("f(x -> x, 1)", "f(<a lambda expression> 1)");
     is("A::b", "<a method reference>");
     is("this::b", "<a method reference>");
     is("A[]::new", "<a method reference>");
-    is("switch (a) { case 1 -> 2; default -> 3; }", "<a switch expression>");
+}
+
+#[test]
+fn lambda_expressions() {
+    is("x -> x + 1", "(-> {(x + 1);})");
+    is("() -> { return; }", "(-> {return -;})");
+    is("(int a, int b) -> a - b", "(-> {(a - b);})");
+    is("(a, b) -> a - b", "(-> {(a - b);})");
+    is("f(x -> x, 1)", "f((-> {x;}) 1)");
+    is("(A) () -> b", "((A) (-> {b;}))");
+    is("a ? x -> 1 : y -> 2", "(a ? (-> {1;}) : (-> {2;}))");
+}
+
+#[test]
+fn switches_with_a_value() {
+    is(
+        "switch (a) { case 1, 2 -> 3; case B -> { yield 4; } default -> throw c; }",
+        "(switch a [1 2]->{yield 3;} [B]->{{yield 4;}} [default]->{throw c;})",
+    );
+    is(
+        "1 + switch (a) { case 1: yield 2; default: yield 3; }",
+        "(1 + (switch a [1]:{yield 2;} [default]:{yield 3;}))",
+    );
 }
 
 #[test]

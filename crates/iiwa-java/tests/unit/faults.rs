@@ -57,14 +57,11 @@ fn of_declarations() {
     is("klass A { }", "1:8: `;` is expected");
     is("class { }", "1:7: a name is expected, not `{`");
     is("class A { run() { } }", "1:11: `run` lacks the type that it returns, or `void`");
-    is("class A { void a(int) { } }", "1:21: the name of a parameter is expected");
+    is("class A { void a(int) { } }", "1:21: a name is expected, not `)`");
     is("void a() { }", "1:1: a class is expected: what is here is outside of any");
     is("class A { int a = 1 int b; }", "1:20: `;` is expected");
-    is("class A { int if; }", "1:15: a method or a field is expected, not `if`");
-    is(
-        "class A { }\nimport b.C;",
-        "2:1: this is no Java: import declarations must precede all type declarations and members",
-    );
+    is("class A { int if; }", "1:15: a name is expected, not `if`");
+    is("class A { }\nimport b.C;", "2:1: `package` and `import` are expected before all classes");
 }
 
 #[test]
@@ -74,17 +71,31 @@ fn of_statements() {
     is_in_method("a..b();", "2:3: a name is expected, not `.`");
     is_in_method("if a { }", "2:4: `(` is expected, not `a`");
     is_in_method("a.if;", "2:3: a name is expected, not `if`");
-    is_in_method("try { }", "2:7: `catch` or `finally` is expected after this `}`");
+    is_in_method("try { }", "3:1: `catch` or `finally` is expected, not `}`");
     is_in_method("a.;", "2:3: a name is expected, not `;`");
     is_in_method(
         "switch (a) { case 1 -> b(); c(); }",
-        "2:21: one statement is expected behind `->`",
+        "2:29: `case`, `default` or `}` is expected, not `c`",
     );
-    is_in_method("switch (a) { b(); }", "2:14: `}` is expected, not `b`");
-    is_in_method("new A { };", "2:6: `(` is expected behind the class of a new object");
-    is_in_method("int a = b[];", "2:10: a name is expected, not `[`");
-    is_in_method("a = new int[];", "2:5: an array needs either its lengths or its values");
-    is_in_method("a = new int[][3];", "2:5: an array has its lengths in its first brackets");
+    is_in_method("switch (a) { b(); }", "2:14: `case`, `default` or `}` is expected, not `b`");
+    is_in_method("new A { };", "2:7: `(` is expected, not `{`");
+    is_in_method("int a = b[];", "2:12: `;` is not expected here");
+    is_in_method("a = new int[];", "2:14: `{` is expected, not `;`");
+    is_in_method("a = new int[][3];", "2:15: `]` is expected, not `3`");
+}
+
+#[test]
+fn of_what_the_grammar_accepts_and_java_does_not() {
+    is_in_method("a + b;", "2:1: a statement is expected: this has a value, and does nothing");
+    is_in_method("a;", "2:1: a statement is expected: this has a value, and does nothing");
+    is_in_method("1++;", "2:1: only a variable can be counted up or down");
+    is_in_method("(a) ++b;", "2:1: a statement is expected: this has a value, and does nothing");
+    is_in_method("import b.C;", "2:1: `import` is not expected here");
+    is("class A { B { } }", "1:11: `B` is not expected here");
+    is(
+        "class A { void a(int... b, int c) { } }",
+        "1:28: a parameter with `...` is expected to be the last",
+    );
 }
 
 #[test]
@@ -101,7 +112,7 @@ fn within_what_the_parser_gives_up() {
     is_in_method("try { } finally {\n b(1 2);\n}\nc();", "3:6: `)` is expected, not `2`");
     is_in_method(
         "A a = new A() {\nvoid b() {\nfor (C c : d) {\nint e = f(,);\n} } };",
-        "5:11: `)` is expected, not `,`",
+        "5:11: a value is expected, not `,`",
     );
 }
 

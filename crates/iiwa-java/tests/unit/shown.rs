@@ -2,7 +2,7 @@
 
 use crate::syntax::{
     BinaryOperator, Class, ClassKind, Expression, ExpressionKind, Literal, Member, Method,
-    Statement, StatementKind, TypeName, UnaryOperator,
+    Statement, StatementKind, SwitchGroup, TypeName, UnaryOperator,
 };
 
 pub(super) fn type_name(name: &TypeName) -> String {
@@ -83,6 +83,10 @@ pub(super) fn expression(shown: &Expression) -> String {
         ExpressionKind::This => "this".to_owned(),
         ExpressionKind::Super => "super".to_owned(),
         ExpressionKind::ClassLiteral(of) => format!("{}.class", type_name(of)),
+        ExpressionKind::Switch { value, groups } => {
+            format!("(switch {} {})", expression(value), list(groups, group))
+        }
+        ExpressionKind::Lambda(body) => format!("(-> {})", block(body)),
         ExpressionKind::Unsupported(what) => format!("<{what}>"),
     }
 }
@@ -142,19 +146,13 @@ pub(super) fn statement(shown: &Statement) -> String {
             let condition = optional(condition.as_ref(), expression);
             format!("for ({initial} | {condition} | {update}) {}", statement(body))
         }
-        StatementKind::ForEach { name, iterable, body } => {
-            format!("for ({name} : {}) {}", expression(iterable), statement(body))
+        StatementKind::ForEach { type_name: of, name, iterable, body } => {
+            format!("for ({} {name} : {}) {}", type_name(of), expression(iterable), statement(body))
         }
         StatementKind::Switch { value, groups } => {
-            let groups = list(groups, |group| {
-                let labels = list(&group.labels, |label| {
-                    label.as_ref().map_or("default".to_owned(), expression)
-                });
-                let arrow = if group.falls_through { ":" } else { "->" };
-                format!("[{labels}]{arrow}{}", block(&group.body))
-            });
-            format!("switch {} {groups}", expression(value))
+            format!("switch {} {}", expression(value), list(groups, group))
         }
+        StatementKind::Yield(value) => format!("yield {};", expression(value)),
         StatementKind::Break(label) => {
             format!("break {};", optional(label.as_ref(), String::clone))
         }
@@ -187,11 +185,19 @@ pub(super) fn statement(shown: &Statement) -> String {
     }
 }
 
+fn group(shown: &SwitchGroup) -> String {
+    let labels =
+        list(&shown.labels, |label| label.as_ref().map_or("default".to_owned(), expression));
+    let arrow = if shown.falls_through { ":" } else { "->" };
+    format!("[{labels}]{arrow}{}", block(&shown.body))
+}
+
 pub(super) fn class(shown: &Class) -> String {
     let kind = match shown.kind {
         ClassKind::Class => "class",
         ClassKind::Interface => "interface",
         ClassKind::Enum => "enum",
+        ClassKind::Record => "record",
     };
     let is_abstract = if shown.is_abstract { "abstract " } else { "" };
     let extends = optional(shown.extends.as_ref(), type_name);

@@ -1,0 +1,321 @@
+//! Operators and what is between them.
+//!
+//! The grammar takes `-a++` for `(-a)++`, and `(a) - b` for either a difference or a cast of `-b`. So operators and operands are
+//! written out in the order of the file, and put together again by the rules of Java (JLS 15): by rank, from the left but for
+//! assignments and conditions; and what a cast to a class is before never begins with `+` or `-`.
+
+use std::iter::Peekable;
+
+use tree_sitter::Node;
+
+use super::{
+    expressions::Placed,
+    fault::Fault,
+    reader::{Reader, children},
+};
+use crate::syntax::{BinaryOperator, Expression, ExpressionKind, Literal, TypeName, UnaryOperator};
+
+/// A part of an expression, in the order of the file.
+enum Part<'n> {
+    Operand(Node<'n>),
+    /// With the place of its sign.
+    Unary(UnaryOperator, usize),
+    StepBefore(bool, usize),
+    StepBehind(bool),
+    Cast(TypeName, usize),
+    Binary(BinaryOperator),
+    /// None if it has a pattern.
+    InstanceOf(Option<TypeName>),
+    Question,
+    Colon,
+    Assign(Option<BinaryOperator>),
+}
+
+/// Ranks of operators, from the weakest.
+const ASSIGNMENT: u8 = 1;
+const CONDITION: u8 = 2;
+const COMPARISON: u8 = 9;
+
+type Parts<'n> = Peekable<std::vec::IntoIter<Part<'n>>>;
+
+impl Reader<'_> {
+    pub(super) fn expression(&self, node: Node<'_>) -> Result<Expression, Fault> {
+        Ok(self.placed(node)?.0)
+    }
+
+    pub(super) fn placed(&self, node: Node<'_>) -> Result<Placed, Fault> {
+        if !has_operator(node) {
+            return self.operand(node);
+        }
+        let mut parts = Vec::new();
+        self.write_out(node, &mut parts)?;
+        let mut parts = parts.into_iter().peekable();
+        let whole = self.ranked(&mut parts, ASSIGNMENT, node)?;
+        match parts.next() {
+            None => Ok(whole),
+            Some(Part::Assign(_)) => Err(no_variable(whole.1)),
+            Some(_) => Err(self.misread(node)),
+        }
+    }
+
+    fn write_out<'n>(&self, node: Node<'n>, parts: &mut Vec<Part<'n>>) -> Result<(), Fault> {
+        match node.kind() {
+            "binary_expression" => {
+                self.write_out(self.field(node, "left")?, parts)?;
+                let operator = self.field(node, "operator")?;
+                let operator = binary_operator(operator.kind());
+                parts.push(Part::Binary(operator.ok_or_else(|| self.misread(node))?));
+                self.write_out(self.field(node, "right")?, parts)
+            }
+            "assignment_expression" => {
+                self.write_out(self.field(node, "left")?, parts)?;
+                let operator = self.field(node, "operator")?.kind();
+                let before = operator.strip_suffix('=').unwrap_or(operator);
+                parts.push(Part::Assign(binary_operator(before)));
+                self.write_out(self.field(node, "right")?, parts)
+            }
+            "ternary_expression" => {
+                self.write_out(self.field(node, "condition")?, parts)?;
+                parts.push(Part::Question);
+                self.write_out(self.field(node, "consequence")?, parts)?;
+                parts.push(Part::Colon);
+                self.write_out(self.field(node, "alternative")?, parts)
+            }
+            "instanceof_expression" => {
+                self.write_out(self.field(node, "left")?, parts)?;
+                let type_name = match node.child_by_field_name("right") {
+                    Some(right) if node.child_by_field_name("name").is_none() => {
+                        Some(self.type_name(right)?)
+                    }
+                    _ => None,
+                };
+                parts.push(Part::InstanceOf(type_name));
+                Ok(())
+            }
+            "unary_expression" => {
+                let operator = match self.field(node, "operator")?.kind() {
+                    "+" => UnaryOperator::Plus,
+                    "-" => UnaryOperator::Minus,
+                    "!" => UnaryOperator::Not,
+                    _ => UnaryOperator::Complement,
+                };
+                parts.push(Part::Unary(operator, node.start_byte()));
+                self.write_out(self.field(node, "operand")?, parts)
+            }
+            "update_expression" => match children(node)[..] {
+                [step, target] if matches!(step.kind(), "++" | "--") => {
+                    parts.push(Part::StepBefore(step.kind() == "++", node.start_byte()));
+                    self.write_out(target, parts)
+                }
+                [target, step] => {
+                    self.write_out(target, parts)?;
+                    parts.push(Part::StepBehind(step.kind() == "++"));
+                    Ok(())
+                }
+                _ => Err(self.misread(node)),
+            },
+            "cast_expression" => self.write_out_cast(node, parts),
+            _ => {
+                parts.push(Part::Operand(node));
+                Ok(())
+            }
+        }
+    }
+
+    fn write_out_cast<'n>(&self, node: Node<'n>, parts: &mut Vec<Part<'n>>) -> Result<(), Fault> {
+        let types: Vec<_> = node.children_by_field_name("type", &mut node.walk()).collect();
+        let Some(first) = types.first() else { return Err(self.misread(node)) };
+        let is_name = matches!(first.kind(), "type_identifier" | "scoped_type_identifier");
+        let cast = parts.len();
+        // Of `(A & B) value`, the first says what it is.
+        parts.push(Part::Cast(self.type_name(*first)?, node.start_byte()));
+        self.write_out(self.field(node, "value")?, parts)?;
+        let sign = match parts.get(cast + 1) {
+            Some(Part::Unary(UnaryOperator::Plus, _)) => BinaryOperator::Add,
+            Some(Part::Unary(UnaryOperator::Minus, _)) => BinaryOperator::Subtract,
+            _ => return Ok(()),
+        };
+        if is_name && types.len() == 1 {
+            parts[cast] = Part::Operand(*first);
+            parts[cast + 1] = Part::Binary(sign);
+        }
+        Ok(())
+    }
+
+    /// The expression up to the first operator below a rank.
+    fn ranked<'n>(
+        &self,
+        parts: &mut Parts<'n>,
+        least: u8,
+        node: Node<'n>,
+    ) -> Result<Placed, Fault> {
+        let (mut left, start) = self.unary(parts, node)?;
+        let line = self.lines.line(start);
+        loop {
+            let is_lambda = matches!(left.kind, ExpressionKind::Lambda(_));
+            if is_lambda && !matches!(parts.peek(), None | Some(Part::Colon)) {
+                return Err(self.misread(node));
+            }
+            let kind = match parts.peek() {
+                Some(Part::Binary(operator)) if rank(*operator) >= least => {
+                    let operator = *operator;
+                    parts.next();
+                    let right = Box::new(self.ranked(parts, rank(operator) + 1, node)?.0);
+                    ExpressionKind::Binary { operator, left: Box::new(left), right }
+                }
+                Some(Part::InstanceOf(_)) if COMPARISON >= least => match parts.next() {
+                    Some(Part::InstanceOf(Some(type_name))) => {
+                        ExpressionKind::InstanceOf { value: Box::new(left), type_name }
+                    }
+                    _ => ExpressionKind::Unsupported("an `instanceof` with a pattern".to_owned()),
+                },
+                Some(Part::Question) if CONDITION >= least => {
+                    parts.next();
+                    let then = Box::new(self.ranked(parts, ASSIGNMENT, node)?.0);
+                    let Some(Part::Colon) = parts.next() else { return Err(self.misread(node)) };
+                    let otherwise = Box::new(self.ranked(parts, CONDITION, node)?.0);
+                    ExpressionKind::Conditional { condition: Box::new(left), then, otherwise }
+                }
+                Some(Part::Assign(operator)) if ASSIGNMENT >= least => {
+                    let operator = *operator;
+                    parts.next();
+                    if !is_target(&left.kind) {
+                        return Err(no_variable(start));
+                    }
+                    let value = Box::new(self.ranked(parts, ASSIGNMENT, node)?.0);
+                    ExpressionKind::Assign { operator, target: Box::new(left), value }
+                }
+                _ => return Ok((left, start)),
+            };
+            left = Expression { line, kind };
+        }
+    }
+
+    fn unary<'n>(&self, parts: &mut Parts<'n>, node: Node<'n>) -> Result<Placed, Fault> {
+        let (start, kind) = match parts.next() {
+            Some(Part::Operand(operand)) => return self.stepped(parts, operand),
+            Some(Part::Unary(operator, start)) => {
+                if operator == UnaryOperator::Minus
+                    && let Some(least) = self.least_number(parts)
+                {
+                    (start, ExpressionKind::Literal(least))
+                } else {
+                    let value = Box::new(self.unary(parts, node)?.0);
+                    (start, ExpressionKind::Unary { operator, value })
+                }
+            }
+            Some(Part::StepBefore(is_increment, start)) => {
+                let target = Box::new(self.unary(parts, node)?.0);
+                check_counted(&target.kind, start)?;
+                (start, ExpressionKind::Step { target, is_increment, is_prefix: true })
+            }
+            Some(Part::Cast(type_name, start)) => {
+                let value = Box::new(self.unary(parts, node)?.0);
+                (start, ExpressionKind::Cast { type_name, value })
+            }
+            _ => return Err(self.misread(node)),
+        };
+        Ok((Expression { line: self.lines.line(start), kind }, start))
+    }
+
+    /// An operand, and `++` or `--` behind it.
+    fn stepped<'n>(&self, parts: &mut Parts<'n>, operand: Node<'n>) -> Result<Placed, Fault> {
+        let (mut read, start) = self.operand(operand)?;
+        while let Some(Part::StepBehind(is_increment)) = parts.peek() {
+            let is_increment = *is_increment;
+            parts.next();
+            check_counted(&read.kind, start)?;
+            let target = Box::new(read);
+            let kind = ExpressionKind::Step { target, is_increment, is_prefix: false };
+            read = Expression { line: self.lines.line(start), kind };
+        }
+        Ok((read, start))
+    }
+
+    /// The least `int` or `long`, whose sign is part of the number.
+    fn least_number(&self, parts: &mut Parts<'_>) -> Option<Literal> {
+        let Some(Part::Operand(operand)) = parts.peek() else { return None };
+        if operand.kind() != "decimal_integer_literal" {
+            return None;
+        }
+        let least = self.integer(*operand, true).ok()?;
+        matches!(least, Literal::Int(i32::MIN) | Literal::Long(i64::MIN)).then(|| {
+            parts.next();
+            least
+        })
+    }
+}
+
+fn has_operator(node: Node<'_>) -> bool {
+    matches!(
+        node.kind(),
+        "binary_expression"
+            | "assignment_expression"
+            | "ternary_expression"
+            | "instanceof_expression"
+            | "unary_expression"
+            | "update_expression"
+            | "cast_expression"
+    )
+}
+
+/// Whether something can be given another value.
+fn is_target(kind: &ExpressionKind) -> bool {
+    matches!(
+        kind,
+        ExpressionKind::Name(_) | ExpressionKind::Field { .. } | ExpressionKind::Index { .. }
+    )
+}
+
+fn no_variable(start: usize) -> Fault {
+    Fault::syntax(start, "only a variable can be given another value")
+}
+
+fn check_counted(kind: &ExpressionKind, start: usize) -> Result<(), Fault> {
+    if is_target(kind) {
+        return Ok(());
+    }
+    Err(Fault::syntax(start, "only a variable can be counted up or down"))
+}
+
+fn rank(operator: BinaryOperator) -> u8 {
+    use BinaryOperator as Op;
+    match operator {
+        Op::OrElse => 3,
+        Op::AndAlso => 4,
+        Op::Or => 5,
+        Op::Xor => 6,
+        Op::And => 7,
+        Op::Equal | Op::NotEqual => 8,
+        Op::Less | Op::LessOrEqual | Op::Greater | Op::GreaterOrEqual => COMPARISON,
+        Op::ShiftLeft | Op::ShiftRight | Op::ShiftRightUnsigned => 10,
+        Op::Add | Op::Subtract => 11,
+        Op::Multiply | Op::Divide | Op::Remainder => 12,
+    }
+}
+
+fn binary_operator(written: &str) -> Option<BinaryOperator> {
+    use BinaryOperator as Op;
+    Some(match written {
+        "+" => Op::Add,
+        "-" => Op::Subtract,
+        "*" => Op::Multiply,
+        "/" => Op::Divide,
+        "%" => Op::Remainder,
+        "&" => Op::And,
+        "|" => Op::Or,
+        "^" => Op::Xor,
+        "<<" => Op::ShiftLeft,
+        ">>" => Op::ShiftRight,
+        ">>>" => Op::ShiftRightUnsigned,
+        "==" => Op::Equal,
+        "!=" => Op::NotEqual,
+        "<" => Op::Less,
+        ">" => Op::Greater,
+        "<=" => Op::LessOrEqual,
+        ">=" => Op::GreaterOrEqual,
+        "&&" => Op::AndAlso,
+        "||" => Op::OrElse,
+        _ => return None,
+    })
+}

@@ -1,0 +1,205 @@
+//! The parser: `tree-sitter` with its grammar of Java.
+//!
+//! The grammar accepts a little more than Java, which [`Reader`](super::reader::Reader) refuses. Behind a syntax error the parser
+//! goes on, but what it then reads is a guess; so a file with an error is parsed once more, up to the first token at which no
+//! reading of the file is left, and the error says which tokens would be accepted there.
+
+use std::{
+    collections::HashSet,
+    ops::ControlFlow,
+    sync::{Arc, Mutex},
+};
+
+use tree_sitter::{Language, LogType, ParseOptions, ParseState, Parser, Tree};
+
+use super::{
+    bounds::{self, MOST_CALLS_PER_TOKEN},
+    fault::Fault,
+    lines::Lines,
+    tokens::Tokens,
+};
+use crate::source_error::SourceFault;
+
+/// The tree of a file without syntax errors, whose depth is bounded.
+pub(super) fn parse(text: &str, tokens: &Tokens<'_>, lines: &Lines<'_>) -> Result<Tree, Fault> {
+    let mut parser = Parser::new();
+    let language = Language::new(tree_sitter_java::LANGUAGE);
+    parser.set_language(&language).map_err(|error| no_result(&error.to_string()))?;
+    let most = 1000 + tokens.list.len() * MOST_CALLS_PER_TOKEN;
+    match bounded(&mut parser, text, most, || false) {
+        Some(tree) if !tree.root_node().has_error() => {
+            bounds::check_depth(&tree)?;
+            Ok(tree)
+        }
+        _ => Err(first_error(&mut parser, &language, text, tokens, lines, most)),
+    }
+}
+
+/// The tree, unless the parser takes too many steps, or is told to end.
+fn bounded(
+    parser: &mut Parser,
+    text: &str,
+    most: usize,
+    is_at_end: impl Fn() -> bool,
+) -> Option<Tree> {
+    let mut calls = 0;
+    let mut progress = |_: &ParseState| {
+        calls += 1;
+        if calls > most || is_at_end() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    };
+    let options = ParseOptions::new().progress_callback(&mut progress);
+    let mut input = |at: usize, _| text.as_bytes().get(at..).unwrap_or_default();
+    parser.reset();
+    parser.parse_with_options(&mut input, None, Some(options))
+}
+
+/// The state of the parser behind the token before an error.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
+struct Stuck {
+    row: usize,
+    column: usize,
+    state: u16,
+}
+
+/// The readings of a file that the parser has given up.
+#[derive(Debug, Default)]
+struct Log {
+    current: Stuck,
+    stuck: Vec<Stuck>,
+    /// No reading of what came before is left: from here on the parser guesses.
+    is_at_end: bool,
+}
+
+impl Log {
+    fn add(&mut self, message: &str) {
+        if self.is_at_end {
+            return;
+        }
+        if message.starts_with("process ") {
+            self.current = Stuck {
+                row: number(message, "row:"),
+                column: number(message, "col:"),
+                state: u16::try_from(number(message, "state:")).unwrap_or_default(),
+            };
+        } else if message.starts_with("detect_error ") {
+            self.stuck.push(self.current);
+        } else if message.starts_with("resume ") {
+            self.is_at_end = true;
+        }
+    }
+}
+
+/// The parser's log of a text up to its first error; none if no error is found.
+fn first_stuck(parser: &mut Parser, text: &str, most: usize) -> Option<Vec<Stuck>> {
+    let log = Arc::new(Mutex::new(Log::default()));
+    let written = Arc::clone(&log);
+    parser.set_logger(Some(Box::new(move |kind, message| {
+        if let (LogType::Parse, Ok(mut log)) = (kind, written.lock()) {
+            log.add(message);
+        }
+    })));
+    bounded(parser, text, most, || log.lock().is_ok_and(|log| log.is_at_end));
+    parser.set_logger(None);
+    let mut log = log.lock().ok()?;
+    log.is_at_end.then(|| std::mem::take(&mut log.stuck))
+}
+
+/// Where the last of the readings was given up.
+fn furthest(stuck: &[Stuck]) -> (usize, usize) {
+    stuck.iter().map(|own| (own.row, own.column)).max().unwrap_or_default()
+}
+
+/// The first error of a file, in plain words.
+fn first_error(
+    parser: &mut Parser,
+    language: &Language,
+    text: &str,
+    tokens: &Tokens<'_>,
+    lines: &Lines<'_>,
+    most: usize,
+) -> Fault {
+    let Some(stuck) = first_stuck(parser, text, most) else {
+        return Fault { at: 0, what: SourceFault::TooLong("the file takes the parser many steps") };
+    };
+    let place = furthest(&stuck);
+    // More symbols than are accepted there: the parser has one state for several places.
+    let mut symbols = HashSet::new();
+    for own in stuck.iter().filter(|own| (own.row, own.column) == place) {
+        if let Some(mut names) = language.lookahead_iterator(own.state) {
+            symbols.extend(names.iter_names().map(str::to_owned));
+        }
+    }
+    let at = lines.start(place.0) + place.1;
+    let index = tokens.from(at);
+    let found = tokens.text(index);
+    let mut accepts = |symbol: &str, written: &str| {
+        if !symbols.contains(symbol) {
+            return false;
+        }
+        let text = format!("{} {written}", text.get(..at).unwrap_or_default());
+        first_stuck(parser, &text, most).is_none_or(|stuck| furthest(&stuck) > place)
+    };
+    let start = tokens.start(index);
+    let found_words = match found {
+        "" => "but the file ends".to_owned(),
+        found => format!("not `{}`", shortened(found)),
+    };
+    let fault =
+        |expected: &str| Fault::syntax(start, format!("{expected} is expected, {found_words}"));
+    let is_outside = !bounds::is_within_brackets(tokens, index);
+    if is_outside && accepts("class", "class") {
+        return fault("a class");
+    }
+    if !is_outside && accepts("return", "return") {
+        return fault("a statement");
+    }
+    if accepts("decimal_integer_literal", "1") {
+        return fault("a value");
+    }
+    if let Some(closing) = bounds::expected_closing(tokens, index)
+        && accepts(closing, closing)
+    {
+        return fault(&format!("`{closing}`"));
+    }
+    if accepts(";", ";") && !accepts("private", "private") {
+        // At its own place: what comes next may be on another line.
+        return Fault::syntax(tokens.end_before(index), "`;` is expected");
+    }
+    if accepts("private", "private") {
+        return fault("a method or a field");
+    }
+    if accepts("int", "int") {
+        return fault("a type");
+    }
+    if accepts("identifier", "x") {
+        return fault("a name");
+    }
+    let others =
+        ["(", "{", ")", "]", ">", "case", "default", "catch", "finally", "while", "class", "}"];
+    let others: Vec<_> = others.into_iter().filter(|own| accepts(own, own)).collect();
+    match others.split_last() {
+        None if found.is_empty() => Fault::syntax(start, "the file ends too early"),
+        None => Fault::syntax(start, format!("`{}` is not expected here", shortened(found))),
+        Some((last, [])) => fault(&format!("`{last}`")),
+        Some((last, others)) => fault(&format!("`{}` or `{last}`", others.join("`, `"))),
+    }
+}
+
+fn number(message: &str, name: &str) -> usize {
+    let digits = message.split_once(name).map_or("", |(_, digits)| digits);
+    let end = digits.find(|c: char| !c.is_ascii_digit()).unwrap_or(digits.len());
+    digits[..end].parse().unwrap_or(0)
+}
+
+/// Texts and names may be long.
+fn shortened(found: &str) -> String {
+    const MOST: usize = 40;
+    match found.char_indices().nth(MOST) {
+        Some((end, _)) => format!("{}...", &found[..end]),
+        None => found.to_owned(),
+    }
+}
+
+fn no_result(why: &str) -> Fault {
+    Fault { at: 0, what: SourceFault::Parser(why.to_owned()) }
+}
