@@ -95,7 +95,7 @@ impl Machine {
             }
             ExpressionKind::Lambda(body) => {
                 let effects = self.effects_of(body);
-                if effects.acts {
+                if effects.acts() {
                     let acts = self.host.acts();
                     return self
                         .refuse(format!("a lambda expression, in which {acts}, is not evaluated"));

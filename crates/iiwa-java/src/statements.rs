@@ -217,7 +217,7 @@ impl Machine {
         match value {
             Value::Unknown(unknown) => {
                 let effects = self.effects_of_expression(expression);
-                if effects.acts {
+                if effects.acts() {
                     return self.refuse_unknown("which group of this switch is taken", &unknown);
                 }
                 self.forget_values(&effects, &unknown);
