@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use iiwa_application::{Import, ImportError, ImportOptions};
+use iiwa_application::{Import, ImportError, ImportOptions, Unanswered};
 use iiwa_kin::Robot;
 use iiwa_program::Program;
 use iiwa_sunrise::{AnswerValue, Answers, ExportedProject, Project, Question, QuestionKind};
@@ -193,6 +193,17 @@ pub(crate) fn with_options(message: &str) -> String {
     format!("{message} ({} on the command line)", options.join(", "))
 }
 
+/// The option that answers what an application asks for.
+fn option(open: &Unanswered) -> String {
+    let Unanswered { kind, asked } = open;
+    match kind {
+        QuestionKind::Fired => format!("--fired \"{asked}=true\" or \"{asked}=false\""),
+        QuestionKind::ProcessData => format!("--data \"{asked}=VALUE\""),
+        QuestionKind::Dialog => format!("--answer \"{asked}=N\""),
+        _ => format!("--input \"{asked}=VALUE\""),
+    }
+}
+
 /// Why an application is not imported, for people.
 pub(crate) fn failure(folder: &Path, error: &ImportError) -> Failure {
     let text = match error {
@@ -210,7 +221,12 @@ pub(crate) fn failure(folder: &Path, error: &ImportError) -> Failure {
                 true => "; iiwasim import --write-data FILE.xml writes one to fill in",
                 false => "",
             };
-            format!("{error}{fill_in} ({up_to}; --no-output shows what was understood)")
+            let options: Vec<_> = refused.unanswered.iter().map(option).collect();
+            let options = match options.len() {
+                0 => String::new(),
+                _ => format!("; give {}", options.join(" or ")),
+            };
+            format!("{error}{fill_in}{options} ({up_to}; --no-output shows what was understood)")
         }
         ImportError::Several { .. } => format!("{error} with --application"),
         ImportError::Robots(_) => {

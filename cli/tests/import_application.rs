@@ -228,3 +228,19 @@ fn a_data_file_to_fill_in_lists_all_that_is_missing() {
     run_on(&folder, "import", "joints", &["--write-data", "none.xml"]).code(2);
     assert!(!at("none.xml").exists());
 }
+
+#[test]
+fn questions_without_an_answer_are_named_with_their_option() {
+    let folder = tempdir().unwrap();
+    let case = "../sunrise-cases/break-condition-decides";
+    let place = "src/application/Probe.java:27";
+    run_on(&folder, "import", case, &[])
+        .code(2)
+        .stderr(contains(format!("give --fired \"{place}=true\" or \"{place}=false\"")));
+    run_on(&folder, "import", case, &["--fired", "Probe.java:27=perhaps"])
+        .code(2)
+        .stderr(contains("true or false"));
+    run_on(&folder, "import", case, &["--fired", "Probe.java:27=true"])
+        .success()
+        .stdout(contains(place));
+}

@@ -27,9 +27,7 @@ impl Robotics<'_> {
             answer: None,
             is_given: false,
         });
-        self.unknown(format!(
-            "{condition}, for which no answer is given (--fired \"{at}=true\" or \"{at}=false\")"
-        ))
+        self.unknown(format!("{condition} at `{at}`, for which no answer is given"))
     }
 
     /// The answer that is given for a place, by its file with or without its folders, and its line; the n-th time, the n-th one.

@@ -13,7 +13,7 @@ use iiwa_sunrise::{
 use crate::{
     applications::Application,
     asked::EndlessLoop,
-    import_error::{ImportError, RefusedImport},
+    import_error::{ImportError, RefusedImport, Unanswered},
     import_note::ImportNote,
     missing::Missing,
     robot_choice::RobotChoice,
@@ -156,6 +156,7 @@ fn import_here(
             own.text += &ways;
         }
     }
+    let asked = run.station.asked.clone();
     let first_missing = run.station.missing.take();
     let (program, places, mut questions) = run.station.finish();
     questions.extend(of_robot);
@@ -179,6 +180,13 @@ fn import_here(
             if !missing.is_empty() && matches!(project.data(), ProjectData::Absent) {
                 reason += "; the project has no RoboticsAPI.data.xml";
             }
+            let mut unanswered: Vec<Unanswered> = Vec::new();
+            for own in asked.iter().filter(|own| own.answer.is_none()) {
+                let own = Unanswered { kind: own.kind, asked: own.subject.clone() };
+                if reason.contains(&format!("`{}`", own.asked)) && !unanswered.contains(&own) {
+                    unanswered.push(own);
+                }
+            }
             Err(ImportError::Refused(Box::new(RefusedImport {
                 application,
                 source: source(&place),
@@ -187,6 +195,7 @@ fn import_here(
                 missing,
                 notes,
                 questions,
+                unanswered,
             })))
         }
     }
@@ -293,22 +302,18 @@ fn ways_out(
         given.resize(before.max(given.len()), last);
         given.push(button);
         let list: Vec<_> = given.iter().map(usize::to_string).collect();
-        let option = format!("--answer \"{key}={}\"", list.join(","));
         dialogs.insert(key, given);
         let setup = StationSetup { answers, ..setup.clone() };
         let run = Run::new(project, name, setup).ok()?;
         if run.station.endless.is_none_or(|own| own.place != endless.place) {
             let choice = dialog.choices.get(button).cloned().unwrap_or_default();
-            found.push(format!(
-                "{button} ({choice}) to `{}` ends it, as in {option}",
-                dialog.subject
-            ));
+            found.push(format!("{} ({choice}) to `{}`", list.join(", "), dialog.subject));
         }
     }
     match (endless.dialogs.is_empty(), found.is_empty()) {
         (true, _) => None,
         (false, true) => Some("; no answer to a dialog in it is known to end it".to_owned()),
-        (false, false) => Some(format!("; the answer {}", found.join(", or "))),
+        (false, false) => Some(format!("; it ends by the answers {}", found.join(", or "))),
     }
 }
 

@@ -2,7 +2,7 @@
 
 use iiwa_kin::BadLength;
 use iiwa_program::{Program, Source};
-use iiwa_sunrise::{DataFileError, Question, RobotStatement, SourceError};
+use iiwa_sunrise::{DataFileError, Question, QuestionKind, RobotStatement, SourceError};
 
 use crate::{applications::Application, import_note::ImportNote, missing::Missing};
 
@@ -97,6 +97,17 @@ pub struct RefusedImport {
     pub notes: Vec<ImportNote>,
     /// What it asked up to there, and how it was answered.
     pub questions: Vec<Question>,
+    /// What the reason depends on, and an answer would tell.
+    pub unanswered: Vec<Unanswered>,
+}
+
+/// Something that an application asks for, and that has no answer.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Unanswered {
+    /// Of which kind it is.
+    pub kind: QuestionKind,
+    /// As of a [`Question`].
+    pub asked: String,
 }
 
 /// What statements say, the first ones of many.

@@ -58,6 +58,7 @@ impl Robotics<'_> {
         is_boolean: bool,
     ) -> Result<Value, Stop> {
         let id = format!("{group}.{signal}");
+        self.station.readings += 1;
         if let Some(value) = self.station.outputs.get(&id) {
             return Ok(value.clone());
         }
@@ -108,6 +109,6 @@ impl Robotics<'_> {
             answer: None,
             is_given: false,
         });
-        self.unknown(format!("the input `{id}`, for which no value is given (--input {id}=VALUE)"))
+        self.unknown(format!("the input `{id}`, for which no value is given"))
     }
 }

@@ -47,6 +47,7 @@ mod schedule;
 mod spot;
 mod station;
 mod station_host;
+mod station_questions;
 mod station_text;
 #[cfg(test)]
 mod test_station;
@@ -57,6 +58,6 @@ mod waits;
 
 pub use applications::Application;
 pub use import::{Import, ImportOptions, import};
-pub use import_error::{ImportError, RefusedImport};
+pub use import_error::{ImportError, RefusedImport, Unanswered};
 pub use import_note::ImportNote;
 pub use missing::Missing;

@@ -5,6 +5,7 @@ use iiwa_json::meant;
 use iiwa_sunrise::{AnswerValue, QuestionKind};
 
 use crate::{
+    asked::Asked,
     missing::Missing,
     robot_value::{RobotValue, robot},
     robotics::Robotics,
@@ -42,6 +43,7 @@ impl Robotics<'_> {
     ) -> Result<Value, Stop> {
         match (name, arguments) {
             ("getValue", []) => {
+                self.station.readings += 1;
                 if let Some(value) = self.station.changed_data.get(id) {
                     return Ok(value.clone());
                 }
@@ -50,6 +52,13 @@ impl Robotics<'_> {
                 let stated =
                     || self.stated(id, |data| data.value.clone().or(data.default_value.clone()));
                 let Some(answer) = given.map(|given| given.to_string()).or_else(stated) else {
+                    self.station.asked.push(Asked {
+                        kind: QuestionKind::ProcessData,
+                        subject: id.to_owned(),
+                        choices: Vec::new(),
+                        answer: None,
+                        is_given: false,
+                    });
                     return Ok(self
                         .unknown(format!("the process data `{id}`, for which no value is given")));
                 };

@@ -173,6 +173,8 @@ impl Robotics<'_> {
 
     /// Notes that a position is asked for while the arm may move: what is given is where it will stand.
     fn know_where(&mut self, what: &str) {
+        let readings = &self.station.position_readings;
+        readings.set(readings.get() + 1);
         if self.station.schedule.is_under_way() {
             self.note(format!(
                 "the arm is asked for {what} while it moves: it gets those of the motion's end"

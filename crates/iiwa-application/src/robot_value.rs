@@ -208,6 +208,10 @@ impl HostValue for RobotValue {
         )
     }
 
+    fn forget(&self, unknown: &Rc<Unknown>) {
+        self.spoil(unknown);
+    }
+
     fn can_act(&self) -> bool {
         matches!(self, Self::Robot | Self::Spot(_))
     }

@@ -1,6 +1,10 @@
 //! The station that an application moves: the arm, what is attached to it, its frames, and what people and signals say.
 
-use std::{cell::RefCell, collections::BTreeMap, rc::Rc};
+use std::{
+    cell::{Cell, RefCell},
+    collections::BTreeMap,
+    rc::Rc,
+};
 
 use iiwa_java::{Place, Unknown, Value};
 use iiwa_kin::{Joints, Load, Pose, Robot};
@@ -91,6 +95,9 @@ pub(crate) struct Station {
     pub(crate) supposed: BTreeMap<String, bool>,
     /// The loop without an end in which the evaluation ended.
     pub(crate) endless: Option<EndlessLoop>,
+    /// Readings of the arm's position, and of outputs and process data.
+    pub(crate) position_readings: Cell<usize>,
+    pub(crate) readings: usize,
     /// What was set, by `Group.Name`.
     pub(crate) outputs: BTreeMap<String, Value>,
     pub(crate) process_data: Vec<ProcessData>,
@@ -170,6 +177,8 @@ impl Station {
             trial: None,
             supposed: BTreeMap::new(),
             endless: None,
+            position_readings: Cell::new(0),
+            readings: 0,
             outputs: BTreeMap::new(),
             process_data: data_file.process_data,
             changed_data: BTreeMap::new(),
@@ -214,7 +223,10 @@ impl Station {
         }
         match spot {
             Spot::World => Some(Frame::default()),
-            Spot::Flange => Some(Frame::from(&self.robot.flange_pose(&self.at_rad))),
+            Spot::Flange => {
+                self.position_readings.set(self.position_readings.get() + 1);
+                Some(Frame::from(&self.robot.flange_pose(&self.at_rad)))
+            }
             Spot::Tree(index) => {
                 let found = self.tree.get(index)?;
                 match found.parent {

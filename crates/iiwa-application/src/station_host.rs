@@ -88,6 +88,8 @@ impl Host for StationHost {
             actions: station.schedule.sent(),
             asked: station.asked.len(),
             continued: station.continued,
+            readings: [station.position_readings.get(), station.readings],
+            state: station.state(),
         }
     }
 

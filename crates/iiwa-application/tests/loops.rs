@@ -34,15 +34,18 @@ fn a_loop_that_only_waits_is_not_the_cycle() {
         // Either of two inputs would end it.
         (
             "double a = 0.1; MOVE while (!cell.getLeft() && !cell.getRight()) { Thread.sleep(100); } MOVE",
-            "--input Cell.Left=VALUE",
+            "the input `Cell.Left`, for which no value is given",
         ),
         // It is read elsewhere.
         (
             "double a = 0.1; boolean is = cell.getLeft(); while (!is) { Thread.sleep(9); is = cell.getLeft(); } MOVE",
-            "--input Cell.Left=VALUE",
+            "the input `Cell.Left`, for which no value is given",
         ),
         // The arm moves meanwhile.
-        ("double a = 0.1; while (!cell.getLeft()) { MOVE }", "--input Cell.Left=VALUE"),
+        (
+            "double a = 0.1; while (!cell.getLeft()) { MOVE }",
+            "the input `Cell.Left`, for which no value is given",
+        ),
     ];
     let members = "private boolean go; @Inject private CellIOGroup cell;";
     for (run, reason) in cases {
@@ -65,4 +68,45 @@ fn an_input_that_is_waited_for_has_its_value_from_there_on() {
     let run = "double a = 0.1; while (!cell.getOpen()) Thread.sleep(100); while (cell.getOpen()) Thread.sleep(100); MOVE";
     let found = refused(members, &with_move(run));
     assert!(found.reason.contains("`Cell.Open`, which is taken as true"), "{}", found.reason);
+}
+
+#[test]
+fn a_loop_follows_what_its_turns_change_of_the_robot() {
+    let members = "@Inject private CellIOGroup cell;";
+    // Outputs that the loop sets and reads.
+    let run = "cell.setLeft(0); double a = 0.1; while (cell.getLeft() < 3) { MOVE cell.setLeft(cell.getLeft() + 1); }";
+    assert_eq!(goes(members, &with_move(run)), [0.1; 3]);
+    // The position.
+    let run = "while (lbr.getCurrentJointPosition().get(0) < 0.45) { \
+               double a = lbr.getCurrentJointPosition().get(0) + 0.2; MOVE }";
+    assert_eq!(goes(members, &with_move(run)).len(), 3);
+    // It comes back to where it began.
+    let run = "double a = 0; while (lbr.getCurrentJointPosition().get(0) < 0.45) { MOVE }";
+    let import = import(members, &with_move(run)).unwrap();
+    assert!(import.notes.iter().any(|note| note.text.contains("the loop has no end")));
+}
+
+#[test]
+fn what_a_branch_may_change_is_unknown_by_all_its_names() {
+    let members = "void fill(List<Double> own) { own.add(0.5); } void plain(double own) { } List<Double> all() { return all; }\n\
+         private List<Double> all = new ArrayList<Double>(Arrays.asList(0.2, 0.1));";
+    let cases = [
+        "fill(all);",
+        "Collections.sort(all);",
+        "Collections.reverse(all);",
+        "List<Double> other = all; other.add(0, 0.3);",
+        "alias.set(0, 0.3);",
+        "all.sort(null);",
+        "all().add(0, 0.3);",
+        "fill(all());",
+    ];
+    for change in cases {
+        let run = format!(
+            "List<Double> alias = all;\nif (System.nanoTime() > 5) {{ {change} }} double a = all.get(0); MOVE"
+        );
+        let found = refused(members, &with_move(&run));
+        assert!(found.reason.contains("clock"), "{change}: {}", found.reason);
+    }
+    let run = "if (System.nanoTime() > 5) { plain(all.get(1)); } double a = all.get(0); MOVE";
+    assert_eq!(goes(members, &with_move(run)), [0.2]);
 }

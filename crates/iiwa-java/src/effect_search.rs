@@ -8,7 +8,36 @@ use crate::{
 };
 
 /// Beginnings of the names of methods that change what they are called on.
-const CHANGING: [&str; 8] = ["add", "put", "remove", "clear", "set", "push", "pop", "append"];
+const CHANGING: [&str; 25] = [
+    "add",
+    "put",
+    "remove",
+    "clear",
+    "set",
+    "push",
+    "pop",
+    "append",
+    "insert",
+    "delete",
+    "reverse",
+    "replace",
+    "sort",
+    "retain",
+    "poll",
+    "offer",
+    "next",
+    "previous",
+    "increment",
+    "decrement",
+    "getAnd",
+    "compute",
+    "merge",
+    "accumulate",
+    "transform",
+];
+
+/// Classes of the library whose methods change their arguments.
+const CHANGING_ARGUMENTS: [&str; 3] = ["Collections", "Arrays", "System"];
 
 /// What is being looked at, and what was found.
 struct Search<'m> {
@@ -17,6 +46,8 @@ struct Search<'m> {
     /// Loops, and switches, around what is looked at, within the piece.
     loops: usize,
     breakable: usize,
+    /// Variables that are given what others hold.
+    aliases: Vec<(String, String)>,
 }
 
 impl Machine {
@@ -25,20 +56,18 @@ impl Machine {
         &mut self,
         statements: impl IntoIterator<Item = &'s Statement>,
     ) -> Effects {
-        let mut search =
-            Search { machine: self, found: Effects::default(), loops: 0, breakable: 0 };
+        let mut search = Search::new(self);
         for statement in statements {
             search.statement(statement);
         }
-        search.found
+        search.finish()
     }
 
     /// What an expression does.
     pub(crate) fn effects_of_expression(&mut self, expression: &Expression) -> Effects {
-        let mut search =
-            Search { machine: self, found: Effects::default(), loops: 0, breakable: 0 };
+        let mut search = Search::new(self);
         search.expression(expression);
-        search.found
+        search.finish()
     }
 
     /// What any of the project's methods or constructors of this name does.
@@ -56,7 +85,9 @@ impl Machine {
         for class in classes {
             for method in class.methods.iter().chain(&class.constructors) {
                 if let (true, Some(body)) = (method.name == name, &method.body) {
-                    found.add(&self.effects_of(body));
+                    let own = self.effects_of(body);
+                    found.add(&own);
+                    found.returns.extend(own.returns);
                 }
             }
         }
@@ -66,7 +97,40 @@ impl Machine {
     }
 }
 
-impl Search<'_> {
+impl<'m> Search<'m> {
+    fn new(machine: &'m mut Machine) -> Self {
+        let found = Effects::default();
+        Self { machine, found, loops: 0, breakable: 0, aliases: Vec::new() }
+    }
+
+    /// What was found; what a variable holds changes by its other names, too.
+    fn finish(self) -> Effects {
+        let mut found = self.found;
+        for (alias, of) in self.aliases.iter().rev() {
+            if found.changes.contains(alias) {
+                found.changes.insert(of.clone());
+            }
+        }
+        found
+    }
+
+    fn alias(&mut self, name: &str, value: &Expression) {
+        if let Some(of) = base_name(value) {
+            self.aliases.push((name.to_owned(), of.to_owned()));
+        }
+    }
+
+    /// The names of what an expression may give.
+    fn sources(&mut self, expression: &Expression) -> Vec<String> {
+        match &expression.kind {
+            ExpressionKind::Call { name, .. } => {
+                let returns = self.machine.effects_of_method(name).returns;
+                returns.into_iter().chain(base_name(expression).map(str::to_owned)).collect()
+            }
+            _ => base_name(expression).map(str::to_owned).into_iter().collect(),
+        }
+    }
+
     fn statements(&mut self, statements: &[Statement]) {
         for statement in statements {
             self.statement(statement);
@@ -79,9 +143,12 @@ impl Search<'_> {
                 self.statements(body);
             }
             StatementKind::Local { variables, .. } => {
-                variables.iter().filter_map(|own| own.initial.as_ref()).for_each(|value| {
-                    self.expression(value);
-                });
+                for own in variables {
+                    if let Some(value) = &own.initial {
+                        self.expression(value);
+                        self.alias(&own.name, value);
+                    }
+                }
             }
             StatementKind::Expression(value) | StatementKind::Yield(value) => {
                 self.expression(value);
@@ -125,6 +192,7 @@ impl Search<'_> {
             StatementKind::Return(value) => {
                 if let Some(own) = value {
                     self.expression(own);
+                    self.found.returns.extend(base_name(own).map(str::to_owned));
                 }
                 self.found.leaves = true;
             }
@@ -168,11 +236,19 @@ impl Search<'_> {
                 if let Some(on) = on {
                     self.expression(on);
                     if CHANGING.iter().any(|beginning| name.starts_with(beginning)) {
-                        self.found.changes.extend(base_name(on).map(str::to_owned));
+                        let sources = self.sources(on);
+                        self.found.changes.extend(sources);
                     }
                 }
                 self.expressions(arguments);
-                self.called(name);
+                let changes = self.called(name);
+                let on = on.as_deref().and_then(base_name);
+                if changes || on.is_some_and(|class| CHANGING_ARGUMENTS.contains(&class)) {
+                    for argument in arguments {
+                        let sources = self.sources(argument);
+                        self.found.changes.extend(sources);
+                    }
+                }
             }
             ExpressionKind::New { type_name, arguments, body } => {
                 self.expressions(arguments);
@@ -183,6 +259,9 @@ impl Search<'_> {
             }
             ExpressionKind::Assign { target, value, .. } => {
                 self.expression(value);
+                if let ExpressionKind::Name(name) = &target.kind {
+                    self.alias(name, value);
+                }
                 self.assigned(target);
             }
             ExpressionKind::Step { target, .. } => self.assigned(target),
@@ -244,16 +323,19 @@ impl Search<'_> {
         }
     }
 
-    fn called(&mut self, name: &str) {
+    /// A call of a method of the project, if there is one of this name; whether it changes the contents of something, perhaps
+    /// of its arguments.
+    fn called(&mut self, name: &str) -> bool {
         self.found.calls.insert(name.to_owned());
         if self.machine.host.acting().contains(&name) {
             let is_pause = self.machine.host.pausing().contains(&name);
             let action = if is_pause { Action::Pause } else { Action::Motion };
             self.found.action = self.found.action.max(action);
-            return;
+            return false;
         }
         let own = self.machine.effects_of_method(name);
         self.found.add(&own);
+        !own.changes.is_empty()
     }
 
     fn assigned(&mut self, target: &Expression) {

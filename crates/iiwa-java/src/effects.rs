@@ -15,7 +15,9 @@ pub(crate) struct Effects {
     pub(crate) assigns: BTreeSet<String>,
     /// Variables whose contents change.
     pub(crate) changes: BTreeSet<String>,
-    /// The names of methods that are called.
+    /// Variables and fields that are returned, by name; not those of methods that are called.
+    pub(crate) returns: BTreeSet<String>,
+    /// Methods that are called, and classes of which objects are made, by name.
     pub(crate) calls: BTreeSet<String>,
 }
 

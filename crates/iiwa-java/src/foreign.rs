@@ -3,11 +3,10 @@
 use std::{cell::RefCell, rc::Rc};
 
 use crate::{
-    java_list::{List, ListKind},
     java_sorting::Known,
     machine::Machine,
     stop::Stop,
-    value::{Map, MapOrder, Thrown, Value},
+    value::{List, ListKind, Map, MapOrder, Thrown, Value},
 };
 
 impl Machine {

@@ -1,6 +1,8 @@
 //! Values that are not Java's.
 
-use std::{any::Any, fmt::Debug};
+use std::{any::Any, fmt::Debug, rc::Rc};
+
+use crate::unknown::Unknown;
 
 /// An object of a class that only the host of an evaluation knows. Copies are the same object, as in Java.
 pub trait HostValue: Any + Debug {
@@ -15,6 +17,9 @@ pub trait HostValue: Any + Debug {
 
     /// Whether its methods change it.
     fn is_mutable(&self) -> bool;
+
+    /// Makes unknown what its methods may have changed.
+    fn forget(&self, unknown: &Rc<Unknown>);
 
     /// Whether code that has it can act: a method that is not looked into might.
     fn can_act(&self) -> bool;

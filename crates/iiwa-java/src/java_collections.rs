@@ -3,12 +3,11 @@
 use std::{cell::RefCell, rc::Rc};
 
 use crate::{
-    java_list::{List, View},
     java_sorting::REVERSE_ORDER,
     machine::Machine,
     stop::Stop,
     unknown::Unknown,
-    value::{Array, Value},
+    value::{Array, List, Value, View},
 };
 
 /// Elements of a collection: more would fill memory, and no program has them.

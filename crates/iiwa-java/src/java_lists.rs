@@ -4,10 +4,9 @@ use std::{cell::RefCell, rc::Rc};
 
 use crate::{
     java_collections::MAX_ELEMENTS,
-    java_list::{Iteration, List, ListKind, MapPart, View},
     machine::Machine,
     stop::Stop,
-    value::{Array, Value},
+    value::{Array, Iteration, List, ListKind, MapPart, Value, View},
 };
 
 impl Machine {

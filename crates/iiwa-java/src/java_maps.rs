@@ -4,13 +4,12 @@ use std::{cell::RefCell, cmp::Ordering, rc::Rc};
 
 use crate::{
     java_collections::MAX_ELEMENTS,
-    java_list::{List, MapPart, View},
     java_lists::set_iterator,
     java_sorting::{Known, natural},
     machine::Machine,
     stop::Stop,
     unknown::Unknown,
-    value::{Map, MapOrder, Value},
+    value::{List, Map, MapOrder, MapPart, Value, View},
 };
 
 impl Machine {

@@ -2,7 +2,12 @@
 
 use std::rc::Rc;
 
-use crate::{java_list::View, machine::Machine, stop::Stop, unknown::Unknown, value::Value};
+use crate::{
+    machine::Machine,
+    stop::Stop,
+    unknown::Unknown,
+    value::{Value, View},
+};
 
 /// Methods of the library that change nothing, though their results are not known.
 const READING: [&str; 22] = [

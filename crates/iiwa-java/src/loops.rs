@@ -135,7 +135,11 @@ impl Machine {
         if now.continued != before.continued {
             return Ok(());
         }
-        let is_unchanged = self.java.changes == changes;
+        // What a turn reads of the host's state may end the loop once that is another.
+        let is_followed = (0..now.state.len()).any(|part| {
+            now.readings[part] != before.readings[part] && now.state[part] != before.state[part]
+        });
+        let is_unchanged = self.java.changes == changes && !is_followed;
         let says_so = Self::is_always_true(turn.condition);
         let moves = now.actions != before.actions;
         let is_without_exit = says_so && !self.effects_of(std::iter::once(turn.body)).leaves;

@@ -40,6 +40,10 @@ pub struct Progress {
     pub asked: usize,
     /// Answers after which another one is given to the same question.
     pub continued: usize,
+    /// Readings of parts of the host's state that a program can change.
+    pub readings: [usize; 2],
+    /// These parts, as hashes.
+    pub state: [u64; 2],
 }
 
 /// Whoever knows the classes that are neither of the project nor of Java's own library, and what it means to act: to do what an

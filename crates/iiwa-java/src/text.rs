@@ -2,7 +2,12 @@
 
 use std::{fmt::Write as _, rc::Rc};
 
-use crate::{java_list::MapPart, machine::Machine, stop::Stop, unknown::Unknown, value::Value};
+use crate::{
+    machine::Machine,
+    stop::Stop,
+    unknown::Unknown,
+    value::{MapPart, Value},
+};
 
 /// A text, or what it depends on.
 pub(crate) type Text = Result<String, Rc<Unknown>>;

@@ -365,28 +365,43 @@ impl Machine {
     /// Makes unknown what `effects` may change.
     pub(crate) fn forget_values(&mut self, effects: &Effects, unknown: &Rc<Unknown>) {
         self.java.changes += u64::from(!effects.assigns.is_empty() || !effects.changes.is_empty());
-        let forgotten = |name: &str, old: &Value| {
-            let holds_others =
-                matches!(old, Value::List(_) | Value::Map(_) | Value::Array(_) | Value::Builder(_))
-                    || matches!(old, Value::Host(value) if value.is_mutable());
-            effects.assigns.contains(name) || (holds_others && effects.changes.contains(name))
-        };
-        for local in self.java.activations.iter_mut().flat_map(|own| &mut own.locals) {
-            if forgotten(&local.name, &local.value) {
-                local.value = Value::Unknown(Rc::clone(unknown));
+        // Objects that others may have by other names.
+        let mut changed: Vec<Value> = Vec::new();
+        let mut forget = |name: &str, value: &mut Value| {
+            let has_contents = match value {
+                Value::List(_)
+                | Value::Map(_)
+                | Value::Array(_)
+                | Value::Builder(_)
+                | Value::Iterator(_)
+                | Value::Cell(_) => true,
+                Value::Host(own) => own.is_mutable(),
+                _ => false,
+            };
+            let changes = has_contents && effects.changes.contains(name);
+            if changes {
+                changed.push(value.clone());
             }
-        }
-        for ((_, name), value) in &mut self.java.statics {
-            if forgotten(name, value) {
+            if changes || effects.assigns.contains(name) {
                 *value = Value::Unknown(Rc::clone(unknown));
             }
+        };
+        for local in self.java.activations.iter_mut().flat_map(|own| &mut own.locals) {
+            forget(&local.name, &mut local.value);
+        }
+        for ((_, name), value) in &mut self.java.statics {
+            forget(name, value);
         }
         self.java.objects.retain(|object| object.strong_count() > 0);
         for object in self.java.objects.iter().filter_map(std::rc::Weak::upgrade) {
             for ((_, name), value) in object.fields.borrow_mut().iter_mut() {
-                if forgotten(name, value) {
-                    *value = Value::Unknown(Rc::clone(unknown));
-                }
+                forget(name, value);
+            }
+        }
+        for value in changed {
+            match &value {
+                Value::Host(own) => own.forget(unknown),
+                _ => self.spoil(&value, unknown),
             }
         }
     }
