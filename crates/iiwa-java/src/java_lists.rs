@@ -381,7 +381,16 @@ impl Machine {
             let own = iteration.borrow();
             (Rc::clone(&own.list), own.next, own.last)
         };
-        self.refresh(&Value::List(Rc::clone(&list)));
+        // Keys that are as many as before are the same ones: others end an iteration.
+        let is_current = match &*list.view.borrow() {
+            Some(View::Map(map, MapPart::Keys)) => {
+                map.borrow().entries.len() == list.borrow().len()
+            }
+            _ => false,
+        };
+        if !is_current {
+            self.refresh(&Value::List(Rc::clone(&list)));
+        }
         let length = list.borrow().len();
         let count = |number: usize| Value::Int(i32::try_from(number).unwrap_or(i32::MAX));
         let to = |next: usize, last: Option<usize>| {

@@ -251,6 +251,23 @@ impl Machine {
         map: &Rc<RefCell<Map>>,
         key: &Value,
     ) -> Result<Known<Option<usize>>, Stop> {
+        let is_plain = |value: &Value| {
+            matches!(
+                value,
+                Value::Text(_)
+                    | Value::Boolean(_)
+                    | Value::Char(_)
+                    | Value::Int(_)
+                    | Value::Long(_)
+            )
+        };
+        // Keys that are compared without methods of the project.
+        if is_plain(key) && map.borrow().entries.iter().all(|(own, _)| is_plain(own)) {
+            let is_it = |own: &Value| {
+                std::mem::discriminant(own) == std::mem::discriminant(key) && own.is_same(key)
+            };
+            return Ok(Ok(map.borrow().entries.iter().position(|(own, _)| is_it(own))));
+        }
         let keys: Vec<_> = map.borrow().entries.iter().map(|(key, _)| key.clone()).collect();
         self.place_of(&keys, key)
     }
