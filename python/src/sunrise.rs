@@ -46,7 +46,7 @@ impl<'py> FromPyObject<'_, 'py> for Buttons {
     }
 }
 
-/// Whether a break condition fired, one time after the other.
+/// Outcomes of a break condition, one time after the other.
 pub(crate) struct Fired(Vec<bool>);
 
 impl<'py> FromPyObject<'_, 'py> for Fired {

@@ -29,7 +29,7 @@ pub(crate) struct Answering {
     #[arg(long, value_name = "ID=VALUE", help_heading = SUNRISE)]
     pub(crate) data: Vec<String>,
 
-    /// Whether a break condition fired, by the file and line of `hasFired`, as Search.java:29=true; several values answer it one
+    /// Outcome of a break condition, by the file and line of `hasFired`, as Search.java:29=true; several values answer it one
     /// after the other
     #[arg(long, value_name = "FILE:LINE=BOOL[,BOOL]...", help_heading = SUNRISE)]
     pub(crate) fired: Vec<String>,

@@ -1,4 +1,4 @@
-//! What an application asked, in the order in which it did, and what keeps its loops going.
+//! Questions of an application, in the order in which it asks them.
 
 use iiwa_java::Place;
 use iiwa_sunrise::QuestionKind;

@@ -97,7 +97,7 @@ pub struct RefusedImport {
     pub notes: Vec<ImportNote>,
     /// What it asked up to there, and how it was answered.
     pub questions: Vec<Question>,
-    /// What the reason depends on, and an answer would tell.
+    /// Questions without an answer that the reason depends on.
     pub unanswered: Vec<Unanswered>,
 }
 

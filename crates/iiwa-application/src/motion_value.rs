@@ -74,7 +74,7 @@ pub(crate) struct Settings {
     pub(crate) turns_with_path: Option<bool>,
     pub(crate) aux_orientation: Option<AuxOrientation>,
     pub(crate) circ_angle_rad: Option<f64>,
-    /// Whether a condition may end the motion.
+    /// True if a condition may end the motion.
     pub(crate) has_break: bool,
 }
 

@@ -104,7 +104,7 @@ fn unknown(machine: &Robotics<'_>) -> Value {
     machine.unknown("an argument")
 }
 
-/// What a program may have changed of a value is unknown.
+/// True if the contents of a value are unknown.
 fn is_spoiled(receiver: &RobotValue) -> bool {
     match receiver {
         RobotValue::Joints(own) => own.borrow().unknown.is_some(),

@@ -29,7 +29,7 @@ pub(crate) enum RobotValue {
     /// An `LBRE1Redundancy`.
     Redundancy(Rc<RefCell<RedundancyValue>>),
     Motion(Rc<RefCell<MotionValue>>),
-    /// What sending a motion gives.
+    /// The container of a motion that was sent.
     Container(Rc<Sent>),
     /// The limits of the robot's joints.
     JointLimits,
@@ -46,9 +46,9 @@ pub(crate) enum RobotValue {
 /// A motion that was sent, or several.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Sent {
-    /// How many motions had been sent by then.
+    /// Number of motions sent by then.
     pub(crate) count: usize,
-    /// Whether a condition may end it.
+    /// True if a condition may end it.
     pub(crate) has_break: bool,
 }
 

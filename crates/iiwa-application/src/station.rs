@@ -82,10 +82,10 @@ pub(crate) struct Station {
     pub(crate) answers: Answers,
     /// How often each dialog was answered.
     pub(crate) answered: BTreeMap<String, usize>,
-    /// How often it was asked at each place whether a condition came true.
+    /// Number of questions about a condition, by place.
     pub(crate) fired: BTreeMap<String, usize>,
     pub(crate) questions: Vec<Question>,
-    /// What was asked, each time, with the answer if there was one.
+    /// All questions, with their answers.
     pub(crate) asked: Vec<Asked>,
     /// Answers after which another one is given to the same dialog.
     pub(crate) continued: usize,

@@ -30,7 +30,7 @@ const ACTING: [&str; 16] = [
     "MobilePlatformVelocityMotion",
 ];
 
-/// Those that only take time.
+/// Acting methods that only take time.
 const PAUSING: [&str; 5] = ["milliSleep", "nanoSleep", "sleep", "await", "awaitFileAvailable"];
 
 /// Those whose receiver must be known.

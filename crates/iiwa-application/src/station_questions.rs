@@ -1,4 +1,4 @@
-//! What a station was asked: suppositions, and the answers and the state that keep loops going.
+//! Questions to a station: supposed answers, and the answers and states that keep loops going.
 
 use std::hash::{DefaultHasher, Hash, Hasher};
 

@@ -103,7 +103,7 @@ impl<'m> Search<'m> {
         Self { machine, found, loops: 0, breakable: 0, aliases: Vec::new() }
     }
 
-    /// What was found; what a variable holds changes by its other names, too.
+    /// The effects found. Contents of a variable change by its other names, too.
     fn finish(self) -> Effects {
         let mut found = self.found;
         for (alias, of) in self.aliases.iter().rev() {

@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 /// What statements do beyond having values.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Effects {
-    /// Whether they do what the evaluation is for.
+    /// The strongest action among them.
     pub(crate) action: Action,
     /// Whether they may leave what is around them: by `return`, `throw`, or the `break` of a loop around.
     pub(crate) leaves: bool,

@@ -58,7 +58,7 @@ pub(crate) struct Local {
     /// None if it takes any value.
     pub(crate) type_name: Option<TypeName>,
     pub(crate) value: Value,
-    /// Whether the program has given it a value.
+    /// True once the program has given it a value.
     pub(crate) is_assigned: bool,
 }
 

@@ -39,7 +39,7 @@ const READING: [&str; 22] = [
 const RUNNING: [&str; 4] = ["forEach", "forEachOrdered", "ifPresent", "peek"];
 
 impl Machine {
-    /// What the contents of a collection or a builder depend on, if they are not known.
+    /// Reason for unknown contents of a collection or a builder.
     pub(crate) fn unknown_contents(value: &Value) -> Option<Rc<Unknown>> {
         match value {
             Value::List(list) => list.unknown(),
@@ -96,7 +96,7 @@ impl Machine {
         Ok(result)
     }
 
-    /// What a call that is not looked into may do to its receiver and its arguments.
+    /// Makes unknown the receiver and the arguments of a call that is not modelled.
     pub(crate) fn after_unmodelled(
         &mut self,
         receiver: Option<&Value>,

@@ -177,8 +177,8 @@ impl Machine {
         Err(Stop::Ended)
     }
 
-    /// Whether a loop that only waits ends by one value of the only input that its condition depends on, and not by the
-    /// other: that value is taken from here on.
+    /// Supposes the value that ends a loop which only waits, if its condition depends on one input and one value alone
+    /// ends it. False if there is no such value.
     fn is_ended_by_input(
         &mut self,
         condition: &Expression,

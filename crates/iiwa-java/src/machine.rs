@@ -58,7 +58,7 @@ pub trait Host {
     /// What acting is, in messages: "the arm moves or waits".
     fn acts(&self) -> &'static str;
 
-    /// Those of the acting methods that only take time.
+    /// The acting methods that only take time.
     fn pausing(&self) -> &'static [&'static str];
 
     /// Counts of what was done so far.

@@ -31,14 +31,14 @@ const PRIMITIVE: [&str; 22] = [
     "getAndDecrement",
 ];
 
-/// Those that give elements of collections.
+/// Methods of Java's library that give elements of collections, of any class.
 const BOXED: [&str; 12] = [
     "valueOf", "next", "previous", "getKey", "getValue", "peek", "poll", "pop", "getFirst",
     "getLast", "first", "last",
 ];
 
 impl Machine {
-    /// Whether a whole number is an object, by the type of its expression; none if that is not known.
+    /// True if a whole number is an object, by the type of its expression; none if that is not known.
     pub(crate) fn is_boxed(&self, expression: &Expression) -> Option<bool> {
         match &expression.kind {
             ExpressionKind::Literal(Literal::Int(_) | Literal::Char(_))

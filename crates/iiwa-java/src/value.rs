@@ -68,13 +68,13 @@ pub struct Array {
 pub struct List {
     values: RefCell<Vec<Value>>,
     pub(crate) kind: ListKind,
-    /// What the contents depend on, if they are not known.
+    /// Reason for unknown contents.
     unknown: RefCell<Option<Rc<Unknown>>>,
-    /// What the contents are those of, if they are another object's.
+    /// The object that the list shows, if any.
     pub(crate) view: RefCell<Option<View>>,
 }
 
-/// Which end of a list `push`, `pop` and `peek` mean.
+/// The end of a list at which `push`, `pop` and `peek` work.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum ListKind {
     List,
@@ -84,7 +84,7 @@ pub(crate) enum ListKind {
     Deque,
 }
 
-/// What a list shows of another object: changes of one are changes of the other.
+/// An object that a list shows: changes of one are changes of the other.
 #[derive(Clone, Debug)]
 pub(crate) enum View {
     /// All of an array: `Arrays.asList`.
@@ -137,7 +137,7 @@ impl List {
         self.values.borrow_mut()
     }
 
-    /// What its contents depend on, if they are not known.
+    /// Reason for unknown contents.
     pub(crate) fn unknown(&self) -> Option<Rc<Unknown>> {
         self.unknown.borrow().clone()
     }
@@ -163,7 +163,7 @@ pub struct Map {
     pub order: MapOrder,
     /// Whether it is a set: its keys are the elements.
     pub is_set: bool,
-    /// What its contents depend on, if they are not known.
+    /// Reason for unknown contents.
     pub unknown: Option<Rc<Unknown>>,
 }
 

@@ -45,7 +45,7 @@ pub struct Answers {
     pub inputs: BTreeMap<String, AnswerValue>,
     /// Process data, by id.
     pub data: BTreeMap<String, AnswerValue>,
-    /// Whether conditions come true that are measured while the arm moves, by the place at which the program asks for it, as
+    /// Outcomes of conditions that are measured while the arm moves, by the place at which the program asks for it, as
     /// `Search.java:29`, with or without the folders of the file. Of several, each answers it once, and the last one from then on.
     pub fired: BTreeMap<String, Vec<bool>>,
     /// Durations in s of holds that the operator ends, of grippers and of platforms, by `File.java:line`.

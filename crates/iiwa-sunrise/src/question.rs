@@ -36,7 +36,7 @@ pub enum QuestionKind {
     Flange,
     /// The joints with which the arm stands before the first motion, in degrees.
     Start,
-    /// Whether a condition came true that is measured while the arm moves.
+    /// The outcome of a condition that is measured while the arm moves.
     Fired,
     /// The duration of a hold, of a gripper or of a platform.
     Time,
