@@ -174,13 +174,14 @@ fn pair<'a>(option: &str, given: &'a str) -> Result<(String, &'a str), Failure> 
     }
 }
 
-/// The options that give answers, by the tables of a file of answers that messages name.
-const OPTIONS: [(&str, &str); 5] = [
+/// The options that give answers, by what messages say of them: most name tables of a file of answers.
+const OPTIONS: [(&str, &str); 6] = [
     ("`[inputs]`", "--input"),
     ("`[data]`", "--data"),
     ("`[fired]`", "--fired"),
     ("`[times]`", "--time"),
     ("`[tools]`", "--tool"),
+    ("the start is not given", "--start-deg"),
 ];
 
 /// A message about answers with the options that give them.
@@ -215,11 +216,11 @@ pub(crate) fn failure(folder: &Path, error: &ImportError) -> Failure {
                 _ => format!("{moves} motions before it were understood"),
             };
             let error = with_options(&error.to_string());
-            let fill_in = match refused.reason.ends_with(ExportedProject::DATA_FILE)
-                && !refused.missing.is_empty()
-            {
-                true => "; iiwasim import --write-data FILE.xml writes one to fill in",
-                false => "",
+            let lacks_file = refused.reason.ends_with(ExportedProject::DATA_FILE);
+            let fill_in = if lacks_file && !refused.missing.is_empty() {
+                "; iiwasim import --write-data FILE.xml writes one to fill in"
+            } else {
+                ""
             };
             let options: Vec<_> = refused.unanswered.iter().map(option).collect();
             let options = match options.len() {

@@ -103,8 +103,8 @@ fn answers_come_from_a_file_or_from_options() {
     let all = run_on(&folder, "import", "dialogs", &["--json", "--no-output"]).success();
     let report: Value = serde_json::from_slice(&all.get_output().stdout).unwrap();
     let dialog = |report: &Value| {
-        let questions = report["questions"].as_array().unwrap().iter();
-        questions.filter(|own| own["kind"] == "dialog").cloned().next().unwrap()
+        let mut questions = report["questions"].as_array().unwrap().iter();
+        questions.find(|own| own["kind"] == "dialog").cloned().unwrap()
     };
     let question = dialog(&report);
     assert_eq!(question["asked"], "Which part is fetched?");
@@ -149,6 +149,9 @@ fn robot_and_flange_are_shown_and_asked_for() {
         .stdout(contains("Robot lbr_iiwa_14_r820, flange 126 mm\n"))
         .stdout(contains("--flange-mm").not());
     run_on(&folder, "import", "dialogs", &["--flange-mm", "0"]).code(2);
+    run_on(&folder, "import", "../sunrise-cases/start-unknown", &[])
+        .code(2)
+        .stderr(contains("the start is not given").and(contains("--start-deg")));
 }
 
 #[test]

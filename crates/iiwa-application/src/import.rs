@@ -6,8 +6,7 @@ use iiwa_java::{ClassId, Classes, Machine, Note, Place, Refusal, Stop};
 use iiwa_kin::{Joints, Robot};
 use iiwa_program::{Motion, Program, Source};
 use iiwa_sunrise::{
-    Answers, DataFile, ExportedProject, Project, ProjectData, Question, QuestionKind,
-    RobotStatement,
+    DataFile, ExportedProject, Project, ProjectData, Question, QuestionKind, RobotStatement,
 };
 
 use crate::{
@@ -15,28 +14,12 @@ use crate::{
     asked::EndlessLoop,
     import_error::{ImportError, RefusedImport, Unanswered},
     import_note::ImportNote,
+    import_options::ImportOptions,
     missing::Missing,
     robot_choice::RobotChoice,
     station::{Station, StationSetup},
     station_host::StationHost,
 };
-
-/// How an application is imported.
-#[derive(Clone, Debug, Default)]
-pub struct ImportOptions {
-    /// The robot that runs it; if absent, the one that the project states. A built-in model has the flange that is given, or
-    /// that the project states.
-    pub robot: Option<Robot>,
-    /// What the program calls the robot that is given; its own name if absent.
-    pub robot_name: Option<String>,
-    /// The length of the robot's flange, in m; if absent, the one that the project states.
-    pub flange_m: Option<f64>,
-    /// Where the arm stands when it begins, in rad; if absent, where the project's process data say
-    /// ([`ExportedProject::START_ID`]), or else with all joints at 0.
-    pub start_rad: Option<Joints>,
-    /// What it is answered where it asks.
-    pub answers: Answers,
-}
 
 /// An application as a motion program.
 #[derive(Clone, Debug, PartialEq)]
@@ -317,15 +300,9 @@ fn ways_out(
     }
 }
 
-/// The value of process data.
-pub(crate) fn stated<'d>(data_file: &'d DataFile, id: &str) -> Option<&'d str> {
-    let own = data_file.process_data.iter().find(|own| own.id == id)?;
-    own.value.as_deref().or(own.default_value.as_deref())
-}
-
 /// Where the arm stands when an exported project begins.
 fn stated_start(data_file: &DataFile) -> Option<Joints> {
-    let numbers = stated(data_file, ExportedProject::START_ID)?.split_whitespace();
+    let numbers = data_file.setting(ExportedProject::START_ID)?.split_whitespace();
     let numbers: Vec<f64> = numbers.map(str::parse).collect::<Result<_, _>>().ok()?;
     numbers.try_into().ok()
 }

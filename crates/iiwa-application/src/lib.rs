@@ -23,6 +23,7 @@ mod frames_api;
 mod import;
 mod import_error;
 mod import_note;
+mod import_options;
 mod inputs;
 mod joints_api;
 mod library_api;
@@ -57,7 +58,8 @@ mod user_keys;
 mod waits;
 
 pub use applications::Application;
-pub use import::{Import, ImportOptions, import};
+pub use import::{Import, import};
 pub use import_error::{ImportError, RefusedImport, Unanswered};
 pub use import_note::ImportNote;
+pub use import_options::ImportOptions;
 pub use missing::Missing;

@@ -43,7 +43,7 @@ impl Missing {
         match self {
             Self::Frame(path) => add_frame(&mut file.frames, path),
             Self::Template(name) => {
-                file.tools.push(ToolTemplate { name: name.clone(), ..ToolTemplate::default() })
+                file.tools.push(ToolTemplate { name: name.clone(), ..ToolTemplate::default() });
             }
             Self::TemplateFrame { template, path } => {
                 let known = file.tools.iter_mut().chain(&mut file.workpieces);

@@ -4,14 +4,13 @@ use iiwa_kin::Robot;
 use iiwa_program::Source;
 use iiwa_sunrise::{
     DataFile, ExportedProject, ImportedCell, OTHER_FLANGE_M, Project, ProjectData, Question,
-    QuestionKind, RobotStatement, Stated, StatedBy, StatedModel, TOUCH_FLANGE_M, Verdict,
+    QuestionKind, RobotStatement, SourceFile, Stated, StatedBy, StatedModel, TOUCH_FLANGE_M,
+    Verdict,
 };
 
 use crate::{
-    applications::Application,
-    import::{ImportOptions, stated},
-    import_error::ImportError,
-    import_note::ImportNote,
+    applications::Application, import_error::ImportError, import_note::ImportNote,
+    import_options::ImportOptions,
 };
 
 /// The robot of an application.
@@ -73,11 +72,12 @@ impl RobotChoice {
                 }
                 (robot, name)
             }
-            (None, None) => return Err(ImportError::Robots(all)),
-            (None, Some(stated)) => {
+            (None, Agreement::Several) => return Err(ImportError::Robots(all)),
+            (None, stated) => {
                 if let Some(name) = foreign(data_file) {
                     return Err(ImportError::UnknownRobot(name.to_owned()));
                 }
+                let stated = stated.one();
                 if stated.is_none() {
                     let assumed = Robot::default().name().to_owned();
                     ask(QuestionKind::Robot, "robot", assumed, false);
@@ -107,17 +107,17 @@ impl RobotChoice {
         let flange_m = match (given_m, flange) {
             (Some(given_m), _) => {
                 notes.extend(all.iter().find_map(|own| other_flange(given_m, own)));
-                if flange == Some(None) {
+                if matches!(flange, Agreement::Nothing) {
                     ask(QuestionKind::Flange, "flange", mm(given_m), true);
                 }
                 given_m
             }
-            (None, Some(Some(stated_m))) => stated_m,
-            (None, Some(None)) => {
+            (None, Agreement::One(stated_m)) => stated_m,
+            (None, Agreement::Nothing) => {
                 ask(QuestionKind::Flange, "flange", mm(model_m), false);
                 model_m
             }
-            (None, None) => {
+            (None, Agreement::Several) => {
                 all.retain(|own| matches!(own.means, Stated::Flange(..)));
                 return Err(ImportError::Flanges(all));
             }
@@ -148,12 +148,31 @@ fn given(options: &ImportOptions) -> Result<Option<(Robot, String)>, ImportError
     }
 }
 
-/// The value on which all kinds of files agree that state one, if any does; none if they disagree. A station may have several
-/// robots, of which one is named elsewhere.
+/// The values that files of all kinds state.
+#[derive(Clone, Copy)]
+enum Agreement<T> {
+    /// No file states one.
+    Nothing,
+    One(T),
+    /// There is none on which all kinds of files agree that state one, or more than one.
+    Several,
+}
+
+impl<T> Agreement<T> {
+    fn one(self) -> Option<T> {
+        match self {
+            Self::One(value) => Some(value),
+            Self::Nothing | Self::Several => None,
+        }
+    }
+}
+
+/// The value on which all kinds of files agree that state one. A station may have several robots, of which one is named
+/// elsewhere.
 fn agreed<T: Copy + PartialEq>(
     statements: &[RobotStatement],
     value: impl Fn(&Stated) -> Option<T>,
-) -> Option<Option<T>> {
+) -> Agreement<T> {
     let mut left: Option<Vec<T>> = None;
     for by in [StatedBy::Station, StatedBy::DataFile, StatedBy::Java] {
         let own = statements.iter().filter(|own| own.by == by);
@@ -166,9 +185,13 @@ fn agreed<T: Copy + PartialEq>(
             None => left = Some(own),
         }
     }
-    let Some(left) = left else { return Some(None) };
-    let first = *left.first()?;
-    left.iter().all(|value| *value == first).then_some(Some(first))
+    match left.as_deref() {
+        None => Agreement::Nothing,
+        Some([first, others @ ..]) if others.iter().all(|value| value == first) => {
+            Agreement::One(*first)
+        }
+        Some(_) => Agreement::Several,
+    }
 }
 
 /// All that the project states. Of its Java, the file of the application counts before all others.
@@ -182,7 +205,7 @@ fn statements(
     let named = |is_own: bool| {
         let files = project.files().iter();
         let files = files.filter(move |file| (file.path() == application.file) == is_own);
-        files.flat_map(|file| file.robots()).cloned().collect::<Vec<_>>()
+        files.flat_map(SourceFile::robots).cloned().collect::<Vec<_>>()
     };
     let own = named(true);
     all.extend(if own.is_empty() { named(false) } else { own });
@@ -230,10 +253,10 @@ fn devices(project: &Project, data_file: &DataFile) -> Vec<RobotStatement> {
         .filter_map(named)
         .map(|(name, model)| in_data_file(project, name, Stated::Model(model)))
         .collect();
-    let exported = stated(data_file, ExportedProject::ROBOT_ID);
+    let exported = data_file.setting(ExportedProject::ROBOT_ID);
     if let Some((name, model)) = exported.and_then(named) {
         found.push(in_data_file(project, name, Stated::Model(model)));
-        let flange_mm = stated(data_file, ExportedProject::FLANGE_ID);
+        let flange_mm = data_file.setting(ExportedProject::FLANGE_ID);
         if let Some(flange_mm) = flange_mm.and_then(|mm| mm.parse::<f64>().ok()) {
             let means = Stated::Flange(model, flange_mm / 1e3);
             found.push(in_data_file(project, ExportedProject::FLANGE_ID, means));
@@ -249,12 +272,12 @@ fn named(device: &str) -> Option<(&str, StatedModel)> {
 
 /// The robot of an exported program that is no built-in model.
 fn foreign(data_file: &DataFile) -> Option<&str> {
-    stated(data_file, ExportedProject::ROBOT_ID).filter(|name| Robot::built_in(name).is_none())
+    data_file.setting(ExportedProject::ROBOT_ID).filter(|name| Robot::built_in(name).is_none())
 }
 
 /// The flange with which the taught frames are reached as they were taught, if that tells the two lengths apart.
 fn taught_with(project: &Project, data_file: &DataFile, robot: &Robot) -> Option<RobotStatement> {
-    if stated(data_file, ExportedProject::FLANGE_ID).is_some() {
+    if data_file.setting(ExportedProject::FLANGE_ID).is_some() {
         return None;
     }
     let frames = ImportedCell::new(data_file).frames;

@@ -105,9 +105,9 @@ pub(crate) struct Station {
     pub(crate) changed_data: BTreeMap<String, Value>,
 }
 
-/// The way to say where the arm stands before the first motion; with the joints of the first taught frame, as a proposal.
+/// The assumption on where the arm stands before the first motion; with the joints of the first taught frame, as a proposal.
 fn start_hint(cell: &ImportedCell, robot: &Robot) -> String {
-    let hint = "the arm is taken to stand with all joints at 0 before the first motion: say where it stands by --start-deg";
+    let hint = "the start is not given: the arm is taken to stand with all joints at 0";
     let taught = cell.frames.iter().find_map(|frame| {
         let FrameCheck { joints_rad, verdict } = frame.check(robot);
         Some((&frame.name, joints_rad.filter(|_| verdict == Verdict::Agrees)?))
@@ -115,7 +115,7 @@ fn start_hint(cell: &ImportedCell, robot: &Robot) -> String {
     let Some((name, joints_rad)) = taught else { return hint.to_owned() };
     let joints: Vec<_> =
         joints_rad.map(|q| format!("{}", (1e3 * q.to_degrees()).round() / 1e3)).into();
-    format!("{hint}; it was at the frame `{name}` with --start-deg {}", joints.join(","))
+    format!("{hint}; it was at the frame `{name}` with {} deg", joints.join(","))
 }
 
 /// A frame of the data file's tree.

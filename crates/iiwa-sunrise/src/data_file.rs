@@ -18,6 +18,15 @@ pub struct DataFile {
     pub not_taken: Vec<NotTaken>,
 }
 
+impl DataFile {
+    /// The value of process data: what the operator has made of it, or else its default.
+    #[must_use]
+    pub fn setting(&self, id: &str) -> Option<&str> {
+        let own = self.process_data.iter().find(|own| own.id == id)?;
+        own.value.as_deref().or(own.default_value.as_deref())
+    }
+}
+
 /// A frame of the world, and those that are given in it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct WorldFrame {

@@ -87,7 +87,9 @@ fn write_data(
     }
     output::keep_existing("data file", target, options.overwrite)?;
     let mut file = DataFile::default();
-    missing.iter().for_each(|entry| entry.add_to(&mut file));
+    for entry in &missing {
+        entry.add_to(&mut file);
+    }
     output::write(target, file.to_xml().as_bytes())?;
     let mut text = format!("{} lists, with zeros for its numbers:\n", target.display());
     for entry in &missing {
