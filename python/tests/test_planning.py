@@ -361,7 +361,7 @@ def test_an_imported_program_has_the_flange_that_is_given() -> None:
     assert iw.plan(program).robot.tcp([0] * 7)[2] == pytest.approx(0.36 + 0.42 + 0.4 + 0.126)
     stated = json.loads(program.to_json())
     assert (stated["robot"], stated["flange_mm"]) == ("lbr_iiwa_14_r820", 126)
-    assert any("asks \"start\"" in question for question in told["questions"])
+    assert any('asks "start"' in question for question in told["questions"])
     # The name of a model says nothing about the flange.
     small = iw.plan(program, robot="lbr_iiwa_7_r800").robot
     assert small.tcp([0] * 7)[2] == pytest.approx(0.34 + 0.4 + 0.4 + 0.126)
