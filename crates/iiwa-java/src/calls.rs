@@ -11,7 +11,7 @@ use crate::{
     machine::Machine,
     place::Place,
     stop::Stop,
-    syntax::{Expression, ExpressionKind, Method, TypeName},
+    syntax::{ClassKind, Expression, ExpressionKind, Method, TypeName},
     value::{Array, Object, Value},
 };
 
@@ -25,6 +25,7 @@ impl Machine {
         arguments: &[Expression],
     ) -> Result<Value, Stop> {
         let receiver = on.map(|on| self.evaluated(on)).transpose()?;
+        let types = self.types_of_arguments(name, arguments);
         let values = self.evaluated_all(arguments)?;
         self.here.line = expression.line;
         for value in receiver.iter().chain(&values) {
@@ -35,7 +36,11 @@ impl Machine {
         if let (Some(list @ Value::List(_)), "remove", [Value::Int(_)]) =
             (&receiver, name, &*arguments)
         {
-            let name = match self.is_boxed(&expressions[0]) {
+            let is_element = match on {
+                Some(on) if self.has_no_indices(on) => Some(true),
+                _ => self.is_boxed(&expressions[0]),
+            };
+            let name = match is_element {
                 Some(true) => REMOVE_ELEMENT,
                 Some(false) => name,
                 None => {
@@ -50,15 +55,40 @@ impl Machine {
             };
             return self.call_library(list, name, &arguments);
         }
+        self.java.argument_types = types;
         let result = match (on.map(|on| &on.kind), receiver) {
             (Some(ExpressionKind::Super), Some(Value::Object(object))) => {
                 self.call_above(&object, name, &arguments)
+            }
+            (_, Some(Value::Object(object))) => {
+                // Methods of classes are not overridden.
+                let methods = self.java.classes.methods(object.class, name);
+                let is_static = methods.len() > 1 && methods.iter().all(|(_, own)| own.is_static);
+                match on.and_then(|on| self.class_of(on)) {
+                    Some(class) if is_static => {
+                        self.call_on(&Value::Class(class), name, &arguments)
+                    }
+                    _ => self.call_on_object(&object, name, &arguments),
+                }
             }
             (_, Some(receiver)) => self.call_on(&receiver, name, &arguments),
             (_, None) => self.call_by_name(name, &arguments),
         };
         self.here = place;
+        self.java.argument_types = None;
         result
+    }
+
+    /// The types of arguments, where they may say which method is called.
+    pub(crate) fn types_of_arguments(
+        &self,
+        name: &str,
+        arguments: &[Expression],
+    ) -> Option<(String, Vec<Option<TypeName>>)> {
+        self.java.classes.is_overloaded(name).then(|| {
+            let types = arguments.iter().map(|own| self.static_type(own));
+            (name.to_owned(), types.collect())
+        })
     }
 
     /// `name(...)`: of this object or class, of those around it, or imported.
@@ -72,12 +102,8 @@ impl Machine {
             let start = this.as_ref().map_or(id, |object| {
                 if self.java.classes.is_a(object.class, id) { object.class } else { id }
             });
-            if let Some((owner, method)) = self.method(start, name, arguments) {
-                if let Some(value) = self.undecided(start, name, arguments)? {
-                    return Ok(value);
-                }
-                let this = this.filter(|_| !method.is_static);
-                return self.run(owner, this, &method, arguments);
+            if let Some(choice) = self.method(start, name, arguments) {
+                return self.run_chosen(choice, this, name, arguments);
             }
             if let Some(object) = &this
                 && let Some(base) = self.java.classes.foreign_parent(object.class)
@@ -102,11 +128,8 @@ impl Machine {
         let class = self.java.activation().map_or(ClassId(0), |own| own.class);
         for import in self.java.classes.static_imports(name, class) {
             if let Some(id) = self.java.classes.by_qualified_name(&import) {
-                if let Some((owner, method)) = self.method(id, name, arguments) {
-                    if let Some(value) = self.undecided(id, name, arguments)? {
-                        return Ok(value);
-                    }
-                    return self.run(owner, None, &method, arguments);
+                if let Some(choice) = self.method(id, name, arguments) {
+                    return self.run_chosen(choice, None, name, arguments);
                 }
             } else if let Some(value) = self.foreign_static(simple(&import), name, arguments)? {
                 return Ok(value);
@@ -128,12 +151,9 @@ impl Machine {
     ) -> Result<Value, Stop> {
         let class = self.java.activation().map_or(object.class, |own| own.class);
         if let Some(parent) = self.java.classes.parent(class)
-            && let Some((owner, method)) = self.method(parent, name, arguments)
+            && let Some(choice) = self.method(parent, name, arguments)
         {
-            if let Some(value) = self.undecided(parent, name, arguments)? {
-                return Ok(value);
-            }
-            return self.run(owner, Some(Rc::clone(object)), &method, arguments);
+            return self.run_chosen(choice, Some(Rc::clone(object)), name, arguments);
         }
         if let Some(base) = self.java.classes.foreign_parent(class).map(str::to_owned)
             && let Some(value) =
@@ -158,11 +178,8 @@ impl Machine {
         match receiver {
             Value::Object(object) => self.call_on_object(object, name, arguments),
             Value::Class(id) => {
-                if let Some((owner, method)) = self.method(*id, name, arguments) {
-                    if let Some(value) = self.undecided(*id, name, arguments)? {
-                        return Ok(value);
-                    }
-                    return self.run(owner, None, &method, arguments);
+                if let Some(choice) = self.method(*id, name, arguments) {
+                    return self.run_chosen(choice, None, name, arguments);
                 }
                 self.of_class(*id, name, arguments)
             }
@@ -208,14 +225,10 @@ impl Machine {
         name: &str,
         arguments: &[Value],
     ) -> Result<Value, Stop> {
-        if let Some((owner, method)) = self.method(object.class, name, arguments)
-            && method.body.is_some()
+        if let Some(choice) = self.method(object.class, name, arguments)
+            && choice.has_body()
         {
-            if let Some(value) = self.undecided(object.class, name, arguments)? {
-                return Ok(value);
-            }
-            let this = (!method.is_static).then(|| Rc::clone(object));
-            return self.run(owner, this, &method, arguments);
+            return self.run_chosen(choice, Some(Rc::clone(object)), name, arguments);
         }
         if let Some(value) = self.of_object(object, name, arguments)? {
             return Ok(value);
@@ -247,13 +260,19 @@ impl Machine {
             ("getClass", []) => Value::Class(object.class),
             ("equals", [other]) => match other {
                 Value::Unknown(_) => other.clone(),
+                Value::Object(_)
+                    if self.java.classes.known(object.class).class.kind == ClassKind::Record
+                        && !this.is_same(other) =>
+                {
+                    self.unknown("whether two records are equal")
+                }
                 _ => Value::Boolean(this.is_same(other)),
             },
             ("toString" | "name", []) if object.constant.is_some() => {
                 let name = object.constant.as_ref().map_or("", |(name, _)| name);
                 Value::text(name)
             }
-            ("toString", []) => Value::text(&self.java.classes.known(object.class).class.name),
+            ("toString", []) => self.unknown("the text of an object without `toString`"),
             ("ordinal", []) if object.constant.is_some() => {
                 Value::Int(object.constant.as_ref().map_or(0, |(_, ordinal)| *ordinal))
             }
@@ -276,7 +295,7 @@ impl Machine {
     fn of_class(&mut self, id: ClassId, name: &str, arguments: &[Value]) -> Result<Value, Stop> {
         let class = Arc::clone(&self.java.classes.known(id).class);
         match (name, arguments) {
-            ("values", []) if class.kind == crate::syntax::ClassKind::Enum => {
+            ("values", []) if class.kind == ClassKind::Enum => {
                 self.initialize(id)?;
                 let constants = self.java.constants.get(&id).cloned().unwrap_or_default();
                 Ok(Value::array(&class.name, constants))
@@ -356,7 +375,7 @@ impl Machine {
         let flow = self.block(body);
         self.leave(from, &flow);
         match flow? {
-            Flow::Return(value) => Ok(value.converted_to(&method.returns)),
+            Flow::Return(value) => self.for_variable(value, &method.returns),
             _ => Ok(Value::Null),
         }
     }
@@ -370,6 +389,7 @@ impl Machine {
         arguments: &[Value],
     ) -> Result<Place, Stop> {
         let from = self.activate(owner, this, &method.name, method.line)?;
+        self.java.argument_types = None;
         let mut arguments = arguments.to_vec();
         if method.is_variadic
             && let Some(fixed) = method.parameters.len().checked_sub(1)
@@ -389,6 +409,7 @@ impl Machine {
             }
         }
         for (parameter, value) in method.parameters.iter().zip(arguments) {
+            let value = self.for_variable(value, &parameter.type_name)?;
             self.java.declare(&parameter.name, Some(&parameter.type_name), value);
         }
         Ok(from)

@@ -185,6 +185,21 @@ impl Classes {
         })
     }
 
+    /// True if a class has several methods of this name, or several constructors, if it is that of a class; those that inherit
+    /// from it count as well.
+    pub(crate) fn is_overloaded(&self, name: &str) -> bool {
+        let mut count = 0;
+        for KnownClass { class, .. } in &self.known {
+            let own = class.methods.iter().filter(|own| own.name == name).count();
+            let constructors = if class.name == name { class.constructors.len() } else { 0 };
+            count += own + constructors;
+            if count > 1 {
+                return true;
+            }
+        }
+        false
+    }
+
     /// The class above, if it is of the project.
     pub(crate) fn parent(&self, id: ClassId) -> Option<ClassId> {
         let name = &self.known(id).class.extends.as_ref()?.name;

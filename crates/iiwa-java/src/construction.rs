@@ -7,6 +7,7 @@ use crate::{
     classes::simple,
     java_state::MAX_STEPS,
     machine::Machine,
+    overloads::Choice,
     place::Place,
     stop::Stop,
     syntax::{
@@ -26,11 +27,13 @@ impl Machine {
         arguments: &[Expression],
         body: Option<&Arc<Class>>,
     ) -> Result<Value, Stop> {
+        let types = self.types_of_arguments(simple(&type_name.name), arguments);
         let arguments = self.evaluated_all(arguments)?;
         self.here.line = expression.line;
         for value in &arguments {
             self.refresh(value);
         }
+        self.java.argument_types = types;
         let Some(within) = self.java.activation().map(|own| own.class) else {
             return self.refuse("an object is made outside of a class");
         };
@@ -147,11 +150,8 @@ impl Machine {
     ) -> Result<(), Stop> {
         let declaration = Arc::clone(&self.java.classes.known(class).class);
         let constructors = &declaration.constructors;
-        let fitting = constructors
-            .iter()
-            .filter_map(|own| self.fit(class, own, arguments).map(|fit| (fit, Arc::clone(own))));
-        let best = fitting.max_by_key(|(fit, _)| *fit).map(|(_, constructor)| constructor);
-        let Some(constructor) = best else {
+        let all = constructors.iter().map(|own| (class, Arc::clone(own))).collect();
+        let Some(choice) = self.chosen(all, &declaration.name, arguments) else {
             if constructors.is_empty() {
                 // An anonymous class hands its arguments on.
                 self.constructed_above(object, class, arguments)?;
@@ -163,14 +163,16 @@ impl Machine {
                 arguments.len()
             ));
         };
-        let all = constructors.iter().map(|own| (class, Arc::clone(own))).collect();
-        if let Some((unknown, _)) = self.fitting(all, arguments) {
-            let name = &declaration.name;
-            return self.refuse_unknown(
-                &format!("which of the constructors of {name} is called"),
-                &unknown,
-            );
-        }
+        let constructor = match choice {
+            Choice::Method(_, constructor) => constructor,
+            Choice::Undecided(unknown, _) => {
+                let name = &declaration.name;
+                return self.refuse_unknown(
+                    &format!("which of the constructors of {name} is called"),
+                    &unknown,
+                );
+            }
+        };
         let from = self.enter(class, Some(Rc::clone(object)), &constructor, arguments)?;
         let result = self.in_constructor(object, class, &constructor);
         self.leave(from, &result);
@@ -194,7 +196,11 @@ impl Machine {
         });
         let rest = if let Some((is_own, arguments, line)) = first {
             self.here.line = line;
+            let above = self.java.classes.parent(class).filter(|_| !is_own).unwrap_or(class);
+            let name = self.java.classes.known(above).class.name.clone();
+            let types = self.types_of_arguments(&name, arguments);
             let arguments = self.evaluated_all(arguments)?;
+            self.java.argument_types = types;
             if is_own {
                 self.constructed(object, class, &arguments)?;
             } else {
@@ -381,7 +387,7 @@ impl Machine {
         self.here = Place { file, line };
         let Value::Object(object) = self.injected_object(class)? else { return Ok(()) };
         for name in methods {
-            if let Some((owner, method)) = self.method(class, name, &[]) {
+            if let Some((owner, method)) = self.plain_method(class, name) {
                 self.run(owner, Some(Rc::clone(&object)), &method, &[])?;
             }
         }

@@ -4,10 +4,13 @@ use std::{cell::RefCell, rc::Rc};
 
 use crate::{
     java_state::MAX_STEPS,
+    library_calls::class_of_value,
     machine::Machine,
     stop::Stop,
-    syntax::{BinaryOperator, Expression, ExpressionKind, Literal, TypeName},
+    syntax::{BinaryOperator, Expression, ExpressionKind, Literal, Statement, TypeName},
+    type_names::{is_cached, is_primitive, is_text},
     value::{Array, Value},
+    variables::{Slot, is_hidden},
 };
 
 /// Elements of an array: more would fill memory, and no program has them.
@@ -22,15 +25,14 @@ impl Machine {
     fn value_of(&mut self, expression: &Expression) -> Result<Value, Stop> {
         self.here.line = expression.line;
         match &expression.kind {
+            ExpressionKind::Literal(Literal::String(text)) => Ok(self.literal_text(text)),
             ExpressionKind::Literal(literal) => Ok(of_literal(literal)),
             ExpressionKind::Name(name) => self.named(name),
             ExpressionKind::Field { of, name } => {
                 if let Some(class) = self.qualified(expression) {
                     return Ok(class);
                 }
-                let of = self.evaluated(of)?;
-                self.here.line = expression.line;
-                self.member(&of, name)
+                self.field_value(expression, of, name)
             }
             ExpressionKind::Call { on, name, arguments } => {
                 self.call(expression, on.as_deref(), name, arguments)
@@ -63,7 +65,8 @@ impl Machine {
                 let operator =
                     if *is_increment { BinaryOperator::Add } else { BinaryOperator::Subtract };
                 let sum = self.binary(operator, &old, &Value::Int(1))?;
-                let new = self.keep(&slot, like(&old, sum));
+                let new = self.narrowed(&slot, &old, sum);
+                let new = self.keep(&slot, new)?;
                 Ok(if *is_prefix { new } else { old })
             }
             ExpressionKind::Binary { operator, left, right } => {
@@ -76,7 +79,10 @@ impl Machine {
                 self.conditional(condition, then, otherwise)
             }
             ExpressionKind::Cast { type_name, value } => {
-                Ok(self.evaluated(value)?.cast_to(type_name))
+                let inner = self.evaluated(value)?;
+                self.here.line = expression.line;
+                let from = self.static_type(value);
+                self.cast(inner, from.as_ref(), type_name)
             }
             ExpressionKind::InstanceOf { value, type_name } => {
                 let value = self.evaluated(value)?;
@@ -93,23 +99,55 @@ impl Machine {
             ExpressionKind::Switch { value, groups } => {
                 self.value_of_switch(expression, value, groups)
             }
-            ExpressionKind::Lambda(body) => {
-                let effects = self.effects_of(body);
-                if effects.acts() {
-                    let acts = self.host.acts();
-                    return self
-                        .refuse(format!("a lambda expression, in which {acts}, is not evaluated"));
-                }
-                let value = self.unknown("a lambda expression, which is not evaluated");
-                if let Value::Unknown(unknown) = &value {
-                    // It may be run at any time.
-                    self.forget_values(&effects, unknown);
-                }
-                Ok(value)
-            }
+            ExpressionKind::Lambda(body) => self.lambda(body),
             ExpressionKind::Unsupported(what) => {
                 Ok(self.unknown(format!("{what}, which is not evaluated")))
             }
+        }
+    }
+
+    /// The object of a string literal: equal ones are the same.
+    fn literal_text(&mut self, text: &str) -> Value {
+        if let Some(known) = self.java.literals.get(text) {
+            return Value::Text(Rc::clone(known));
+        }
+        let object: Rc<str> = Rc::from(text);
+        self.java.literals.insert(text.to_owned(), Rc::clone(&object));
+        Value::Text(object)
+    }
+
+    /// A lambda expression is not run: what it may change is not known from here on.
+    fn lambda(&mut self, body: &[Statement]) -> Result<Value, Stop> {
+        let effects = self.effects_of(body);
+        if effects.acts() {
+            let acts = self.host.acts();
+            return self.refuse(format!("a lambda expression, in which {acts}, is not evaluated"));
+        }
+        let value = self.unknown("a lambda expression, which is not evaluated");
+        if let Value::Unknown(unknown) = &value {
+            // It may be run at any time.
+            self.forget_values(&effects, unknown);
+        }
+        Ok(value)
+    }
+
+    fn field_value(
+        &mut self,
+        expression: &Expression,
+        of: &Expression,
+        name: &str,
+    ) -> Result<Value, Stop> {
+        let value = self.evaluated(of)?;
+        self.here.line = expression.line;
+        match &value {
+            // Fields are not overridden: the type of what they are of counts.
+            Value::Object(object) if is_hidden(object, name) => {
+                let Some(from) = self.class_of(of) else {
+                    return Ok(self.unknown(format!("which of several fields `{name}`")));
+                };
+                Ok(self.field_of(object, from, name).unwrap_or(Value::Null))
+            }
+            _ => self.member(&value, name),
         }
     }
 
@@ -148,11 +186,16 @@ impl Machine {
                 let old = self.kept(&slot);
                 let right = self.evaluated(value)?;
                 self.here.line = expression.line;
-                let result = self.binary(operator, &old, &right)?;
-                like(&old, result)
+                let is_text = self.type_of(&slot).as_ref().is_some_and(is_text);
+                let result = if operator == BinaryOperator::Add && is_text {
+                    self.concatenated(&old, &right)?
+                } else {
+                    self.binary(operator, &old, &right)?
+                };
+                self.narrowed(&slot, &old, result)
             }
         };
-        Ok(self.keep(&slot, value))
+        self.keep(&slot, value)
     }
 
     fn conditional(
@@ -162,8 +205,21 @@ impl Machine {
         otherwise: &Expression,
     ) -> Result<Value, Stop> {
         match self.condition(condition)? {
-            Ok(true) => self.evaluated(then),
-            Ok(false) => self.evaluated(otherwise),
+            Ok(is_true) => {
+                let value = self.evaluated(if is_true { then } else { otherwise })?;
+                let wanted = match value {
+                    Value::Null
+                    | Value::Char(_)
+                    | Value::Int(_)
+                    | Value::Long(_)
+                    | Value::Float(_) => self.type_of_conditional(then, otherwise),
+                    _ => None,
+                };
+                match wanted {
+                    Some(wanted) if is_primitive(&wanted) => self.for_variable(value, &wanted),
+                    _ => Ok(value),
+                }
+            }
             Err(unknown) => {
                 for side in [then, otherwise] {
                     let effects = self.effects_of_expression(side);
@@ -193,9 +249,18 @@ impl Machine {
         initial: &Expression,
         type_name: &TypeName,
     ) -> Result<Value, Stop> {
-        match &initial.kind {
-            ExpressionKind::Array(values) => self.array_of(values, type_name),
-            _ => Ok(self.evaluated(initial)?.converted_to(type_name)),
+        if let ExpressionKind::Array(values) = &initial.kind {
+            return self.array_of(values, type_name);
+        }
+        let value = self.evaluated(initial)?;
+        self.for_variable(value, type_name)
+    }
+
+    /// The value of a compound assignment, as the variable that held `old` keeps it.
+    fn narrowed(&self, slot: &Slot, old: &Value, new: Value) -> Value {
+        match self.type_of(slot) {
+            Some(own) if is_primitive(&own) => new.cast_to(&own),
+            _ => like(old, new),
         }
     }
 
@@ -247,7 +312,7 @@ impl Machine {
             _ => {
                 let second = self.evaluated(right)?;
                 self.here.line = expression.line;
-                return self.binary(operator, &first, &second);
+                return self.of_values(operator, (left, &first), (right, &second));
             }
         };
         match first {
@@ -267,6 +332,50 @@ impl Machine {
                 })
             }
             other => self.refuse(format!("a condition is {}", other.kind())),
+        }
+    }
+
+    /// An operator whose meaning may depend on the types of its sides: `==` of objects, and `+` of `null`.
+    fn of_values(
+        &mut self,
+        operator: BinaryOperator,
+        (left, first): (&Expression, &Value),
+        (right, second): (&Expression, &Value),
+    ) -> Result<Value, Stop> {
+        match operator {
+            BinaryOperator::Equal | BinaryOperator::NotEqual if first.is_same(second) => {
+                let is_same = match (first, second) {
+                    // Equal texts may be different objects.
+                    (Value::Text(a), Value::Text(b)) if !Rc::ptr_eq(a, b) => {
+                        return Ok(self.unknown("whether two equal strings are the same object"));
+                    }
+                    _ if is_cached(first) || first.number().is_none() => true,
+                    _ => {
+                        let is_variable = matches!((&left.kind, &right.kind),
+                            (ExpressionKind::Name(a), ExpressionKind::Name(b)) if a == b);
+                        if !is_variable && self.may_be_boxed(left) && self.may_be_boxed(right) {
+                            return Ok(
+                                self.unknown("whether two equal numbers are the same object")
+                            );
+                        }
+                        true
+                    }
+                };
+                Ok(Value::Boolean(is_same == (operator == BinaryOperator::Equal)))
+            }
+            BinaryOperator::Add
+                if matches!(first, Value::Null) || matches!(second, Value::Null) =>
+            {
+                let is_text = [left, right]
+                    .into_iter()
+                    .any(|own| self.static_type(own).as_ref().is_some_and(is_text));
+                if is_text {
+                    self.concatenated(first, second)
+                } else {
+                    self.binary(operator, first, second)
+                }
+            }
+            _ => self.binary(operator, first, second),
         }
     }
 
@@ -302,7 +411,7 @@ impl Machine {
         Some(id.map_or_else(|| Value::ForeignClass(Rc::from(*last)), Value::Class))
     }
 
-    fn is_instance(&mut self, value: &Value, type_name: &TypeName) -> Value {
+    pub(crate) fn is_instance(&mut self, value: &Value, type_name: &TypeName) -> Value {
         let simple = crate::classes::simple(&type_name.name);
         match value {
             Value::Unknown(_) => value.clone(),
@@ -318,12 +427,17 @@ impl Machine {
                 };
                 Value::Boolean(is_it)
             }
-            Value::Text(_) => {
-                Value::Boolean(matches!(simple, "String" | "Object" | "CharSequence"))
+            Value::Int(_) if matches!(simple, "Short" | "Byte") => {
+                self.unknown(format!("whether a number is a {simple}"))
             }
-            Value::Int(_) => Value::Boolean(matches!(simple, "Integer" | "Number" | "Object")),
-            Value::Double(_) => Value::Boolean(matches!(simple, "Double" | "Number" | "Object")),
-            Value::Boolean(_) => Value::Boolean(matches!(simple, "Boolean" | "Object")),
+            _ if class_of_value(value).is_some() && type_name.dimensions == 0 => {
+                let own = class_of_value(value).unwrap_or_default();
+                let own = TypeName { name: own.to_owned(), dimensions: 0 };
+                match self.widens(&own, type_name, false) {
+                    Some(is_it) => Value::Boolean(is_it),
+                    None => self.unknown(format!("whether {} is a {simple}", value.kind())),
+                }
+            }
             _ => self.unknown(format!("whether {} is a {simple}", value.kind())),
         }
     }

@@ -29,6 +29,12 @@ impl Machine {
             ("Double", "NaN") => Value::Double(f64::NAN),
             ("Double", "POSITIVE_INFINITY") => Value::Double(f64::INFINITY),
             ("Double", "NEGATIVE_INFINITY") => Value::Double(f64::NEG_INFINITY),
+            ("Float", "MAX_VALUE") => Value::Float(f32::MAX),
+            ("Float", "MIN_VALUE") => Value::Float(f32::from_bits(1)),
+            ("Byte", "MAX_VALUE") => Value::Int(127),
+            ("Byte", "MIN_VALUE") => Value::Int(-128),
+            ("Short", "MAX_VALUE") => Value::Int(32_767),
+            ("Short", "MIN_VALUE") => Value::Int(-32_768),
             ("Boolean", "TRUE") => Value::Boolean(true),
             ("Boolean", "FALSE") => Value::Boolean(false),
             ("System", "out" | "err") => Value::ForeignClass(Rc::from("PrintStream")),
@@ -133,7 +139,8 @@ impl Machine {
             }
             "String" => match first {
                 None => Value::text(""),
-                Some(Value::Text(text)) => Value::Text(Rc::clone(text)),
+                // Another object than the one that it is equal to.
+                Some(Value::Text(text)) => Value::text(text),
                 _ => return Ok(None),
             },
             "Integer" | "Double" | "Long" | "Boolean" | "Float" => {
@@ -150,14 +157,15 @@ impl Machine {
                 Value::Cell(Rc::new(RefCell::new(first.cloned().unwrap_or(default))))
             }
             _ if class.ends_with("Exception") || class.ends_with("Error") => {
-                let message = match first {
-                    Some(value @ Value::Text(_)) => self.text_of(value)?.unwrap_or_default(),
-                    _ => String::new(),
+                let (value, message) = match first {
+                    Some(value @ Value::Text(text)) => (value.clone(), text.to_string()),
+                    Some(value @ Value::Unknown(_)) => (value.clone(), String::new()),
+                    _ => (Value::Null, String::new()),
                 };
                 let place = self.here.clone();
                 Value::Exception(Rc::new(Thrown {
                     classes: vec![Rc::from(class)],
-                    value: Value::Null,
+                    value,
                     message,
                     place,
                 }))
@@ -205,14 +213,16 @@ impl Machine {
                 [Value::Array(from), from_index, Value::Array(to), to_index, Value::Int(count)],
             ) => {
                 let count = usize::try_from(*count).unwrap_or(0);
+                // The parts may overlap.
+                let old = from.values.borrow().clone();
                 for step in 0..count {
                     let offset = Value::Int(i32::try_from(step).unwrap_or(i32::MAX));
                     let [a, b] = [from_index, to_index].map(|start| {
                         start.integer().unwrap_or(-1).saturating_add(offset.integer().unwrap_or(0))
                     });
-                    let a = self.index(&Value::Long(a), from.values.borrow().len())?;
+                    let a = self.index(&Value::Long(a), old.len())?;
                     let b = self.index(&Value::Long(b), to.values.borrow().len())?;
-                    let value = from.values.borrow().get(a).cloned();
+                    let value = old.get(a).cloned();
                     if let (Some(value), Some(place)) = (value, to.values.borrow_mut().get_mut(b)) {
                         *place = value;
                     }

@@ -6,16 +6,17 @@ use crate::{
     java_sorting::REVERSE_ORDER,
     machine::Machine,
     stop::Stop,
+    type_names::is_primitive,
     unknown::Unknown,
-    value::{Array, List, Value, View},
+    value::{Array, List, ListKind, Value, View},
 };
 
 /// Elements of a collection: more would fill memory, and no program has them.
 pub(crate) const MAX_ELEMENTS: usize = 1_000_000;
 
 impl Machine {
-    /// A method of a value of Java's own.
-    pub(crate) fn call_library(
+    /// A method of a value of Java's own, whatever it is.
+    pub(crate) fn library_method(
         &mut self,
         receiver: &Value,
         name: &str,
@@ -54,7 +55,10 @@ impl Machine {
                 self.of_cell(&value, name, arguments)?
             }
             Value::Exception(thrown) => match (name, arguments) {
-                ("getMessage" | "getLocalizedMessage", []) => Some(Value::text(&thrown.message)),
+                ("getMessage" | "getLocalizedMessage", []) => Some(match &thrown.value {
+                    Value::Object(_) => self.unknown("the message of an exception"),
+                    message => message.clone(),
+                }),
                 ("printStackTrace" | "initCause" | "getCause", _) => Some(Value::Null),
                 _ => None,
             },
@@ -94,6 +98,17 @@ impl Machine {
         unknown: Rc<Unknown>,
     ) -> Result<Value, Stop> {
         match (receiver, name, arguments) {
+            (Value::Builder(text), "setLength", [Value::Int(0)]) => {
+                self.java.changes += 1;
+                *text.borrow_mut() = Ok(String::new());
+                Ok(Value::Null)
+            }
+            (
+                Value::Builder(_),
+                "append" | "insert" | "delete" | "deleteCharAt" | "replace" | "reverse"
+                | "appendCodePoint",
+                _,
+            ) => Ok(receiver.clone()),
             (Value::List(list), "clear", []) if list.view.borrow().is_none() => {
                 self.java.changes += 1;
                 list.renew(Vec::new());
@@ -180,9 +195,7 @@ impl Machine {
         arguments: &[Value],
     ) -> Result<Option<Value>, Stop> {
         Ok(Some(match (class, name, arguments) {
-            ("Arrays", "asList", [Value::Array(array)])
-                if array.element.dimensions > 0 || !is_primitive(&array.element.name) =>
-            {
+            ("Arrays", "asList", [Value::Array(array)]) if !is_primitive(&array.element) => {
                 let values = array.values.borrow().clone();
                 List::view(View::Array(Rc::clone(array)), values)
             }
@@ -193,7 +206,9 @@ impl Machine {
                 };
                 List::view(View::Array(array), values.to_vec())
             }
-            ("List", "of", values) => Value::list(values.to_vec()),
+            ("List", "of", values) => {
+                Value::List(Rc::new(List::new(ListKind::Immutable, values.to_vec())))
+            }
             ("Arrays", "fill", [Value::Array(array), value]) => {
                 self.java.changes += 1;
                 let value = value.clone().converted_to(&array.element);
@@ -390,8 +405,4 @@ impl Machine {
         }
         Ok(Value::Null)
     }
-}
-
-fn is_primitive(name: &str) -> bool {
-    matches!(name, "boolean" | "char" | "byte" | "short" | "int" | "long" | "float" | "double")
 }

@@ -74,9 +74,18 @@ impl Machine {
         list: &Rc<List>,
         values: Vec<Value>,
     ) -> Result<(), Stop> {
+        self.check_changeable(list)?;
         self.java.changes += 1;
         list.renew(values);
         self.write_back(list)
+    }
+
+    /// Throws if a list cannot be changed.
+    fn check_changeable(&self, list: &List) -> Result<(), Stop> {
+        if list.is_immutable() {
+            return self.throw("UnsupportedOperationException", "the list cannot be changed");
+        }
+        Ok(())
     }
 
     /// A method of a list; none if it is not known.
@@ -91,6 +100,9 @@ impl Machine {
         }
         if let Some(value) = self.read_list(list, name, arguments)? {
             return Ok(Some(value));
+        }
+        if CHANGING.iter().any(|own| name.starts_with(own)) {
+            self.check_changeable(list)?;
         }
         let Some((value, is_changed)) = self.change_list(list, name, arguments)? else {
             return Ok(None);
@@ -292,6 +304,9 @@ impl Machine {
                 last.unwrap_or(Value::Null)
             }
             ("pop", []) => {
+                if length == 0 && list.kind == ListKind::Stack {
+                    return self.throw("EmptyStackException", "a stack is empty");
+                }
                 if length == 0 {
                     return self.empty_list();
                 }
@@ -419,6 +434,10 @@ impl Machine {
                 to(next - 1, Some(next - 1));
                 value
             }
+            ("remove" | "set" | "add", _) if list.is_immutable() => {
+                self.check_changeable(&list)?;
+                return Ok(None);
+            }
             ("remove" | "set", _) => {
                 let Some(place) = last.filter(|own| *own < length) else {
                     return self.throw("IllegalStateException", "an iterator has no element");
@@ -450,6 +469,9 @@ impl Machine {
         }))
     }
 }
+
+/// Beginnings of the names of methods that change a list.
+const CHANGING: [&str; 7] = ["add", "remove", "clear", "retain", "set", "sort", "replaceAll"];
 
 /// `remove(Object)`, where the argument is a number.
 pub(crate) const REMOVE_ELEMENT: &str = "remove(Object)";

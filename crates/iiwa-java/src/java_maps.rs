@@ -242,7 +242,7 @@ impl Machine {
     pub(crate) fn remove_entry(map: &Rc<RefCell<Map>>, place: usize) {
         let key = Self::ordered_entries(map).and_then(|entries| entries.into_iter().nth(place));
         if let Some((key, _)) = key {
-            map.borrow_mut().entries.retain(|(own, _)| !own.is_same(&key));
+            map.borrow_mut().entries.retain(|(own, _)| !own.is_equal(&key));
         }
     }
 
@@ -263,10 +263,7 @@ impl Machine {
         };
         // Keys that are compared without methods of the project.
         if is_plain(key) && map.borrow().entries.iter().all(|(own, _)| is_plain(own)) {
-            let is_it = |own: &Value| {
-                std::mem::discriminant(own) == std::mem::discriminant(key) && own.is_same(key)
-            };
-            return Ok(Ok(map.borrow().entries.iter().position(|(own, _)| is_it(own))));
+            return Ok(Ok(map.borrow().entries.iter().position(|(own, _)| own.is_equal(key))));
         }
         let keys: Vec<_> = map.borrow().entries.iter().map(|(key, _)| key.clone()).collect();
         self.place_of(&keys, key)

@@ -1,5 +1,7 @@
 //! `Math`, and the classes of numbers.
 
+use std::cmp::Ordering;
+
 use crate::{machine::Machine, stop::Stop, syntax::TypeName, value::Value};
 
 impl Machine {
@@ -25,20 +27,24 @@ impl Machine {
                     let wanted = if wide { "long" } else { "int" };
                     return Ok(Some(value.converted_to(&primitive(wanted))));
                 }
-                if a.is_nan() || b.is_nan() {
-                    f64::NAN
-                } else if takes_first {
-                    a
-                } else {
-                    b
-                }
+                // A zero with a sign is below one without.
+                let (below, above) = match a.partial_cmp(&b) {
+                    None => (f64::NAN, f64::NAN),
+                    Some(Ordering::Less) => (a, b),
+                    Some(Ordering::Equal) if a.is_sign_negative() => (a, b),
+                    Some(_) => (b, a),
+                };
+                let value = Value::Double(if name == "max" { above } else { below });
+                let is_double = arguments.iter().any(|own| matches!(own, Value::Double(_)));
+                let wanted = primitive(if is_double { "double" } else { "float" });
+                return Ok(Some(value.cast_to(&wanted)));
             }
             ("round", [a]) => {
-                #[expect(clippy::cast_possible_truncation, reason = "saturates, as in Java")]
-                let rounded = (a + 0.5).floor() as i64;
+                let below = a.floor();
+                let rounded = if a - below >= 0.5 { below + 1.0 } else { below };
                 let is_float = matches!(arguments, [Value::Float(_)]);
-                let value = Value::Long(rounded);
-                return Ok(Some(if is_float { value.cast_to(&primitive("int")) } else { value }));
+                let wanted = primitive(if is_float { "int" } else { "long" });
+                return Ok(Some(Value::Double(rounded).cast_to(&wanted)));
             }
             // By multiplication with a constant, as newer versions of Java do, the result may differ in the last bit.
             ("toRadians", [a]) => a / 180.0 * std::f64::consts::PI,
@@ -55,6 +61,7 @@ impl Machine {
             ("tanh", [a]) => a.tanh(),
             ("sqrt", [a]) => a.sqrt(),
             ("cbrt", [a]) => a.cbrt(),
+            ("pow", [a, b]) if b.is_nan() || (a.abs() == 1.0 && b.is_infinite()) => f64::NAN,
             ("pow", [a, b]) => a.powf(*b),
             ("exp", [a]) => a.exp(),
             ("log", [a]) => a.ln(),
@@ -64,11 +71,10 @@ impl Machine {
             ("ceil", [a]) => a.ceil(),
             ("rint", [a]) => a.round_ties_even(),
             ("signum", [a]) => {
-                if *a == 0.0 || a.is_nan() {
-                    *a
-                } else {
-                    a.signum()
-                }
+                let sign = if *a == 0.0 || a.is_nan() { *a } else { a.signum() };
+                let is_float = matches!(arguments, [Value::Float(_)]);
+                let wanted = primitive(if is_float { "float" } else { "double" });
+                return Ok(Some(Value::Double(sign).cast_to(&wanted)));
             }
             ("floorMod" | "floorDiv", [_, _]) => {
                 let (Some(a), Some(b)) = (arguments[0].integer(), arguments[1].integer()) else {
@@ -125,13 +131,16 @@ impl Machine {
             (_, [unknown @ Value::Unknown(_), ..]) => unknown.clone(),
             (
                 "valueOf" | "parseInt" | "parseLong" | "parseDouble" | "parseFloat"
-                | "parseBoolean" | "parseShort",
+                | "parseBoolean" | "parseShort" | "parseByte",
                 [Value::Text(text)],
             ) => return self.parsed(unboxed, text).map(Some),
             ("valueOf", [value]) => value.clone().cast_to(&primitive(unboxed)),
             ("toString", [value]) => {
                 let text = self.text_of(value)?;
                 text.map_or_else(Value::Unknown, Value::text)
+            }
+            ("compare", [Value::Char(a), Value::Char(b)]) => {
+                Value::Int(i32::from(*a) - i32::from(*b))
             }
             ("compare", [a, b]) => {
                 let (Some(a), Some(b)) = (a.number(), b.number()) else { return Ok(None) };
@@ -140,8 +149,12 @@ impl Machine {
             ("isNaN", [value]) => Value::Boolean(value.number().is_some_and(f64::is_nan)),
             ("toHexString", [Value::Int(value)]) => Value::text(format!("{value:x}")),
             ("toBinaryString", [Value::Int(value)]) => Value::text(format!("{value:b}")),
-            ("isDigit", [Value::Char(code)]) => Value::Boolean(letter(*code).is_numeric()),
-            ("isLetter", [Value::Char(code)]) => Value::Boolean(letter(*code).is_alphabetic()),
+            ("isDigit", [Value::Char(code)]) if *code < 256 => {
+                Value::Boolean(letter(*code).is_ascii_digit())
+            }
+            ("isLetter", [Value::Char(code)]) if *code < 256 => {
+                Value::Boolean(letter(*code).is_alphabetic())
+            }
             ("getNumericValue", [Value::Char(code)]) => {
                 let digit = letter(*code).to_digit(36);
                 Value::Int(digit.and_then(|digit| i32::try_from(digit).ok()).unwrap_or(-1))
@@ -153,17 +166,36 @@ impl Machine {
     fn parsed(&mut self, wanted: &str, text: &str) -> Result<Value, Stop> {
         let value = match wanted {
             "boolean" => Some(Value::Boolean(text.eq_ignore_ascii_case("true"))),
-            "double" => {
-                text.trim().trim_end_matches(['d', 'D', 'f', 'F']).parse().ok().map(Value::Double)
+            "double" | "float" => {
+                let digits = text.trim();
+                if digits.contains(['x', 'X']) {
+                    return Ok(self.unknown("a hexadecimal number with an exponent"));
+                }
+                let digits = digits.strip_suffix(['d', 'D', 'f', 'F']).unwrap_or(digits);
+                let is_number = digits.chars().all(|c| c.is_ascii_digit() || ".eE+-".contains(c));
+                match digits.trim_start_matches(['+', '-']) {
+                    "NaN" | "Infinity" if digits == text.trim() => {}
+                    _ if !is_number => return self.no_number(text),
+                    _ => {}
+                }
+                match wanted {
+                    "double" => digits.parse().ok().map(Value::Double),
+                    _ => digits.parse().ok().map(Value::Float),
+                }
             }
-            "float" => text.trim().trim_end_matches(['f', 'F']).parse().ok().map(Value::Float),
             "long" => text.parse().ok().map(Value::Long),
+            "short" => text.parse::<i16>().ok().map(|value| Value::Int(i32::from(value))),
+            "byte" => text.parse::<i8>().ok().map(|value| Value::Int(i32::from(value))),
             _ => text.parse().ok().map(Value::Int),
         };
         match value {
             Some(value) => Ok(value),
-            None => self.throw("NumberFormatException", format!("For input string: \"{text}\"")),
+            None => self.no_number(text),
         }
+    }
+
+    fn no_number<T>(&self, text: &str) -> Result<T, Stop> {
+        self.throw("NumberFormatException", format!("For input string: \"{text}\""))
     }
 }
 

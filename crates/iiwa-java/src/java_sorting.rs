@@ -149,9 +149,7 @@ impl Machine {
                 self.unknown("whether two maps or sets are equal")
             }
             // Boxed numbers of different types differ.
-            _ => Value::Boolean(
-                a.is_same(b) && std::mem::discriminant(a) == std::mem::discriminant(b),
-            ),
+            _ => Value::Boolean(a.is_equal(b)),
         };
         Ok(match result {
             Value::Boolean(is_equal) => Ok(is_equal),

@@ -38,6 +38,10 @@ pub(crate) struct JavaState {
     pub(crate) objects: Vec<Weak<Object>>,
     /// Assignments that changed something which outlives a turn of the innermost loop.
     pub(crate) changes: u64,
+    /// The name of the method that is called, and the types of its arguments, while it is searched for.
+    pub(crate) argument_types: Option<(String, Vec<Option<TypeName>>)>,
+    /// The objects of string literals: equal ones are the same object.
+    pub(crate) literals: HashMap<String, Rc<str>>,
 }
 
 /// A method that is being run.
@@ -75,6 +79,8 @@ impl JavaState {
             effects: HashMap::new(),
             objects: Vec::new(),
             changes: 0,
+            argument_types: None,
+            literals: HashMap::new(),
         }
     }
 

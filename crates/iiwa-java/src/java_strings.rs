@@ -2,7 +2,11 @@
 
 use std::rc::Rc;
 
-use crate::{machine::Machine, stop::Stop, value::Value};
+use crate::{
+    machine::Machine,
+    stop::Stop,
+    value::{Array, Value},
+};
 
 /// Letters of a string: more would fill memory, and no program has them.
 pub(crate) const MAX_LETTERS: usize = 1_000_000;
@@ -15,6 +19,9 @@ impl Machine {
         arguments: &[Value],
     ) -> Result<Option<Value>, Stop> {
         Ok(Some(match (name, arguments) {
+            ("valueOf" | "copyValueOf", [Value::Array(array)]) if array.element.name == "char" => {
+                return Ok(Some(characters(array)));
+            }
             ("valueOf" | "copyValueOf", [value]) => {
                 let text = self.text_of(value)?;
                 text.map_or_else(Value::Unknown, Value::text)
@@ -64,7 +71,8 @@ impl Machine {
             ("length", []) => count(text.encode_utf16().count()),
             ("isEmpty", []) => Value::Boolean(text.is_empty()),
             ("toString" | "intern", []) => Value::Text(Rc::clone(text)),
-            ("trim" | "strip", []) => Value::text(text.trim()),
+            ("trim", []) => Value::text(text.trim_matches(|c| c <= ' ')),
+            ("strip", []) => Value::text(text.trim()),
             ("toUpperCase", _) => Value::text(text.to_uppercase()),
             ("toLowerCase", _) => Value::text(text.to_lowercase()),
             ("hashCode", []) => {
@@ -192,6 +200,10 @@ impl Machine {
         let mut result = receiver.clone();
         match (name, arguments) {
             ("append", [value]) => {
+                let value = match value {
+                    Value::Array(array) if array.element.name == "char" => &characters(array),
+                    _ => value,
+                };
                 let added = match self.text_of(value)? {
                     Ok(added) => added,
                     Err(unknown) => {
@@ -275,3 +287,15 @@ impl Machine {
 /// Methods that change a builder.
 const BUILDING: [&str; 6] =
     ["insert", "replace", "delete", "deleteCharAt", "setCharAt", "setLength"];
+
+/// The text of an array of characters; unknown if one of them is.
+fn characters(array: &Array) -> Value {
+    let mut units = Vec::new();
+    for value in array.values.borrow().iter() {
+        match value {
+            Value::Char(code) => units.push(*code),
+            other => return other.clone(),
+        }
+    }
+    Value::text(String::from_utf16_lossy(&units))
+}

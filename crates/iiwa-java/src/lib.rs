@@ -6,7 +6,7 @@
 //! are neither of the project nor of Java's own library are those of a [`Host`], which says what it is to act, too. Steps, depth
 //! and memory are bounded.
 //!
-//! It is no Java for general use: no threads, no reflection, no lambda expressions.
+//! It is no Java for general use: no threads, no reflection, and lambda expressions are not run.
 
 mod calls;
 mod class_id;
@@ -18,6 +18,7 @@ mod effects;
 mod expressions;
 mod flow;
 mod foreign;
+mod formats;
 mod host_value;
 mod java_collections;
 mod java_lists;
@@ -27,12 +28,16 @@ mod java_sorting;
 mod java_state;
 mod java_strings;
 mod java_unknown;
+mod library_calls;
 mod loops;
 mod machine;
 mod operators;
 mod overloads;
 mod place;
 mod read;
+#[cfg(test)]
+#[path = "../tests/unit/snippets.rs"]
+mod snippets;
 mod source_error;
 mod source_text;
 mod statements;
@@ -41,6 +46,7 @@ mod stop;
 mod syntax;
 mod tasks;
 mod text;
+mod type_names;
 mod unknown;
 mod value;
 mod variables;

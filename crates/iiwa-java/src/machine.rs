@@ -246,9 +246,14 @@ impl Machine {
     /// Always: the exception.
     pub fn throw<T>(&self, class: &str, message: impl Into<String>) -> Result<T, Stop> {
         let message = message.into();
+        // Those of Java's own exceptions are others than ours, but for these.
+        let value = match class {
+            "ArithmeticException" | "NumberFormatException" => Value::text(&message),
+            _ => self.unknown("the message of an exception of Java"),
+        };
         Err(Stop::Thrown(Rc::new(Thrown {
             classes: vec![Rc::from(class)],
-            value: Value::text(&message),
+            value,
             message,
             place: self.here.clone(),
         })))

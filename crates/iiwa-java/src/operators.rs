@@ -72,17 +72,15 @@ impl Machine {
             return Ok(Value::Unknown(std::rc::Rc::clone(unknown)));
         }
         match operator {
-            Op::Equal => return Ok(Value::Boolean(left.is_same(right))),
-            Op::NotEqual => return Ok(Value::Boolean(!left.is_same(right))),
+            Op::Equal | Op::NotEqual => {
+                let is_same = match promoted(left, right) {
+                    Some(Promoted::Floats(a, b)) => a == b,
+                    _ => left.is_same(right),
+                };
+                return Ok(Value::Boolean(is_same == (operator == Op::Equal)));
+            }
             Op::Add if matches!(left, Value::Text(_)) || matches!(right, Value::Text(_)) => {
-                let [left, right] = [self.text_of(left)?, self.text_of(right)?];
-                return Ok(match (left, right) {
-                    (Ok(left), Ok(right)) if left.len() + right.len() > MAX_LETTERS => {
-                        return self.refuse("a string is longer than a million letters");
-                    }
-                    (Ok(left), Ok(right)) => Value::text(left + &right),
-                    (Err(unknown), _) | (_, Err(unknown)) => Value::Unknown(unknown),
-                });
+                return self.concatenated(left, right);
             }
             _ => {}
         }
@@ -127,6 +125,18 @@ impl Machine {
             },
             None => self.no_operation("this operator", &[left, right]),
         }
+    }
+
+    /// The text of both.
+    pub(crate) fn concatenated(&mut self, left: &Value, right: &Value) -> Result<Value, Stop> {
+        let [left, right] = [self.text_of(left)?, self.text_of(right)?];
+        Ok(match (left, right) {
+            (Ok(left), Ok(right)) if left.len() + right.len() > MAX_LETTERS => {
+                return self.refuse("a string is longer than a million letters");
+            }
+            (Ok(left), Ok(right)) => Value::text(left + &right),
+            (Err(unknown), _) | (_, Err(unknown)) => Value::Unknown(unknown),
+        })
     }
 
     fn of_integers(

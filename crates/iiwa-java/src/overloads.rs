@@ -1,4 +1,4 @@
-//! The choice among methods of a name.
+//! The search for the method or the constructor that a call means (JLS 15.12.2).
 
 use std::{rc::Rc, sync::Arc};
 
@@ -9,29 +9,158 @@ use crate::{
     stop::Stop,
     syntax::{Method, TypeName},
     unknown::Unknown,
-    value::Value,
+    value::{Object, Value},
 };
 
+/// A method and the class in which it stands.
+type Candidate = (ClassId, Arc<Method>);
+
+/// The method that a call means.
+pub(crate) enum Choice {
+    Method(ClassId, Arc<Method>),
+    /// One of several, by the type of an argument that is not known.
+    Undecided(Rc<Unknown>, Vec<Arc<Method>>),
+}
+
+impl Choice {
+    pub(crate) fn has_body(&self) -> bool {
+        match self {
+            Self::Method(_, method) => method.body.is_some(),
+            Self::Undecided(_, methods) => methods.iter().any(|own| own.body.is_some()),
+        }
+    }
+}
+
 impl Machine {
-    /// The method that is meant, and the class in which it stands.
-    pub(crate) fn method(
+    /// The method that is meant; none if no method fits.
+    ///
+    /// Where several fit the values of the arguments, the types of the arguments count, as far as the call gives them.
+    pub(crate) fn method(&self, id: ClassId, name: &str, arguments: &[Value]) -> Option<Choice> {
+        let candidates = self.java.classes.methods(id, name);
+        self.chosen(candidates, name, arguments)
+    }
+
+    /// The method that takes nothing, and the class in which it stands.
+    pub(crate) fn plain_method(&self, id: ClassId, name: &str) -> Option<Candidate> {
+        match self.method(id, name, &[])? {
+            Choice::Method(owner, method) => Some((owner, method)),
+            Choice::Undecided(..) => None,
+        }
+    }
+
+    /// The best of these methods, which are in order, the nearest first.
+    pub(crate) fn chosen(
         &self,
-        id: ClassId,
+        candidates: Vec<Candidate>,
         name: &str,
         arguments: &[Value],
-    ) -> Option<(ClassId, Arc<Method>)> {
-        let mut best: Option<(u32, ClassId, Arc<Method>)> = None;
-        for (owner, method) in self.java.classes.methods(id, name) {
+    ) -> Option<Choice> {
+        let mut fitting: Vec<(u32, Candidate)> = Vec::new();
+        for (owner, method) in candidates {
             let Some(fit) = self.fit(owner, &method, arguments) else { continue };
-            // Among equal fits, the nearest method with a body wins.
-            let is_better = best.as_ref().is_none_or(|(other, _, found)| {
-                fit > *other || (fit == *other && found.body.is_none() && method.body.is_some())
-            });
-            if is_better {
-                best = Some((fit, owner, method));
+            let same = fitting.iter_mut().find(|(_, (_, other))| is_overridden(other, &method));
+            match same {
+                // Of those that override each other, the nearest with a body counts.
+                Some((_, found)) => {
+                    if found.1.body.is_none() && method.body.is_some() {
+                        *found = (owner, method);
+                    }
+                }
+                None => fitting.push((fit, (owner, method))),
             }
         }
-        best.map(|(_, owner, method)| (owner, method))
+        let unknown = arguments.iter().find_map(Value::unknown).cloned();
+        let types = self.java.argument_types.as_ref().filter(|(own, _)| own == name);
+        if let (Some((_, types)), true) = (types, fitting.len() > 1)
+            && types.len() == arguments.len()
+        {
+            let all: Vec<Candidate> = fitting.into_iter().map(|(_, candidate)| candidate).collect();
+            return Some(match self.most_specific(&all, types) {
+                Some((owner, method)) => Choice::Method(owner, method),
+                None => {
+                    let unknown = unknown.unwrap_or_else(|| {
+                        let reason =
+                            format!("the types of the arguments of `{name}`, which are not known");
+                        Rc::new(Unknown { reason, place: self.here.clone() })
+                    });
+                    Choice::Undecided(unknown, all.into_iter().map(|(_, own)| own).collect())
+                }
+            });
+        }
+        let best = fitting.iter().map(|(fit, _)| *fit).max()?;
+        let mut best = fitting.into_iter().filter(|(fit, _)| *fit == best).map(|(_, own)| own);
+        let (owner, method) = best.next()?;
+        if let Some(unknown) = unknown {
+            let open = |method: &Method| {
+                let pairs = method.parameters.iter().zip(arguments);
+                let open = pairs.filter(|(_, value)| value.unknown().is_some());
+                open.map(|(own, _)| own.type_name.clone()).collect::<Vec<_>>()
+            };
+            let first = open(&method);
+            let others: Vec<_> = best.map(|(_, own)| own).collect();
+            if others.iter().any(|own| open(own) != first) {
+                let all = std::iter::once(method).chain(others).collect();
+                return Some(Choice::Undecided(unknown, all));
+            }
+        }
+        Some(Choice::Method(owner, method))
+    }
+
+    /// Calls the method that is meant, on this object unless it belongs to its class. If it is not known which is meant, none is
+    /// run, and what they change is unknown.
+    pub(crate) fn run_chosen(
+        &mut self,
+        choice: Choice,
+        this: Option<Rc<Object>>,
+        name: &str,
+        arguments: &[Value],
+    ) -> Result<Value, Stop> {
+        let (unknown, methods) = match choice {
+            Choice::Method(owner, method) => {
+                let this = this.filter(|_| !method.is_static);
+                return self.run(owner, this, &method, arguments);
+            }
+            Choice::Undecided(unknown, methods) => (unknown, methods),
+        };
+        for method in methods {
+            let effects = self.effects_of(method.body.iter().flatten());
+            if effects.acts() {
+                return self
+                    .refuse_unknown(&format!("which of the methods `{name}` is called"), &unknown);
+            }
+            self.forget_values(&effects, &unknown);
+        }
+        Ok(Value::Unknown(unknown))
+    }
+
+    /// The method that is called by the types of the arguments; none if they do not decide.
+    fn most_specific(&self, all: &[Candidate], types: &[Option<TypeName>]) -> Option<Candidate> {
+        for phase in [Phase::Strict, Phase::Loose, Phase::Variadic] {
+            let mut applicable = Vec::new();
+            let mut is_certain = true;
+            for candidate in all {
+                match self.applies(&candidate.1, types, phase) {
+                    Some(true) => applicable.push(candidate),
+                    Some(false) => {}
+                    None => {
+                        is_certain = false;
+                        applicable.push(candidate);
+                    }
+                }
+            }
+            let is_best = |own: &&Candidate| {
+                applicable.iter().all(|other| {
+                    Arc::ptr_eq(&own.1, &other.1) || self.is_more_specific(&own.1, &other.1, phase)
+                })
+            };
+            match (&applicable[..], is_certain) {
+                ([], _) => {}
+                ([only], _) => return Some((*only).clone()),
+                (_, true) => return applicable.iter().copied().find(is_best).cloned(),
+                (_, false) => return None,
+            }
+        }
+        None
     }
 
     /// How well arguments fit parameters; none if they do not.
@@ -109,47 +238,66 @@ impl Machine {
         }
     }
 
-    /// The result of a call for which several methods fit equally well, since the type of an argument is not known: none of
-    /// them is run. None if the method is known.
-    pub(crate) fn undecided(
-        &mut self,
-        id: ClassId,
-        name: &str,
-        arguments: &[Value],
-    ) -> Result<Option<Value>, Stop> {
-        let methods = self.java.classes.methods(id, name);
-        let Some((unknown, fitting)) = self.fitting(methods, arguments) else { return Ok(None) };
-        for method in fitting {
-            let effects = self.effects_of(method.body.iter().flatten());
-            if effects.acts() {
-                return self
-                    .refuse_unknown(&format!("which of the methods `{name}` is called"), &unknown);
-            }
-            self.forget_values(&effects, &unknown);
+    /// True if a method can be called with arguments of these types; none if that is not known.
+    fn applies(&self, method: &Method, types: &[Option<TypeName>], phase: Phase) -> Option<bool> {
+        let mut is_certain = true;
+        if phase == Phase::Variadic && !method.is_variadic
+            || phase != Phase::Variadic && types.len() != method.parameters.len()
+        {
+            return Some(false);
         }
-        Ok(Some(Value::Unknown(unknown)))
+        for (place, own) in types.iter().enumerate() {
+            let wanted = parameter(method, place, phase)?;
+            match own.as_ref().and_then(|own| self.widens(own, &wanted, phase != Phase::Strict)) {
+                Some(true) => {}
+                Some(false) => return Some(false),
+                None => is_certain = false,
+            }
+        }
+        is_certain.then_some(true)
     }
 
-    /// The methods that fit equally well and differ in the type of an argument that is not known; none if that decides nothing.
-    pub(crate) fn fitting(
-        &self,
-        methods: Vec<(ClassId, Arc<Method>)>,
-        arguments: &[Value],
-    ) -> Option<(Rc<Unknown>, Vec<Arc<Method>>)> {
-        let unknown = Rc::clone(arguments.iter().find_map(Value::unknown)?);
-        let fits = methods
-            .into_iter()
-            .filter_map(|(owner, method)| Some((self.fit(owner, &method, arguments)?, method)));
-        let fits: Vec<_> = fits.collect();
-        let best = fits.iter().map(|(fit, _)| *fit).max()?;
-        let fitting: Vec<_> =
-            fits.into_iter().filter(|(fit, _)| *fit == best).map(|(_, method)| method).collect();
-        let types = |method: &Method| {
-            let pairs = method.parameters.iter().zip(arguments);
-            let open = pairs.filter(|(_, value)| value.unknown().is_some());
-            open.map(|(own, _)| own.type_name.clone()).collect::<Vec<_>>()
-        };
-        let first = types(fitting.first()?);
-        fitting.iter().any(|own| types(own) != first).then_some((unknown, fitting))
+    fn is_more_specific(&self, own: &Method, other: &Method, phase: Phase) -> bool {
+        let count = own.parameters.len().max(other.parameters.len());
+        (0..count).all(|place| {
+            match (parameter(own, place, phase), parameter(other, place, phase)) {
+                (Some(own), Some(other)) => self.widens(&own, &other, false) == Some(true),
+                _ => false,
+            }
+        })
     }
+}
+
+/// The phases in which Java searches: without boxing, with it, and with any number of arguments.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Phase {
+    Strict,
+    Loose,
+    Variadic,
+}
+
+/// The type of a parameter; of the last one in the third phase, that of each further argument.
+fn parameter(method: &Method, place: usize, phase: Phase) -> Option<TypeName> {
+    let last = method.parameters.len().checked_sub(1)?;
+    let own = &method.parameters.get(place.min(last))?.type_name;
+    if phase == Phase::Variadic && method.is_variadic && place >= last {
+        return Some(TypeName { dimensions: own.dimensions.checked_sub(1)?, ..own.clone() });
+    }
+    (place <= last).then(|| own.clone())
+}
+
+/// True if a method further above has the parameters of another, or, without a body, type variables in their place.
+fn is_overridden(own: &Method, other: &Method) -> bool {
+    let mut pairs = own.parameters.iter().zip(&other.parameters);
+    let is_variable = |own: &TypeName| own.dimensions == 0 && is_type_variable(&own.name);
+    own.parameters.len() == other.parameters.len()
+        && pairs.all(|(own, above)| {
+            own.type_name == above.type_name
+                || other.body.is_none() && is_variable(&above.type_name)
+        })
+}
+
+/// True for names such as `T` or `K2`.
+fn is_type_variable(name: &str) -> bool {
+    name.len() <= 2 && name.bytes().all(|byte| byte.is_ascii_uppercase() || byte.is_ascii_digit())
 }

@@ -357,15 +357,22 @@ impl Machine {
     /// Whether a `catch` of this type takes an exception.
     fn catches(&self, name: &str, thrown: &Thrown) -> bool {
         /// Those that are no `RuntimeException`s.
-        const CHECKED: [&str; 8] = [
-            "Exception",
+        const INPUT_OUTPUT: [&str; 8] = [
             "IOException",
+            "FileNotFoundException",
+            "UnknownHostException",
+            "EOFException",
+            "SocketException",
+            "ConnectException",
+            "SocketTimeoutException",
+            "MalformedURLException",
+        ];
+        const CHECKED: [&str; 5] = [
+            "Exception",
             "InterruptedException",
             "TimeoutException",
             "ExecutionException",
-            "FileNotFoundException",
             "ClassNotFoundException",
-            "UnknownHostException",
         ];
         let class = thrown.classes.first().map_or("Exception", |class| class);
         let own = match &thrown.value {
@@ -380,7 +387,12 @@ impl Machine {
         match simple {
             "Throwable" => true,
             "Exception" => !class.ends_with("Error"),
-            "RuntimeException" => !class.ends_with("Error") && !CHECKED.contains(&class),
+            "RuntimeException" => {
+                !class.ends_with("Error")
+                    && !CHECKED.contains(&class)
+                    && !INPUT_OUTPUT.contains(&class)
+            }
+            "IOException" => INPUT_OUTPUT.contains(&class),
             "IndexOutOfBoundsException" => class.ends_with("IndexOutOfBoundsException"),
             "IllegalArgumentException" => {
                 matches!(class, "IllegalArgumentException" | "NumberFormatException")

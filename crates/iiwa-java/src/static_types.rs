@@ -1,71 +1,280 @@
-//! Types of expressions as far as a choice of methods needs them: whether a whole number is an `int`, or a boxed `Integer`.
+//! Types of expressions, as a compiler has them, where the value alone does not say what Java does: which side of a condition
+//! widens the other, which of several methods is called, and whether `==` compares numbers or objects.
 
 use crate::{
+    class_id::ClassId,
+    classes::simple,
     machine::Machine,
-    syntax::{Expression, ExpressionKind, Literal, TypeName, UnaryOperator},
+    syntax::{BinaryOperator, Expression, ExpressionKind, Literal, TypeName, UnaryOperator},
+    type_names::{
+        NULL, WIDENING, boxed, boxed_names, is_primitive, is_text, of_literal, plain, rank,
+        unboxed, widens_to,
+    },
+    variables::fields,
 };
 
+/// The type of a sum of which only that is known that it is a number.
+const NUMBER: &str = "a number";
+
 /// Methods of Java's library that give primitive numbers, of any class.
-const PRIMITIVE: [&str; 22] = [
-    "size",
-    "length",
-    "indexOf",
-    "lastIndexOf",
-    "intValue",
-    "parseInt",
-    "ordinal",
-    "abs",
-    "min",
-    "max",
-    "compare",
-    "compareTo",
-    "nextInt",
-    "hashCode",
-    "charAt",
-    "nextIndex",
-    "previousIndex",
-    "getNumericValue",
-    "incrementAndGet",
-    "getAndIncrement",
-    "decrementAndGet",
-    "getAndDecrement",
-];
+const PRIMITIVE: [&str; 5] =
+    ["abs", "incrementAndGet", "getAndIncrement", "decrementAndGet", "getAndDecrement"];
 
 /// Methods of Java's library that give elements of collections, of any class.
-const BOXED: [&str; 12] = [
+const BOXED: [&str; 17] = [
     "valueOf", "next", "previous", "getKey", "getValue", "peek", "poll", "pop", "getFirst",
-    "getLast", "first", "last",
+    "getLast", "first", "last", "put", "remove", "set", "element", "take",
 ];
 
 impl Machine {
-    /// True if a whole number is an object, by the type of its expression; none if that is not known.
-    pub(crate) fn is_boxed(&self, expression: &Expression) -> Option<bool> {
+    /// The type of an expression; none if it is not known.
+    pub(crate) fn static_type(&self, expression: &Expression) -> Option<TypeName> {
         match &expression.kind {
-            ExpressionKind::Literal(Literal::Int(_) | Literal::Char(_))
-            | ExpressionKind::Binary { .. } => Some(false),
-            ExpressionKind::Unary { operator, .. } => matches!(
-                operator,
-                UnaryOperator::Plus | UnaryOperator::Minus | UnaryOperator::Complement
-            )
-            .then_some(false),
-            ExpressionKind::Cast { type_name, .. } | ExpressionKind::New { type_name, .. } => {
-                Some(is_object(type_name))
+            ExpressionKind::Literal(literal) => Some(of_literal(literal)),
+            ExpressionKind::Name(name) => self.type_of_name(name),
+            ExpressionKind::Field { of, name } => {
+                if let Some(of) = self.static_type(of)
+                    && of.dimensions > 0
+                {
+                    return (name == "length").then(|| plain("int"));
+                }
+                let class = self.class_of(of)?;
+                self.type_of_field(class, name)
             }
-            ExpressionKind::Name(name) => self.declared(name).map(|own| is_object(&own)),
-            ExpressionKind::Field { name, .. } if name == "length" => Some(false),
-            ExpressionKind::Field { of, name } if matches!(of.kind, ExpressionKind::This) => {
-                self.declared_field(name).map(|own| is_object(&own))
+            ExpressionKind::Call { on, name, arguments } => {
+                self.type_of_call(on.as_deref(), name, arguments)
             }
-            ExpressionKind::Index { of, .. } => match &of.kind {
-                ExpressionKind::Name(name) => self.declared(name).map(|own| {
-                    let dimensions = own.dimensions.saturating_sub(1);
-                    is_object(&TypeName { dimensions, ..own })
-                }),
-                _ => None,
-            },
+            ExpressionKind::New { type_name, body: None, .. }
+            | ExpressionKind::NewArray { type_name, .. }
+            | ExpressionKind::Cast { type_name, .. } => Some(type_name.clone()),
+            ExpressionKind::Index { of, .. } => {
+                let TypeName { name, dimensions } = self.static_type(of)?;
+                Some(TypeName { name, dimensions: dimensions.checked_sub(1)? })
+            }
+            ExpressionKind::Unary { operator: UnaryOperator::Not, .. }
+            | ExpressionKind::InstanceOf { .. } => Some(plain("boolean")),
+            ExpressionKind::Unary { value, .. } => {
+                Some(self.promoted(value, value).unwrap_or_else(|| plain(NUMBER)))
+            }
             ExpressionKind::Step { target, .. } | ExpressionKind::Assign { target, .. } => {
-                self.is_boxed(target)
+                self.static_type(target)
             }
+            ExpressionKind::Binary { operator, left, right } => {
+                self.type_of_binary(*operator, left, right)
+            }
+            ExpressionKind::Conditional { then, otherwise, .. } => {
+                self.type_of_conditional(then, otherwise)
+            }
+            ExpressionKind::This => {
+                let class = self.java.activation()?.class;
+                Some(plain(&self.java.classes.known(class).class.name))
+            }
+            _ => None,
+        }
+    }
+
+    fn type_of_binary(
+        &self,
+        operator: BinaryOperator,
+        left: &Expression,
+        right: &Expression,
+    ) -> Option<TypeName> {
+        use BinaryOperator as Op;
+        match operator {
+            Op::Less
+            | Op::LessOrEqual
+            | Op::Greater
+            | Op::GreaterOrEqual
+            | Op::Equal
+            | Op::NotEqual
+            | Op::AndAlso
+            | Op::OrElse => Some(plain("boolean")),
+            Op::ShiftLeft | Op::ShiftRight | Op::ShiftRightUnsigned => {
+                Some(self.promoted(left, left).unwrap_or_else(|| plain(NUMBER)))
+            }
+            Op::Add => {
+                let types = [self.static_type(left), self.static_type(right)];
+                if types.iter().flatten().any(is_text) {
+                    return Some(plain("String"));
+                }
+                let [left_type, right_type] = types;
+                match (left_type, right_type) {
+                    (Some(_), Some(_)) => self.promoted(left, right),
+                    _ => None,
+                }
+            }
+            Op::And | Op::Or | Op::Xor => {
+                let is_boolean = |own: &TypeName| unboxed(own) == Some("boolean");
+                if self.static_type(left).as_ref().is_some_and(is_boolean) {
+                    Some(plain("boolean"))
+                } else {
+                    self.promoted(left, right)
+                }
+            }
+            _ => Some(self.promoted(left, right).unwrap_or_else(|| plain(NUMBER))),
+        }
+    }
+
+    /// The type in which two numbers meet.
+    fn promoted(&self, left: &Expression, right: &Expression) -> Option<TypeName> {
+        let rank = |own: &Expression| rank(unboxed(&self.static_type(own)?)?);
+        let widest = rank(left)?.max(rank(right)?).max(3);
+        WIDENING.get(widest).map(|name| plain(name))
+    }
+
+    /// The type of `condition ? then : otherwise` (JLS 15.25); none if it is not a primitive one, or not known.
+    pub(crate) fn type_of_conditional(
+        &self,
+        then: &Expression,
+        otherwise: &Expression,
+    ) -> Option<TypeName> {
+        let (first, second) = (self.static_type(then)?, self.static_type(otherwise)?);
+        if first == second {
+            return Some(first);
+        }
+        let (a, b) = (unboxed(&first)?, unboxed(&second)?);
+        if a == b {
+            return Some(plain(a));
+        }
+        // A constant is narrowed to the type of the other side, if it fits.
+        for (narrow, constant) in [(a, otherwise), (b, then)] {
+            if let ExpressionKind::Literal(Literal::Int(value)) = constant.kind {
+                let fits = match narrow {
+                    "byte" => i8::try_from(value).is_ok(),
+                    "short" => i16::try_from(value).is_ok(),
+                    "char" => u16::try_from(value).is_ok(),
+                    _ => false,
+                };
+                if fits {
+                    return Some(plain(narrow));
+                }
+            }
+        }
+        if let ("byte", "short") | ("short", "byte") = (a, b) {
+            return Some(plain("short"));
+        }
+        WIDENING.get(rank(a)?.max(rank(b)?).max(3)).map(|name| plain(name))
+    }
+
+    fn type_of_name(&self, name: &str) -> Option<TypeName> {
+        let activation = self.java.activation()?;
+        if let Some(local) = activation.locals.iter().rev().find(|local| local.name == name) {
+            return local.type_name.clone().filter(|own| own.name != "var");
+        }
+        if activation.this.as_ref().is_some_and(|own| own.captured.contains_key(name)) {
+            return None;
+        }
+        let mut class = Some(activation.class);
+        while let Some(id) = class {
+            if let Some(found) = self.type_of_field(id, name) {
+                return Some(found);
+            }
+            class = self.java.classes.known(id).outer;
+        }
+        None
+    }
+
+    fn type_of_field(&self, class: ClassId, name: &str) -> Option<TypeName> {
+        self.java.classes.with_parents(class).into_iter().find_map(|id| {
+            let class = &self.java.classes.known(id).class;
+            if class.constants.iter().any(|constant| constant.name == name) {
+                return Some(plain(&class.name));
+            }
+            fields(&class.members).find(|own| own.name == name).map(|own| own.type_name.clone())
+        })
+    }
+
+    /// The class of the project that an expression is of, by its type, or that it names.
+    pub(crate) fn class_of(&self, expression: &Expression) -> Option<ClassId> {
+        let within = self.java.activation()?.class;
+        match &expression.kind {
+            ExpressionKind::This => return Some(within),
+            ExpressionKind::Super => return self.java.classes.parent(within),
+            _ => {}
+        }
+        if let Some(own) = self.static_type(expression) {
+            return (own.dimensions == 0)
+                .then(|| self.java.classes.find(&own.name, within))
+                .flatten();
+        }
+        match &expression.kind {
+            ExpressionKind::Name(name) => self.java.classes.find(name, within),
+            _ => None,
+        }
+    }
+
+    fn type_of_call(
+        &self,
+        on: Option<&Expression>,
+        name: &str,
+        arguments: &[Expression],
+    ) -> Option<TypeName> {
+        let mut class = match on {
+            None => Some(self.java.activation()?.class),
+            Some(on) => self.class_of(on),
+        };
+        while let Some(id) = class {
+            let methods = self.java.classes.methods(id, name);
+            let mut types = methods
+                .iter()
+                .filter(|(_, own)| own.is_variadic || own.parameters.len() == arguments.len())
+                .map(|(_, own)| &own.returns);
+            if let Some(first) = types.next() {
+                return types.all(|own| own == first).then(|| first.clone());
+            }
+            class = self.java.classes.known(id).outer.filter(|_| on.is_none());
+        }
+        if let Some(ExpressionKind::Name(class)) = on.map(|on| &on.kind)
+            && class == "Math"
+        {
+            return match (name, arguments) {
+                ("abs", [own]) => self.promoted(own, own),
+                ("max" | "min", [a, b]) => self.promoted(a, b),
+                ("round", [own]) => {
+                    let is_float = self.static_type(own)?.name == "float";
+                    Some(plain(if is_float { "int" } else { "long" }))
+                }
+                ("floorMod" | "floorDiv" | "signum" | "ulp", _) => None,
+                _ => Some(plain("double")),
+            };
+        }
+        if let (Some(ExpressionKind::Name(class)), "valueOf") = (on.map(|on| &on.kind), name) {
+            return Some(plain(class));
+        }
+        let on = on?;
+        let found = plain(match name {
+            "length" | "size" | "indexOf" | "lastIndexOf" | "ordinal" | "intValue" | "compare"
+            | "compareTo" | "parseInt" | "hashCode" | "nextInt" | "nextIndex" | "previousIndex"
+            | "getNumericValue" => "int",
+            "longValue" | "parseLong" => "long",
+            "doubleValue" | "parseDouble" => "double",
+            "charAt" | "charValue" => "char",
+            "equals" | "isEmpty" | "contains" | "booleanValue" => "boolean",
+            "toString" | "substring" | "trim" | "toUpperCase" | "toLowerCase" | "getMessage"
+            | "name" | "format" => "String",
+            _ => return None,
+        });
+        // Of an object that may be one of the project, whose methods may give something else.
+        let is_certain = self.static_type(on).is_some()
+            || self.declared_results(name).iter().all(|own| *own == found);
+        is_certain.then_some(found)
+    }
+
+    /// The types of the results of the project's methods of a name.
+    fn declared_results(&self, name: &str) -> Vec<TypeName> {
+        let classes = &self.java.classes;
+        let methods = classes.ids().flat_map(|id| &classes.known(id).class.methods);
+        methods.filter(|own| own.name == name).map(|own| own.returns.clone()).collect()
+    }
+
+    /// True if a number is an object (`Integer`, say), by the type of its expression; none if that is not known.
+    pub(crate) fn is_boxed(&self, expression: &Expression) -> Option<bool> {
+        if let Some(own) = self.static_type(expression) {
+            return Some(own.name != NUMBER && !is_primitive(&own));
+        }
+        match &expression.kind {
+            ExpressionKind::Binary { .. } => Some(false),
+            ExpressionKind::Field { name, .. } if name == "length" => Some(false),
             ExpressionKind::Conditional { then, otherwise, .. } => {
                 let sides = (self.is_boxed(then)?, self.is_boxed(otherwise)?);
                 // One primitive side makes both primitive.
@@ -77,60 +286,101 @@ impl Machine {
     }
 
     fn is_boxed_result(&self, on: Option<&Expression>, name: &str) -> Option<bool> {
-        let classes = &self.java.classes;
-        let mut of_project = classes.ids().flat_map(|id| {
-            let methods = classes.known(id).class.methods.iter();
-            methods.filter(|own| own.name == name).map(|own| is_object(&own.returns))
-        });
-        if let Some(first) = of_project.next() {
-            return of_project.all(|other| other == first).then_some(first);
+        let of = on.and_then(|on| self.static_type(on));
+        if of.is_none() {
+            let declared = self.declared_results(name);
+            if let Some(first) = declared.first().map(is_primitive) {
+                return declared.iter().all(|own| is_primitive(own) == first).then_some(!first);
+            }
         }
-        let of = match &on?.kind {
-            ExpressionKind::Name(name) => self.declared(name),
-            _ => None,
-        };
-        let of = of.map(|own| crate::classes::simple(&own.name).to_owned()).unwrap_or_default();
+        let of = of.map(|own| simple(&own.name).to_owned()).unwrap_or_default();
+        let is_collections = matches!(&on?.kind,
+            ExpressionKind::Name(class) if class == "Collections");
         match name {
             "get" | "getOrDefault" | "elementAt" if of.starts_with("Atomic") => Some(false),
             "get" | "getOrDefault" | "elementAt" => ["List", "Map", "Vector", "Stack"]
                 .iter()
                 .any(|end| of.ends_with(end))
                 .then_some(true),
+            "max" | "min" => Some(is_collections),
             _ if PRIMITIVE.contains(&name) => Some(false),
             _ if BOXED.contains(&name) => Some(true),
             _ => None,
         }
     }
 
-    /// The type with which a variable is declared.
-    fn declared(&self, name: &str) -> Option<TypeName> {
-        let activation = self.java.activation()?;
-        match activation.locals.iter().rev().find(|local| local.name == name) {
-            Some(local) => local.type_name.clone(),
-            None => self.declared_field(name),
-        }
+    /// True if the elements of a collection have no indices, by its type: its `remove` takes an element.
+    pub(crate) fn has_no_indices(&self, collection: &Expression) -> bool {
+        self.static_type(collection).is_some_and(|own| {
+            let name = simple(&own.name);
+            matches!(name, "Collection" | "Iterable")
+                || name.ends_with("Queue")
+                || name.ends_with("Deque")
+        })
     }
 
-    fn declared_field(&self, name: &str) -> Option<TypeName> {
-        let classes = &self.java.classes;
-        let mut class = Some(self.java.activation()?.class);
-        while let Some(id) = class {
-            for parent in classes.with_parents(id) {
-                let members = &classes.known(parent).class.members;
-                if let Some(field) =
-                    crate::variables::fields(members).find(|field| field.name == name)
-                {
-                    return Some(field.type_name.clone());
-                }
+    /// True if the value of an expression may be the object of a number: `Integer`, say.
+    pub(crate) fn may_be_boxed(&self, expression: &Expression) -> bool {
+        self.is_boxed(expression).unwrap_or_else(|| match &expression.kind {
+            ExpressionKind::Call { on: Some(_), name, .. } => {
+                matches!(name.as_str(), "get" | "getOrDefault" | "elementAt")
             }
-            class = classes.known(id).outer;
-        }
-        None
+            ExpressionKind::Name(_) | ExpressionKind::Conditional { .. } => true,
+            _ => false,
+        })
     }
-}
 
-fn is_object(type_name: &TypeName) -> bool {
-    let is_primitive =
-        matches!(type_name.name.as_str(), "int" | "short" | "byte" | "char" | "long");
-    type_name.dimensions > 0 || !is_primitive
+    /// True if a value can be passed where this type is wanted, without a conversion that only the third phase of the search for
+    /// a method makes (JLS 15.12.2); none if the classes of libraries would have to be known.
+    pub(crate) fn widens(&self, from: &TypeName, to: &TypeName, boxes: bool) -> Option<bool> {
+        if from == to {
+            return Some(true);
+        }
+        if from.name == NULL {
+            return Some(!is_primitive(to));
+        }
+        if from.dimensions > 0 || to.dimensions > 0 {
+            return Some(to.dimensions == 0 && simple(&to.name) == "Object");
+        }
+        match (is_primitive(from), is_primitive(to)) {
+            (true, true) => Some(widens_to(&from.name, &to.name)),
+            (true, false) => {
+                let boxed = boxed(&from.name)?;
+                Some(boxes && self.widens(&plain(boxed), to, false)?)
+            }
+            (false, true) => {
+                Some(boxes && unboxed(from).is_some_and(|own| widens_to(own, &to.name)))
+            }
+            (false, false) => self.inherits(from, to),
+        }
+    }
+
+    fn inherits(&self, from: &TypeName, to: &TypeName) -> Option<bool> {
+        let (below, above) = (simple(&from.name), simple(&to.name));
+        if below == above || above == "Object" {
+            return Some(true);
+        }
+        if below == "Object" {
+            return Some(false);
+        }
+        let within = self.java.activation()?.class;
+        let [own, other] = [from, to].map(|own| self.java.classes.find(&own.name, within));
+        match (own, other) {
+            (Some(own), Some(other)) => Some(self.java.classes.is_a(own, other)),
+            (None, Some(_)) => Some(false),
+            _ if below == "String" || unboxed(from).is_some() => Some(match above {
+                "CharSequence" => below == "String",
+                "Comparable" | "Serializable" => true,
+                "Number" => below != "String" && below != "Character" && below != "Boolean",
+                _ => {
+                    return (above == "String" || boxed_names().any(|own| own == above))
+                        .then_some(false);
+                }
+            }),
+            (Some(_), None) if above == "String" || boxed_names().any(|own| own == above) => {
+                Some(false)
+            }
+            _ => None,
+        }
+    }
 }

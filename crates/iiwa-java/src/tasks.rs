@@ -30,7 +30,7 @@ impl Machine {
         interfering: &[&str],
         unknown: &Rc<Unknown>,
     ) -> Option<TaskEffects> {
-        let method = METHODS.iter().find_map(|name| self.method(task.class, name, &[]));
+        let method = METHODS.iter().find_map(|name| self.plain_method(task.class, name));
         let (_, method) = method?;
         let mut effects = self.effects_of(method.body.as_ref()?);
         let task = TaskEffects { moves: effects.moves(), calls: effects.calls.clone() };

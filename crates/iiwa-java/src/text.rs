@@ -15,7 +15,22 @@ pub(crate) type Text = Result<String, Rc<Unknown>>;
 /// Levels of collections within collections that are written.
 const MAX_NESTING: usize = 20;
 
-/// `Double.toString`.
+/// Exceptions whose package is known.
+const OF_JAVA_LANG: [&str; 10] = [
+    "ArithmeticException",
+    "ArrayIndexOutOfBoundsException",
+    "ClassCastException",
+    "Exception",
+    "IllegalArgumentException",
+    "IllegalStateException",
+    "IndexOutOfBoundsException",
+    "NullPointerException",
+    "NumberFormatException",
+    "RuntimeException",
+];
+
+/// `Double.toString`: the shortest digits that are read as the same number, as in Java 19 and newer; older ones have a digit more
+/// for a few numbers.
 pub(crate) fn double(value: f64) -> String {
     if value.is_nan() {
         return "NaN".to_owned();
@@ -23,7 +38,13 @@ pub(crate) fn double(value: f64) -> String {
     if value.is_infinite() {
         return if value > 0.0 { "Infinity" } else { "-Infinity" }.to_owned();
     }
-    with_point(value.abs(), format!("{value:?}"), format!("{value:E}"))
+    let [shortest, two_digits] = [format!("{value:E}"), format!("{value:.1E}")];
+    // As 4.9E-324 is written, whose shortest digits are 5E-324.
+    let two_digits = match two_digits.parse::<f64>() {
+        Ok(same) if same == value => two_digits,
+        _ => shortest.replacen('E', ".0E", 1),
+    };
+    with_point(value.abs(), format!("{value:?}"), shortest, two_digits)
 }
 
 /// `Float.toString`.
@@ -31,18 +52,20 @@ pub(crate) fn float(value: f32) -> String {
     if !value.is_finite() {
         return double(f64::from(value));
     }
-    with_point(f64::from(value.abs()), format!("{value:?}"), format!("{value:E}"))
+    let [shortest, two_digits] = [format!("{value:E}"), format!("{value:.1E}")];
+    let two_digits = match two_digits.parse::<f32>() {
+        Ok(same) if same == value => two_digits,
+        _ => shortest.replacen('E', ".0E", 1),
+    };
+    with_point(f64::from(value.abs()), format!("{value:?}"), shortest, two_digits)
 }
 
-/// Java has digits from 1e-3 to 1e7, and an exponent outside, both with a point.
-fn with_point(size: f64, plain: String, with_exponent: String) -> String {
+/// Java has digits from 1e-3 to 1e7, and an exponent outside, both with a point, and at least two digits of those that are nearest.
+fn with_point(size: f64, plain: String, with_exponent: String, two_digits: String) -> String {
     if size == 0.0 || (1e-3..1e7).contains(&size) {
         return plain;
     }
-    match with_exponent.split_once('E') {
-        Some((digits, exponent)) if !digits.contains('.') => format!("{digits}.0E{exponent}"),
-        _ => with_exponent,
-    }
+    if with_exponent.contains('.') { with_exponent } else { two_digits }
 }
 
 impl Machine {
@@ -109,20 +132,34 @@ impl Machine {
                 }
                 match &object.constant {
                     Some((name, _)) => name.to_string(),
-                    None => self.java.classes.known(object.class).class.name.clone(),
+                    None => {
+                        return Ok(Err(self.no_text("the text of an object without `toString`")));
+                    }
                 }
             }
             Value::Exception(thrown) => {
                 let class = thrown.classes.first().map_or("Exception", |class| class);
-                format!("{class}: {}", thrown.message)
+                if !OF_JAVA_LANG.contains(&class) {
+                    return Ok(Err(self.no_text("the text of an exception")));
+                }
+                match &thrown.value {
+                    Value::Null => format!("java.lang.{class}"),
+                    Value::Text(message) => format!("java.lang.{class}: {message}"),
+                    _ => return Ok(Err(self.no_text("the message of an exception"))),
+                }
             }
             Value::Class(id) => format!("class {}", self.java.classes.known(*id).class.name),
             Value::ForeignClass(name) => format!("class {name}"),
             Value::Host(value) => self.host.text(value),
-            Value::Array(array) => format!("{}[]", array.element.name),
-            Value::Iterator(_) => "iterator".to_owned(),
+            Value::Array(_) => return Ok(Err(self.no_text("the text of an array"))),
+            Value::Iterator(_) => return Ok(Err(self.no_text("the text of an iterator"))),
             Value::Unknown(unknown) => return Ok(Err(Rc::clone(unknown))),
         }))
+    }
+
+    /// A text that is not known.
+    fn no_text(&self, reason: &str) -> Rc<Unknown> {
+        Rc::new(Unknown { reason: reason.to_owned(), place: self.here.clone() })
     }
 
     /// `[a, b]`.
@@ -140,97 +177,5 @@ impl Machine {
     /// `Arrays.toString`, `[a, b]`.
     pub(crate) fn text_of_elements(&mut self, values: &[Value]) -> Result<Text, Stop> {
         self.listed(values, 0)
-    }
-
-    /// `String.format`; conversions that are not known are refused.
-    pub(crate) fn formatted(&mut self, format: &str, arguments: &[Value]) -> Result<Value, Stop> {
-        let mut text = String::new();
-        let mut next = 0;
-        let mut rest = format.chars().peekable();
-        while let Some(letter) = rest.next() {
-            if letter != '%' {
-                text.push(letter);
-                continue;
-            }
-            let mut options = String::new();
-            while let Some(option) = rest.next_if(|c| !c.is_ascii_alphabetic() && *c != '%') {
-                options.push(option);
-            }
-            let conversion = rest.next().unwrap_or('%');
-            if conversion == '%' || conversion == 'n' {
-                text.push(if conversion == 'n' { '\n' } else { '%' });
-                continue;
-            }
-            let index = if let Some((index, others)) = options.split_once('$') {
-                let index = index.parse::<usize>().unwrap_or(0);
-                options = others.to_owned();
-                index.wrapping_sub(1)
-            } else {
-                next += 1;
-                next - 1
-            };
-            let Some(value) = arguments.get(index) else {
-                return self.throw("MissingFormatArgumentException", format);
-            };
-            let converted = match self.formatted_value(conversion, &options, value)? {
-                Ok(converted) => converted,
-                Err(unknown) => return Ok(Value::Unknown(unknown)),
-            };
-            text.push_str(&converted);
-        }
-        Ok(Value::text(text))
-    }
-
-    fn formatted_value(
-        &mut self,
-        conversion: char,
-        options: &str,
-        value: &Value,
-    ) -> Result<Text, Stop> {
-        /// Wider ones would only fill memory.
-        const MAX_WIDTH: usize = 1000;
-        let (width, precision) = options.split_once('.').unwrap_or((options, ""));
-        let flags: String = width.chars().take_while(|c| "-+0 ,#(".contains(*c)).collect();
-        let width = width[flags.len()..].parse::<usize>().unwrap_or(0).min(MAX_WIDTH);
-        let precision = precision.parse::<usize>().ok().map(|digits| digits.min(MAX_WIDTH));
-        let plus = if flags.contains('+') { "+" } else { "" };
-        let signed = |text: String| {
-            if text.starts_with('-') { text } else { format!("{plus}{text}") }
-        };
-        let plain = match (conversion, value) {
-            (_, Value::Unknown(unknown)) => return Ok(Err(Rc::clone(unknown))),
-            ('d', _) if value.integer().is_some() => {
-                signed(value.integer().unwrap_or_default().to_string())
-            }
-            ('x', Value::Int(value)) => format!("{value:x}"),
-            ('X', Value::Int(value)) => format!("{value:X}"),
-            ('x', Value::Long(value)) => format!("{value:x}"),
-            ('f', Value::Double(_) | Value::Float(_)) => {
-                let number = value.number().unwrap_or_default();
-                signed(format!("{number:.*}", precision.unwrap_or(6)))
-            }
-            ('s' | 'S' | 'b' | 'c', _) => match self.text_of(value)? {
-                Ok(text) => match precision {
-                    Some(digits) => text.chars().take(digits).collect(),
-                    None => text,
-                },
-                Err(unknown) => return Ok(Err(unknown)),
-            },
-            _ => {
-                return self.refuse(format!(
-                    "the format %{options}{conversion} for {} is not known",
-                    value.kind()
-                ));
-            }
-        };
-        let missing = width.saturating_sub(plain.chars().count());
-        Ok(Ok(if flags.contains('-') {
-            plain + &" ".repeat(missing)
-        } else if flags.contains('0') {
-            let (sign, digits) = plain.split_at(usize::from(plain.starts_with(['-', '+'])));
-            format!("{sign}{}{digits}", "0".repeat(missing))
-        } else {
-            " ".repeat(missing) + &plain
-        }))
     }
 }

@@ -82,6 +82,8 @@ pub(crate) enum ListKind {
     Stack,
     /// The first one.
     Deque,
+    /// One that cannot be changed: `List.of`.
+    Immutable,
 }
 
 /// An object that a list shows: changes of one are changes of the other.
@@ -126,6 +128,19 @@ impl List {
         let list = Self::new(ListKind::List, values);
         *list.view.borrow_mut() = Some(view);
         Value::List(Rc::new(list))
+    }
+
+    /// True if the list, or the one of which it is a part, cannot be changed.
+    pub(crate) fn is_immutable(&self) -> bool {
+        match &*self.view.borrow() {
+            Some(View::Part { of, .. }) => of.is_immutable(),
+            _ => self.kind == ListKind::Immutable,
+        }
+    }
+
+    /// True if its elements can be changed, and not their number: `Arrays.asList`.
+    pub(crate) fn is_fixed_size(&self) -> bool {
+        matches!(&*self.view.borrow(), Some(View::Array(_)))
     }
 
     /// Its elements; a single unknown one if they are not known.
@@ -190,7 +205,7 @@ pub struct Object {
 pub struct Thrown {
     /// Its class and those above it that are not of the project, by their simple names, from it upwards.
     pub classes: Vec<Rc<str>>,
-    /// It, if its class is of the project; else its message or null.
+    /// It, if its class is of the project; else its message, which may be null or unknown.
     pub value: Value,
     /// What it says.
     pub message: String,
@@ -313,6 +328,24 @@ impl Value {
                 #[expect(clippy::float_cmp, reason = "as Java does")]
                 _ => a.number().zip(b.number()).is_some_and(|(a, b)| a == b),
             },
+        }
+    }
+
+    /// `equals` of Java, of values whose classes are not of the project: numbers are equal to those of their own type alone.
+    #[must_use]
+    pub fn is_equal(&self, other: &Self) -> bool {
+        match (self, other) {
+            (Self::Double(a), Self::Double(b)) => {
+                a.to_bits() == b.to_bits() || (a.is_nan() && b.is_nan())
+            }
+            (Self::Float(a), Self::Float(b)) => {
+                a.to_bits() == b.to_bits() || (a.is_nan() && b.is_nan())
+            }
+            (Self::Int(a), Self::Int(b)) => a == b,
+            (Self::Long(a), Self::Long(b)) => a == b,
+            (Self::Char(a), Self::Char(b)) => a == b,
+            _ if self.number().is_some() => false,
+            _ => self.is_same(other),
         }
     }
 

@@ -9,6 +9,7 @@ use crate::{
     machine::Machine,
     stop::Stop,
     syntax::{Expression, ExpressionKind, Field, Member, TypeName},
+    type_names::is_primitive,
     unknown::Unknown,
     value::{Object, Value},
 };
@@ -198,11 +199,13 @@ impl Machine {
         match &target.kind {
             ExpressionKind::Name(name) => self.slot_of_name(name),
             ExpressionKind::Field { of, name } => {
-                let of = self.evaluated(of)?;
+                let value = self.evaluated(of)?;
                 self.here.line = target.line;
-                match of {
+                match value {
                     Value::Object(object) => {
-                        let from = self.java.activation().map_or(object.class, |own| own.class);
+                        let within = self.java.activation().map_or(object.class, |own| own.class);
+                        let own = is_hidden(&object, name).then(|| self.class_of(of)).flatten();
+                        let from = own.unwrap_or(within);
                         Ok(match self.owner_of(&object, from, name) {
                             Some(owner) => Slot::Field(object, owner, name.clone()),
                             None => self.static_slot(object.class, name)?,
@@ -290,10 +293,10 @@ impl Machine {
     }
 
     /// Puts a value there, as the type of the variable has it, and gives what is there now.
-    pub(crate) fn keep(&mut self, slot: &Slot, value: Value) -> Value {
+    pub(crate) fn keep(&mut self, slot: &Slot, value: Value) -> Result<Value, Stop> {
         let old = self.kept(slot);
         let value = match self.type_of(slot) {
-            Some(wanted) => value.converted_to(&wanted),
+            Some(wanted) => self.for_variable(value, &wanted)?,
             None => value,
         };
         let lasts = match slot {
@@ -328,10 +331,18 @@ impl Machine {
             }
             Slot::Elsewhere => {}
         }
-        value
+        Ok(value)
     }
 
-    fn type_of(&self, slot: &Slot) -> Option<TypeName> {
+    /// A value as a variable of this type holds it.
+    pub(crate) fn for_variable(&self, value: Value, wanted: &TypeName) -> Result<Value, Stop> {
+        if matches!(value, Value::Null) && is_primitive(wanted) {
+            return self.throw("NullPointerException", format!("null is no `{}`", wanted.name));
+        }
+        Ok(value.converted_to(wanted))
+    }
+
+    pub(crate) fn type_of(&self, slot: &Slot) -> Option<TypeName> {
         let field = |owner: &ClassId, name: &str| {
             let members = &self.java.classes.known(*owner).class.members;
             let found = fields(members).find(|field| field.name == name);
@@ -405,6 +416,12 @@ impl Machine {
             }
         }
     }
+}
+
+/// True if an object has several fields of this name.
+pub(crate) fn is_hidden(object: &Object, name: &str) -> bool {
+    let fields = object.fields.borrow();
+    fields.keys().filter(|(_, own)| own == name).count() > 1
 }
 
 pub(crate) fn fields(members: &[Member]) -> impl Iterator<Item = &Field> {

@@ -1,0 +1,106 @@
+//! Calls on values of Java's own classes: what holds of all of them.
+
+use std::rc::Rc;
+
+use crate::{
+    machine::Machine,
+    stop::Stop,
+    syntax::TypeName,
+    type_names::{is_primitive, unboxed},
+    value::{Thrown, Value},
+};
+
+impl Machine {
+    /// A method of a value of Java's own.
+    pub(crate) fn call_library(
+        &mut self,
+        receiver: &Value,
+        name: &str,
+        arguments: &[Value],
+    ) -> Result<Value, Stop> {
+        let result = self.library_method(receiver, name, arguments);
+        Self::with_class_of_index(receiver, result)
+    }
+
+    /// Places outside of lists and strings have exceptions of other classes than those outside of arrays.
+    fn with_class_of_index(receiver: &Value, result: Result<Value, Stop>) -> Result<Value, Stop> {
+        let class = match receiver {
+            Value::List(list) if list.is_fixed_size() => return result,
+            Value::Text(_) | Value::Builder(_) => "StringIndexOutOfBoundsException",
+            Value::List(_) => "IndexOutOfBoundsException",
+            _ => return result,
+        };
+        match result {
+            Err(Stop::Thrown(thrown))
+                if thrown.classes.iter().any(|own| &**own == "ArrayIndexOutOfBoundsException") =>
+            {
+                Err(Stop::Thrown(Rc::new(Thrown {
+                    classes: vec![Rc::from(class)],
+                    value: thrown.value.clone(),
+                    message: thrown.message.clone(),
+                    place: thrown.place.clone(),
+                })))
+            }
+            other => other,
+        }
+    }
+
+    /// A value after a cast to a type.
+    pub(crate) fn cast(
+        &mut self,
+        value: Value,
+        from: Option<&TypeName>,
+        wanted: &TypeName,
+    ) -> Result<Value, Stop> {
+        if wanted.dimensions > 0 || matches!(value, Value::Unknown(_)) {
+            return Ok(value);
+        }
+        if is_primitive(wanted) {
+            if matches!(value, Value::Null) {
+                return self.throw("NullPointerException", format!("null is no `{}`", wanted.name));
+            }
+            // An object is cast to its own class alone, and then converted.
+            let is_object = from.is_some_and(|own| {
+                matches!(crate::classes::simple(&own.name), "Object" | "Number" | "Comparable")
+            });
+            let own =
+                class_of_value(&value).map(|own| TypeName { name: own.to_owned(), dimensions: 0 });
+            if let (true, Some(own)) = (is_object, own)
+                && unboxed(&own) != Some(wanted.name.as_str())
+                && !(own.name == "Integer" && matches!(wanted.name.as_str(), "byte" | "short"))
+            {
+                return self.not_of_class(&value, wanted);
+            }
+            return Ok(value.cast_to(wanted));
+        }
+        let is_known = class_of_value(&value).is_some()
+            || matches!(&value, Value::Object(_) if self.is_of_project(wanted));
+        if is_known && matches!(self.is_instance(&value, wanted), Value::Boolean(false)) {
+            return self.not_of_class(&value, wanted);
+        }
+        Ok(value.cast_to(wanted))
+    }
+
+    fn is_of_project(&self, wanted: &TypeName) -> bool {
+        let within = self.java.activation().map(|own| own.class);
+        within.is_some_and(|own| self.java.classes.find(&wanted.name, own).is_some())
+    }
+
+    fn not_of_class<T>(&self, value: &Value, wanted: &TypeName) -> Result<T, Stop> {
+        self.throw("ClassCastException", format!("{} is no `{}`", value.kind(), wanted.name))
+    }
+}
+
+/// The class of a value as an object; of whole numbers that a `byte` or a `short` may be, `Integer`.
+pub(crate) fn class_of_value(value: &Value) -> Option<&'static str> {
+    Some(match value {
+        Value::Text(_) => "String",
+        Value::Boolean(_) => "Boolean",
+        Value::Char(_) => "Character",
+        Value::Int(_) => "Integer",
+        Value::Long(_) => "Long",
+        Value::Float(_) => "Float",
+        Value::Double(_) => "Double",
+        _ => return None,
+    })
+}

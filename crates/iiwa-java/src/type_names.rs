@@ -1,0 +1,87 @@
+//! Types of Java by their names: primitive ones, and the objects of numbers.
+
+use crate::{
+    classes::simple,
+    syntax::{Literal, TypeName},
+    value::Value,
+};
+
+/// The type of `null`.
+pub(crate) const NULL: &str = "null";
+
+/// Primitive numbers, each widened to those behind it, but for `char`, to which nothing widens.
+pub(crate) const WIDENING: [&str; 7] = ["byte", "short", "char", "int", "long", "float", "double"];
+
+/// A type without dimensions.
+pub(crate) fn plain(name: &str) -> TypeName {
+    TypeName { name: name.to_owned(), dimensions: 0 }
+}
+
+pub(crate) fn of_literal(literal: &Literal) -> TypeName {
+    plain(match literal {
+        Literal::Null => NULL,
+        Literal::Boolean(_) => "boolean",
+        Literal::Char(_) => "char",
+        Literal::Int(_) => "int",
+        Literal::Long(_) => "long",
+        Literal::Float(_) => "float",
+        Literal::Double(_) => "double",
+        Literal::String(_) => "String",
+    })
+}
+
+pub(crate) fn is_text(own: &TypeName) -> bool {
+    own.dimensions == 0 && simple(&own.name) == "String"
+}
+
+pub(crate) fn is_primitive(own: &TypeName) -> bool {
+    own.dimensions == 0 && (own.name == "boolean" || rank(&own.name).is_some())
+}
+
+pub(crate) fn rank(name: &str) -> Option<usize> {
+    WIDENING.iter().position(|own| *own == name)
+}
+
+pub(crate) fn widens_to(from: &str, to: &str) -> bool {
+    match (rank(from), rank(to)) {
+        (Some(from), Some(to)) => from == to || (from < to && to != 2 && !(from == 2 && to < 3)),
+        _ => from == to,
+    }
+}
+
+const BOXES: [(&str, &str); 8] = [
+    ("Byte", "byte"),
+    ("Short", "short"),
+    ("Character", "char"),
+    ("Integer", "int"),
+    ("Long", "long"),
+    ("Float", "float"),
+    ("Double", "double"),
+    ("Boolean", "boolean"),
+];
+
+pub(crate) fn boxed_names() -> impl Iterator<Item = &'static str> {
+    BOXES.iter().map(|(boxed, _)| *boxed)
+}
+
+pub(crate) fn boxed(name: &str) -> Option<&'static str> {
+    BOXES.iter().find(|(_, own)| *own == name).map(|(boxed, _)| *boxed)
+}
+
+/// The primitive type of a type, or of the object of a number.
+pub(crate) fn unboxed(own: &TypeName) -> Option<&'static str> {
+    let name = simple(&own.name);
+    let found = BOXES.iter().find(|(boxed, primitive)| *boxed == name || *primitive == name);
+    found.map(|(_, primitive)| *primitive).filter(|_| own.dimensions == 0)
+}
+
+/// Whether equal numbers are the same object when they are boxed: those from -128 to 127 are, and booleans.
+pub(crate) fn is_cached(value: &Value) -> bool {
+    match value {
+        Value::Boolean(_) => true,
+        Value::Char(_) | Value::Int(_) | Value::Long(_) => {
+            value.integer().is_some_and(|own| (-128..=127).contains(&own))
+        }
+        _ => false,
+    }
+}

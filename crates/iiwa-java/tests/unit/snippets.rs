@@ -1,0 +1,260 @@
+//! Values of snippets of Java, against those that a JVM computes; see `tests/java/expected.py`.
+//!
+//! A value may be unknown, or its evaluation refused, but never another than the JVM's.
+
+use std::{fmt::Write as _, rc::Rc, thread};
+
+use crate::{Classes, Host, HostValue, Machine, Place, Progress, Stop, Value, read, value::Object};
+
+/// Snippets whose values have to be known, at least: most of them.
+const LEAST_KNOWN: usize = 860;
+
+const FILES: [(&str, &str); 8] = [
+    ("arrays", include_str!("../../../../tests/java/snippets/arrays.txt")),
+    ("classes", include_str!("../../../../tests/java/snippets/classes.txt")),
+    ("collections", include_str!("../../../../tests/java/snippets/collections.txt")),
+    ("control", include_str!("../../../../tests/java/snippets/control.txt")),
+    ("floating", include_str!("../../../../tests/java/snippets/floating.txt")),
+    ("integers", include_str!("../../../../tests/java/snippets/integers.txt")),
+    ("logic", include_str!("../../../../tests/java/snippets/logic.txt")),
+    ("strings", include_str!("../../../../tests/java/snippets/strings.txt")),
+];
+
+/// Differences among snippets of which the evaluator is known to have other values than a JVM.
+const MOST_OPEN: usize = 3;
+
+const OPEN: [(&str, &str); 1] =
+    [("open", include_str!("../../../../tests/java/snippets/open.txt"))];
+
+/// A host without classes.
+struct NoHost;
+
+impl Host for NoHost {
+    fn acting(&self) -> &'static [&'static str] {
+        &[]
+    }
+
+    fn acting_on_receivers(&self) -> &'static [&'static str] {
+        &[]
+    }
+
+    fn acts(&self) -> &'static str {
+        "nothing happens"
+    }
+
+    fn pausing(&self) -> &'static [&'static str] {
+        &[]
+    }
+
+    fn progress(&self) -> Progress {
+        Progress::default()
+    }
+
+    fn suppose(&self, _: usize, _: Option<bool>) -> bool {
+        false
+    }
+
+    fn settle(&self) {}
+
+    fn answers_since(&self, _: usize) -> Option<String> {
+        None
+    }
+
+    fn endless(&self, _: &Machine, _: usize) {}
+
+    fn call(
+        &self,
+        machine: &mut Machine,
+        _: &Rc<dyn HostValue>,
+        name: &str,
+        _: &[Value],
+    ) -> Result<Value, Stop> {
+        Ok(machine.unknown(name))
+    }
+
+    fn field(
+        &self,
+        machine: &mut Machine,
+        _: &Rc<dyn HostValue>,
+        name: &str,
+    ) -> Result<Value, Stop> {
+        Ok(machine.unknown(name))
+    }
+
+    fn call_static(
+        &self,
+        _: &mut Machine,
+        _: &str,
+        _: &str,
+        _: &[Value],
+    ) -> Result<Option<Value>, Stop> {
+        Ok(None)
+    }
+
+    fn construct(&self, _: &mut Machine, _: &str, _: &[Value]) -> Result<Option<Value>, Stop> {
+        Ok(None)
+    }
+
+    fn constant(&self, _: &mut Machine, _: &str, _: &str) -> Result<Option<Value>, Stop> {
+        Ok(None)
+    }
+
+    fn injected(
+        &self,
+        _: &mut Machine,
+        _: &str,
+        _: Option<&str>,
+        _: &str,
+    ) -> Result<Option<Value>, Stop> {
+        Ok(None)
+    }
+
+    fn inherited(
+        &self,
+        _: &mut Machine,
+        _: &Rc<Object>,
+        _: &str,
+        _: &str,
+        _: &[Value],
+    ) -> Result<Option<Value>, Stop> {
+        Ok(None)
+    }
+
+    fn constructed(
+        &self,
+        _: &mut Machine,
+        _: &Rc<Object>,
+        _: &str,
+        _: &[Value],
+    ) -> Result<(), Stop> {
+        Ok(())
+    }
+
+    fn text(&self, _: &Rc<dyn HostValue>) -> String {
+        String::new()
+    }
+}
+
+/// The class around a snippet, as `expected.py` writes it.
+fn source(lines: &[&str]) -> String {
+    let at = lines.iter().position(|line| *line == "--");
+    let (members, lines) = match at {
+        Some(at) => (&lines[..at], &lines[at + 1..]),
+        None => (&[][..], lines),
+    };
+    let body = match lines {
+        [line] if !line.ends_with([';', '}']) => format!("return {line};"),
+        _ => lines.join("\n"),
+    };
+    let members = members.join("\n");
+    format!(
+        "import java.util.*;\nclass S {{\n{members}\nstatic Object run() throws Exception {{\n{body}\n}} }}"
+    )
+}
+
+/// The value in the words of `expected.py`; an error says why it is not known.
+fn evaluated(source: &str) -> Result<String, String> {
+    let unit = read("S.java", source).map_err(|error| format!("not read: {error}"))?;
+    let mut classes = Classes::default();
+    classes.add("S.java", &unit);
+    let id = classes.by_qualified_name("S").ok_or("no class")?;
+    let here = Place { file: Rc::from("S.java"), line: 1 };
+    let mut machine = Machine::new(classes, Rc::new(NoHost), here);
+    let (owner, method) = machine.plain_method(id, "run").ok_or("no method")?;
+    let value = match machine.run(owner, None, &method, &[]) {
+        Ok(value) => value,
+        Err(Stop::Thrown(thrown)) => {
+            let class = match &thrown.value {
+                Value::Object(own) => machine.java.classes.known(own.class).class.name.clone(),
+                _ => thrown.classes.first().map_or(String::new(), ToString::to_string),
+            };
+            return Ok(format!("throws {class}"));
+        }
+        Err(Stop::Refused(refusal)) => return Err(format!("refused: {}", refusal.reason)),
+        Err(Stop::Ended) => return Err("refused: a loop without an end".to_owned()),
+    };
+    let kind = match &value {
+        Value::Unknown(unknown) => return Err(format!("unknown: {}", unknown.reason)),
+        Value::Null => return Ok("null".to_owned()),
+        Value::Char(code) => return Ok(format!("char {code}")),
+        Value::Boolean(_) => "boolean",
+        Value::Int(_) => "int",
+        Value::Long(_) => "long",
+        Value::Float(_) => "float",
+        Value::Double(_) => "double",
+        Value::Text(_) => "String",
+        _ => "object",
+    };
+    match machine.text_of(&value) {
+        Ok(Ok(text)) => Ok(format!("{kind} {}", quoted(&text))),
+        Ok(Err(unknown)) => Err(format!("unknown: {}", unknown.reason)),
+        Err(_) => Err("refused: its text".to_owned()),
+    }
+}
+
+fn quoted(text: &str) -> String {
+    let mut quoted = String::new();
+    for unit in text.encode_utf16() {
+        match u8::try_from(unit) {
+            Ok(b'\\') => quoted.push_str("\\\\"),
+            Ok(b'\n') => quoted.push_str("\\n"),
+            Ok(byte @ b' '..=b'~') => quoted.push(char::from(byte)),
+            _ => _ = write!(quoted, "\\u{unit:04x}"),
+        }
+    }
+    quoted
+}
+
+/// Differences, and the numbers of snippets with equal values, with unknown ones, and of those that are refused.
+fn compared(files: &[(&str, &str)]) -> (Vec<String>, [usize; 3]) {
+    let mut differences = Vec::new();
+    let mut counts = [0; 3];
+    for (file, text) in files {
+        // The first block says what the file has.
+        for block in text.trim_end().split("\n\n").skip(1) {
+            let mut lines: Vec<&str> = block.lines().collect();
+            let expected = lines.pop().and_then(|value| value.strip_prefix("=> ")).expect(block);
+            // The evaluator has one type for these.
+            let same_type = expected.replacen("byte ", "int ", 1).replacen("short ", "int ", 1);
+            match evaluated(&source(&lines)) {
+                Ok(value) if value == expected || value == same_type => counts[0] += 1,
+                Ok(value) => differences.push(format!(
+                    "{file}:\n{}\n  {value}, and a JVM has {expected}",
+                    lines.join("\n")
+                )),
+                Err(reason) => {
+                    let is_unknown = reason.starts_with("unknown");
+                    counts[if is_unknown { 1 } else { 2 }] += 1;
+                    if std::env::var_os("IIWASIM_SHOW").is_some() {
+                        println!("{file}: {}\n  {reason} ({expected})", lines.join("\n"));
+                    }
+                }
+            }
+        }
+    }
+    (differences, counts)
+}
+
+/// On a stack as that of applications.
+fn compared_aside(files: &'static [(&str, &str)]) -> (Vec<String>, [usize; 3]) {
+    let machine = thread::Builder::new().stack_size(64 << 20);
+    machine.spawn(|| compared(files)).expect("a thread").join().expect("values")
+}
+
+#[test]
+fn are_those_of_a_jvm() {
+    let (differences, [equal, unknown, refused]) = compared_aside(&FILES);
+    println!("{equal} equal, {unknown} unknown, {refused} refused");
+    assert!(differences.is_empty(), "{} differ:\n{}", differences.len(), differences.join("\n"));
+    assert!(equal >= LEAST_KNOWN, "{equal} are known");
+}
+
+#[test]
+fn that_are_open_do_not_increase() {
+    let (differences, [equal, unknown, refused]) = compared_aside(&OPEN);
+    println!(
+        "{} differ, {equal} are equal, {unknown} unknown, {refused} refused",
+        differences.len()
+    );
+    assert!(differences.len() <= MOST_OPEN, "{}", differences.join("\n"));
+}
