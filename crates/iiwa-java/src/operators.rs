@@ -45,6 +45,7 @@ impl Machine {
             (UnaryOperator::Minus, Value::Long(value)) => Value::Long(value.wrapping_neg()),
             (UnaryOperator::Minus, Value::Float(value)) => Value::Float(-value),
             (UnaryOperator::Minus, Value::Double(value)) => Value::Double(-value),
+            (UnaryOperator::Complement, Value::Char(code)) => Value::Int(!i32::from(*code)),
             (UnaryOperator::Complement, Value::Int(value)) => Value::Int(!value),
             (UnaryOperator::Complement, Value::Long(value)) => Value::Long(!value),
             (_, Value::Null) => return self.throw("NullPointerException", "a value is null"),

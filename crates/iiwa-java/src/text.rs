@@ -29,8 +29,7 @@ const OF_JAVA_LANG: [&str; 10] = [
     "RuntimeException",
 ];
 
-/// `Double.toString`: the shortest digits that are read as the same number, as in Java 19 and newer; older ones have a digit more
-/// for a few numbers.
+/// `Double.toString`.
 pub(crate) fn double(value: f64) -> String {
     if value.is_nan() {
         return "NaN".to_owned();
@@ -38,13 +37,13 @@ pub(crate) fn double(value: f64) -> String {
     if value.is_infinite() {
         return if value > 0.0 { "Infinity" } else { "-Infinity" }.to_owned();
     }
-    let [shortest, two_digits] = [format!("{value:E}"), format!("{value:.1E}")];
-    // As 4.9E-324 is written, whose shortest digits are 5E-324.
-    let two_digits = match two_digits.parse::<f64>() {
-        Ok(same) if same == value => two_digits,
-        _ => shortest.replacen('E', ".0E", 1),
-    };
-    with_point(value.abs(), format!("{value:?}"), shortest, two_digits)
+    let plain = format!("{value:?}");
+    let nearest = format!("{value:.*}", decimals(&plain));
+    let plain = if nearest.parse() == Ok(value) { nearest } else { plain };
+    let exponent = format!("{value:E}");
+    let nearest = format!("{value:.*E}", decimals(&exponent));
+    let exponent = if nearest.parse() == Ok(value) { nearest } else { exponent };
+    with_point(value, f64::MANTISSA_DIGITS, plain, exponent)
 }
 
 /// `Float.toString`.
@@ -52,20 +51,53 @@ pub(crate) fn float(value: f32) -> String {
     if !value.is_finite() {
         return double(f64::from(value));
     }
-    let [shortest, two_digits] = [format!("{value:E}"), format!("{value:.1E}")];
-    let two_digits = match two_digits.parse::<f32>() {
-        Ok(same) if same == value => two_digits,
-        _ => shortest.replacen('E', ".0E", 1),
-    };
-    with_point(f64::from(value.abs()), format!("{value:?}"), shortest, two_digits)
+    let plain = format!("{value:?}");
+    let nearest = format!("{value:.*}", decimals(&plain));
+    let plain = if nearest.parse() == Ok(value) { nearest } else { plain };
+    let exponent = format!("{value:E}");
+    let nearest = format!("{value:.*E}", decimals(&exponent));
+    let exponent = if nearest.parse() == Ok(value) { nearest } else { exponent };
+    with_point(f64::from(value), f32::MANTISSA_DIGITS, plain, exponent)
 }
 
-/// Java has digits from 1e-3 to 1e7, and an exponent outside, both with a point, and at least two digits of those that are nearest.
-fn with_point(size: f64, plain: String, with_exponent: String, two_digits: String) -> String {
+/// Digits behind the point, of which Java has at least one.
+fn decimals(text: &str) -> usize {
+    let digits = text.split_once('.').map_or("", |(_, behind)| behind);
+    digits.find('E').unwrap_or(digits.len()).max(1)
+}
+
+/// Java has digits from 1e-3 to 1e7, and an exponent outside, both with a point. The digits are the shortest ones, and
+/// of those the nearest to the number: at least two, 4.9E-324 and not 5E-324. Up to Java 18, as controllers have it, large whole
+/// numbers keep more digits; their few other texts that are longer than needed, such as that of 1e23, are not imitated.
+fn with_point(value: f64, significant_bits: u32, plain: String, with_exponent: String) -> String {
+    let size = value.abs();
     if size == 0.0 || (1e-3..1e7).contains(&size) {
         return plain;
     }
-    if with_exponent.contains('.') { with_exponent } else { two_digits }
+    if let Some(digits) = whole(size, significant_bits) {
+        let sign = if value < 0.0 { "-" } else { "" };
+        return format!("{sign}{digits}");
+    }
+    if with_exponent.contains('.') { with_exponent } else { with_exponent.replacen('E', ".0E", 1) }
+}
+
+/// A whole number of at least 1e7 and below 2^63, without the digits that the bits of its type do not say.
+#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "within 64 bits")]
+fn whole(size: f64, significant_bits: u32) -> Option<String> {
+    if size.fract() != 0.0 || !(1e7..9_223_372_036_854_775_808.0).contains(&size) {
+        return None;
+    }
+    let mut number = size as u64;
+    let surplus_bits = number.ilog2().saturating_sub(significant_bits + 1);
+    let dropped = (1_u64 << surplus_bits).ilog10();
+    let unit = 10_u64.pow(dropped);
+    number = number / unit + u64::from(dropped > 0 && number % unit >= unit / 2);
+    let digits = number.to_string();
+    let (first, others) = digits.split_at(1);
+    let others = others.trim_end_matches('0');
+    let others = if others.is_empty() { "0" } else { others };
+    let exponent = digits.len() - 1 + dropped as usize;
+    Some(format!("{first}.{others}E{exponent}"))
 }
 
 impl Machine {
