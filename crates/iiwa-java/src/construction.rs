@@ -333,9 +333,12 @@ impl Machine {
             let default = Value::default_of(&field.type_name);
             self.java.statics.insert((class, field.name.clone()), default);
         }
+        // A call or `new` that comes here first looks for its method afterwards.
+        let types = self.java.argument_types.take();
         let from = self.activate(class, None, "", declaration.line)?;
         let result = self.static_values(class, &declaration);
         self.leave(from, &result);
+        self.java.argument_types = types;
         result
     }
 

@@ -75,17 +75,15 @@ impl Machine {
             && types.len() == arguments.len()
         {
             let all: Vec<Candidate> = fitting.into_iter().map(|(_, candidate)| candidate).collect();
-            return Some(match self.most_specific(&all, types) {
-                Some((owner, method)) => Choice::Method(owner, method),
-                None => {
-                    let unknown = unknown.unwrap_or_else(|| {
-                        let reason =
-                            format!("the types of the arguments of `{name}`, which are not known");
-                        Rc::new(Unknown { reason, place: self.here.clone() })
-                    });
-                    Choice::Undecided(unknown, all.into_iter().map(|(_, own)| own).collect())
-                }
+            if let Some((owner, method)) = self.most_specific(&all, types) {
+                return Some(Choice::Method(owner, method));
+            }
+            let unknown = unknown.unwrap_or_else(|| {
+                let reason = format!("the types of the arguments of `{name}`, which are not known");
+                Rc::new(Unknown { reason, place: self.here.clone() })
             });
+            let all = all.into_iter().map(|(_, method)| method).collect();
+            return Some(Choice::Undecided(unknown, all));
         }
         let best = fitting.iter().map(|(fit, _)| *fit).max()?;
         let mut best = fitting.into_iter().filter(|(fit, _)| *fit == best).map(|(_, own)| own);

@@ -321,7 +321,7 @@ impl Machine {
 
     /// True if the value of an expression may be the object of a number: `Integer`, say.
     pub(crate) fn may_be_boxed(&self, expression: &Expression) -> bool {
-        self.is_boxed(expression).unwrap_or_else(|| match &expression.kind {
+        self.is_boxed(expression).unwrap_or(match &expression.kind {
             ExpressionKind::Call { on: Some(_), name, .. } => {
                 matches!(name.as_str(), "get" | "getOrDefault" | "elementAt")
             }
