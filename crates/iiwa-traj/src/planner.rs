@@ -33,6 +33,18 @@ const AT_LIMIT: f64 = 0.985;
 /// The largest share of a limit of torque that is handed out.
 const MOST_TORQUE: f64 = 1.01;
 
+/// Largest difference in time between plans of different lengths where both do the same, in s: nanoseconds, and a reserve.
+const PLANS_DIFFER_S: f64 = 0.02;
+
+/// The decision on a blend: to go through it, or to stop before it.
+enum Decided {
+    /// Known in time is what it leads into. `needed_s` is when that has to be known at the latest, in s, where it was found, and
+    /// negative infinity elsewhere.
+    InTime { needed_s: f64 },
+    /// Too late for it is what it leads into: the part of the section that stops before the blend.
+    TooLate(Box<Section>),
+}
+
 /// Plans a path section by section: an iterator that needs memory for one of them only.
 ///
 /// ```
@@ -318,13 +330,25 @@ impl Planner {
         // The arm has stopped before the first one, if that is a blend.
         let blends: Vec<usize> = (moves.start + 1..moves.end).filter(delays).collect();
         let mut in_time = 0;
+        // The latest instant, in s, at which what comes after one of the blends before has to be known, as far as found.
+        let mut needed_before_s = f64::NEG_INFINITY;
         loop {
             let end = blends.get(in_time + in_time.max(AHEAD)).copied().unwrap_or(moves.end);
             let section = self.plan_to(moves.start..end)?;
             self.clock.note(&section);
             while let Some(blend) = blends.get(in_time).copied().filter(|blend| *blend < end) {
                 let known_s = self.clock.known_s(self.path.waits_before_blend(blend));
-                if let Some(mut stopped) = self.stopped_before(blend, known_s, &section)? {
+                // The later the blend, the longer the arm goes on before it has to slow down.
+                let is_in_time = known_s <= needed_before_s - PLANS_DIFFER_S;
+                let decided = if is_in_time {
+                    Decided::InTime { needed_s: needed_before_s }
+                } else {
+                    self.stopped_before(blend, known_s, &section)?
+                };
+                if let Decided::InTime { needed_s } = decided {
+                    needed_before_s = needed_before_s.max(needed_s);
+                }
+                if let Decided::TooLate(mut stopped) = decided {
                     // Before the stop, motions may begin some nanoseconds earlier or later than without it.
                     self.clock.note(&stopped);
                     let known_s = self.clock.known_s(self.path.waits_before_blend(blend));
@@ -333,7 +357,7 @@ impl Planner {
                     }
                     self.path.stop_before_blend(blend);
                     self.limit_as_sunrise();
-                    return Ok((stopped, blend));
+                    return Ok((*stopped, blend));
                 }
                 self.clock.go_through(known_s);
                 in_time += 1;
@@ -344,30 +368,31 @@ impl Planner {
         }
     }
 
-    /// Part of `section`, which goes on through the step `blend`, if the arm has to stop there since it is `known_s` until
-    /// what comes then is known.
+    /// Decides if the arm has to stop before the step `blend`, through which `section` goes on, since it is `known_s` until what
+    /// comes then is known.
     fn stopped_before(
         &mut self,
         blend: usize,
         known_s: f64,
         section: &Section,
-    ) -> Result<Option<Section>, TimingError> {
+    ) -> Result<Decided, TimingError> {
+        let unknown = Decided::InTime { needed_s: f64::NEG_INFINITY };
         let Some(piece) = section.pieces.iter().position(|piece| piece.step == blend) else {
-            return Ok(None);
+            return Ok(unknown);
         };
         if is_early(section, piece, known_s) {
-            return Ok(None);
+            return Ok(unknown);
         }
         let first = section.pieces[0].step;
         let mut stopped = self.plan_to(first..blend)?;
         let needed_s = needed_s(section, &stopped);
         if known_s <= needed_s {
-            return Ok(None);
+            return Ok(Decided::InTime { needed_s });
         }
         if let Step::Move { blend: Some(corner), .. } = &self.path.steps()[blend] {
             stopped.late_blend = Some(LateBlend { after_motion: corner.motion, known_s, needed_s });
         }
-        Ok(Some(stopped))
+        Ok(Decided::TooLate(Box::new(stopped)))
     }
 
     /// Finds how long the arm stands for waits that overlap motions, where it has stopped at `end_s`.

@@ -209,6 +209,22 @@ fn long_chains_are_as_if_each_blend_were_alone() {
 }
 
 #[test]
+fn a_late_blend_is_found_after_many_that_are_in_time() {
+    let timings = [acceleration(), Timing::Jerk(JerkOptions::default()), Timing::default()];
+    for (timing, late) in timings.into_iter().zip([3, 9, 14]) {
+        let mut program = Program::from_deg([0.0; 7]).build();
+        for i in 0..16 {
+            let side = if i % 2 == 0 { 10.0 } else { -10.0 };
+            program.motions.push(corner([side, 0.0, 0.0, 2.0 * side, 0.0, 0.0, 0.0]));
+            program.motions.push(wait(if i == late { 20.0 } else { 0.01 }, 1));
+        }
+        let trajectory = plan(&program, timing);
+        let found: Vec<_> = trajectory.late_blends().map(|blend| blend.after_motion).collect();
+        assert_eq!(found, [MotionIndex::new(2 * late)]);
+    }
+}
+
+#[test]
 fn a_replanner_knows_such_waits() {
     let options = JerkOptions::default();
     let robot = Robot::default();
