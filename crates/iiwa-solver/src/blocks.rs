@@ -1,6 +1,6 @@
 //! The cells of a section in blocks of eight, by how many rows they need.
 
-use std::ops::Range;
+use std::{cell::RefCell, ops::Range};
 
 use crate::{
     cells::{CellBlock, LimitedCell},
@@ -22,6 +22,11 @@ pub(crate) struct Blocks {
     pub(crate) eight: Vec<CellBlock<8>>,
     /// The limits of torque, if there are any: they come after all others, to which they add.
     pub(crate) torques: Vec<TorqueBlock>,
+}
+
+thread_local! {
+    /// Blocks that are no longer needed.
+    static SPARE: RefCell<Blocks> = RefCell::default();
 }
 
 /// Does the same with every block of some [`Blocks`] that has a cell in the window.
@@ -71,16 +76,22 @@ impl Blocks {
             of_rows[place].extend(moved);
         }
         let [lines, two, three, four, five, seven, eight] = of_rows;
-        Self {
-            lines: blocks(segments, mesh, &lines),
-            two: blocks(segments, mesh, &two),
-            three: blocks(segments, mesh, &three),
-            four: blocks(segments, mesh, &four),
-            five: blocks(segments, mesh, &five),
-            seven: blocks(segments, mesh, &seven),
-            eight: blocks(segments, mesh, &eight),
-            torques: torque_blocks(mesh),
-        }
+        let mut new = SPARE.take();
+        set(&mut new.lines, segments, mesh, &lines);
+        set(&mut new.two, segments, mesh, &two);
+        set(&mut new.three, segments, mesh, &three);
+        set(&mut new.four, segments, mesh, &four);
+        set(&mut new.five, segments, mesh, &five);
+        set(&mut new.seven, segments, mesh, &seven);
+        set(&mut new.eight, segments, mesh, &eight);
+        new.torques = torque_blocks(mesh);
+        new
+    }
+
+    /// Leaves its memory to the next blocks of this thread. Allocators that keep no free places by alignment take new memory for
+    /// nearly every one of them.
+    pub(crate) fn spare(self) {
+        SPARE.set(self);
     }
 
     /// How many sides the limits have in the blocks that have a cell in the window.
@@ -104,15 +115,17 @@ impl Blocks {
     }
 }
 
-fn blocks<const J: usize>(
+/// Makes `blocks` those of the cells in `list`.
+fn set<const J: usize>(
+    blocks: &mut Vec<CellBlock<J>>,
     segments: &[LimitedSegment<'_>],
     mesh: &Mesh,
     list: &[usize],
-) -> Vec<CellBlock<J>> {
+) {
     // Set where they stay: a block is some kilobytes.
-    let mut blocks = vec![CellBlock::default(); list.len().div_ceil(LANES)];
+    blocks.clear();
+    blocks.resize(list.len().div_ceil(LANES), CellBlock::default());
     for (block, cells) in blocks.iter_mut().zip(list.chunks(LANES)) {
         block.set(segments, mesh, cells);
     }
-    blocks
 }

@@ -66,6 +66,12 @@ pub(crate) struct Solver {
     last: InteriorStep,
 }
 
+impl Drop for Solver {
+    fn drop(&mut self) {
+        std::mem::take(&mut self.blocks).spare();
+    }
+}
+
 impl From<NotConvex> for SolveError {
     fn from(NotConvex: NotConvex) -> Self {
         Self::NotConverged
