@@ -158,7 +158,8 @@ fn import_here(
             let mut reason = reason;
             if let [_, _, ..] = missing.as_slice() {
                 let all: Vec<_> = missing.iter().map(ToString::to_string).collect();
-                let _ = write!(reason, "; in all it lacks {}", all.join(", "));
+                let more = if missing.len() > MAX_SURVEYS { ", and perhaps more" } else { "" };
+                let _ = write!(reason, "; in all it lacks {}{more}", all.join(", "));
             }
             if !missing.is_empty() && matches!(project.data(), ProjectData::Absent) {
                 reason += "; the project has no RoboticsAPI.data.xml";
@@ -209,7 +210,7 @@ fn survey(
 ) -> Vec<Missing> {
     let mut setup = StationSetup { is_survey: true, ..setup };
     let mut found = vec![first];
-    while let Some(last) = found.last().filter(|_| found.len() < MAX_SURVEYS) {
+    while let Some(last) = found.last().filter(|_| found.len() <= MAX_SURVEYS) {
         last.add_to(&mut setup.data_file);
         let run = Run::new(project, name, setup.clone()).ok();
         match run.and_then(|run| run.station.missing.take()) {

@@ -91,7 +91,8 @@ impl Blocks {
     /// Leaves its memory to the next blocks of this thread. Allocators that keep no free places by alignment take new memory for
     /// nearly every one of them.
     pub(crate) fn spare(self) {
-        SPARE.set(self);
+        // While a thread ends, nothing is kept.
+        let _ = SPARE.try_with(|spare| spare.replace(self));
     }
 
     /// How many sides the limits have in the blocks that have a cell in the window.
