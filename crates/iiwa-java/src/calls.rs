@@ -12,6 +12,7 @@ use crate::{
     place::Place,
     stop::Stop,
     syntax::{ClassKind, Expression, ExpressionKind, Method, TypeName},
+    type_names::unboxed,
     value::{Array, Object, Value},
 };
 
@@ -55,6 +56,16 @@ impl Machine {
             };
             return self.call_library(list, name, &arguments);
         }
+        if let Some(receiver) = &receiver
+            && by_equality(receiver, name, arguments.len())
+            && expressions.iter().any(|own| self.is_short(own))
+        {
+            let unknown = self.unknown("a collection with numbers of type `short` or `byte`");
+            if let Value::Unknown(unknown) = &unknown {
+                self.spoil(receiver, unknown);
+            }
+            return Ok(unknown);
+        }
         self.java.argument_types = types;
         let result = match (on.map(|on| &on.kind), receiver) {
             (Some(ExpressionKind::Super), Some(Value::Object(object))) => {
@@ -77,6 +88,12 @@ impl Machine {
         self.here = place;
         self.java.argument_types = None;
         result
+    }
+
+    /// True if a value is a `short` or a `byte`, which no whole number of another type equals as an object.
+    fn is_short(&self, expression: &Expression) -> bool {
+        let own = self.static_type(expression);
+        own.is_some_and(|own| matches!(unboxed(&own), Some("short" | "byte")))
     }
 
     /// The types of arguments, where they may say which method is called.
@@ -446,5 +463,18 @@ impl Machine {
         if result.is_ok() {
             self.here = from;
         }
+    }
+}
+
+/// True if a method of a collection compares its arguments with elements or keys, or adds them.
+fn by_equality(receiver: &Value, name: &str, arguments: usize) -> bool {
+    match receiver {
+        Value::Map(_) => arguments > 0,
+        Value::List(_) => match name {
+            "contains" | "indexOf" | "lastIndexOf" | "search" | "push" | "offer" => true,
+            "add" => arguments == 1,
+            _ => false,
+        },
+        _ => false,
     }
 }

@@ -376,11 +376,13 @@ impl Machine {
             }
             ("singletonList" | "singleton", [value]) => Value::list(vec![value.clone()]),
             ("emptyList", []) => Value::list(Vec::new()),
-            (_, [value])
-                if name.starts_with("unmodifiable") || name.starts_with("synchronized") =>
-            {
-                value.clone()
+            (_, [Value::List(list)]) if name.starts_with("unmodifiable") => {
+                let values = list.borrow().clone();
+                let view = List::view(View::Whole(Rc::clone(list)), values);
+                self.refresh(&view);
+                view
             }
+            (_, [value]) if name.starts_with("synchronized") => value.clone(),
             _ => return Ok(None),
         }))
     }

@@ -17,6 +17,14 @@ impl Machine {
         match view {
             None => {}
             Some(View::Array(array)) => list.renew(array.values.borrow().clone()),
+            Some(View::Whole(of)) => {
+                self.refresh(&Value::List(Rc::clone(&of)));
+                match of.unknown() {
+                    Some(unknown) => list.spoil(&unknown),
+                    None => list.renew(of.borrow().clone()),
+                }
+                list.structure.set(of.structure.get());
+            }
             Some(View::Part { of, begin, length, whole }) => {
                 self.refresh(&Value::List(Rc::clone(&of)));
                 let part = of.borrow().get(begin..begin + length).map(<[Value]>::to_vec);
@@ -42,7 +50,7 @@ impl Machine {
     fn write_back(&mut self, list: &Rc<List>) -> Result<(), Stop> {
         let view = list.view.borrow().clone();
         match view {
-            None => {}
+            None | Some(View::Whole(_)) => {}
             Some(View::Array(array)) => {
                 if list.borrow().len() != array.values.borrow().len() {
                     return self.throw("UnsupportedOperationException", "of `Arrays.asList`");
@@ -52,6 +60,9 @@ impl Machine {
             Some(View::Part { of, begin, length, whole }) => {
                 let values = list.borrow().clone();
                 let now = values.len();
+                if now != length {
+                    of.count_change();
+                }
                 of.borrow_mut().splice(begin..begin + length, values);
                 let whole = whole + now - length;
                 *list.view.borrow_mut() =
@@ -76,6 +87,7 @@ impl Machine {
     ) -> Result<(), Stop> {
         self.check_changeable(list)?;
         self.java.changes += 1;
+        list.count_change();
         list.renew(values);
         self.write_back(list)
     }
@@ -109,6 +121,9 @@ impl Machine {
         };
         if is_changed {
             self.java.changes += 1;
+            if name != "set" {
+                list.count_change();
+            }
             self.write_back(list)?;
         }
         Ok(Some(value))
@@ -392,9 +407,9 @@ impl Machine {
         name: &str,
         arguments: &[Value],
     ) -> Result<Option<Value>, Stop> {
-        let (list, next, last) = {
+        let (list, next, last, known) = {
             let own = iteration.borrow();
-            (Rc::clone(&own.list), own.next, own.last)
+            (Rc::clone(&own.list), own.next, own.last, own.structure)
         };
         // Keys that are as many as before are the same ones: others end an iteration.
         let is_current = match &*list.view.borrow() {
@@ -416,6 +431,9 @@ impl Machine {
             ("hasNext" | "hasMoreElements", []) => Value::Boolean(next < length),
             ("hasPrevious", []) => Value::Boolean(next > 0),
             ("nextIndex", []) => count(next),
+            ("next" | "nextElement" | "previous", []) if list.structure.get() != known => {
+                return self.refuse(CHANGED_MEANWHILE);
+            }
             ("next" | "nextElement", []) => {
                 self.java.changes += 1;
                 let found = list.borrow().get(next).cloned();
@@ -451,6 +469,8 @@ impl Machine {
                             return Ok(Some(Value::Null));
                         }
                         list.borrow_mut().remove(place);
+                        list.count_change();
+                        iteration.borrow_mut().structure = list.structure.get();
                     }
                     [value] => list.borrow_mut()[place] = value.clone(),
                     _ => return Ok(None),
@@ -462,6 +482,8 @@ impl Machine {
                 list.borrow_mut().insert(next.min(length), value.clone());
                 to(next + 1, None);
                 self.java.changes += 1;
+                list.count_change();
+                iteration.borrow_mut().structure = list.structure.get();
                 self.write_back(&list)?;
                 Value::Null
             }
@@ -469,6 +491,10 @@ impl Machine {
         }))
     }
 }
+
+/// The reason for which nothing is known of an iteration: Java throws at the next element, or ends without a word.
+pub(crate) const CHANGED_MEANWHILE: &str =
+    "a list, a set or a map is changed while a loop goes through it";
 
 /// Beginnings of the names of methods that change a list.
 const CHANGING: [&str; 7] = ["add", "remove", "clear", "retain", "set", "sort", "replaceAll"];
@@ -478,7 +504,8 @@ pub(crate) const REMOVE_ELEMENT: &str = "remove(Object)";
 
 fn iterator(list: &Rc<List>, next: usize) -> Value {
     let list = Rc::clone(list);
-    Value::Iterator(Rc::new(RefCell::new(Iteration { list, next, last: None })))
+    let structure = list.structure.get();
+    Value::Iterator(Rc::new(RefCell::new(Iteration { list, next, last: None, structure })))
 }
 
 /// An iterator over the elements of a set.

@@ -59,7 +59,9 @@ impl Machine {
                 let view = list.view.borrow().clone();
                 match view {
                     Some(View::Array(array)) => self.spoil(&Value::Array(array), unknown),
-                    Some(View::Part { of, .. }) => self.spoil(&Value::List(of), unknown),
+                    Some(View::Whole(of) | View::Part { of, .. }) => {
+                        self.spoil(&Value::List(of), unknown);
+                    }
                     Some(View::Map(map, _)) => self.spoil(&Value::Map(map), unknown),
                     None => {}
                 }

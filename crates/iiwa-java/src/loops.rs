@@ -10,6 +10,7 @@ use std::rc::Rc;
 
 use crate::{
     flow::Flow,
+    java_lists::CHANGED_MEANWHILE,
     machine::{Machine, Progress},
     stop::Stop,
     syntax::{Expression, Statement, StatementKind, TypeName},
@@ -242,7 +243,9 @@ impl Machine {
         let Some(elements) = Self::iterated(&values) else {
             return self.refuse(format!("a loop goes through {}", values.kind()));
         };
-        for element in elements {
+        let begin = Self::structure(&values);
+        for (place, element) in elements.into_iter().enumerate() {
+            let element = Self::current(&values, place).unwrap_or(element);
             let outside = self.local_count();
             self.java.declare(name, Some(type_name), element);
             let flow = self.turn(body, label);
@@ -252,7 +255,30 @@ impl Machine {
                 Flow::Break(None) => return Ok(Flow::Next),
                 other => return Ok(other),
             }
+            self.refresh(&values);
+            if Self::structure(&values) != begin {
+                self.here.line = statement.line;
+                return self.refuse(CHANGED_MEANWHILE);
+            }
         }
         Ok(Flow::Next)
+    }
+
+    /// The number of changes and of elements of what a loop goes through.
+    fn structure(values: &Value) -> (usize, usize) {
+        match values {
+            Value::List(list) => (list.structure.get(), list.borrow().len()),
+            Value::Map(map) => (0, map.borrow().entries.len()),
+            _ => (0, 0),
+        }
+    }
+
+    /// The element at a place of what a loop goes through, as it is by now.
+    fn current(values: &Value, place: usize) -> Option<Value> {
+        match values {
+            Value::List(list) => list.borrow().get(place).cloned(),
+            Value::Array(array) => array.values.borrow().get(place).cloned(),
+            _ => None,
+        }
     }
 }

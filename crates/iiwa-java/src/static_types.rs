@@ -138,7 +138,9 @@ impl Machine {
         }
         // A constant is narrowed to the type of the other side, if it fits.
         for (narrow, constant) in [(a, otherwise), (b, then)] {
-            if let ExpressionKind::Literal(Literal::Int(value)) = constant.kind {
+            if !matches!(constant.kind, ExpressionKind::Literal(Literal::Char(_)))
+                && let Some(value) = constant_of(constant)
+            {
                 let fits = match narrow {
                     "byte" => i8::try_from(value).is_ok(),
                     "short" => i16::try_from(value).is_ok(),
@@ -383,4 +385,36 @@ impl Machine {
             _ => None,
         }
     }
+}
+
+/// The value of a constant expression of whole numbers (JLS 15.28); none if it has names, or another value.
+fn constant_of(expression: &Expression) -> Option<i32> {
+    use BinaryOperator as Op;
+    Some(match &expression.kind {
+        ExpressionKind::Literal(Literal::Int(value)) => *value,
+        ExpressionKind::Literal(Literal::Char(value)) => i32::from(*value),
+        ExpressionKind::Unary { operator, value } => match operator {
+            UnaryOperator::Plus => constant_of(value)?,
+            UnaryOperator::Minus => constant_of(value)?.wrapping_neg(),
+            UnaryOperator::Complement => !constant_of(value)?,
+            UnaryOperator::Not => return None,
+        },
+        ExpressionKind::Binary { operator, left, right } => {
+            let (a, b) = (constant_of(left)?, constant_of(right)?);
+            match operator {
+                Op::Add => a.wrapping_add(b),
+                Op::Subtract => a.wrapping_sub(b),
+                Op::Multiply => a.wrapping_mul(b),
+                Op::Divide => a.checked_div(b)?,
+                Op::Remainder => a.checked_rem(b)?,
+                Op::ShiftLeft => a.wrapping_shl(b.cast_unsigned()),
+                Op::ShiftRight => a.wrapping_shr(b.cast_unsigned()),
+                Op::And => a & b,
+                Op::Or => a | b,
+                Op::Xor => a ^ b,
+                _ => return None,
+            }
+        }
+        _ => return None,
+    })
 }

@@ -1,7 +1,7 @@
 //! Values of Java, as the evaluator has them.
 
 use std::{
-    cell::{Ref, RefCell, RefMut},
+    cell::{Cell, Ref, RefCell, RefMut},
     collections::HashMap,
     rc::Rc,
 };
@@ -72,6 +72,8 @@ pub struct List {
     unknown: RefCell<Option<Rc<Unknown>>>,
     /// The object that the list shows, if any.
     pub(crate) view: RefCell<Option<View>>,
+    /// The number of changes of the list as a whole, other than `set`: an iteration over it ends with the next one.
+    pub(crate) structure: Cell<usize>,
 }
 
 /// The end of a list at which `push`, `pop` and `peek` work.
@@ -91,6 +93,8 @@ pub(crate) enum ListKind {
 pub(crate) enum View {
     /// All of an array: `Arrays.asList`.
     Array(Rc<Array>),
+    /// All of a list, which cannot be changed by this one: `Collections.unmodifiableList`.
+    Whole(Rc<List>),
     /// Elements of a list: `subList`.
     Part { of: Rc<List>, begin: usize, length: usize, whole: usize },
     /// `keySet`, `values`, `entrySet`.
@@ -112,6 +116,8 @@ pub struct Iteration {
     pub(crate) next: usize,
     /// The place of the element that was given last.
     pub(crate) last: Option<usize>,
+    /// The changes of the list that the iteration knows.
+    pub(crate) structure: usize,
 }
 
 impl List {
@@ -121,6 +127,7 @@ impl List {
             kind,
             unknown: RefCell::default(),
             view: RefCell::default(),
+            structure: Cell::default(),
         }
     }
 
@@ -133,6 +140,7 @@ impl List {
     /// True if the list, or the one of which it is a part, cannot be changed.
     pub(crate) fn is_immutable(&self) -> bool {
         match &*self.view.borrow() {
+            Some(View::Whole(_)) => true,
             Some(View::Part { of, .. }) => of.is_immutable(),
             _ => self.kind == ListKind::Immutable,
         }
@@ -150,6 +158,11 @@ impl List {
 
     pub(crate) fn borrow_mut(&self) -> RefMut<'_, Vec<Value>> {
         self.values.borrow_mut()
+    }
+
+    /// Elements have been added, removed or put into another order.
+    pub(crate) fn count_change(&self) {
+        self.structure.set(self.structure.get() + 1);
     }
 
     /// Reason for unknown contents.
