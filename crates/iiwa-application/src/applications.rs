@@ -1,7 +1,7 @@
 //! The applications of a project.
 
 use iiwa_java::{ClassId, ClassName, Classes};
-use iiwa_sunrise::Project;
+use iiwa_sunrise::{Project, Question, QuestionKind};
 
 /// An application of a project: a class that the controller offers to run.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -24,6 +24,25 @@ impl Application {
     #[must_use]
     pub fn all(project: &Project) -> Vec<Self> {
         Self::with_classes(&project.classes()).into_iter().map(|(_, own)| own).collect()
+    }
+
+    /// A question that concerns the application as a whole.
+    pub(crate) fn question(
+        &self,
+        kind: QuestionKind,
+        asked: &str,
+        answer: String,
+        is_given: bool,
+    ) -> Question {
+        Question {
+            kind,
+            asked: asked.to_owned(),
+            choices: Vec::new(),
+            answer,
+            is_given,
+            file: self.file.clone(),
+            line: self.line,
+        }
     }
 
     /// The same, with their classes.

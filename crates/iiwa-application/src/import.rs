@@ -28,7 +28,7 @@ pub struct Import {
     pub application: Application,
     /// The robot that runs it.
     pub robot: Robot,
-    /// Where the project states the robot and its flange; empty where they were given, or assumed.
+    /// Places in the project that state the robot and its flange; empty if both were given or assumed.
     pub statements: Vec<RobotStatement>,
     /// The program that it runs; its motions have their places in the sources.
     pub program: Program,
@@ -144,7 +144,8 @@ fn import_here(
     let (program, places, mut questions) = run.station.finish();
     questions.extend(of_robot);
     if !is_start_known && program.motions.iter().any(Motion::moves) {
-        questions.push(start_question(&application));
+        let answer = "0,0,0,0,0,0,0".to_owned();
+        questions.push(application.question(QuestionKind::Start, "start", answer, false));
     }
     let program = with_sources(program, &places);
     match run.end {
@@ -182,19 +183,6 @@ fn import_here(
                 unanswered,
             })))
         }
-    }
-}
-
-/// The question for the joints before the first motion.
-fn start_question(application: &Application) -> Question {
-    Question {
-        kind: QuestionKind::Start,
-        asked: "start".to_owned(),
-        choices: Vec::new(),
-        answer: "0,0,0,0,0,0,0".to_owned(),
-        is_given: false,
-        file: application.file.clone(),
-        line: application.line,
     }
 }
 

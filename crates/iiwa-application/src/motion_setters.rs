@@ -148,9 +148,7 @@ impl Robotics<'_> {
         setting: Setting,
         arguments: &[Value],
     ) -> Result<(), Stop> {
-        if let Some(unknown) = first_unknown(arguments) {
-            let what = format!("the argument of `{name}` of this motion");
-            motion.borrow_mut().obstruct(Obstacle::Unknown(what, unknown));
+        if is_obstructed(motion, name, arguments) {
             return Ok(());
         }
         let given = numbers(arguments).unwrap_or_default();
@@ -211,9 +209,7 @@ impl Robotics<'_> {
         component: usize,
         arguments: &[Value],
     ) -> Result<(), Stop> {
-        if let Some(unknown) = first_unknown(arguments) {
-            let what = format!("the argument of `{name}` of this motion");
-            motion.borrow_mut().obstruct(Obstacle::Unknown(what, unknown));
+        if is_obstructed(motion, name, arguments) {
             return Ok(());
         }
         let Some([value]) = numbers(arguments).and_then(|given| <[f64; 1]>::try_from(given).ok())
@@ -256,4 +252,12 @@ fn constant_name(arguments: &[Value]) -> Option<Rc<str>> {
         RobotValue::Constant(constant) => Some(Rc::clone(&constant.name)),
         _ => None,
     }
+}
+
+/// True if an argument of a setter is unknown: the motion then cannot be sent.
+fn is_obstructed(motion: &Rc<RefCell<MotionValue>>, name: &str, arguments: &[Value]) -> bool {
+    let Some(unknown) = first_unknown(arguments) else { return false };
+    let what = format!("the argument of `{name}` of this motion");
+    motion.borrow_mut().obstruct(Obstacle::Unknown(what, unknown));
+    true
 }

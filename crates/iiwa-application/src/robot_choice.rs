@@ -5,7 +5,6 @@ use iiwa_program::Source;
 use iiwa_sunrise::{
     DataFile, ExportedProject, ImportedCell, OTHER_FLANGE_M, Project, ProjectData, Question,
     QuestionKind, RobotStatement, SourceFile, Stated, StatedBy, StatedModel, TOUCH_FLANGE_M,
-    Verdict,
 };
 
 use crate::{
@@ -16,11 +15,11 @@ use crate::{
 /// The robot of an application.
 pub(crate) struct RobotChoice {
     pub(crate) robot: Robot,
-    /// What the program calls it.
+    /// Its name in the program.
     pub(crate) name: String,
     /// The flange that the program states; none if the robot is a profile, which states its own.
     pub(crate) flange_m: Option<f64>,
-    /// What the project states, if it was followed.
+    /// Statements of the project that were followed.
     pub(crate) statements: Vec<RobotStatement>,
     pub(crate) questions: Vec<Question>,
     pub(crate) notes: Vec<ImportNote>,
@@ -47,16 +46,8 @@ impl RobotChoice {
             notes.push(ImportNote { text, source });
         }
         let mut questions = Vec::new();
-        let mut ask = |kind, asked: &str, answer: String, is_given| {
-            questions.push(Question {
-                kind,
-                asked: asked.to_owned(),
-                choices: Vec::new(),
-                answer,
-                is_given,
-                file: application.file.clone(),
-                line: application.line,
-            });
+        let mut ask = |kind, asked, answer, is_given| {
+            questions.push(application.question(kind, asked, answer, is_given));
         };
         let given = given(options)?;
         let is_profile = |robot: &Robot| Robot::built_in(robot.name()).as_ref() != Some(robot);
@@ -280,30 +271,23 @@ fn taught_with(project: &Project, data_file: &DataFile, robot: &Robot) -> Option
     if data_file.setting(ExportedProject::FLANGE_ID).is_some() {
         return None;
     }
-    let frames = ImportedCell::new(data_file).frames;
-    let taught = frames
-        .iter()
-        .filter(|frame| frame.check(robot).verdict != Verdict::NotTaught)
-        .collect::<Vec<_>>();
+    let cell = ImportedCell::new(data_file);
     let model = StatedModel::in_name(robot.name())?;
     let lengths = [OTHER_FLANGE_M, TOUCH_FLANGE_M];
-    let [other, touch] = lengths.map(|flange_m| {
+    let [[taught, other], [_, touch]] = lengths.map(|flange_m| {
         let robot = robot.clone().with_flange_m(flange_m).unwrap_or_default();
-        taught.iter().filter(|frame| frame.check(&robot).verdict == Verdict::Agrees).count()
+        cell.taught_and_agreeing(&robot)
     });
     let (flange_m, most) = if other > touch { (lengths[0], other) } else { (lengths[1], touch) };
     // Some frames are older than their tools, or than the robot.
-    if other == touch || 10 * most < 9 * taught.len() {
+    if other == touch || 10 * most < 9 * taught {
         return None;
     }
     let counts = lengths.into_iter().zip([other, touch]);
     let counts: Vec<_> =
         counts.map(|(m, count)| format!("{count} with {:.0} mm", 1e3 * m)).collect();
-    let words = format!(
-        "of {} taught frames the arm reaches {} of flange",
-        taught.len(),
-        counts.join(" and ")
-    );
+    let words =
+        format!("of {taught} taught frames the arm reaches {} of flange", counts.join(" and "));
     let means = Stated::Flange(model, flange_m);
     let (path, _) = data_text(project);
     Some(RobotStatement { by: StatedBy::DataFile, file: path.to_owned(), line: 1, words, means })

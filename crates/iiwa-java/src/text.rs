@@ -1,6 +1,10 @@
 //! Values as text, as Java writes them.
 
-use std::{fmt::Write as _, rc::Rc};
+use std::{
+    fmt::{Debug, Display, UpperExp, Write as _},
+    rc::Rc,
+    str::FromStr,
+};
 
 use crate::{
     machine::Machine,
@@ -37,12 +41,7 @@ pub(crate) fn double(value: f64) -> String {
     if value.is_infinite() {
         return if value > 0.0 { "Infinity" } else { "-Infinity" }.to_owned();
     }
-    let plain = format!("{value:?}");
-    let nearest = format!("{value:.*}", decimals(&plain));
-    let plain = if nearest.parse() == Ok(value) { nearest } else { plain };
-    let exponent = format!("{value:E}");
-    let nearest = format!("{value:.*E}", decimals(&exponent));
-    let exponent = if nearest.parse() == Ok(value) { nearest } else { exponent };
+    let [plain, exponent] = shortest(value);
     with_point(value, f64::MANTISSA_DIGITS, plain, exponent)
 }
 
@@ -51,13 +50,25 @@ pub(crate) fn float(value: f32) -> String {
     if !value.is_finite() {
         return double(f64::from(value));
     }
-    let plain = format!("{value:?}");
-    let nearest = format!("{value:.*}", decimals(&plain));
-    let plain = if nearest.parse() == Ok(value) { nearest } else { plain };
-    let exponent = format!("{value:E}");
-    let nearest = format!("{value:.*E}", decimals(&exponent));
-    let exponent = if nearest.parse() == Ok(value) { nearest } else { exponent };
+    let [plain, exponent] = shortest(value);
     with_point(f64::from(value), f32::MANTISSA_DIGITS, plain, exponent)
+}
+
+/// The shortest texts that are read back to a number, without and with an exponent; of equally short ones the nearest.
+fn shortest<T>(value: T) -> [String; 2]
+where
+    T: Copy + Debug + Display + UpperExp + FromStr + PartialEq,
+{
+    let plain = format!("{value:?}");
+    let exponent = format!("{value:E}");
+    let nearest =
+        [format!("{value:.*}", decimals(&plain)), format!("{value:.*E}", decimals(&exponent))];
+    let is_same = |text: &str| text.parse().is_ok_and(|read: T| read == value);
+    let [nearest_plain, nearest_exponent] = nearest;
+    [
+        if is_same(&nearest_plain) { nearest_plain } else { plain },
+        if is_same(&nearest_exponent) { nearest_exponent } else { exponent },
+    ]
 }
 
 /// Digits behind the point, of which Java has at least one.

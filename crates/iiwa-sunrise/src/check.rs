@@ -4,7 +4,7 @@ use std::fmt;
 
 use iiwa_kin::{Joints, OutsideRange, Robot, Status, Turn, Unreachable};
 
-use crate::cell::ImportedFrame;
+use crate::cell::{ImportedCell, ImportedFrame};
 
 /// Whether a robot reaches a frame as it was taught.
 #[derive(Clone, Debug, PartialEq)]
@@ -57,6 +57,17 @@ impl fmt::Display for Verdict {
                 write!(f, "taught with turn {stated}, the joints have {found}")
             }
         }
+    }
+}
+
+impl ImportedCell {
+    /// The number of frames that were taught with E1, status and a TCP, and how many of them `robot` reaches as they were.
+    #[must_use]
+    pub fn taught_and_agreeing(&self, robot: &Robot) -> [usize; 2] {
+        let verdicts = self.frames.iter().map(|frame| frame.check(robot).verdict);
+        let taught: Vec<_> = verdicts.filter(|own| *own != Verdict::NotTaught).collect();
+        let agreeing = taught.iter().filter(|own| **own == Verdict::Agrees).count();
+        [taught.len(), agreeing]
     }
 }
 

@@ -3,7 +3,9 @@
 use std::{fmt::Write as _, path::Path};
 
 use iiwa_kin::Robot;
-use iiwa_sunrise::{DataFile, ImportedCell, ImportedFrame, TcpChange, Verdict};
+use iiwa_sunrise::{
+    DataFile, ImportedCell, ImportedFrame, OTHER_FLANGE_M, TOUCH_FLANGE_M, TcpChange, Verdict,
+};
 use serde::Serialize;
 
 use crate::{
@@ -87,9 +89,6 @@ struct NotTakenRow {
     count: usize,
     why: String,
 }
-
-/// d7 of the flanges that there are, in m.
-const FLANGES_M: [f64; 2] = [0.126, 0.152];
 
 impl ImportReport {
     /// What `cell` has of the project `file`, checked on `robot`; `output` is where it was written.
@@ -264,11 +263,12 @@ impl FrameRow {
 
 /// The flange, other than the robot's, with which most frames agree, and how many.
 fn other_flange(cell: &ImportedCell, robot: &Robot) -> Option<OtherFlange> {
-    let others = FLANGES_M.into_iter().filter(|flange_m| *flange_m != robot.lengths().flange_m);
+    let others = [OTHER_FLANGE_M, TOUCH_FLANGE_M]
+        .into_iter()
+        .filter(|flange_m| *flange_m != robot.lengths().flange_m);
     let counted = others.filter_map(|flange_m| {
         let other = robot.clone().with_flange_m(flange_m).ok()?;
-        let agrees = |frame: &&ImportedFrame| frame.check(&other).verdict == Verdict::Agrees;
-        let agreeing = cell.frames.iter().filter(agrees).count();
+        let [_, agreeing] = cell.taught_and_agreeing(&other);
         Some(OtherFlange { flange_mm: 1e3 * flange_m, agreeing })
     });
     counted.max_by_key(|other| other.agreeing)
