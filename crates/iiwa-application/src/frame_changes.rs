@@ -35,7 +35,7 @@ impl Station {
         }
     }
 
-    /// Whether a frame of the data file, or one in which it is given, is no longer where the data file has it.
+    /// True if the application has moved a frame of the data file, or a frame in which it is given.
     pub(crate) fn is_changed(&self, index: usize) -> bool {
         let Some(found) = self.tree.get(index) else { return false };
         found.is_changed || found.parent.is_some_and(|parent| self.is_changed(parent))

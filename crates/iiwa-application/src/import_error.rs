@@ -110,7 +110,7 @@ pub struct Unanswered {
     pub asked: String,
 }
 
-/// What statements say, the first ones of many.
+/// The first statements of a list, as text.
 fn said(statements: &[RobotStatement]) -> String {
     const MOST: usize = 6;
     let mut said: Vec<_> = statements.iter().take(MOST).map(ToString::to_string).collect();

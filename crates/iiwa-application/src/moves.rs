@@ -147,12 +147,12 @@ impl Robotics<'_> {
         Ok(())
     }
 
-    /// That a program can have a wait of so many seconds.
+    /// Refuses a wait that is longer than a program can have.
     pub(crate) fn check_wait(&self, seconds: f64) -> Result<(), Stop> {
         self.check(&Motion::Wait { seconds, overlap: 0 })
     }
 
-    /// That a program can have this motion.
+    /// Refuses a motion that a program cannot have.
     fn check(&self, motion: &Motion) -> Result<(), Stop> {
         let mut program = Program::from_rad(self.station.start_rad).build();
         program.motions.push(motion.clone());

@@ -165,7 +165,7 @@ impl Robotics<'_> {
     }
 }
 
-/// Whether a device class is the arm: `LBR` and `Robot`, and `RoboticArm` and `LBRMed7` of Sunrise.OS Med and Sunrise 2. The
+/// True if a device class is the arm: `LBR` and `Robot`, and `RoboticArm` and `LBRMed7` of Sunrise.OS Med and Sunrise 2. The
 /// LBR Med has the kinematics of the LBR iiwa.
 pub(crate) fn is_arm(class: &str) -> bool {
     /// Classes of the FRI and of redundancies begin like those of robots.

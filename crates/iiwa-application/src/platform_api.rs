@@ -26,7 +26,7 @@ const OTHERS: [&str; 11] = [
     "Exception",
 ];
 
-/// Whether a class, or the name of a device, is that of a mobile platform. The arm on it has a name of its own.
+/// True if a class, or the name of a device, is that of a mobile platform. The arm on a platform has another name.
 pub(crate) fn is_platform(name: &str) -> bool {
     let lower = name.to_ascii_lowercase();
     !lower.contains("lbr")

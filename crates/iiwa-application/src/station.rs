@@ -32,10 +32,10 @@ pub(crate) struct StationSetup {
     pub(crate) data_file: DataFile,
     /// Where the arm stands, in rad.
     pub(crate) start_rad: Joints,
-    /// Whether that is known, not assumed.
+    /// True if the start was given; else it is assumed.
     pub(crate) is_start_known: bool,
     pub(crate) answers: Answers,
-    /// Whether the run only finds out what the data file lacks: frames need not be within reach then.
+    /// True if the run only collects missing entries of the data file: frames need not be within reach then.
     pub(crate) is_survey: bool,
 }
 

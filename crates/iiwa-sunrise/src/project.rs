@@ -200,7 +200,7 @@ impl Project {
         classes
     }
 
-    /// What its `StationSetup.cat` states about its robots; nothing if there is none.
+    /// Statements about robots in its `StationSetup.cat`; none if there is no such file.
     ///
     /// # Errors
     ///

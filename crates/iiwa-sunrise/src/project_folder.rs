@@ -14,7 +14,7 @@ pub(crate) const MOST_FOLDERS: usize = 100_000;
 /// Where the frames and tools of a project are.
 pub(crate) const DATA_FILE: &str = "RoboticsAPI.data.xml";
 
-/// Where the configuration of a project's station is.
+/// The file with the configuration of a project's station.
 pub(crate) const STATION_FILE: &str = "StationSetup.cat";
 
 /// What a folder holds too much of.

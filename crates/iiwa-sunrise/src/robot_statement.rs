@@ -24,7 +24,7 @@ pub struct RobotStatement {
     pub line: u32,
     /// The words, as `LBR_iiwa_14_R820_1` or `Medien-Flansch Touch pneumatisch`.
     pub words: String,
-    /// What they mean.
+    /// The meaning of the words.
     pub means: Stated,
 }
 
@@ -40,7 +40,7 @@ pub enum StatedBy {
     Java,
 }
 
-/// What a place in a project states.
+/// The meaning of a statement.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Stated {
@@ -55,7 +55,7 @@ pub enum Stated {
 pub struct StatedModel {
     /// The built-in model with its kinematics.
     pub built_in: &'static str,
-    /// Whether it is an LBR Med, which has the kinematics of the LBR iiwa; its limits are assumed to be the same.
+    /// True for an LBR Med, which has the kinematics of the LBR iiwa; its limits are assumed to be the same.
     pub is_med: bool,
 }
 

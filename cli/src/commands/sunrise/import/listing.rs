@@ -33,7 +33,7 @@ pub(super) fn run(
     let rows: Vec<_> = applications
         .into_iter()
         .map(|own| {
-            // Copies of an application are told apart by their files.
+            // The file distinguishes copies of an application.
             let copies = names.iter().filter(|name| **name == own.qualified_name).count();
             let name = if copies > 1 { &own.file } else { &own.qualified_name };
             let (motions, questions, refused) = match project.import(Some(name)) {

@@ -18,7 +18,7 @@ pub(super) struct ProgramReport {
     /// The robot, by its name in the program.
     robot: Option<String>,
     flange_mm: Option<f64>,
-    /// Where the project states them.
+    /// Places in the project that state them.
     stated: Vec<Note>,
     motions: Vec<MotionRow>,
     questions: Vec<QuestionRow>,
