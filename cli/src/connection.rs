@@ -2,12 +2,13 @@
 
 use std::{error::Error, io};
 
+use iiwa_json::printable;
 use iiwa_link::{
     Client, ClientError, LinkError, Remote, Server,
     message::Code,
     security::{ClientSecurity, ConnectionRefusal, SecurityError, ServerSecurity},
 };
-use iiwa_view::{printable, with_causes};
+use iiwa_view::with_causes;
 
 use crate::{
     args::{ClientKeys, DriveAddress, ServerKeys},

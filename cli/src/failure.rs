@@ -3,11 +3,13 @@
 use std::{error::Error, io::Write as _, ops::Range, path::Path};
 
 use annotate_snippets::{AnnotationKind, Group, Level, Renderer, Snippet};
-use iiwa_files::OutputError;
-use iiwa_json::{Place, Step, locate};
-use iiwa_program::Sources;
+use iiwa_files::{OutputError, folder_of};
+use iiwa_json::{Place, printable};
+use iiwa_program::ProgramError;
 use iiwa_traj::{PlanError, TimingError};
-use iiwa_view::{ViewError, printable, with_causes};
+use iiwa_view::{ViewError, with_causes};
+
+use crate::file_kind::{JsonKind, other_kind};
 
 /// Why a command failed.
 #[derive(Debug)]
@@ -42,22 +44,43 @@ impl Failure {
         }))
     }
 
-    /// A program, called `name`, that cannot be planned. Messages name the `sources` of its motions.
-    pub(crate) fn plan(error: &PlanError, sources: &Sources, name: &str, text: &str) -> Self {
+    /// A program, called `name`, that cannot be read from `text` or planned.
+    pub(crate) fn program(error: &iiwa_plan::Error, name: &str, text: &str) -> Self {
+        use iiwa_plan::Error;
         match error {
-            PlanError::Fault(fault) => {
-                let what = sources.in_message(&fault.to_string());
-                Self::in_text(&what, &fault.place_in(text), name, text)
+            Error::Program(ProgramError::Included { name: included, text, error, .. }) => {
+                let file = folder_of(Path::new(name)).join(included).display().to_string();
+                Self::in_text(&error.what(), error.place(), &file, text)
             }
-            PlanError::Timing(error @ TimingError::CurvatureJumps { .. }) => {
-                Self::input(format!("{error} (--blend-shape iiwa, or --timing acceleration)"))
+            Error::Profile { file, text, error } => {
+                other_kind(file, text, JsonKind::Profile, "robot profile").map_or_else(
+                    || Self::in_text(&error.what(), error.place(), file, text),
+                    Self::input,
+                )
             }
-            PlanError::Timing(error @ TimingError::CannotHold { motion, .. }) => {
-                let place = locate(text, &[Step::Key("motions"), Step::Index(motion.index())]);
-                Self::in_text(&sources.in_message(&error.to_string()), &place, name, text)
+            Error::UnknownRobot { place, .. } => {
+                let what = format!("{}; --robot takes any other", error.what());
+                Self::in_text(&what, place, name, text)
             }
-            PlanError::Timing(TimingError::Interrupted) => Self::interrupted(),
-            error => Self::run("cannot plan the program", error),
+            Error::Plan { error: plan, .. } => match &**plan {
+                PlanError::Timing(TimingError::Interrupted) => Self::interrupted(),
+                PlanError::Timing(error @ TimingError::CurvatureJumps { .. }) => {
+                    Self::input(format!("{error} (--blend-shape iiwa, or --timing acceleration)"))
+                }
+                PlanError::Fault(_) | PlanError::Timing(TimingError::CannotHold { .. }) => {
+                    Self::at_place(error, name, text)
+                }
+                plan => Self::run("cannot plan the program", plan),
+            },
+            error => Self::at_place(error, name, text),
+        }
+    }
+
+    /// An error in the text of a program, with its place if it has one.
+    fn at_place(error: &iiwa_plan::Error, name: &str, text: &str) -> Self {
+        match error.place() {
+            Some(place) => Self::in_text(&error.what(), place, name, text),
+            None => Self::input(error.to_string()),
         }
     }
 

@@ -38,7 +38,7 @@ impl JsonKind {
     }
 
     /// What to tell a user who gave a file of this kind in place of a `wanted` one.
-    pub(crate) fn hint(self, wanted: &str) -> String {
+    fn hint(self, wanted: &str) -> String {
         let (own, place) = match self {
             Self::Program => ("motion program", ""),
             Self::Profile => ("robot profile", ": it belongs to --robot"),
@@ -49,6 +49,12 @@ impl JsonKind {
         };
         format!("is a {own}, not a {wanted}{place}")
     }
+}
+
+/// The message about a file that is of another kind than the one that it was given as, if that can be told.
+pub(crate) fn other_kind(name: &str, text: &str, own: JsonKind, wanted: &str) -> Option<String> {
+    let kind = JsonKind::of(text).filter(|kind| *kind != own)?;
+    Some(format!("{name} {}", kind.hint(wanted)))
 }
 
 /// What bytes are that are no text, if that can be told.

@@ -4,21 +4,23 @@ use std::{
     fs::{self, File},
     io::{self, Read},
     path::Path,
-    sync::OnceLock,
+    sync::{Arc, OnceLock},
 };
 
-use iiwa_files::{NotBeside, beside, folder_of};
-use iiwa_json::{Step, locate};
+use iiwa_files::{NotBeside, beside};
 use iiwa_kin::Robot;
 use iiwa_log::{JointLog, Positions};
-use iiwa_program::{Program, ProgramError, Workcell};
+use iiwa_plan::{Plan, PlanRequest, ProgramSource};
+#[cfg(feature = "sunrise")]
+use iiwa_program::Program;
+use iiwa_program::Workcell;
 use iiwa_scene::Scene;
 use iiwa_view::with_causes;
 
 use crate::{
     args::LogReading,
     failure::Failure,
-    file_kind::{JsonKind, binary_hint},
+    file_kind::{JsonKind, binary_hint, other_kind},
 };
 
 /// A file's name and text.
@@ -69,33 +71,39 @@ pub(crate) fn default_robot() -> Result<Robot, Failure> {
     ROBOT.get().map_or_else(|| Ok(Robot::default()), |name| find_robot(name))
 }
 
-/// A program's name and text.
-pub(crate) struct ProgramText {
+/// A program with its name, and the request for its plan.
+pub(crate) struct Input {
     pub(crate) name: String,
-    /// As it was read.
-    pub(crate) text: String,
-    /// With what it includes, if it includes anything.
-    merged: Option<String>,
+    pub(crate) source: ProgramSource,
+    pub(crate) request: PlanRequest,
 }
 
-impl ProgramText {
+impl Input {
     /// A program that is in no file.
     #[cfg(feature = "sunrise")]
-    pub(crate) fn made(name: String, text: String) -> Self {
-        Self { name, text, merged: None }
+    pub(crate) fn made(name: String, program: Program, robot: Robot) -> Self {
+        let request = PlanRequest { robot: Some(robot), ..PlanRequest::default() };
+        Self { name, source: program.into(), request }
     }
 
-    /// The program as it is stored and sent: it needs no other file.
-    pub(crate) fn complete(&self) -> &str {
-        self.merged.as_deref().unwrap_or(&self.text)
+    /// The robot that it is planned for.
+    pub(crate) fn robot(&self) -> Result<Robot, Failure> {
+        self.request.robot(&self.source).map_err(|error| self.refuse(&error))
+    }
+
+    /// The failure to read or plan it.
+    pub(crate) fn refuse(&self, error: &iiwa_plan::Error) -> Failure {
+        Failure::program(error, &self.name, self.source.text.as_read())
+    }
+
+    /// The plan of the whole program.
+    pub(crate) fn plan(&self) -> Result<Plan, Failure> {
+        self.request.plan(&self.source).map_err(|error| self.refuse(&error))
     }
 }
 
-/// Reads a program with what it includes, and its robot unless `robot` names another one.
-pub(crate) fn program(
-    path: &Path,
-    robot: Option<&str>,
-) -> Result<(ProgramText, Program, Robot), Failure> {
+/// Reads a program with the files that it names; `robot` is planned for in place of its own.
+pub(crate) fn program(path: &Path, robot: Option<&str>) -> Result<Input, Failure> {
     program_of(path, Text::read(path)?, robot)
 }
 
@@ -111,7 +119,9 @@ pub(crate) fn workcell(path: &Path, robot: Option<&str>) -> Result<(Workcell, Ro
         }
         Err(_) => {}
     }
-    program_of(path, text, robot).map(|(_, program, robot)| (program.workcell, robot))
+    let input = program_of(path, text, robot)?;
+    let robot = input.robot()?;
+    Ok((Arc::unwrap_or_clone(input.source.program).workcell, robot))
 }
 
 /// The program that was read from `path`.
@@ -119,107 +129,44 @@ fn program_of(
     path: &Path,
     Text { name, text }: Text,
     robot: Option<&str>,
-) -> Result<(ProgramText, Program, Robot), Failure> {
-    let mut file = None;
-    let program = Program::from_json_with(&text, |name| {
-        included(path, name).inspect(|text| file = Some(text.clone()))
-    });
-    let refuse = |error| match error {
-        ProgramError::Included { name, text, error, .. } => {
-            let file = folder_of(path).join(name).display().to_string();
-            Failure::in_text(&error.what(), error.place(), &file, &text)
-        }
-        error => Failure::in_text(&error.what(), error.place(), &name, &text),
-    };
-    let program = match program {
-        Ok(program) => program,
-        Err(error) => {
-            return Err(other_kind(&name, &text, JsonKind::Program, "program")
-                .unwrap_or_else(|| refuse(error)));
-        }
-    };
-    let merged = file.map(|file| Program::merged_json(&text, &file)).transpose().map_err(refuse)?;
-    let robot = match (robot, &program.robot) {
-        // A profile says all of a robot, a name of a model nothing about its flange.
-        (Some(name), _) if Robot::built_in(name).is_none() => find_robot(name)?,
-        (Some(name), _) => program.with_flange(find_robot(name)?),
-        (None, None) => program.with_flange(default_robot()?),
-        (None, Some(robot)) => program.with_flange(
-            Robot::built_in(robot).map_or_else(|| named(path, [&name, &text], robot), Ok)?,
-        ),
-    };
-    Ok((ProgramText { name, text, merged }, program, robot))
-}
-
-/// The failure of a file that is of another kind than the one that it was given as, if that can be told.
-fn other_kind(name: &str, text: &str, own: JsonKind, wanted: &str) -> Option<Failure> {
-    let kind = JsonKind::of(text).filter(|kind| *kind != own)?;
-    Some(Failure::input(format!("{name} {}", kind.hint(wanted))))
-}
-
-/// The robot of the profile that a program, read from `path` with this name and text, names.
-fn named(path: &Path, [program, text]: [&str; 2], name: &str) -> Result<Robot, Failure> {
-    let profile = beside(path, name, &["json"]).map_err(|reason| {
-        let what = match reason {
-            NotBeside::Elsewhere => format!(
-                "no robot is called `{name}`: {} are built in, and a profile is a file *.json beside the \
-                 program or in a folder below it; --robot takes any other",
-                Robot::BUILT_IN.join(" and ")
-            ),
-            NotBeside::Missing(path) => unknown_robot(name, &path),
-            NotBeside::LeadsOut(path) => {
-                format!("{} leads out of the program's folder; --robot takes it", path.display())
-            }
-        };
-        Failure::in_text(&what, &locate(text, &[Step::Key("robot")]), program, text)
+) -> Result<Input, Failure> {
+    let source = ProgramSource::beside(path, &text).map_err(|error| {
+        other_kind(&name, &text, JsonKind::Program, "program")
+            .map_or_else(|| Failure::program(&error, &name, &text), Failure::input)
     })?;
-    let profile = Text::read(&profile)?;
-    if is_object(&profile) {
-        robot_of(&profile)
-    } else {
-        Err(Failure::input(format!("{} is no robot profile: no JSON object", profile.name)))
+    let request = request(&source, robot)?;
+    Ok(Input { name, source, request })
+}
+
+/// The request for a plan of a program, for `robot` in place of the program's if it is given.
+pub(crate) fn request(source: &ProgramSource, robot: Option<&str>) -> Result<PlanRequest, Failure> {
+    let mut request = PlanRequest::default();
+    match robot {
+        Some(robot) => request.robot = Some(find_robot(robot)?),
+        None if source.program.robot.is_none() => request.default_robot = default_robot()?,
+        None => {}
     }
-}
-
-/// Reads the file that the program at `path` includes; the error says why it cannot be read.
-fn included(path: &Path, name: &str) -> Result<String, String> {
-    let file = beside(path, name, &["json"]).map_err(|reason| {
-        let elsewhere = "it has to be a file *.json beside the program or in a folder below it";
-        not_beside(reason, elsewhere, "program")
-    })?;
-    let file = Text::read(&file).map_err(|failure| failure.what())?;
-    if is_object(&file) { Ok(file.text) } else { Err("it holds no JSON object".to_owned()) }
-}
-
-/// Errors show lines of a file that a program names, which must not be those of any other kind of file.
-fn is_object(file: &Text) -> bool {
-    file.text.trim_start().starts_with('{')
-}
-
-/// Why a file is not read that a file of this kind names; `elsewhere` explains which ones may be named.
-fn not_beside(reason: NotBeside, elsewhere: &str, kind: &str) -> String {
-    match reason {
-        NotBeside::Elsewhere => elsewhere.to_owned(),
-        NotBeside::Missing(path) => format!("there is no file {}", path.display()),
-        NotBeside::LeadsOut(path) => format!("{} leads out of the {kind}'s folder", path.display()),
-    }
+    Ok(request)
 }
 
 /// Reads a scene with the meshes that it names.
 pub(crate) fn scene(path: &Path) -> Result<Scene, Failure> {
     let Text { name, text } = Text::read(path)?;
     Scene::from_json_with(&text, |name| mesh(path, name)).map_err(|error| {
-        other_kind(&name, &text, JsonKind::Scene, "scene")
-            .unwrap_or_else(|| Failure::in_text(&error.what(), error.place(), &name, &text))
+        other_kind(&name, &text, JsonKind::Scene, "scene").map_or_else(
+            || Failure::in_text(&error.what(), error.place(), &name, &text),
+            Failure::input,
+        )
     })
 }
 
 /// Reads the file of a mesh that the scene at `path` names; the error says why it cannot be read.
 fn mesh(path: &Path, name: &str) -> Result<Vec<u8>, String> {
-    let file = beside(path, name, &["stl", "obj"]).map_err(|reason| {
-        let elsewhere =
-            "it has to be a file *.stl or *.obj beside the scene or in a folder below it";
-        not_beside(reason, elsewhere, "scene")
+    let file = beside(path, name, &["stl", "obj"]).map_err(|reason| match reason {
+        NotBeside::Elsewhere => {
+            "it has to be a file *.stl or *.obj beside the scene or in a folder below it".to_owned()
+        }
+        reason => reason.to_string(),
     })?;
     fs::read(&file).map_err(|error| format!("cannot read {}: {error}", file.display()))
 }
@@ -264,8 +211,10 @@ pub(crate) fn find_robot(name: &str) -> Result<Robot, Failure> {
 /// The robot of a profile.
 fn robot_of(Text { name, text }: &Text) -> Result<Robot, Failure> {
     Robot::from_profile(text).map_err(|error| {
-        other_kind(name, text, JsonKind::Profile, "robot profile")
-            .unwrap_or_else(|| Failure::in_text(&error.what(), error.place(), name, text))
+        other_kind(name, text, JsonKind::Profile, "robot profile").map_or_else(
+            || Failure::in_text(&error.what(), error.place(), name, text),
+            Failure::input,
+        )
     })
 }
 

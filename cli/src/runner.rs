@@ -1,17 +1,18 @@
 //! Runs on the robot, through a drive: the motion to the start, the run, its recording.
 
 use iiwa_files::interrupt;
+use iiwa_json::printable;
 use iiwa_kin::{Joints, Robot};
 use iiwa_link::{
     ClientError, MAX_POINTS, StartOffset, Stream, TimedJoints,
     message::{Code, Conditions, DriveState, Refusal, Request, RunLabel, Status},
     security::Endpoint,
 };
-use iiwa_log::{Config, JointLog, PlanOptions, WriteError};
+use iiwa_log::{Config, JointLog, WriteError};
+use iiwa_plan::PlanOptions;
 use iiwa_program::{Motion, MotionList, Ptp};
 use iiwa_traj::Trajectory;
 use iiwa_twin::runs::{DriveConnection, ExecutedRun, RunEvent, execute, position};
-use iiwa_view::printable;
 
 use crate::{
     args::DriveAddress,

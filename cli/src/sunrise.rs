@@ -3,15 +3,14 @@
 use std::path::Path;
 
 use iiwa_application::{Import, ImportError, ImportOptions, Unanswered};
+use iiwa_json::printable;
 use iiwa_kin::Robot;
-use iiwa_program::Program;
 use iiwa_sunrise::{AnswerValue, Answers, ExportedProject, Project, Question, QuestionKind};
-use iiwa_view::printable;
 
 use crate::{
     args::Answering,
     failure::{Failure, print_note},
-    input::{ProgramText, Text, find_robot, usual_robot},
+    input::{Input, Text, find_robot, usual_robot},
 };
 
 /// The file of answers that is beside a project's sources.
@@ -60,7 +59,7 @@ pub(crate) fn program(
     folder: &Path,
     answering: &Answering,
     robot: Option<&str>,
-) -> Result<(ProgramText, Program, Robot), Failure> {
+) -> Result<Input, Failure> {
     if !folder.is_dir() {
         return Err(Failure::input(format!(
             "{} is no folder: an application is planned from the folder of its project",
@@ -83,8 +82,7 @@ pub(crate) fn program(
         let text = with_options(&note.text);
         print_note(&printable(&format!("Note: {}: {text}\n", note.source)));
     }
-    let text = ProgramText::made(import.application.name, import.program.to_json());
-    Ok((text, import.program, import.robot))
+    Ok(Input::made(import.application.name, import.program, import.robot))
 }
 
 /// The robot that is given, with its name: by the option, by the answers, or by the settings.

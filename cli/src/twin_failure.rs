@@ -26,12 +26,7 @@ impl From<&TwinError> for Failure {
             TwinError::View(error) => error.into(),
             TwinError::Viewers(error) => Self::run(error.what.clone(), &*error.cause),
             TwinError::Output(error) => error.into(),
-            TwinError::Program { name, text, error } => {
-                Self::in_text(&error.what(), error.place(), name, text)
-            }
-            TwinError::Plan { name, text, sources, error } => {
-                Self::plan(error, sources, name, text)
-            }
+            TwinError::Program { name, text, error } => Self::program(error, name, text),
             TwinError::PositionsText { file, text, place, what } => {
                 Self::in_text(what, place, &file.display().to_string(), text)
             }

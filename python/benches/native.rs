@@ -10,7 +10,7 @@ use std::{
 };
 
 use iiwa_kin::{Pose, Robot};
-use iiwa_log::PlanOptions;
+use iiwa_plan::PlanOptions;
 use iiwa_program::Program;
 
 const POSES: usize = 100_000;

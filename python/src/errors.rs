@@ -5,9 +5,9 @@ use std::{fs, io, path::Path};
 use iiwa_files::{OutputError, folder_of};
 use iiwa_json::Place;
 use iiwa_kin::ProfileError;
-use iiwa_program::{Fault, ProgramError, Sources};
+use iiwa_plan::Error;
+use iiwa_program::{MotionIndex, ProgramError};
 use iiwa_scene::SceneError;
-use iiwa_traj::{PlanError, TimingError};
 use pyo3::{
     exceptions::{PyKeyboardInterrupt, PyOSError, PyTypeError},
     prelude::*,
@@ -80,22 +80,25 @@ fn in_text(py: Python<'_>, class: &str, what: &str, place: &Place) -> PyErr {
     exception(py, class, (format!("{what}, at {place}"), place.line, place.column))
 }
 
-/// The number of the motion that a message begins with, as all messages about motions do.
-fn motion_in(what: &str) -> Option<usize> {
-    let rest = what.strip_prefix("motion ")?;
-    rest[..rest.find(|c: char| !c.is_ascii_digit())?].parse().ok()
-}
-
-fn of_motion(py: Python<'_>, what: &str, place: &Place, motion: Option<usize>) -> PyErr {
-    let text = format!("{what}, at {place}");
-    exception(py, "ProgramError", (text, place.line, place.column, motion))
-}
-
-/// A text that is no program.
+/// A text that is not a valid program.
 pub(crate) fn program_error(py: Python<'_>, error: &ProgramError) -> PyErr {
-    let motion = motion_in(&error.what());
     let place = error.place();
+    let motion = error.motion().map(MotionIndex::number);
     exception(py, "ProgramError", (error.to_string(), place.line, place.column, motion))
+}
+
+/// A program that cannot be read or planned.
+pub(crate) fn plan_error(py: Python<'_>, error: &Error) -> PyErr {
+    if error.is_interrupt() {
+        return PyKeyboardInterrupt::new_err(());
+    }
+    if let Error::Profile { error, .. } = error {
+        return profile_error(py, error);
+    }
+    let place = error.place();
+    let [line, column] = [place.map(|place| place.line), place.map(|place| place.column)];
+    let motion = error.motion().map(MotionIndex::number);
+    exception(py, "ProgramError", (error.to_string(), line, column, motion))
 }
 
 /// A text that is no robot profile.
@@ -106,32 +109,4 @@ pub(crate) fn profile_error(py: Python<'_>, error: &ProfileError) -> PyErr {
 /// A text that is no scene.
 pub(crate) fn scene_error(py: Python<'_>, error: &SceneError) -> PyErr {
     in_text(py, "SceneError", &error.what(), error.place())
-}
-
-/// What a program asks for and the robot cannot do.
-pub(crate) fn fault(py: Python<'_>, fault: &Fault, sources: &Sources, text: &str) -> PyErr {
-    let (what, place) = (fault.to_string(), fault.place_in(text));
-    of_motion(py, &sources.in_message(&what), &place, motion_in(&what))
-}
-
-/// A program without a plan.
-pub(crate) fn plan_error(
-    py: Python<'_>,
-    error: &PlanError,
-    sources: &Sources,
-    text: &str,
-) -> PyErr {
-    match error {
-        PlanError::Fault(error) => fault(py, error, sources, text),
-        PlanError::Timing(TimingError::Interrupted) => PyKeyboardInterrupt::new_err(()),
-        error => {
-            use iiwa_json::Step::{Index, Key};
-            let what = error.to_string();
-            let motion = motion_in(&what);
-            let at = motion.and_then(|number| number.checked_sub(1)).map(Index);
-            let path: Vec<_> = std::iter::once(Key("motions")).chain(at).collect();
-            let place = iiwa_json::locate(text, &path);
-            of_motion(py, &sources.in_message(&what), &place, motion)
-        }
-    }
 }

@@ -7,7 +7,7 @@ use std::{
 
 use iiwa_eval::{Comparison as Compared, Plan as Reference, identify as identified};
 use iiwa_kin::Robot as Model;
-use iiwa_program::Program as Motions;
+use iiwa_plan::{PlanRequest, ProgramSource};
 use iiwa_view::{ComparisonReport, IdentificationReport, draw_comparison, with_causes};
 use pyo3::{
     exceptions::{PyRuntimeError, PyValueError},
@@ -17,7 +17,7 @@ use pyo3::{
 
 use crate::{
     Pickled,
-    errors::{exception, os_error, unexpected},
+    errors::{exception, os_error, plan_error, unexpected},
     frames::object,
     options::RobotArgument,
     plan::Plan,
@@ -78,7 +78,7 @@ impl<'py> FromPyObject<'_, 'py> for PlanArgument {
 impl PlanArgument {
     fn reference(&self, py: Python<'_>) -> PyResult<Reference> {
         match self {
-            Self::Plan(plan) => Ok(Reference::from_trajectory(&plan.get().trajectory)),
+            Self::Plan(plan) => Ok(Reference::from_trajectory(plan.get().trajectory())),
             Self::File(name, bytes) => {
                 Reference::read_mcap(bytes.as_bytes(py), None).map_err(|error| {
                     let what = format!("{name}: {}", with_causes(&error));
@@ -287,10 +287,11 @@ pub(crate) fn identify(
     let mut sources = Vec::new();
     for (index, recording) in recordings.iter().enumerate() {
         let log = &recording.get().log;
-        let own: Motions = match (program, &log.program) {
-            (Some(program), _) => (*program.get().parsed).clone(),
-            (None, Some(text)) => Motions::from_json(text)
-                .map_err(|error| crate::errors::program_error(py, &error))?,
+        let own = match (program, &log.program) {
+            (Some(program), _) => ProgramSource::clone(&program.get().source),
+            (None, Some(text)) => {
+                ProgramSource::from_json(text).map_err(|error| plan_error(py, &error))?
+            }
             (None, None) => {
                 return Err(PyValueError::new_err(format!(
                     "recordings[{index}] does not hold the program that was run; give program"
@@ -304,7 +305,9 @@ pub(crate) fn identify(
             model = Some(match (program, recorded) {
                 (Some(program), _) => program.get().model(),
                 (None, Some(robot)) => robot,
-                (None, None) => Model::default(),
+                (None, None) => {
+                    PlanRequest::default().robot(&own).map_err(|error| plan_error(py, &error))?
+                }
             });
         }
         if let Some(model) = &model {
@@ -312,7 +315,7 @@ pub(crate) fn identify(
             let checked = log.check_robot(model).and_then(|()| log.check_motion());
             checked.map_err(|error| recording_error(py, &name, &error))?;
         }
-        sources.push((own, std::sync::Arc::clone(log)));
+        sources.push((own.program, std::sync::Arc::clone(log)));
     }
     if sources.is_empty() {
         return Err(PyValueError::new_err("recordings is empty; at least one is needed"));

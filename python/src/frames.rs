@@ -64,7 +64,7 @@ impl<'a> Workplace<'a> {
         tool: Option<String>,
         base_name: Option<String>,
     ) -> PyResult<Self> {
-        let workcell = program.map(|it| it.parsed.workcell.clone()).unwrap_or_default();
+        let workcell = program.map(|it| it.parsed().workcell.clone()).unwrap_or_default();
         let tcp = workcell.tcp(tool.as_deref()).map_err(|fault| invalid(&fault))?;
         let base = workcell.base(base_name.as_deref()).map_err(|fault| invalid(&fault))?;
         Ok(Self { robot, workcell, base_name, tcp, base })

@@ -6,8 +6,8 @@ use std::{
 };
 
 use iiwa_files::Output;
-use iiwa_log::{PlanConfig, PlanFigures, PlanOptions, write_plan};
-use iiwa_program::Program as Motions;
+use iiwa_log::{PlanConfig, write_plan};
+use iiwa_plan::{PlanFigures, ProgramSource};
 use iiwa_scene::{ArmInScene, PlannedClearance};
 use iiwa_traj::Trajectory;
 use iiwa_view::{PlanPicture, plan_table, with_causes};
@@ -39,11 +39,9 @@ use crate::{
 /// <iiwasim.Plan 1.196 s, 2 motions, sunrise>
 #[pyclass(frozen, module = "iiwasim")]
 pub(crate) struct Plan {
-    program: Arc<Motions>,
-    /// The text of the program that was given.
-    text: Arc<str>,
-    pub(crate) trajectory: Arc<Trajectory>,
-    options: PlanOptions,
+    /// The program that was given.
+    source: Arc<ProgramSource>,
+    plan: iiwa_plan::Plan,
     /// Made when they are asked for.
     figures: OnceLock<PlanFigures>,
 }
@@ -57,18 +55,16 @@ pub(crate) fn rate(rate_hz: f64) -> PyResult<f64> {
 }
 
 impl Plan {
-    pub(crate) fn new(
-        program: Arc<Motions>,
-        text: Arc<str>,
-        trajectory: Trajectory,
-        options: PlanOptions,
-    ) -> Self {
-        let trajectory = Arc::new(trajectory);
-        Self { program, text, trajectory, options, figures: OnceLock::new() }
+    pub(crate) fn new(source: Arc<ProgramSource>, plan: iiwa_plan::Plan) -> Self {
+        Self { source, plan, figures: OnceLock::new() }
+    }
+
+    pub(crate) fn trajectory(&self) -> &Trajectory {
+        &self.plan.trajectory
     }
 
     fn record(&self) -> &PlanFigures {
-        self.figures.get_or_init(|| PlanFigures::of(&self.trajectory, &self.options))
+        self.figures.get_or_init(|| self.plan.figures())
     }
 
     fn clearance_of(
@@ -78,8 +74,8 @@ impl Plan {
         find: impl Fn(&ArmInScene, &Trajectory) -> Option<PlannedClearance> + Send + Sync,
     ) -> Option<Clearance> {
         py.detach(|| {
-            let arm = ArmInScene::new(self.trajectory.path().robot(), &scene.parsed);
-            let found = find(&arm, &self.trajectory)?;
+            let arm = ArmInScene::new(self.plan.robot(), &scene.parsed);
+            let found = find(&arm, self.trajectory())?;
             Some(Clearance::new(&arm, &found.clearance, Some(&found)))
         })
     }
@@ -96,7 +92,7 @@ impl Plan {
     /// 1.196
     #[getter]
     pub(crate) fn cycle_time_s(&self) -> f64 {
-        self.trajectory.cycle_time_s()
+        self.trajectory().cycle_time_s()
     }
 
     /// The part of it in motion, in s.
@@ -108,7 +104,7 @@ impl Plan {
     /// 0.646
     #[getter]
     fn motion_time_s(&self) -> f64 {
-        self.trajectory.motion_time_s()
+        self.trajectory().motion_time_s()
     }
 
     /// The part of it in which the arm settles, in s.
@@ -120,7 +116,7 @@ impl Plan {
     /// 0.05
     #[getter]
     fn settle_time_s(&self) -> f64 {
-        self.trajectory.totals().settle_time_s
+        self.trajectory().totals().settle_time_s
     }
 
     /// The part of it in which the program waits, in s.
@@ -132,7 +128,7 @@ impl Plan {
     /// 0.5
     #[getter]
     fn wait_time_s(&self) -> f64 {
-        self.trajectory.totals().wait_time_s
+        self.trajectory().totals().wait_time_s
     }
 
     /// Which limits are kept: `jerk` (velocity, acceleration and jerk) or `acceleration` (the first two).
@@ -144,7 +140,7 @@ impl Plan {
     /// 'sunrise'
     #[getter]
     fn timing(&self) -> &'static str {
-        self.options.timing.name()
+        self.plan.options.timing.name()
     }
 
     /// The robot that it was made for.
@@ -156,7 +152,7 @@ impl Plan {
     /// 'lbr_iiwa_7_r800'
     #[getter]
     fn robot(&self) -> Robot {
-        Robot::of(self.trajectory.path().robot().clone())
+        Robot::of(self.plan.robot().clone())
     }
 
     /// The program.
@@ -168,7 +164,7 @@ impl Plan {
     /// 2
     #[getter]
     fn program(&self) -> Program {
-        Program::planned(&self.program, &self.text, self.trajectory.path().robot())
+        Program::planned(&self.source, &self.plan.program, self.plan.robot())
     }
 
     /// Its motions, as `MotionFigures`.
@@ -192,9 +188,7 @@ impl Plan {
     /// []
     #[getter]
     fn warnings(&self) -> Vec<String> {
-        let mut warnings = iiwa_path::warnings(&self.program, self.trajectory.path());
-        warnings.extend(self.record().torque_warnings());
-        warnings
+        self.plan.warnings(self.record())
     }
 
     /// All figures as a dict: that of `iiwasim plan --json`.
@@ -233,7 +227,7 @@ impl Plan {
         if !t_s.is_finite() {
             return Err(PyValueError::new_err(format!("t_s is {t_s}; it has to be finite")));
         }
-        let state = self.trajectory.at(t_s);
+        let state = self.trajectory().at(t_s);
         let row = |values| array(py, vec![values], &[7], true);
         let state = (
             state.t_s,
@@ -306,7 +300,7 @@ impl Plan {
         py.detach(|| {
             let output = Output::new(&path).map_err(|error| output_error(&error))?;
             let stream = output.stream().map_err(|error| output_error(&error))?;
-            write_plan(stream, &self.trajectory, &self.options, config, &self.text)
+            write_plan(stream, &self.plan, config, self.source.text.as_read())
                 .map_err(|error| failed(&error))?
                 .into_inner()
                 .map_err(|error| failed(error.error()))?;
@@ -323,9 +317,9 @@ impl Plan {
     /// True
     fn picture(&self, py: Python<'_>) -> PyResult<String> {
         py.detach(|| {
-            let robot = self.trajectory.path().robot();
-            let mut picture = PlanPicture::new(robot).with_frames(&self.program);
-            for section in self.trajectory.sections() {
+            let robot = self.plan.robot();
+            let mut picture = PlanPicture::new(robot).with_frames(&self.plan.program);
+            for section in self.trajectory().sections() {
                 picture.add(section);
             }
             picture.draw().map_err(|error| PyRuntimeError::new_err(error.to_string()))
@@ -397,19 +391,19 @@ impl Plan {
     /// Planned anew where it is unpickled: the same input gives the same plan.
     fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Pickled<'py>> {
         let (py, own) = (slf.py(), slf.get());
-        let path = own.options.path;
+        let path = own.plan.options.path;
         let words = (
             own.timing(),
             crate::options::shape_name(path.blend_shape),
             crate::options::search_name(path.blend_search),
-            own.options.samples,
+            own.plan.options.samples,
         );
         let restore = py.import("iiwasim._figures")?.getattr("planned")?;
         Ok((restore, (own.program(), words).into_pyobject(py)?))
     }
 
     fn __repr__(&self) -> String {
-        let count = self.program.motions.len();
+        let count = self.plan.program.motions.len();
         let motions = if count == 1 { "1 motion".to_owned() } else { format!("{count} motions") };
         format!("<iiwasim.Plan {:.3} s, {motions}, {}>", self.cycle_time_s(), self.timing())
     }

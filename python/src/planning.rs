@@ -9,10 +9,9 @@ use std::{
 };
 
 use iiwa_kin::Robot as Model;
-use iiwa_log::PlanOptions;
-use iiwa_path::JointPath;
-use iiwa_program::{MAX_TORQUE_LIMIT, MIN_OVERRIDE, MIN_TORQUE_LIMIT, Program as Motions};
-use iiwa_traj::{PlanError, Planner, TimingError, Trajectory};
+use iiwa_plan::{Error, PlanOptions, PlanRequest, ProgramSource};
+use iiwa_program::{MAX_TORQUE_LIMIT, MIN_OVERRIDE, MIN_TORQUE_LIMIT};
+use iiwa_traj::Planner;
 use pyo3::{
     exceptions::{PyRuntimeError, PyValueError},
     prelude::*,
@@ -28,59 +27,46 @@ use crate::{
     work::interruptible,
 };
 
-/// A program, its robot and its text.
+/// A program and the request for its plan.
 struct Job {
-    program: Arc<Motions>,
-    text: Arc<str>,
-    robot: Arc<Model>,
+    source: Arc<ProgramSource>,
+    request: PlanRequest,
 }
 
 impl Job {
-    fn new(program: &Program, robot: Option<&Arc<Model>>, instead: Instead) -> Self {
-        let mut motions = Arc::clone(&program.parsed);
-        if instead.torque_limit_rel.is_some() || instead.speed_override.is_some() {
-            let workcell = &mut Arc::make_mut(&mut motions).workcell;
-            workcell.torque_limit_rel = instead.torque_limit_rel.or(workcell.torque_limit_rel);
-            workcell.speed_override = instead.speed_override.or(workcell.speed_override);
-        }
-        let robot = match robot {
-            None => Arc::new(program.model()),
-            // The name of a model says nothing about the flange.
-            Some(robot) if Model::built_in(robot.name()).as_ref() == Some(robot) => {
-                Arc::new(program.parsed.with_flange((**robot).clone()))
-            }
-            Some(robot) => Arc::clone(robot),
+    fn new(
+        program: &Program,
+        robot: Option<&Model>,
+        instead: Instead,
+        options: PlanOptions,
+    ) -> Self {
+        let request = PlanRequest {
+            robot: Some(robot.cloned().unwrap_or_else(|| program.model())),
+            torque_limit_rel: instead.torque_limit_rel,
+            speed_override: instead.speed_override,
+            options,
+            ..PlanRequest::default()
         };
-        Self { program: motions, text: Arc::clone(&program.text), robot }
+        Self { source: Arc::clone(&program.source), request }
     }
 
     /// Plans it, by a planner whose memory may be used again.
     fn plan(
         &self,
         planner: &mut Option<Planner>,
-        options: &PlanOptions,
         stop: &Arc<AtomicBool>,
-    ) -> Result<Trajectory, PlanError> {
-        if stop.load(Ordering::Relaxed) {
-            return Err(TimingError::Interrupted.into());
-        }
-        let path = JointPath::with_options(&self.program, &self.robot, options.path)?;
-        let planner = planner.get_or_insert_with(|| {
-            Planner::new(&path, options.timing).interrupted_by(Arc::clone(stop))
-        });
-        planner.restart(&path);
-        Ok(Trajectory::by(planner)?)
+    ) -> Result<iiwa_plan::Plan, Error> {
+        self.request.plan_with(planner, &self.source, stop)
     }
 
     fn result(
         self,
         py: Python<'_>,
-        planned: Result<Trajectory, PlanError>,
-        options: PlanOptions,
+        planned: Result<iiwa_plan::Plan, Error>,
     ) -> Result<Plan, PyErr> {
         match planned {
-            Ok(trajectory) => Ok(Plan::new(self.program, self.text, trajectory, options)),
-            Err(error) => Err(plan_error(py, &error, &self.program.sources, &self.text)),
+            Ok(plan) => Ok(Plan::new(self.source, plan)),
+            Err(error) => Err(plan_error(py, &error)),
         }
     }
 }
@@ -160,15 +146,15 @@ pub(crate) fn plan(
     override_percent: Option<f64>,
 ) -> PyResult<Plan> {
     let options = plan_options(timing, blend_shape, blend_search, samples)?;
-    let robot = robot.map(|robot| robot.model(py).map(Arc::new)).transpose()?;
+    let robot = robot.map(|robot| robot.model(py)).transpose()?;
     let instead = Instead::new(limit_torque_percent, override_percent)?;
-    let job = Job::new(program.get(), robot.as_ref(), instead);
+    let job = Job::new(program.get(), robot.as_ref(), instead, options);
     let work = move |stop| {
-        let planned = job.plan(&mut None, &options, &stop);
+        let planned = job.plan(&mut None, &stop);
         (job, planned)
     };
     let (job, planned) = interruptible(py, work, |_| Ok(()))?;
-    job.result(py, planned, options)
+    job.result(py, planned)
 }
 
 /// Plans many programs on all cores, or on `jobs` of them: a list of their plans, in the order of the programs.
@@ -201,7 +187,7 @@ pub(crate) fn plan_all<'py>(
     progress: Option<Bound<'py, PyAny>>,
 ) -> PyResult<Bound<'py, PyList>> {
     let options = plan_options(timing, blend_shape, blend_search, samples)?;
-    let robot = robot.map(|robot| robot.model(py).map(Arc::new)).transpose()?;
+    let robot = robot.map(|robot| robot.model(py)).transpose()?;
     let instead = Instead::new(limit_torque_percent, override_percent)?;
     let mut work = Vec::new();
     for (index, program) in programs.try_iter()?.enumerate() {
@@ -209,7 +195,7 @@ pub(crate) fn plan_all<'py>(
         let program = program
             .cast::<Program>()
             .map_err(|_| unexpected(&format!("programs[{index}]"), &program, "a Program"))?;
-        work.push(Job::new(program.get(), robot.as_ref(), instead));
+        work.push(Job::new(program.get(), robot.as_ref(), instead, options));
     }
     let total = work.len();
     let cores = available_parallelism().map_or(1, usize::from);
@@ -230,7 +216,7 @@ pub(crate) fn plan_all<'py>(
     let counter = Arc::clone(&done);
     let plan_them = move |stop: Arc<AtomicBool>| {
         let plan = |planner: &mut Option<Planner>, job: Job| {
-            let planned = job.plan(planner, &options, &stop);
+            let planned = job.plan(planner, &stop);
             counter.fetch_add(1, Ordering::Relaxed);
             (job, planned)
         };
@@ -250,7 +236,7 @@ pub(crate) fn plan_all<'py>(
     tell()?;
     let results = PyList::empty(py);
     for (job, planned) in planned {
-        match job.result(py, planned, options) {
+        match job.result(py, planned) {
             Ok(plan) => results.append(Bound::new(py, plan)?)?,
             Err(error) => results.append(error.into_value(py))?,
         }

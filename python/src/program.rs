@@ -1,21 +1,21 @@
 //! Motion programs.
 
 use std::{
-    fs,
     path::{Path, PathBuf},
     sync::Arc,
 };
 
-use iiwa_files::{Output, beside};
+use iiwa_files::Output;
 use iiwa_kin::Robot as Model;
-use iiwa_program::{Program as Motions, ProgramError};
+use iiwa_plan::{Error, ProgramSource};
+use iiwa_program::Program as Motions;
 use numpy::PyArrayDyn;
 use pyo3::{exceptions::PyValueError, prelude::*, types::PyDict};
 
 use crate::{
     Pickled,
     arrays::{JointsLike, Rows, array},
-    errors::{exception, fault, output_error, program_error, read_text},
+    errors::{output_error, plan_error, read_text},
     frames::{json_of_program, object},
     options::RobotArgument,
     robot::{Robot, find, is_same, restorable, restored},
@@ -32,9 +32,8 @@ use crate::{
 /// <iiwasim.Program 2 motions, lbr_iiwa_7_r800>
 #[pyclass(frozen, module = "iiwasim")]
 pub(crate) struct Program {
-    pub(crate) parsed: Arc<Motions>,
-    /// As it was read, or written by us.
-    pub(crate) text: Arc<str>,
+    /// With its text as it was read, or written by us.
+    pub(crate) source: Arc<ProgramSource>,
     /// The robot that it names, if it names one.
     robot: Option<Arc<Model>>,
 }
@@ -42,73 +41,72 @@ pub(crate) struct Program {
 impl Program {
     /// A program that we made, and wrote.
     pub(crate) fn of(py: Python<'_>, program: Motions, robot: Option<Model>) -> PyResult<Self> {
-        let robot = match (&program.robot, robot) {
-            (Some(_), Some(robot)) => Some(Arc::new(robot)),
+        Self::with_named_robot(py, ProgramSource::from(program), robot.map(Arc::new))
+    }
+
+    /// A program for `robot`, or for the robot that it names: a built-in model, or the profile at that path.
+    fn with_named_robot(
+        py: Python<'_>,
+        source: ProgramSource,
+        robot: Option<Arc<Model>>,
+    ) -> PyResult<Self> {
+        let robot = match (&source.program.robot, robot) {
             (Some(name), None) => {
-                Some(Arc::new(program.with_flange(find(py, name.as_ref())?)))
+                Some(Arc::new(source.program.with_flange(find(py, name.as_ref())?)))
             }
-            (None, robot) => robot.map(Arc::new),
+            (_, robot) => robot,
         };
-        Ok(Self { text: program.to_json().into(), parsed: Arc::new(program), robot })
+        Ok(Self { source: Arc::new(source), robot })
     }
 
     /// The program of a plan, which was read from `text` unless its limits were changed.
-    pub(crate) fn planned(parsed: &Arc<Motions>, text: &Arc<str>, robot: &Model) -> Self {
-        let is_as_read = Motions::from_json(text).is_ok_and(|read| read == **parsed);
-        let text = if is_as_read { Arc::clone(text) } else { parsed.to_json().into() };
-        let robot = Some(Arc::new(robot.clone()));
-        let own = Self { parsed: Arc::clone(parsed), text, robot };
+    pub(crate) fn planned(source: &Arc<ProgramSource>, parsed: &Arc<Motions>, robot: &Model) -> Self {
+        let source = if source.program == *parsed {
+            Arc::clone(source)
+        } else {
+            Arc::new(ProgramSource::from((**parsed).clone()))
+        };
+        let own = Self { source, robot: Some(Arc::new(robot.clone())) };
         if own.names_its_robot() {
             return own;
         }
         let mut parsed = (**parsed).clone();
         parsed.robot = Some(own.model().name().to_owned());
-        Self { text: parsed.to_json().into(), parsed: Arc::new(parsed), robot: own.robot }
+        Self { source: Arc::new(parsed.into()), robot: own.robot }
     }
 
-    /// Whether its text alone says which robot it is for.
+    pub(crate) fn parsed(&self) -> &Motions {
+        &self.source.program
+    }
+
+    pub(crate) fn text(&self) -> &str {
+        self.source.text.as_read()
+    }
+
+    /// True if its text alone says which robot it is for.
     fn names_its_robot(&self) -> bool {
-        let name = self.parsed.robot.as_deref();
+        let name = self.parsed().robot.as_deref();
         let named = name.map_or_else(|| Some(Model::default()), Model::built_in);
-        named.is_some_and(|named| is_same(&self.parsed.with_flange(named), &self.model()))
+        named.is_some_and(|named| is_same(&self.parsed().with_flange(named), &self.model()))
     }
 
     fn read(py: Python<'_>, text: &str, robot: Option<Arc<Model>>) -> PyResult<Self> {
-        let program = Motions::from_json(text).map_err(|error| program_error(py, &error))?;
-        let robot = match (&program.robot, robot) {
-            (Some(name), None) => {
-                Some(Arc::new(program.with_flange(find(py, name.as_ref())?)))
-            }
-            (_, robot) => robot,
-        };
-        Ok(Self { parsed: Arc::new(program), text: text.into(), robot })
+        let source = ProgramSource::from_json(text).map_err(|error| plan_error(py, &error))?;
+        Self::with_named_robot(py, source, robot)
     }
 
     /// The robot that it is for, unless another one is given.
     pub(crate) fn model(&self) -> Model {
         let robot = self.robot.as_deref().cloned();
-        robot.unwrap_or_else(|| self.parsed.with_flange(Model::default()))
+        robot.unwrap_or_else(|| self.parsed().with_flange(Model::default()))
     }
 
     /// With another value of a key.
     fn with(&self, py: Python<'_>, key: &str, value: &Bound<'_, PyAny>) -> PyResult<Self> {
-        let program = object(py, &self.text)?;
+        let program = object(py, self.text())?;
         program.set_item(key, value)?;
         Self::read(py, &json_of_program(py, program.cast()?)?, self.robot.clone())
     }
-}
-
-/// The robot that the program at `path` names: a built-in one, or a profile beside it.
-fn model_beside(py: Python<'_>, path: &Path, name: &str, text: &str) -> PyResult<Model> {
-    if let Some(model) = Model::built_in(name) {
-        return Ok(model);
-    }
-    let profile = beside(path, name, &["json"]).map_err(|error| {
-        let what = format!("the robot `{name}` is not built in, and as a profile: {error}");
-        let place = iiwa_json::locate(text, &[iiwa_json::Step::Key("robot")]);
-        exception(py, "ProgramError", (what, place.line, place.column, None::<usize>))
-    })?;
-    find(py, &profile)
 }
 
 /// Writes a file, whole or not at all.
@@ -219,28 +217,12 @@ impl Program {
     #[staticmethod]
     fn load(py: Python<'_>, path: PathBuf) -> PyResult<Self> {
         let text = read_text(py, &path, "ProgramError")?;
-        let text = text.trim_start_matches('\u{feff}');
-        let mut included = None;
-        let read = |name: &str| {
-            let file = beside(&path, name, &["json"]).map_err(|error| error.to_string())?;
-            let text = fs::read_to_string(&file).map_err(|error| error.to_string())?;
-            included = Some(text.clone());
-            if text.trim_start().starts_with('{') {
-                Ok(text)
-            } else {
-                Err("it holds no JSON object".to_owned())
-            }
-        };
-        let raise = |error: ProgramError| program_error(py, &error);
-        let program = Motions::from_json_with(text, read).map_err(raise)?;
-        let text = match &included {
-            Some(file) => Motions::merged_json(text, file).map_err(raise)?,
-            None => text.to_owned(),
-        };
-        let named = program.robot.as_deref();
-        let robot = named.map(|name| model_beside(py, &path, name, &text)).transpose()?;
-        let robot = robot.map(|robot| program.with_flange(robot));
-        Ok(Self { parsed: Arc::new(program), text: text.into(), robot: robot.map(Arc::new) })
+        let raise = |error| plan_error(py, &error);
+        let source = ProgramSource::beside(&path, text.trim_start_matches('\u{feff}'));
+        let source = source.map_err(raise)?;
+        let robot = source.named_robot().map_err(raise)?.map(Arc::new);
+        // Places in later errors are those in `to_json()`.
+        Self::read(py, source.text.complete(), robot)
     }
 
     /// Its text: what `from_json` and `iiwasim plan` read. A robot of your own is in it by its name only; `save` has its profile.
@@ -250,7 +232,7 @@ impl Program {
     /// >>> iw.Program.from_json(program.to_json()) == program
     /// True
     fn to_json(&self) -> &str {
-        &self.text
+        self.text()
     }
 
     /// Writes its text to a file, and beside it the profile of a robot of your own: for `cell.json`, `cell-robot.json`.
@@ -263,13 +245,13 @@ impl Program {
     /// 1
     fn save(&self, py: Python<'_>, path: PathBuf) -> PyResult<()> {
         if self.names_its_robot() {
-            return write(&path, &self.text);
+            return write(&path, self.text());
         }
         let stem = path.file_stem().unwrap_or_default().to_string_lossy();
         let name = format!("{stem}-robot.json");
         let named = self.with(py, "robot", name.as_str().into_pyobject(py)?.as_any())?;
         write(&path.with_file_name(&name), &self.model().to_full_profile())?;
-        write(&path, &named.text)
+        write(&path, named.text())
     }
 
     /// The same motions from another start (7,), in degrees or in rad.
@@ -316,7 +298,7 @@ impl Program {
     /// [{'type': 'wait', 'seconds': 1}]
     #[getter]
     fn motions<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        object(py, &self.text)?.get_item("motions")
+        object(py, self.text())?.get_item("motions")
     }
 
     /// The robot that it is for.
@@ -336,31 +318,34 @@ impl Program {
     /// np.float64(1.5707963267948966)
     #[getter]
     fn start_rad<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
-        let start = self.parsed.start_rad(&self.model());
-        let start = start.map_err(|it| fault(py, &it, &self.parsed.sources, &self.text))?;
+        let start = self.parsed().start_rad(&self.model());
+        let start = start.map_err(|fault| {
+            let error = Error::plan(fault.into(), &self.parsed().sources, self.text());
+            plan_error(py, &error)
+        })?;
         array(py, vec![start], &[7], true)
     }
 
     fn __len__(&self) -> usize {
-        self.parsed.motions.len()
+        self.parsed().motions.len()
     }
 
     fn __eq__(&self, other: &Bound<'_, PyAny>) -> bool {
         other.cast::<Self>().is_ok_and(|other| {
-            other.get().parsed == self.parsed && is_same(&other.get().model(), &self.model())
+            other.get().parsed() == self.parsed() && is_same(&other.get().model(), &self.model())
         })
     }
 
     fn __hash__(&self) -> u64 {
         use std::hash::{DefaultHasher, Hash, Hasher};
         let mut hasher = DefaultHasher::new();
-        self.parsed.motions.len().hash(&mut hasher);
+        self.parsed().motions.len().hash(&mut hasher);
         hasher.finish()
     }
 
     fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Pickled<'py>> {
         let own = slf.get();
-        let parts = (&*own.text, own.robot.as_deref().map(restorable));
+        let parts = (own.text(), own.robot.as_deref().map(restorable));
         Ok((slf.get_type().getattr("_restore")?, parts.into_pyobject(slf.py())?))
     }
 
@@ -372,7 +357,7 @@ impl Program {
     }
 
     fn __repr__(&self) -> String {
-        let count = self.parsed.motions.len();
+        let count = self.parsed().motions.len();
         let robot = self
             .robot
             .as_ref()

@@ -83,7 +83,7 @@ impl Recording {
         log.cycle_time_s = cycle_time_s;
         if let Some(program) = program.map(Bound::get) {
             let robot = program.model();
-            log.program = Some(program.text.to_string());
+            log.program = Some(program.text().to_owned());
             log.robot = Some(robot.name().to_owned());
             log.profile = Some(robot.to_full_profile());
         }

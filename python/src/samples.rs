@@ -35,7 +35,7 @@ pub(crate) struct Samples {
 
 impl Samples {
     pub(crate) fn of(plan: &Bound<'_, Plan>, rate_hz: f64) -> PyResult<Self> {
-        let (py, trajectory) = (plan.py(), &plan.get().trajectory);
+        let (py, trajectory) = (plan.py(), plan.get().trajectory());
         let (t, q, dq, ddq, motion) = py.detach(|| -> PyResult<_> {
             #[expect(
                 clippy::cast_possible_truncation,
@@ -142,7 +142,7 @@ impl Samples {
     #[getter]
     fn tcp<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
         let made = self.tcp.get_or_try_init(py, || {
-            let (trajectory, rate_hz) = (&self.plan.get().trajectory, self.rate_hz);
+            let (trajectory, rate_hz) = (self.plan.get().trajectory(), self.rate_hz);
             let positions: Vec<[f64; 3]> = py.detach(|| {
                 let path = trajectory.path();
                 let states: Vec<_> = trajectory.samples(rate_hz).collect();
@@ -173,7 +173,7 @@ impl Samples {
     #[getter]
     fn torque<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
         let made = self.torque.get_or_try_init(py, || {
-            let (trajectory, rate_hz) = (&self.plan.get().trajectory, self.rate_hz);
+            let (trajectory, rate_hz) = (self.plan.get().trajectory(), self.rate_hz);
             let torques = py.detach(|| {
                 let torque = |state| trajectory.torques_of(&state).torque_nm;
                 trajectory.samples(rate_hz).map(torque).collect()

@@ -8,5 +8,6 @@ mod literals;
 mod module_tree;
 mod names;
 mod offenders;
+mod single_use_case;
 mod sizes;
 mod sources;

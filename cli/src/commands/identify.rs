@@ -1,10 +1,11 @@
 //! `iiwasim identify`.
 
-use std::path::Path;
+use std::{path::Path, sync::Arc};
 
 use iiwa_eval::identify::{Recording, identify};
 use iiwa_kin::Robot;
 use iiwa_log::{JointLog, Loss, Positions};
+use iiwa_plan::ProgramSource;
 use iiwa_program::Program;
 use iiwa_view::{IdentificationReport, with_causes};
 
@@ -13,7 +14,7 @@ use crate::{args::Identify, failure::Failure, input, output};
 /// A recording and its program.
 struct Source {
     name: String,
-    program: Program,
+    program: Arc<Program>,
     log: JointLog,
 }
 
@@ -31,7 +32,7 @@ pub(crate) fn run(options: &Identify) -> Result<(), Failure> {
     let (mut sources, model) = read(options)?;
     if let Some(percent) = options.speed_override {
         for source in &mut sources {
-            source.program.workcell.speed_override = Some(0.01 * percent);
+            Arc::make_mut(&mut source.program).workcell.speed_override = Some(0.01 * percent);
         }
     }
     let recordings: Vec<_> =
@@ -66,19 +67,18 @@ fn read(options: &Identify) -> Result<(Vec<Source>, Robot), Failure> {
     let robot = options.robot.as_deref();
     let given = given.map(|path| input::program(path, robot)).transpose()?;
     let mut model = match &given {
-        Some((_, _, model)) => Some(model.clone()),
+        Some(given) => Some(given.robot()?),
         None => robot.map(input::find_robot).transpose()?,
     };
     let mut sources = Vec::with_capacity(options.recordings.len());
     for path in &options.recordings {
         let name = path.display().to_string();
         let log = input::recording(path, options.log, Positions::Commanded)?;
-        let program = match (&given, &log.program) {
-            (Some((_, program, _)), _) => program.clone(),
-            (None, Some(text)) => Program::from_json(text).map_err(|error| {
-                let name = format!("{name}, its program.json");
-                Failure::in_text(&error.what(), error.place(), &name, text)
-            })?,
+        let own = format!("{name}, its program.json");
+        let source = match (&given, &log.program) {
+            (Some(given), _) => given.source.clone(),
+            (None, Some(text)) => ProgramSource::from_json(text)
+                .map_err(|error| Failure::program(&error, &own, text))?,
             (None, None) => {
                 return Err(Failure::input(format!(
                     "{name} does not hold the program that was run; name it with --program{}",
@@ -91,18 +91,11 @@ fn read(options: &Identify) -> Result<(Vec<Source>, Robot), Failure> {
                 let why = with_causes(&error);
                 Failure::input(format!("{name}: {why}; name its profile with --robot"))
             })?;
-            model = Some(match (recorded, program.robot.as_deref()) {
-                (Some(robot), _) => robot,
-                (None, None) => program.with_flange(input::default_robot()?),
-                (None, Some(robot)) => {
-                    let model = Robot::built_in(robot).ok_or_else(|| {
-                        Failure::input(format!(
-                            "{name}: the robot `{robot}` of its program is not built in; name its profile \
-                             with --robot"
-                        ))
-                    })?;
-                    program.with_flange(model)
-                }
+            model = Some(match recorded {
+                Some(robot) => robot,
+                None => input::request(&source, None)?
+                    .robot(&source)
+                    .map_err(|error| Failure::program(&error, &own, source.text.as_read()))?,
             });
         }
         if let Some(model) = &model {
@@ -112,7 +105,7 @@ fn read(options: &Identify) -> Result<(Vec<Source>, Robot), Failure> {
             log.check_robot(model).map_err(|error| refuse(&error))?;
             log.check_motion().map_err(|error| refuse(&error))?;
         }
-        sources.push(Source { name, program, log });
+        sources.push(Source { name, program: source.program, log });
     }
     Ok((sources, model.map_or_else(input::default_robot, Ok)?))
 }

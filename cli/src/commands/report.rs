@@ -3,8 +3,9 @@
 use std::path::{Path, PathBuf};
 
 use iiwa_files::interrupt;
+use iiwa_json::printable;
 use iiwa_log::Positions;
-use iiwa_view::{Extent, Page, PageOptions, ViewError, printable};
+use iiwa_view::{Extent, Page, PageOptions, ViewError};
 
 use crate::{
     args::Report,

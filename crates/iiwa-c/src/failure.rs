@@ -1,9 +1,8 @@
 //! Why a call failed.
 
-use iiwa_json::{Place, Step, element_at, locate};
 use iiwa_kin::ProfileError;
-use iiwa_program::{MotionIndex, Program, ProgramError};
-use iiwa_traj::{PlanError, TimingError};
+use iiwa_plan::Error;
+use iiwa_program::MotionIndex;
 
 /// What kind of failure it is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -39,47 +38,25 @@ impl Failure {
         Self::new(FailureKind::Argument, message)
     }
 
-    /// What is wrong at a place of a program's text.
-    pub(crate) fn in_program(
-        kind: FailureKind,
-        message: String,
-        place: &Place,
-        text: &str,
-    ) -> Self {
-        Self {
-            kind,
-            message,
-            place: Some((place.line, place.column)),
-            motion: element_at(text, "motions", place.span.start).map(MotionIndex::new),
-        }
-    }
-
-    /// A text that is no program.
-    pub(crate) fn program(error: &ProgramError, text: &str) -> Self {
-        Self::in_program(FailureKind::Program, error.to_string(), error.place(), text)
-    }
-
     /// A text that is no profile; the place is one in that text.
     pub(crate) fn profile(error: &ProfileError) -> Self {
         let place = error.place();
         let failure = Self::new(FailureKind::Program, format!("the robot's profile: {error}"));
         Self { place: Some((place.line, place.column)), ..failure }
     }
+}
 
-    /// A program that cannot be planned.
-    pub(crate) fn plan(error: &PlanError, program: &Program, text: &str) -> Self {
-        let what = program.sources.in_message(&error.to_string());
-        let place = match error {
-            PlanError::Fault(fault) => fault.place_in(text),
-            PlanError::Timing(
-                TimingError::LimitExceeded { motion, .. }
-                | TimingError::CannotHold { motion, .. }
-                | TimingError::CurvatureJumps { motion }
-                | TimingError::NotConverged { motion }
-                | TimingError::Stuck { motion },
-            ) => locate(text, &[Step::Key("motions"), Step::Index(motion.index())]),
-            _ => return Self::new(FailureKind::Plan, what),
+/// A program that cannot be read or planned.
+impl From<Error> for Failure {
+    fn from(error: Error) -> Self {
+        let kind = match &error {
+            Error::File { .. } => FailureKind::File,
+            Error::Plan { .. } => FailureKind::Plan,
+            // The place is one in the profile, as where the profile is given.
+            Error::Profile { error, .. } => return Self::profile(error),
+            _ => FailureKind::Program,
         };
-        Self::in_program(FailureKind::Plan, format!("{what}, at {place}"), &place, text)
+        let place = error.place().map(|place| (place.line, place.column));
+        Self { place, motion: error.motion(), ..Self::new(kind, error.to_string()) }
     }
 }

@@ -15,7 +15,6 @@ mod planned;
 mod planned_fmu;
 mod pointers;
 mod program;
-mod source;
 mod state;
 mod strings;
 

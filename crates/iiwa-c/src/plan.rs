@@ -62,7 +62,7 @@ pub extern "C" fn iiwasim_plan_cycle_time_s(
 ) -> IiwasimStatus {
     call(|| {
         let plan = given(plan, "plan")?;
-        given(seconds, "seconds")?.write(plan.planned.trajectory.cycle_time_s());
+        given(seconds, "seconds")?.write(plan.planned.trajectory().cycle_time_s());
         Ok(())
     })
 }
@@ -80,7 +80,7 @@ pub extern "C" fn iiwasim_plan_at(
         if t_s.is_nan() {
             return Err(Failure::argument("t_s is not a number"));
         }
-        place.write(IiwasimState::of(planned, &planned.trajectory.at(t_s)));
+        place.write(IiwasimState::of(planned, &planned.trajectory().at(t_s)));
         Ok(())
     })
 }
@@ -105,7 +105,7 @@ pub unsafe extern "C" fn iiwasim_plan_sample(
     call(|| {
         let planned = &given(plan, "plan")?.planned;
         let count_place = given(count, "count")?;
-        let samples = rate_hz * planned.trajectory.cycle_time_s();
+        let samples = rate_hz * planned.trajectory().cycle_time_s();
         if !(rate_hz > 0.0 && samples <= MAX_SAMPLES) {
             return Err(Failure::argument(format!(
                 "rate_hz is {rate_hz}; it must be above 0, and give at most {MAX_SAMPLES} samples"
@@ -114,7 +114,7 @@ pub unsafe extern "C" fn iiwasim_plan_sample(
         // SAFETY: the caller promises room for `capacity` states.
         let places = unsafe { pointers::places(states, capacity, "states") }?;
         let mut count = 0;
-        for state in planned.trajectory.samples(rate_hz) {
+        for state in planned.trajectory().samples(rate_hz) {
             if let Some(place) = places.get_mut(count) {
                 place.write(IiwasimState::of(planned, &state));
             }

@@ -1,16 +1,12 @@
 //! A program and its plan.
 
 use iiwa_kin::{Pose, Robot};
-use iiwa_log::{PlanFigures, PlanOptions};
-use iiwa_path::{JointPath, warnings};
+use iiwa_plan::{Error, Plan, PlanFigures, PlanOptions, PlanRequest, ProgramSource};
 use iiwa_program::Fault;
 use iiwa_traj::{JerkOptions, PlanError, State, SweepOptions, Timing, Trajectory};
 use serde::{Deserialize, Serialize};
 
-use crate::{
-    failure::{Failure, FailureKind},
-    source::ProgramSource,
-};
+use crate::failure::{Failure, FailureKind};
 
 /// How a program is planned.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -65,9 +61,7 @@ pub(crate) struct Planned {
     /// The program's text, complete.
     pub(crate) program: String,
     pub(crate) choices: Choices,
-    pub(crate) trajectory: Trajectory,
-    options: PlanOptions,
-    warnings: Vec<String>,
+    plan: Plan,
 }
 
 /// The figures and the warnings, as one object.
@@ -85,43 +79,47 @@ impl Planned {
         robot: Option<Robot>,
         choices: Choices,
     ) -> Result<Self, Failure> {
-        let options = choices.plan_options()?;
-        let robot = robot.map_or_else(|| source.robot(), Ok)?;
-        let mut program = source.program.clone();
-        if let Some(percent) = choices.limit_torque_percent {
-            program.workcell.torque_limit_rel = Some(percent / 100.0);
-        }
-        let refuse = |error: &PlanError| Failure::plan(error, &program, &source.text);
-        let path = match JointPath::with_options(&program, &robot, options.path) {
-            Ok(path) => path,
-            // The program does not say it.
-            Err(fault @ Fault::TorqueLimit { .. }) if choices.limit_torque_percent.is_some() => {
-                return Err(Failure::argument(fault.to_string()));
-            }
-            Err(fault) => return Err(refuse(&fault.into())),
+        let request = PlanRequest {
+            robot,
+            torque_limit_rel: choices.limit_torque_percent.map(|percent| percent / 100.0),
+            options: choices.plan_options()?,
+            ..PlanRequest::default()
         };
-        let trajectory =
-            Trajectory::plan(&path, options.timing).map_err(|error| refuse(&error.into()))?;
-        let warnings = warnings(&program, &path);
-        Ok(Self { program: source.complete.clone(), choices, trajectory, options, warnings })
+        let plan = request.plan(source).map_err(|error| match &error {
+            // The program does not say it.
+            Error::Plan { error: plan, message, .. }
+                if choices.limit_torque_percent.is_some() && is_torque_limit(plan) =>
+            {
+                Failure::argument(message.clone())
+            }
+            _ => error.into(),
+        })?;
+        Ok(Self { program: source.text.complete().to_owned(), choices, plan })
+    }
+
+    pub(crate) fn trajectory(&self) -> &Trajectory {
+        &self.plan.trajectory
     }
 
     pub(crate) fn robot(&self) -> &Robot {
-        self.trajectory.path().robot()
+        self.plan.robot()
     }
 
     /// The figures as a JSON object, with the warnings.
     pub(crate) fn figures_json(&self) -> Result<String, Failure> {
-        let figures = PlanFigures::of(&self.trajectory, &self.options);
-        let mut warnings = self.warnings.clone();
-        warnings.extend(figures.torque_warnings());
+        let figures = self.plan.figures();
+        let warnings = self.plan.warnings(&figures);
         to_json(&FiguresJson { figures: &figures, warnings })
     }
 
     /// Pose of the TCP in the robot's base frame: that of the tool of the state's motion.
     pub(crate) fn tcp(&self, state: &State) -> Pose {
-        self.robot().flange_pose(&state.q).then(self.trajectory.path().tcp(state.motion))
+        self.robot().flange_pose(&state.q).then(self.trajectory().path().tcp(state.motion))
     }
+}
+
+fn is_torque_limit(error: &PlanError) -> bool {
+    matches!(error, PlanError::Fault(Fault::TorqueLimit { .. }))
 }
 
 /// A value as JSON.

@@ -2,10 +2,11 @@
 
 use std::{ffi::c_char, mem::MaybeUninit, path::Path};
 
+use iiwa_plan::ProgramSource;
+
 use crate::{
     border::{IiwasimStatus, call, given},
     pointers,
-    source::ProgramSource,
 };
 
 /// A motion program. It does not change, and may be used by several threads at once.

@@ -7,8 +7,8 @@ use std::{
 };
 
 use iiwa_kin::Robot;
-use iiwa_log::{PlanFigures, PlanOptions};
 use iiwa_path::JointPath;
+use iiwa_plan::{PlanFigures, PlanOptions};
 use iiwa_program::Program;
 use iiwa_traj::{Timing, Trajectory};
 use iiwasim::{

@@ -38,7 +38,7 @@ mod torques;
 mod watched;
 
 use iiwa_kin::{Robot, vector::distance};
-use iiwa_path::JointPath;
+use iiwa_path::{JointPath, PathOptions};
 
 use self::{
     courses::{Courses, Section},
@@ -85,7 +85,7 @@ pub fn identify(recordings: &[Recording<'_>], model: &Robot) -> Result<Identifie
     let robot = known.robot(model);
     let mut courses = Courses::default();
     for (watched, sections) in &followed_courses {
-        let path = JointPath::new(watched.program, &robot);
+        let path = JointPath::on_other_robot(watched.program, &robot, PathOptions::default());
         let path = path.as_ref().unwrap_or(&watched.path);
         for section in sections {
             courses.observe(watched, path, section);

@@ -3,7 +3,7 @@
 use std::str::FromStr;
 
 use iiwa_kin::Robot;
-use iiwa_log::PlanOptions;
+use iiwa_plan::PlanOptions;
 use iiwa_program::{Motion, Program, Start};
 use iiwa_traj::{PlanError, Timing};
 

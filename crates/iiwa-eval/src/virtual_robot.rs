@@ -2,7 +2,8 @@
 
 use fastrand_contrib::RngExt;
 use iiwa_kin::{Load, Robot};
-use iiwa_log::{JointLog, PlanOptions};
+use iiwa_log::JointLog;
+use iiwa_plan::PlanOptions;
 use iiwa_program::Program;
 use iiwa_traj::{PlanError, Timing};
 

@@ -2,7 +2,7 @@
 
 use iiwa_eval::{Plan, VirtualRobot, compare};
 use iiwa_kin::{Load, Robot};
-use iiwa_log::PlanOptions;
+use iiwa_plan::PlanOptions;
 use iiwa_program::Program;
 use iiwa_traj::Timing;
 

@@ -7,7 +7,8 @@ use iiwa_eval::{
     identify::{Identified, LineLaw, LineObservation, Recording, identify},
 };
 use iiwa_kin::{Joints, Robot};
-use iiwa_log::{JointLog, PlanOptions};
+use iiwa_log::JointLog;
+use iiwa_plan::PlanOptions;
 use iiwa_program::{Motion, Program, Ptp};
 use iiwa_traj::{JerkOptions, Timing, Trajectory};
 

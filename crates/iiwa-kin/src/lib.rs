@@ -65,6 +65,7 @@ pub use friction::Friction;
 pub use inverse_point::FlangePoint;
 pub use joint::Joint;
 pub use limits::{Limits, OutsideRange};
+pub use links::part_name;
 pub use load::Load;
 pub use mount::Mount;
 pub use moving_pose::MovingPose;

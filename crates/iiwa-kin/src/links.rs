@@ -6,6 +6,16 @@ use crate::{RigidBody, Robot, inertials::Links, shape_inertia};
 /// flange (152 mm and 126 mm from the wrist).
 const FLANGE_CENTER_M: f64 = 0.013;
 
+/// The name of a part of the arm for people: of link 8 `the tool`, of any other one `link 5`.
+///
+/// ```
+/// assert_eq!(iiwa_kin::part_name(8), "the tool");
+/// ```
+#[must_use]
+pub fn part_name(link: usize) -> String {
+    if link == 8 { "the tool".to_owned() } else { format!("link {link}") }
+}
+
 impl Robot {
     /// Links 1 to 7 in the frames of [`Robot::link_poses`]; without a mass of the flange of its own.
     ///

@@ -3,8 +3,8 @@
 //! A [`Writer`] takes joint states, transforms, poses, motions and a trajectory by the time since
 //! the start of the motion and writes them, compressed, into anything that is [`Write`].
 //! A [`Recorder`] writes what the robot did, as it happens, into a file that is whole at every
-//! moment. [`Recording`] reads such a file back, and [`Reader`] does it entry by entry. [`Planning`] plans
-//! a program, a [`PlanWriter`] writes the plan, and a [`PlanRecord`] is what is read back. The topics and their types are those of [`Topic`]. For messages
+//! moment. [`Recording`] reads such a file back, and [`Reader`] does it entry by entry. A [`PlanWriter`] writes
+//! a plan, and a [`PlanRecord`] is read back from its file. The topics and their types are those of [`Topic`]. For messages
 //! that go elsewhere than into a file, an [`Encoder`] gives their bytes, and an [`Arm`] what they say.
 //!
 //! [`JointLog`] is what the joints did and nothing else, from such a file, from CSV or from a log of
@@ -48,25 +48,21 @@ mod entry;
 mod error;
 mod joint_log;
 mod plan;
-mod plan_figures;
-mod plan_options;
+mod plan_metadata;
 mod plan_record;
 mod plan_size;
 mod plan_table;
-mod planning;
 mod reader;
 mod record;
 mod recorded_log;
 mod recorded_robot;
 mod recorder;
 mod recording;
-mod rests_on;
 mod ros;
 mod storage;
 mod tail;
 mod template;
 mod topic;
-mod torque_record;
 mod trajectory;
 mod whole_file;
 mod writer;
@@ -80,23 +76,15 @@ pub use error::{ReadError, WriteError};
 pub use joint_log::{
     AngleUnit, CycleClock, JointLog, JointLogError, LogOptions, Loss, Place, Positions, Source,
 };
-pub use plan::{PlanConfig, PlanWriter};
-pub use plan_figures::{
-    BlendRecord, CartesianRecord, ClearanceRecord, LateBlendRecord, LimitRecord, LimitShareRecord,
-    MotionRecord, PlanFigures, SelfClearanceRecord, SingularityRecord, SourceRecord,
-};
-pub use plan_options::PlanOptions;
+pub use plan::{PlanConfig, PlanWriter, write_plan};
 pub use plan_record::{PlanNode, PlanPiece, PlanRecord, PlanRecordError};
 pub use plan_size::PlanSize;
 pub use plan_table::PlanTable;
-pub use planning::{Planning, write_plan};
 pub use reader::Reader;
 pub use recorded_robot::RecordedRobotError;
 pub use recorder::{Recorder, RecorderConfig, is_recording};
 pub use recording::Recording;
-pub use rests_on::AssumptionRecord;
 pub use storage::Storage;
 pub use topic::Topic;
-pub use torque_record::{EnergyRecord, LargestTorque, PowerRecord, TorqueRecord};
 pub use trajectory::{TrajectoryMessage, TrajectoryPoint};
 pub use writer::{Config, DEFAULT_EPOCH, Writer};

@@ -5,12 +5,13 @@ use std::io::Write;
 use std::time::Duration;
 
 use iiwa_kin::{Joints, Pose, Robot};
+use iiwa_plan::{Plan, PlanFigures};
 use iiwa_traj::{Section, State};
 
 use crate::arm::Arm;
 use crate::{
-    Compression, Config, Motion, PlanFigures, TrajectoryMessage, TrajectoryPoint, WriteError,
-    Writer,
+    Compression, Config, Motion, TrajectoryMessage, TrajectoryPoint, WriteError, Writer,
+    plan_metadata,
 };
 
 /// How a plan is written.
@@ -32,6 +33,29 @@ impl Default for PlanConfig {
 
 /// Writes a trajectory into an MCAP file while it is planned: what it needs of memory does not grow
 /// with the program.
+///
+/// ```
+/// use std::io::Cursor;
+///
+/// use iiwa_log::{PlanConfig, PlanRecord, PlanWriter};
+/// use iiwa_plan::{PlanRequest, ProgramSource};
+///
+/// # let text = r#"{ "version": 1, "start": { "joints_deg": [-20, 0, 0, 0, 0, 0, 0] },
+/// #     "motions": [{ "type": "ptp", "joints_deg": [20, 0, 0, 0, 0, 0, 0] }] }"#;
+/// let mut planning = PlanRequest::default().begin(&ProgramSource::from_json(text)?)?;
+/// let stream = Cursor::new(Vec::new());
+/// let mut writer = PlanWriter::new(stream, planning.robot(), PlanConfig::default())?;
+/// while let Some(section) = planning.next() {
+///     writer.section(&section?)?;
+/// }
+/// let file = writer.finish(planning.figures(), Some(planning.text().complete()))?.into_inner();
+///
+/// let record = PlanRecord::read(&*file)?;
+/// assert_eq!(record.figures().as_ref(), Some(planning.figures()));
+/// assert_eq!(record.robot()?.as_ref(), Some(planning.robot()));
+/// assert_eq!(record.program.as_deref(), Some(text));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 ///
 /// The trajectory itself is one message on `/joint_trajectory`. Above a hundred thousand points,
 /// some twenty megabytes, it goes on in another message, stamped with its own start and beginning
@@ -151,7 +175,7 @@ impl<W: Write> PlanWriter<W> {
         }
         self.writer.joint_trajectory(self.part_start, self.part)?;
         let program = program.map(|text| ("program.json", "application/json", text.as_bytes()));
-        self.arm.finish(self.writer, &figures.to_metadata(), program.as_slice())
+        self.arm.finish(self.writer, &plan_metadata::of_figures(figures), program.as_slice())
     }
 
     /// One instant on `/joint_states`, `/tf` and `/tcp_pose`; where there is a tool, on `/flange_pose` as well.
@@ -193,4 +217,22 @@ impl<W: Write> PlanWriter<W> {
 /// A time in s, to the nearest nanosecond.
 fn duration(t_s: f64) -> Duration {
     Duration::try_from_secs_f64(t_s).unwrap_or_default()
+}
+
+/// Writes a plan with the text of its program, and gives the stream back.
+///
+/// # Errors
+///
+/// Any [`WriteError`].
+pub fn write_plan<W: Write>(
+    stream: W,
+    plan: &Plan,
+    config: PlanConfig,
+    program: &str,
+) -> Result<W, WriteError> {
+    let mut writer = PlanWriter::new(stream, plan.robot(), config)?;
+    for section in plan.trajectory.sections() {
+        writer.section(section)?;
+    }
+    writer.finish(&plan.figures(), Some(program))
 }

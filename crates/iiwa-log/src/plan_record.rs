@@ -4,12 +4,13 @@ use std::collections::BTreeMap;
 use std::io::Read;
 
 use iiwa_kin::{Joints, Robot};
+use iiwa_plan::PlanFigures;
 use serde::Serialize;
 use serde_json::Value;
 
-use crate::plan_figures::to_json;
+use crate::plan_metadata::to_json;
 use crate::recorded_robot::{PROFILE, RecordedRobotError, recorded_robot};
-use crate::{Entry, PlanFigures, ReadError, Reader, Topic};
+use crate::{Entry, ReadError, Reader, Topic};
 
 /// A plan: its figures, the nodes of its trajectory, the pieces of its path, its program and its robot.
 ///
@@ -184,7 +185,7 @@ impl PlanRecord {
     /// The figures; none if the file has none of a plan.
     #[must_use]
     pub fn figures(&self) -> Option<PlanFigures> {
-        PlanFigures::from_metadata(&self.metadata)
+        serde_json::from_value(self.to_json()).ok()
     }
 
     /// All entries of the metadata record `iiwasim` as a JSON object: of a plan, the figures.

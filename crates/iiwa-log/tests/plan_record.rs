@@ -6,10 +6,10 @@ use std::io::Cursor;
 
 use iiwa_kin::Robot;
 use iiwa_log::{
-    ClearanceRecord, PlanConfig, PlanOptions, PlanRecord, PlanRecordError, PlanWriter, Planning,
-    RecordedRobotError, Recorder, RecorderConfig, write_plan,
+    PlanConfig, PlanRecord, PlanRecordError, PlanWriter, RecordedRobotError, Recorder,
+    RecorderConfig, write_plan,
 };
-use iiwa_program::Program;
+use iiwa_plan::{ClearanceRecord, PlanOptions, PlanRequest, ProgramSource};
 use iiwa_traj::{SweepOptions, Timing};
 
 const TEXT: &str = include_str!("../../../fixtures/waits-and-stops.json");
@@ -21,11 +21,13 @@ fn slow() -> Robot {
     Robot::default().with_limits(limits)
 }
 
+fn request(robot: &Robot, options: &PlanOptions) -> PlanRequest {
+    PlanRequest { robot: Some(robot.clone()), options: *options, ..PlanRequest::default() }
+}
+
 fn file(robot: &Robot, options: &PlanOptions) -> Vec<u8> {
-    let plan = options.plan(&Program::from_json(TEXT).unwrap(), robot).unwrap();
-    write_plan(Cursor::new(Vec::new()), &plan, options, PlanConfig::default(), TEXT)
-        .unwrap()
-        .into_inner()
+    let plan = request(robot, options).plan(&ProgramSource::from_json(TEXT).unwrap()).unwrap();
+    write_plan(Cursor::new(Vec::new()), &plan, PlanConfig::default(), TEXT).unwrap().into_inner()
 }
 
 #[test]
@@ -33,8 +35,8 @@ fn everything_is_read_back() {
     let sweep = Timing::Acceleration(SweepOptions { samples: 50 });
     let sweep = PlanOptions { samples: 50, ..PlanOptions::with_timing(sweep) };
     for options in [PlanOptions::default(), sweep] {
-        let program = Program::from_json(TEXT).unwrap();
-        let mut planning = Planning::new(&program, &slow(), &options).unwrap();
+        let source = ProgramSource::from_json(TEXT).unwrap();
+        let mut planning = request(&slow(), &options).begin(&source).unwrap();
         let stream = Cursor::new(Vec::new());
         let mut writer = PlanWriter::new(stream, &slow(), PlanConfig::default()).unwrap();
         let (mut states, mut pieces, mut end) = (Vec::new(), Vec::new(), None);

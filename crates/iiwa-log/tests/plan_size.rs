@@ -5,8 +5,9 @@
 use std::{fs, io::Cursor, path::Path as FilePath};
 
 use iiwa_kin::Robot;
-use iiwa_log::{Compression, PlanConfig, PlanFigures, PlanSize, PlanWriter};
+use iiwa_log::{Compression, PlanConfig, PlanSize, PlanWriter};
 use iiwa_path::JointPath;
+use iiwa_plan::PlanFigures;
 use iiwa_program::{Blend, Motion, Program, Ptp, Sources, Start, Workcell};
 use iiwa_traj::{Timing, Trajectory};
 

@@ -5,12 +5,9 @@
 use std::io::Cursor;
 
 use iiwa_kin::{Joint, Robot};
-use iiwa_log::{
-    Config, JointLog, PlanConfig, PlanFigures, PlanOptions, PlanRecord, PlanTable, Recording,
-    write_plan,
-};
-use iiwa_program::Program;
-use iiwa_traj::{SweepOptions, Timing, Trajectory};
+use iiwa_log::{Config, JointLog, PlanConfig, PlanRecord, PlanTable, Recording, write_plan};
+use iiwa_plan::{Plan, PlanFigures, PlanOptions, PlanRequest, ProgramSource};
+use iiwa_traj::{SweepOptions, Timing};
 use serde_json::Value;
 
 /// Picks up a load where the arm stands, and puts it down; at the ceiling.
@@ -29,13 +26,14 @@ const TEXT: &str = r#"{
     ]
 }"#;
 
-fn plan(text: &str, options: &PlanOptions) -> Trajectory {
-    options.plan(&Program::from_json(text).unwrap(), &Robot::default()).unwrap()
+fn plan(text: &str, options: &PlanOptions) -> Plan {
+    let request = PlanRequest { options: *options, ..PlanRequest::default() };
+    request.plan(&ProgramSource::from_json(text).unwrap()).unwrap()
 }
 
-fn written(plan: &Trajectory, options: &PlanOptions, text: &str) -> Vec<u8> {
+fn written(plan: &Plan, text: &str) -> Vec<u8> {
     let config = PlanConfig { rate_hz: 100.0, ..PlanConfig::default() };
-    write_plan(Cursor::new(Vec::new()), plan, options, config, text).unwrap().into_inner()
+    write_plan(Cursor::new(Vec::new()), plan, config, text).unwrap().into_inner()
 }
 
 fn timings() -> [PlanOptions; 2] {
@@ -46,7 +44,7 @@ fn timings() -> [PlanOptions; 2] {
 fn figures_are_those_of_the_trajectory() {
     for options in timings() {
         let plan = plan(TEXT, &options);
-        let (figures, torques) = (PlanFigures::of(&plan, &options), plan.torques());
+        let (figures, torques) = (plan.figures(), plan.trajectory.torques());
         assert_eq!(figures.motions.len(), torques.motions.len());
         for (record, of_motion) in figures.motions.iter().zip(&torques.motions) {
             let torque = record.torque.as_ref().unwrap();
@@ -77,28 +75,28 @@ fn figures_are_those_of_the_trajectory() {
 fn files_have_the_torques_of_the_trajectory() {
     for options in timings() {
         let plan = plan(TEXT, &options);
-        let file = written(&plan, &options, TEXT);
+        let file = written(&plan, TEXT);
         let states = Recording::from_bytes(&file).unwrap().joint_states;
         let log = JointLog::read(&*file).unwrap();
         let mut csv = PlanTable::csv(Vec::new(), 100.0).unwrap();
-        plan.sections().iter().for_each(|section| csv.section(section).unwrap());
+        plan.trajectory.sections().iter().for_each(|section| csv.section(section).unwrap());
         let csv = String::from_utf8(csv.finish().unwrap()).unwrap();
         let mut rows = csv.lines();
         let head: Vec<&str> = rows.next().unwrap().split(',').collect();
         assert_eq!((head.len(), head[29], head[35]), (36, "torque_1_nm", "torque_7_nm"));
-        let samples = plan.samples(100.0).count();
+        let samples = plan.trajectory.samples(100.0).count();
         assert_eq!([states.len(), log.torques_nm.len(), rows.clone().count()], [samples; 3]);
         let exerted: Vec<_> = log.exerted_nm().collect();
-        for (i, (state, row)) in plan.samples(100.0).zip(rows).enumerate() {
-            let torques = plan.torques_of(&state).torque_nm;
+        for (i, (state, row)) in plan.trajectory.samples(100.0).zip(rows).enumerate() {
+            let torques = plan.trajectory.torques_of(&state).torque_nm;
             assert_eq!(states[i].torques_nm, Some(torques), "at {} s", state.t_s);
             assert_eq!(exerted[i], Some(torques));
             let row: Vec<f64> = row.split(',').map(|field| field.parse().unwrap()).collect();
             assert_eq!(row[29..], torques);
         }
         // The load counts from where it is picked up, until it is put down.
-        let a2 = |t_s: f64| plan.torques_at(t_s).torque_nm[1];
-        let figures = PlanFigures::of(&plan, &options);
+        let a2 = |t_s: f64| plan.trajectory.torques_at(t_s).torque_nm[1];
+        let figures = plan.figures();
         let wait = figures.motions.iter().find(|motion| motion.r#type == "wait").unwrap();
         let (before, after) = (a2(wait.start_s - 0.01), a2(wait.start_s + 0.01));
         assert!(after.abs() > before.abs() + 20.0 && after > 0.0, "{before} {after}");
@@ -142,7 +140,7 @@ fn tables_have_torques() {
 #[test]
 fn figures_of_earlier_versions_are_read() {
     let options = PlanOptions::default();
-    let figures = PlanFigures::of(&plan(TEXT, &options), &options);
+    let figures = plan(TEXT, &options).figures();
     let mut earlier = serde_json::to_value(&figures).unwrap();
     let object = earlier.as_object_mut().unwrap();
     for key in ["energy_j", "power"] {
@@ -161,8 +159,8 @@ fn figures_of_earlier_versions_are_read() {
 fn figures_are_in_the_files() {
     let options = PlanOptions::default();
     let plan = plan(TEXT, &options);
-    let record = PlanRecord::read(&*written(&plan, &options, TEXT)).unwrap();
-    assert_eq!(record.figures(), Some(PlanFigures::of(&plan, &options)));
+    let record = PlanRecord::read(&*written(&plan, TEXT)).unwrap();
+    assert_eq!(record.figures(), Some(plan.figures()));
     let json: Value = record.to_json();
     assert_eq!(json["motions"][0]["torque"]["peak_nm"].as_array().unwrap().len(), 7);
     assert_eq!(json["energy_j"]["negative"].as_array().unwrap().len(), 7);
@@ -178,7 +176,7 @@ fn outstretched(mass_kg: f64) -> PlanFigures {
             {{ "type": "ptp", "joints_deg": [0, 60, 0, 0, 0, 0, 0] }} ] }}"#
     );
     let options = PlanOptions::default();
-    PlanFigures::of(&plan(&text, &options), &options)
+    plan(&text, &options).figures()
 }
 
 #[test]
@@ -209,7 +207,7 @@ fn few_of_many_overloaded_motions_are_named() {
         turns.collect::<Vec<_>>().join(",")
     );
     let options = PlanOptions::default();
-    let warnings = PlanFigures::of(&plan(&text, &options), &options).torque_warnings();
+    let warnings = plan(&text, &options).figures().torque_warnings();
     assert_eq!(warnings.len(), 11);
     assert_eq!(warnings[10], "and 15 more motions need more torque than the joints have");
 }

@@ -4,22 +4,18 @@
 
 use std::io::Cursor;
 
-use iiwa_kin::Robot;
-use iiwa_log::{
-    PlanConfig, PlanFigures, PlanOptions, PlanRecord, PlanSize, PlanWriter, Recording, write_plan,
-};
-use iiwa_program::Program;
+use iiwa_log::{PlanConfig, PlanRecord, PlanSize, PlanWriter, Recording, write_plan};
+use iiwa_plan::{PlanFigures, PlanOptions, PlanRequest, ProgramSource};
 use iiwa_traj::Trajectory;
 
 const TEXT: &str = include_str!("../../../fixtures/pick-and-place.json");
 
 fn planned(text: &str) -> (Trajectory, Vec<u8>) {
-    let options = PlanOptions::default();
-    let plan = options.plan(&Program::from_json(text).unwrap(), &Robot::default()).unwrap();
-    let file = write_plan(Cursor::new(Vec::new()), &plan, &options, PlanConfig::default(), text)
+    let plan = PlanRequest::default().plan(&ProgramSource::from_json(text).unwrap()).unwrap();
+    let file = write_plan(Cursor::new(Vec::new()), &plan, PlanConfig::default(), text)
         .unwrap()
         .into_inner();
-    (plan, file)
+    (plan.trajectory, file)
 }
 
 #[test]

@@ -6,9 +6,8 @@
 
 use std::{fs, io::Cursor, path::Path};
 
-use iiwa_kin::Robot;
-use iiwa_log::{PlanConfig, PlanOptions, Recording, write_plan};
-use iiwa_program::Program;
+use iiwa_log::{PlanConfig, Recording, write_plan};
+use iiwa_plan::{PlanOptions, PlanRequest, ProgramSource};
 use iiwa_traj::{SweepOptions, Timing};
 use mcap::MessageStream;
 
@@ -33,9 +32,10 @@ fn hashes(name: &str, timing: Timing) -> [u64; 2] {
     let fixtures = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../fixtures");
     let text = fs::read_to_string(fixtures.join(name).with_extension("json")).unwrap();
     let options = PlanOptions::with_timing(timing);
-    let plan = options.plan(&Program::from_json(&text).unwrap(), &Robot::default()).unwrap();
+    let request = PlanRequest { options, ..PlanRequest::default() };
+    let plan = request.plan(&ProgramSource::from_json(&text).unwrap()).unwrap();
     let stream = Cursor::new(Vec::new());
-    let file = write_plan(stream, &plan, &options, PlanConfig::default(), &text).unwrap();
+    let file = write_plan(stream, &plan, PlanConfig::default(), &text).unwrap();
     let file = file.into_inner();
 
     let mut trajectory = Hash::new();

@@ -58,7 +58,6 @@ mod supervised;
 mod tool_coordinate;
 mod tool_way;
 mod turn_contradiction;
-mod warnings;
 
 pub use circle::CircularBlend;
 pub use continuity::Continuity;
@@ -77,4 +76,3 @@ pub use step::{Corner, Step};
 pub use tool_coordinate::ToolCoordinate;
 pub use tool_way::ToolWay;
 pub use turn_contradiction::TurnContradiction;
-pub use warnings::warnings;

@@ -56,9 +56,21 @@ pub struct JointPath {
 impl JointPath {
     /// The path of `program` on `robot`, with blends as the LBR iiwa makes them.
     ///
+    /// ```
+    /// use iiwa_kin::Robot;
+    /// use iiwa_path::JointPath;
+    /// use iiwa_program::{Fault, Program};
+    ///
+    /// let program = Program::from_deg([0.0; 7]).robot("lbr_iiwa_14_r820").wait_s(1.0).build();
+    /// JointPath::new(&program, &Robot::lbr_iiwa_14_r820())?;
+    /// let fault = JointPath::new(&program, &Robot::lbr_iiwa_7_r800());
+    /// assert!(matches!(fault, Err(Fault::OtherRobot { .. })));
+    /// # Ok::<(), Fault>(())
+    /// ```
+    ///
     /// # Errors
     ///
-    /// If the program asks for something that this robot cannot do.
+    /// If the program names another robot or states another flange, or asks for something that this robot cannot do.
     pub fn new(program: &Program, robot: &Robot) -> Result<Self, Fault> {
         Self::with_options(program, robot, PathOptions::default())
     }
@@ -67,8 +79,22 @@ impl JointPath {
     ///
     /// # Errors
     ///
-    /// If the program asks for something that this robot cannot do.
+    /// As of [`new`](Self::new).
     pub fn with_options(
+        program: &Program,
+        robot: &Robot,
+        options: PathOptions,
+    ) -> Result<Self, Fault> {
+        program.check_robot(robot)?;
+        Self::on_other_robot(program, robot, options)
+    }
+
+    /// The path of `program` on `robot` in place of the robot that it names.
+    ///
+    /// # Errors
+    ///
+    /// If the program asks for something that this robot cannot do.
+    pub fn on_other_robot(
         program: &Program,
         robot: &Robot,
         options: PathOptions,

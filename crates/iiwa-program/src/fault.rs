@@ -132,6 +132,22 @@ pub enum Fault {
         /// What it is, in m.
         found_m: f64,
     },
+    /// The program names another robot than the one that it is planned for.
+    #[error("the program is for the robot `{named}`; `{given}` was given")]
+    OtherRobot {
+        /// The robot that the program names.
+        named: String,
+        /// The robot that was given.
+        given: String,
+    },
+    /// The program states another flange than that of the robot that it is planned for.
+    #[error("the program is for a flange of {} mm; a robot with one of {} mm was given", 1e3 * .stated_m, 1e3 * .given_m)]
+    OtherFlange {
+        /// The length that the program states, in m.
+        stated_m: f64,
+        /// The length of the robot's flange, in m.
+        given_m: f64,
+    },
     /// A motion whose end the program waits for has a blend.
     #[error("motion {motion} is blocking and cannot be blended: remove its blend, or `blocking`")]
     BlockingBlend {
@@ -178,7 +194,33 @@ impl Fault {
             | Self::TorqueLimit { .. }
             | Self::Override { .. }
             | Self::Flange { .. }
+            | Self::OtherRobot { .. }
+            | Self::OtherFlange { .. }
             | Self::BlockingBlend { .. } => false,
+        }
+    }
+
+    /// The motion at fault, if it is one.
+    #[must_use]
+    pub fn motion(&self) -> Option<MotionIndex> {
+        match self {
+            Self::NoMotions
+            | Self::TorqueLimit { .. }
+            | Self::Override { .. }
+            | Self::Flange { .. }
+            | Self::OtherRobot { .. }
+            | Self::OtherFlange { .. } => None,
+            Self::JointOutside { motion, .. } | Self::Cartesian { motion, .. } => *motion,
+            Self::Share { motion, .. }
+            | Self::Wait { motion, .. }
+            | Self::Overlap { motion, .. }
+            | Self::NothingToOverlap { motion, .. }
+            | Self::Blend { motion, .. }
+            | Self::BlendBeforeWait { motion }
+            | Self::BlendBeforeLoad { motion }
+            | Self::Load { motion }
+            | Self::BlockingBlend { motion }
+            | Self::BlendOutside { motion, .. } => Some(*motion),
         }
     }
 
@@ -191,7 +233,8 @@ impl Fault {
             Self::NoMotions => locate(text, &[motions]),
             Self::TorqueLimit { .. } => locate(text, &[Key("limit_torque_percent")]),
             Self::Override { .. } => locate(text, &[Key("override_percent")]),
-            Self::Flange { .. } => locate(text, &[Key("flange_mm")]),
+            Self::OtherRobot { .. } => locate(text, &[Key("robot")]),
+            Self::Flange { .. } | Self::OtherFlange { .. } => locate(text, &[Key("flange_mm")]),
             Self::Cartesian { motion, key, fault } => {
                 let mut path = match motion {
                     Some(motion) => vec![motions, Index(motion.index()), Key(key)],

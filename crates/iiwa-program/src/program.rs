@@ -15,6 +15,9 @@ use crate::{
     workcell::{MAX_FLANGE_M, MAX_TORQUE_LIMIT, MIN_OVERRIDE, MIN_TORQUE_LIMIT, Workcell},
 };
 
+/// Difference of two flanges of the same length, in m: a length in mm is not exact in m.
+const FLANGE_TOLERANCE_M: f64 = 1e-9;
+
 /// A motion program (version 1).
 ///
 /// [`Program::from_json`] reads one; a program made in code is checked when its path is made.
@@ -221,6 +224,29 @@ impl Program {
         robot.clone().with_flange_m(flange_m).unwrap_or(robot)
     }
 
+    /// Checks that a robot is the one that the program names, with the flange that it states. The profile that a program names is
+    /// not read: any robot that is not a built-in model is taken for it.
+    ///
+    /// # Errors
+    ///
+    /// [`Fault::OtherRobot`] and [`Fault::OtherFlange`].
+    pub fn check_robot(&self, robot: &Robot) -> Result<(), Fault> {
+        let given = robot.name();
+        if let Some(named) = self.robot.as_deref().filter(|named| *named != given) {
+            let is_profile = Robot::built_in(named).is_none();
+            if !is_profile || is_built_in(robot) {
+                return Err(Fault::OtherRobot { named: named.to_owned(), given: given.to_owned() });
+            }
+        }
+        let given_m = robot.lengths().flange_m;
+        match self.workcell.flange_m {
+            Some(stated_m) if (stated_m - given_m).abs() > FLANGE_TOLERANCE_M => {
+                Err(Fault::OtherFlange { stated_m, given_m })
+            }
+            _ => Ok(()),
+        }
+    }
+
     /// Checks all that can be checked without a robot.
     ///
     /// # Errors
@@ -394,4 +420,12 @@ fn check_joints(
     limits: &Limits,
 ) -> Result<(), Fault> {
     limits.check(joints).map_err(|outside| Fault::JointOutside { motion, outside })
+}
+
+/// True of a built-in model with a flange of any length.
+fn is_built_in(robot: &Robot) -> bool {
+    Robot::built_in(robot.name()).is_some_and(|model| {
+        let flange_m = model.lengths().flange_m;
+        robot.clone().with_flange_m(flange_m).is_ok_and(|robot| robot == model)
+    })
 }

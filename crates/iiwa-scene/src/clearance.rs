@@ -2,14 +2,14 @@
 
 use std::{collections::HashSet, f64::consts::TAU, sync::Arc};
 
-use iiwa_kin::{Joints, Robot};
+use iiwa_kin::{Joints, Robot, part_name};
 use serde::Serialize;
 
 use crate::{
     arm::{self, Body, Part},
     arm_meshes::ArmMeshes,
     distance::{Near, near, near_part},
-    links::{FIRST_LINK, MAY_TOUCH, part_name},
+    links::{FIRST_LINK, MAY_TOUCH},
     placed::Placed,
     scene::Scene,
 };

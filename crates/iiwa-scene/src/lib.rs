@@ -69,7 +69,7 @@ pub use arm_meshes::{ArmMeshError, ArmMeshes};
 pub use clearance::{ArmInScene, Clearance, Other};
 pub use fault::Fault;
 pub use hull::{ConvexHull, NotSolid};
-pub use links::{IgnoredPair, part_name};
+pub use links::IgnoredPair;
 pub use mesh::{Patch, TriangleMesh, TriangleMeshError};
 pub use mesh_file::MeshError;
 pub use planned::PlannedClearance;

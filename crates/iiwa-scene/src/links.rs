@@ -24,13 +24,3 @@ pub struct IgnoredPair {
 /// next to each other and next but one never do. It is an assumption of these limits, and of a tool that does not reach back
 /// to its wrist. The tool counts as the link after the last one.
 pub(crate) const MAY_TOUCH: usize = 3;
-
-/// What a [`Clearance`](crate::Clearance)'s link is called: `link 5`, or `the tool`.
-///
-/// ```
-/// assert_eq!(iiwa_scene::part_name(8), "the tool");
-/// ```
-#[must_use]
-pub fn part_name(link: usize) -> String {
-    if link == TOOL { "the tool".to_owned() } else { format!("link {link}") }
-}

@@ -2,7 +2,7 @@
 
 use iiwa_kin::Robot;
 use iiwa_path::{JointPath, PathOptions};
-use iiwa_program::{Fault, Program};
+use iiwa_program::{Fault, MotionIndex, Program};
 use rayon::prelude::{IntoParallelRefIterator, ParallelIterator};
 
 use crate::{
@@ -23,7 +23,18 @@ pub enum PlanError {
     Timing(#[from] TimingError),
 }
 
-/// Plans all of `programs` on `robot`, whichever robot they name, on all cores: for optimisers,
+impl PlanError {
+    /// The motion at fault, if it is one.
+    #[must_use]
+    pub fn motion(&self) -> Option<MotionIndex> {
+        match self {
+            Self::Fault(fault) => fault.motion(),
+            Self::Timing(error) => error.motion(),
+        }
+    }
+}
+
+/// Plans all of `programs` on `robot`, on all cores: for optimisers,
 /// which try many programs and keep the best. The results are in the order of the programs, and the
 /// same as from [`Trajectory::plan`]. A program that cannot be planned has its error there and does
 /// not stop the others.

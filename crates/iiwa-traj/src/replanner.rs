@@ -82,7 +82,7 @@ const BEFORE: usize = 4;
 const MORE: usize = 4;
 
 impl Replanner {
-    /// Plans `program` on `robot`, whichever robot it names.
+    /// Plans `program` on `robot`.
     ///
     /// # Errors
     ///

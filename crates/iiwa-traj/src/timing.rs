@@ -169,3 +169,18 @@ pub enum TimingError {
         motion: MotionIndex,
     },
 }
+
+impl TimingError {
+    /// The motion at fault; none of an interrupt.
+    #[must_use]
+    pub fn motion(&self) -> Option<MotionIndex> {
+        match self {
+            Self::LimitExceeded { motion, .. }
+            | Self::CannotHold { motion, .. }
+            | Self::CurvatureJumps { motion }
+            | Self::NotConverged { motion }
+            | Self::Stuck { motion } => Some(*motion),
+            Self::Interrupted => None,
+        }
+    }
+}

@@ -6,8 +6,6 @@ use iiwa_files::OutputError;
 use iiwa_json::Place;
 use iiwa_link::LinkError;
 use iiwa_log::WriteError;
-use iiwa_program::{ProgramError, Sources};
-use iiwa_traj::PlanError;
 use iiwa_view::ViewError;
 use iiwa_viewers::ViewersError;
 
@@ -54,27 +52,15 @@ pub enum TwinError {
         /// How.
         source: Box<dyn Error + Send + Sync>,
     },
-    /// A program is not one.
-    #[error("{name}, {}: {}", error.place(), error.what())]
+    /// A program is not valid, or cannot be planned.
+    #[error("{name}: {error}")]
     Program {
-        /// What it is called.
+        /// The name of the program.
         name: String,
-        /// What it says.
+        /// Its text.
         text: String,
         /// The fault.
-        error: Box<ProgramError>,
-    },
-    /// A program cannot be planned.
-    #[error("{name}: {error}")]
-    Plan {
-        /// What it is called.
-        name: String,
-        /// What it says.
-        text: String,
-        /// Where its motions come from.
-        sources: Sources,
-        /// Why.
-        error: Box<PlanError>,
+        error: Box<iiwa_plan::Error>,
     },
     /// The file of saved positions is not JSON of this kind.
     #[error("{}, {place}: {what}", file.display())]

@@ -5,8 +5,8 @@ use std::{fs, path::PathBuf};
 use iiwa_files::Output;
 use iiwa_kin::Joints;
 use iiwa_link::message::RunLabel;
-use iiwa_log::{PlanConfig, PlanFigures, PlanOptions, PlanSize, write_plan};
-use iiwa_path::warnings;
+use iiwa_log::{PlanConfig, PlanSize, write_plan};
+use iiwa_plan::{PlanRequest, ProgramSource};
 use iiwa_program::{MotionList, Program};
 use iiwa_traj::Trajectory;
 use iiwa_view::{Extent, NearestPlaces, long_duration};
@@ -41,10 +41,12 @@ impl Planned {
     /// Plans a program. Errors are shown on the page, with the place of the fault in the text.
     pub(crate) fn new(id: u64, name: &str, text: String, setup: &Setup) -> Result<Self, String> {
         let what = |error: TwinError| setup.words(&error);
-        let program = Program::from_json(&text).map_err(|error| {
+        let refuse = |error| {
             let (name, text, error) = (name.to_owned(), text.clone(), Box::new(error));
             what(TwinError::Program { name, text, error })
-        })?;
+        };
+        let source = ProgramSource::from_json(&text).map_err(refuse)?;
+        let program = &source.program;
         let motions = program.motions.len();
         if motions > MAX_MOTIONS {
             return Err(format!(
@@ -67,18 +69,14 @@ impl Planned {
                 1e3 * flange_m
             ));
         }
-        let how = PlanOptions::default();
-        let plan = how.plan(&program, &setup.robot).map_err(|error| {
-            let (name, text, error) = (name.to_owned(), text.clone(), Box::new(error));
-            let sources = program.sources.clone();
-            what(TwinError::Plan { name, text, sources, error })
-        })?;
-        check_size(&plan)?;
-        let nearest = setup.nearest_of(&plan);
+        let request = PlanRequest { robot: Some(setup.robot.clone()), ..PlanRequest::default() };
+        let plan = request.plan(&source).map_err(refuse)?;
+        let trajectory = &plan.trajectory;
+        check_size(trajectory)?;
+        let nearest = setup.nearest_of(trajectory);
         let refused = setup.too_near(&nearest);
-        let mut warnings = warnings(&program, plan.path());
-        let figures = PlanFigures::of(&plan, &how);
-        warnings.extend(figures.torque_warnings());
+        let figures = plan.figures();
+        let warnings = plan.warnings(&figures);
 
         let [json, mcap] = setup.new_files(&file_stem(name), [".json", ".mcap"]).map_err(what)?;
         let stem = json.file_stem().unwrap_or_default().to_string_lossy().into_owned();
@@ -91,7 +89,7 @@ impl Planned {
             let file = Output::new(&mcap)?;
             let mut config = PlanConfig::default();
             config.file.names = setup.names.clone();
-            write_plan(file.stream()?, &plan, &how, config, &text)
+            write_plan(file.stream()?, &plan, config, &text)
                 .map_err(|error| file.failure(error))?
                 .into_inner()
                 .map_err(|error| file.failure(error.into_error()))?;
@@ -102,9 +100,9 @@ impl Planned {
             // One file without the other is of no use.
             .inspect_err(|_| drop(fs::remove_file(&json)))
             .map_err(|error| what(error.into()))?;
-        let cycle_time_s = plan.cycle_time_s();
+        let cycle_time_s = trajectory.cycle_time_s();
         // The page is made from the file.
-        let start_rad = *plan.path().start_rad();
+        let start_rad = *trajectory.path().start_rad();
         drop(plan);
         let page = setup.page(&mcap, None, Extent::Sketch).map_err(what)?;
         let message = page_message(
@@ -121,7 +119,8 @@ impl Planned {
                 sketch: page.sketch(),
             },
         );
-        let (motions, label) = (program.into(), label(&stem, &figures, &setup.robot));
+        let (motions, label) =
+            (Program::clone(&source.program).into(), label(&stem, &figures, &setup.robot));
         Ok(Self { id, motions, label, start_rad, text, stem, mcap, refused, message })
     }
 }

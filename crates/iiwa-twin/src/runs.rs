@@ -13,7 +13,8 @@ use iiwa_link::{
         Status, TimedBy,
     },
 };
-use iiwa_log::{CycleClock, DEFAULT_EPOCH, JointLog, PlanFigures};
+use iiwa_log::{CycleClock, DEFAULT_EPOCH, JointLog};
+use iiwa_plan::PlanFigures;
 
 pub use crate::sampled::sampled;
 

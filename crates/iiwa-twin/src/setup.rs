@@ -10,7 +10,7 @@ use std::{
 use iiwa_files::{interrupt, leftovers::Name};
 use iiwa_kin::{Joints, Robot, RosNames};
 use iiwa_link::{Client, Remote, Stream};
-use iiwa_log::PlanOptions;
+use iiwa_plan::PlanOptions;
 use iiwa_program::Program;
 use iiwa_scene::{ArmInScene, ArmMeshes, PlannedClearance, Scene};
 use iiwa_traj::Trajectory;

@@ -4,11 +4,11 @@ use std::{fmt::Write as _, path::Path};
 
 use comfy_table::Cell;
 use iiwa_eval::{Comparison, Deviation, MotionTime, Plan, StopTime, TorqueDifference};
+use iiwa_json::printable;
 use iiwa_log::{CycleClock, JointLog, Loss};
 use serde::Serialize;
 
 use crate::{
-    printable,
     signed::{rounded, signed},
     stated_time::stated_time,
     table::{shortened, table},

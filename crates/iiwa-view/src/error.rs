@@ -54,11 +54,11 @@ pub enum ViewError {
         /// The other file's name.
         plan: String,
     },
-    /// A text is not a motion program.
-    #[error("{what}")]
-    Program {
-        /// What is wrong with it.
-        what: String,
+    /// The program that a recording holds has no plan.
+    #[error("the recorded program")]
+    RecordedProgram {
+        /// Why not.
+        source: Box<iiwa_plan::Error>,
     },
     /// The robot cannot do what a program asks for.
     #[error("{name}")]
@@ -145,7 +145,7 @@ impl ViewError {
             | Self::Plan { .. }
             | Self::UnknownRobot { .. }
             | Self::Swapped { .. }
-            | Self::Program { .. }
+            | Self::RecordedProgram { .. }
             | Self::Arm { .. }
             | Self::Path { .. }
             | Self::Planning { source: PlanError::Fault(_), .. }

@@ -15,7 +15,8 @@ use iiwa_kin::{Joint, Robot};
 use iiwa_log::{JointLog, Loss};
 use serde::Serialize;
 
-use crate::{printable, table::table};
+use crate::table::table;
+use iiwa_json::printable;
 
 use self::{
     figure::{EQUAL_SHARE, Figure, KappaFigure, blends},

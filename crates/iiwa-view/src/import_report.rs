@@ -2,16 +2,14 @@
 
 use std::{fmt::Write as _, path::Path};
 
+use iiwa_json::printable;
 use iiwa_kin::Robot;
 use iiwa_sunrise::{
     DataFile, ImportedCell, ImportedFrame, OTHER_FLANGE_M, TOUCH_FLANGE_M, TcpChange, Verdict,
 };
 use serde::Serialize;
 
-use crate::{
-    printable,
-    table::{shortened, table},
-};
+use crate::table::{shortened, table};
 
 /// What was taken from a Sunrise project, and whether a robot reaches its frames as they were taught. As JSON, this is
 /// the object of `iiwasim import --json`.

@@ -16,7 +16,6 @@ mod comparison_report;
 mod duration;
 mod error;
 mod experiment;
-mod gates;
 mod identification_report;
 #[cfg(feature = "sunrise")]
 mod import_report;
@@ -24,7 +23,6 @@ mod nearest;
 mod page;
 mod picture;
 mod plan_clearance;
-mod printable;
 mod report;
 mod robot_sheet;
 mod run_report;
@@ -43,7 +41,6 @@ pub use experiment::{
     Bench, Chapter, ExperimentKind, TrialRun, VirtualArm, motion_warning, other_robot, preface,
     wrapped,
 };
-pub use gates::{PlanGates, UnmetGates};
 pub use identification_report::IdentificationReport;
 #[cfg(feature = "sunrise")]
 pub use import_report::ImportReport;
@@ -51,7 +48,6 @@ pub use nearest::{Nearest, NearestPlaces};
 pub use page::ArmSource;
 pub use picture::{PictureError, PictureFormat, PlanPicture, draw_comparison};
 pub use plan_clearance::add_clearances;
-pub use printable::printable;
 pub use report::{Extent, Page, PageOptions};
 pub use robot_sheet::{robot_sheet, robots_table, rounded};
 pub use run_report::RunReport;

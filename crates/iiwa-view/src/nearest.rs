@@ -1,6 +1,7 @@
 //! How near the arm is to an obstacle or to itself, for pages.
 
-use iiwa_scene::{ArmInScene, Clearance, part_name};
+use iiwa_kin::part_name;
+use iiwa_scene::{ArmInScene, Clearance};
 use serde::Serialize;
 
 /// Where the arm is nearest to an obstacle, or to itself.

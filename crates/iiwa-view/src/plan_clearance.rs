@@ -1,6 +1,6 @@
 //! How near a plan comes to a scene, and the arm to itself.
 
-use iiwa_log::{ClearanceRecord, PlanFigures, SelfClearanceRecord};
+use iiwa_plan::{ClearanceRecord, PlanFigures, SelfClearanceRecord};
 use iiwa_scene::{ArmInScene, Other, PlannedClearance};
 use iiwa_traj::Section;
 

@@ -6,9 +6,11 @@ use std::{
 };
 
 use comfy_table::Cell;
-use iiwa_log::PlanFigures;
+use iiwa_plan::PlanFigures;
 
-use crate::{PlanGates, printable, table::table};
+use crate::table::table;
+use iiwa_json::printable;
+use iiwa_plan::PlanGates;
 
 /// The result of one program.
 #[derive(Clone, Debug)]

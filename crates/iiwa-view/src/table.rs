@@ -3,13 +3,13 @@
 use std::fmt::Write as _;
 
 use comfy_table::{Cell, CellAlignment, ContentArrangement, LineStyle, Table, presets};
-use iiwa_log::{
+use iiwa_kin::part_name;
+use iiwa_plan::{
     AssumptionRecord, ClearanceRecord, EnergyRecord, LateBlendRecord, LimitRecord,
     LimitShareRecord, MotionRecord, PlanFigures, PowerRecord, SelfClearanceRecord,
 };
-use iiwa_scene::part_name;
 
-use crate::printable;
+use iiwa_json::printable;
 
 /// Motions that are shown at the start and at the end of a long program.
 const SHOWN: usize = 100;

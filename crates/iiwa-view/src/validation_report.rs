@@ -5,12 +5,13 @@ use std::{ffi::OsStr, fmt::Write as _, path::Path};
 
 use comfy_table::Cell;
 use iiwa_eval::{Comparison, MotionTime};
-use iiwa_log::{AssumptionRecord, JointLog, Loss, PlanFigures};
+use iiwa_json::printable;
+use iiwa_log::{JointLog, Loss};
+use iiwa_plan::{AssumptionRecord, PlanFigures};
 use iiwa_program::MotionType;
 use serde::Serialize;
 
 use crate::{
-    printable,
     signed::{rounded, signed},
     table::{assumption_lines, shortened, table},
 };

@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use crate::printable;
+use iiwa_json::printable;
 
 /// Warnings as they are reported on standard error; of one of many programs, with its name.
 #[must_use]

@@ -8,9 +8,7 @@
 //! # fn main() -> Result<(), Box<dyn std::error::Error>> {
 //! # let text = r#"{ "version": 1, "start": { "joints_deg": [-20, 0, 0, 0, 0, 0, 0] },
 //! #     "motions": [{ "type": "ptp", "joints_deg": [20, 0, 0, 0, 0, 0, 0] }] }"#;
-//! let program = Program::from_json(text)?;
-//! let path = JointPath::new(&program, &Robot::lbr_iiwa_7_r800())?;
-//! let trajectory = Trajectory::plan(&path, Timing::default())?;
+//! let trajectory = PlanRequest::default().plan(&ProgramSource::from_json(text)?)?.trajectory;
 //!
 //! println!("{:.3} s", trajectory.cycle_time_s());
 //! assert!((trajectory.cycle_time_s() - 0.798).abs() < 1e-3);
@@ -22,7 +20,7 @@
 //! |---|---|---|
 //! | none | [`kin`] | robot models, forward kinematics, Jacobian |
 //! | `profile`, `urdf` (default) | in [`kin`] | robot profiles in JSON; robots as URDF |
-//! | `plan` (default) | `json`, `program`, `path`, `solver`, `traj` | motion programs, paths, time-optimal trajectories |
+//! | `plan` (default) | `json`, `program`, `path`, `solver`, `traj`, `plan` | motion programs, paths, time-optimal trajectories |
 //! | `scene` | `scene` | obstacles and clearances |
 //! | `sunrise` | `sunrise`, `application` | Sunrise projects: frames and tools, applications as programs, programs as projects |
 //! | `log` | `log` | trajectories and recordings as MCAP files, trajectories as tables in CSV and Parquet too |
@@ -61,6 +59,8 @@ pub use iiwa_log as log;
 pub use iiwa_look as look;
 #[cfg(feature = "plan")]
 pub use iiwa_path as path;
+#[cfg(feature = "plan")]
+pub use iiwa_plan as plan;
 #[cfg(feature = "plan")]
 pub use iiwa_program as program;
 #[cfg(feature = "scene")]

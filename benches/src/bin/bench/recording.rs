@@ -21,7 +21,8 @@ use iiwa_eval::{
     identify::{Recording, identify},
 };
 use iiwa_kin::Robot;
-use iiwa_log::{JointLog, PlanConfig, PlanOptions, Recorder, RecorderConfig, write_plan};
+use iiwa_log::{JointLog, PlanConfig, Recorder, RecorderConfig, write_plan};
+use iiwa_plan::{PlanRequest, ProgramSource};
 use iiwa_program::Program;
 use iiwasim_benches::{
     Result,
@@ -107,10 +108,9 @@ fn write(minutes: usize, folder: &FilePath) -> Result<()> {
     let robot = Robot::default();
     let text = long_program::text(Kind::Stops, minutes * MOTIONS_A_MINUTE);
     fs::write(folder.join(PROGRAM), &text)?;
-    let program = Program::from_json(&text)?;
-    let options = PlanOptions::default();
-    let trajectory = options.plan(&program, &robot)?;
-    write_plan(BufWriter::new(create(PLAN)?), &trajectory, &options, PlanConfig::default(), &text)?;
+    let plan = PlanRequest::default().plan(&ProgramSource::from_json(&text)?)?;
+    let trajectory = &plan.trajectory;
+    write_plan(BufWriter::new(create(PLAN)?), &plan, PlanConfig::default(), &text)?;
 
     // The fewer periods, the sooner it is written; it makes no difference for what is read.
     let config = RecorderConfig { period: Duration::from_secs(10), ..RecorderConfig::default() };

@@ -7,7 +7,8 @@ use iiwa_bridge::{
     history::{History, ProgramHistory},
     kafka::reader::{KafkaReader, Selection},
 };
-use iiwa_view::{printable, table};
+use iiwa_json::printable;
+use iiwa_view::table;
 
 use crate::{
     args,

@@ -3,8 +3,8 @@
 use std::net::{IpAddr, ToSocketAddrs};
 
 use iiwa_drive::{AnswerLatency, Drive, DriveConfig, LinkCheck};
+use iiwa_json::printable;
 use iiwa_link::{Remote, security::ClientSecurity};
-use iiwa_view::printable;
 
 use crate::{
     args, connection,

@@ -1,6 +1,7 @@
 //! `iiwasim io`.
 
-use iiwa_view::{printable, table};
+use iiwa_json::printable;
+use iiwa_view::table;
 
 use crate::{
     args::{DriveAddress, IoAction},

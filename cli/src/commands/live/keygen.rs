@@ -4,7 +4,7 @@ use std::{fs, path::Path};
 
 use iiwa_link::security::{KeyPair, SecurityError};
 
-use iiwa_view::printable;
+use iiwa_json::printable;
 
 use crate::{args::Keygen, failure::Failure, output};
 

@@ -3,53 +3,63 @@
 use std::{
     iter,
     path::{Path as FilePath, PathBuf},
+    sync::Arc,
 };
 
 use iiwa_files::Output;
-use iiwa_kin::Robot;
+use iiwa_json::printable;
 use iiwa_link::{
     ClientError,
     message::{Request, Run as Measured},
 };
-use iiwa_log::{Config, PlanFigures, PlanOptions};
-use iiwa_path::warnings;
-use iiwa_program::Program;
+use iiwa_log::Config;
+use iiwa_plan::{PlanFigures, PlanGates, PlanOptions};
 use iiwa_scene::ArmInScene;
-use iiwa_traj::{Timing, Trajectory};
+use iiwa_traj::Timing;
 use iiwa_twin::runs::{began, label, longest_log, now, since_start};
-use iiwa_view::{PlanGates, RunReport, add_clearances, plan_table, printable, warning_lines};
+use iiwa_view::{RunReport, add_clearances, plan_table, warning_lines};
 
 use crate::{
     args::Run,
     connection,
     failure::{Failure, print_note},
-    input::{self, ProgramText},
-    output,
+    input, output,
     progress::Progress,
     runner::{connect, execute_with_progress, go_to_start, hint, recording, sampled},
 };
 
 /// Runs a program on the robot.
 pub(crate) fn run(options: &Run) -> Result<(), Failure> {
-    let (text, program, robot) = input::program(&options.program, options.robot.as_deref())?;
+    let mut input = input::program(&options.program, options.robot.as_deref())?;
+    // What is commanded point by point keeps strict limits of jerk.
+    let timing = if options.as_trajectory { Timing::jerk_limited() } else { Timing::default() };
+    input.request.options = PlanOptions::with_timing(timing);
     let target = target(options)?;
     let scene = options.scene.as_deref().map(input::scene).transpose()?;
     output::catch_interrupts();
-    let (plan, mut figures) = plan(&text, &program, &robot, options.as_trajectory)?;
+    let plan = input.plan()?;
+    let (robot, trajectory) = (plan.robot(), &plan.trajectory);
+    let mut figures = plan.figures();
     if let Some(scene) = &scene {
-        let arm = ArmInScene::new(&robot, scene);
-        plan.sections().iter().for_each(|section| add_clearances(&mut figures, &arm, section));
+        let arm = ArmInScene::new(robot, scene);
+        trajectory
+            .sections()
+            .iter()
+            .for_each(|section| add_clearances(&mut figures, &arm, section));
     }
-    let mut warnings = warnings(&program, plan.path());
-    warnings.extend(figures.torque_warnings());
-    print_note(&warning_lines(&warnings, None));
+    print_note(&warning_lines(&plan.warnings(&figures), None));
 
     // What would lose the recording is refused before the arm moves.
     let output = target.as_deref().map(Output::new).transpose()?;
     let file = |epoch| Config { epoch, names: options.ros.names(), ..Config::default() };
     if output.is_some() {
         let file = file(options.epoch.unwrap_or_else(now));
-        recording(&longest_log(plan.cycle_time_s()), file, &robot, text.complete())?;
+        recording(
+            &longest_log(trajectory.cycle_time_s()),
+            file,
+            robot,
+            input.source.text.complete(),
+        )?;
     }
     let mut line = connect(&options.drive, &options.stream)?;
     if !options.json {
@@ -57,16 +67,16 @@ pub(crate) fn run(options: &Run) -> Result<(), Failure> {
     }
     check_clearance(options, &figures)?;
     let request = if options.as_trajectory {
-        Request::trajectory(sampled(&plan)?)
+        Request::trajectory(sampled(trajectory)?)
     } else {
-        Request::motions(program)
+        Request::motions(Arc::unwrap_or_clone(input.source.program))
     };
-    let request = request.labelled(label(&stem(options), &figures, &robot));
-    go_to_start(&mut line, options.move_to_start, plan.path().start_rad(), &robot)?;
+    let request = request.labelled(label(&stem(options), &figures, robot));
+    go_to_start(&mut line, options.move_to_start, trajectory.path().start_rad(), robot)?;
     output::check_interrupt()?;
 
     let watched =
-        execute_with_progress(&mut line, &request, plan.cycle_time_s(), Progress::of_run());
+        execute_with_progress(&mut line, &request, trajectory.cycle_time_s(), Progress::of_run());
     let (measured, failure) = match watched.result {
         Ok(measured) => (measured, None),
         Err(ClientError::Refused { mut refusal, run }) => {
@@ -94,10 +104,10 @@ pub(crate) fn run(options: &Run) -> Result<(), Failure> {
     let written = target.as_deref().filter(|_| !log.t_s.is_empty());
     if let (Some(output), Some(_)) = (output, written) {
         let file = file(options.epoch.unwrap_or_else(|| began(&log)));
-        output.write(&recording(&log, file, &robot, text.complete())?)?;
+        output.write(&recording(&log, file, robot, input.source.text.complete())?)?;
         output.complete_always()?;
     }
-    let plan = iiwa_eval::Plan::from_trajectory(&plan);
+    let plan = iiwa_eval::Plan::from_trajectory(trajectory);
     let figures = RunReport::new(&plan, &log, failure.is_none(), written);
     if options.json {
         output::print_json(&figures)?;
@@ -137,20 +147,4 @@ fn check_clearance(options: &Run, figures: &PlanFigures) -> Result<(), Failure> 
         Some(how) => Err(Failure::Gate(format!("the program {how}; it was not run"))),
         None => Ok(()),
     }
-}
-
-fn plan(
-    text: &ProgramText,
-    program: &Program,
-    robot: &Robot,
-    as_trajectory: bool,
-) -> Result<(Trajectory, PlanFigures), Failure> {
-    // What is commanded point by point keeps strict limits of jerk.
-    let timing = if as_trajectory { Timing::jerk_limited() } else { Timing::default() };
-    let how = PlanOptions::with_timing(timing);
-    let plan = how
-        .plan(program, robot)
-        .map_err(|error| Failure::plan(&error, &program.sources, &text.name, &text.text))?;
-    let figures = PlanFigures::of(&plan, &how);
-    Ok((plan, figures))
 }

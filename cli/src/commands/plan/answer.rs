@@ -1,6 +1,6 @@
 //! The `--json` object of a plan.
 
-use iiwa_log::PlanFigures;
+use iiwa_plan::PlanFigures;
 use serde::Serialize;
 
 /// The figures, and the path of the file.

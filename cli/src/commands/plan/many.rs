@@ -8,8 +8,9 @@ use std::{
     sync::{Mutex, PoisonError},
 };
 
+use iiwa_json::printable;
 use iiwa_scene::Scene;
-use iiwa_view::{PlannedTimes, Summary, SummaryRow, printable, warning_lines};
+use iiwa_view::{PlannedTimes, Summary, SummaryRow, warning_lines};
 use rayon::{
     ThreadPoolBuilder,
     iter::{ParallelBridge, ParallelIterator},

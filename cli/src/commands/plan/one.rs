@@ -6,16 +6,14 @@ use std::{
     path::{Path, PathBuf},
 };
 
-use iiwa_kin::Robot;
-use iiwa_log::PlanFigures;
-use iiwa_program::Program;
+use iiwa_plan::PlanFigures;
 use iiwa_view::{assumption_lines, plan_table, warning_lines};
 
 use crate::{
     args::{Plan, Timing},
     failure::{Failure, print_note},
     features,
-    input::{self, ProgramText},
+    input::{self, Input},
     output, picture,
     progress::Progress,
     trace,
@@ -42,7 +40,7 @@ pub(super) fn run(options: &Plan, program: &Path) -> Result<(), Failure> {
     } else {
         input::program(program, options.robot.as_deref())?
     };
-    let named = if options.answering.is_given() { Path::new(&input.0.name) } else { program };
+    let named = if options.answering.is_given() { Path::new(&input.name) } else { program };
     let target = output_path(options, named);
     distinct(options, program, target.as_deref())?;
     let scene = scene(options)?;
@@ -62,12 +60,12 @@ pub(super) fn run(options: &Plan, program: &Path) -> Result<(), Failure> {
 
 /// The program of a Sunrise application.
 #[cfg(feature = "sunrise")]
-fn application(options: &Plan, project: &Path) -> Result<(ProgramText, Program, Robot), Failure> {
+fn application(options: &Plan, project: &Path) -> Result<Input, Failure> {
     crate::sunrise::program(project, &options.answering, options.robot.as_deref())
 }
 
 #[cfg(not(feature = "sunrise"))]
-fn application(_: &Plan, _: &Path) -> Result<(ProgramText, Program, Robot), Failure> {
+fn application(_: &Plan, _: &Path) -> Result<Input, Failure> {
     Err(features::SUNRISE.missing("the application of a Sunrise project"))
 }
 

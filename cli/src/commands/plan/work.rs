@@ -4,19 +4,18 @@ use std::path::Path;
 
 use bytesize::ByteSize;
 use iiwa_files::interrupt;
-use iiwa_kin::Robot;
-use iiwa_log::{PlanConfig, PlanFigures, PlanOptions, PlanWriter, Planning};
-use iiwa_path::{PathOptions, warnings};
-use iiwa_program::Program;
+use iiwa_log::{PlanConfig, PlanSize, PlanWriter};
+use iiwa_path::PathOptions;
+use iiwa_plan::{PlanFigures, PlanGates, PlanOptions, Planning, ProgramSource};
 use iiwa_scene::{ArmInScene, Scene};
 use iiwa_traj::SweepOptions;
-use iiwa_view::{PlanGates, PlanPicture, add_clearances, long_duration};
+use iiwa_view::{PlanPicture, add_clearances, long_duration};
 
 use crate::{
     args::Plan,
     arm_files::ArmFiles,
     failure::Failure,
-    input::{self, ProgramText},
+    input::{self, Input},
     output, picture,
     replaceable::Replaceable,
 };
@@ -42,26 +41,23 @@ pub(super) struct PlanOutcome {
 pub(super) fn write(
     options: &Plan,
     scene: Option<&Scene>,
-    (text, mut program, robot): (ProgramText, Program, Robot),
+    mut input: Input,
     target: Option<&Path>,
     mut progress: impl FnMut(f64),
 ) -> Result<PlanOutcome, Failure> {
-    let sources = program.sources.clone();
-    let refuse = |error| Failure::plan(&error, &sources, &text.name, &text.text);
-    if let Some(percent) = options.limit_torque {
-        program.workcell.torque_limit_rel = Some(percent / 100.0);
-    }
-    if let Some(percent) = options.speed_override {
-        program.workcell.speed_override = Some(percent / 100.0);
-    }
-    let mut planning = Planning::new(&program, &robot, &plan_options(options))
-        .map_err(|fault| refuse(fault.into()))?
-        .with_rate(options.rate)
-        .interrupted_by(interrupt::flag());
+    let request = &mut input.request;
+    request.options = plan_options(options);
+    request.torque_limit_rel = options.limit_torque.map(|percent| percent / 100.0);
+    request.speed_override = options.speed_override.map(|percent| percent / 100.0);
+    let planning = request.begin(&input.source).map_err(|error| input.refuse(&error))?;
+    let mut planning = planning.interrupted_by(interrupt::flag());
+    let robot = planning.robot().clone();
     let picture = options.picture.as_ref();
-    let mut picture = picture.map(|_| PlanPicture::new(&robot).with_frames(&program));
-    let mut warnings = warnings(&program, planning.path());
-    drop(program);
+    let mut picture = picture.map(|_| PlanPicture::new(&robot).with_frames(&input.source.program));
+    // The memory of the program is not needed any more.
+    let Input { name, source: ProgramSource { text, .. }, .. } = input;
+    let refuse = |error| Failure::program(&error, &name, text.as_read());
+    let mut size = PlanSize::new(options.rate);
     let files = ArmFiles::new(&options.arm)?;
     let meshes = files.map(|files| files.meshes(&robot)).transpose()?;
     let arm = scene.map(|scene| match &meshes {
@@ -87,18 +83,17 @@ pub(super) fn write(
     let mut tables = Tables::new(options)?;
     while let Some(section) = planning.next() {
         output::check_interrupt()?;
-        let section = section.map_err(|error| refuse(error.into()))?;
+        let section = section.map_err(refuse)?;
+        size.add(&section);
         if let Some(arm) = &arm {
             add_clearances(planning.figures_mut(), arm, &section);
         }
-        if let (Some(writer), Some(output)) = (&mut writer, &output) {
-            if planning.size().bytes() > options.max_file_size.as_u64() {
-                return Err(too_large(options, planning));
-            }
-            writer.section(&section).map_err(|error| output.failure(error))?;
+        let is_written = writer.is_some() || !tables.is_empty();
+        if is_written && size.bytes() > options.max_file_size.as_u64() {
+            return Err(too_large(options, planning, size));
         }
-        if !tables.is_empty() && planning.size().bytes() > options.max_file_size.as_u64() {
-            return Err(too_large(options, planning));
+        if let (Some(writer), Some(output)) = (&mut writer, &output) {
+            writer.section(&section).map_err(|error| output.failure(error))?;
         }
         tables.add(&section)?;
         if let Some(picture) = &mut picture {
@@ -120,8 +115,8 @@ pub(super) fn write(
     for whole in output.into_iter().chain(drawing).chain(tables.finish()?) {
         whole.complete()?;
     }
-    warnings.extend(planning.figures().torque_warnings());
-    Ok(PlanOutcome { figures: planning.into_figures(), warnings })
+    let (figures, warnings) = planning.finish();
+    Ok(PlanOutcome { figures, warnings })
 }
 
 /// The gates that the options set.
@@ -144,11 +139,11 @@ fn plan_options(options: &Plan) -> PlanOptions {
     }
 }
 
-/// The failure of a program whose file would be too large, with the size of the whole file; `planning` has the
-/// remaining sections.
-fn too_large(options: &Plan, mut planning: Planning) -> Failure {
-    planning.by_ref().take_while(|_| !interrupt::has_come()).for_each(drop);
-    let size = planning.size();
+/// The failure of a program whose file would be too large, with the size of the whole file: `size` is that of the sections
+/// before those of `planning`.
+fn too_large(options: &Plan, planning: Planning, mut size: PlanSize) -> Failure {
+    let planned = planning.take_while(|_| !interrupt::has_come());
+    planned.flatten().for_each(|section| size.add(&section));
     Failure::input(format!(
         "the program takes {}: at {} Hz its file would have about {}, more than the {} of --max-file-size; \
          lower --rate, raise --max-file-size, or print the figures only with --no-output",

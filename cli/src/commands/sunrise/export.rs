@@ -3,16 +3,15 @@
 use std::{fs, path::Path};
 
 use iiwa_files::write_folder;
-use iiwa_json::{Step, locate};
+use iiwa_json::{Step, locate, printable};
 use iiwa_program::MotionIndex;
 use iiwa_sunrise::{ExportError, ExportOptions, ExportedProject};
-use iiwa_view::printable;
 use serde::Serialize;
 
 use crate::{
     args::Export,
     failure::{Failure, print_note},
-    input::{self, ProgramText},
+    input::{self, Input},
     output,
 };
 
@@ -20,14 +19,15 @@ use crate::{
 pub(crate) fn run(options: &Export) -> Result<(), Failure> {
     let folder = options.output.as_path();
     keep_existing(folder, options.overwrite)?;
-    let (text, program, robot) = input::program(&options.program, options.robot.as_deref())?;
+    let input = input::program(&options.program, options.robot.as_deref())?;
+    let robot = input.robot()?;
     let name = match options.program.file_stem() {
         Some(stem) if options.program != Path::new("-") => stem.to_string_lossy().into_owned(),
         _ => "motion program".to_owned(),
     };
     let how = ExportOptions { name, class: options.name.clone() };
-    let project =
-        ExportedProject::new(&program, &robot, &how).map_err(|error| refused(&error, &text))?;
+    let project = ExportedProject::new(&input.source.program, &robot, &how)
+        .map_err(|error| refused(&error, &input))?;
     let java = project.java_file();
     let data_file = ExportedProject::DATA_FILE;
     let files = [
@@ -75,19 +75,20 @@ fn keep_existing(folder: &Path, overwrite: bool) -> Result<(), Failure> {
 }
 
 /// A program that cannot be exported, with the place of the fault.
-fn refused(error: &ExportError, text: &ProgramText) -> Failure {
+fn refused(error: &ExportError, input: &Input) -> Failure {
+    let (name, text) = (&input.name, input.source.text.as_read());
     let motion = |motion: &MotionIndex| vec![Step::Key("motions"), Step::Index(motion.index())];
     let place = match error {
-        ExportError::Fault(fault) => fault.place_in(&text.text),
+        ExportError::Fault(fault) => fault.place_in(text),
         ExportError::NotInSunrise { motion: at, key, .. } => {
             let mut steps = motion(at);
             steps.push(Step::Key(key));
-            locate(&text.text, &steps)
+            locate(text, &steps)
         }
-        ExportError::Name { motion: Some(at), .. } => locate(&text.text, &motion(at)),
-        error => return Failure::input(format!("{}: {error}{}", text.name, hint(error))),
+        ExportError::Name { motion: Some(at), .. } => locate(text, &motion(at)),
+        error => return Failure::input(format!("{name}: {error}{}", hint(error))),
     };
-    Failure::in_text(&error.to_string(), &place, &text.name, &text.text)
+    Failure::in_text(&error.to_string(), &place, name, text)
 }
 
 /// The option that mends it.

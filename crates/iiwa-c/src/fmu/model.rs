@@ -66,7 +66,7 @@ const BEGINNING: Moment =
 
 impl Model {
     pub(super) fn new(planned: Planned) -> Self {
-        let arm = IiwasimState::of(&planned, &planned.trajectory.at(0.0));
+        let arm = IiwasimState::of(&planned, &planned.trajectory().at(0.0));
         let mut model = Self { planned, moment: BEGINNING, arm };
         model.restore(BEGINNING);
         model
@@ -79,7 +79,7 @@ impl Model {
     /// Goes to a moment that it was at before.
     pub(super) fn restore(&mut self, moment: Moment) {
         self.moment = moment;
-        let end_s = self.planned.trajectory.cycle_time_s();
+        let end_s = self.planned.trajectory().cycle_time_s();
         let (program_s, rate, runs) = match moment.progress {
             Progress::Waiting => (0.0, 0.0, false),
             Progress::Running { rate, .. } => {
@@ -87,7 +87,7 @@ impl Model {
             }
             Progress::Done => (end_s, 0.0, false),
         };
-        let arm = IiwasimState::of(&self.planned, &self.planned.trajectory.at(program_s));
+        let arm = IiwasimState::of(&self.planned, &self.planned.trajectory().at(program_s));
         self.arm = IiwasimState {
             dq: arm.dq.map(|dq| rate * dq),
             motion: if runs { arm.motion } else { 0 },
@@ -129,7 +129,7 @@ impl Model {
             (Progress::Waiting | Progress::Done, _) if start && !was_start => from(0.0),
             _ => progress,
         };
-        let end_s = self.planned.trajectory.cycle_time_s() - ROUNDING_S;
+        let end_s = self.planned.trajectory().cycle_time_s() - ROUNDING_S;
         let is_over = progress.program_s(now_s).is_some_and(|program_s| program_s >= end_s);
         let progress = if is_over { Progress::Done } else { progress };
         self.restore(Moment { time_s: now_s, was_start: start, progress, ..self.moment });
@@ -192,11 +192,12 @@ fn not_an_input(variable: Variable, kind: &str) -> Misuse {
 
 #[cfg(test)]
 mod tests {
+    use iiwa_plan::ProgramSource;
+
     use super::{Misuse, Model};
     use crate::{
         fmu::variables::Variable,
         planned::{Choices, Planned},
-        source::ProgramSource,
     };
 
     /// A model, and the same plan beside it.
@@ -214,10 +215,10 @@ mod tests {
         model.begin(1e3).unwrap();
         model.set_boolean(Variable::Start, true).unwrap();
         let mut time_s = 1e3;
-        while time_s < 1e3 + plan.trajectory.cycle_time_s() {
+        while time_s < 1e3 + plan.trajectory().cycle_time_s() {
             model.step(time_s, 1e-4).unwrap();
             time_s += 1e-4;
-            let expected = plan.trajectory.at(time_s - 1e3);
+            let expected = plan.trajectory().at(time_s - 1e3);
             assert_eq!(model.float64(Variable::Q(3)), Some(expected.q[3]));
         }
         assert_eq!(model.boolean(Variable::Done), Some(true));
@@ -230,7 +231,7 @@ mod tests {
         model.set_boolean(Variable::Start, true).unwrap();
         model.set_float64(Variable::Override, 0.25).unwrap();
         model.step(0.0, 1.0).unwrap();
-        let expected = plan.trajectory.at(0.25);
+        let expected = plan.trajectory().at(0.25);
         assert_eq!(model.float64(Variable::Q(0)), Some(expected.q[0]));
         assert_eq!(model.float64(Variable::Dq(0)), Some(0.25 * expected.dq[0]));
         model.set_float64(Variable::Override, 0.0).unwrap();

@@ -5,10 +5,11 @@ use std::{collections::BTreeMap, fs, path::Path};
 use iiwa_kin::Robot;
 
 use super::description::description;
+use iiwa_plan::ProgramSource;
+
 use crate::{
     failure::{Failure, FailureKind},
     planned::{Choices, Planned, to_json},
-    source::ProgramSource,
 };
 
 /// The texts of the files in `resources/`.
@@ -60,7 +61,7 @@ pub(crate) fn fmu_files(
         ));
     }
     let resources = Resources::of(planned)?;
-    let description = description(name, &resources.token(), planned.trajectory.cycle_time_s());
+    let description = description(name, &resources.token(), planned.trajectory().cycle_time_s());
     let Resources { program, robot, options } = resources;
     let files = [(PROGRAM, program), (ROBOT, robot), (OPTIONS, options)];
     let files = files.map(|(name, text)| (format!("resources/{name}"), text));

@@ -1,7 +1,7 @@
 //! What a planner makes of a load, from swings without and with it.
 
 use iiwa_kin::{Joints, Load, Robot};
-use iiwa_log::PlanOptions;
+use iiwa_plan::PlanOptions;
 use iiwa_program::{Motion, Ptp};
 use iiwa_traj::{PlanError, Timing};
 

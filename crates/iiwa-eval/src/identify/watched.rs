@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use iiwa_kin::{Joints, Pose, Robot};
 use iiwa_log::JointLog;
-use iiwa_path::{JointPath, Segment, Step};
+use iiwa_path::{JointPath, PathOptions, Segment, Step};
 use iiwa_program::{Course, Fault, Motion, MotionIndex, OrientationType, Program};
 
 use crate::noise::Noise;
@@ -46,9 +46,12 @@ impl<'a> Watched<'a> {
         let override_share = program.workcell.speed_override.unwrap_or(1.0);
         let mut at_full = program.clone();
         at_full.workcell.speed_override = None;
-        let path = JointPath::new(&at_full, model)?;
+        // Recordings may be of another robot than the one that their programs name.
+        let path_of =
+            |program: &Program| JointPath::on_other_robot(program, model, PathOptions::default());
+        let path = path_of(&at_full)?;
         let mut motions = vec![Vec::new(); program.motions.len()];
-        for step in JointPath::new(&without_blends(program), model)?.steps() {
+        for step in path_of(&without_blends(program))?.steps() {
             if let Step::Move { motion, segment, .. } = step {
                 motions[motion.index()].push(Arc::clone(segment));
             }

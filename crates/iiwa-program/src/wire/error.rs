@@ -12,7 +12,7 @@ use crate::{
 pub(super) const VERSION: u64 = 1;
 
 /// Why a text cannot be read as a motion program.
-#[derive(Debug, thiserror::Error)]
+#[derive(Clone, Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum ProgramError {
     /// The text is not JSON, or not the JSON that is asked for.
@@ -79,6 +79,16 @@ impl ProgramError {
             | Self::Include { place, .. }
             | Self::Included { place, .. }
             | Self::Fault { place, .. } => place,
+        }
+    }
+
+    /// The motion at fault, if it is one.
+    #[must_use]
+    pub fn motion(&self) -> Option<MotionIndex> {
+        match self {
+            Self::Json { motion, .. } => *motion,
+            Self::Fault { fault, .. } => fault.motion(),
+            Self::Version { .. } | Self::Include { .. } | Self::Included { .. } => None,
         }
     }
 

@@ -5,8 +5,8 @@ use iiwa_eval::{
     identify::{Identified, LeftOut, Recording, identify},
 };
 use iiwa_kin::Robot;
-use iiwa_log::PlanOptions;
 use iiwa_path::{JointPath, PathOptions};
+use iiwa_plan::PlanOptions;
 use iiwa_traj::{Timing, Trajectory};
 
 use crate::ViewError;

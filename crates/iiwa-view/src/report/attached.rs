@@ -3,9 +3,8 @@
 use std::io::Cursor;
 
 use iiwa_kin::Robot;
-use iiwa_log::{PlanConfig, PlanOptions, PlanWriter, Planning};
-use iiwa_program::Program;
-use iiwa_traj::PlanError;
+use iiwa_log::{PlanConfig, PlanSize, PlanWriter};
+use iiwa_plan::{PlanRequest, ProgramSource};
 
 use crate::{ViewError, long_duration};
 
@@ -25,21 +24,21 @@ pub(crate) fn plan(
 }
 
 fn made(text: &str, robot: &Robot, interrupted: fn() -> bool) -> Result<Source, ViewError> {
-    let refuse = |source: PlanError| ViewError::Planning { name: "program.json".into(), source };
-    let program =
-        Program::from_json(text).map_err(|error| ViewError::Program { what: error.what() })?;
-    let mut planning = Planning::new(&program, robot, &PlanOptions::default())
-        .map_err(|fault| refuse(fault.into()))?;
-    let stream = Cursor::new(Vec::new());
-    let mut writer = PlanWriter::new(stream, robot, PlanConfig::default())?;
-    while let Some(section) = planning.next() {
+    let refuse = |error| ViewError::RecordedProgram { source: Box::new(error) };
+    let request = PlanRequest { robot: Some(robot.clone()), ..PlanRequest::default() };
+    let source = ProgramSource::from_json(text).map_err(refuse)?;
+    let mut planning = request.begin(&source).map_err(refuse)?;
+    let config = PlanConfig::default();
+    let mut size = PlanSize::new(config.rate_hz);
+    let mut writer = PlanWriter::new(Cursor::new(Vec::new()), robot, config)?;
+    for section in planning.by_ref() {
         if interrupted() {
             return Err(ViewError::Interrupted);
         }
-        let section = section.map_err(|error| refuse(error.into()))?;
-        if planning.size().bytes() > MOST_BYTES {
-            let duration = long_duration(planning.size().duration_s());
-            return Err(ViewError::TooLong { duration });
+        let section = section.map_err(refuse)?;
+        size.add(&section);
+        if size.bytes() > MOST_BYTES {
+            return Err(ViewError::TooLong { duration: long_duration(size.duration_s()) });
         }
         writer.section(&section)?;
     }

@@ -6,7 +6,8 @@ use iiwa_link::{
     ClientError,
     message::{Request, Samples},
 };
-use iiwa_log::{JointLog, PlanFigures, PlanOptions};
+use iiwa_log::JointLog;
+use iiwa_plan::{PlanFigures, PlanOptions};
 use iiwa_twin::runs::{DriveConnection, label};
 use iiwa_view::VirtualArm;
 

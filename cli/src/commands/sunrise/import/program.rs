@@ -6,9 +6,9 @@ use std::{
 };
 
 use iiwa_application::{Application as Found, ImportError};
+use iiwa_json::printable;
 use iiwa_kin::Robot;
 use iiwa_sunrise::{DataFile, ProjectData};
-use iiwa_view::printable;
 
 use crate::{
     args::Import as ImportArgs,

@@ -1,9 +1,9 @@
 //! Gates of a plan: how long it may take, how near the arm may come to obstacles, what its joints may exert.
 
-use iiwa_log::{ClearanceRecord, LargestTorque, PlanFigures, SelfClearanceRecord};
-use iiwa_scene::part_name;
+use iiwa_json::printable;
+use iiwa_kin::part_name;
 
-use crate::printable;
+use crate::{ClearanceRecord, LargestTorque, PlanFigures, SelfClearanceRecord};
 
 /// What a plan may take at most, how near the arm may come to obstacles, and what its joints may exert.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

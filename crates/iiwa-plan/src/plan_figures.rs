@@ -1,7 +1,6 @@
 //! The figures of a plan: its times, its motions and its blends.
 
 use std::borrow::Cow;
-use std::collections::BTreeMap;
 use std::fmt;
 use std::iter::zip;
 
@@ -12,7 +11,6 @@ use iiwa_traj::{
     TorqueFigures, Totals, Trajectory,
 };
 use serde::{Deserialize, Serialize};
-use serde_json::Value;
 
 use crate::torque_record::{EnergyRecord, LargestTorque, PowerRecord, TorqueRecord};
 use crate::{
@@ -358,13 +356,12 @@ impl PlanFigures {
     /// The torque that is the largest share of its limit; none of figures without torques.
     ///
     /// ```
-    /// use iiwa_kin::{Joint, Robot};
-    /// use iiwa_log::{PlanFigures, PlanOptions};
+    /// use iiwa_kin::Joint;
+    /// use iiwa_plan::{PlanRequest, ProgramSource};
     /// use iiwa_program::Program;
     ///
     /// let program = Program::from_deg([0.0, 90.0, 0.0, 0.0, 0.0, 0.0, 0.0]).wait_s(1.0).build();
-    /// let options = PlanOptions::default();
-    /// let figures = PlanFigures::of(&options.plan(&program, &Robot::default())?, &options);
+    /// let figures = PlanRequest::default().plan(&ProgramSource::from(program))?.figures();
     /// let largest = figures.largest_torque().ok_or("no motion")?;
     /// assert_eq!(largest.joint, Joint::A2);
     /// assert_eq!(largest.to_string(), "37 % of A2's, -65.3 Nm in motion 1 at 0.000 s");
@@ -395,30 +392,6 @@ impl PlanFigures {
         }
         warnings
     }
-
-    /// An entry for each key: texts as they are, everything else as JSON.
-    pub(crate) fn to_metadata(&self) -> BTreeMap<String, String> {
-        let Ok(Value::Object(object)) = serde_json::to_value(self) else {
-            return BTreeMap::new();
-        };
-        let text = |value| match value {
-            Value::String(text) => text,
-            other => other.to_string(),
-        };
-        object.into_iter().map(|(key, value)| (key, text(value))).collect()
-    }
-
-    /// The figures in these entries; none if they are not those of a plan.
-    pub(crate) fn from_metadata(entries: &BTreeMap<String, String>) -> Option<Self> {
-        serde_json::from_value(to_json(entries)).ok()
-    }
-}
-
-/// The entries as a JSON object: an entry that is JSON is taken as such, any other one is a text.
-pub(crate) fn to_json(entries: &BTreeMap<String, String>) -> Value {
-    let value =
-        |text: &String| serde_json::from_str(text).unwrap_or_else(|_| Value::String(text.clone()));
-    Value::Object(entries.iter().map(|(key, text)| (key.clone(), value(text))).collect())
 }
 
 impl From<Limit> for LimitRecord {

@@ -1,8 +1,7 @@
 //! What is odd about a program that can be planned.
 
+use iiwa_path::{JointPath, TurnContradiction};
 use iiwa_program::{Program, Start};
-
-use crate::{JointPath, TurnContradiction};
 
 /// What is odd about a program with this path, in sentences for people: a start that leaves open how the arm stands, targets
 /// whose turn is not that of the joints there, splines in which the TCP stops, and a blend into nothing.

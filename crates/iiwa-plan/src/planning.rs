@@ -1,0 +1,115 @@
+//! Planning section by section.
+
+use std::sync::{Arc, atomic::AtomicBool};
+
+use iiwa_kin::Robot;
+use iiwa_path::JointPath;
+use iiwa_program::Sources;
+use iiwa_traj::{Planner, Section};
+
+use crate::{Error, PlanFigures, PlanOptions, ProgramText};
+
+/// The planning of a program section by section: an iterator that keeps the figures up to date. It needs memory for one
+/// section, the figures and the path.
+///
+/// ```
+/// use iiwa_plan::{PlanRequest, ProgramSource};
+///
+/// let text = r#"{ "version": 1, "start": { "joints_deg": [-20, 0, 0, 0, 0, 0, 0] },
+///     "motions": [{ "type": "ptp", "joints_deg": [20, 0, 0, 0, 0, 0, 0] }] }"#;
+/// let mut planning = PlanRequest::default().begin(&ProgramSource::from_json(text)?)?;
+/// while let Some(section) = planning.next() {
+///     // Written, sent or dropped before the next one is planned.
+///     section?;
+/// }
+/// assert!((planning.figures().cycle_time_s - 0.798).abs() < 1e-3);
+/// # Ok::<(), iiwa_plan::Error>(())
+/// ```
+#[derive(Debug)]
+pub struct Planning {
+    planner: Planner,
+    figures: PlanFigures,
+    /// Warnings about the program.
+    warnings: Vec<String>,
+    text: ProgramText,
+    sources: Sources,
+}
+
+impl Planning {
+    pub(crate) fn new(
+        path: &JointPath,
+        options: &PlanOptions,
+        warnings: Vec<String>,
+        text: ProgramText,
+        sources: Sources,
+    ) -> Self {
+        Self {
+            planner: Planner::new(path, options.timing),
+            figures: PlanFigures::new(options.timing, path.robot(), options.samples),
+            warnings,
+            text,
+            sources,
+        }
+    }
+
+    /// Ends in an [interrupt](Error::is_interrupt) soon after `stop` is set.
+    #[must_use]
+    pub fn interrupted_by(self, stop: Arc<AtomicBool>) -> Self {
+        Self { planner: self.planner.interrupted_by(stop), ..self }
+    }
+
+    /// The path of the program.
+    #[must_use]
+    pub fn path(&self) -> &JointPath {
+        self.planner.path()
+    }
+
+    /// The robot that the program is planned for.
+    #[must_use]
+    pub fn robot(&self) -> &Robot {
+        self.path().robot()
+    }
+
+    /// The text of the program.
+    #[must_use]
+    pub fn text(&self) -> &ProgramText {
+        &self.text
+    }
+
+    /// The figures so far.
+    #[must_use]
+    pub fn figures(&self) -> &PlanFigures {
+        &self.figures
+    }
+
+    /// The figures so far, to add what only the caller knows, such as clearances.
+    pub fn figures_mut(&mut self) -> &mut PlanFigures {
+        &mut self.figures
+    }
+
+    /// The figures at the end, and warnings about the program and its torques, for people.
+    #[must_use]
+    pub fn finish(self) -> (PlanFigures, Vec<String>) {
+        let mut warnings = self.warnings;
+        warnings.extend(self.figures.torque_warnings());
+        (self.figures, warnings)
+    }
+
+    /// The share of the program that is planned, 0 to 1.
+    #[must_use]
+    pub fn progress(&self) -> f64 {
+        self.planner.progress()
+    }
+}
+
+impl Iterator for Planning {
+    type Item = Result<Section, Error>;
+
+    fn next(&mut self) -> Option<Self::Item> {
+        let section = self.planner.next()?;
+        if let Ok(section) = &section {
+            self.figures.add(section);
+        }
+        Some(section.map_err(|error| Error::plan(error.into(), &self.sources, self.text.as_read())))
+    }
+}

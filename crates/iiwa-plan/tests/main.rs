@@ -1,0 +1,4 @@
+//! Sources and requests: robots, limits, files and the places of errors.
+
+mod robots;
+mod sources;

@@ -1,0 +1,37 @@
+//! One implementation of what all front ends do: read a program with its files, choose its robot, plan it, warn.
+
+use std::collections::BTreeMap;
+
+use crate::tests::architecture::offenders::forbid;
+use crate::tests::architecture::sources::{files, root, shown, text};
+
+/// A call, and the folders that may make it.
+const CALLS: [(&str, &[&str]); 6] = [
+    ("Planner::new(", &["crates/iiwa-traj", "crates/iiwa-plan"]),
+    ("Program::from_json_with(", &["crates/iiwa-program", "crates/iiwa-plan"]),
+    ("Program::merged_json(", &["crates/iiwa-program", "crates/iiwa-plan"]),
+    ("JointPath::on_other_robot(", &["crates/iiwa-path", "crates/iiwa-plan", "crates/iiwa-eval"]),
+    (".torque_warnings()", &["crates/iiwa-plan"]),
+    ("TurnContradiction::all(", &["crates/iiwa-path", "crates/iiwa-plan"]),
+];
+
+#[test]
+fn front_ends_plan_by_requests() {
+    let mut wrong = BTreeMap::new();
+    for folder in ["crates", "cli/src", "python/src"] {
+        for file in files(&root().join(folder), &["rs"]) {
+            let name = shown(&file);
+            if name.contains("/tests/") {
+                continue;
+            }
+            let code: String =
+                text(&file).lines().filter(|line| !line.trim_start().starts_with("//")).collect();
+            for (call, allowed) in CALLS {
+                if code.contains(call) && !allowed.iter().any(|folder| name.starts_with(folder)) {
+                    wrong.insert(format!("{name}: {call}"), allowed.join(", "));
+                }
+            }
+        }
+    }
+    forbid("use case", &wrong, "Ask iiwa-plan for it: ProgramSource, PlanRequest, Planning.");
+}
