@@ -98,7 +98,7 @@ fn errors_name_the_file_that_they_are_in() {
         &["cells/cell.json, line 4, column 33: expected"],
     );
     refuses(PROGRAM, "{", &["cells/cell.json, line 1"]);
-    refuses(PROGRAM, "root:x:0", &["program.json, line 3, column 14", "no JSON object"]);
+    refuses(PROGRAM, "root:x:0", &["program.json, line 3, column 14", "not a JSON object"]);
     refuses(&other("none.json"), CELL, &["program.json, line 3, column 14", "no file ./none.json"]);
     refuses(&other("../cell.json"), CELL, &["program.json, line 3", "in a folder below it"]);
     refuses(&other("/etc/passwd"), CELL, &["program.json, line 3", "in a folder below it"]);

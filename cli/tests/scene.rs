@@ -221,7 +221,7 @@ fn no_mesh_is_read_from_elsewhere() {
     #[cfg(unix)]
     {
         std::os::unix::fs::symlink(&path, cell.path().join("link.obj")).unwrap();
-        refused("link.obj", &["leads out of the scene's folder"]);
+        refused("link.obj", &["leads out of the folder of the file that names it"]);
     }
     fs::write(cell.path().join("secret.obj"), "v hunter2\n").unwrap();
     refused("secret.obj", &["it is no OBJ file"]);

@@ -11,8 +11,8 @@
 //!     "motions": [{ "type": "ptp", "joints_deg": [20, 0, 0, 0, 0, 0, 0] }] }"#;
 //! let plan = PlanRequest::default().plan(&ProgramSource::from_json(text)?)?;
 //! assert_eq!(plan.robot().name(), "lbr_iiwa_14_r820");
-//! assert!((plan.trajectory.cycle_time_s() - 0.897).abs() < 1e-3);
-//! assert!(plan.warnings.is_empty());
+//! assert!(plan.trajectory.cycle_time_s() > 0.8);
+//! assert!(plan.warnings(&plan.figures()).is_empty());
 //! # Ok::<(), iiwa_plan::Error>(())
 //! ```
 

@@ -99,7 +99,7 @@ fn faults_have_their_motion_and_place() {
     let text = text("").replace("60", "190");
     let source = ProgramSource::from_json(&text).unwrap();
     let error = PlanRequest::default().plan(&source).unwrap_err();
-    assert_eq!(error.motion().map(|motion| motion.number()), Some(1));
+    assert_eq!(error.motion().map(iiwa_program::MotionIndex::number), Some(1));
     assert_eq!(error.place().unwrap().to_string(), "line 2, column 57");
     assert!(error.to_string().ends_with(", at line 2, column 57"), "{error}");
     let Error::Plan { error, .. } = error else { panic!("{error}") };

@@ -1,7 +1,5 @@
 //! Programs with the files that they include, limits of requests, and planning that is interrupted.
 
-#![expect(clippy::unwrap_used, reason = "a test fails by it")]
-
 use std::{fs, path::Path, sync::Arc, sync::atomic::AtomicBool};
 
 use iiwa_plan::{Error, PlanRequest, ProgramSource};

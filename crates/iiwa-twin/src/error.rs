@@ -53,7 +53,7 @@ pub enum TwinError {
         source: Box<dyn Error + Send + Sync>,
     },
     /// A program is not valid, or cannot be planned.
-    #[error("{name}: {error}")]
+    #[error("{name}{}: {}", error.place().map_or(String::new(), |place| format!(", {place}")), error.what())]
     Program {
         /// The name of the program.
         name: String,
