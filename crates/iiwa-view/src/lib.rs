@@ -12,6 +12,7 @@
 //! - [`ComparisonReport`], [`IdentificationReport`], [`ImportReport`], [`plan_table`] and [`Summary`] put results
 //!   into words and tables.
 
+mod arm_look;
 mod comparison_report;
 mod duration;
 mod error;

@@ -1,7 +1,7 @@
 //! The page that follows a robot: its markup, its style and its scripts, but not its server.
 
+use crate::arm_look::Look;
 use iiwa_kin::{Joints, Robot};
-use iiwa_look::Look;
 use iiwa_scene::{ArmMeshes, Scene};
 use serde::Serialize;
 

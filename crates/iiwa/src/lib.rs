@@ -55,8 +55,6 @@ pub use iiwa_kin as kin;
 pub use iiwa_link as link;
 #[cfg(feature = "log")]
 pub use iiwa_log as log;
-#[cfg(feature = "view")]
-pub use iiwa_look as look;
 #[cfg(feature = "plan")]
 pub use iiwa_path as path;
 #[cfg(feature = "plan")]

@@ -3,7 +3,7 @@
 use iiwa_kin::Joints;
 use serde::Serialize;
 
-use iiwa_look::Packed;
+use crate::arm_look::Packed;
 
 /// Poses of an arm at most: an hour has ten a second, and the arm moves evenly in between.
 const POSES: usize = 36_000;

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use iiwa_look::Packed;
+use crate::arm_look::Packed;
 
 /// Columns of a curve at most: more than any screen has, so that there is something to zoom into.
 const COLUMNS: usize = 8000;

@@ -5,10 +5,10 @@ use std::{
     path::Path,
 };
 
+use crate::arm_look::Look;
 use iiwa_eval::{Comparison, Plan, TracePoint};
 use iiwa_kin::{Joints, Robot};
 use iiwa_log::{LogOptions, Loss, PlanPiece};
-use iiwa_look::Look;
 use iiwa_program::{Blend, LimitKind, Motion, Program};
 use iiwa_scene::{ArmInScene, ArmMeshes, Scene};
 use serde::Serialize;

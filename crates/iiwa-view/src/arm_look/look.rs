@@ -4,7 +4,7 @@ use iiwa_kin::Robot;
 use iiwa_scene::{ArmMeshes, Patch};
 use serde::Serialize;
 
-use crate::{
+use super::{
     packed::Packed,
     shells,
     skin::{Paint, Skin},
@@ -14,7 +14,7 @@ use crate::{
 
 /// What the arm looks like, link by link, each in its link's frame.
 #[derive(Clone, Debug, Default, Serialize)]
-pub struct Look {
+pub(crate) struct Look {
     links: Vec<Vec<PackedSurface>>,
     /// Whether what is inside cannot be seen.
     is_closed: bool,
@@ -43,13 +43,13 @@ struct PackedSurface {
 impl Look {
     /// The shells of our own.
     #[must_use]
-    pub fn own(robot: &Robot) -> Self {
+    pub(crate) fn own(robot: &Robot) -> Self {
         Self::packed(&shells::shells(robot), true)
     }
 
     /// The meshes of a user.
     #[must_use]
-    pub fn of_meshes(meshes: &ArmMeshes) -> Self {
+    pub(crate) fn of_meshes(meshes: &ArmMeshes) -> Self {
         let links = meshes.visual.iter().map(|patches| painted(patches));
         let (places, soups): (Vec<_>, Vec<_>) = links
             .enumerate()
