@@ -3,11 +3,11 @@
 use std::{error::Error, io, path::PathBuf};
 
 use iiwa_files::OutputError;
+use iiwa_foxglove::ViewersError;
 use iiwa_json::Place;
 use iiwa_link::LinkError;
 use iiwa_log::WriteError;
 use iiwa_view::ViewError;
-use iiwa_viewers::ViewersError;
 
 /// A failure of the twin.
 #[derive(Debug, thiserror::Error)]

@@ -7,10 +7,10 @@ use std::{
 };
 
 use iiwa_files::interrupt;
+use iiwa_foxglove::Viewers;
 use iiwa_kin::Joints;
 use iiwa_link::{Lag, Published};
 use iiwa_view::NearestPlaces;
-use iiwa_viewers::Viewers;
 use serde::Serialize;
 
 use crate::{

@@ -8,11 +8,11 @@ use std::{
 };
 
 use iiwa_files::interrupt;
+use iiwa_foxglove::Viewers;
 use iiwa_link::{
     Client, ClientError,
     message::{Code, Conditions, Direction, DriveState, IoValue, Sensors, Signal, Status},
 };
-use iiwa_viewers::Viewers;
 use serde::Serialize;
 
 use crate::{

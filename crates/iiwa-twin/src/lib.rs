@@ -7,7 +7,7 @@
 //!
 //! The server bounds the number of connections, admits those that have the token, and exchanges messages and
 //! requests with pages. A stop has a connection to the drive of its own. The same data is published to
-//! viewers on request ([`iiwa_viewers`]).
+//! viewers on request ([`iiwa_foxglove`]).
 //!
 //! A program makes a [`Setup`] and a [`Twin`] of it, and gives that a socket. What pages show of errors is in the
 //! program's own words ([`Wording`]). How a task is run through a drive and recorded is in [`runs`], which serves

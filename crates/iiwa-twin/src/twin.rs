@@ -7,7 +7,7 @@ use std::{
 };
 
 use iiwa_files::interrupt;
-use iiwa_viewers::Viewers;
+use iiwa_foxglove::Viewers;
 
 use crate::{
     Setup, TwinError,

@@ -30,7 +30,7 @@
 //! | `drive` | `drive` | the drive |
 //! | `cabinet` | `cabinet` | a simulated controller for it |
 //! | `view` | `view` | pages, pictures and reports as text |
-//! | `viewers` | `viewers` | the robot live in Foxglove and Lichtblick |
+//! | `foxglove` | `foxglove` | the robot live in Foxglove and Lichtblick |
 //! | `bridge` | `bridge` | robots to Kafka and MQTT, and requests back |
 //! | `full` | all | |
 //!
@@ -46,6 +46,8 @@ pub use iiwa_cabinet as cabinet;
 pub use iiwa_drive as drive;
 #[cfg(feature = "eval")]
 pub use iiwa_eval as eval;
+#[cfg(feature = "foxglove")]
+pub use iiwa_foxglove as foxglove;
 #[cfg(feature = "fri")]
 pub use iiwa_fri as fri;
 #[cfg(feature = "plan")]
@@ -71,8 +73,6 @@ pub use iiwa_sunrise as sunrise;
 pub use iiwa_traj as traj;
 #[cfg(feature = "view")]
 pub use iiwa_view as view;
-#[cfg(feature = "viewers")]
-pub use iiwa_viewers as viewers;
 
 pub mod prelude;
 

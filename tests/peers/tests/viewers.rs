@@ -15,7 +15,7 @@ use iiwa_log::{Arm, Encoder, Frame, Topic};
 use iiwasim_tests::{ports::free_address, starts};
 use serde_json::{Value, json};
 
-use iiwa_viewers::Viewers;
+use iiwa_foxglove::Viewers;
 
 use self::viewer::Viewer;
 

@@ -2,9 +2,9 @@
 
 use std::net::{Ipv4Addr, SocketAddr, TcpListener};
 
+use iiwa_foxglove::Viewers;
 use iiwa_kin::{Robot, RosNames};
 use iiwa_twin::{Setup, Twin, TwinError, TwinOptions};
-use iiwa_viewers::Viewers;
 
 use crate::{
     args,
