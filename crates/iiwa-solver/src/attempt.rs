@@ -5,12 +5,11 @@
 
 use std::{ops::Range, sync::atomic::AtomicBool};
 
-use iiwa_kin::Joints;
 use iiwa_program::{ByKind, LimitKind};
 
 use crate::{
     cell::Cell,
-    cell_torques::{Parabola, interpolated},
+    cell_rows::RowParabolas,
     cells::has_row_at_end,
     error::SolveError,
     geometry::Places,
@@ -48,8 +47,9 @@ struct Lowered {
 #[derive(Clone, Copy, Debug, Default)]
 struct CellShares {
     of: ByKind<f64>,
-    torque: f64,
-    /// The largest share of what gravity leaves of a limit of torque.
+    /// Of a further limit.
+    row: f64,
+    /// The largest share of what the offset of a further limit leaves of it.
     of_room: f64,
 }
 
@@ -57,11 +57,10 @@ struct CellShares {
 #[derive(Clone, Copy)]
 struct Allowed {
     of: ByKind<f64>,
-    torque: f64,
+    row: f64,
 }
 
-const TOLERANCE: Allowed =
-    Allowed { of: REFINEMENT.tolerance, torque: REFINEMENT.torque.tolerance };
+const TOLERANCE: Allowed = Allowed { of: REFINEMENT.tolerance, row: REFINEMENT.rows.tolerance };
 
 impl Lowered {
     fn add(&mut self, other: Self) {
@@ -148,7 +147,7 @@ impl Attempt {
         match self.solve(SETTINGS.interior_point.first_gap, stop) {
             Ok(()) => {
                 // Where limits will be exceeded is seen long before the end.
-                let allowed = Allowed { of: REFINEMENT.early, torque: REFINEMENT.torque.early };
+                let allowed = Allowed { of: REFINEMENT.early, row: REFINEMENT.rows.early };
                 let early = self.lower(segments, allowed, whole.clone(), &[]);
                 if early.excess > REFINEMENT.abrupt {
                     self.solver.restart(REFINEMENT.far);
@@ -264,17 +263,16 @@ impl Attempt {
     fn time_scale(&self, segments: &[LimitedSegment<'_>]) -> f64 {
         let mut largest = ByKind::from_fn(|_| 1.0);
         largest[LimitKind::Jerk] = self.solver.rest_jerk();
-        let mut torque = 1.0;
+        let mut row = 1.0;
         for shares in self.largest_shares(segments, 0..self.mesh.cells.len()) {
             raise(&mut largest, &shares.of);
             // What goes with speed and acceleration goes with the square of the time scale.
-            torque =
-                larger(torque, if shares.torque > TOLERANCE.torque { shares.of_room } else { 1.0 });
+            row = larger(row, if shares.row > TOLERANCE.row { shares.of_room } else { 1.0 });
         }
         let slower = |(kind, share): (LimitKind, f64)| {
             (share / REFINEMENT.tolerance[kind]).powf(1.0 / f64::from(kind.order()))
         };
-        let others = larger(torque.sqrt(), self.solver.continuity_defect());
+        let others = larger(row.sqrt(), self.solver.continuity_defect());
         largest.into_iter().map(slower).fold(larger(1.0, others), larger)
     }
 
@@ -306,8 +304,8 @@ impl Attempt {
                     let share = shares.of[kind];
                     by_share(share, allowed.of[kind], REFINEMENT.target[kind] / share)
                 });
-                let target = REFINEMENT.torque.target / shares.of_room;
-                let by = Lowering { of, torque: by_share(shares.torque, allowed.torque, target) };
+                let target = REFINEMENT.rows.target / shares.of_room;
+                let by = Lowering { of, rows: by_share(shares.row, allowed.row, target) };
                 if !by.is_none() {
                     lowered.cells.push(cell);
                 }
@@ -319,7 +317,7 @@ impl Attempt {
                 for (kind, next) in next.of.iter_mut().filter(|(kind, _)| !has_row_at_end(*kind)) {
                     *next = next.min(own.of[kind]);
                 }
-                next.torque = next.torque.min(own.torque);
+                next.rows = next.rows.min(own.rows);
             }
         }
         if !lowered.cells.is_empty() {
@@ -353,8 +351,8 @@ impl Attempt {
             let of = cell.shares(segment.largest_shares(geometry, rates));
             let finer = of_uneven_curve(&of, &cell.shares(segment.share_errors(geometry, rates)));
             if finer == 1.0 {
-                let [torque, of_room] = self.largest_torques(k, [0.0, 1.0], rates);
-                return CellShares { of, torque, of_room };
+                let [row, of_room] = self.largest_rows(k, [0.0, 1.0], rates);
+                return CellShares { of, row, of_room };
             }
             stretches = finer;
         }
@@ -365,47 +363,57 @@ impl Attempt {
             let geometry = cell.geometry(segments, stretch);
             let rates = &self.rates_along(k, stretch);
             raise(&mut largest.of, &cell.shares(segment.largest_shares(&geometry, rates)));
-            let [torque, of_room] = self.largest_torques(k, stretch, rates);
-            largest.torque = larger(largest.torque, torque);
+            let [row, of_room] = self.largest_rows(k, stretch, rates);
+            largest.row = larger(largest.row, row);
             largest.of_room = larger(largest.of_room, of_room);
             from += 1.0;
         }
         largest
     }
 
-    /// The largest share of a limit of torque in the stretch between two shares of a cell, and the largest share of what
-    /// gravity leaves of one; 0 if torques are not limited. With the rates of sigma at [`SHARES`] of the stretch.
+    /// The largest share of a further limit in the stretch between two shares of a cell, and the largest share of what the offset
+    /// of one leaves of it; 0 without further limits. With the rates of sigma at [`SHARES`] of the stretch.
     #[inline(always)]
-    fn largest_torques(&self, k: usize, [from, to]: [f64; 2], rates: &[Places; 3]) -> [f64; 2] {
-        let Some(places) = self.mesh.torques.of(k) else { return [0.0; 2] };
+    fn largest_rows(&self, k: usize, [from, to]: [f64; 2], rates: &[Places; 3]) -> [f64; 2] {
+        let near = self.mesh.rows.near(k);
+        if near.is_empty() {
+            return [0.0; 2];
+        }
+        let places = &self.mesh.rows.of(k);
         let [speeds, accelerations, _] = rates;
-        let (mut torque, mut of_room) = (Peak::default(), Peak::default());
-        let near = self.mesh.torques.near(k);
-        for j in (0..7).filter(|j| near[*j]) {
-            let acceleration = Parabola::through(places, |at| at.acceleration[j]);
-            let speed = Parabola::through(places, |at| at.speed[j]);
-            let gravity = Parabola::through(places, |at| at.gravity[j]);
+        let (mut row, mut of_room) = (Peak::default(), Peak::default());
+        for j in (0..near.len()).filter(|j| near[*j]) {
+            let RowParabolas { acceleration, square, offset } = &RowParabolas::new(places, j);
             let (mut shares, mut shares_of_room) = (Places::default(), Places::default());
             for i in 0..SHARES.len() {
                 let f = from + SHARES[i] * (to - from);
                 let moving =
-                    acceleration.at(f) * accelerations[i] + speed.at(f) * speeds[i] * speeds[i];
-                let gravity = gravity.at(f);
-                let room = if moving > 0.0 { 1.0 - gravity } else { 1.0 + gravity };
-                shares[i] = moving + gravity;
+                    acceleration.at(f) * accelerations[i] + square.at(f) * speeds[i] * speeds[i];
+                let offset = offset.at(f);
+                let room = if moving > 0.0 { 1.0 - offset } else { 1.0 + offset };
+                shares[i] = moving + offset;
                 shares_of_room[i] = moving / room;
             }
-            torque.add(&shares);
+            row.add(&shares);
             of_room.add(&shares_of_room);
         }
-        [torque.get(), of_room.get()]
+        [row.get(), of_room.get()]
     }
 
-    /// The torques at the share `f` of a cell as shares of their limits, if it has any, if all is `time_scale` times slower.
-    pub(crate) fn torque_shares(&self, k: usize, f: f64, time_scale: f64) -> Option<Joints> {
-        let places = self.mesh.torques.of(k)?;
-        let [speed, acceleration, _] = self.rates(k, f);
-        Some(interpolated(places, f).at(speed / time_scale, acceleration / time_scale.powi(2)))
+    /// The shares of further limits at the share `f` of a cell, if all is `time_scale` times slower.
+    pub(crate) fn row_shares(
+        &self,
+        k: usize,
+        f: f64,
+        time_scale: f64,
+    ) -> impl Iterator<Item = f64> {
+        let places = self.mesh.rows.of(k);
+        let count = places[0].len();
+        let rates = (count > 0).then(|| self.rates(k, f));
+        rates.into_iter().flat_map(move |[speed, acceleration, _]| {
+            let [speed, acceleration] = [speed / time_scale, acceleration / time_scale.powi(2)];
+            (0..count).map(move |j| RowParabolas::new(&places, j).at(f).at(speed, acceleration))
+        })
     }
 
     /// Speed, acceleration and jerk of sigma at [`SHARES`] of the stretch between two shares of a cell.

@@ -7,7 +7,6 @@ use crate::{
     lanes::LANES,
     limited_segment::LimitedSegment,
     mesh::Mesh,
-    torque_block::{TorqueBlock, torque_blocks},
 };
 
 /// Blocks of cells: with one row of each kind at a place on lines, with two to eight in curves.
@@ -20,8 +19,8 @@ pub(crate) struct Blocks {
     pub(crate) five: Vec<CellBlock<5>>,
     pub(crate) seven: Vec<CellBlock<7>>,
     pub(crate) eight: Vec<CellBlock<8>>,
-    /// The limits of torque, if there are any: they come after all others, to which they add.
-    pub(crate) torques: Vec<TorqueBlock>,
+    /// Whether any cell has rows of further limits.
+    pub(crate) has_others: bool,
 }
 
 thread_local! {
@@ -40,7 +39,6 @@ macro_rules! for_each_block {
         for_each_block!(@ window, $block => $do; &mut blocks.five);
         for_each_block!(@ window, $block => $do; &mut blocks.seven);
         for_each_block!(@ window, $block => $do; &mut blocks.eight);
-        for_each_block!(@ window, $block => $do; &mut blocks.torques);
     }};
     (@ $window:ident, $block:ident => $do:expr; $list:expr) => {
         for $block in $list {
@@ -84,7 +82,7 @@ impl Blocks {
         set(&mut new.five, segments, mesh, &five);
         set(&mut new.seven, segments, mesh, &seven);
         set(&mut new.eight, segments, mesh, &eight);
-        new.torques = torque_blocks(mesh);
+        new.has_others = (0..mesh.cells.len()).any(|k| mesh.rows.near(k).contains(&true));
         new
     }
 
@@ -98,7 +96,7 @@ impl Blocks {
     /// How many sides the limits have in the blocks that have a cell in the window.
     pub(crate) fn sides(&self, window: &Range<usize>) -> usize {
         fn of<const J: usize>(blocks: &[CellBlock<J>], window: &Range<usize>) -> usize {
-            CellBlock::<J>::SIDES * blocks.iter().filter(|block| block.is_in(window)).count()
+            blocks.iter().filter(|block| block.is_in(window)).map(CellBlock::sides).sum()
         }
         of(&self.lines, window)
             + of(&self.two, window)
@@ -107,12 +105,6 @@ impl Blocks {
             + of(&self.five, window)
             + of(&self.seven, window)
             + of(&self.eight, window)
-            + self
-                .torques
-                .iter()
-                .filter(|block| block.is_in(window))
-                .map(TorqueBlock::sides)
-                .sum::<usize>()
     }
 }
 
@@ -124,8 +116,7 @@ fn set<const J: usize>(
     list: &[usize],
 ) {
     // Set where they stay: a block is some kilobytes.
-    blocks.clear();
-    blocks.resize(list.len().div_ceil(LANES), CellBlock::default());
+    blocks.resize_with(list.len().div_ceil(LANES), CellBlock::default);
     for (block, cells) in blocks.iter_mut().zip(list.chunks(LANES)) {
         block.set(segments, mesh, cells);
     }

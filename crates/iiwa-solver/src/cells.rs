@@ -7,7 +7,8 @@
 //! - in velocity, at three of the four control points of that cubic (the fourth is the next cell's first): x stays
 //!   in their hull (where q' varies, what is between is checked afterwards);
 //! - in acceleration, at the start and in the middle, or on lines at the middle control point of V;
-//! - in jerk, at both ends and in the middle.
+//! - in jerk, at both ends and in the middle;
+//! - further limits, such as torques, at the start and in the middle.
 //!
 //! Every limit is a row, divided by the limit so that the bound is 1, with a slack s and a dual z on either side.
 
@@ -18,7 +19,7 @@ use iiwa_program::LimitKind;
 use pulp::Simd;
 
 use crate::{
-    acceleration_rows::AccelerationRow,
+    bounded_rows::BoundedRow,
     cell::Cell,
     functionals::{
         CellState, ControlV, EndV, EndW, EndX, MiddleV, MiddleW, MiddleX, SecondControlX, StartV,
@@ -64,8 +65,10 @@ pub(crate) struct CellBlock<const J: usize> {
     /// Half the length: the weight of `x^(-1/2)` at both ends in the duration.
     weight: Lanes,
     velocities: [VelocityRows; 3],
-    accelerations: [[AccelerationRow; J]; 2],
+    accelerations: [[BoundedRow; J]; 2],
     jerks: [[JerkRow; J]; 3],
+    /// The rows of further limits at the start and in the middle: those that can come near to their limit in one of the cells.
+    others: [Vec<BoundedRow>; 2],
 }
 
 /// A block with any number of rows: its functions are compiled once for lines and once for curves, not once per number. Each of them
@@ -74,8 +77,9 @@ struct AnyBlock<'a> {
     cells: &'a [usize; LANES],
     weight: &'a mut Lanes,
     velocities: &'a mut [VelocityRows; 3],
-    accelerations: [&'a mut [AccelerationRow]; 2],
+    accelerations: [&'a mut [BoundedRow]; 2],
     jerks: [&'a mut [JerkRow]; 3],
+    others: [&'a mut Vec<BoundedRow>; 2],
 }
 
 /// The place of the tool among the coordinates.
@@ -169,24 +173,45 @@ impl<const J: usize> Default for CellBlock<J> {
             cells: [0; LANES],
             weight: Lanes::default(),
             velocities: [VelocityRows::default(); 3],
-            accelerations: [[AccelerationRow::default(); J]; 2],
+            accelerations: [[BoundedRow::default(); J]; 2],
             jerks: [[JerkRow::default(); J]; 3],
+            others: Default::default(),
         }
     }
 }
 
 impl<const J: usize> CellBlock<J> {
-    /// How many sides limits have in a block.
-    pub(crate) const SIDES: usize =
-        LANES * (3 * VelocityRows::SIDES + J * (2 * AccelerationRow::SIDES + 3 * JerkRow::SIDES));
+    /// How many sides the limits of velocity, acceleration and jerk have in a block.
+    const SIDES: usize =
+        LANES * (3 * VelocityRows::SIDES + J * (2 * BoundedRow::SIDES + 3 * JerkRow::SIDES));
+
+    /// How many sides all limits have.
+    pub(crate) fn sides(&self) -> usize {
+        let others: usize = self.others.iter().map(Vec::len).sum();
+        Self::SIDES + LANES * BoundedRow::SIDES * others
+    }
 
     /// Sets the rows of at most eight cells.
     pub(crate) fn set(&mut self, segments: &[LimitedSegment<'_>], mesh: &Mesh, cells: &[usize]) {
         self.cells = std::array::from_fn(|l| cells[l.min(cells.len() - 1)]);
+        self.reset();
         let mut block = self.any();
         for (lane, k) in block.cells.iter().enumerate() {
             block.set_cell(lane, &LimitedCell::new(segments, mesh, *k));
         }
+        block.set_others(mesh);
+    }
+
+    /// Makes all rows such that nothing reaches them. In place: a copy of an empty block is some kilobytes.
+    fn reset(&mut self) {
+        let Self { velocities, accelerations, jerks, others, .. } = self;
+        velocities.fill(VelocityRows::default());
+        accelerations.as_flattened_mut().fill(BoundedRow::default());
+        for rows in accelerations {
+            BoundedRow::set_bounds(rows);
+        }
+        jerks.as_flattened_mut().fill(JerkRow::default());
+        others.iter_mut().for_each(Vec::clear);
     }
 
     /// Whether it has a cell in `window`.
@@ -201,13 +226,14 @@ impl<const J: usize> CellBlock<J> {
     }
 
     fn any(&mut self) -> AnyBlock<'_> {
-        let Self { cells, weight, velocities, accelerations, jerks } = self;
+        let Self { cells, weight, velocities, accelerations, jerks, others } = self;
         AnyBlock {
             cells,
             weight,
             velocities,
             accelerations: accelerations.each_mut().map(<[_; J]>::as_mut_slice),
             jerks: jerks.each_mut().map(<[_; J]>::as_mut_slice),
+            others: others.each_mut(),
         }
     }
 
@@ -279,7 +305,7 @@ impl AnyBlock<'_> {
         third_control.set(lane, &two_thirds[0], velocity);
 
         let [at_start, in_middle] = &mut self.accelerations;
-        AccelerationRow::set(
+        BoundedRow::set_accelerations(
             at_start,
             lane,
             start_limiting.get(),
@@ -288,7 +314,7 @@ impl AnyBlock<'_> {
             start_acceleration,
         );
         let along = acceleration_limiting.get();
-        AccelerationRow::set(in_middle, lane, along, &middle, length, acceleration);
+        BoundedRow::set_accelerations(in_middle, lane, along, &middle, length, acceleration);
 
         let bound = if self.jerks[0].len() > 1 { SETTINGS.mid_jerk } else { 1.0 };
         let in_middle = jerk.map(|inverse| inverse / bound);
@@ -299,12 +325,36 @@ impl AnyBlock<'_> {
         }
     }
 
+    /// Sets the rows of further limits. Cells in which no row can come near to its limit keep rows that nothing reaches.
+    fn set_others(&mut self, mesh: &Mesh) {
+        let most = self.cells.iter().map(|k| mesh.rows.near(*k).len()).max().unwrap_or(0);
+        let is_near = |j: &usize| {
+            self.cells.iter().any(|k| mesh.rows.near(*k).get(*j).is_some_and(|near| *near))
+        };
+        let near: Vec<usize> = (0..most).filter(is_near).collect();
+        for (place, others) in self.others.iter_mut().enumerate() {
+            others.resize(near.len(), BoundedRow::default());
+            BoundedRow::set_bounds(others);
+            for (lane, k) in self.cells.iter().enumerate() {
+                let rows = mesh.rows.of(*k)[place];
+                for (other, j) in others.iter_mut().zip(&near) {
+                    if let Some(row) = rows.get(*j) {
+                        other.set(lane, row, mesh.cells[*k].length);
+                    }
+                }
+            }
+        }
+    }
+
     #[inline(never)]
     fn lower(&mut self, first: usize, by: &[Lowering]) {
         for (lane, cell) in self.cells.iter().enumerate() {
             let by = cell.checked_sub(first).and_then(|k| by.get(k));
             let Some(by) = by else { continue };
             let [velocity, acceleration, jerk] = by.of.into_array();
+            self.others
+                .iter_mut()
+                .for_each(|rows| rows.iter_mut().for_each(|row| row.scale(lane, by.rows)));
             self.velocities.iter_mut().for_each(|rows| rows.scale(lane, velocity));
             self.accelerations
                 .iter_mut()
@@ -313,6 +363,13 @@ impl AnyBlock<'_> {
                 .iter_mut()
                 .for_each(|rows| rows.iter_mut().for_each(|row| row.scale(lane, jerk)));
         }
+    }
+
+    /// Whether there are rows of further limits: most blocks have none.
+    #[inline(always)]
+    fn has_others(&self) -> bool {
+        let [at_start, _] = &self.others;
+        !at_start.is_empty()
     }
 
     #[inline(always)]
@@ -327,6 +384,7 @@ impl AnyBlock<'_> {
             move || {
                 // By value, so that the closure itself is inlined, and not a shim of it called.
                 let mut block = self;
+                let has_others = block.has_others();
                 let lanes = block.gather(states);
                 for register in 0..registers::<S>() {
                     let y = &lanes.map(|lanes| lanes.load(simd, register));
@@ -336,11 +394,16 @@ impl AnyBlock<'_> {
                     second.start::<SecondControlX, S>(start, y);
                     third.start::<ThirdControlX, S>(start, y);
                     let [at_start, in_middle] = &mut block.accelerations;
-                    AccelerationRow::start::<LINE, StartX, StartV, S>(at_start, start, y);
+                    BoundedRow::start::<LINE, StartX, StartV, S>(at_start, start, y);
                     if LINE {
-                        AccelerationRow::start::<LINE, MiddleX, ControlV, S>(in_middle, start, y);
+                        BoundedRow::start::<LINE, MiddleX, ControlV, S>(in_middle, start, y);
                     } else {
-                        AccelerationRow::start::<LINE, MiddleX, MiddleV, S>(in_middle, start, y);
+                        BoundedRow::start::<LINE, MiddleX, MiddleV, S>(in_middle, start, y);
+                    }
+                    if has_others {
+                        let [at_start, in_middle] = &mut block.others;
+                        BoundedRow::start::<false, StartX, StartV, S>(at_start, start, y);
+                        BoundedRow::start::<false, MiddleX, MiddleV, S>(in_middle, start, y);
                     }
                     let [at_start, at_end, in_middle] = &mut block.jerks;
                     JerkRow::start::<LINE, StartX, StartV, StartW, S>(at_start, start, y);
@@ -369,6 +432,7 @@ impl AnyBlock<'_> {
                 let mut h = [Lanes::default(); 10];
                 let mut g = [Lanes::default(); 4];
                 let mut gap = Lanes::default();
+                let has_others = block.has_others();
                 for r in 0..registers::<S>() {
                     let y = &lanes.map(|lanes| lanes.load(simd, r));
                     let sum = &mut Terms::new(simd);
@@ -379,13 +443,16 @@ impl AnyBlock<'_> {
                     second.add::<SecondControlX, S>(steps, y, sum);
                     third.add::<ThirdControlX, S>(steps, y, sum);
                     let [at_start, in_middle] = &mut block.accelerations;
-                    AccelerationRow::add::<LINE, StartX, StartV, S>(at_start, steps, y, sum);
+                    BoundedRow::add::<LINE, StartX, StartV, S>(at_start, steps, y, sum);
                     if LINE {
-                        AccelerationRow::add::<LINE, MiddleX, ControlV, S>(
-                            in_middle, steps, y, sum,
-                        );
+                        BoundedRow::add::<LINE, MiddleX, ControlV, S>(in_middle, steps, y, sum);
                     } else {
-                        AccelerationRow::add::<LINE, MiddleX, MiddleV, S>(in_middle, steps, y, sum);
+                        BoundedRow::add::<LINE, MiddleX, MiddleV, S>(in_middle, steps, y, sum);
+                    }
+                    if has_others {
+                        let [at_start, in_middle] = &mut block.others;
+                        BoundedRow::add::<false, StartX, StartV, S>(at_start, steps, y, sum);
+                        BoundedRow::add::<false, MiddleX, MiddleV, S>(in_middle, steps, y, sum);
                     }
                     // The duration is taken at both ends.
                     let [at_start, at_end, in_middle] = &mut block.jerks;
@@ -427,6 +494,7 @@ impl AnyBlock<'_> {
             move || {
                 // By value, so that the closure itself is inlined, and not a shim of it called.
                 let mut block = self;
+                let has_others = block.has_others();
                 let (lanes, lane_steps) = (block.gather(states), block.gather(state_steps));
                 let mu = Vector::splat(simd, mu);
                 for r in 0..registers::<S>() {
@@ -439,15 +507,24 @@ impl AnyBlock<'_> {
                     second.find_steps::<SecondControlX, S>(r, after, mu, decreases);
                     third.find_steps::<ThirdControlX, S>(r, after, mu, decreases);
                     let [at_start, in_middle] = &mut block.accelerations;
-                    AccelerationRow::find_steps::<LINE, StartX, StartV, S>(
+                    BoundedRow::find_steps::<LINE, StartX, StartV, S>(
                         at_start, r, after, mu, decreases,
                     );
                     if LINE {
-                        AccelerationRow::find_steps::<LINE, MiddleX, ControlV, S>(
+                        BoundedRow::find_steps::<LINE, MiddleX, ControlV, S>(
                             in_middle, r, after, mu, decreases,
                         );
                     } else {
-                        AccelerationRow::find_steps::<LINE, MiddleX, MiddleV, S>(
+                        BoundedRow::find_steps::<LINE, MiddleX, MiddleV, S>(
+                            in_middle, r, after, mu, decreases,
+                        );
+                    }
+                    if has_others {
+                        let [at_start, in_middle] = &mut block.others;
+                        BoundedRow::find_steps::<false, StartX, StartV, S>(
+                            at_start, r, after, mu, decreases,
+                        );
+                        BoundedRow::find_steps::<false, MiddleX, MiddleV, S>(
                             in_middle, r, after, mu, decreases,
                         );
                     }

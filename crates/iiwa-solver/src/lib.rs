@@ -45,11 +45,11 @@
 )]
 #![expect(clippy::needless_range_loop, reason = "rows of eight numbers are indexed together")]
 
-mod acceleration_rows;
 mod attempt;
 mod blocks;
+mod bounded_rows;
 mod cell;
-mod cell_torques;
+mod cell_rows;
 mod cells;
 mod error;
 mod functionals;
@@ -65,14 +65,12 @@ mod quadratic;
 mod rest_ramp;
 mod rests;
 mod riccati;
+mod row_limit;
 mod settings;
 mod slack_pair;
 mod solution;
 mod solver;
 mod swept;
-mod torque_block;
-mod torque_limits;
-mod torque_rows;
 mod velocity_rows;
 mod window;
 
@@ -82,7 +80,7 @@ pub use geometry::Geometry;
 pub use limited_segment::LimitedSegment;
 pub use mesh::Mesh;
 pub use rest_ramp::{RestRamp, fade};
+pub use row_limit::{PathRow, RowLimit, RowLimits};
 pub use solution::Solution;
 pub use swept::SweptNode;
-pub use torque_limits::TorqueLimits;
 pub use window::Window;

@@ -5,7 +5,7 @@
 //! the part across the path jumps. With s as the parameter the part along the path would jump as
 //! well: the solver would have to make the speed's own second derivative jump against it.
 
-use iiwa_kin::{Joints, PathTorques, RampEnd, vector};
+use iiwa_kin::{Joints, RampEnd, vector};
 use iiwa_path::{Coordinates, PlanarGraph, Segment, ToolCoordinate};
 use iiwa_program::{ByKind, LimitKind, MotionLimits};
 
@@ -14,8 +14,8 @@ use crate::{
     limiting_joints::LimitingJoints,
     peaks::{Peak, larger, parabola_error},
     rest_ramp::RestRamp,
+    row_limit::{PathRow, RowLimits},
     swept::SweptNode,
-    torque_limits::TorqueLimits,
 };
 
 /// A segment and its limits, as the solver sees them.
@@ -44,14 +44,14 @@ pub struct LimitedSegment<'a> {
     slope: f64,
     /// The coordinates that can be at their limits.
     pub(crate) limiting: ByKind<LimitingJoints>,
-    /// The limits of torque, if there are any.
-    torque: Option<&'a TorqueLimits>,
+    /// Further limits, if there are any.
+    rows: Option<&'a RowLimits>,
     /// The ramps at the rests at its start and its end.
     ramps: [Option<RestRamp>; 2],
 }
 
-/// From this share of its limit on, the torque of a joint has rows.
-const NEAR_TORQUE_LIMIT: f64 = 0.97;
+/// Largest share of a further limit, at any speed and acceleration that the other limits allow, up to which it needs no row.
+const NEAR_LIMIT: f64 = 0.97;
 
 impl<'a> LimitedSegment<'a> {
     /// The segment under its limits, with the acceleration-limited stamps to start from, at least two.
@@ -97,7 +97,7 @@ impl<'a> LimitedSegment<'a> {
             limiting: ByKind::from_fn(|_| {
                 if tool.is_some() { LimitingJoints::ALL } else { LimitingJoints::JOINTS }
             }),
-            torque: None,
+            rows: None,
             ramps: [None; 2],
         };
         if let Some(graph) = segment.graph {
@@ -120,10 +120,10 @@ impl<'a> LimitedSegment<'a> {
         Some(segment)
     }
 
-    /// The segment under limits of torque, too. They change along straight segments as well.
+    /// The segment under further limits, too. They change along straight segments as well.
     #[must_use]
-    pub fn with_torque_limits(self, limits: &'a TorqueLimits) -> Self {
-        Self { torque: Some(limits), ..self }
+    pub fn with_rows(self, limits: &'a RowLimits) -> Self {
+        Self { rows: (limits.count() > 0).then_some(limits), ..self }
     }
 
     /// Lowers the limits of jerk next to the rest at one end.
@@ -158,17 +158,23 @@ impl<'a> LimitedSegment<'a> {
             .fold(f64::INFINITY, f64::min)
     }
 
-    /// Whether torques are limited.
+    /// Whether it has further limits, as rows.
     #[must_use]
-    pub fn limits_torque(&self) -> bool {
-        self.torque.is_some()
+    pub fn has_rows(&self) -> bool {
+        self.rows.is_some()
     }
 
-    /// What the torques at some sigma (rad) are made of, as shares of their limits: by the second derivative of sigma
-    /// (rad/s^2), by the square of the first, and by neither. Empty if torques are not limited.
+    /// The number of rows of further limits at each place.
     #[must_use]
-    pub fn torque_shares(&self, sigma: &[f64]) -> Vec<PathTorques> {
-        let Some(limits) = self.torque else { return Vec::new() };
+    pub fn row_count(&self) -> usize {
+        self.rows.map_or(0, RowLimits::count)
+    }
+
+    /// The rows of further limits at some sigma (rad), place after place: by the second derivative of sigma (rad/s^2), by the
+    /// square of the first, and by neither.
+    #[must_use]
+    pub fn rows(&self, sigma: &[f64]) -> Vec<PathRow> {
+        let Some(limits) = self.rows else { return Vec::new() };
         let [mut q, mut first, mut second] = [(); 3].map(|()| Vec::with_capacity(sigma.len()));
         for sigma in sigma {
             let s = self.s(*sigma).clamp(0.0, 1.0);
@@ -177,51 +183,46 @@ impl<'a> LimitedSegment<'a> {
             first.push(joints(&dq));
             second.push(joints(&ddq));
         }
-        limits.shares(&q, &first, &second)
+        limits.rows(&q, &first, &second)
     }
 
-    /// The joints whose torque can come near to its limit at a place with these derivatives, at any speed and
-    /// acceleration that the other limits allow.
-    pub(crate) fn near_torque_limits(
+    /// Marks in `near` the `rows` that can come near to their limit at a place with these derivatives, at any speed and
+    /// acceleration that the limits of velocity and acceleration allow.
+    pub(crate) fn mark_near(
         &self,
         [dq, ddq, _]: &SigmaDerivatives,
-        torques: &PathTorques,
-    ) -> [bool; 7] {
+        rows: &[PathRow],
+        near: &mut [bool],
+    ) {
         let [velocity, acceleration] =
             [LimitKind::Velocity, LimitKind::Acceleration].map(|kind| &self.limits[kind]);
         let x = largest_multiple(dq, velocity).powi(2);
         let u = (0..8)
             .map(|j| (acceleration[j] + ddq[j].abs() * x) / dq[j].abs())
             .fold(f64::INFINITY, |least, u| if u < least { u } else { least });
-        std::array::from_fn(|j| {
-            let moving = torques.acceleration[j].abs() * u + torques.speed[j].abs() * x;
-            let most = moving + torques.gravity[j].abs();
+        for (near, row) in near.iter_mut().zip(rows) {
+            let moving = row.acceleration.abs() * u + row.square.abs() * x;
+            let most = moving + row.offset.abs();
             // Where nothing else limits the speed, either.
-            most >= NEAR_TORQUE_LIMIT || most.is_nan()
-        })
+            *near |= most >= NEAR_LIMIT || most.is_nan();
+        }
     }
 
-    /// The largest acceleration of sigma (rad/s^2) that torques leave at a stop at `s`, either way.
-    fn torque_acceleration(&self, s: f64) -> f64 {
-        let Some(PathTorques { acceleration, gravity, .. }) =
-            self.torque_shares(&[s * self.length]).first().copied()
-        else {
-            return f64::INFINITY;
-        };
-        (0..7)
-            .map(|j| (1.0 - gravity[j].abs()) / acceleration[j].abs())
+    /// The largest acceleration of sigma (rad/s^2) that further limits leave at a stop at `s`, either way.
+    fn row_acceleration(&self, s: f64) -> f64 {
+        let rows = self.rows(&[s * self.length]);
+        rows.iter()
+            .map(|row| (1.0 - row.offset.abs()) / row.acceleration.abs())
             .fold(f64::INFINITY, f64::min)
     }
 
-    /// The largest x that torques leave at `sigma`, where the second derivative of sigma is `u` times x.
-    pub(crate) fn torque_cap(&self, sigma: f64, u: f64) -> f64 {
-        let Some(torques) = self.torque_shares(&[sigma]).first().copied() else {
-            return f64::INFINITY;
-        };
-        (0..7)
-            .map(|j| {
-                let by_x = torques.acceleration[j] * u + torques.speed[j];
-                (1.0 - torques.gravity[j].copysign(torques.gravity[j] * by_x)) / by_x.abs()
+    /// The largest x that further limits leave at `sigma`, where the second derivative of sigma is `u` times x.
+    pub(crate) fn row_cap(&self, sigma: f64, u: f64) -> f64 {
+        let rows = self.rows(&[sigma]);
+        rows.iter()
+            .map(|row| {
+                let by_x = row.acceleration * u + row.square;
+                (1.0 - row.offset.copysign(row.offset * by_x)) / by_x.abs()
             })
             .fold(f64::INFINITY, f64::min)
     }
@@ -351,7 +352,7 @@ impl<'a> LimitedSegment<'a> {
     /// For how long jerk builds up acceleration at `s`, in s: until it, or speed, is at its limit.
     pub(crate) fn build_up_s(&self, s: f64) -> f64 {
         let [speed, acceleration, jerk] = self.straight(s);
-        let acceleration = acceleration.min(self.torque_acceleration(s));
+        let acceleration = acceleration.min(self.row_acceleration(s));
         (acceleration / jerk).min((speed / jerk).sqrt())
     }
 

@@ -6,13 +6,13 @@ use iiwa_program::ByKind;
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Lowering {
     pub(crate) of: ByKind<f64>,
-    /// Of what gravity leaves of the limits of torque.
-    pub(crate) torque: f64,
+    /// Of what the offsets of further limits leave of them.
+    pub(crate) rows: f64,
 }
 
 impl Lowering {
     /// Whether it changes nothing.
     pub(crate) fn is_none(&self) -> bool {
-        self.torque == 1.0 && self.of.values().all(|by| *by == 1.0)
+        self.rows == 1.0 && self.of.values().all(|by| *by == 1.0)
     }
 }

@@ -7,7 +7,7 @@
 use std::ops::Range;
 
 use crate::{
-    cell::Cell, cell_torques::CellTorques, geometry::Geometry, limited_segment::LimitedSegment,
+    cell::Cell, cell_rows::CellRows, geometry::Geometry, limited_segment::LimitedSegment,
     settings::MeshSettings, swept::SweptNode,
 };
 
@@ -25,8 +25,8 @@ pub struct Mesh {
     pub to_rest: Option<Cell>,
     /// The curve at [`SHARES`] of the cells between.
     pub(crate) geometry: Vec<Geometry>,
-    /// The torques in them, where these are limited.
-    pub(crate) torques: CellTorques,
+    /// The rows of further limits in them.
+    pub(crate) rows: CellRows,
 }
 
 impl MeshSettings {
@@ -45,14 +45,14 @@ impl MeshSettings {
             rest: self.rest * per,
             rest_growth: self.rest_growth * per,
             rest_bend: self.rest_bend * per,
-            torque_rad: self.torque_rad * per,
+            row_rad: self.row_rad * per,
             ..self
         }
     }
 
     /// The longest cell of a segment on which limits change, in rad.
     fn most(&self, segment: &LimitedSegment<'_>) -> f64 {
-        if segment.limits_torque() { self.torque_rad } else { f64::INFINITY }
+        if segment.has_rows() { self.row_rad } else { f64::INFINITY }
     }
 }
 
@@ -221,8 +221,8 @@ pub(crate) fn mesh(
     let to_rest = if ends_at_rest { cells.pop() } else { None };
     let from_rest = if starts_at_rest { Some(cells.remove(0)) } else { None };
     let geometry: Vec<_> = cells.iter().map(|cell| cell.geometry(segments, [0.0, 1.0])).collect();
-    let torques = CellTorques::new(segments, &cells, &geometry);
-    (!cells.is_empty()).then_some(Mesh { from_rest, cells, to_rest, geometry, torques })
+    let rows = CellRows::new(segments, &cells, &geometry);
+    (!cells.is_empty()).then_some(Mesh { from_rest, cells, to_rest, geometry, rows })
 }
 
 /// Least size at a cell's end, as a share of that at its start, for which the cell is made as short as that at once.
@@ -283,7 +283,7 @@ fn switches(segments: &[LimitedSegment<'_>]) -> Vec<Switch> {
             let build_up_s = segment.build_up_s(segment.s(node.p * segment.length));
             switches.push(Switch { t_s: node.t_s, build_up_s });
         };
-        if segment.is_line() && !segment.limits_torque() {
+        if segment.is_line() && !segment.has_rows() {
             segment.swept.iter().for_each(add);
             continue;
         }

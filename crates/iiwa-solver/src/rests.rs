@@ -11,7 +11,7 @@ pub(crate) struct Rest {
     /// The cell next to it, and the row of x where they meet.
     pub(crate) cell: usize,
     pub(crate) row: CellState,
-    /// Largest x there that jerk and torques allow.
+    /// Largest x there that jerk and further limits allow.
     pub(crate) cap: f64,
     pub(crate) slack: ScalarSlackPair,
 }
@@ -62,12 +62,12 @@ impl Rest {
         let length = rest.length;
         // sigma = j t^3 / 6 and x = (j t^2 / 2)^2, so that j t is two thirds of x over sigma.
         let u = 2.0 / (3.0 * length);
-        let by_torque = if s == 0.0 {
-            segment.torque_cap(rest.from + length, u)
+        let by_rows = if s == 0.0 {
+            segment.row_cap(rest.from + length, u)
         } else {
-            segment.torque_cap(rest.from, -u)
+            segment.row_cap(rest.from, -u)
         };
-        let cap = (4.5 * length * length * jerk).powf(2.0 / 3.0).min(by_torque);
+        let cap = (4.5 * length * length * jerk).powf(2.0 / 3.0).min(by_rows);
         Self { length, cell, row, cap, slack: ScalarSlackPair::default() }
     }
 

@@ -43,8 +43,8 @@ pub(crate) struct MeshSettings {
     pub(crate) rest_growth: f64,
     /// What the curve's bend adds to jerk in such a cell at most, as a share of the limit.
     pub(crate) rest_bend: f64,
-    /// Length of a cell where torques are limited, in rad: inertia and gravity change along it.
-    pub(crate) torque_rad: f64,
+    /// Length of a cell with further limits, in rad: inertia and gravity, for example, change along it.
+    pub(crate) row_rad: f64,
     /// Jump of d2s/dt2 that counts as a switch in a blend, as a share of its largest value there.
     pub(crate) switch_jump: f64,
     /// Most nodes of a segment; some tens are usual. A guard against stamps without sense.
@@ -84,7 +84,7 @@ pub(crate) struct InteriorPointSettings {
     pub(crate) residual: f64,
     /// Least primal step length at which it does.
     pub(crate) last_step: f64,
-    /// Share of gap and residual at which a problem with limits of torque does, whatever its last step.
+    /// Share of gap and residual at which a problem with further limits does, whatever its last step.
     pub(crate) closer: f64,
     /// Most steps.
     pub(crate) steps: usize,
@@ -124,8 +124,8 @@ pub(crate) struct RefinementSettings {
     pub(crate) early: ByKind<f64>,
     /// Shares that a cell is brought down to once it is above the tolerance.
     pub(crate) target: ByKind<f64>,
-    /// The same three of torques.
-    pub(crate) torque: TorqueSettings,
+    /// The same three of further limits.
+    pub(crate) rows: RowSettings,
     /// Start after limits were lowered by little.
     pub(crate) close: WarmStart,
     /// The same in a cautious attempt: duals start anew.
@@ -154,10 +154,10 @@ pub(crate) struct RefinementSettings {
     pub(crate) start: f64,
 }
 
-/// Largest shares of the limits of torque, as those of the other limits: what is handed out, what is lowered early,
+/// Largest shares of further limits, as those of velocity, acceleration and jerk: what is handed out, what is lowered early,
 /// and what a cell is brought down to.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct TorqueSettings {
+pub(crate) struct RowSettings {
     pub(crate) tolerance: f64,
     pub(crate) early: f64,
     pub(crate) target: f64,
@@ -197,7 +197,7 @@ pub(crate) const SETTINGS: Settings = Settings {
         rest: 0.03,
         rest_growth: 0.25,
         rest_bend: 0.01,
-        torque_rad: 0.12,
+        row_rad: 0.12,
         switch_jump: 0.25,
         most_nodes: 100_000,
     },
@@ -228,7 +228,7 @@ pub(crate) const SETTINGS: Settings = Settings {
         tolerance: ByKind::from_array([1.0009, 1.0018, 1.018]),
         early: ByKind::from_array([1.0003, 1.0008, 1.01]),
         target: ByKind::from_array([0.9998, 1.0, 1.01]),
-        torque: TorqueSettings { tolerance: 1.006, early: 1.003, target: 1.0 },
+        rows: RowSettings { tolerance: 1.006, early: 1.003, target: 1.0 },
         close: WarmStart { mu: 1e-5, slack: 1e-3, kept: 10.0 },
         cautious: WarmStart { mu: 1e-3, slack: 1e-3, kept: 1.0 },
         far: WarmStart { mu: 1e-2, slack: 1e-2, kept: 1.0 },

@@ -2,8 +2,6 @@
 
 use std::sync::atomic::AtomicBool;
 
-use iiwa_kin::Joints;
-
 use crate::{
     attempt::Attempt,
     error::SolveError,
@@ -72,10 +70,9 @@ impl Solution {
         self.0.rates(cell, f)
     }
 
-    /// The torques there as shares of their limits, with its slowing down; none if the cell's segment has no limits of them.
-    #[must_use]
-    pub fn torque_shares(&self, cell: usize, f: f64) -> Option<Joints> {
-        self.0.torque_shares(cell, f, self.time_scale())
+    /// The shares of the rows of further limits there, with its slowing down; empty if the cell's segment has none.
+    pub fn row_shares(&self, cell: usize, f: f64) -> impl Iterator<Item = f64> {
+        self.0.row_shares(cell, f, self.time_scale())
     }
 
     /// x and its derivative by sigma where a segment starts: an [entry](Window::entry). None if it starts at rest.

@@ -389,10 +389,10 @@ impl Solver {
             let aim = aim.map_or(1.0, |(_, aim)| *aim);
             self.mu = (aim * sums.gap / limits).max(SETTINGS.least_mu * gap * duration_s / limits);
             if self.gap < gap && sums.residual < SETTINGS.residual {
-                // With limits of torque, the last steps may be short although there is nothing left to be gained.
+                // With further limits, the last steps may be short although there is nothing left to be gained.
                 let is_closer = self.gap < SETTINGS.closer * gap
                     && sums.residual < SETTINGS.closer * SETTINGS.residual;
-                if primal > SETTINGS.last_step || is_closer && !self.blocks.torques.is_empty() {
+                if primal > SETTINGS.last_step || is_closer && self.blocks.has_others {
                     return Ok(());
                 }
             }
@@ -409,10 +409,6 @@ impl Solver {
         let mu = self.mu;
         let steps = [self.last, InteriorStep { mu, ..InteriorStep::default() }];
         let mut sums = Sums::default();
-        if !self.blocks.torques.is_empty() {
-            // They add to what the others write, and slivers have no others.
-            self.quadratics[self.window.clone()].fill(Quadratic::default());
-        }
         for_each_block!(&mut self.blocks, &self.window, block => {
             block.assemble(simd, &self.states, steps, &mut self.quadratics, &mut sums);
         });

@@ -12,10 +12,11 @@ use std::{ops::Range, sync::atomic::AtomicBool};
 
 use iiwa_kin::RampEnd;
 use iiwa_path::Step;
-use iiwa_solver::{LimitedSegment, SolveError, SweptNode, TorqueLimits, Window};
+use iiwa_solver::{LimitedSegment, SolveError, SweptNode, Window};
 
 use crate::{
     node::Node,
+    path_limits::StepLimits,
     section::{Piece, Section},
     sunrise::ramp_limits,
     timing::{JerkOptions, TimingError},
@@ -23,16 +24,16 @@ use crate::{
 use stamps::Stamper;
 pub(crate) use stamps::{SegmentStamps, Stamps};
 
-/// Replaces the acceleration-limited stamps of `section` by jerk-limited ones, unless `stop` is set. With `torques`, limits
-/// of each of its pieces, these are kept as well.
+/// Replaces the acceleration-limited stamps of `section` by jerk-limited ones, unless `stop` is set. Further `limits` of
+/// each of its pieces are kept as well, if there are any.
 pub(crate) fn limit(
     section: &mut Section,
-    torques: &[TorqueLimits],
+    limits: &[StepLimits],
     timing: JerkTiming,
     stop: &AtomicBool,
 ) -> Result<(), TimingError> {
     if !section.pieces.is_empty() {
-        let all = Pieces { range: 0..section.pieces.len(), ends: [None; 2], torques };
+        let all = Pieces { range: 0..section.pieces.len(), ends: [None; 2], limits };
         let stamped = stamps(section, &all, timing, stop)?;
         section.stamp(stamped);
     }
@@ -54,8 +55,8 @@ pub(crate) struct Pieces<'a> {
     /// Where they begin and end: the square of the speed along the path (rad^2/s^2) and its derivative by the way
     /// (rad/s^2); none at rest.
     pub(crate) ends: [Option<[f64; 2]>; 2],
-    /// The limits of torque of each piece of the section; empty if torques are not limited.
-    pub(crate) torques: &'a [TorqueLimits],
+    /// Further limits of each piece of the section; empty if there are none.
+    pub(crate) limits: &'a [StepLimits],
 }
 
 /// The jerk-limited stamps of some `pieces` of `section`, in place of its acceleration-limited ones, which it loses.
@@ -80,13 +81,13 @@ pub(crate) fn stamps(
             let motion = blend.map_or(piece.motion, |corner| corner.motion);
             return Err(TimingError::CurvatureJumps { motion });
         };
-        segments.push(match pieces.torques.get(i) {
-            Some(torques) => segment.with_torque_limits(torques),
+        segments.push(match pieces.limits.get(i) {
+            Some(limits) => segment.with_rows(&limits.rows),
             None => segment,
         });
     }
     let rests = pieces.ends.map(|end| end.is_none());
-    let is_closed = rests == [true; 2] && pieces.torques.is_empty() && !options.general;
+    let is_closed = rests == [true; 2] && pieces.limits.is_empty() && !options.general;
     if let [line] = segments.as_slice()
         && is_closed
         && line.is_line()
@@ -116,7 +117,7 @@ pub(crate) fn stamps(
         }
     };
     let motion = section.pieces[pieces.range.start].motion;
-    found.map(Stamps::joined).map_err(|error| match error {
+    found.map(|stamps| stamps.joined().named(pieces.limits)).map_err(|error| match error {
         SolveError::NotConverged => TimingError::NotConverged { motion },
         SolveError::Interrupted => TimingError::Interrupted,
     })
@@ -166,6 +167,14 @@ impl Stamps {
             for i in 1..own.len() {
                 own[i - 1].u[1] = own[i].u[0];
             }
+        }
+        self
+    }
+
+    /// Names the further limits of segments that start with the first of `limits`.
+    fn named(mut self, limits: &[StepLimits]) -> Self {
+        for (segment, StepLimits { limits, .. }) in self.segments.iter_mut().zip(limits) {
+            segment.usage.name_rows(limits);
         }
         self
     }

@@ -6,7 +6,10 @@
 use iiwa_path::{JointPath, Segment};
 use iiwa_program::LimitKind;
 
-use crate::section::{Piece, Section};
+use crate::{
+    path_limits::PathLimits,
+    section::{Piece, Section},
+};
 
 /// By which share the speeds of two plans may differ where both do the same: of limits of jerk, some milliseconds.
 const SAME_SPEED: f64 = 2e-3;
@@ -40,13 +43,18 @@ pub(crate) fn needed_s(going_on: &Section, stopping: &Section) -> f64 {
 
 /// Whether at `known_s` so much is left until `section` is at its `piece`, a blend, that the arm does not yet have to slow
 /// down to stop before it. False if that cannot be told without a plan.
-pub(crate) fn is_early(section: &Section, piece: usize, known_s: f64) -> bool {
+pub(crate) fn is_early(
+    section: &Section,
+    piece: usize,
+    known_s: f64,
+    further: &PathLimits,
+) -> bool {
     let (Some(blend), Some(before)) =
         (section.pieces().get(piece), piece.checked_sub(1).and_then(|i| section.pieces().get(i)))
     else {
         return false;
     };
-    let Some(braking_s) = braking_bound_s(section.path(), before) else { return false };
+    let Some(braking_s) = braking_bound_s(section.path(), before, further) else { return false };
     let is_line = section.segment(before).is_some_and(Segment::is_straight);
     let bound_s = if is_line { braking_s } else { ON_CURVES * braking_s };
     let latest_s = blend.start_s - bound_s;
@@ -55,14 +63,14 @@ pub(crate) fn is_early(section: &Section, piece: usize, known_s: f64) -> bool {
 }
 
 /// How long it takes at most to stop on a line, whatever the speed and the acceleration at first, in s. None where limits of
-/// the TCP's acceleration or of torques hold.
-fn braking_bound_s(path: &JointPath, piece: &Piece) -> Option<f64> {
+/// the TCP's acceleration or `further` limits hold.
+fn braking_bound_s(path: &JointPath, piece: &Piece, further: &PathLimits) -> Option<f64> {
     let limits = path.limits_of(piece.step);
     let tool = limits.tool();
     let is_free = [&tool.way, &tool.turn].iter().all(|limits| {
         limits[LimitKind::Acceleration].is_infinite() && limits[LimitKind::Jerk].is_infinite()
     });
-    if !is_free || path.torque_limit_rel().is_some() {
+    if !is_free || further.limit_step(path, piece.step) {
         return None;
     }
     let [velocity, acceleration, jerk] = LimitKind::ALL.map(|kind| limits.of(kind));

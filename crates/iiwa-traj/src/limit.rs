@@ -29,6 +29,13 @@ pub enum Limit {
     },
     /// The torque of a joint.
     Torque(Joint),
+    /// A limit that is not one of this crate's: see [`PathLimit`](crate::PathLimit).
+    Other {
+        /// Its name in files.
+        name: &'static str,
+        /// The joint, if it is one of a joint.
+        joint: Option<Joint>,
+    },
 }
 
 /// What has limits of its motion.
@@ -60,15 +67,17 @@ impl Limit {
         match self {
             Self::Torque(joint) | Self::Motion { of: Limited::Joint(joint), .. } => Some(*joint),
             Self::Motion { of: Limited::Way | Limited::Turn, .. } => None,
+            Self::Other { joint, .. } => *joint,
         }
     }
 
     /// Its name in files, without the joint: `velocity`, `acceleration` or `jerk`, after `cart_` or `orientation_` where
-    /// it is one of the TCP; or `torque`.
+    /// it is one of the TCP; `torque`; or the name of another.
     #[must_use]
     pub fn name(&self) -> &'static str {
         let (of, kind) = match *self {
             Self::Torque(_) => return "torque",
+            Self::Other { name, .. } => return name,
             Self::Motion { of, kind } => (of, kind),
         };
         match (of, kind) {
@@ -87,6 +96,8 @@ impl fmt::Display for Limit {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Torque(joint) => write!(f, "{joint} torque"),
+            Self::Other { name, joint: Some(joint) } => write!(f, "{joint} {name}"),
+            Self::Other { name, joint: None } => f.write_str(name),
             Self::Motion { of: Limited::Joint(joint), kind } => write!(f, "{joint} {kind}"),
             Self::Motion { of: Limited::Way, kind } => write!(f, "cart {kind}"),
             Self::Motion { of: Limited::Turn, kind } => write!(f, "orientation {kind}"),

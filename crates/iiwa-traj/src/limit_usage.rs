@@ -1,8 +1,9 @@
 //! How close a piece comes to its limits, and for how long it is at each.
 
-use iiwa_kin::{Joint, Joints, PathTorques};
+use iiwa_kin::Joint;
 use iiwa_path::ToolCoordinate;
 use iiwa_program::{ByKind, LimitKind};
+use iiwa_solver::PathRow;
 
 use crate::{
     limit::{Limit, LimitShare, Limited},
@@ -16,29 +17,31 @@ const SATURATED: f64 = 0.995;
 /// Largest value over limit that is taken for rounding.
 pub(crate) const TOLERANCE: f64 = 1e-6;
 
-/// From this share on, a joint is at its limit of torque: the solver comes less close to it, since it changes along the way.
-const SATURATED_TORQUE: f64 = 0.985;
+/// From this share on, a further limit is reached: the solver comes less close to it, since it changes along the way.
+pub(crate) const SATURATED_ROW: f64 = 0.985;
 
 /// What is used of the limits of each kind.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub(crate) struct LimitUsage {
     of: ByKind<Shares>,
-    torque: TorqueShares,
+    /// Of each further limit.
+    rows: Vec<RowUsage>,
 }
 
-/// For each joint, the largest share of its limit of torque, and the time at it in s; 0 where torques are not limited.
+/// The largest share of a further limit, and the time at it in s.
 #[derive(Clone, Copy, Debug, Default)]
-struct TorqueShares {
-    peak: Joints,
-    time_s: Joints,
+struct RowUsage {
+    /// The limit, once it is [named](LimitUsage::name_rows).
+    limit: Option<Limit>,
+    peak: f64,
+    time_s: f64,
 }
 
-impl TorqueShares {
-    fn merge(&mut self, other: &Self) {
-        for j in 0..7 {
-            self.peak[j] = self.peak[j].max(other.peak[j]);
-            self.time_s[j] += other.time_s[j];
-        }
+impl RowUsage {
+    fn add(&mut self, share: f64, dt: f64) {
+        let share = share.abs();
+        self.peak = greater(self.peak, share);
+        self.time_s += if share >= SATURATED_ROW { dt } else { 0.0 };
     }
 }
 
@@ -129,19 +132,23 @@ impl LimitUsage {
         }
     }
 
-    /// Adds the intervals between `nodes`, where `torques` are what these are made of there, over their limits; nothing if
-    /// torques are not limited.
-    pub(crate) fn add_torques(&mut self, nodes: &[Node], torques: &[PathTorques]) {
-        for (pair, torques) in nodes.windows(2).zip(torques.windows(2)) {
-            let [start, end] = [
-                torques[0].at(pair[0].rate, pair[0].u[0]),
-                torques[1].at(pair[1].rate, pair[0].u[1]),
-            ];
-            // The lesser of both ends holds for the time; the peaks are those of either.
-            let least = std::array::from_fn(|j| lesser(start[j].abs(), end[j].abs()));
-            self.torques(&least, pair[1].t_s - pair[0].t_s);
-            self.torques(&start, 0.0);
-            self.torques(&end, 0.0);
+    /// Adds the intervals between `nodes`, where `rows` are those of further limits there, `count` at each node.
+    pub(crate) fn add_rows(&mut self, nodes: &[Node], rows: &[PathRow], count: usize) {
+        if count == 0 {
+            return;
+        }
+        self.rows.resize(count, RowUsage::default());
+        for (i, pair) in nodes.windows(2).enumerate() {
+            let dt = pair[1].t_s - pair[0].t_s;
+            let (starts, ends) = (&rows[i * count..], &rows[(i + 1) * count..]);
+            for ((usage, start), end) in self.rows.iter_mut().zip(starts).zip(ends) {
+                let [start, end] =
+                    [start.at(pair[0].rate, pair[0].u[0]), end.at(pair[1].rate, pair[0].u[1])];
+                // The lesser of both ends holds for the time; the peaks are those of either.
+                usage.add(lesser(start.abs(), end.abs()), dt);
+                usage.add(start, 0.0);
+                usage.add(end, 0.0);
+            }
         }
     }
 
@@ -154,14 +161,21 @@ impl LimitUsage {
         }
     }
 
-    /// Adds the shares of the limits of torque that hold for `dt`.
+    /// Adds the shares of further limits that hold for `dt`.
     #[inline(always)]
-    pub(crate) fn torques(&mut self, shares: &Joints, dt: f64) {
-        let TorqueShares { peak, time_s } = &mut self.torque;
-        for j in 0..7 {
-            let share = shares[j].abs();
-            peak[j] = greater(peak[j], share);
-            time_s[j] += if share >= SATURATED_TORQUE { dt } else { 0.0 };
+    pub(crate) fn sample_rows(&mut self, shares: impl Iterator<Item = f64>, dt: f64) {
+        for (row, share) in shares.enumerate() {
+            if row == self.rows.len() {
+                self.rows.push(RowUsage::default());
+            }
+            self.rows[row].add(share, dt);
+        }
+    }
+
+    /// Names the further limits, in the order of their rows.
+    pub(crate) fn name_rows(&mut self, limits: &[Limit]) {
+        for (row, limit) in self.rows.iter_mut().zip(limits) {
+            row.limit = Some(*limit);
         }
     }
 
@@ -179,7 +193,15 @@ impl LimitUsage {
         for (kind, shares) in &mut self.of {
             shares.merge(&other.of[kind]);
         }
-        self.torque.merge(&other.torque);
+        for row in &other.rows {
+            match self.rows.iter_mut().find(|own| own.limit == row.limit) {
+                Some(own) => {
+                    own.peak = own.peak.max(row.peak);
+                    own.time_s += row.time_s;
+                }
+                None => self.rows.push(*row),
+            }
+        }
     }
 
     /// The largest share of any limit of velocity, acceleration or jerk, and which one it is.
@@ -187,24 +209,27 @@ impl LimitUsage {
         self.largest(Shares::peaks)
     }
 
-    /// The largest share of a limit of torque, and of which; 0 if torques are not limited.
-    pub(crate) fn largest_torque(&self) -> (Limit, f64) {
-        largest_torque(&self.torque.peak)
+    /// The largest share of a further limit, and which one it is.
+    pub(crate) fn largest_row(&self) -> Option<(Limit, f64)> {
+        self.largest_of_rows(|row| row.peak)
     }
 
     /// The limit that is kept for the longest time, or else the one that is come closest to.
     pub(crate) fn limit(&self) -> Limit {
         let (limit, time_s) = self.largest(Shares::times_s);
-        let (of_torque, at_torque_s) = largest_torque(&self.torque.time_s);
-        if at_torque_s > time_s {
-            return of_torque;
+        if let Some((of_row, at_row_s)) = self.largest_of_rows(|row| row.time_s)
+            && at_row_s > time_s
+        {
+            return of_row;
         }
         if time_s > 0.0 {
             return limit;
         }
         let (limit, share) = self.worst();
-        let (of_torque, torque) = largest_torque(&self.torque.peak);
-        if torque > share { of_torque } else { limit }
+        match self.largest_row() {
+            Some((of_row, row)) if row > share => of_row,
+            _ => limit,
+        }
     }
 
     /// The largest share of a limit of speed, where `full` are the limits, of which `own` are shares.
@@ -226,9 +251,8 @@ impl LimitUsage {
                 kept.map(move |(of, time_s)| at(Limit::Motion { of, kind }, time_s))
             })
             .collect();
-        let torques = Joint::ALL.into_iter().zip(self.torque.time_s);
-        let kept = torques.filter(|(_, time_s)| *time_s > 0.0);
-        shares.extend(kept.map(|(joint, time_s)| at(Limit::Torque(joint), time_s)));
+        let kept = self.rows.iter().filter(|row| row.time_s > 0.0);
+        shares.extend(kept.filter_map(|row| Some(at(row.limit?, row.time_s))));
         shares.sort_by(|a, b| b.share.total_cmp(&a.share));
         shares
     }
@@ -248,14 +272,10 @@ impl LimitUsage {
         }
         best
     }
-}
 
-/// The largest of the values of the joints' torques, and of which it is.
-fn largest_torque(values: &Joints) -> (Limit, f64) {
-    Joint::ALL.into_iter().zip(*values).fold(
-        (Limit::Torque(Joint::A1), 0.0),
-        |best, (joint, value)| {
-            if value > best.1 { (Limit::Torque(joint), value) } else { best }
-        },
-    )
+    /// The largest value of a further limit, and of which it is.
+    fn largest_of_rows(&self, value: impl Fn(&RowUsage) -> f64) -> Option<(Limit, f64)> {
+        let values = self.rows.iter().filter_map(|row| Some((row.limit?, value(row))));
+        values.reduce(|best, next| if next.1 > best.1 { next } else { best })
+    }
 }

@@ -7,31 +7,29 @@ use std::{
 
 use iiwa_kin::Joints;
 use iiwa_path::{JointPath, Step};
-use iiwa_solver::TorqueLimits;
 
 use crate::{
-    jerk::{self, JerkTiming},
+    jerk::JerkTiming,
     known_in_time::{is_early, needed_s},
     late_blend::LateBlend,
+    limit_usage::SATURATED_ROW,
+    path_limit::PathLimit,
+    path_limits::{PathLimits, StepLimits, largest_share},
     program_clock::ProgramClock,
     section::{Section, pause_s},
-    section_sweep::{Moves, SAMPLES_BEFORE_JERK, Scratch, sweep_moves},
+    section_sweep::{Moves, SAMPLES_BEFORE_JERK, SweepScratch, sweep_moves},
     spline_speed,
     timing::{Timing, TimingError},
-    torque_limits::{check_holding, largest_torque, torque_limits},
 };
 
-/// Share of a limit of torque that may be reached without a second look.
-const TORQUE_TOLERANCE: f64 = 1.005;
+/// The largest share of a further limit that a section may reach which was planned without them.
+const TOLERANCE: f64 = 1.005;
 
-/// Share of a limit of torque from which on, under limits of acceleration, one is likely to be exceeded under limits of jerk.
+/// Share of a further limit from which on, under limits of acceleration, one is likely to be exceeded under limits of jerk.
 const LIKELY: f64 = 1.03;
 
-/// Share of a limit of torque below which none holds the arm back.
-const AT_LIMIT: f64 = 0.985;
-
-/// The largest share of a limit of torque that is handed out.
-const MOST_TORQUE: f64 = 1.01;
+/// The largest share of a further limit that is handed out.
+const MOST: f64 = 1.01;
 
 /// Largest difference in time between plans of different lengths where both do the same, in s: nanoseconds, and a reserve.
 const PLANS_DIFFER_S: f64 = 0.02;
@@ -77,9 +75,9 @@ pub struct Planner {
     rest_rad: Joints,
     /// When motions after waits that overlap others are known.
     clock: ProgramClock,
-    scratch: Scratch<1>,
-    /// What a section is planned in whose torques have to be limited.
-    torque_scratch: Option<Scratch<2>>,
+    scratch: SweepScratch,
+    /// All limits beside those of velocity, acceleration and jerk.
+    limits: PathLimits,
     /// The path without the speed of T1, and that speed in m/s, if it is held while motions run.
     supervised: Option<(JointPath, f64)>,
     /// Whether it is to stop.
@@ -104,8 +102,8 @@ impl Planner {
             time_s: 0.0,
             rest_rad: *path.start_rad(),
             clock: ProgramClock::default(),
-            scratch: Scratch::new(samples),
-            torque_scratch: None,
+            scratch: SweepScratch::new(samples),
+            limits: PathLimits::default(),
             supervised: None,
             stop: Arc::default(),
         };
@@ -146,6 +144,55 @@ impl Planner {
         self
     }
 
+    /// Keeps one more limit.
+    ///
+    /// ```
+    /// use std::sync::Arc;
+    ///
+    /// use iiwa_kin::{Joints, Robot};
+    /// use iiwa_path::JointPath;
+    /// use iiwa_program::Program;
+    /// use iiwa_traj::{Limit, PathLimit, PathRow, Planner, RowLimit, Timing, Trajectory};
+    ///
+    /// /// The accelerations of joints 1 and 4 together, in rad/s^2.
+    /// #[derive(Clone, Copy, Debug)]
+    /// struct Together(f64);
+    ///
+    /// impl PathLimit for Together {
+    ///     fn of_step(&self, _: &JointPath, _: usize) -> Option<Box<dyn RowLimit>> {
+    ///         Some(Box::new(*self))
+    ///     }
+    ///
+    ///     fn limit(&self, _: usize) -> Limit {
+    ///         Limit::Other { name: "together", joint: None }
+    ///     }
+    /// }
+    ///
+    /// impl RowLimit for Together {
+    ///     fn row_count(&self) -> usize {
+    ///         1
+    ///     }
+    ///
+    ///     fn rows(&self, _: &[Joints], derivative: &[Joints], second: &[Joints]) -> Vec<PathRow> {
+    ///         let sum = |q: &Joints| (q[0] + q[3]) / self.0;
+    ///         let rows = derivative.iter().zip(second);
+    ///         rows.map(|(one, two)| PathRow { acceleration: sum(one), square: sum(two), offset: 0.0 }).collect()
+    ///     }
+    /// }
+    ///
+    /// let program = Program::from_deg([0.0; 7]).ptp_deg([40.0, 0.0, 0.0, 60.0, 0.0, 0.0, 0.0]).build();
+    /// let path = JointPath::new(&program, &Robot::default())?;
+    /// let free = Trajectory::plan(&path, Timing::jerk_limited())?;
+    /// let mut planner = Planner::new(&path, Timing::jerk_limited()).with_limit(Arc::new(Together(4.0)));
+    /// assert!(Trajectory::by(&mut planner)?.cycle_time_s() > free.cycle_time_s());
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    #[must_use]
+    pub fn with_limit(mut self, limit: Arc<dyn PathLimit>) -> Self {
+        self.limits.add(limit);
+        self
+    }
+
     /// Share of the path's steps that are planned, 0 to 1.
     #[must_use]
     pub fn progress(&self) -> f64 {
@@ -156,85 +203,68 @@ impl Planner {
 impl Planner {
     /// Plans the moves of `section`, which has no pieces yet.
     ///
-    /// Where torques are limited, first without: most motions need no more, and these are to be as they are without limits of
-    /// torques.
+    /// Where there are limits beside those of velocity, acceleration and jerk, it is planned without them first. This pass has a
+    /// numerical reason: cells are shorter with these limits, and rows that bind nothing still change the last digits of what the solver
+    /// finds. A section that needs none of them is to be as it is without them, to the last bit.
     fn plan_moves(
         &mut self,
         steps: Range<usize>,
         section: &mut Section,
     ) -> Result<(), TimingError> {
-        let Some(torques) = torque_limits(&section.path, steps.clone()) else {
-            self.plan_without_torques(steps, section)?;
-            return Ok(());
-        };
-        let first = steps.start;
-        let jumps = self.jerk.is_none();
-        let largest =
-            |section: &Section, jumps: bool| largest_torque(section, first, &torques, jumps);
-        let without = Moves { steps: steps.clone(), ends: [None; 2], torques: &[] };
-        sweep_moves(&without, &mut self.scratch, &self.stop, section)?;
-        let needs = match self.jerk {
-            // Where accelerations jump, torques are larger than with limits of jerk.
-            Some(timing) if largest(section, true) < LIKELY => {
-                spline_speed::limit(section, timing, &self.stop)?;
-                largest(section, jumps)
-            }
-            _ => largest(section, true),
-        };
-        if needs <= TORQUE_TOLERANCE {
-            return Ok(());
+        let limits = self.limits.of_steps(&section.path, steps.clone());
+        self.sweep(&[], steps.clone(), section)?;
+        if limits.is_empty() {
+            return self.limit_jerk(&[], section);
         }
-        let mut limited = section.clone();
-        self.plan_with_torques(&torques, steps.clone(), &mut limited)?;
-        let reached =
-            limited.pieces.iter().map(|piece| (piece.motion, piece.usage.largest_torque()));
-        let reached = reached.max_by(|(_, a), (_, b)| a.1.total_cmp(&b.1));
-        let Some((motion, (limit, ratio))) = reached else { return Ok(()) };
-        if ratio < AT_LIMIT && self.jerk.is_some() {
-            // None of them held it back: without them, it is what it would be if they were not limited.
-            self.plan_without_torques(steps, section)?;
-            if largest(section, jumps) <= TORQUE_TOLERANCE {
+        let (first, jumps) = (steps.start, self.jerk.is_none());
+        // Where accelerations jump, shares are larger than with limits of jerk. If they exceed a limit by far, what the solver finds
+        // without these limits would be dropped, and it takes nearly all of the time.
+        let is_likely = !jumps && largest_share(section, first, &limits, true) >= LIKELY;
+        let is_kept =
+            |section: &Section| largest_share(section, first, &limits, jumps) <= TOLERANCE;
+        if !is_likely {
+            self.limit_jerk(&[], section)?;
+            if is_kept(section) {
                 return Ok(());
             }
         }
-        if ratio.is_nan() || ratio > MOST_TORQUE {
+        let mut limited = Section { pieces: Vec::new(), nodes: Vec::new(), ..section.clone() };
+        self.sweep(&limits, steps, &mut limited)?;
+        self.limit_jerk(&limits, &mut limited)?;
+        let reached = limited
+            .pieces
+            .iter()
+            .filter_map(|piece| Some((piece.motion, piece.usage.largest_row()?)));
+        let reached = reached.max_by(|(_, a), (_, b)| a.1.total_cmp(&b.1));
+        let Some((motion, (limit, ratio))) = reached else { return Ok(()) };
+        if is_likely && ratio < SATURATED_ROW {
+            // None of them held it back, unlike what seemed likely.
+            self.limit_jerk(&[], section)?;
+            if is_kept(section) {
+                return Ok(());
+            }
+        }
+        if ratio.is_nan() || ratio > MOST {
             return Err(TimingError::LimitExceeded { motion, limit, ratio });
         }
         *section = limited;
         Ok(())
     }
 
-    fn plan_without_torques(
+    /// Adds the moves of `steps` to `section`, under limits of velocity and acceleration and further `limits`.
+    fn sweep(
         &mut self,
+        limits: &[StepLimits],
         steps: Range<usize>,
         section: &mut Section,
     ) -> Result<(), TimingError> {
-        section.pieces.clear();
-        section.nodes.clear();
-        let moves = Moves { steps, ends: [None; 2], torques: &[] };
-        sweep_moves(&moves, &mut self.scratch, &self.stop, section)?;
-        match self.jerk {
-            Some(timing) => spline_speed::limit(section, timing, &self.stop),
-            None => Ok(()),
-        }
+        let moves = Moves { steps, ends: [None; 2], limits };
+        sweep_moves(&moves, &mut self.scratch, &self.stop, section)
     }
 
-    fn plan_with_torques(
-        &mut self,
-        torques: &[TorqueLimits],
-        steps: Range<usize>,
-        section: &mut Section,
-    ) -> Result<(), TimingError> {
-        section.pieces.clear();
-        section.nodes.clear();
-        let moves = Moves { steps, ends: [None; 2], torques };
-        let intervals = self.scratch.intervals();
-        let scratch = self.torque_scratch.get_or_insert_with(|| Scratch::new(intervals));
-        sweep_moves(&moves, scratch, &self.stop, section)?;
-        match self.jerk {
-            Some(timing) => jerk::limit(section, torques, timing, &self.stop),
-            None => Ok(()),
-        }
+    /// Limits the jerk of a section that was swept, if the timing does.
+    fn limit_jerk(&self, limits: &[StepLimits], section: &mut Section) -> Result<(), TimingError> {
+        self.jerk.map_or(Ok(()), |timing| spline_speed::limit(section, limits, timing, &self.stop))
     }
 }
 
@@ -258,7 +288,7 @@ impl Planner {
     fn plan_section(&mut self) -> Result<Section, TimingError> {
         let first = self.step;
         if first == 0 {
-            check_holding(&self.path)?;
+            self.limits.check(&self.path)?;
         }
         let overlaps = !self.path.overlapping_waits().is_empty();
         let moves =
@@ -380,7 +410,7 @@ impl Planner {
         let Some(piece) = section.pieces.iter().position(|piece| piece.step == blend) else {
             return Ok(unknown);
         };
-        if is_early(section, piece, known_s) {
+        if is_early(section, piece, known_s, &self.limits) {
             return Ok(unknown);
         }
         let first = section.pieces[0].step;

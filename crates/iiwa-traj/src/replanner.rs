@@ -12,10 +12,10 @@ use crate::{
     jerk::{self, JerkTiming, Pieces, Stamps},
     limit_usage::LimitUsage,
     node::Node,
+    path_limits::PathLimits,
     section::{Piece, Section, pause_s},
-    section_sweep::{Moves, SAMPLES_BEFORE_JERK, Scratch, sweep_moves},
+    section_sweep::{Moves, SAMPLES_BEFORE_JERK, SweepScratch, sweep_moves},
     timing::{JerkOptions, Timing, TimingError},
-    torque_limits::{check_holding, torque_limits},
     trajectory::Trajectory,
 };
 
@@ -61,7 +61,8 @@ pub struct Replanner {
     options: JerkOptions,
     /// One for each step of the path.
     plans: Vec<StepPlan>,
-    scratch: Scratch<1>,
+    limits: PathLimits,
+    scratch: SweepScratch,
     /// The plan of a program in which waits overlap motions: what one of these needs may delay all that follows.
     whole: Option<Trajectory>,
 }
@@ -101,7 +102,8 @@ impl Replanner {
             path_options,
             options,
             plans: vec![StepPlan::default(); steps],
-            scratch: Scratch::new(SAMPLES_BEFORE_JERK),
+            limits: PathLimits::default(),
+            scratch: SweepScratch::new(SAMPLES_BEFORE_JERK),
             whole: None,
         };
         if replanner.path.overlapping_waits().is_empty() {
@@ -223,7 +225,7 @@ impl Replanner {
     /// Plans the steps in `changed` and at least `around` steps on either side. If there is an error, all plans are as
     /// before.
     fn plan(&mut self, changed: Range<usize>, around: usize) -> Result<(), TimingError> {
-        check_holding(&self.path)?;
+        self.limits.check(&self.path)?;
         let mut found = Vec::new();
         let mut step = changed.start;
         if changed.is_empty() && self.moves(step) {
@@ -306,18 +308,13 @@ impl Replanner {
         let swept = self.around(window, BEFORE);
         let ends = [swept.start, swept.end].map(|step| self.state(step).map(|[square, _]| square));
         let mut section = self.section(0.0);
-        let torques = torque_limits(&self.path, swept.clone()).unwrap_or_default();
-        let moves = Moves { steps: swept.clone(), ends, torques: &torques };
-        if torques.is_empty() {
-            sweep_moves(&moves, &mut self.scratch, &stop, &mut section)?;
-        } else {
-            let mut scratch = Scratch::<2>::new(SAMPLES_BEFORE_JERK);
-            sweep_moves(&moves, &mut scratch, &stop, &mut section)?;
-        }
+        let limits = &self.limits.of_steps(&self.path, swept.clone());
+        let moves = Moves { steps: swept.clone(), ends, limits };
+        sweep_moves(&moves, &mut self.scratch, &stop, &mut section)?;
         let pieces = Pieces {
             range: window.start - swept.start..window.end - swept.start,
             ends: [window.start, window.end].map(|step| self.state(step)),
-            torques: &torques,
+            limits,
         };
         Ok(StepPlan::of(jerk::stamps(
             &mut section,
@@ -356,7 +353,7 @@ impl StepPlan {
                 node.t_s -= start_s;
             }
             let duration_s = nodes[nodes.len() - 1].t_s;
-            Self { duration_s, nodes, usage: stamps.usage }
+            Self { duration_s, nodes, usage: stamps.usage.clone() }
         };
         segments.iter().map(plan).collect()
     }

@@ -114,6 +114,7 @@ impl Piece {
             return None;
         };
         let limits = section.path.limits_of(step);
+        let usage = usage.clone();
         let usage = usage.told_apart(ToolCoordinate::new(segment.as_ref(), limits.tool()).as_ref());
         // Shares of the motion's limits become shares of the robot's.
         let own = limits.velocity_rad_s();

@@ -5,10 +5,10 @@ use std::{
     sync::atomic::{AtomicBool, Ordering},
 };
 
-use iiwa_kin::{Joints, PathTorques};
+use iiwa_kin::Joints;
 use iiwa_path::{Derivatives, Grid, GridNode, JointPath, Segment, Step, ToolCoordinate};
 use iiwa_program::{LimitKind, MotionIndex};
-use iiwa_solver::TorqueLimits;
+use iiwa_solver::{PathRow, RowLimits};
 use pulp::Simd;
 
 use crate::{
@@ -16,14 +16,24 @@ use crate::{
     limit_usage::{LimitUsage, TOLERANCE},
     line_limits::LineLimits,
     node::Node,
+    path_limits::StepLimits,
     section::{Piece, Section},
-    sweep::{self, Bounds, Nodes, Sample},
+    sweep::{self, Bounds, MOST_GROUPS, Nodes, Sample},
     timing::TimingError,
 };
 
-/// Memory that is used again for each section. With two rows of lines (`R`), torques are limited, too.
+/// Memory that is used again for each section: of a sweep with any number of rows of further limits.
 #[derive(Debug)]
-pub(crate) struct Scratch<const R: usize> {
+pub(crate) struct SweepScratch {
+    plain: Scratch<1>,
+    /// With up to eight rows of further limits, and with up to sixteen.
+    eight: Option<Scratch<2>>,
+    sixteen: Option<Scratch<3>>,
+}
+
+/// Memory of sweeps with `R` groups of eight lines: of accelerations, and of the rows of further limits.
+#[derive(Debug)]
+struct Scratch<const R: usize> {
     grid: Grid,
     /// The nodes of all segments.
     samples: Vec<Sample>,
@@ -31,15 +41,16 @@ pub(crate) struct Scratch<const R: usize> {
     curves: Vec<CurveSamples<R>>,
 }
 
-impl<const R: usize> Scratch<R> {
+impl SweepScratch {
     /// For grids of `intervals` intervals.
     pub(crate) fn new(intervals: usize) -> Self {
-        Self { grid: Grid::new(intervals), samples: Vec::new(), curves: Vec::new() }
+        Self { plain: Scratch::new(intervals), eight: None, sixteen: None }
     }
+}
 
-    /// How many intervals its grids have.
-    pub(crate) fn intervals(&self) -> usize {
-        self.grid.intervals()
+impl<const R: usize> Scratch<R> {
+    fn new(intervals: usize) -> Self {
+        Self { grid: Grid::new(intervals), samples: Vec::new(), curves: Vec::new() }
     }
 }
 
@@ -54,8 +65,8 @@ struct CurveSamples<const R: usize> {
     grid: Vec<GridNode>,
     dq: Vec<[f64; 8]>,
     ddq: Vec<[f64; 8]>,
-    /// None where torques are not limited.
-    torques: Vec<PathTorques>,
+    /// The rows of further limits, node after node.
+    rows: Vec<PathRow>,
     bounds: Vec<Bounds<R>>,
 }
 
@@ -70,9 +81,10 @@ impl<const R: usize> CurveSamples<R> {
         self.grid.extend_from_slice(&segment.shape.grid_nodes(grid));
         segment.shape.grid_derivatives(grid, &segment.scale, &mut self.dq, &mut self.ddq);
         segment.tool_derivatives(&self.grid, &mut self.dq, &mut self.ddq);
-        segment.torque_shares(&self.grid, &mut self.torques);
-        let Self { grid, dq, ddq, bounds, torques, .. } = self;
-        let nodes = Nodes { simd, dq, ddq, velocity: &segment.velocity, grid, torques };
+        segment.rows(&self.grid, &mut self.rows);
+        let Self { grid, dq, ddq, bounds, rows, .. } = self;
+        let (velocity, row_count) = (&segment.velocity, segment.row_count());
+        let nodes = Nodes { simd, dq, ddq, velocity, grid, rows, row_count };
         simd.vectorize(
             #[inline(always)]
             move || {
@@ -96,13 +108,37 @@ pub(crate) struct Moves<'a> {
     pub(crate) steps: Range<usize>,
     /// Squares of the speeds along the path, |dq/dt|, with which they begin and end, in rad^2/s^2; none at rest.
     pub(crate) ends: [Option<f64>; 2],
-    /// The limits of torque of each of the steps; empty if torques are not limited.
-    pub(crate) torques: &'a [TorqueLimits],
+    /// Further limits of each of the steps; empty if there are none.
+    pub(crate) limits: &'a [StepLimits],
 }
 
 /// Plans `moves` and adds them to `section`, as pieces that keep the limits of velocity and acceleration and, if they have
-/// any, of torque.
-pub(crate) fn sweep_moves<const R: usize>(
+/// any, further limits.
+pub(crate) fn sweep_moves(
+    moves: &Moves<'_>,
+    scratch: &mut SweepScratch,
+    stop: &AtomicBool,
+    section: &mut Section,
+) -> Result<(), TimingError> {
+    let SweepScratch { plain, eight, sixteen } = scratch;
+    let intervals = plain.grid.intervals();
+    let rows = moves.limits.iter().map(|limits| limits.rows.count()).max().unwrap_or(0);
+    match 1 + rows.div_ceil(8) {
+        1 => sweep_by(moves, plain, stop, section),
+        2 => {
+            let scratch = eight.get_or_insert_with(|| Scratch::new(intervals));
+            sweep_by(moves, scratch, stop, section)
+        }
+        MOST_GROUPS => {
+            let scratch = sixteen.get_or_insert_with(|| Scratch::new(intervals));
+            sweep_by(moves, scratch, stop, section)
+        }
+        _ => Err(TimingError::TooManyRows { rows, most: 8 * (MOST_GROUPS - 1) }),
+    }
+}
+
+/// The same with the memory for the number of rows.
+fn sweep_by<const R: usize>(
     moves: &Moves<'_>,
     scratch: &mut Scratch<R>,
     stop: &AtomicBool,
@@ -130,8 +166,8 @@ impl<const R: usize> pulp::WithSimd for WidestSweep<'_, R> {
     fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
         let WidestSweep { moves, scratch, stop, section } = self;
         let path = &section.path.clone();
-        let Moves { ref steps, torques, .. } = *moves;
-        SectionSweep { simd, path, scratch, stop, first_step: steps.start, torques }
+        let Moves { ref steps, limits, .. } = *moves;
+        SectionSweep { simd, path, scratch, stop, first_step: steps.start, limits }
             .moves(moves, section)
     }
 }
@@ -142,9 +178,9 @@ struct SectionSweep<'a, S, const R: usize> {
     path: &'a JointPath,
     scratch: &'a mut Scratch<R>,
     stop: &'a AtomicBool,
-    /// The step that the first of `torques` is of.
+    /// The step that the first of `limits` is of.
     first_step: usize,
-    torques: &'a [TorqueLimits],
+    limits: &'a [StepLimits],
 }
 
 /// A segment and its limits, in the form that the sweep takes.
@@ -158,7 +194,8 @@ struct SweepSegment<'a> {
     /// The coordinate of the tool, if it is limited, and what scales it as `scale` does the joints.
     tool: Option<(ToolCoordinate, f64)>,
     line: Option<LineLimits>,
-    torques: Option<&'a TorqueLimits>,
+    /// Further limits, if there are any.
+    rows: Option<&'a RowLimits>,
 }
 
 /// What stands for the limit of the tool's acceleration where there is none, over that of its speed, in 1/s: so high that
@@ -177,10 +214,14 @@ impl SweepSegment<'_> {
         }
     }
 
-    /// What the torques at the `nodes` of a grid are made of by p, over their limits.
-    fn torque_shares(&self, nodes: &[GridNode], torques: &mut Vec<PathTorques>) {
-        torques.clear();
-        let Some(limits) = self.torques else { return };
+    fn row_count(&self) -> usize {
+        self.rows.map_or(0, RowLimits::count)
+    }
+
+    /// The rows of further limits by p at the `nodes` of a grid.
+    fn rows(&self, nodes: &[GridNode], rows: &mut Vec<PathRow>) {
+        rows.clear();
+        let Some(limits) = self.rows else { return };
         let [mut q, mut first, mut second] = [(); 3].map(|()| Vec::with_capacity(nodes.len()));
         for node in nodes {
             let Derivatives { q: joints, dq, ddq, .. } = self.shape.at_share(node.p);
@@ -188,7 +229,7 @@ impl SweepSegment<'_> {
             first.push(dq);
             second.push(ddq);
         }
-        *torques = limits.shares(&q, &first, &second);
+        *rows = limits.rows(&q, &first, &second);
     }
 }
 
@@ -198,7 +239,8 @@ impl<'a, S: Simd, const R: usize> SectionSweep<'a, S, R> {
         let path: &'a JointPath = self.path;
         let Step::Move { motion, segment, .. } = &path.steps()[step] else { return None };
         let limits = path.limits_of(step);
-        let torques = self.torques.get(step - self.first_step);
+        let rows = self.limits.get(step - self.first_step).map(|limits| &limits.rows);
+        let rows = rows.filter(|rows| rows.count() > 0);
         let [speed, acceleration] = [limits.velocity_rad_s(), limits.acceleration_rad_s2()];
         let mut velocity = [0.0; 8];
         for j in 0..7 {
@@ -219,12 +261,12 @@ impl<'a, S: Simd, const R: usize> SectionSweep<'a, S, R> {
             scale: acceleration.map(|a| 1.0 / a),
             velocity,
             tool,
-            // Along a line, torques change.
-            line: (segment.is_straight() && tool.is_none() && torques.is_none()).then(|| {
+            // Along a line, further limits change.
+            line: (segment.is_straight() && tool.is_none() && rows.is_none()).then(|| {
                 let direction = segment.at(0.0).dq;
                 LineLimits::new(&direction, speed, acceleration)
             }),
-            torques,
+            rows,
         })
     }
 
@@ -380,9 +422,9 @@ impl<'a, S: Simd, const R: usize> SectionSweep<'a, S, R> {
             curve.step = Some(step);
             curve.fill(self.simd, segment, grid, nodes);
         }
-        let CurveSamples { grid, dq, ddq, bounds, torques, .. } = curve;
-        let velocity = &segment.velocity;
-        (Nodes { simd: self.simd, dq, ddq, velocity, grid, torques }, bounds)
+        let CurveSamples { grid, dq, ddq, bounds, rows, .. } = curve;
+        let (velocity, row_count) = (&segment.velocity, segment.row_count());
+        (Nodes { simd: self.simd, dq, ddq, velocity, grid, rows, row_count }, bounds)
     }
 
     /// Checks the nodes from `first_node` on against the limits and makes them a piece.
@@ -408,16 +450,19 @@ impl<'a, S: Simd, const R: usize> SectionSweep<'a, S, R> {
                 usage.add(pair, &[row; 2], &[[0.0; 8]; 2], &segment.velocity);
             }
         } else {
-            let (Nodes { dq, ddq, torques, .. }, _) = self.curve(segment, step);
+            let (Nodes { dq, ddq, rows, row_count, .. }, _) = self.curve(segment, step);
             usage.add(nodes, dq, ddq, &segment.velocity);
-            usage.add_torques(nodes, torques);
+            usage.add_rows(nodes, rows, row_count);
+            if let Some(StepLimits { limits, .. }) = self.limits.get(step - self.first_step) {
+                usage.name_rows(limits);
+            }
         }
         let motion = segment.motion;
         if !end_s.is_finite() {
             return Err(TimingError::Stuck { motion });
         }
         let tool = segment.tool.map(|(tool, _)| tool);
-        let (limit, ratio) = usage.told_apart(tool.as_ref()).worst();
+        let (limit, ratio) = usage.clone().told_apart(tool.as_ref()).worst();
         if ratio > 1.0 + TOLERANCE {
             return Err(TimingError::LimitExceeded { motion, limit, ratio });
         }
@@ -485,7 +530,7 @@ mod tests {
         let mut scratch = Scratch::<1>::new(100);
         let mut section = Section { pieces: Vec::new(), nodes: Vec::new(), ..widest.clone() };
         let sweep = WidestSweep {
-            moves: &Moves { steps: 0..7, ends: [None; 2], torques: &[] },
+            moves: &Moves { steps: 0..7, ends: [None; 2], limits: &[] },
             scratch: &mut scratch,
             stop: &AtomicBool::new(false),
             section: &mut section,

@@ -21,6 +21,7 @@ use iiwa_solver::{LimitedSegment, SolveError};
 
 use crate::{
     jerk::{self, JerkTiming, Stamps},
+    path_limits::StepLimits,
     section::{Piece, PieceKind, Section},
     section_sweep::SAMPLES_BEFORE_JERK,
     sunrise::{EndRamp, ramp_limits},
@@ -42,17 +43,19 @@ const ROUNDS: usize = 4;
 /// How many times as fine as usual cells are: the model's limits of speed have narrow minima.
 const FINER: f64 = 2.0;
 
-/// Limits the jerk of `section` as [`jerk::limit`] does, but plans splines by the model if `timing` is Sunrise's.
+/// Limits the jerk of `section` as [`jerk::limit`] does, but plans splines by the model if `timing` is Sunrise's and there are no
+/// further `limits`.
 ///
 /// Splines for which the model has no solution are planned as without it.
 pub(crate) fn limit(
     section: &mut Section,
+    limits: &[StepLimits],
     timing: JerkTiming,
     stop: &AtomicBool,
 ) -> Result<(), TimingError> {
     let is_spline = |piece: &Piece| piece.kind == PieceKind::Spline;
     let is_one = !section.pieces.is_empty() && section.pieces.iter().all(is_spline);
-    if timing.sunrise && is_one {
+    if timing.sunrise && is_one && limits.is_empty() {
         match stamps(section, timing.options, stop) {
             Ok(stamps) => {
                 section.stamp(stamps);
@@ -62,7 +65,7 @@ pub(crate) fn limit(
             Err(SolveError::NotConverged) => {}
         }
     }
-    jerk::limit(section, &[], timing, stop)
+    jerk::limit(section, limits, timing, stop)
 }
 
 /// The stamps of a section that is a spline, or a part of one between two stops.

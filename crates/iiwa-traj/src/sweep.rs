@@ -28,18 +28,18 @@ mod bounds;
 #[cfg(test)]
 mod tests;
 
-use iiwa_kin::{Joints, PathTorques};
 use iiwa_path::GridNode;
+use iiwa_solver::PathRow;
 use pulp::Simd;
 
-pub(crate) use bounds::{Bounds, greater, lesser};
+pub(crate) use bounds::{Bounds, MOST_GROUPS, greater, lesser};
 use bounds::{Row, UNLIMITED, largest};
 
 /// Share of a limit of acceleration, or of squared speed, by which an interval may exceed it between its ends.
 const SWING: f64 = 0.0017;
 
-/// The same of a limit of torque.
-const TORQUE_SWING: f64 = 0.004;
+/// The same of a further limit.
+const ROW_SWING: f64 = 0.004;
 
 /// Share by which it may half-way without being looked at closely.
 const NEAR: f64 = 0.0013;
@@ -177,10 +177,10 @@ impl Default for Sample {
     }
 }
 
-/// What the limits leave at each node of a segment: fills `bounds`, which have two rows of lines where torques are limited.
+/// What the limits leave at each node of a segment: fills `bounds`, which have room for all rows of further limits.
 #[inline(always)]
 pub(crate) fn bounds<S: Simd, const R: usize>(
-    Nodes { simd, dq, ddq, velocity, grid, torques }: Nodes<'_, S>,
+    Nodes { simd, dq, ddq, velocity, grid, rows, row_count }: Nodes<'_, S>,
     bounds: &mut [Bounds<R>],
 ) {
     let mut before = 0.0;
@@ -191,7 +191,11 @@ pub(crate) fn bounds<S: Simd, const R: usize>(
         bounds.set(simd, dq, ddq, velocity, greater(before, after));
         before = after;
     }
-    bounds.iter_mut().zip(torques).for_each(|(bounds, torques)| bounds.set_torques(torques));
+    if R > 1 {
+        for (i, bounds) in bounds.iter_mut().enumerate() {
+            bounds.set_rows(&rows[i * row_count..(i + 1) * row_count]);
+        }
+    }
 }
 
 /// Lowers the limits in `bounds` to the shares that earlier sweeps found.
@@ -204,8 +208,7 @@ pub(crate) fn lower<const R: usize>(bounds: &mut [Bounds<R>], samples: &[Sample]
 /// The nodes of a segment, as [`bounds`], [`backward`] and [`sweep_until_valid`] take them; all slices are as long.
 ///
 /// `dq` and `ddq` hold the derivatives at the nodes over the acceleration limits; `velocity` the
-/// acceleration limits over the velocity limits, in 1/s; `torques` what the torques are made of by p, over their limits, or
-/// nothing where they are not limited.
+/// acceleration limits over the velocity limits, in 1/s; `rows` those of further limits by p, `row_count` at each node.
 #[derive(Clone, Copy)]
 pub(crate) struct Nodes<'a, S> {
     pub(crate) simd: S,
@@ -213,7 +216,8 @@ pub(crate) struct Nodes<'a, S> {
     pub(crate) ddq: &'a [Row],
     pub(crate) velocity: &'a Row,
     pub(crate) grid: &'a [GridNode],
-    pub(crate) torques: &'a [PathTorques],
+    pub(crate) rows: &'a [PathRow],
+    pub(crate) row_count: usize,
 }
 
 /// Sets the `x` of `samples` to the largest at each node from which all that follows can be kept,
@@ -403,12 +407,13 @@ impl<S: Simd> Nodes<'_, S> {
     /// The same nodes, of which the compiler then knows that there are `count`.
     #[inline(always)]
     fn first(self, count: usize) -> Self {
-        let Self { simd, dq, ddq, velocity, grid, torques } = self;
-        let rows = ..count;
-        Self { simd, dq: &dq[rows], ddq: &ddq[rows], velocity, grid: &grid[rows], torques }
+        let Self { simd, dq, ddq, velocity, grid, rows, row_count } = self;
+        let nodes = ..count;
+        let (dq, ddq, grid) = (&dq[nodes], &ddq[nodes], &grid[nodes]);
+        Self { simd, dq, ddq, velocity, grid, rows, row_count }
     }
 
-    /// The largest share of a limit of acceleration or torque, or squared share of a velocity limit, half-way through
+    /// The largest share of a limit of acceleration or of a further limit, or squared share of a velocity limit, half-way through
     /// interval `i`.
     #[inline(always)]
     fn half_way(&self, i: usize, h: f64, x: f64, u: [f64; 2]) -> f64 {
@@ -425,29 +430,30 @@ impl<S: Simd> Nodes<'_, S> {
             square = simd.max_f64s(square, v);
         }
         let worst = simd.reduce_max_f64s(simd.max_f64s(acceleration, square));
-        if self.torques.is_empty() { worst } else { greater(worst, self.torque(i, &place, 0.5)) }
+        if self.row_count == 0 { worst } else { greater(worst, self.row(i, &place, 0.5)) }
     }
 
-    /// The largest share of a limit of torque at a `place`, the share `t`, of interval `i`. Above what is let pass, it is
-    /// the share of what gravity leaves of the limit, which is what tightening lowers.
-    fn torque(&self, i: usize, place: &Place, t: f64) -> f64 {
-        let [from, to] = [&self.torques[i], &self.torques[i + 1]];
+    /// The largest share of a further limit at a `place`, the share `t`, of interval `i`. Above what is let pass, it is the
+    /// share of what the offset leaves of the limit, which is what tightening lowers.
+    fn row(&self, i: usize, place: &Place, t: f64) -> f64 {
+        let count = self.row_count;
+        let [from, to] = [i, i + 1].map(|node| &self.rows[node * count..(node + 1) * count]);
         let mut worst = 0.0;
-        for j in 0..7 {
-            let at = |of: fn(&PathTorques) -> &Joints| of(from)[j] + t * (of(to)[j] - of(from)[j]);
-            let gravity = at(|torques| &torques.gravity);
-            let moving = at(|torques| &torques.acceleration) * place.u
-                + at(|torques| &torques.speed) * place.x;
-            let share = (moving + gravity).abs();
-            let room = 1.0 - gravity.copysign(gravity * moving);
+        for (from, to) in from.iter().zip(to) {
+            let mixed = |from: f64, to: f64| from + t * (to - from);
+            let offset = mixed(from.offset, to.offset);
+            let moving = mixed(from.acceleration, to.acceleration) * place.u
+                + mixed(from.square, to.square) * place.x;
+            let share = (moving + offset).abs();
+            let room = 1.0 - offset.copysign(offset * moving);
             let measure =
-                if share <= 1.0 + TORQUE_SWING { lesser(share, 1.0) } else { moving.abs() / room };
+                if share <= 1.0 + ROW_SWING { lesser(share, 1.0) } else { moving.abs() / room };
             worst = greater(worst, measure);
         }
         worst
     }
 
-    /// The largest share of a limit of acceleration or torque, and squared share of a velocity limit, in the inner
+    /// The largest share of a limit of acceleration or of a further limit, and squared share of a velocity limit, in the inner
     /// quarters of interval `i`.
     #[inline(always)]
     fn worst(&self, i: usize, h: f64, x: f64, u: [f64; 2]) -> [f64; 2] {
@@ -469,9 +475,9 @@ impl<S: Simd> Nodes<'_, S> {
         }
         let [mut acceleration, square] =
             [simd.reduce_max_f64s(acceleration), simd.reduce_max_f64s(square)];
-        if !self.torques.is_empty() {
+        if self.row_count > 0 {
             for (place, t) in places.iter().zip([0.25, 0.5, 0.75]) {
-                acceleration = greater(acceleration, self.torque(i, place, t));
+                acceleration = greater(acceleration, self.row(i, place, t));
             }
         }
         [acceleration, square]

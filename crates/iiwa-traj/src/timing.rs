@@ -140,6 +140,16 @@ pub enum TimingError {
         /// The most that the joint may exert, in Nm.
         limit_nm: f64,
     },
+    /// More rows of [further limits](crate::PathLimit) than the planner takes.
+    #[error(
+        "{rows} rows of limits beside velocity, acceleration and jerk: at most {most} are possible"
+    )]
+    TooManyRows {
+        /// The rows of the limits of a step.
+        rows: usize,
+        /// The most that are possible.
+        most: usize,
+    },
     /// A blend of this shape starts and ends with a jump in curvature, at which jerk would be infinite.
     #[error(
         "motion {motion}: the blend at its end begins with a jump in acceleration, which no limit of jerk \

@@ -5,6 +5,7 @@ mod cartesian_figures;
 mod interrupt;
 mod jerk;
 mod overlap;
+mod own_limit;
 mod pauses;
 mod playback;
 mod recorded;

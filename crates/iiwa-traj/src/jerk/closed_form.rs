@@ -59,7 +59,7 @@ pub(super) fn sunrise_line(
 
 fn stamps(instants: &[ProfilePoint], length: f64, usage: &LimitUsage) -> Stamps {
     let nodes: Vec<Node> = instants.iter().map(|at| at.node(length)).collect();
-    let segments = vec![SegmentStamps { nodes: 0..nodes.len(), usage: *usage }];
+    let segments = vec![SegmentStamps { nodes: 0..nodes.len(), usage: usage.clone() }];
     Stamps { nodes, segments }
 }
 

@@ -117,8 +117,8 @@ pub(super) fn soften(
         let mut departure = departures[k].filter(|_| rests[k])?;
         let limits = ramp_limits(path, pieces, end)?;
         let [_, acceleration, jerk] = segment.straight(s);
-        if segment.limits_torque() {
-            // Torques may leave next to none: the law knows ramps of the limits of acceleration.
+        if segment.has_rows() {
+            // Further limits may leave next to none: the law knows ramps of the limits of acceleration.
             departure.acceleration_rad_s2 = acceleration;
         }
         if piece.kind.is_of_tcp() {

@@ -2,7 +2,6 @@
 
 use std::ops::Range;
 
-use iiwa_kin::{Joints, PathTorques};
 use iiwa_path::PLACES;
 use iiwa_solver::{Cell, Geometry, LimitedSegment, Mesh, Solution, Window};
 
@@ -85,10 +84,10 @@ impl Stamper {
         }
     }
 
-    /// Adds shares of the limits of torque that hold for `dt`.
-    fn torques(&mut self, shares: Option<Joints>, dt: f64) {
-        if let (Some(stamps), Some(shares)) = (self.stamps.segments.last_mut(), shares) {
-            stamps.usage.torques(&shares, dt);
+    /// Adds shares of further limits that hold for `dt`.
+    fn rows(&mut self, shares: impl Iterator<Item = f64>, dt: f64) {
+        if let Some(stamps) = self.stamps.segments.last_mut() {
+            stamps.usage.sample_rows(shares, dt);
         }
     }
 
@@ -99,12 +98,11 @@ impl Stamper {
         let geometry = segment.geometry(&[cell.from; PLACES]);
         let dt = seconds * self.time_scale;
         self.usage(segment, (&geometry, 0), half, dt);
-        let torques = segment.torque_shares(&[cell.from]);
         let [speed, acceleration, _] = half;
-        let at = |torques: &PathTorques| {
-            torques.at(speed / self.time_scale, acceleration / self.time_scale.powi(2))
-        };
-        self.torques(torques.first().map(at), dt);
+        let [speed, acceleration] =
+            [speed / self.time_scale, acceleration / self.time_scale.powi(2)];
+        let rows = segment.rows(&[cell.from]);
+        self.rows(rows.iter().map(|row| row.at(speed, acceleration)), dt);
     }
 
     /// Begins the next segment, unless it has begun.
@@ -158,7 +156,7 @@ impl Stamper {
                 let way = [cell.from + from * cell.length, (to - from) * cell.length];
                 self.node(segment, way, [self.t_s, dt], [x, dx]);
                 self.usage(segment, (&geometry, place), solution.rates(k, middle), dt);
-                self.torques(solution.torque_shares(k, middle), dt);
+                self.rows(solution.row_shares(k, middle), dt);
                 self.t_s = later(self.start_s, self.t_s, dt);
             }
             if cells.get(k + 1).is_none_or(|next| next.segment != cell.segment) {

@@ -1,18 +1,20 @@
 //! What the limits leave at one node of the sweep: straight lines in x.
 
-use iiwa_kin::PathTorques;
+use iiwa_solver::PathRow;
 use pulp::Simd;
 
 pub(super) type Row = [f64; 8];
 
-/// A number for each line: of the joints and the tool by their accelerations and, in a second row, of the joints by their
-/// torques, where these are limited.
+/// A number for each line: of the joints and the tool by their accelerations and, eight by eight, of the rows of further limits.
 pub(super) type Lines<const R: usize> = [Row; R];
+
+/// The most groups of eight lines: of accelerations, and of two times eight rows of further limits.
+pub(crate) const MOST_GROUPS: usize = 3;
 
 /// Above any x or u that a limit leaves.
 pub(super) const UNLIMITED: f64 = 1e30;
 
-/// Share of a limit of torque that acceleration along the path takes, by p in s^2, below which it is rounding.
+/// Share of a further limit that acceleration along the path takes, by p in s^2, below which it is rounding.
 const LEAST_INERTIA: f64 = 1e-12;
 
 /// What the limits leave at one node: x at most `cap`, and for each line u from
@@ -77,28 +79,28 @@ impl<const R: usize> Bounds<R> {
         self.share = 1.0;
     }
 
-    /// Sets the lines of torques, after the others, from the shares of the limits that `torques` are made of, by p.
-    pub(super) fn set_torques(&mut self, torques: &PathTorques) {
-        let PathTorques { acceleration, speed, gravity } = torques;
-        // The tool has none.
-        let (mut fall, mut rise) = ([0.0; 8], [0.0; 8]);
-        let (mut below, mut above) = ([UNLIMITED; 8], [UNLIMITED; 8]);
-        for j in 0..7 {
-            let m = acceleration[j];
-            let inverse = 1.0 / m.abs().max(LEAST_INERTIA);
-            let by_x = speed[j].copysign(speed[j] * m) * inverse;
-            let gravity = gravity[j].copysign(gravity[j] * m);
-            (fall[j], rise[j]) = (by_x, -by_x);
-            (below[j], above[j]) = ((1.0 + gravity) * inverse, (1.0 - gravity) * inverse);
-            self.bend = greater(self.bend, speed[j].abs());
+    /// Sets the lines of further limits, after those of accelerations, from their `rows` by p.
+    pub(super) fn set_rows(&mut self, rows: &[PathRow]) {
+        let Self { fall, rise, below, above, bend, .. } = self;
+        let [fall, rise, below, above] =
+            [fall, rise, below, above].map(|lines| &mut lines.as_flattened_mut()[8..]);
+        // Lines of no row limit nothing.
+        fall.fill(0.0);
+        rise.fill(0.0);
+        below.fill(UNLIMITED);
+        above.fill(UNLIMITED);
+        for (line, row) in rows.iter().enumerate() {
+            let PathRow { acceleration, square, offset } = *row;
+            let inverse = 1.0 / acceleration.abs().max(LEAST_INERTIA);
+            let by_x = square.copysign(square * acceleration) * inverse;
+            let offset = offset.copysign(offset * acceleration);
+            (fall[line], rise[line]) = (by_x, -by_x);
+            (below[line], above[line]) = ((1.0 + offset) * inverse, (1.0 - offset) * inverse);
+            *bend = greater(*bend, square.abs());
         }
-        self.fall[R - 1] = fall;
-        self.rise[R - 1] = rise;
-        self.below[R - 1] = below;
-        self.above[R - 1] = above;
     }
 
-    /// Leaves only a share of the acceleration limits, and of what gravity leaves of those of torque.
+    /// Leaves only a share of the acceleration limits, and of what their offsets leave of further limits.
     pub(super) fn lower(&mut self, share: f64) {
         if share != self.share {
             let factor = share / self.share;
@@ -228,8 +230,16 @@ pub(super) fn largest<S: Simd, const R: usize>(
     found
 }
 
-const PLACES: [f64; 16] =
-    [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0, 10.0, 11.0, 12.0, 13.0, 14.0, 15.0];
+/// The places of lines; as many as there are at most.
+const PLACES: [f64; 8 * MOST_GROUPS] = {
+    let mut places = [0.0; 8 * MOST_GROUPS];
+    let mut i = 1;
+    while i < places.len() {
+        places[i] = places[i - 1] + 1.0;
+        i += 1;
+    }
+    places
+};
 
 /// The first of the lines that are `lowest` at `x`.
 #[inline(always)]

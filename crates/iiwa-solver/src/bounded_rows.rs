@@ -1,4 +1,7 @@
-//! Limits of acceleration as rows: `-1 <= (q''_j x + q'_j V / (2 h)) / a_j <= 1`, h the length of a cell.
+//! Two-sided rows: `lower <= b x + a V / (2 h) <= upper`, h the length of a cell.
+//!
+//! A limit of acceleration is the case `-1 <= (q''_j x + q'_j V / (2 h)) / a_j <= 1`. Rows with an offset c, such as a torque limit with
+//! its gravity, have the bounds `-1 - c` and `1 - c`.
 
 use iiwa_path::Coordinates;
 use pulp::Simd;
@@ -6,27 +9,37 @@ use pulp::Simd;
 use crate::{
     functionals::Functional,
     geometry::SigmaDerivatives,
-    lanes::{Lanes, Vector},
+    lanes::{LANES, Lanes, Vector},
     limited_segment::largest_share,
     quadratic::Terms,
+    row_limit::PathRow,
     slack_pair::{Contribution, Decreases, InteriorStart, InteriorSteps, Sides},
 };
 
-/// The row of one coordinate at one place of eight cells. Functions take the rows of all coordinates at the place. With `LINE`, the cells
+/// One row at one place of eight cells. Functions take all rows of the place. With `LINE`, rows are those of acceleration, and the cells
 /// are on lines: all joints move in proportion, and the row is that of the first joint at its limit.
 #[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct AccelerationRow {
+pub(crate) struct BoundedRow {
     x: Lanes,
     v: Lanes,
+    lower: Lanes,
+    upper: Lanes,
     sides: Sides,
 }
 
-impl AccelerationRow {
+impl BoundedRow {
     /// Number of sides of the limit.
     pub(crate) const SIDES: usize = Sides::COUNT;
 
-    /// Sets the rows of a cell of this `length` for some `coordinates`, from one over the limits (s^2/rad).
-    pub(crate) fn set(
+    /// Sets the bounds to -1 and 1: until a row gets coefficients, nothing reaches them.
+    pub(crate) fn set_bounds(rows: &mut [Self]) {
+        for row in rows {
+            (row.lower, row.upper) = (Lanes([-1.0; LANES]), Lanes([1.0; LANES]));
+        }
+    }
+
+    /// Sets the acceleration rows of a cell of this `length` for some `coordinates`, from one over the limits (s^2/rad).
+    pub(crate) fn set_accelerations(
         rows: &mut [Self],
         lane: usize,
         coordinates: &[usize],
@@ -46,7 +59,15 @@ impl AccelerationRow {
         }
     }
 
-    /// Lowers the limits of a cell by the factor `by`.
+    /// Sets the row of a cell of this `length` to that of a limit.
+    pub(crate) fn set(&mut self, lane: usize, row: &PathRow, length: f64) {
+        self.x.0[lane] = row.square;
+        self.v.0[lane] = row.acceleration * (0.5 / length);
+        self.lower.0[lane] = -1.0 - row.offset;
+        self.upper.0[lane] = 1.0 - row.offset;
+    }
+
+    /// Lowers the limits of a cell, less its offset, by the factor `by`.
     pub(crate) fn scale(&mut self, lane: usize, by: f64) {
         for coefficient in [&mut self.x, &mut self.v] {
             coefficient.0[lane] /= by;
@@ -66,6 +87,11 @@ impl AccelerationRow {
     }
 
     #[inline(always)]
+    fn bounds<S: Simd>(&self, simd: S, r: usize) -> [Vector<S>; 2] {
+        [self.lower.load(simd, r), self.upper.load(simd, r)]
+    }
+
+    #[inline(always)]
     pub(crate) fn start<const LINE: bool, X: Functional, V: Functional, S: Simd>(
         rows: &mut [Self],
         start: &InteriorStart<S>,
@@ -73,8 +99,11 @@ impl AccelerationRow {
     ) {
         let place = [X::of(y), V::of(y)];
         for row in rows {
-            let value = row.value::<LINE, S>(start.simd, start.register, place);
-            row.sides.start(start, value, bounds(start.simd), [start.least; 2]);
+            let (simd, r) = (start.simd, start.register);
+            let value = row.value::<LINE, S>(simd, r, place);
+            let [lower, upper] = row.bounds(simd, r);
+            let least = [start.least * upper, -(start.least * lower)];
+            row.sides.start(start, value, [lower, upper], least);
         }
     }
 
@@ -93,8 +122,9 @@ impl AccelerationRow {
         for row in rows {
             let (px, pv) = (row.x.load(simd, r), row.v.load(simd, r));
             let value = row.value::<LINE, S>(simd, r, place);
+            let bounds = row.bounds(simd, r);
             let Contribution { weights: [a, b], slopes: [up, down], .. } =
-                row.sides.advance(steps, value, bounds(simd), one, sum);
+                row.sides.advance(steps, value, bounds, one, sum);
             let (both, slope) = (a + b, up - down);
             let bv = both * pv;
             vv = bv.mul_add(pv, vv);
@@ -127,12 +157,8 @@ impl AccelerationRow {
         let place = [X::of(y), V::of(y)];
         for row in rows {
             let value = row.value::<LINE, S>(mu.simd(), r, place);
-            row.sides.find_steps(r, value, bounds(mu.simd()), mu, decreases);
+            let bounds = row.bounds(mu.simd(), r);
+            row.sides.find_steps(r, value, bounds, mu, decreases);
         }
     }
-}
-
-#[inline(always)]
-fn bounds<S: Simd>(simd: S) -> [Vector<S>; 2] {
-    [-1.0, 1.0].map(|bound| Vector::splat(simd, bound))
 }

@@ -1,0 +1,134 @@
+//! The rows of further limits in the cells of a mesh.
+
+use crate::{cell::Cell, geometry::Geometry, limited_segment::LimitedSegment, row_limit::PathRow};
+
+/// The rows in the cells of segments that have some.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct CellRows {
+    /// At the start and in the middle of each cell, and at the end of the last one of a segment.
+    rows: Vec<PathRow>,
+    /// For each row of each cell, if it can come near to its limit in it.
+    near: Vec<bool>,
+    /// The rows of each cell; empty if no segment has any.
+    cells: Vec<RowsOfCell>,
+}
+
+/// The place of a cell's rows.
+#[derive(Clone, Copy, Debug)]
+struct RowsOfCell {
+    /// The number of rows at a place.
+    count: usize,
+    /// The first row at its start.
+    first: usize,
+    /// The entry of the first row in `near`.
+    near: usize,
+}
+
+impl CellRows {
+    /// The rows in `cells`, whose curves are `geometry`.
+    pub(crate) fn new(
+        segments: &[LimitedSegment<'_>],
+        cells: &[Cell],
+        geometry: &[Geometry],
+    ) -> Self {
+        let mut found = Self::default();
+        if segments.iter().all(|segment| !segment.has_rows()) {
+            return found;
+        }
+        for cells in cells.chunk_by(|a, b| a.segment == b.segment) {
+            let segment = &segments[cells[0].segment];
+            let geometry = &geometry[found.cells.len()..];
+            // The end of a cell is the start of the next.
+            let sigma = |cell: &Cell| [cell.from, cell.from + 0.5 * cell.length];
+            let last = cells.last().map(|cell| cell.from + cell.length);
+            let sigma: Vec<_> = cells.iter().flat_map(sigma).chain(last).collect();
+            let (before, count) = (found.rows.len(), segment.row_count());
+            found.rows.extend(segment.rows(&sigma));
+            for (k, geometry) in (0..cells.len()).zip(geometry) {
+                let cell =
+                    RowsOfCell { count, first: before + 2 * k * count, near: found.near.len() };
+                found.near.resize(cell.near + count, false);
+                // The start, the middle and the end among the places of a geometry.
+                for (rows, place) in cell.places(&found.rows).into_iter().zip([0, 3, 6]) {
+                    let derivatives = segment.derivatives_at(geometry, place);
+                    let near = &mut found.near[cell.near..];
+                    segment.mark_near(&derivatives, rows, near);
+                }
+                found.cells.push(cell);
+            }
+        }
+        found
+    }
+
+    /// The rows at the start, in the middle and at the end of a cell.
+    pub(crate) fn of(&self, cell: usize) -> [&[PathRow]; 3] {
+        self.cells.get(cell).map_or_else(Default::default, |cell| cell.places(&self.rows))
+    }
+
+    /// Marks of the rows that can come near to their limit in a cell.
+    pub(crate) fn near(&self, cell: usize) -> &[bool] {
+        let of = |cell: &RowsOfCell| &self.near[cell.near..cell.near + cell.count];
+        self.cells.get(cell).map_or(&[], of)
+    }
+}
+
+impl RowsOfCell {
+    fn places<'a>(&self, rows: &'a [PathRow]) -> [&'a [PathRow]; 3] {
+        let Self { count, first, .. } = *self;
+        [0, 1, 2].map(|place| &rows[first + place * count..first + (place + 1) * count])
+    }
+}
+
+/// The parabola through three values in a cell, by its share: a cell is short against the way on which coefficients change.
+pub(crate) struct Parabola {
+    start: f64,
+    slope: f64,
+    bend: f64,
+}
+
+impl Parabola {
+    /// The parabola through the values at the start, in the middle and at the end.
+    #[inline(always)]
+    pub(crate) fn through([start, middle, end]: [f64; 3]) -> Self {
+        Self {
+            start,
+            slope: 4.0 * middle - 3.0 * start - end,
+            bend: 2.0 * (start - 2.0 * middle + end),
+        }
+    }
+
+    /// Its value at the share `f` of the cell.
+    #[inline(always)]
+    pub(crate) fn at(&self, f: f64) -> f64 {
+        self.start + f * (self.slope + f * self.bend)
+    }
+}
+
+/// The parabolas through the coefficients of a row.
+pub(crate) struct RowParabolas {
+    pub(crate) acceleration: Parabola,
+    pub(crate) square: Parabola,
+    pub(crate) offset: Parabola,
+}
+
+impl RowParabolas {
+    /// The parabolas of the row `j` from those at the start, in the middle and at the end of a cell.
+    #[inline(always)]
+    pub(crate) fn new(places: &[&[PathRow]; 3], j: usize) -> Self {
+        let rows = places.map(|rows| rows[j]);
+        Self {
+            acceleration: Parabola::through(rows.map(|row| row.acceleration)),
+            square: Parabola::through(rows.map(|row| row.square)),
+            offset: Parabola::through(rows.map(|row| row.offset)),
+        }
+    }
+
+    /// The row at the share `f` of the cell.
+    pub(crate) fn at(&self, f: f64) -> PathRow {
+        PathRow {
+            acceleration: self.acceleration.at(f),
+            square: self.square.at(f),
+            offset: self.offset.at(f),
+        }
+    }
+}

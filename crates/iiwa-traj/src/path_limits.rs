@@ -1,0 +1,108 @@
+//! All limits of a path beside those of velocity, acceleration and jerk, and how far motions use them.
+
+use std::{ops::Range, sync::Arc};
+
+use iiwa_kin::Joints;
+use iiwa_path::JointPath;
+use iiwa_solver::RowLimits;
+
+use crate::{
+    limit::Limit,
+    path_limit::{MOST_RAD, PathLimit},
+    section::Section,
+    state::State,
+    timing::TimingError,
+    torque_limit::TorqueLimit,
+};
+
+/// All limits that a path is planned with, beside those of velocity, acceleration and jerk.
+#[derive(Clone, Debug)]
+pub(crate) struct PathLimits(Vec<Arc<dyn PathLimit>>);
+
+/// The same along one step.
+#[derive(Debug, Default)]
+pub(crate) struct StepLimits {
+    pub(crate) rows: RowLimits,
+    /// The limit of each row.
+    pub(crate) limits: Vec<Limit>,
+}
+
+impl Default for PathLimits {
+    fn default() -> Self {
+        Self(vec![Arc::new(TorqueLimit)])
+    }
+}
+
+impl PathLimits {
+    pub(crate) fn add(&mut self, limit: Arc<dyn PathLimit>) {
+        self.0.push(limit);
+    }
+
+    /// Whether any of them limits a step.
+    pub(crate) fn limit_step(&self, path: &JointPath, step: usize) -> bool {
+        self.0.iter().any(|limit| limit.of_step(path, step).is_some())
+    }
+
+    /// The limits of the steps in `steps`, one entry for each; empty if none of these is limited.
+    pub(crate) fn of_steps(&self, path: &JointPath, steps: Range<usize>) -> Vec<StepLimits> {
+        let limits: Vec<_> = steps.map(|step| self.of_step(path, step)).collect();
+        if limits.iter().all(|own| own.limits.is_empty()) { Vec::new() } else { limits }
+    }
+
+    fn of_step(&self, path: &JointPath, step: usize) -> StepLimits {
+        let (mut rows, mut limits) = (Vec::new(), Vec::new());
+        for kind in &self.0 {
+            if let Some(own) = kind.of_step(path, step) {
+                limits.extend((0..own.row_count()).map(|row| kind.limit(row)));
+                rows.push(own);
+            }
+        }
+        StepLimits { rows: RowLimits::new(rows), limits }
+    }
+
+    /// Checks that all of them can be kept along a path.
+    pub(crate) fn check(&self, path: &JointPath) -> Result<(), TimingError> {
+        self.0.iter().try_for_each(|limit| limit.check(path))
+    }
+}
+
+/// The largest share of a further limit that a section reaches; `limits` are those of its moves, of which the first is
+/// `first_step`.
+///
+/// It is looked for where nodes begin and, if acceleration jumps there, where they end.
+pub(crate) fn largest_share(
+    section: &Section,
+    first_step: usize,
+    limits: &[StepLimits],
+    jumps: bool,
+) -> f64 {
+    if jumps {
+        largest_at(&[0.0, 1.0], section, first_step, limits)
+    } else {
+        largest_at(&[0.0], section, first_step, limits)
+    }
+}
+
+fn largest_at<const N: usize>(
+    shares: &[f64; N],
+    section: &Section,
+    first_step: usize,
+    limits: &[StepLimits],
+) -> f64 {
+    let mut largest = 0.0;
+    for piece in section.pieces().iter().filter(|piece| piece.kind.moves()) {
+        let rows = &limits[piece.step - first_step].rows;
+        if rows.count() == 0 {
+            continue;
+        }
+        let spans = section.spans_of(piece, shares, MOST_RAD);
+        let states: Vec<_> = spans.flat_map(|(_, states)| states).collect();
+        let all = |of: fn(&State) -> Joints| states.iter().map(of).collect::<Vec<_>>();
+        let [q, dq, ddq] = [all(|state| state.q), all(|state| state.dq), all(|state| state.ddq)];
+        for share in rows.shares(&q, &dq, &ddq) {
+            // What is not a number is above any limit.
+            largest = if share.abs() <= largest { largest } else { share.abs() };
+        }
+    }
+    largest
+}
