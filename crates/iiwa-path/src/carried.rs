@@ -2,9 +2,7 @@
 //! motions, and of where these come from.
 
 use iiwa_kin::{Load, Mount};
-use iiwa_program::{Motion, MotionIndex, Program, Sources, Workcell};
-
-use crate::overlapping_wait::{OverlappingWait, overlapping_waits};
+use iiwa_program::{Motion, MotionIndex, OverlappingWait, Program, Sources, Workcell};
 
 /// The load of each motion, the mount, the limit of torques, the waits that overlap motions, and
 /// where motions come from.
@@ -26,7 +24,7 @@ impl Carried {
         let any = of_tools || program.motions.iter().any(is_step);
         let loads = if any { program.loads() } else { Vec::new() };
         let Workcell { mount, torque_limit_rel, speed_override, .. } = program.workcell;
-        let (waits, sources) = (overlapping_waits(program), program.sources.clone());
+        let (waits, sources) = (program.overlapping_waits(), program.sources.clone());
         Self { loads, mount, torque_limit_rel, speed_override, waits, sources }
     }
 

@@ -1,7 +1,6 @@
 //! The path of a motion program.
 
 mod least_cruise;
-mod standing;
 mod update;
 
 use std::sync::Arc;
@@ -17,7 +16,9 @@ use crate::{
     segment::Segment,
     step::{Corner, Step},
 };
-use iiwa_program::{Fault, MotionIndex, MotionLimits, MotionType, Program, Sources};
+use iiwa_program::{
+    Fault, MotionIndex, MotionLimits, MotionType, OverlappingWait, Program, Sources,
+};
 
 pub use update::ReplacedSteps;
 
@@ -280,6 +281,13 @@ impl JointPath {
     pub fn dynamics(&self, motion: MotionIndex) -> Dynamics {
         let empty = self.robot.dynamics().with_mount(self.mount());
         self.load(motion).map_or(empty, |load| empty.with_load(load))
+    }
+
+    /// The program's waits that overlap motions, in order. Where the arm stops anyway, each of them is a [`Step::Wait`] of 0 s; before
+    /// a blend it is no step. How long the arm stands for them depends on the time stamps.
+    #[must_use]
+    pub fn overlapping_waits(&self) -> &[OverlappingWait] {
+        self.carried.overlapping_waits()
     }
 
     /// Where the motions of the program come from, as far as that is known.

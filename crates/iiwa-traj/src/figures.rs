@@ -136,6 +136,7 @@ impl Section {
     pub fn blends(&self) -> Vec<BlendFigures> {
         self.pieces
             .iter()
+            .filter(|piece| piece.kind == PieceKind::Blend)
             .filter_map(|piece| match &self.path.steps()[piece.step] {
                 Step::Move { segment, blend: Some(corner), .. } => {
                     let mid_rad = segment.at(0.5).q;

@@ -47,11 +47,13 @@ mod path_limit;
 mod path_limits;
 mod phases;
 mod planner;
+pub mod playback;
 mod program_clock;
 mod replanner;
 mod section;
 mod section_sweep;
 mod spline_speed;
+mod standing;
 mod state;
 mod sunrise;
 mod supervised_speed;
@@ -61,7 +63,6 @@ mod torque_limit;
 mod torques;
 mod trajectory;
 
-pub use iiwa_path::playback;
 pub use iiwa_program::{LimitKind, MotionType};
 pub use iiwa_solver::{PathRow, RowLimit};
 

@@ -16,9 +16,10 @@ use crate::{
     path_limit::PathLimit,
     path_limits::{PathLimits, StepLimits, largest_share},
     program_clock::ProgramClock,
-    section::{Section, pause_s},
+    section::Section,
     section_sweep::{Moves, SAMPLES_BEFORE_JERK, SweepScratch, sweep_moves},
     spline_speed,
+    standing::{Standing, waits_before_blend},
     timing::{Timing, TimingError},
 };
 
@@ -111,7 +112,7 @@ impl Planner {
         planner
     }
 
-    /// Changes the path's limits to those of Sunrise: short motions, and what is planned where the speed of T1 is held while motions
+    /// Takes the path with the limits of Sunrise: short motions, and what is planned where the speed of T1 is held while motions
     /// run.
     fn limit_as_sunrise(&mut self) {
         self.supervised = None;
@@ -300,12 +301,18 @@ impl Planner {
         };
         let steps = &self.path.steps()[rest..];
         let end = rest + steps.iter().take_while(|step| !step.moves()).count();
+        let still_s = self.still_s();
         if overlaps {
-            self.set_standing(rest..end, section.end_s());
-            section.path = self.path.clone();
-        }
-        for step in rest..end {
-            section.rest(step, self.still_s());
+            let mut standing = Standing { still_s, clock: &mut self.clock };
+            if rest < moves {
+                standing.rest_before_blend(&mut section, rest);
+            } else {
+                standing.rest(&mut section, rest..end);
+            }
+        } else {
+            for step in rest..end {
+                section.rest(step, still_s);
+            }
         }
         self.step = end;
         self.time_s = section.end_s();
@@ -355,7 +362,7 @@ impl Planner {
         /// Blends that are planned beyond what is known to be in time, at least.
         const AHEAD: usize = 2;
         let delays = |step: &usize| {
-            self.path.waits_before_blend(*step).iter().any(|wait| wait.seconds > 0.0)
+            waits_before_blend(&self.path, *step).iter().any(|wait| wait.seconds > 0.0)
         };
         // The arm has stopped before the first one, if that is a blend.
         let blends: Vec<usize> = (moves.start + 1..moves.end).filter(delays).collect();
@@ -367,7 +374,7 @@ impl Planner {
             let section = self.plan_to(moves.start..end)?;
             self.clock.note(&section);
             while let Some(blend) = blends.get(in_time).copied().filter(|blend| *blend < end) {
-                let known_s = self.clock.known_s(self.path.waits_before_blend(blend));
+                let known_s = self.clock.known_s(waits_before_blend(&self.path, blend));
                 // The later the blend, the longer the arm goes on before it has to slow down.
                 let is_in_time = known_s <= needed_before_s - PLANS_DIFFER_S;
                 let decided = if is_in_time {
@@ -381,12 +388,10 @@ impl Planner {
                 if let Decided::TooLate(mut stopped) = decided {
                     // Before the stop, motions may begin some nanoseconds earlier or later than without it.
                     self.clock.note(&stopped);
-                    let known_s = self.clock.known_s(self.path.waits_before_blend(blend));
+                    let known_s = self.clock.known_s(waits_before_blend(&self.path, blend));
                     if let Some(late) = &mut stopped.late_blend {
                         late.known_s = known_s;
                     }
-                    self.path.stop_before_blend(blend);
-                    self.limit_as_sunrise();
                     return Ok((*stopped, blend));
                 }
                 self.clock.go_through(known_s);
@@ -423,35 +428,5 @@ impl Planner {
             stopped.late_blend = Some(LateBlend { after_motion: corner.motion, known_s, needed_s });
         }
         Ok(Decided::TooLate(Box::new(stopped)))
-    }
-
-    /// Finds how long the arm stands for waits that overlap motions, where it has stopped at `end_s`.
-    fn set_standing(&mut self, rests: Range<usize>, mut end_s: f64) {
-        let waits = self.path.overlapping_waits();
-        let mut found = Vec::with_capacity(rests.len());
-        for step in &self.path.steps()[rests.clone()] {
-            let seconds = match step {
-                Step::Settle { motion, blocking, still } => {
-                    self.clock.note_still(*motion, end_s);
-                    let still_s = if *still { self.still_s() } else { 0.0 };
-                    still_s + pause_s(self.path.robot(), *blocking)
-                }
-                Step::Wait { motion, seconds } => {
-                    let wait = waits.partition_point(|wait| wait.motion < *motion);
-                    match waits.get(wait..).unwrap_or_default() {
-                        [wait, ..] if wait.motion == *motion => {
-                            let known_s = self.clock.known_s(std::slice::from_ref(wait));
-                            self.clock.go_through(known_s);
-                            (known_s - end_s).max(0.0)
-                        }
-                        _ => *seconds,
-                    }
-                }
-                _ => 0.0,
-            };
-            end_s += seconds;
-            found.push(seconds);
-        }
-        self.path.set_standing(rests.start, &found);
     }
 }

@@ -2,8 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use iiwa_path::OverlappingWait;
-use iiwa_program::MotionIndex;
+use iiwa_program::{MotionIndex, OverlappingWait};
 
 use crate::section::Section;
 

@@ -49,7 +49,7 @@ pub struct Piece {
     /// The limit that the piece is at for the longest time; none at rest.
     pub limited_by: Option<Limit>,
     pub(crate) usage: LimitUsage,
-    /// Place of the segment among the path's steps.
+    /// Place of the segment among the path's steps; of a wait before a blend that was not known in time, that of the blend.
     pub step: usize,
     pub(crate) nodes: Range<usize>,
 }
@@ -189,7 +189,7 @@ impl Section {
     #[must_use]
     pub fn segment(&self, piece: &Piece) -> Option<&dyn Segment> {
         match &self.path.steps()[piece.step] {
-            Step::Move { segment, .. } => Some(segment.as_ref()),
+            Step::Move { segment, .. } if piece.kind.moves() => Some(segment.as_ref()),
             _ => None,
         }
     }
@@ -358,19 +358,33 @@ impl Section {
     /// Adds the step at `step`, if the arm stands there for some time; `still_s` is how long a motion takes that goes nowhere.
     pub(crate) fn rest(&mut self, step: usize, still_s: f64) {
         match self.path.steps()[step] {
-            Step::Settle { motion, blocking, still } => {
-                if still {
-                    self.stand(PieceKind::Settle, motion, step, still_s);
-                }
-                let pause_s = pause_s(self.path.robot(), blocking);
-                self.stand(PieceKind::Settle, motion, step, pause_s);
-            }
+            Step::Settle { still, .. } => self.settle(step, if still { still_s } else { 0.0 }),
             Step::Wait { motion, seconds } => self.stand(PieceKind::Wait, motion, step, seconds),
             _ => {}
         }
     }
 
-    fn stand(&mut self, kind: PieceKind, motion: MotionIndex, step: usize, seconds: f64) {
+    /// Adds the end of a motion: `still_s`, how long a motion takes that goes nowhere, and a pause.
+    pub(crate) fn settle(&mut self, step: usize, still_s: f64) {
+        let Step::Settle { motion, blocking, .. } = self.path.steps()[step] else { return };
+        self.stand(PieceKind::Settle, motion, step, still_s);
+        let pause_s = self.pause_s(blocking);
+        self.stand(PieceKind::Settle, motion, step, pause_s);
+    }
+
+    /// How long the arm stands at the end of a motion, in s.
+    pub(crate) fn pause_s(&self, blocking: bool) -> f64 {
+        pause_s(self.path.robot(), blocking)
+    }
+
+    /// Adds a rest, if it takes some time.
+    pub(crate) fn stand(
+        &mut self,
+        kind: PieceKind,
+        motion: MotionIndex,
+        step: usize,
+        seconds: f64,
+    ) {
         let start_s = self.end_s();
         // What takes no time has no place in it: stamps increase.
         if start_s + seconds > start_s {

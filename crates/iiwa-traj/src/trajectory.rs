@@ -1,13 +1,14 @@
 //! A whole trajectory.
 
 use iiwa_kin::Joints;
-use iiwa_path::{JointPath, playback::TimedMotion};
+use iiwa_path::JointPath;
 use iiwa_program::MotionIndex;
 
 use crate::{
     figures::{BlendFigures, MotionFigures, Totals},
     late_blend::LateBlend,
     planner::Planner,
+    playback::TimedMotion,
     section::Section,
     state::State,
     timing::{Timing, TimingError},
@@ -58,7 +59,6 @@ impl Trajectory {
     /// As [`plan`](Self::plan), and [`TimingError::Interrupted`].
     pub fn by(planner: &mut Planner) -> Result<Self, TimingError> {
         let sections = planner.collect::<Result<_, _>>()?;
-        // With the stops before late blends.
         Ok(Self::from_sections(planner.path().clone(), sections))
     }
 

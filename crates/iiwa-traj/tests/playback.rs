@@ -4,9 +4,12 @@
 #![allow(clippy::unwrap_used)]
 
 use iiwa_kin::Robot;
-use iiwa_path::{JointPath, playback::*};
+use iiwa_path::JointPath;
 use iiwa_program::{Blend, Motion as Entry, Program, Ptp, Sources, Start, Workcell};
-use iiwa_traj::{Timing, Trajectory};
+use iiwa_traj::{
+    Timing, Trajectory,
+    playback::{Playback, STOP_S},
+};
 
 fn planned() -> Trajectory {
     let targets = [
