@@ -84,17 +84,19 @@ pub(crate) fn evaluate(polynomial: &Polynomial, s: f64) -> [f64; 4] {
 /// The parts of a blend that do not depend on its size and angle, at one s: value and derivatives
 /// of `s + alpha`, `s alpha` and `beta`.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Basis {
+pub struct BlendBasis {
     /// s + alpha.
-    pub(crate) along: [f64; 4],
+    pub along: [f64; 4],
     /// s alpha.
-    pub(crate) across: [f64; 4],
+    pub across: [f64; 4],
     /// beta.
-    pub(crate) bulge: [f64; 4],
+    pub bulge: [f64; 4],
 }
 
-impl Basis {
-    pub(crate) fn at(continuity: Continuity, s: f64) -> Self {
+impl BlendBasis {
+    /// The polynomials of this order at `s`.
+    #[must_use]
+    pub fn at(continuity: Continuity, s: f64) -> Self {
         Self {
             along: evaluate(&continuity.along(), s),
             across: evaluate(&continuity.across(0.0), s),
@@ -130,7 +132,7 @@ mod tests {
         for continuity in [Continuity::First, Continuity::Second, Continuity::Third] {
             let mut largest = [0.0_f64; 3];
             for i in 0..=100_000 {
-                let basis = Basis::at(continuity, f64::from(i) / 100_000.0);
+                let basis = BlendBasis::at(continuity, f64::from(i) / 100_000.0);
                 let bends = [basis.along[2], basis.across[2], basis.bulge[2]];
                 largest = std::array::from_fn(|k| largest[k].max(bends[k].abs()));
             }

@@ -6,7 +6,6 @@ use iiwa_kin::{Joint, Joints, Limits, Taylor};
 
 use crate::{
     cartesian::joint_curve::{CurveFault, JointCurve, MovingJoints},
-    grid::Grid,
     segment::{Derivatives, Segment},
     tool_way::ToolWay,
 };
@@ -35,18 +34,6 @@ const MOST_HALVINGS: u32 = 32;
 
 /// Most pieces.
 const MOST_PIECES: usize = 1 << 12;
-
-/// How many times the intervals of a blend a curve has: one time for so many pieces, at least and at most so many times.
-const PIECES_A_GRID: usize = 4;
-const LEAST_GRIDS: usize = 2;
-const MOST_GRIDS: usize = 8;
-
-/// The least intervals of a curve, however few those of a blend are. Jerk-limited stamps start from acceleration-limited
-/// ones: from coarser ones, they are not always found.
-pub(crate) const LEAST_INTERVALS: usize = 200;
-
-/// The same where the TCP goes or turns unevenly: between nodes, its acceleration is less than a cubic's.
-const LEAST_INTERVALS_UNEVEN: usize = 300;
 
 /// Where the curve cannot be followed, and why.
 #[derive(Clone, Debug, PartialEq)]
@@ -258,29 +245,8 @@ impl Segment for JointSpline {
         self.curve.tool_way(s)
     }
 
-    /// As many as its pieces ask for.
-    fn grid_intervals(&self, grid: &Grid) -> usize {
-        let factor = self.pieces.len().div_ceil(PIECES_A_GRID);
-        let least = if self.curve.is_even() { LEAST_INTERVALS } else { LEAST_INTERVALS_UNEVEN };
-        (grid.intervals() * factor.clamp(LEAST_GRIDS, MOST_GRIDS)).max(least)
-    }
-
-    /// Half of the nodes lie evenly, the other half where the pieces do: where joints turn fast, pieces are short.
-    fn grid_s(&self, grid: &Grid) -> Vec<f64> {
-        let pieces = self.pieces.len() as f64;
-        let mut index = 0;
-        // Rises from 0 to 1 at the breaks.
-        let at_break = |index: usize| 0.5 * (self.breaks[index] + index as f64 / pieces);
-        Grid::even(self.grid_intervals(grid))
-            .map(|share| {
-                while index + 1 < self.pieces.len() && at_break(index + 1) <= share {
-                    index += 1;
-                }
-                let [from, to] = [index, index + 1].map(at_break);
-                let [start, end] = [self.breaks[index], self.breaks[index + 1]];
-                (start + (share - from) / (to - from) * (end - start)).clamp(0.0, 1.0)
-            })
-            .collect()
+    fn breaks(&self) -> &[f64] {
+        &self.breaks
     }
 
     fn has_even_tool_way(&self) -> bool {

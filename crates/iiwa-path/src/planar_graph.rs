@@ -2,6 +2,8 @@
 
 use iiwa_kin::Joints;
 
+use crate::continuity::Continuity;
+
 /// How many places [`PlanarGraph::derivatives`] takes at a time: as many as fill the widest vector register.
 pub const PLACES: usize = 8;
 
@@ -31,6 +33,25 @@ pub trait PlanarGraph {
     /// The direction in which it bends, in rad.
     fn across(&self) -> Joints;
 
+    /// The polynomials of which the curve consists, if it is a blend of polynomials.
+    fn polynomials(&self) -> Option<BlendPolynomials> {
+        None
+    }
+
     /// First to third derivative of f by sigma at eight `sigma_rad`; in 1/rad, 1/rad^2 and 1/rad^3.
     fn derivatives(&self, sigma_rad: &[f64; PLACES]) -> [[f64; PLACES]; 3];
+}
+
+/// A blend of polynomials in s: `q(s) = start + (s + alpha) d0 + (s alpha - kappa beta) (d1 - d0)` (Larsen 2019, Eq. 39), with the
+/// polynomials of [`BlendBasis`](crate::BlendBasis).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BlendPolynomials {
+    /// Up to which derivative it continues its neighbours: the order of the polynomials.
+    pub continuity: Continuity,
+    /// The weight of beta.
+    pub kappa: f64,
+    /// d0: from the start to the target that is blended away, in rad.
+    pub arrival_rad: Joints,
+    /// d1 - d0, in rad.
+    pub turn_rad: Joints,
 }

@@ -1,15 +1,12 @@
 //! Blends by polynomials (Larsen 2019, Eq. 13 to 26, 38 and 39).
 
-use std::borrow::Cow;
-
 use iiwa_kin::{Joints, vector};
 use pulp::Simd;
 
 use crate::{
     along_inverse,
-    continuity::{Basis, Continuity, evaluate},
-    grid::{Grid, GridNode},
-    planar_graph::{PLACES, PlanarGraph},
+    continuity::{BlendBasis, Continuity, evaluate},
+    planar_graph::{BlendPolynomials, PLACES, PlanarGraph},
     segment::{Derivatives, Segment},
     sigma::by_sigma,
 };
@@ -116,6 +113,15 @@ impl PlanarGraph for PolynomialBlend {
         self.turn
     }
 
+    fn polynomials(&self) -> Option<BlendPolynomials> {
+        Some(BlendPolynomials {
+            continuity: self.continuity,
+            kappa: self.kappa,
+            arrival_rad: self.d0,
+            turn_rad: self.turn,
+        })
+    }
+
     fn derivatives(&self, sigma_rad: &[f64; PLACES]) -> [[f64; PLACES]; 3] {
         pulp::Arch::new().dispatch(DerivativesAcross { blend: self, sigma_rad })
     }
@@ -146,7 +152,7 @@ impl pulp::WithSimd for DerivativesAcross<'_> {
 
 impl Segment for PolynomialBlend {
     fn at(&self, s: f64) -> Derivatives {
-        let basis = Basis::at(self.continuity, s);
+        let basis = BlendBasis::at(self.continuity, s);
         let [q, dq, ddq, dddq] = std::array::from_fn(|n| {
             let along = basis.along[n];
             let across = basis.across[n] - self.kappa * basis.bulge[n];
@@ -206,59 +212,6 @@ impl Segment for PolynomialBlend {
 
     fn as_planar_graph(&self) -> Option<&dyn PlanarGraph> {
         Some(self)
-    }
-
-    fn grid_nodes<'a>(&self, grid: &'a Grid) -> Cow<'a, [GridNode]> {
-        Cow::Borrowed(&grid.blend(self.continuity).nodes)
-    }
-
-    /// The grid holds the polynomials: this costs three multiplications a joint.
-    fn grid_derivatives(
-        &self,
-        grid: &Grid,
-        scale: &Joints,
-        dq: &mut [[f64; 8]],
-        ddq: &mut [[f64; 8]],
-    ) {
-        pulp::Arch::new().dispatch(GridDerivatives { blend: self, grid, scale, dq, ddq });
-    }
-}
-
-/// The derivatives at the nodes of a grid, by the widest vector instructions that the machine has.
-///
-/// Not a closure: those reach the function with vector instructions by way of a shim that is not
-/// inlined into it, and so stay without them.
-struct GridDerivatives<'a> {
-    blend: &'a PolynomialBlend,
-    grid: &'a Grid,
-    scale: &'a Joints,
-    dq: &'a mut [[f64; 8]],
-    ddq: &'a mut [[f64; 8]],
-}
-
-impl pulp::WithSimd for GridDerivatives<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn with_simd<S: Simd>(self, _: S) {
-        let GridDerivatives { blend, grid, scale, dq, ddq } = self;
-        // sigma goes from 0 to 2 d0.
-        let mut along = [0.0; 8];
-        let mut turn = [0.0; 8];
-        for j in 0..7 {
-            along[j] = 2.0 * blend.d0[j] * scale[j];
-            turn[j] = blend.turn[j] * scale[j];
-        }
-        let table = &grid.blend(blend.continuity).derivatives;
-        let rows = ..table.len();
-        for (([across, bulge], dq), ddq) in table.iter().zip(&mut dq[rows]).zip(&mut ddq[rows]) {
-            let first = across[0] - blend.kappa * bulge[0];
-            let second = across[1] - blend.kappa * bulge[1];
-            for j in 0..8 {
-                dq[j] = along[j] + first * turn[j];
-                ddq[j] = second * turn[j];
-            }
-        }
     }
 }
 

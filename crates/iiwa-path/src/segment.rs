@@ -1,11 +1,10 @@
 //! Segments of a path, whatever their shape.
 
-use std::{borrow::Cow, fmt, sync::Arc};
+use std::{fmt, sync::Arc};
 
 use iiwa_kin::{Joints, vector};
 
 use crate::{
-    grid::{Grid, GridNode},
     planar_graph::PlanarGraph,
     sigma::{by_sigma, newton},
     tool_way::ToolWay,
@@ -162,49 +161,9 @@ pub trait Segment: fmt::Debug + Send + Sync {
         None
     }
 
-    /// The number of intervals of `grid` on this segment: a long curve may need more than a blend.
-    fn grid_intervals(&self, grid: &Grid) -> usize {
-        grid.intervals()
-    }
-
-    /// s at the nodes of `grid` on this segment, from 0 to 1; by default evenly.
-    fn grid_s(&self, grid: &Grid) -> Vec<f64> {
-        Grid::even(self.grid_intervals(grid)).collect()
-    }
-
-    /// The nodes of `grid` on this segment.
-    fn grid_nodes<'a>(&self, grid: &'a Grid) -> Cow<'a, [GridNode]> {
-        Cow::Owned(Grid::nodes(self.grid_s(grid).into_iter(), |s| self.sigma(s)))
-    }
-
-    /// First and second derivatives by p, the share of [`sigma`](Self::sigma), at every node of `grid`,
-    /// each joint times its `scale`.
-    ///
-    /// The eighth number of each row is zero: rows of eight fill vector registers.
-    ///
-    /// # Panics
-    ///
-    /// If `dq` or `ddq` has fewer rows than the grid has nodes.
-    fn grid_derivatives(
-        &self,
-        grid: &Grid,
-        scale: &Joints,
-        dq: &mut [[f64; 8]],
-        ddq: &mut [[f64; 8]],
-    ) {
-        let s = self.grid_s(grid);
-        let nodes = self.grid_nodes(grid);
-        let rows = ..nodes.len();
-        for ((s, node), (dq, ddq)) in
-            std::iter::zip(s, nodes.iter()).zip(dq[rows].iter_mut().zip(&mut ddq[rows]))
-        {
-            let GridNode { slope, bend, .. } = *node;
-            let at = self.at(s);
-            for j in 0..7 {
-                dq[j] = at.dq[j] * slope * scale[j];
-                ddq[j] = (at.ddq[j] * slope * slope + at.dq[j] * bend) * scale[j];
-            }
-            (dq[7], ddq[7]) = (0.0, 0.0);
-        }
+    /// Places of s where the pieces of the curve meet, from 0 to 1: they are short where joints turn fast. Empty if the curve is one
+    /// piece.
+    fn breaks(&self) -> &[f64] {
+        &[]
     }
 }

@@ -1,13 +1,11 @@
 //! Segments on which the speed of the flange is supervised, too.
 
-use std::{borrow::Cow, sync::Arc};
+use std::sync::Arc;
 
 use iiwa_kin::{Joints, Pose, Robot, Taylor};
 
 use crate::{
     cartesian::tcp_course::tool_way,
-    grid::{Grid, GridNode},
-    joint_spline::LEAST_INTERVALS,
     segment::{Derivatives, Segment},
     tool_way::ToolWay,
 };
@@ -68,17 +66,7 @@ impl Segment for Supervised {
         self.inner.s_at(sigma)
     }
 
-    fn grid_intervals(&self, grid: &Grid) -> usize {
-        self.inner.grid_intervals(grid).max(LEAST_INTERVALS)
-    }
-
-    fn grid_s(&self, grid: &Grid) -> Vec<f64> {
-        let own = self.inner.grid_s(grid);
-        let intervals = self.grid_intervals(grid);
-        if own.len() > intervals { own } else { Grid::even(intervals).collect() }
-    }
-
-    fn grid_nodes<'a>(&self, grid: &'a Grid) -> Cow<'a, [GridNode]> {
-        Cow::Owned(Grid::nodes(self.grid_s(grid).into_iter(), |s| self.sigma(s)))
+    fn breaks(&self) -> &[f64] {
+        self.inner.breaks()
     }
 }

@@ -1,6 +1,6 @@
 //! One coordinate for how the TCP goes and turns.
 
-use crate::{grid::GridNode, segment::Segment, sigma::by_sigma, tool_way::ToolWay};
+use crate::{segment::Segment, sigma::by_sigma, tool_way::ToolWay};
 use iiwa_program::{ByKind, LimitKind, ToolLimits};
 
 /// The coordinate of the tool along one segment, w: planners limit it as they limit the joints.
@@ -159,14 +159,6 @@ impl ToolCoordinate {
             ddw * one * one + dw * two,
             dddw * one * one * one + 3.0 * ddw * one * two + dw * three,
         ]
-    }
-
-    /// First and second derivative by p, the share of [sigma](Segment::sigma), at `s`, of which `node` is the
-    /// node of a grid.
-    #[must_use]
-    pub fn grid_derivatives(&self, segment: &dyn Segment, s: f64, node: &GridNode) -> [f64; 2] {
-        let [dw, ddw, _] = self.derivatives(segment, s);
-        [dw * node.slope, ddw * node.slope * node.slope + dw * node.bend]
     }
 }
 

@@ -35,6 +35,7 @@
 mod batch;
 mod cartesian_figures;
 mod figures;
+mod grid;
 mod interval;
 mod jerk;
 mod known_in_time;

@@ -6,12 +6,13 @@ use std::{
 };
 
 use iiwa_kin::Joints;
-use iiwa_path::{Derivatives, Grid, GridNode, JointPath, Segment, Step, ToolCoordinate};
+use iiwa_path::{Derivatives, JointPath, Segment, Step, ToolCoordinate};
 use iiwa_program::{LimitKind, MotionIndex};
 use iiwa_solver::{PathRow, RowLimits};
 use pulp::Simd;
 
 use crate::{
+    grid::{Grid, GridNode, tool_derivatives},
     interval,
     limit_usage::{LimitUsage, TOLERANCE},
     line_limits::LineLimits,
@@ -78,8 +79,8 @@ impl<const R: usize> CurveSamples<R> {
         self.ddq.resize(nodes, [0.0; 8]);
         self.bounds.resize(nodes, Bounds::default());
         self.grid.clear();
-        self.grid.extend_from_slice(&segment.shape.grid_nodes(grid));
-        segment.shape.grid_derivatives(grid, &segment.scale, &mut self.dq, &mut self.ddq);
+        self.grid.extend_from_slice(&grid.nodes_on(segment.shape));
+        grid.derivatives_on(segment.shape, &segment.scale, &mut self.dq, &mut self.ddq);
         segment.tool_derivatives(&self.grid, &mut self.dq, &mut self.ddq);
         segment.rows(&self.grid, &mut self.rows);
         let Self { grid, dq, ddq, bounds, rows, .. } = self;
@@ -209,7 +210,7 @@ impl SweepSegment<'_> {
         let [end, ..] = self.shape.sigma(1.0);
         for ((node, dq), ddq) in nodes.iter().zip(dq).zip(ddq) {
             let s = self.shape.s_at(node.p * end).clamp(0.0, 1.0);
-            let derivatives = tool.grid_derivatives(self.shape, s, node);
+            let derivatives = tool_derivatives(tool, self.shape, s, node);
             [dq[7], ddq[7]] = derivatives.map(|derivative| derivative * scale);
         }
     }
@@ -277,11 +278,7 @@ impl<'a, S: Simd, const R: usize> SectionSweep<'a, S, R> {
     }
 
     fn nodes(&self, segment: &SweepSegment<'_>) -> usize {
-        if segment.line.is_some() {
-            2
-        } else {
-            segment.shape.grid_intervals(&self.scratch.grid) + 1
-        }
+        if segment.line.is_some() { 2 } else { self.scratch.grid.intervals_on(segment.shape) + 1 }
     }
 
     /// Plans `moves` and adds them to `section`.
@@ -411,7 +408,7 @@ impl<'a, S: Simd, const R: usize> SectionSweep<'a, S, R> {
         step: usize,
     ) -> (Nodes<'n, S>, &'n mut [Bounds<R>]) {
         let Scratch { grid, curves, .. } = &mut *self.scratch;
-        let nodes = segment.shape.grid_intervals(grid) + 1;
+        let nodes = grid.intervals_on(segment.shape) + 1;
         // Of blended lines, every second step is a curve: the places in between stay empty.
         let slot = step % (2 * KEPT_NODES / nodes).max(1);
         if curves.len() <= slot {

@@ -15,11 +15,12 @@ mod tests;
 use std::sync::{Arc, atomic::AtomicBool};
 
 use iiwa_kin::{RampEnd, vector};
-use iiwa_path::{Grid, JointPath, Segment, Step};
+use iiwa_path::{JointPath, Segment, Step};
 use iiwa_program::LimitKind;
 use iiwa_solver::{LimitedSegment, SolveError};
 
 use crate::{
+    grid::Grid,
     jerk::{self, JerkTiming, Stamps},
     path_limits::StepLimits,
     section::{Piece, PieceKind, Section},

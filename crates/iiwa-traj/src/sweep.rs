@@ -28,10 +28,10 @@ mod bounds;
 #[cfg(test)]
 mod tests;
 
-use iiwa_path::GridNode;
 use iiwa_solver::PathRow;
 use pulp::Simd;
 
+use crate::grid::GridNode;
 pub(crate) use bounds::{Bounds, MOST_GROUPS, greater, lesser};
 use bounds::{Row, UNLIMITED, largest};
 

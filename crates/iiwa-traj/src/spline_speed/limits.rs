@@ -8,14 +8,14 @@
 //! Each of them becomes a joint of its own that has one limit, 1, and moves by y over V, A or J. These quotients are not the
 //! derivatives of any position: the solver uses them place by place, and needs no more.
 
-use std::{borrow::Cow, sync::Arc};
+use std::sync::Arc;
 
 use iiwa_kin::{Joints, SplineSpeed};
-use iiwa_path::{Derivatives, Grid, GridNode, Segment, ToolCoordinate, ToolWay};
+use iiwa_path::{Derivatives, Segment, ToolCoordinate, ToolWay};
 use iiwa_program::{ByKind, LimitKind, MotionLimits, ToolLimits};
 
 use super::held_speed::HeldSpeed;
-use crate::sunrise::EndRamp;
+use crate::{grid::Grid, sunrise::EndRamp};
 
 /// The joint that stands for each kind of limit.
 const STANDS_FOR: [(LimitKind, usize); 3] =
@@ -126,9 +126,9 @@ impl<'a> SpeedLimitedSegment<'a> {
     /// The whole y, by the trapezoidal rule.
     pub(super) fn way(&self, grid: &Grid) -> f64 {
         let length_rad = self.sigma_length_rad();
-        let rates = self.grid_s(grid).into_iter().map(|s| self.way_by_sigma(s)[0]);
+        let rates = grid.s_on(self.shape).into_iter().map(|s| self.way_by_sigma(s)[0]);
         let rates: Vec<f64> = rates.collect();
-        std::iter::zip(self.grid_nodes(grid).windows(2), rates.windows(2))
+        std::iter::zip(grid.nodes_on(self.shape).windows(2), rates.windows(2))
             .map(|(nodes, rates)| (nodes[1].p - nodes[0].p) * f64::midpoint(rates[0], rates[1]))
             .sum::<f64>()
             * length_rad
@@ -234,17 +234,5 @@ impl Segment for SpeedLimitedSegment<'_> {
             }
         }
         derivatives
-    }
-
-    fn grid_intervals(&self, grid: &Grid) -> usize {
-        self.shape.grid_intervals(grid)
-    }
-
-    fn grid_s(&self, grid: &Grid) -> Vec<f64> {
-        self.shape.grid_s(grid)
-    }
-
-    fn grid_nodes<'b>(&self, grid: &'b Grid) -> Cow<'b, [GridNode]> {
-        self.shape.grid_nodes(grid)
     }
 }

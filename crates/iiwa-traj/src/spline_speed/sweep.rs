@@ -1,10 +1,11 @@
 //! Motion along a spline within the model's limits of speed and acceleration: the solver starts from it.
 
 use iiwa_kin::RampEnd;
-use iiwa_path::{Grid, Segment};
+use iiwa_path::Segment;
 use iiwa_solver::SweptNode;
 
 use super::limits::{SpeedLimitedSegment, SpeedLimits};
+use crate::grid::Grid;
 
 /// A node of a grid over a segment.
 #[derive(Clone, Copy, Debug)]
@@ -40,8 +41,9 @@ impl SplineSweep {
         let mut start = 0.0;
         for segment in segments {
             let length = segment.sigma_length_rad();
-            let nodes = segment.grid_nodes(grid);
-            let places = segment.grid_s(grid).into_iter().zip(nodes.iter()).map(|(s, node)| {
+            let (shape, _) = segment.own();
+            let nodes = grid.nodes_on(shape);
+            let places = grid.s_on(shape).into_iter().zip(nodes.iter()).map(|(s, node)| {
                 let limits = segment.limits_at(s);
                 let x = (limits.speed / limits.way[0]).powi(2);
                 SweptPlace { sigma: start + node.p * length, p: node.p, limits, x }

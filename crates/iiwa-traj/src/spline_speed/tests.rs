@@ -1,11 +1,12 @@
 //! The model's own limits, at every instant.
 
 use iiwa_kin::{Joints, Robot};
-use iiwa_path::{Grid, JointPath, PLACES, Segment};
+use iiwa_path::{JointPath, PLACES, Segment};
 use iiwa_program::Program;
 
 use super::{SAMPLES_BEFORE_JERK, model_segments};
 use crate::{
+    grid::Grid,
     interval::progress,
     timing::{JerkOptions, Timing},
     trajectory::Trajectory,

@@ -1,0 +1,268 @@
+//! The nodes of a segment at which the sweep finds stamps: where they are, and the derivatives there.
+//!
+//! The polynomials of blends are evaluated once for all blends.
+
+use std::{
+    borrow::Cow,
+    f64::consts::TAU,
+    sync::{Arc, Mutex, OnceLock, PoisonError},
+};
+
+use iiwa_kin::Joints;
+use iiwa_path::{BlendBasis, BlendPolynomials, Continuity, PlanarGraph, Segment, ToolCoordinate};
+use pulp::Simd;
+
+/// A grid of N intervals over [0, 1], uniform in s, except on polynomial blends, where it is finer at both ends. Curves of many pieces
+/// have more intervals than N.
+#[derive(Debug)]
+pub(crate) struct Grid {
+    intervals: usize,
+    blends: Arc<BlendTables>,
+}
+
+/// The polynomials of blends at the nodes of a grid, of each order of continuity.
+type BlendTables = [OnceLock<BlendTable>; 3];
+
+/// Those of the grids that were asked for last: they depend on the number of intervals alone, and take as long to make as
+/// the stamps of some motions.
+static RECENT: Mutex<Vec<(usize, Arc<BlendTables>)>> = Mutex::new(Vec::new());
+
+/// How many of them are kept.
+const KEPT: usize = 4;
+
+/// A node of a grid over one segment, in p: its share of the segment's sigma, 0 to 1.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct GridNode {
+    /// Share of sigma, 0 to 1.
+    pub(crate) p: f64,
+    /// Distance to the next node in p; of the last node, 1.
+    pub(crate) step: f64,
+    /// ds/dp.
+    pub(crate) slope: f64,
+    /// d2s/dp2.
+    pub(crate) bend: f64,
+}
+
+/// By which share the intervals at a blend's ends are shorter in s than their mean, and those in the middle longer.
+const ENDS: f64 = 0.4;
+
+/// How many times the intervals of a blend a curve of pieces has: one time for so many pieces, at least and at most so many times.
+const PIECES_A_GRID: usize = 4;
+const LEAST_GRIDS: usize = 2;
+const MOST_GRIDS: usize = 8;
+
+/// The least intervals of such a curve, however few those of a blend are. Jerk-limited stamps start from acceleration-limited
+/// ones: from coarser ones, they are not always found.
+const LEAST_INTERVALS: usize = 200;
+
+/// The same where the TCP goes or turns unevenly: between nodes, its acceleration is less than a cubic's.
+const LEAST_INTERVALS_UNEVEN: usize = 300;
+
+/// What all blends of one order of continuity share.
+#[derive(Debug)]
+struct BlendTable {
+    nodes: Vec<GridNode>,
+    /// First and second derivative by p of `s alpha` and of `beta`.
+    derivatives: Vec<[[f64; 2]; 2]>,
+}
+
+impl Grid {
+    /// A grid of `intervals` intervals, at least one, and one node more.
+    #[must_use]
+    pub(crate) fn new(intervals: usize) -> Self {
+        let intervals = intervals.max(1);
+        let mut recent = RECENT.lock().unwrap_or_else(PoisonError::into_inner);
+        let found = recent.iter().find(|(own, _)| *own == intervals);
+        let blends = found.map_or_else(Default::default, |(_, blends)| Arc::clone(blends));
+        if found.is_none() {
+            if recent.len() == KEPT {
+                recent.remove(0);
+            }
+            recent.push((intervals, Arc::clone(&blends)));
+        }
+        Self { intervals, blends }
+    }
+
+    /// The number of intervals.
+    #[must_use]
+    pub(crate) fn intervals(&self) -> usize {
+        self.intervals
+    }
+
+    /// The number of intervals on a segment: on a curve of pieces, as many as its pieces ask for.
+    pub(crate) fn intervals_on(&self, segment: &dyn Segment) -> usize {
+        if let Some(inner) = segment.unsupervised() {
+            // The speed of the flange changes along any segment.
+            return self.intervals_on(inner.as_ref()).max(LEAST_INTERVALS);
+        }
+        let [_, .., _] = segment.breaks() else { return self.intervals };
+        let pieces = segment.breaks().len() - 1;
+        let factor = pieces.div_ceil(PIECES_A_GRID).clamp(LEAST_GRIDS, MOST_GRIDS);
+        let least =
+            if segment.has_even_tool_way() { LEAST_INTERVALS } else { LEAST_INTERVALS_UNEVEN };
+        (self.intervals * factor).max(least)
+    }
+
+    /// s at the nodes on a segment, from 0 to 1. On a curve of pieces, half of the nodes are even, the other half where the pieces are:
+    /// where joints turn fast, pieces are short.
+    pub(crate) fn s_on(&self, segment: &dyn Segment) -> Vec<f64> {
+        let intervals = self.intervals_on(segment);
+        if let Some(inner) = segment.unsupervised() {
+            let own = self.s_on(inner.as_ref());
+            return if own.len() > intervals { own } else { even(intervals).collect() };
+        }
+        let breaks @ [_, .., _] = segment.breaks() else { return even(intervals).collect() };
+        let pieces = breaks.len() - 1;
+        let mut index = 0;
+        // Rises from 0 to 1 at the breaks.
+        let at_break = |index: usize| 0.5 * (breaks[index] + index as f64 / pieces as f64);
+        even(intervals)
+            .map(|share| {
+                while index + 1 < pieces && at_break(index + 1) <= share {
+                    index += 1;
+                }
+                let [from, to] = [index, index + 1].map(at_break);
+                let [start, end] = [breaks[index], breaks[index + 1]];
+                (start + (share - from) / (to - from) * (end - start)).clamp(0.0, 1.0)
+            })
+            .collect()
+    }
+
+    /// The nodes on a segment.
+    pub(crate) fn nodes_on(&self, segment: &dyn Segment) -> Cow<'_, [GridNode]> {
+        match segment.as_planar_graph().and_then(PlanarGraph::polynomials) {
+            Some(blend) => Cow::Borrowed(&self.blend(blend.continuity).nodes),
+            None => Cow::Owned(nodes(self.s_on(segment).into_iter(), |s| segment.sigma(s))),
+        }
+    }
+
+    /// First and second derivatives of the joints by p at every node on a segment, each joint times its `scale`.
+    ///
+    /// The eighth number of each row is zero: rows of eight fill vector registers.
+    ///
+    /// # Panics
+    ///
+    /// If `dq` or `ddq` has fewer rows than the segment has nodes.
+    pub(crate) fn derivatives_on(
+        &self,
+        segment: &dyn Segment,
+        scale: &Joints,
+        dq: &mut [[f64; 8]],
+        ddq: &mut [[f64; 8]],
+    ) {
+        if let Some(blend) = segment.as_planar_graph().and_then(PlanarGraph::polynomials) {
+            let table = self.blend(blend.continuity);
+            pulp::Arch::new().dispatch(BlendDerivatives { blend, table, scale, dq, ddq });
+            return;
+        }
+        let s = self.s_on(segment);
+        let nodes = self.nodes_on(segment);
+        let rows = ..nodes.len();
+        for ((s, node), (dq, ddq)) in
+            std::iter::zip(s, nodes.iter()).zip(dq[rows].iter_mut().zip(&mut ddq[rows]))
+        {
+            let GridNode { slope, bend, .. } = *node;
+            let at = segment.at(s);
+            for j in 0..7 {
+                dq[j] = at.dq[j] * slope * scale[j];
+                ddq[j] = (at.ddq[j] * slope * slope + at.dq[j] * bend) * scale[j];
+            }
+            (dq[7], ddq[7]) = (0.0, 0.0);
+        }
+    }
+
+    fn blend(&self, continuity: Continuity) -> &BlendTable {
+        self.blends[continuity as usize].get_or_init(|| {
+            let along = |s| BlendBasis::at(continuity, s).along;
+            let nodes = nodes(self.blend_s(), along);
+            let by_p = |node: &GridNode, [_, one, two, _]: [f64; 4]| {
+                [one * node.slope, two * node.slope * node.slope + one * node.bend]
+            };
+            let derivatives = self.blend_s().zip(&nodes).map(|(s, node)| {
+                let BlendBasis { across, bulge, .. } = BlendBasis::at(continuity, s);
+                [by_p(node, across), by_p(node, bulge)]
+            });
+            BlendTable { derivatives: derivatives.collect(), nodes }
+        })
+    }
+
+    /// s at each node of a polynomial blend.
+    ///
+    /// Between nodes, a sweep's error goes with the square of an interval's length times the third derivative
+    /// of the path's direction by p, and that is largest within a tenth of s from either end, whatever the blend's kappa.
+    fn blend_s(&self) -> impl Iterator<Item = f64> + use<> {
+        even(self.intervals).map(|t| t - ENDS * (TAU * t).sin() / TAU)
+    }
+}
+
+/// s at each node of so many even intervals.
+fn even(intervals: usize) -> impl Iterator<Item = f64> {
+    (0..=intervals).map(move |i| i as f64 / intervals as f64)
+}
+
+/// The nodes at `s` over a segment whose sigma is `sigma`, from the values and derivatives at each node.
+fn nodes(s: impl Iterator<Item = f64>, sigma: impl Fn(f64) -> [f64; 4]) -> Vec<GridNode> {
+    let [end, ..] = sigma(1.0);
+    let mut nodes: Vec<_> = s
+        .map(|s| {
+            let [at, one, two, _] = sigma(s);
+            let slope = 1.0 / one;
+            let bend = -two * slope * slope / one;
+            GridNode { p: at / end, step: 1.0, slope: slope * end, bend: bend * end * end }
+        })
+        .collect();
+    for i in 1..nodes.len() {
+        nodes[i - 1].step = nodes[i].p - nodes[i - 1].p;
+    }
+    nodes
+}
+
+/// First and second derivative of the coordinate of the tool by p, at `s` of a segment, of which `node` is the node of a grid.
+pub(crate) fn tool_derivatives(
+    tool: &ToolCoordinate,
+    segment: &dyn Segment,
+    s: f64,
+    node: &GridNode,
+) -> [f64; 2] {
+    let [dw, ddw, _] = tool.derivatives(segment, s);
+    [dw * node.slope, ddw * node.slope * node.slope + dw * node.bend]
+}
+
+/// The derivatives of a polynomial blend at the nodes of a grid, by the widest vector instructions that the machine has. The grid holds
+/// the polynomials: this costs three multiplications a joint.
+///
+/// Not a closure: those reach the function with vector instructions by way of a shim that is not
+/// inlined into it, and so stay without them.
+struct BlendDerivatives<'a> {
+    blend: BlendPolynomials,
+    table: &'a BlendTable,
+    scale: &'a Joints,
+    dq: &'a mut [[f64; 8]],
+    ddq: &'a mut [[f64; 8]],
+}
+
+impl pulp::WithSimd for BlendDerivatives<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        let BlendDerivatives { blend, table, scale, dq, ddq } = self;
+        // sigma goes from 0 to 2 d0.
+        let mut along = [0.0; 8];
+        let mut turn = [0.0; 8];
+        for j in 0..7 {
+            along[j] = 2.0 * blend.arrival_rad[j] * scale[j];
+            turn[j] = blend.turn_rad[j] * scale[j];
+        }
+        let table = &table.derivatives;
+        let rows = ..table.len();
+        for (([across, bulge], dq), ddq) in table.iter().zip(&mut dq[rows]).zip(&mut ddq[rows]) {
+            let first = across[0] - blend.kappa * bulge[0];
+            let second = across[1] - blend.kappa * bulge[1];
+            for j in 0..8 {
+                dq[j] = along[j] + first * turn[j];
+                ddq[j] = second * turn[j];
+            }
+        }
+    }
+}
