@@ -10,12 +10,11 @@ use iiwa_program::{ByKind, LimitKind};
 use crate::{
     cell::Cell,
     cell_rows::RowParabolas,
-    cells::has_row_at_end,
+    cells::{Lowering, has_row_at_end},
     error::SolveError,
     geometry::Places,
     lanes::dispatch,
     limited_segment::LimitedSegment,
-    lowering::Lowering,
     mesh::{Mesh, mesh},
     peaks::{Peak, SHARES, larger},
     settings::{AttemptSettings, RefinementSettings, SETTINGS, WarmStart, WindowSettings},

@@ -19,7 +19,7 @@ pub(crate) struct Blocks {
     pub(crate) five: Vec<CellBlock<5>>,
     pub(crate) seven: Vec<CellBlock<7>>,
     pub(crate) eight: Vec<CellBlock<8>>,
-    /// Whether any cell has rows of further limits.
+    /// True if any cell has rows of further limits.
     pub(crate) has_others: bool,
 }
 

@@ -15,7 +15,7 @@
 use std::ops::Range;
 
 use iiwa_path::Coordinates;
-use iiwa_program::LimitKind;
+use iiwa_program::{ByKind, LimitKind};
 use pulp::Simd;
 
 use crate::{
@@ -30,7 +30,6 @@ use crate::{
     lanes::{LANES, Lanes, Vector, registers},
     limited_segment::LimitedSegment,
     limiting_joints::LimitingJoints,
-    lowering::Lowering,
     mesh::Mesh,
     quadratic::{Quadratic, Terms},
     settings::InteriorPointSettings,
@@ -47,6 +46,21 @@ pub(crate) struct Sums {
     pub(crate) gap: f64,
     /// Largest share of a bound by which a limit is not met.
     pub(crate) residual: f64,
+}
+
+/// The factors by which the limits of a cell are lowered: 1 leaves them as they are.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Lowering {
+    pub(crate) of: ByKind<f64>,
+    /// Of what the offsets of further limits leave of them.
+    pub(crate) rows: f64,
+}
+
+impl Lowering {
+    /// True if it changes nothing.
+    pub(crate) fn is_none(&self) -> bool {
+        self.rows == 1.0 && self.of.values().all(|by| *by == 1.0)
+    }
 }
 
 /// The largest relative decreases of slacks, duals and x in a full step.
@@ -181,11 +195,11 @@ impl<const J: usize> Default for CellBlock<J> {
 }
 
 impl<const J: usize> CellBlock<J> {
-    /// How many sides the limits of velocity, acceleration and jerk have in a block.
+    /// The number of sides of the limits of velocity, acceleration and jerk in a block.
     const SIDES: usize =
         LANES * (3 * VelocityRows::SIDES + J * (2 * BoundedRow::SIDES + 3 * JerkRow::SIDES));
 
-    /// How many sides all limits have.
+    /// The number of sides of all limits.
     pub(crate) fn sides(&self) -> usize {
         let others: usize = self.others.iter().map(Vec::len).sum();
         Self::SIDES + LANES * BoundedRow::SIDES * others
@@ -365,7 +379,7 @@ impl AnyBlock<'_> {
         }
     }
 
-    /// Whether there are rows of further limits: most blocks have none.
+    /// True if there are rows of further limits: most blocks have none.
     #[inline(always)]
     fn has_others(&self) -> bool {
         let [at_start, _] = &self.others;

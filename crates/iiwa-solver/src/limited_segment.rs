@@ -15,8 +15,20 @@ use crate::{
     peaks::{Peak, larger, parabola_error},
     rest_ramp::RestRamp,
     row_limit::{PathRow, RowLimits},
-    swept::SweptNode,
 };
+
+/// A sample of a motion along a segment that keeps the limits of velocity and acceleration.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct SweptNode {
+    /// Time, in s, since any instant that all segments share.
+    pub t_s: f64,
+    /// Share of the segment's sigma, 0 to 1.
+    pub p: f64,
+    /// dp/dt, in 1/s.
+    pub rate: f64,
+    /// d2p/dt2 just after this node and just before the next one, in 1/s^2.
+    pub u: [f64; 2],
+}
 
 /// A segment and its limits, as the solver sees them.
 pub struct LimitedSegment<'a> {
@@ -158,7 +170,7 @@ impl<'a> LimitedSegment<'a> {
             .fold(f64::INFINITY, f64::min)
     }
 
-    /// Whether it has further limits, as rows.
+    /// True if the segment has further limits, as rows.
     #[must_use]
     pub fn has_rows(&self) -> bool {
         self.rows.is_some()

@@ -7,8 +7,11 @@
 use std::ops::Range;
 
 use crate::{
-    cell::Cell, cell_rows::CellRows, geometry::Geometry, limited_segment::LimitedSegment,
-    settings::MeshSettings, swept::SweptNode,
+    cell::Cell,
+    cell_rows::CellRows,
+    geometry::Geometry,
+    limited_segment::{LimitedSegment, SweptNode},
+    settings::MeshSettings,
 };
 
 const SETTINGS: MeshSettings = crate::settings::SETTINGS.mesh;

@@ -124,7 +124,7 @@ pub(crate) struct RefinementSettings {
     pub(crate) early: ByKind<f64>,
     /// Shares that a cell is brought down to once it is above the tolerance.
     pub(crate) target: ByKind<f64>,
-    /// The same three of further limits.
+    /// Tolerance, early share and target of further limits.
     pub(crate) rows: RowSettings,
     /// Start after limits were lowered by little.
     pub(crate) close: WarmStart,

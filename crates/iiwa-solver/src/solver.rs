@@ -25,12 +25,11 @@ use pulp::Simd;
 use crate::{
     blocks::{Blocks, for_each_block},
     cell::Cell,
-    cells::{LargestDecreases, Sums},
+    cells::{LargestDecreases, Lowering, Sums},
     error::SolveError,
     functionals::{CellState, EndV, EndX, Functional, StartX},
     lanes::dispatch,
     limited_segment::LimitedSegment,
-    lowering::Lowering,
     mesh::Mesh,
     quadratic::Quadratic,
     rests::{Rest, Rests, ScalarSlackPair},
