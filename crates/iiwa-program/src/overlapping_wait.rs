@@ -10,9 +10,9 @@ use crate::{
 pub struct OverlappingWait {
     /// The wait's place in the program.
     pub motion: MotionIndex,
-    /// How long it takes, in s.
+    /// Its duration, in s.
     pub seconds: f64,
-    /// The motion before whose begin its time does not begin.
+    /// The motion with whose begin its time begins, at the earliest.
     pub since: MotionIndex,
 }
 

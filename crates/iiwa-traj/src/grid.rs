@@ -23,11 +23,11 @@ pub(crate) struct Grid {
 /// The polynomials of blends at the nodes of a grid, of each order of continuity.
 type BlendTables = [OnceLock<BlendTable>; 3];
 
-/// Those of the grids that were asked for last: they depend on the number of intervals alone, and take as long to make as
+/// Tables of the grids that were made last: they depend on the number of intervals alone, and take as long to make as
 /// the stamps of some motions.
 static RECENT: Mutex<Vec<(usize, Arc<BlendTables>)>> = Mutex::new(Vec::new());
 
-/// How many of them are kept.
+/// The number of tables that are kept.
 const KEPT: usize = 4;
 
 /// A node of a grid over one segment, in p: its share of the segment's sigma, 0 to 1.
@@ -46,7 +46,7 @@ pub(crate) struct GridNode {
 /// By which share the intervals at a blend's ends are shorter in s than their mean, and those in the middle longer.
 const ENDS: f64 = 0.4;
 
-/// How many times the intervals of a blend a curve of pieces has: one time for so many pieces, at least and at most so many times.
+/// A curve of pieces has as many intervals as a blend, times its pieces over this number, but at least and at most so many times.
 const PIECES_A_GRID: usize = 4;
 const LEAST_GRIDS: usize = 2;
 const MOST_GRIDS: usize = 8;
@@ -55,10 +55,10 @@ const MOST_GRIDS: usize = 8;
 /// ones: from coarser ones, they are not always found.
 const LEAST_INTERVALS: usize = 200;
 
-/// The same where the TCP goes or turns unevenly: between nodes, its acceleration is less than a cubic's.
+/// The least intervals of a curve on which the TCP moves or turns unevenly: between nodes, its acceleration is less than a cubic's.
 const LEAST_INTERVALS_UNEVEN: usize = 300;
 
-/// What all blends of one order of continuity share.
+/// Nodes and polynomials of all blends of one order of continuity.
 #[derive(Debug)]
 struct BlendTable {
     nodes: Vec<GridNode>,

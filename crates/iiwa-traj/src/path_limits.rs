@@ -19,7 +19,7 @@ use crate::{
 #[derive(Clone, Debug)]
 pub(crate) struct PathLimits(Vec<Arc<dyn PathLimit>>);
 
-/// The same along one step.
+/// All these limits along one step.
 #[derive(Debug, Default)]
 pub(crate) struct StepLimits {
     pub(crate) rows: RowLimits,
@@ -38,7 +38,7 @@ impl PathLimits {
         self.0.push(limit);
     }
 
-    /// Whether any of them limits a step.
+    /// True if any of them limits a step.
     pub(crate) fn limit_step(&self, path: &JointPath, step: usize) -> bool {
         self.0.iter().any(|limit| limit.of_step(path, step).is_some())
     }

@@ -204,7 +204,7 @@ impl Planner {
 impl Planner {
     /// Plans the moves of `section`, which has no pieces yet.
     ///
-    /// Where there are limits beside those of velocity, acceleration and jerk, it is planned without them first. This pass has a
+    /// A section with limits beside those of velocity, acceleration and jerk is planned without them first. This pass has a
     /// numerical reason: cells are shorter with these limits, and rows that bind nothing still change the last digits of what the solver
     /// finds. A section that needs none of them is to be as it is without them, to the last bit.
     fn plan_moves(

@@ -372,7 +372,7 @@ impl Section {
         self.stand(PieceKind::Settle, motion, step, pause_s);
     }
 
-    /// How long the arm stands at the end of a motion, in s.
+    /// Duration of the rest at the end of a motion, in s.
     pub(crate) fn pause_s(&self, blocking: bool) -> f64 {
         pause_s(self.path.robot(), blocking)
     }

@@ -138,7 +138,7 @@ pub(crate) fn sweep_moves(
     }
 }
 
-/// The same with the memory for the number of rows.
+/// Plans moves in the memory for their number of rows.
 fn sweep_by<const R: usize>(
     moves: &Moves<'_>,
     scratch: &mut Scratch<R>,

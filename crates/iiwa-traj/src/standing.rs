@@ -24,7 +24,7 @@ pub(crate) fn waits_before_blend(path: &JointPath, step: usize) -> &[Overlapping
 /// Rests of a program in which waits overlap motions.
 pub(crate) struct Standing<'a> {
     pub(crate) clock: &'a mut ProgramClock,
-    /// How long a motion takes that goes nowhere, in s.
+    /// Duration of a motion that goes nowhere, in s.
     pub(crate) still_s: f64,
 }
 
@@ -65,7 +65,7 @@ impl Standing<'_> {
         }
     }
 
-    /// How long the arm stands for a wait where it rests at `end_s`.
+    /// The rest of a wait after the arm has stopped at `end_s`, in s.
     fn overlapped_s(&mut self, wait: OverlappingWait, end_s: f64) -> f64 {
         let known_s = self.clock.known_s(&[wait]);
         self.clock.go_through(known_s);

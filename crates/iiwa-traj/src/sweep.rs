@@ -38,7 +38,7 @@ use bounds::{Row, UNLIMITED, largest};
 /// Share of a limit of acceleration, or of squared speed, by which an interval may exceed it between its ends.
 const SWING: f64 = 0.0017;
 
-/// The same of a further limit.
+/// Share of a further limit by which an interval may exceed it between its ends.
 const ROW_SWING: f64 = 0.004;
 
 /// Share by which it may half-way without being looked at closely.
@@ -177,7 +177,7 @@ impl Default for Sample {
     }
 }
 
-/// What the limits leave at each node of a segment: fills `bounds`, which have room for all rows of further limits.
+/// Fills `bounds` with what the limits leave at each node of a segment; they have room for all rows of further limits.
 #[inline(always)]
 pub(crate) fn bounds<S: Simd, const R: usize>(
     Nodes { simd, dq, ddq, velocity, grid, rows, row_count }: Nodes<'_, S>,

@@ -84,15 +84,15 @@ impl Default for SweepOptions {
 /// How jerk-limited stamps are found.
 ///
 /// A straight line from rest to rest has a closed form. Sections with blends are solved for on cells, at
-/// some places of which limits are kept exactly; in between they may be exceeded by 0.4 % (velocity),
-/// 0.6 % (acceleration) and 4 % (jerk). Blends have to be of a shape whose curvature continues that of
+/// some places of which limits are kept exactly; in between they may be exceeded by 0.1 % (velocity),
+/// 0.2 % (acceleration) and 2 % (jerk). Blends have to be of a shape whose curvature continues that of
 /// the lines.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct JerkOptions {
     /// How many times as fine as usual the cells are; above 0, 1 by default.
     pub refinement: f64,
-    /// Skip the closed form of straight lines from rest to rest, and the receding horizon of long sections;
-    /// off by default, for tests.
+    /// Solve for every section as a whole, without the closed form of straight lines from rest to rest and the receding horizon of
+    /// long sections. Tests of this and other crates check both against it. It takes longer. Off by default.
     pub general: bool,
 }
 

@@ -24,8 +24,7 @@ struct TorqueRows {
     inverse: Joints,
 }
 
-/// The most that the joints may exert in a motion, in Nm: less by what friction takes at its speed limits. None if the
-/// program does not limit torques.
+/// The torque limits of a motion, and the friction at its speed limits, in Nm. None if the program does not limit torques.
 ///
 /// Viscous friction grows with the speed, which is no convex limit of its square; and it is below 1 % of an iiwa's torque.
 fn most_nm(path: &JointPath, step: usize, dynamics: &Dynamics) -> Option<[Joints; 2]> {

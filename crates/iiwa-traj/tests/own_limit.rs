@@ -149,7 +149,7 @@ fn largest(trajectory: &Trajectory, limit: &Combinations) -> f64 {
     shares.fold(0.0, |largest, share| if share <= largest { largest } else { share })
 }
 
-/// Whether the figures name a limit of this name.
+/// True if the figures have a limit of this name.
 fn is_named(trajectory: &Trajectory, name: &str) -> bool {
     let mut limits = trajectory.motions().into_iter().flat_map(|motion| motion.limits);
     limits.any(|limit| limit.limit.name() == name)
