@@ -21,6 +21,10 @@ FOLDER = pathlib.Path(__file__).parent / "snippets"
 
 MAIN = r"""
 import java.util.*;
+import java.util.concurrent.Callable;
+import java.util.concurrent.atomic.*;
+import java.util.function.*;
+import java.util.stream.*;
 
 public class Snippets {
     interface Snippet {

@@ -6,6 +6,7 @@ use crate::{
     class_id::ClassId,
     classes::simple,
     flow::Flow,
+    function::Function,
     java_lists::REMOVE_ELEMENT,
     java_state::{Activation, MAX_DEPTH},
     machine::Machine,
@@ -25,7 +26,12 @@ impl Machine {
         name: &str,
         arguments: &[Expression],
     ) -> Result<Value, Stop> {
-        let receiver = on.map(|on| self.evaluated(on)).transpose()?;
+        let mut receiver = on.map(|on| self.evaluated(on)).transpose()?;
+        if let (Some(on), Some(function @ Value::Function(_))) = (on, &receiver)
+            && let Some(own) = self.static_type(on)
+        {
+            receiver = Some(self.for_variable(function.clone(), &own)?);
+        }
         let types = self.types_of_arguments(name, arguments);
         let values = self.evaluated_all(arguments)?;
         self.here.line = expression.line;
@@ -70,6 +76,9 @@ impl Machine {
         let result = match (on.map(|on| &on.kind), receiver) {
             (Some(ExpressionKind::Super), Some(Value::Object(object))) => {
                 self.call_above(&object, name, &arguments)
+            }
+            (Some(ExpressionKind::SuperOf(own)), Some(Value::Object(object))) => {
+                self.call_of_interface(own, &object, name, &arguments)
             }
             (_, Some(Value::Object(object))) => {
                 // Methods of classes are not overridden.
@@ -122,16 +131,25 @@ impl Machine {
             if let Some(choice) = self.method(start, name, arguments) {
                 return self.run_chosen(choice, this, name, arguments);
             }
-            if let Some(object) = &this
-                && let Some(base) = self.java.classes.foreign_parent(object.class)
+            if self.java.classes.known(id).class.kind == ClassKind::Enum
+                && matches!((name, arguments), ("values", []) | ("valueOf", [_]))
             {
-                let base = base.to_owned();
-                let object = Rc::clone(object);
+                return self.of_class(id, name, arguments);
+            }
+            if let Some(object) = this.clone() {
+                if let Some(function) = object.function.clone()
+                    && let Some(value) =
+                        self.of_function_object(&object, &function, name, arguments)?
+                {
+                    return Ok(value);
+                }
                 if let Some(value) = self.of_object(&object, name, arguments)? {
                     return Ok(value);
                 }
-                if let Some(value) =
-                    Rc::clone(&self.host).inherited(self, &object, &base, name, arguments)?
+                let base = self.java.classes.foreign_parent(object.class).map(str::to_owned);
+                if let Some(base) = base
+                    && let Some(value) =
+                        Rc::clone(&self.host).inherited(self, &object, &base, name, arguments)?
                 {
                     return Ok(value);
                 }
@@ -185,6 +203,27 @@ impl Machine {
         }
     }
 
+    /// `Interface.super.name(...)`, a default method of an interface.
+    fn call_of_interface(
+        &mut self,
+        interface: &TypeName,
+        object: &Rc<Object>,
+        name: &str,
+        arguments: &[Value],
+    ) -> Result<Value, Stop> {
+        let class = self
+            .class_named(&interface.name)
+            .filter(|id| self.java.classes.known(*id).class.kind == ClassKind::Interface);
+        match class.and_then(|id| self.method(id, name, arguments)) {
+            Some(choice) => self.run_chosen(choice, Some(Rc::clone(object)), name, arguments),
+            None => self.opaque(
+                &format!("`{}.super.{name}`, of a class around or a library", interface.name),
+                name,
+                arguments,
+            ),
+        }
+    }
+
     /// `receiver.name(...)`.
     pub(crate) fn call_on(
         &mut self,
@@ -231,6 +270,10 @@ impl Machine {
             Value::Null => {
                 self.throw("NullPointerException", format!("`{name}` is called on null"))
             }
+            Value::Function(function) => {
+                let function = Rc::clone(function);
+                self.call_on_function(&function, name, arguments)
+            }
             _ => self.call_library(receiver, name, arguments),
         }
     }
@@ -246,6 +289,11 @@ impl Machine {
             && choice.has_body()
         {
             return self.run_chosen(choice, Some(Rc::clone(object)), name, arguments);
+        }
+        if let Some(function) = object.function.clone()
+            && let Some(value) = self.of_function_object(object, &function, name, arguments)?
+        {
+            return Ok(value);
         }
         if let Some(value) = self.of_object(object, name, arguments)? {
             return Ok(value);
@@ -277,17 +325,19 @@ impl Machine {
             ("getClass", []) => Value::Class(object.class),
             ("equals", [other]) => match other {
                 Value::Unknown(_) => other.clone(),
-                Value::Object(_)
-                    if self.java.classes.known(object.class).class.kind == ClassKind::Record
-                        && !this.is_same(other) =>
-                {
-                    self.unknown("whether two records are equal")
-                }
-                _ => Value::Boolean(this.is_same(other)),
+                _ => match self.are_equal_records(&this, other)? {
+                    Ok(is_equal) => Value::Boolean(is_equal),
+                    Err(unknown) => Value::Unknown(unknown),
+                },
             },
             ("toString" | "name", []) if object.constant.is_some() => {
                 let name = object.constant.as_ref().map_or("", |(name, _)| name);
                 Value::text(name)
+            }
+            ("toString", [])
+                if self.java.classes.known(object.class).class.kind == ClassKind::Record =>
+            {
+                self.text_of_record(object, 0)?.map_or_else(Value::Unknown, Value::text)
             }
             ("toString", []) => self.unknown("the text of an object without `toString`"),
             ("ordinal", []) if object.constant.is_some() => {
@@ -380,6 +430,10 @@ impl Machine {
         if method.is_static {
             self.initialize(owner)?;
         }
+        let function = this.as_ref().and_then(|own| own.function.clone());
+        if let (None, Some(function)) = (&method.body, function) {
+            return self.run_as_method(owner, method, &function, arguments);
+        }
         let Some(body) = &method.body else {
             let class = self.java.classes.known(owner).class.name.clone();
             return self.opaque(
@@ -389,12 +443,36 @@ impl Machine {
             );
         };
         let from = self.enter(owner, this, method, arguments)?;
-        let flow = self.block(body);
-        self.leave(from, &flow);
-        match flow? {
+        let result = self.block(body).and_then(|flow| match flow {
             Flow::Return(value) => self.for_variable(value, &method.returns),
             _ => Ok(Value::Null),
+        });
+        self.leave(from, &result);
+        result
+    }
+
+    /// Runs a function as the abstract method of an interface of the project.
+    fn run_as_method(
+        &mut self,
+        owner: ClassId,
+        method: &Arc<Method>,
+        function: &Rc<Function>,
+        arguments: &[Value],
+    ) -> Result<Value, Stop> {
+        let from = self.enter(owner, None, method, arguments)?;
+        let locals = self.java.activation().map_or(&[][..], |own| &own.locals);
+        let arguments: Vec<_> = locals.iter().map(|own| own.value.clone()).collect();
+        self.leave(from, &Ok(()));
+        let types = method.parameters.iter().map(|own| {
+            let erased = self.erased_parameter(owner, method, &own.type_name);
+            (erased == own.type_name).then_some(erased)
+        });
+        let types: Vec<_> = types.collect();
+        let result = self.run_function(function, &arguments, &types)?;
+        if let Value::Function(function) = &result {
+            return Ok(self.as_interface(function, &method.returns, owner));
         }
+        self.for_result(result, &method.returns)
     }
 
     /// Begins a method: its parameters are local variables.
@@ -407,6 +485,11 @@ impl Machine {
     ) -> Result<Place, Stop> {
         let from = self.activate(owner, this, &method.name, method.line)?;
         self.java.argument_types = None;
+        if let (false, Some(own)) =
+            (method.type_parameters.is_empty(), self.java.activations.last_mut())
+        {
+            own.type_parameters.clone_from(&method.type_parameters);
+        }
         let mut arguments = arguments.to_vec();
         if method.is_variadic
             && let Some(fixed) = method.parameters.len().checked_sub(1)
@@ -416,8 +499,7 @@ impl Machine {
                 && self.fits(owner, &arguments[fixed], &last.type_name).is_some()
                 && !matches!(arguments[fixed], Value::Unknown(_));
             if !is_array && arguments.len() >= fixed {
-                let dimensions = last.type_name.dimensions.saturating_sub(1);
-                let element = TypeName { name: last.type_name.name.clone(), dimensions };
+                let element = last.type_name.element();
                 let others = arguments.split_off(fixed);
                 let others: Vec<_> =
                     others.into_iter().map(|own| own.converted_to(&element)).collect();
@@ -452,6 +534,8 @@ impl Machine {
             locals: Vec::new(),
             method: method.to_owned(),
             outside_loop: 0,
+            lambda: None,
+            type_parameters: Vec::new(),
         });
         self.here = Place { file: Rc::clone(&self.java.classes.known(class).file), line };
         Ok(from)

@@ -31,6 +31,8 @@ pub(crate) struct KnownClass {
     /// The class within which it stands.
     pub(crate) outer: Option<ClassId>,
     unit: usize,
+    /// True if it, or a class around it, stands in a method.
+    is_in_method: bool,
 }
 
 /// What a class is called, and where it stands.
@@ -109,7 +111,9 @@ impl Classes {
     ) -> ClassId {
         let id = ClassId(self.known.len());
         let (unit, file) = place.clone();
-        self.known.push(KnownClass { class: Arc::clone(class), file, outer, unit });
+        let is_in_method = outer.is_some_and(|outer| self.is_in_method(outer));
+        let class_of_file = Arc::clone(class);
+        self.known.push(KnownClass { class: class_of_file, file, outer, unit, is_in_method });
         let separator = if above.is_empty() { "" } else { "." };
         let qualified = format!("{above}{separator}{}", class.name);
         for inner in &class.classes {
@@ -129,7 +133,15 @@ impl Classes {
         // Nobody can name it from outside.
         let id = self.add_class(class, Some(outer), &place, &format!("{address}"));
         self.in_methods.insert(address, id);
+        for known in &mut self.known[id.0..] {
+            known.is_in_method = true;
+        }
         id
+    }
+
+    /// True for a class that stands in a method, and for those in it.
+    pub(crate) fn is_in_method(&self, id: ClassId) -> bool {
+        self.known(id).is_in_method
     }
 
     /// The class of a number that this gave.

@@ -38,23 +38,33 @@ impl Machine {
             return self.refuse("an object is made outside of a class");
         };
         let class = match body {
-            Some(body) => Some(self.java.classes.in_method(body, within)),
-            None => match self.variable_class(&type_name.name) {
-                Some(local) => Some(local),
-                None => self.java.classes.find(&type_name.name, within),
-            },
+            Some(body) => Some(self.class_in_method(body, within)),
+            None => self.class_named(&type_name.name),
         };
         let Some(class) = class else {
-            let simple = simple(&type_name.name);
-            return if let Some(value) = self.foreign_new(simple, &arguments)? {
-                Ok(value)
-            } else {
-                self.may_act_with(simple, &arguments);
-                Ok(self.unknown(format!("a `{simple}`, of a library without source")))
-            };
+            return self.new_of_library(simple(&type_name.name), &arguments);
         };
         let captured = self.captured(class, body.is_some());
         self.construct(class, &arguments, captured)
+    }
+
+    /// The class of a name where the evaluation is: one that is declared in this method, or another one of the project.
+    pub(crate) fn class_named(&self, name: &str) -> Option<ClassId> {
+        let within = self.java.activation()?.class;
+        self.variable_class(name).or_else(|| self.java.classes.find(name, within))
+    }
+
+    /// `new Class(arguments)`, of a class that is not of the project.
+    pub(crate) fn new_of_library(
+        &mut self,
+        class: &str,
+        arguments: &[Value],
+    ) -> Result<Value, Stop> {
+        if let Some(value) = self.foreign_new(class, arguments)? {
+            return Ok(value);
+        }
+        self.may_act_with(class, arguments);
+        Ok(self.unknown(format!("a `{class}`, of a library without source")))
     }
 
     /// A class that is declared in this method.
@@ -67,8 +77,19 @@ impl Machine {
         }
     }
 
+    /// A class that stands in a method of another one.
+    pub(crate) fn class_in_method(&mut self, class: &Arc<Class>, outer: ClassId) -> ClassId {
+        let before = self.java.classes.ids().count();
+        let id = self.java.classes.in_method(class, outer);
+        if self.java.classes.ids().count() != before {
+            // What a call may do is more than was found before.
+            self.java.effects.clear();
+        }
+        id
+    }
+
     /// What a class that stands in a method sees of it.
-    fn captured(&self, class: ClassId, is_anonymous: bool) -> HashMap<String, Value> {
+    pub(crate) fn captured(&self, class: ClassId, is_anonymous: bool) -> HashMap<String, Value> {
         let Some(activation) = self.java.activation() else { return HashMap::new() };
         let is_local =
             is_anonymous || self.java.classes.known(class).outer == Some(activation.class);
@@ -136,6 +157,7 @@ impl Machine {
             constant,
             inherited: RefCell::default(),
             message: RefCell::default(),
+            function: None,
         });
         self.java.objects.push(Rc::downgrade(&object));
         object
@@ -233,7 +255,12 @@ impl Machine {
             return Ok(());
         };
         if base.ends_with("Exception") || base.ends_with("Error") {
-            *object.message.borrow_mut() = arguments.first().cloned();
+            let message = match arguments.first() {
+                None => Value::Null,
+                Some(own @ (Value::Text(_) | Value::Null | Value::Unknown(_))) => own.clone(),
+                Some(_) => self.unknown("the message of an exception of another one"),
+            };
+            *object.message.borrow_mut() = Some(message);
             return Ok(());
         }
         Rc::clone(&self.host).constructed(self, object, &base, arguments)
@@ -347,7 +374,7 @@ impl Machine {
             self.here.line = constant.line;
             let arguments = self.evaluated_all(&constant.arguments)?;
             let own = match &constant.body {
-                Some(body) => self.java.classes.in_method(body, class),
+                Some(body) => self.class_in_method(body, class),
                 None => class,
             };
             let named = Some((Rc::from(constant.name.as_str()), ordinal));

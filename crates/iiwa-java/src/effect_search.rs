@@ -1,10 +1,18 @@
 //! The search for what a piece of a program would do, without running it: what depends on something unknown may be passed over
 //! only where it does not act.
 
+use std::rc::Rc;
+
 use crate::{
     effects::{Action, Effects},
+    function::{Code, FunctionSyntax},
+    interfaces::may_run,
     machine::Machine,
-    syntax::{Class, Expression, ExpressionKind, Member, Statement, StatementKind},
+    syntax::{
+        Class, Expression, ExpressionKind, Label, Member, Reference, ReferenceOf, Statement,
+        StatementKind, SwitchGroup,
+    },
+    value::Value,
 };
 
 /// Beginnings of the names of methods that change what they are called on.
@@ -91,9 +99,74 @@ impl Machine {
                 }
             }
         }
+        for function in self.functions_behind(name) {
+            found.add(&self.effects_of_syntax(&function));
+        }
         (found.leaves, found.continues) = (false, false);
         self.java.effects.insert(name.to_owned(), found.clone());
         found
+    }
+}
+
+impl Machine {
+    /// The functions that a call of a method of this name may run.
+    fn functions_behind(&self, name: &str) -> Vec<FunctionSyntax> {
+        let classes = &self.java.classes;
+        let methods = classes.ids().flat_map(|id| &classes.known(id).class.methods);
+        let mut abstract_methods = methods.filter(|own| own.name == name && own.body.is_none());
+        let is_abstract = abstract_methods.next().is_some();
+        let functions = self.java.functions.values();
+        let is_behind = |own: &&FunctionSyntax| {
+            let parameters = match own {
+                FunctionSyntax::Lambda(lambda) => Some(lambda.parameters.len()),
+                FunctionSyntax::Reference(_) => None,
+            };
+            is_abstract || may_run(name, parameters)
+        };
+        functions.filter(is_behind).cloned().collect()
+    }
+
+    fn effects_of_syntax(&mut self, function: &FunctionSyntax) -> Effects {
+        let mut search = Search::new(self);
+        match function {
+            FunctionSyntax::Lambda(lambda) => search.statements(&lambda.body),
+            FunctionSyntax::Reference(reference) => search.reference(reference),
+        }
+        let mut found = search.finish();
+        (found.leaves, found.continues) = (false, false);
+        found
+    }
+
+    /// The effects of running a function, or the method of this name of an object.
+    pub(crate) fn effects_of_function(&mut self, function: &Value, method: &str) -> Effects {
+        let own = match function {
+            Value::Function(own) => Rc::clone(own),
+            Value::Object(object) => match &object.function {
+                Some(own) => Rc::clone(own),
+                None => return self.effects_of_method(method),
+            },
+            _ => return Effects::default(),
+        };
+        if let Some(syntax) = own.syntax() {
+            return self.effects_of_syntax(&syntax);
+        }
+        let mut found = Effects::default();
+        if let Code::Combined(combined) = &own.code {
+            for part in combined.parts() {
+                found.add(&self.effects_of_function(part, method));
+            }
+        }
+        found
+    }
+
+    /// Effects that outlive a method: its local variables are its own.
+    pub(crate) fn outliving(&self, effects: Effects) -> Effects {
+        let mut effects = effects;
+        if !effects.assigns.is_empty() {
+            let fields = self.field_names();
+            effects.assigns.retain(|name| fields.contains(name));
+        }
+        effects
     }
 }
 
@@ -174,14 +247,7 @@ impl<'m> Search<'m> {
                 self.expression(iterable);
                 self.in_loop(body);
             }
-            StatementKind::Switch { value, groups } => {
-                self.expression(value);
-                self.breakable += 1;
-                for group in groups {
-                    self.statements(&group.body);
-                }
-                self.breakable -= 1;
-            }
+            StatementKind::Switch { value, groups } => self.switch(value, groups),
             StatementKind::Break(label) => {
                 self.found.leaves |= label.is_some() || self.loops + self.breakable == 0;
             }
@@ -211,11 +277,24 @@ impl<'m> Search<'m> {
                 }
             }
             StatementKind::Labelled { body, .. } => self.statement(body),
-            StatementKind::LocalClass(_)
-            | StatementKind::Assert
-            | StatementKind::Empty
-            | StatementKind::Unsupported(_) => {}
+            StatementKind::LocalClass(class) => self.methods(class),
+            StatementKind::Assert | StatementKind::Empty | StatementKind::Unsupported(_) => {}
         }
+    }
+
+    fn switch(&mut self, value: &Expression, groups: &[SwitchGroup]) {
+        self.expression(value);
+        self.breakable += 1;
+        for group in groups {
+            for label in &group.labels {
+                if let Label::Value(own) = label {
+                    self.expression(own);
+                }
+            }
+            group.guard.iter().for_each(|own| self.expression(own));
+            self.statements(&group.body);
+        }
+        self.breakable -= 1;
     }
 
     fn in_loop(&mut self, body: &Statement) {
@@ -255,6 +334,7 @@ impl<'m> Search<'m> {
                 self.called(crate::classes::simple(&type_name.name));
                 if let Some(class) = body {
                     self.initializers(class);
+                    self.methods(class);
                 }
             }
             ExpressionKind::Assign { target, value, .. } => {
@@ -291,26 +371,49 @@ impl<'m> Search<'m> {
                 self.expression(then);
                 self.expression(otherwise);
             }
-            ExpressionKind::Switch { value, groups } => {
-                self.expression(value);
-                self.breakable += 1;
-                for group in groups {
-                    self.statements(&group.body);
-                }
-                self.breakable -= 1;
-            }
-            // Run later, or not at all: what leaves it does not leave what is around it.
-            ExpressionKind::Lambda(body) => {
-                let (leaves, continues) = (self.found.leaves, self.found.continues);
-                self.statements(body);
-                (self.found.leaves, self.found.continues) = (leaves, continues);
-            }
+            ExpressionKind::Switch { value, groups } => self.switch(value, groups),
+            ExpressionKind::Lambda(lambda) => self.aside(&lambda.body),
+            ExpressionKind::Reference(reference) => self.reference(reference),
             ExpressionKind::Literal(_)
             | ExpressionKind::Name(_)
             | ExpressionKind::This
             | ExpressionKind::Super
+            | ExpressionKind::SuperOf(_)
             | ExpressionKind::ClassLiteral(_)
             | ExpressionKind::Unsupported(_) => {}
+        }
+    }
+
+    /// Code that is run later, or not at all: what leaves it does not leave what is around it.
+    fn aside(&mut self, body: &[Statement]) {
+        let (leaves, continues) = (self.found.leaves, self.found.continues);
+        self.statements(body);
+        (self.found.leaves, self.found.continues) = (leaves, continues);
+    }
+
+    /// Methods of a class within a method, which what follows may call.
+    fn methods(&mut self, class: &Class) {
+        for body in class.methods.iter().filter_map(|own| own.body.as_ref()) {
+            self.aside(body);
+        }
+    }
+
+    fn reference(&mut self, reference: &Reference) {
+        match (&reference.of, &reference.name) {
+            (ReferenceOf::Expression(of), _) => self.expression(of),
+            (ReferenceOf::Type(own), None) => {
+                self.called(crate::classes::simple(&own.name));
+            }
+            (ReferenceOf::Type(_), Some(_)) => {}
+        }
+        if let Some(name) = &reference.name {
+            self.called(name);
+            if let ReferenceOf::Expression(of) = &reference.of
+                && CHANGING.iter().any(|beginning| name.starts_with(beginning))
+            {
+                let sources = self.sources(of);
+                self.found.changes.extend(sources);
+            }
         }
     }
 

@@ -4,10 +4,9 @@ use std::{cell::RefCell, rc::Rc};
 
 use crate::{
     java_state::MAX_STEPS,
-    library_calls::class_of_value,
     machine::Machine,
     stop::Stop,
-    syntax::{BinaryOperator, Expression, ExpressionKind, Literal, Statement, TypeName},
+    syntax::{BinaryOperator, Expression, ExpressionKind, Literal, TypeName},
     type_names::{is_cached, is_primitive, is_text},
     value::{Array, Value},
     variables::{Slot, is_hidden},
@@ -84,11 +83,14 @@ impl Machine {
                 let from = self.static_type(value);
                 self.cast(inner, from.as_ref(), type_name)
             }
-            ExpressionKind::InstanceOf { value, type_name } => {
+            ExpressionKind::InstanceOf { value, pattern } => {
                 let value = self.evaluated(value)?;
-                Ok(self.is_instance(&value, type_name))
+                self.here.line = expression.line;
+                self.matches(&value, pattern)
             }
-            ExpressionKind::This | ExpressionKind::Super => Ok(self.this()),
+            ExpressionKind::This | ExpressionKind::Super | ExpressionKind::SuperOf(_) => {
+                Ok(self.this())
+            }
 
             ExpressionKind::ClassLiteral(type_name) => {
                 let class = self.java.activation().map(|own| own.class);
@@ -99,7 +101,8 @@ impl Machine {
             ExpressionKind::Switch { value, groups } => {
                 self.value_of_switch(expression, value, groups)
             }
-            ExpressionKind::Lambda(body) => self.lambda(body),
+            ExpressionKind::Lambda(lambda) => Ok(self.lambda(lambda)),
+            ExpressionKind::Reference(reference) => self.reference(reference),
             ExpressionKind::Unsupported(what) => {
                 Ok(self.unknown(format!("{what}, which is not evaluated")))
             }
@@ -114,21 +117,6 @@ impl Machine {
         let object: Rc<str> = Rc::from(text);
         self.java.literals.insert(text.to_owned(), Rc::clone(&object));
         Value::Text(object)
-    }
-
-    /// A lambda expression is not run: what it may change is not known from here on.
-    fn lambda(&mut self, body: &[Statement]) -> Result<Value, Stop> {
-        let effects = self.effects_of(body);
-        if effects.acts() {
-            let acts = self.host.acts();
-            return self.refuse(format!("a lambda expression, in which {acts}, is not evaluated"));
-        }
-        let value = self.unknown("a lambda expression, which is not evaluated");
-        if let Value::Unknown(unknown) = &value {
-            // It may be run at any time.
-            self.forget_values(&effects, unknown);
-        }
-        Ok(value)
     }
 
     fn field_value(
@@ -265,14 +253,17 @@ impl Machine {
     }
 
     fn array_of(&mut self, values: &[Expression], type_name: &TypeName) -> Result<Value, Stop> {
-        let dimensions = type_name.dimensions.saturating_sub(1);
-        let element = TypeName { name: type_name.name.clone(), dimensions };
+        let element = type_name.element();
         let values = values.iter().map(|own| self.initial_value(own, &element));
         let values = RefCell::new(values.collect::<Result<Vec<_>, _>>()?);
         Ok(Value::Array(Rc::new(Array { element, values })))
     }
 
-    fn new_array(&mut self, type_name: &TypeName, lengths: &[Value]) -> Result<Value, Stop> {
+    pub(crate) fn new_array(
+        &mut self,
+        type_name: &TypeName,
+        lengths: &[Value],
+    ) -> Result<Value, Stop> {
         let Some((first, others)) = lengths.split_first() else { return Ok(Value::Null) };
         if let Value::Unknown(_) = first {
             return Ok(first.clone());
@@ -288,8 +279,7 @@ impl Machine {
         if self.java.steps > MAX_STEPS {
             return self.refuse("arrays take too much memory");
         }
-        let dimensions = type_name.dimensions.saturating_sub(1);
-        let element = TypeName { name: type_name.name.clone(), dimensions };
+        let element = type_name.element();
         let values = if others.is_empty() {
             vec![Value::default_of(&element); length]
         } else {
@@ -410,37 +400,6 @@ impl Machine {
         let id = self.java.classes.by_qualified_name(&names.join("."));
         Some(id.map_or_else(|| Value::ForeignClass(Rc::from(*last)), Value::Class))
     }
-
-    pub(crate) fn is_instance(&mut self, value: &Value, type_name: &TypeName) -> Value {
-        let simple = crate::classes::simple(&type_name.name);
-        match value {
-            Value::Unknown(_) => value.clone(),
-            Value::Null => Value::Boolean(false),
-            Value::Object(object) => {
-                let class = self.java.activation().map_or(object.class, |own| own.class);
-                let is_it = match self.java.classes.find(&type_name.name, class) {
-                    Some(id) => self.java.classes.is_a(object.class, id),
-                    None => {
-                        simple == "Object"
-                            || self.java.classes.foreign_parent(object.class) == Some(simple)
-                    }
-                };
-                Value::Boolean(is_it)
-            }
-            Value::Int(_) if matches!(simple, "Short" | "Byte") => {
-                self.unknown(format!("whether a number is a {simple}"))
-            }
-            _ if class_of_value(value).is_some() && type_name.dimensions == 0 => {
-                let own = class_of_value(value).unwrap_or_default();
-                let own = TypeName { name: own.to_owned(), dimensions: 0 };
-                match self.widens(&own, type_name, false) {
-                    Some(is_it) => Value::Boolean(is_it),
-                    None => self.unknown(format!("whether {} is a {simple}", value.kind())),
-                }
-            }
-            _ => self.unknown(format!("whether {} is a {simple}", value.kind())),
-        }
-    }
 }
 
 fn of_literal(literal: &Literal) -> Value {
@@ -466,5 +425,5 @@ fn like(old: &Value, new: Value) -> Value {
         Value::Double(_) => "double",
         _ => return new,
     };
-    new.cast_to(&TypeName { name: name.to_owned(), dimensions: 0 })
+    new.cast_to(&TypeName::new(name, 0))
 }

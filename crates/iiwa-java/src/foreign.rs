@@ -51,7 +51,20 @@ impl Machine {
         arguments: &[Value],
     ) -> Result<Option<Value>, Stop> {
         self.check_usable(class)?;
-        let own = match class {
+        match self.library_static(class, name, arguments)? {
+            Some(value) => Ok(Some(value)),
+            None => Rc::clone(&self.host).call_static(self, class, name, arguments),
+        }
+    }
+
+    /// A static method of Java's own library; none if it is not known.
+    pub(crate) fn library_static(
+        &mut self,
+        class: &str,
+        name: &str,
+        arguments: &[Value],
+    ) -> Result<Option<Value>, Stop> {
+        Ok(match class {
             "Math" | "StrictMath" => self.math(name, arguments)?,
             "Integer" | "Long" | "Double" | "Float" | "Boolean" | "Character" | "Short"
             | "Byte" => self.of_box(class, name, arguments)?,
@@ -61,12 +74,11 @@ impl Machine {
             }
             "PrintStream" => Some(Value::Null),
             "System" => self.of_system(name, arguments)?,
+            "Comparator" | "Function" | "UnaryOperator" | "Predicate" | "Entry" => {
+                self.of_interface_class(class, name, arguments)
+            }
             _ => None,
-        };
-        match own {
-            Some(value) => Ok(Some(value)),
-            None => Rc::clone(&self.host).call_static(self, class, name, arguments),
-        }
+        })
     }
 
     /// `new Class(...)`; none if it is not known.

@@ -3,7 +3,7 @@
 use std::{cell::RefCell, rc::Rc};
 
 use crate::{
-    java_sorting::REVERSE_ORDER,
+    function::Combined,
     machine::Machine,
     stop::Stop,
     type_names::is_primitive,
@@ -24,6 +24,9 @@ impl Machine {
     ) -> Result<Value, Stop> {
         if let Some(unknown) = Self::unknown_contents(receiver) {
             return self.of_unknown_contents(receiver, name, arguments, unknown);
+        }
+        if let Some(value) = self.run_by_library(receiver, name, arguments)? {
+            return Ok(value);
         }
         let found = match receiver {
             Value::Text(text) => {
@@ -137,6 +140,10 @@ impl Machine {
             ("doubleValue", []) => receiver.clone().cast_to(&primitive("double")),
             ("floatValue", []) => receiver.clone().cast_to(&primitive("float")),
             ("booleanValue" | "charValue", []) => receiver.clone(),
+            ("compareTo", [Value::Char(other)]) => match receiver {
+                Value::Char(own) => Value::Int(i32::from(*own) - i32::from(*other)),
+                _ => return None,
+            },
             ("compareTo", [other]) => match (receiver.number(), other.number()) {
                 (Some(a), Some(b)) => Value::Int(a.total_cmp(&b) as i32),
                 _ => return None,
@@ -268,6 +275,18 @@ impl Machine {
                 let [begin, end] = [self.index(begin, length + 1)?, self.index(end, length + 1)?];
                 self.sort_array(array, begin, end, None)?
             }
+            ("Arrays", "setAll", [Value::Array(array), function])
+                if matches!(function, Value::Function(_) | Value::Object(_)) =>
+            {
+                let array = Rc::clone(array);
+                self.set_all(&array, function)?
+            }
+            ("Objects", "isNull", [value]) if value.unknown().is_none() => {
+                Value::Boolean(matches!(value, Value::Null))
+            }
+            ("Objects", "nonNull", [value]) if value.unknown().is_none() => {
+                Value::Boolean(!matches!(value, Value::Null))
+            }
             ("Objects", "equals", [a, b]) => match self.are_equal(a, b)? {
                 Ok(is_equal) => Value::Boolean(is_equal),
                 Err(unknown) => Value::Unknown(unknown),
@@ -350,7 +369,10 @@ impl Machine {
         arguments: &[Value],
     ) -> Result<Option<Value>, Stop> {
         Ok(Some(match (name, arguments) {
-            ("reverseOrder", []) => Value::ForeignClass(Rc::from(REVERSE_ORDER)),
+            ("reverseOrder", []) => self.reverse_order(),
+            ("reverseOrder", [of]) if !matches!(of, Value::Null) => {
+                self.library_function(Combined::Reversed(of.clone()))
+            }
             ("nCopies", [Value::Int(count), value]) => {
                 let count = usize::try_from(*count).unwrap_or(0).min(MAX_ELEMENTS);
                 Value::list(vec![value.clone(); count])

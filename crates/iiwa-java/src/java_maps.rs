@@ -246,7 +246,7 @@ impl Machine {
         }
     }
 
-    fn key_place(
+    pub(crate) fn key_place(
         &mut self,
         map: &Rc<RefCell<Map>>,
         key: &Value,

@@ -142,10 +142,43 @@ impl Machine {
             ("compare", [Value::Char(a), Value::Char(b)]) => {
                 Value::Int(i32::from(*a) - i32::from(*b))
             }
+            ("compare", [Value::Boolean(a), Value::Boolean(b)]) => {
+                Value::Int(i32::from(*a) - i32::from(*b))
+            }
             ("compare", [a, b]) => {
                 let (Some(a), Some(b)) = (a.number(), b.number()) else { return Ok(None) };
                 Value::Int(a.total_cmp(&b) as i32)
             }
+            ("max" | "min" | "signum", _) if matches!(class, "Integer" | "Long") => {
+                let value = self.math(name, arguments)?;
+                return Ok(value
+                    .map(|own| own.cast_to(&primitive("int")))
+                    .filter(|_| class == "Integer"));
+            }
+            ("max" | "min", [Value::Double(_), Value::Double(_)]) if class == "Double" => {
+                return self.math(name, arguments);
+            }
+            ("sum", [a, b]) => {
+                let [a, b] = [a, b].map(|own| own.clone().cast_to(&primitive(unboxed)));
+                self.binary(crate::syntax::BinaryOperator::Add, &a, &b)?
+            }
+            ("toUpperCase", [Value::Char(code @ 0..128)]) => {
+                Value::Char(u16::from(letter(*code).to_ascii_uppercase() as u8))
+            }
+            ("toLowerCase", [Value::Char(code @ 0..128)]) => {
+                Value::Char(u16::from(letter(*code).to_ascii_lowercase() as u8))
+            }
+            ("isUpperCase", [Value::Char(code @ 0..128)]) => {
+                Value::Boolean(letter(*code).is_ascii_uppercase())
+            }
+            ("isLowerCase", [Value::Char(code @ 0..128)]) => {
+                Value::Boolean(letter(*code).is_ascii_lowercase())
+            }
+            ("isLetterOrDigit", [Value::Char(code @ 0..128)]) => {
+                Value::Boolean(letter(*code).is_ascii_alphanumeric())
+            }
+            ("isInfinite", [value]) => Value::Boolean(value.number().is_some_and(f64::is_infinite)),
+            ("isFinite", [value]) => Value::Boolean(value.number().is_some_and(f64::is_finite)),
             ("isNaN", [value]) => Value::Boolean(value.number().is_some_and(f64::is_nan)),
             ("toHexString", [Value::Int(value)]) => Value::text(format!("{value:x}")),
             ("toBinaryString", [Value::Int(value)]) => Value::text(format!("{value:b}")),
@@ -200,7 +233,7 @@ impl Machine {
 }
 
 pub(crate) fn primitive(name: &str) -> TypeName {
-    TypeName { name: name.to_owned(), dimensions: 0 }
+    TypeName::new(name, 0)
 }
 
 fn letter(code: u16) -> char {

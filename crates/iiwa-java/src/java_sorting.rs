@@ -3,17 +3,17 @@
 use std::{cmp::Ordering, rc::Rc};
 
 use crate::{
+    effects::Effects,
     machine::Machine,
     stop::Stop,
+    syntax::ClassKind,
     unknown::Unknown,
     value::{Object, Value},
+    variables::fields,
 };
 
 /// A result, or what it depends on.
 pub(crate) type Known<T> = Result<T, Rc<Unknown>>;
-
-/// The class that `Collections.reverseOrder()` stands for.
-pub(crate) const REVERSE_ORDER: &str = "ReverseOrder";
 
 /// `String.compareTo`.
 pub(crate) fn compare_texts(a: &str, b: &str) -> i32 {
@@ -70,11 +70,8 @@ impl Machine {
                     _ => self.unknown(format!("the order of {}", a.kind())),
                 }
             }
-            Some(Value::ForeignClass(class)) if &**class == REVERSE_ORDER => {
-                return self.order_of_elements(None, b, a);
-            }
-            Some(Value::Object(object)) => {
-                self.call_on_object(object, "compare", &[a.clone(), b.clone()])?
+            Some(function @ (Value::Function(_) | Value::Object(_))) => {
+                self.apply(function, "Comparator", &[a.clone(), b.clone()])?
             }
             Some(Value::Unknown(unknown)) => Value::Unknown(Rc::clone(unknown)),
             Some(other) => self.unknown(format!("the order of {}", other.kind())),
@@ -86,8 +83,32 @@ impl Machine {
         })
     }
 
-    /// Elements in order; equal ones stay in theirs, as in Java.
+    /// Elements in order; equal ones stay in theirs, as in Java. Which of them are compared in which order is not known.
     pub(crate) fn sorted(
+        &mut self,
+        values: Vec<Value>,
+        comparator: Option<&Value>,
+    ) -> Result<Known<Vec<Value>>, Stop> {
+        let comparator = comparator.filter(|own| !matches!(own, Value::Null));
+        let effects = match comparator {
+            Some(comparator) => self.effects_of_function(comparator, "compare"),
+            None if matches!(values.first(), Some(Value::Object(_))) => {
+                self.effects_of_method("compareTo")
+            }
+            None => Effects::default(),
+        };
+        if effects.acts() && values.len() > 1 {
+            let acts = self.host.acts();
+            return self.refuse(format!("the order of comparisons, in which {acts}, is not known"));
+        }
+        let sorted = self.merge_sorted(values, comparator)?;
+        if let Value::Unknown(unknown) = self.unknown("the number and order of comparisons") {
+            self.forget_values(&self.outliving(effects), &unknown);
+        }
+        Ok(sorted)
+    }
+
+    fn merge_sorted(
         &mut self,
         mut values: Vec<Value>,
         comparator: Option<&Value>,
@@ -96,7 +117,8 @@ impl Machine {
             return Ok(Ok(values));
         }
         let second = values.split_off(values.len() / 2);
-        let (first, second) = (self.sorted(values, comparator)?, self.sorted(second, comparator)?);
+        let (first, second) =
+            (self.merge_sorted(values, comparator)?, self.merge_sorted(second, comparator)?);
         let (Ok(first), Ok(second)) = (&first, &second) else {
             return Ok(first.and(second));
         };
@@ -129,6 +151,7 @@ impl Machine {
             {
                 self.call_on_object(object, "equals", std::slice::from_ref(b))?
             }
+            (Value::Object(_), Value::Object(_)) => return self.are_equal_records(a, b),
             (Value::Host(_), _) if !a.is_same(b) => {
                 self.call_on(a, "equals", std::slice::from_ref(b))?
             }
@@ -156,6 +179,25 @@ impl Machine {
             Value::Unknown(unknown) => Err(unknown),
             other => return self.refuse(format!("the result of `equals` is {}", other.kind())),
         })
+    }
+
+    /// Equality of objects without an `equals` of the project: of records, by their components.
+    pub(crate) fn are_equal_records(&mut self, a: &Value, b: &Value) -> Result<Known<bool>, Stop> {
+        let (Value::Object(first), Value::Object(second)) = (a, b) else { return Ok(Ok(false)) };
+        let class = std::sync::Arc::clone(&self.java.classes.known(first.class).class);
+        if a.is_same(b) || first.class != second.class || class.kind != ClassKind::Record {
+            return Ok(Ok(a.is_same(b)));
+        }
+        let components = fields(&class.members).filter(|own| !own.is_static);
+        for key in components.map(|own| (first.class, own.name.clone())) {
+            let [own, other] = [first, second]
+                .map(|of| of.fields.borrow().get(&key).cloned().unwrap_or(Value::Null));
+            match self.are_equal(&own, &other)? {
+                Ok(true) => {}
+                other => return Ok(other),
+            }
+        }
+        Ok(Ok(true))
     }
 
     /// The place of the first of these that equals a value.

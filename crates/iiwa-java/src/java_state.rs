@@ -3,13 +3,15 @@
 use std::{
     collections::{HashMap, HashSet},
     rc::{Rc, Weak},
+    sync::Arc,
 };
 
 use crate::{
     class_id::ClassId,
     classes::Classes,
     effects::Effects,
-    syntax::TypeName,
+    function::FunctionSyntax,
+    syntax::{Lambda, TypeName, TypeParameter},
     value::{Object, Value},
 };
 
@@ -34,6 +36,8 @@ pub(crate) struct JavaState {
     pub(crate) nesting: usize,
     /// What methods of a name do, as far as it was asked.
     pub(crate) effects: HashMap<String, Effects>,
+    /// Lambda expressions and method references that have been evaluated, by where they are in memory.
+    pub(crate) functions: HashMap<usize, FunctionSyntax>,
     /// All objects, for what is not known of them any longer.
     pub(crate) objects: Vec<Weak<Object>>,
     /// Assignments that changed something which outlives a turn of the innermost loop.
@@ -54,9 +58,14 @@ pub(crate) struct Activation {
     pub(crate) method: String,
     /// How many locals there are outside of the innermost loop.
     pub(crate) outside_loop: usize,
+    /// The lambda expression, if it is one.
+    pub(crate) lambda: Option<Arc<Lambda>>,
+    /// The type variables that the method declares.
+    pub(crate) type_parameters: Vec<TypeParameter>,
 }
 
 /// A local variable.
+#[derive(Clone, Debug)]
 pub(crate) struct Local {
     pub(crate) name: String,
     /// None if it takes any value.
@@ -77,6 +86,7 @@ impl JavaState {
             steps: 0,
             nesting: 0,
             effects: HashMap::new(),
+            functions: HashMap::new(),
             objects: Vec::new(),
             changes: 0,
             argument_types: None,

@@ -89,6 +89,20 @@ impl Machine {
             ("compareTo", [Value::Text(other)]) => {
                 Value::Int(crate::java_sorting::compare_texts(text, other))
             }
+            ("repeat", [Value::Int(count)]) => {
+                let Ok(count) = usize::try_from(*count) else {
+                    return self.throw("IllegalArgumentException", "a count is negative");
+                };
+                if text.len().saturating_mul(count) > MAX_LETTERS {
+                    return self.refuse("a string is too long");
+                }
+                Value::text(text.repeat(count))
+            }
+            ("formatted", values) => {
+                let format = Rc::clone(text);
+                return self.formatted(&format, values).map(Some);
+            }
+            ("isBlank", []) => Value::Boolean(text.trim().is_empty()),
             ("contains", [Value::Text(other)]) => Value::Boolean(text.contains(&**other)),
             ("startsWith", [Value::Text(other)]) => Value::Boolean(text.starts_with(&**other)),
             ("endsWith", [Value::Text(other)]) => Value::Boolean(text.ends_with(&**other)),

@@ -111,10 +111,10 @@ impl Machine {
             return Ok(());
         };
         for value in receiver.into_iter().chain(arguments) {
-            if let Value::Object(object) = value {
-                self.may_be_called(object, name, unknown)?;
-            } else {
-                self.spoil(value, unknown);
+            match value {
+                Value::Object(object) => self.may_be_called(object, name, unknown)?,
+                Value::Function(_) => self.may_be_run(value, name, unknown)?,
+                _ => self.spoil(value, unknown),
             }
         }
         Ok(())
@@ -133,6 +133,26 @@ impl Machine {
         }
     }
 
+    /// A library may run a function at any time.
+    fn may_be_run(
+        &mut self,
+        function: &Value,
+        name: &str,
+        unknown: &Rc<Unknown>,
+    ) -> Result<(), Stop> {
+        let effects = self.effects_of_function(function, "");
+        if RUNNING.contains(&name) || effects.acts() {
+            let acts = self.host.acts();
+            return self.refuse(format!(
+                "`{name}` may run {}, in which {}, and is not evaluated",
+                function.kind(),
+                if effects.acts() { acts } else { "values may change" },
+            ));
+        }
+        self.forget_values(&self.outliving(effects), unknown);
+        Ok(())
+    }
+
     /// A library may call the methods of an object that implements one of its interfaces.
     fn may_be_called(
         &mut self,
@@ -140,6 +160,9 @@ impl Machine {
         name: &str,
         unknown: &Rc<Unknown>,
     ) -> Result<(), Stop> {
+        if let Some(function) = &object.function {
+            return self.may_be_run(&Value::Function(Rc::clone(function)), name, unknown);
+        }
         let known = self.java.classes.known(object.class);
         let (class, id) = (std::sync::Arc::clone(&known.class), object.class);
         let is_of_library = |own: &crate::syntax::TypeName| {

@@ -6,11 +6,12 @@
 //! are neither of the project nor of Java's own library are those of a [`Host`], which says what it is to act, too. Steps, depth
 //! and memory are bounded.
 //!
-//! It is no Java for general use: no threads, no reflection, and lambda expressions are not run.
+//! It is no Java for general use: no threads and no reflection.
 
 mod calls;
 mod class_id;
 mod classes;
+mod combined;
 mod construction;
 mod conversion;
 mod effect_search;
@@ -19,8 +20,12 @@ mod expressions;
 mod flow;
 mod foreign;
 mod formats;
+mod function;
+mod functions;
 mod host_value;
+mod interfaces;
 mod java_collections;
+mod java_functions;
 mod java_lists;
 mod java_maps;
 mod java_math;
@@ -33,6 +38,7 @@ mod loops;
 mod machine;
 mod operators;
 mod overloads;
+mod patterns;
 mod place;
 mod read;
 #[cfg(test)]
@@ -43,9 +49,11 @@ mod source_text;
 mod statements;
 mod static_types;
 mod stop;
+mod switches;
 mod syntax;
 mod tasks;
 mod text;
+mod type_arguments;
 mod type_names;
 mod unknown;
 mod value;
@@ -53,6 +61,7 @@ mod variables;
 
 pub use class_id::ClassId;
 pub use classes::{ClassName, Classes};
+pub use function::Function;
 pub use host_value::HostValue;
 pub use machine::{Host, Machine, Note, Progress};
 pub use place::Place;

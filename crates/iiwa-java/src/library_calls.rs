@@ -55,6 +55,9 @@ impl Machine {
         if wanted.dimensions > 0 || matches!(value, Value::Unknown(_)) {
             return Ok(value);
         }
+        if matches!(value, Value::Function(_)) {
+            return self.for_variable(value, wanted);
+        }
         if is_primitive(wanted) {
             if matches!(value, Value::Null) {
                 return self.throw("NullPointerException", format!("null is no `{}`", wanted.name));
@@ -63,8 +66,7 @@ impl Machine {
             let is_object = from.is_some_and(|own| {
                 matches!(crate::classes::simple(&own.name), "Object" | "Number" | "Comparable")
             });
-            let own =
-                class_of_value(&value).map(|own| TypeName { name: own.to_owned(), dimensions: 0 });
+            let own = class_of_value(&value).map(|own| TypeName::new(own, 0));
             if let (true, Some(own)) = (is_object, own)
                 && unboxed(&own) != Some(wanted.name.as_str())
                 && !(own.name == "Integer" && matches!(wanted.name.as_str(), "byte" | "short"))

@@ -244,10 +244,15 @@ impl Machine {
             return self.refuse(format!("a loop goes through {}", values.kind()));
         };
         let begin = Self::structure(&values);
+        let type_name = match type_name.name.as_str() {
+            "var" => self.type_of_element(iterable).unwrap_or_else(|| type_name.clone()),
+            _ => type_name.clone(),
+        };
         for (place, element) in elements.into_iter().enumerate() {
             let element = Self::current(&values, place).unwrap_or(element);
             let outside = self.local_count();
-            self.java.declare(name, Some(type_name), element);
+            let element = self.for_variable(element, &type_name)?;
+            self.java.declare(name, Some(&type_name), element);
             let flow = self.turn(body, label);
             self.forget_locals(outside);
             match flow? {
@@ -265,7 +270,7 @@ impl Machine {
     }
 
     /// The number of changes and of elements of what a loop goes through.
-    fn structure(values: &Value) -> (usize, usize) {
+    pub(crate) fn structure(values: &Value) -> (usize, usize) {
         match values {
             Value::List(list) => (list.structure.get(), list.borrow().len()),
             Value::Map(map) => (0, map.borrow().entries.len()),
@@ -274,7 +279,7 @@ impl Machine {
     }
 
     /// The element at a place of what a loop goes through, as it is by now.
-    fn current(values: &Value, place: usize) -> Option<Value> {
+    pub(crate) fn current(values: &Value, place: usize) -> Option<Value> {
         match values {
             Value::List(list) => list.borrow().get(place).cloned(),
             Value::Array(array) => array.values.borrow().get(place).cloned(),

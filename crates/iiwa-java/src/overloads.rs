@@ -5,6 +5,8 @@ use std::{rc::Rc, sync::Arc};
 use crate::{
     class_id::ClassId,
     classes::simple,
+    function::{Code, Function},
+    interfaces::interface,
     machine::Machine,
     stop::Stop,
     syntax::{Method, TypeName},
@@ -137,7 +139,7 @@ impl Machine {
             let mut applicable = Vec::new();
             let mut is_certain = true;
             for candidate in all {
-                match self.applies(&candidate.1, types, phase) {
+                match self.applies(candidate, types, phase) {
                     Some(true) => applicable.push(candidate),
                     Some(false) => {}
                     None => {
@@ -148,7 +150,7 @@ impl Machine {
             }
             let is_best = |own: &&Candidate| {
                 applicable.iter().all(|other| {
-                    Arc::ptr_eq(&own.1, &other.1) || self.is_more_specific(&own.1, &other.1, phase)
+                    Arc::ptr_eq(&own.1, &other.1) || self.is_more_specific(own, other, phase)
                 })
             };
             match (&applicable[..], is_certain) {
@@ -166,7 +168,10 @@ impl Machine {
         let parameters = &method.parameters;
         let all = |arguments: &[Value]| {
             let pairs = arguments.iter().zip(parameters);
-            let fits = pairs.map(|(value, own)| self.fits(owner, value, &own.type_name));
+            let fits = pairs.map(|(value, own)| {
+                let wanted = self.erased_parameter(owner, method, &own.type_name);
+                self.fits(owner, value, &wanted)
+            });
             fits.sum::<Option<u32>>()
         };
         if arguments.len() == parameters.len()
@@ -177,7 +182,8 @@ impl Machine {
         let fixed = parameters.len().checked_sub(1).filter(|_| method.is_variadic)?;
         let (first, others) = arguments.split_at_checked(fixed)?;
         let last = &parameters.get(fixed)?.type_name;
-        let element = TypeName { dimensions: last.dimensions.checked_sub(1)?, ..last.clone() };
+        let last = self.erased_parameter(owner, method, last);
+        let element = last.with_dimensions(last.dimensions.checked_sub(1)?);
         let rest = others.iter().map(|value| self.fits(owner, value, &element));
         Some(all(first)? + rest.sum::<Option<u32>>()?)
     }
@@ -202,16 +208,36 @@ impl Machine {
         match value {
             Value::Unknown(_) => Some(3),
             Value::Null => (!is_primitive).then_some(3),
-            Value::Boolean(_) => rank(&["boolean", "Boolean", "Object"]),
-            Value::Char(_) => {
-                rank(&["char", "int", "long", "float", "double", "Character", "Object"])
-            }
-            Value::Int(_) => rank(&[
-                "int", "long", "float", "double", "Integer", "Number", "Object", "short", "byte",
+            Value::Boolean(_) => rank(&["boolean", "Boolean", "Object", "Comparable"]),
+            Value::Char(_) => rank(&[
+                "char",
+                "int",
+                "long",
+                "float",
+                "double",
+                "Character",
+                "Object",
+                "Comparable",
             ]),
-            Value::Long(_) => rank(&["long", "float", "double", "Long", "Number", "Object"]),
-            Value::Float(_) => rank(&["float", "double", "Float", "Number", "Object"]),
-            Value::Double(_) => rank(&["double", "Double", "Number", "Object"]),
+            Value::Int(_) => rank(&[
+                "int",
+                "long",
+                "float",
+                "double",
+                "Integer",
+                "Number",
+                "Object",
+                "short",
+                "byte",
+                "Comparable",
+            ]),
+            Value::Long(_) => {
+                rank(&["long", "float", "double", "Long", "Number", "Object", "Comparable"])
+            }
+            Value::Float(_) => {
+                rank(&["float", "double", "Float", "Number", "Object", "Comparable"])
+            }
+            Value::Double(_) => rank(&["double", "Double", "Number", "Object", "Comparable"]),
             Value::Text(_) => rank(&["String", "CharSequence", "Object", "Comparable"]),
             Value::Object(object) => match self.java.classes.find(&wanted.name, owner) {
                 Some(id) => {
@@ -223,6 +249,7 @@ impl Machine {
                 None => Some(1),
             },
             Value::Array(_) => (name == "Object").then_some(2),
+            Value::Function(function) => self.fits_interface(owner, function, wanted),
             _ if is_primitive || name == "String" => None,
             Value::Host(own) => Some(match self.java.classes.find(&wanted.name, owner) {
                 Some(_) => return None,
@@ -236,8 +263,39 @@ impl Machine {
         }
     }
 
+    /// How well a function fits an interface (JLS 15.12.2.1).
+    fn fits_interface(
+        &self,
+        owner: ClassId,
+        function: &Function,
+        wanted: &TypeName,
+    ) -> Option<u32> {
+        let class = self.java.classes.find(&wanted.name, owner);
+        let own = class.and_then(|id| self.abstract_method(id));
+        let foreign = match class {
+            Some(id) => self.foreign_interface(id),
+            None => interface(simple(&wanted.name)),
+        };
+        let (parameters, is_void) = match (own, foreign) {
+            (Some((_, own)), _) => (own.parameters.len(), own.returns.name == "void"),
+            (None, Some(own)) => (own.parameters.len(), own.returns_nothing()),
+            (None, None) if class.is_some() => return None,
+            // Of a library without source.
+            (None, None) => return Some(2),
+        };
+        let Code::Lambda(lambda) = &function.code else { return Some(8) };
+        let is_compatible =
+            if is_void { lambda.is_void_compatible } else { lambda.is_value_compatible };
+        (is_compatible && lambda.parameters.len() == parameters).then_some(8)
+    }
+
     /// True if a method can be called with arguments of these types; none if that is not known.
-    fn applies(&self, method: &Method, types: &[Option<TypeName>], phase: Phase) -> Option<bool> {
+    fn applies(
+        &self,
+        (owner, method): &Candidate,
+        types: &[Option<TypeName>],
+        phase: Phase,
+    ) -> Option<bool> {
         let mut is_certain = true;
         if phase == Phase::Variadic && !method.is_variadic
             || phase != Phase::Variadic && types.len() != method.parameters.len()
@@ -246,6 +304,7 @@ impl Machine {
         }
         for (place, own) in types.iter().enumerate() {
             let wanted = parameter(method, place, phase)?;
+            let wanted = self.erased_parameter(*owner, method, &wanted);
             match own.as_ref().and_then(|own| self.widens(own, &wanted, phase != Phase::Strict)) {
                 Some(true) => {}
                 Some(false) => return Some(false),
@@ -255,13 +314,15 @@ impl Machine {
         is_certain.then_some(true)
     }
 
-    fn is_more_specific(&self, own: &Method, other: &Method, phase: Phase) -> bool {
-        let count = own.parameters.len().max(other.parameters.len());
-        (0..count).all(|place| {
-            match (parameter(own, place, phase), parameter(other, place, phase)) {
-                (Some(own), Some(other)) => self.widens(&own, &other, false) == Some(true),
-                _ => false,
-            }
+    fn is_more_specific(&self, own: &Candidate, other: &Candidate, phase: Phase) -> bool {
+        let count = own.1.parameters.len().max(other.1.parameters.len());
+        let at = |(owner, method): &Candidate, place| {
+            let found = parameter(method, place, phase)?;
+            Some(self.erased_parameter(*owner, method, &found))
+        };
+        (0..count).all(|place| match (at(own, place), at(other, place)) {
+            (Some(own), Some(other)) => self.widens(&own, &other, false) == Some(true),
+            _ => false,
         })
     }
 }
@@ -279,7 +340,7 @@ fn parameter(method: &Method, place: usize, phase: Phase) -> Option<TypeName> {
     let last = method.parameters.len().checked_sub(1)?;
     let own = &method.parameters.get(place.min(last))?.type_name;
     if phase == Phase::Variadic && method.is_variadic && place >= last {
-        return Some(TypeName { dimensions: own.dimensions.checked_sub(1)?, ..own.clone() });
+        return Some(own.with_dimensions(own.dimensions.checked_sub(1)?));
     }
     (place <= last).then(|| own.clone())
 }

@@ -8,6 +8,7 @@ mod bounds;
 mod declarations;
 mod expressions;
 mod fault;
+mod functions;
 mod lines;
 mod literals;
 mod operands;
@@ -21,6 +22,7 @@ mod tokens;
 
 use std::thread;
 
+pub(crate) use self::functions::completes;
 use self::{fault::Fault, lines::Lines, reader::Reader, tokens::Tokens};
 use crate::{
     source_error::{SourceError, SourceFault},

@@ -6,10 +6,11 @@ use crate::{
     flow::Flow,
     java_state::MAX_STEPS,
     machine::Machine,
+    read::completes,
+    static_types::NUMBER,
     stop::Stop,
-    syntax::{
-        Catch, Expression, ExpressionKind, Literal, Statement, StatementKind, SwitchGroup, TypeName,
-    },
+    syntax::{Catch, Expression, ExpressionKind, Literal, Statement, StatementKind},
+    type_names::NULL,
     unknown::Unknown,
     value::{Thrown, Value},
 };
@@ -26,7 +27,7 @@ impl Machine {
         flow
     }
 
-    fn statements(&mut self, statements: &[Statement]) -> Result<Flow, Stop> {
+    pub(crate) fn statements(&mut self, statements: &[Statement]) -> Result<Flow, Stop> {
         for statement in statements {
             match self.statement(statement)? {
                 Flow::Next => {}
@@ -62,11 +63,18 @@ impl Machine {
             StatementKind::Local { type_name, variables } => {
                 for variable in variables {
                     let dimensions = type_name.dimensions + variable.dimensions;
-                    let type_name = TypeName { name: type_name.name.clone(), dimensions };
+                    let type_name = type_name.with_dimensions(dimensions);
+                    let inferred = variable.initial.as_ref().filter(|_| type_name.name == "var");
+                    let type_name = inferred
+                        .and_then(|initial| self.static_type(initial))
+                        .filter(|own| own.name != NULL && own.name != NUMBER)
+                        .unwrap_or(type_name);
+                    let outside = self.local_count();
                     let value = match &variable.initial {
                         Some(initial) => self.initial_value(initial, &type_name)?,
                         None => Value::default_of(&type_name),
                     };
+                    self.forget_locals(outside);
                     self.java.declare(&variable.name, Some(&type_name), value);
                     if let Some(local) = self.java.locals_mut().and_then(|own| own.last_mut()) {
                         local.is_assigned = variable.initial.is_some();
@@ -77,15 +85,22 @@ impl Machine {
             // Found where its name is used.
             StatementKind::LocalClass(class) => {
                 if let Some(outer) = self.java.activation().map(|own| own.class) {
-                    let id = self.java.classes.in_method(class, outer);
+                    let id = self.class_in_method(class, outer);
                     self.java.declare(&class.name, None, Value::Class(id));
                 }
                 Ok(Flow::Next)
             }
-            StatementKind::Expression(value) => self.evaluated(value).map(|_| Flow::Next),
+            StatementKind::Expression(value) => {
+                let outside = self.local_count();
+                self.evaluated(value)?;
+                self.forget_locals(outside);
+                Ok(Flow::Next)
+            }
             StatementKind::If { condition, then, otherwise } => {
                 let line = self.here.line;
-                match self.condition(condition)? {
+                let outside = self.local_count();
+                let condition = self.condition(condition)?;
+                let flow = match condition {
                     Ok(true) => self.scoped(then),
                     Ok(false) => otherwise.as_ref().map_or(Ok(Flow::Next), |own| self.scoped(own)),
                     Err(unknown) => {
@@ -93,7 +108,12 @@ impl Machine {
                         let branches = std::iter::once(&**then).chain(otherwise.as_deref());
                         self.passed_over(branches, "branch", &unknown)
                     }
+                };
+                // A variable of a pattern goes on behind a branch that leaves (JLS 6.3.2.2).
+                if otherwise.is_some() || completes(then) {
+                    self.forget_locals(outside);
                 }
+                flow
             }
             StatementKind::While { .. }
             | StatementKind::DoWhile { .. }
@@ -175,9 +195,13 @@ impl Machine {
             return Ok(Flow::Next);
         }
         // Whether the rest of the method is run is not known: it must not act either.
-        let method = self.java.activation().map(|own| own.method.clone()).unwrap_or_default();
-        effects = self.effects_of_method(&method);
-        if effects.acts() || method.is_empty() {
+        let own = self.java.activation().map(|own| (own.method.clone(), own.lambda.clone()));
+        let (method, lambda) = own.unwrap_or_default();
+        effects = match &lambda {
+            Some(lambda) => self.effects_of(&lambda.body),
+            None => self.effects_of_method(&method),
+        };
+        if effects.acts() || (method.is_empty() && lambda.is_none()) {
             return self.refuse_unknown(
                 &format!("whether this {what} leaves what is around it, where {acts},"),
                 unknown,
@@ -185,102 +209,6 @@ impl Machine {
         }
         self.forget_values(&effects, unknown);
         Ok(Flow::Return(Value::Unknown(Rc::clone(unknown))))
-    }
-
-    fn switch(
-        &mut self,
-        statement: &Statement,
-        value: &Expression,
-        groups: &[SwitchGroup],
-    ) -> Result<Flow, Stop> {
-        let value = self.evaluated(value)?;
-        if let Value::Unknown(unknown) = &value {
-            self.here.line = statement.line;
-            return self.passed_over(std::iter::once(statement), "switch", unknown);
-        }
-        if let Value::Null = value {
-            return self.throw("NullPointerException", "the value of a switch is null");
-        }
-        let flow = self.switched(&value, groups)?;
-        Ok(if matches!(flow, Flow::Break(None)) { Flow::Next } else { flow })
-    }
-
-    /// The value of a switch that is an expression.
-    pub(crate) fn value_of_switch(
-        &mut self,
-        expression: &Expression,
-        value: &Expression,
-        groups: &[SwitchGroup],
-    ) -> Result<Value, Stop> {
-        let value = self.evaluated(value)?;
-        self.here.line = expression.line;
-        match value {
-            Value::Unknown(unknown) => {
-                let effects = self.effects_of_expression(expression);
-                if effects.acts() {
-                    return self.refuse_unknown("which group of this switch is taken", &unknown);
-                }
-                self.forget_values(&effects, &unknown);
-                return Ok(Value::Unknown(unknown));
-            }
-            Value::Null => {
-                return self.throw("NullPointerException", "the value of a switch is null");
-            }
-            _ => {}
-        }
-        match self.switched(&value, groups)? {
-            Flow::Yield(value) => Ok(value),
-            _ => self.refuse("a switch has no value for this"),
-        }
-    }
-
-    fn switched(&mut self, value: &Value, groups: &[SwitchGroup]) -> Result<Flow, Stop> {
-        let Some(first) = self.matching_group(value, groups)? else { return Ok(Flow::Next) };
-        let outside = self.local_count();
-        let mut flow = Flow::Next;
-        for group in &groups[first..] {
-            flow = self.statements(&group.body)?;
-            if !matches!(flow, Flow::Next) || !group.falls_through {
-                break;
-            }
-        }
-        self.forget_locals(outside);
-        Ok(flow)
-    }
-
-    fn matching_group(
-        &mut self,
-        value: &Value,
-        groups: &[SwitchGroup],
-    ) -> Result<Option<usize>, Stop> {
-        let mut default = None;
-        for (index, group) in groups.iter().enumerate() {
-            for label in &group.labels {
-                let Some(label) = label else {
-                    default = Some(index);
-                    continue;
-                };
-                let is_it = match (value, &label.kind) {
-                    // Constants of an enum are named without it.
-                    (Value::Object(object), ExpressionKind::Name(name))
-                        if object.constant.is_some() =>
-                    {
-                        object.constant.as_ref().is_some_and(|(own, _)| **own == **name)
-                    }
-                    (Value::Host(constant), ExpressionKind::Name(name)) => {
-                        self.host.text(constant) == *name
-                    }
-                    _ => {
-                        let label = self.evaluated(label)?;
-                        value.is_same(&label)
-                    }
-                };
-                if is_it {
-                    return Ok(Some(index));
-                }
-            }
-        }
-        Ok(default)
     }
 
     fn tried(

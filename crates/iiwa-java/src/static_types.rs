@@ -14,7 +14,10 @@ use crate::{
 };
 
 /// The type of a sum of which only that is known that it is a number.
-const NUMBER: &str = "a number";
+pub(crate) const NUMBER: &str = "a number";
+
+/// The type of a lambda expression or a method reference.
+const FUNCTION: &str = "a function";
 
 /// Methods of Java's library that give primitive numbers, of any class.
 const PRIMITIVE: [&str; 5] =
@@ -29,7 +32,13 @@ const BOXED: [&str; 17] = [
 impl Machine {
     /// The type of an expression; none if it is not known.
     pub(crate) fn static_type(&self, expression: &Expression) -> Option<TypeName> {
+        self.erased(self.declared_type(expression)?)
+    }
+
+    /// The type of an expression, which may be a type variable.
+    fn declared_type(&self, expression: &Expression) -> Option<TypeName> {
         match &expression.kind {
+            ExpressionKind::Lambda(_) | ExpressionKind::Reference(_) => Some(plain(FUNCTION)),
             ExpressionKind::Literal(literal) => Some(of_literal(literal)),
             ExpressionKind::Name(name) => self.type_of_name(name),
             ExpressionKind::Field { of, name } => {
@@ -39,7 +48,8 @@ impl Machine {
                     return (name == "length").then(|| plain("int"));
                 }
                 let class = self.class_of(of)?;
-                self.type_of_field(class, name)
+                let (owner, declared) = self.type_of_field(class, name)?;
+                self.type_of_member(Some(of), owner, &declared)
             }
             ExpressionKind::Call { on, name, arguments } => {
                 self.type_of_call(on.as_deref(), name, arguments)
@@ -48,8 +58,8 @@ impl Machine {
             | ExpressionKind::NewArray { type_name, .. }
             | ExpressionKind::Cast { type_name, .. } => Some(type_name.clone()),
             ExpressionKind::Index { of, .. } => {
-                let TypeName { name, dimensions } = self.static_type(of)?;
-                Some(TypeName { name, dimensions: dimensions.checked_sub(1)? })
+                let of = self.static_type(of)?;
+                (of.dimensions > 0).then(|| of.element())
             }
             ExpressionKind::Unary { operator: UnaryOperator::Not, .. }
             | ExpressionKind::InstanceOf { .. } => Some(plain("boolean")),
@@ -168,21 +178,28 @@ impl Machine {
         }
         let mut class = Some(activation.class);
         while let Some(id) = class {
-            if let Some(found) = self.type_of_field(id, name) {
-                return Some(found);
+            if let Some((owner, declared)) = self.type_of_field(id, name) {
+                // Type variables of a class around may have the names of others.
+                return if id == activation.class {
+                    self.type_of_member(None, owner, &declared)
+                } else {
+                    Some(declared).filter(|own| !self.mentions_variables(owner, own))
+                };
             }
             class = self.java.classes.known(id).outer;
         }
         None
     }
 
-    fn type_of_field(&self, class: ClassId, name: &str) -> Option<TypeName> {
+    /// The class that declares a field, and the field's type there.
+    fn type_of_field(&self, class: ClassId, name: &str) -> Option<(ClassId, TypeName)> {
         self.java.classes.with_parents(class).into_iter().find_map(|id| {
             let class = &self.java.classes.known(id).class;
             if class.constants.iter().any(|constant| constant.name == name) {
-                return Some(plain(&class.name));
+                return Some((id, plain(&class.name)));
             }
-            fields(&class.members).find(|own| own.name == name).map(|own| own.type_name.clone())
+            let field = fields(&class.members).find(|own| own.name == name)?;
+            Some((id, field.type_name.clone()))
         })
     }
 
@@ -217,12 +234,17 @@ impl Machine {
         };
         while let Some(id) = class {
             let methods = self.java.classes.methods(id, name);
-            let mut types = methods
+            let mut fitting = methods
                 .iter()
-                .filter(|(_, own)| own.is_variadic || own.parameters.len() == arguments.len())
-                .map(|(_, own)| &own.returns);
-            if let Some(first) = types.next() {
-                return types.all(|own| own == first).then(|| first.clone());
+                .filter(|(_, own)| own.is_variadic || own.parameters.len() == arguments.len());
+            if let Some((owner, first)) = fitting.next() {
+                let others: Vec<_> = fitting.collect();
+                if others.iter().any(|(_, own)| own.returns != first.returns) {
+                    return None;
+                }
+                let declared = self.type_by_arguments(first, arguments)?;
+                let found = self.type_of_member(on, *owner, &declared)?;
+                return (others.is_empty() || found.arguments.is_empty()).then_some(found);
             }
             class = self.java.classes.known(id).outer.filter(|_| on.is_none());
         }
@@ -244,6 +266,11 @@ impl Machine {
             return Some(plain(class));
         }
         let on = on?;
+        if let Some(of) = self.static_type(on)
+            && let Some(found) = self.type_of_library_result(&of, name, arguments.len())
+        {
+            return Some(found);
+        }
         let found = plain(match name {
             "length" | "size" | "indexOf" | "lastIndexOf" | "ordinal" | "intValue" | "compare"
             | "compareTo" | "parseInt" | "hashCode" | "nextInt" | "nextIndex" | "previousIndex"
@@ -341,6 +368,10 @@ impl Machine {
         if from.name == NULL {
             return Some(!is_primitive(to));
         }
+        if from.name == FUNCTION {
+            // The search for methods that fit has looked at the rest.
+            return Some(!is_primitive(to) && !is_text(to));
+        }
         if from.dimensions > 0 || to.dimensions > 0 {
             return Some(to.dimensions == 0 && simple(&to.name) == "Object");
         }
@@ -365,6 +396,10 @@ impl Machine {
         if below == "Object" {
             return Some(false);
         }
+        // They have no classes below.
+        if above == "String" || boxed_names().any(|own| own == above) {
+            return Some(false);
+        }
         let within = self.java.activation()?.class;
         let [own, other] = [from, to].map(|own| self.java.classes.find(&own.name, within));
         match (own, other) {
@@ -374,14 +409,8 @@ impl Machine {
                 "CharSequence" => below == "String",
                 "Comparable" | "Serializable" => true,
                 "Number" => below != "String" && below != "Character" && below != "Boolean",
-                _ => {
-                    return (above == "String" || boxed_names().any(|own| own == above))
-                        .then_some(false);
-                }
+                _ => return None,
             }),
-            (Some(_), None) if above == "String" || boxed_names().any(|own| own == above) => {
-                Some(false)
-            }
             _ => None,
         }
     }

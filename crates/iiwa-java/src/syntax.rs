@@ -36,6 +36,7 @@ pub(crate) struct Class {
     pub(crate) kind: ClassKind,
     pub(crate) line: u32,
     pub(crate) is_abstract: bool,
+    pub(crate) type_parameters: Vec<TypeParameter>,
     pub(crate) extends: Option<TypeName>,
     /// What it implements; what an interface extends.
     pub(crate) implements: Vec<TypeName>,
@@ -93,6 +94,7 @@ pub(crate) struct Method {
     pub(crate) line: u32,
     pub(crate) is_static: bool,
     pub(crate) annotations: Vec<Annotation>,
+    pub(crate) type_parameters: Vec<TypeParameter>,
     pub(crate) parameters: Vec<Parameter>,
     /// Whether the last parameter takes any number of arguments; its type has one dimension more than is written.
     pub(crate) is_variadic: bool,
@@ -108,14 +110,47 @@ pub(crate) struct Parameter {
     pub(crate) type_name: TypeName,
 }
 
-/// A type, without its type arguments.
-#[derive(Clone, Debug, PartialEq, Eq)]
+/// A type variable of a class or a method: `T extends Frame`.
+#[derive(Clone, Debug)]
+pub(crate) struct TypeParameter {
+    pub(crate) name: String,
+    /// The first of its bounds.
+    pub(crate) bound: Option<TypeName>,
+}
+
+/// A type. Equality is that of erasures (JLS 4.6): type arguments do not count.
+#[derive(Clone, Debug)]
 pub(crate) struct TypeName {
     /// As written: `int`, `Frame`, `a.b.C`, `Outer.Inner`.
     pub(crate) name: String,
     /// Of an array.
     pub(crate) dimensions: usize,
+    /// Type arguments; wildcards by their bounds. Those that a compiler would infer have an empty name.
+    pub(crate) arguments: Vec<Self>,
 }
+
+impl TypeName {
+    pub(crate) fn new(name: &str, dimensions: usize) -> Self {
+        Self { name: name.to_owned(), dimensions, arguments: Vec::new() }
+    }
+
+    /// The type of the elements of an array.
+    pub(crate) fn element(&self) -> Self {
+        self.with_dimensions(self.dimensions.saturating_sub(1))
+    }
+
+    pub(crate) fn with_dimensions(&self, dimensions: usize) -> Self {
+        Self { dimensions, ..self.clone() }
+    }
+}
+
+impl PartialEq for TypeName {
+    fn eq(&self, other: &Self) -> bool {
+        self.name == other.name && self.dimensions == other.dimensions
+    }
+}
+
+impl Eq for TypeName {}
 
 #[derive(Debug)]
 pub(crate) struct Statement {
@@ -200,11 +235,61 @@ pub(crate) struct Variable {
 /// `case 1: case 2: ...`.
 #[derive(Debug)]
 pub(crate) struct SwitchGroup {
-    /// None is `default`.
-    pub(crate) labels: Vec<Option<Expression>>,
+    pub(crate) labels: Vec<Label>,
+    /// The condition behind `when`.
+    pub(crate) guard: Option<Expression>,
     pub(crate) body: Vec<Statement>,
     /// Whether it goes on into the next group: false for those with `->`.
     pub(crate) falls_through: bool,
+}
+
+#[derive(Debug)]
+pub(crate) enum Label {
+    Default,
+    Value(Expression),
+    Pattern(Pattern),
+}
+
+/// A pattern of `instanceof` or `case` (JLS 14.30).
+#[derive(Debug)]
+pub(crate) enum Pattern {
+    /// `Type`, `Type name`; `var name` within a record pattern.
+    Type { type_name: TypeName, name: Option<String> },
+    /// `Point(int x, var y)`.
+    Record { type_name: TypeName, parts: Vec<Self> },
+    /// `_`.
+    Any,
+}
+
+/// A lambda expression.
+#[derive(Debug)]
+pub(crate) struct Lambda {
+    pub(crate) line: u32,
+    /// Those without a type have the type `var`.
+    pub(crate) parameters: Vec<Parameter>,
+    /// An expression body is a `return`.
+    pub(crate) body: Vec<Statement>,
+    /// Whether it can implement a method that returns nothing.
+    pub(crate) is_void_compatible: bool,
+    /// Whether it can implement a method that returns a value.
+    pub(crate) is_value_compatible: bool,
+}
+
+/// A method reference.
+#[derive(Debug)]
+pub(crate) struct Reference {
+    pub(crate) line: u32,
+    pub(crate) of: ReferenceOf,
+    /// None for `new`.
+    pub(crate) name: Option<String>,
+}
+
+/// The part of a method reference before `::`.
+#[derive(Debug)]
+pub(crate) enum ReferenceOf {
+    /// A value, or a name that may be that of a class.
+    Expression(Expression),
+    Type(TypeName),
 }
 
 #[derive(Debug)]
@@ -291,11 +376,13 @@ pub(crate) enum ExpressionKind {
     },
     InstanceOf {
         value: Box<Expression>,
-        type_name: TypeName,
+        pattern: Pattern,
     },
     This,
     /// `super` before a method or field.
     Super,
+    /// `Name.super`.
+    SuperOf(TypeName),
     /// `Name.class`.
     ClassLiteral(TypeName),
     /// A `switch` with a value: what its groups [yield](StatementKind::Yield).
@@ -303,9 +390,9 @@ pub(crate) enum ExpressionKind {
         value: Box<Expression>,
         groups: Vec<SwitchGroup>,
     },
-    /// The body of a lambda expression, which is searched for what it may do, and not evaluated.
-    Lambda(Vec<Statement>),
-    /// What it is, with its article: "a method reference".
+    Lambda(Arc<Lambda>),
+    Reference(Arc<Reference>),
+    /// What it is, with its article: "a string template".
     Unsupported(String),
 }
 

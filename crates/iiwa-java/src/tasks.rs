@@ -2,12 +2,7 @@
 
 use std::{collections::BTreeSet, rc::Rc};
 
-use crate::{
-    machine::Machine,
-    syntax::Member,
-    unknown::Unknown,
-    value::{Object, Value},
-};
+use crate::{machine::Machine, syntax::Member, unknown::Unknown, value::Value};
 
 /// Methods that a task runs: those of `Runnable`, `TimerTask` and `Callable`.
 const METHODS: [&str; 2] = ["run", "call"];
@@ -26,25 +21,28 @@ impl Machine {
     /// these methods. None if the task has no method that would be run.
     pub fn start_task(
         &mut self,
-        task: &Rc<Object>,
+        task: &Value,
         interfering: &[&str],
         unknown: &Rc<Unknown>,
     ) -> Option<TaskEffects> {
-        let method = METHODS.iter().find_map(|name| self.plain_method(task.class, name));
-        let (_, method) = method?;
-        let mut effects = self.effects_of(method.body.as_ref()?);
+        let effects = match task {
+            Value::Object(object) if object.function.is_none() => {
+                let method = METHODS.iter().find_map(|name| self.plain_method(object.class, name));
+                let (_, method) = method?;
+                self.effects_of(method.body.as_ref()?)
+            }
+            Value::Object(_) | Value::Function(_) => self.effects_of_function(task, ""),
+            _ => return None,
+        };
         let task = TaskEffects { moves: effects.moves(), calls: effects.calls.clone() };
         if !task.moves && !interfering.iter().any(|name| task.calls.contains(*name)) {
-            // Its local variables are its own.
-            let fields = self.field_names();
-            effects.assigns.retain(|name| fields.contains(name));
-            self.forget_values(&effects, unknown);
+            self.forget_values(&self.outliving(effects), unknown);
         }
         Some(task)
     }
 
     /// The names of all fields of the project.
-    fn field_names(&self) -> BTreeSet<String> {
+    pub(crate) fn field_names(&self) -> BTreeSet<String> {
         let classes = &self.java.classes;
         let members = classes.ids().flat_map(|id| &classes.known(id).class.members);
         let fields = members.filter_map(|member| match member {
@@ -56,12 +54,9 @@ impl Machine {
 }
 
 impl Value {
-    /// The object of a project's class that this is.
+    /// True for a value that can be a task: an object of the project, or a function.
     #[must_use]
-    pub fn object(&self) -> Option<&Rc<Object>> {
-        match self {
-            Self::Object(object) => Some(object),
-            _ => None,
-        }
+    pub fn is_task(&self) -> bool {
+        matches!(self, Self::Object(_) | Self::Function(_))
     }
 }

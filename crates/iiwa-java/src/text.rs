@@ -9,8 +9,10 @@ use std::{
 use crate::{
     machine::Machine,
     stop::Stop,
+    syntax::ClassKind,
     unknown::Unknown,
-    value::{MapPart, Value},
+    value::{MapPart, Object, Value},
+    variables::fields,
 };
 
 /// A text, or what it depends on.
@@ -175,6 +177,11 @@ impl Machine {
                 }
                 match &object.constant {
                     Some((name, _)) => name.to_string(),
+                    None if self.java.classes.known(object.class).class.kind
+                        == ClassKind::Record =>
+                    {
+                        return self.text_of_record(object, depth);
+                    }
                     None => {
                         return Ok(Err(self.no_text("the text of an object without `toString`")));
                     }
@@ -195,9 +202,31 @@ impl Machine {
             Value::ForeignClass(name) => format!("class {name}"),
             Value::Host(value) => self.host.text(value),
             Value::Array(_) => return Ok(Err(self.no_text("the text of an array"))),
+            Value::Function(function) => {
+                return Ok(Err(self.no_text(&format!("the text of {}", function.kind()))));
+            }
             Value::Iterator(_) => return Ok(Err(self.no_text("the text of an iterator"))),
             Value::Unknown(unknown) => return Ok(Err(Rc::clone(unknown))),
         }))
+    }
+
+    /// `Point[x=1, y=2]`.
+    pub(crate) fn text_of_record(
+        &mut self,
+        object: &Rc<Object>,
+        depth: usize,
+    ) -> Result<Text, Stop> {
+        let class = std::sync::Arc::clone(&self.java.classes.known(object.class).class);
+        let mut parts = Vec::new();
+        for component in fields(&class.members).filter(|own| !own.is_static) {
+            let key = (object.class, component.name.clone());
+            let value = object.fields.borrow().get(&key).cloned().unwrap_or(Value::Null);
+            match self.text_within(&value, depth + 1)? {
+                Ok(text) => parts.push(format!("{}={text}", component.name)),
+                Err(unknown) => return Ok(Err(unknown)),
+            }
+        }
+        Ok(Ok(format!("{}[{}]", class.name, parts.join(", "))))
     }
 
     /// A text that is not known.

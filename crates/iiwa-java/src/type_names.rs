@@ -14,7 +14,7 @@ pub(crate) const WIDENING: [&str; 7] = ["byte", "short", "char", "int", "long", 
 
 /// A type without dimensions.
 pub(crate) fn plain(name: &str) -> TypeName {
-    TypeName { name: name.to_owned(), dimensions: 0 }
+    TypeName::new(name, 0)
 }
 
 pub(crate) fn of_literal(literal: &Literal) -> TypeName {

@@ -7,7 +7,8 @@ use std::{
 };
 
 use crate::{
-    class_id::ClassId, host_value::HostValue, place::Place, syntax::TypeName, unknown::Unknown,
+    class_id::ClassId, function::Function, host_value::HostValue, place::Place, syntax::TypeName,
+    unknown::Unknown,
 };
 
 /// A value; copies of arrays, collections and objects are the same array, collection or object, as in Java.
@@ -49,6 +50,8 @@ pub enum Value {
     Class(ClassId),
     /// A class of KUKA's or of Java, by its simple name.
     ForeignClass(Rc<str>),
+    /// A lambda expression or a method reference.
+    Function(Rc<Function>),
     /// Of a class of the host.
     Host(Rc<dyn HostValue>),
     /// What cannot be known before the program runs.
@@ -211,6 +214,8 @@ pub struct Object {
     pub inherited: RefCell<Option<Value>>,
     /// Its message, if it is an exception.
     pub(crate) message: RefCell<Option<Value>>,
+    /// Its abstract method, if it is a lambda expression or a method reference as an interface of the project.
+    pub(crate) function: Option<Rc<Function>>,
 }
 
 /// An exception of Java.
@@ -250,6 +255,7 @@ impl Object {
             constant: None,
             inherited: RefCell::default(),
             message: RefCell::default(),
+            function: None,
         }
     }
 }
@@ -269,7 +275,7 @@ impl Value {
     /// An array of objects of this type.
     #[must_use]
     pub fn array(element: &str, values: Vec<Self>) -> Self {
-        let element = TypeName { name: element.to_owned(), dimensions: 0 };
+        let element = TypeName::new(element, 0);
         Self::Array(Rc::new(Array { element, values: RefCell::new(values) }))
     }
 
@@ -332,7 +338,15 @@ impl Value {
             (Self::Map(a), Self::Map(b)) => Rc::ptr_eq(a, b),
             (Self::Builder(a), Self::Builder(b)) => Rc::ptr_eq(a, b),
             (Self::Cell(a), Self::Cell(b)) => Rc::ptr_eq(a, b),
-            (Self::Object(a), Self::Object(b)) => Rc::ptr_eq(a, b),
+            (Self::Object(a), Self::Object(b)) => {
+                let functions = a.function.as_ref().zip(b.function.as_ref());
+                Rc::ptr_eq(a, b) || functions.is_some_and(|(a, b)| Rc::ptr_eq(a, b))
+            }
+            (Self::Function(a), Self::Function(b)) => Rc::ptr_eq(a, b),
+            (Self::Function(a), Self::Object(object))
+            | (Self::Object(object), Self::Function(a)) => {
+                object.function.as_ref().is_some_and(|own| Rc::ptr_eq(a, own))
+            }
             (Self::Exception(a), Self::Exception(b)) => Rc::ptr_eq(a, b),
             (Self::Class(a), Self::Class(b)) => a == b,
             (Self::Host(a), Self::Host(b)) => a.is_same(&**b),
@@ -382,6 +396,7 @@ impl Value {
             Self::Object(_) => "an object of the project".to_owned(),
             Self::Exception(_) => "an exception".to_owned(),
             Self::Class(_) | Self::ForeignClass(_) => "a class".to_owned(),
+            Self::Function(function) => function.kind().to_owned(),
             Self::Host(value) => value.kind().to_owned(),
             Self::Unknown(unknown) => unknown.to_string(),
         }

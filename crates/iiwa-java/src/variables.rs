@@ -62,16 +62,18 @@ impl Machine {
         let mut around = activation.this.clone();
         let mut class = Some(activation.class);
         while let Some(id) = class {
-            if let Some(object) = &around {
-                if let Some(value) = object.captured.get(name) {
-                    return Ok(Some(value.clone()));
-                }
-                if let Some(value) = self.field_of(object, id, name) {
-                    return Ok(Some(value));
-                }
+            if let Some(object) = &around
+                && let Some(value) = self.field_of(object, id, name)
+            {
+                return Ok(Some(value));
             }
             if let Some(value) = self.static_field(id, name)? {
                 return Ok(Some(value));
+            }
+            if self.java.classes.is_in_method(id)
+                && let Some(value) = around.as_ref().and_then(|object| object.captured.get(name))
+            {
+                return Ok(Some(value.clone()));
             }
             class = self.java.classes.known(id).outer;
             around = around.and_then(|object| match &object.outer {
@@ -339,7 +341,19 @@ impl Machine {
         if matches!(value, Value::Null) && is_primitive(wanted) {
             return self.throw("NullPointerException", format!("null is no `{}`", wanted.name));
         }
-        Ok(value.converted_to(wanted))
+        let within = self.java.activation().map_or(ClassId(0), |own| own.class);
+        Ok(match &value {
+            Value::Function(function) => self.as_interface(function, wanted, within),
+            _ => value.converted_to(wanted),
+        })
+    }
+
+    /// The result of a method that returns this type.
+    pub(crate) fn for_result(&self, value: Value, returns: &TypeName) -> Result<Value, Stop> {
+        if returns.name == "void" {
+            return Ok(Value::Null);
+        }
+        self.for_variable(value, returns)
     }
 
     pub(crate) fn type_of(&self, slot: &Slot) -> Option<TypeName> {

@@ -64,6 +64,7 @@ impl Reader<'_> {
         let name = self.field(node, "name")?;
         let mut read = empty_class(self.name(name)?, kind);
         read.line = self.line(name);
+        read.type_parameters = self.type_parameters(node)?;
         read.is_abstract = kind == ClassKind::Interface || has_modifier(node, "abstract");
         if let Some(superclass) = node.child_by_field_name("superclass") {
             let extends = named(superclass).pop().ok_or_else(|| self.misread(superclass))?;
@@ -84,13 +85,15 @@ impl Reader<'_> {
         Ok(Some(Arc::new(read)))
     }
 
-    /// The body of an anonymous class, or of a constant: it has no name.
+    /// The body of an anonymous class, or of a constant: it has no name, and extends or implements the class above.
     pub(super) fn unnamed_class(
         &self,
         place: Node<'_>,
+        above: TypeName,
         body: Node<'_>,
     ) -> Result<Arc<Class>, Fault> {
         let mut read = empty_class(String::new(), ClassKind::Class);
+        read.extends = Some(above);
         read.line = self.line(place);
         self.members(&mut read, body)?;
         Ok(Arc::new(read))
@@ -144,6 +147,7 @@ impl Reader<'_> {
                 line,
                 is_static: false,
                 annotations: Vec::new(),
+                type_parameters: Vec::new(),
                 parameters: parameters.collect(),
                 is_variadic,
                 returns: void(),
@@ -160,6 +164,7 @@ impl Reader<'_> {
                     line,
                     is_static: false,
                     annotations: Vec::new(),
+                    type_parameters: Vec::new(),
                     parameters: Vec::new(),
                     is_variadic: false,
                     returns: type_name,
@@ -174,7 +179,7 @@ impl Reader<'_> {
         for member in children(body) {
             match member.kind() {
                 "{" | "}" | "," | ";" => {}
-                "enum_constant" => class.constants.push(self.constant(member)?),
+                "enum_constant" => class.constants.push(self.constant(&class.name, member)?),
                 "enum_body_declarations" => self.members(class, member)?,
                 "field_declaration" | "constant_declaration" => self.fields(class, member)?,
                 "method_declaration" => class.methods.push(Arc::new(self.method(member)?)),
@@ -201,7 +206,7 @@ impl Reader<'_> {
         Ok(())
     }
 
-    fn constant(&self, node: Node<'_>) -> Result<Constant, Fault> {
+    fn constant(&self, class: &str, node: Node<'_>) -> Result<Constant, Fault> {
         let name = self.field(node, "name")?;
         let arguments = node.child_by_field_name("arguments");
         let body = node.child_by_field_name("body");
@@ -209,21 +214,20 @@ impl Reader<'_> {
             name: self.name(name)?,
             line: self.line(name),
             arguments: arguments.map_or(Ok(Vec::new()), |own| self.expressions(&named(own)))?,
-            body: body.map(|body| self.unnamed_class(name, body)).transpose()?,
+            body: body
+                .map(|body| self.unnamed_class(name, TypeName::new(class, 0), body))
+                .transpose()?,
         })
     }
 
     fn fields(&self, class: &mut Class, node: Node<'_>) -> Result<(), Fault> {
         let is_static = class.kind == ClassKind::Interface || has_modifier(node, "static");
-        let TypeName { name: type_name, dimensions } = self.type_name(self.field(node, "type")?)?;
+        let type_name = self.type_name(self.field(node, "type")?)?;
         for declarator in node.children_by_field_name("declarator", &mut node.walk()) {
             let variable = self.variable(declarator)?;
             class.members.push(Member::Field(Field {
                 name: variable.name,
-                type_name: TypeName {
-                    name: type_name.clone(),
-                    dimensions: dimensions + variable.dimensions,
-                },
+                type_name: type_name.with_dimensions(type_name.dimensions + variable.dimensions),
                 line: self.line(declarator),
                 is_static,
                 annotations: self.annotations(node)?,
@@ -245,6 +249,7 @@ impl Reader<'_> {
             line: self.line(name),
             is_static: has_modifier(node, "static"),
             annotations: self.annotations(node)?,
+            type_parameters: self.type_parameters(node)?,
             parameters,
             is_variadic,
             returns,
@@ -272,6 +277,7 @@ impl Reader<'_> {
             line: self.line(written),
             is_static: false,
             annotations: self.annotations(node)?,
+            type_parameters: self.type_parameters(node)?,
             parameters,
             is_variadic,
             returns: void(),
@@ -294,7 +300,7 @@ impl Reader<'_> {
     }
 
     /// The parameters, and whether the last takes any number of arguments.
-    fn parameters(&self, node: Node<'_>) -> Result<(Vec<Parameter>, bool), Fault> {
+    pub(super) fn parameters(&self, node: Node<'_>) -> Result<(Vec<Parameter>, bool), Fault> {
         let mut parameters = Vec::new();
         let mut is_variadic = false;
         for written in named(node) {
@@ -372,7 +378,7 @@ pub(super) fn is_class(node: Node<'_>) -> bool {
 }
 
 fn void() -> TypeName {
-    TypeName { name: "void".to_owned(), dimensions: 0 }
+    TypeName::new("void", 0)
 }
 
 fn empty_class(name: String, kind: ClassKind) -> Class {
@@ -381,6 +387,7 @@ fn empty_class(name: String, kind: ClassKind) -> Class {
         kind,
         line: 0,
         is_abstract: false,
+        type_parameters: Vec::new(),
         extends: None,
         implements: Vec::new(),
         constants: Vec::new(),

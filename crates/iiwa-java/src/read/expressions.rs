@@ -1,12 +1,14 @@
 //! Expressions without the operators between them.
 
+use std::sync::Arc;
+
 use tree_sitter::Node;
 
 use super::{
     fault::Fault,
     reader::{Reader, brackets, child_of_kind, children, is_annotation, named},
 };
-use crate::syntax::{Expression, ExpressionKind, Statement, StatementKind, TypeName};
+use crate::syntax::{Expression, ExpressionKind, TypeName};
 
 /// An expression, and where it begins in the file.
 pub(super) type Placed = (Expression, usize);
@@ -48,8 +50,8 @@ impl Reader<'_> {
             "array_creation_expression" => self.new_array(node)?,
             "array_initializer" => ExpressionKind::Array(self.expressions(&named(node))?),
             "object_creation_expression" => self.new_object(node)?,
-            "lambda_expression" => ExpressionKind::Lambda(self.lambda(node)?),
-            "method_reference" => unsupported("a method reference"),
+            "lambda_expression" => ExpressionKind::Lambda(Arc::new(self.lambda(node)?)),
+            "method_reference" => self.reference(node)?,
             "template_expression" => unsupported("a string template"),
             "switch_expression" => {
                 let (value, groups) = self.switch(node, true)?;
@@ -91,7 +93,8 @@ impl Reader<'_> {
             Some(object) => {
                 let (mut on, start) = self.placed(object)?;
                 if let Some(above) = super_behind(node, object) {
-                    on = Expression { line: self.line(above), kind: super_of_named_class() };
+                    let kind = ExpressionKind::SuperOf(TypeName::new(self.source(object), 0));
+                    on = Expression { line: self.line(above), kind };
                 }
                 (Some(Box::new(on)), start)
             }
@@ -104,7 +107,8 @@ impl Reader<'_> {
     }
 
     fn new_array(&self, node: Node<'_>) -> Result<ExpressionKind, Fault> {
-        let TypeName { name, mut dimensions } = self.type_name(self.field(node, "type")?)?;
+        let element = self.type_name(self.field(node, "type")?)?;
+        let mut dimensions = element.dimensions;
         let mut lengths = Vec::new();
         for part in node.children_by_field_name("dimensions", &mut node.walk()) {
             dimensions += brackets(part);
@@ -115,7 +119,7 @@ impl Reader<'_> {
         }
         let values = node.child_by_field_name("value");
         Ok(ExpressionKind::NewArray {
-            type_name: TypeName { name, dimensions },
+            type_name: element.with_dimensions(dimensions),
             lengths,
             values: values.map(|values| self.expressions(&named(values))).transpose()?,
         })
@@ -126,25 +130,16 @@ impl Reader<'_> {
             return Ok(unsupported("an object that is made within another (`outer.new Inner()`)"));
         }
         let written = self.field(node, "type")?;
-        let type_name = TypeName { name: self.path(written)?, dimensions: 0 };
+        let type_name = self.type_name(written)?;
         let arguments = self.expressions(&named(self.field(node, "arguments")?))?;
         let body = child_of_kind(node, "class_body");
-        let body = body.map(|body| self.unnamed_class(written, body)).transpose()?;
+        let body =
+            body.map(|body| self.unnamed_class(written, type_name.clone(), body)).transpose()?;
         Ok(ExpressionKind::New { type_name, arguments, body })
-    }
-
-    /// The body of a lambda expression.
-    fn lambda(&self, node: Node<'_>) -> Result<Vec<Statement>, Fault> {
-        let body = self.field(node, "body")?;
-        if body.kind() == "block" {
-            return self.block(body);
-        }
-        let kind = StatementKind::Expression(self.expression(body)?);
-        Ok(vec![Statement { line: self.line(body), kind }])
     }
 }
 
-fn unsupported(what: &str) -> ExpressionKind {
+pub(super) fn unsupported(what: &str) -> ExpressionKind {
     ExpressionKind::Unsupported(what.to_owned())
 }
 

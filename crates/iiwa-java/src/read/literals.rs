@@ -14,7 +14,9 @@ impl Reader<'_> {
             "null_literal" => Literal::Null,
             "character_literal" => self.character(node)?,
             "string_literal" if written.starts_with("\"\"\"") => {
-                return Ok(ExpressionKind::Unsupported("a text block".to_owned()));
+                let block = unindented(written.get(3..written.len() - 3).unwrap_or(""));
+                let units = units(&block, |_| node.start_byte())?;
+                Literal::String(String::from_utf16_lossy(&units))
             }
             "string_literal" => Literal::String(String::from_utf16_lossy(&self.units(node)?)),
             "decimal_floating_point_literal" => self.float(node)?,
@@ -100,47 +102,74 @@ impl Reader<'_> {
     fn units(&self, node: Node<'_>) -> Result<Vec<u16>, Fault> {
         let written = self.source(node);
         let inner = written.get(1..written.len().saturating_sub(1)).unwrap_or("");
-        let mut units = Vec::with_capacity(inner.len());
-        let mut rest = inner.chars();
-        let mut buffer = [0; 2];
-        while let Some(character) = rest.next() {
-            if character != '\\' {
-                units.extend_from_slice(character.encode_utf16(&mut buffer));
-                continue;
-            }
-            let at = node.start_byte() + written.len() - 2 - rest.as_str().len();
-            let unknown =
-                || Fault::syntax(at, "`\\` is followed by no character that it may escape");
-            let escaped = rest.next().ok_or_else(unknown)?;
-            units.push(match escaped {
-                'b' => 8,
-                't' => 9,
-                'n' => 10,
-                'f' => 12,
-                'r' => 13,
-                's' => 32,
-                '"' => 34,
-                '\'' => 39,
-                '\\' => 92,
-                'u' => {
-                    let digits = rest.as_str().trim_start_matches('u');
-                    let code =
-                        digits.get(..4).filter(|code| code.chars().all(|c| c.is_ascii_hexdigit()));
-                    let code = code.ok_or_else(unknown)?;
-                    rest = digits[4..].chars();
-                    u16::from_str_radix(code, 16).map_err(|_| unknown())?
-                }
-                '0'..='7' => {
-                    // Three digits if the first is at most 3, else two.
-                    let most = if escaped <= '3' { 2 } else { 1 };
-                    let digits: String =
-                        rest.as_str().chars().take(most).take_while(|c| c.is_digit(8)).collect();
-                    rest = rest.as_str()[digits.len()..].chars();
-                    u16::from_str_radix(&format!("{escaped}{digits}"), 8).map_err(|_| unknown())?
-                }
-                _ => return Err(unknown()),
-            });
-        }
-        Ok(units)
+        units(inner, |rest| node.start_byte() + written.len() - 2 - rest)
     }
+}
+
+/// The content of a text block without incidental white space (JLS 3.10.6).
+fn unindented(block: &str) -> String {
+    let block = block.replace("\r\n", "\n").replace('\r', "\n");
+    let content = block.split_once('\n').map_or("", |(_, content)| content);
+    let lines: Vec<&str> = content.split('\n').collect();
+    let is_blank = |line: &str| line.trim().is_empty();
+    let indents = lines.iter().enumerate().filter(|(place, line)| {
+        // The closing delimiter counts by its place.
+        !is_blank(line) || place + 1 == lines.len()
+    });
+    let indent = |line: &str| line.chars().take_while(|letter| letter.is_whitespace()).count();
+    let indent = indents.map(|(_, line)| indent(line)).min().unwrap_or(0);
+    let stripped = lines.iter().map(|line| {
+        let behind: String = line.chars().skip(indent).collect();
+        behind.trim_end().to_owned()
+    });
+    stripped.collect::<Vec<_>>().join("\n")
+}
+
+/// A text in UTF-16, with its escape sequences replaced; `place` gives the place in the file before a rest of this length.
+fn units(inner: &str, place: impl Fn(usize) -> usize) -> Result<Vec<u16>, Fault> {
+    let mut units = Vec::with_capacity(inner.len());
+    let mut rest = inner.chars();
+    let mut buffer = [0; 2];
+    while let Some(character) = rest.next() {
+        if character != '\\' {
+            units.extend_from_slice(character.encode_utf16(&mut buffer));
+            continue;
+        }
+        let at = place(rest.as_str().len());
+        let unknown = || Fault::syntax(at, "`\\` is followed by no character that it may escape");
+        let escaped = rest.next().ok_or_else(unknown)?;
+        if escaped == '\n' {
+            // The line of a text block goes on.
+            continue;
+        }
+        units.push(match escaped {
+            'b' => 8,
+            't' => 9,
+            'n' => 10,
+            'f' => 12,
+            'r' => 13,
+            's' => 32,
+            '"' => 34,
+            '\'' => 39,
+            '\\' => 92,
+            'u' => {
+                let digits = rest.as_str().trim_start_matches('u');
+                let code =
+                    digits.get(..4).filter(|code| code.chars().all(|c| c.is_ascii_hexdigit()));
+                let code = code.ok_or_else(unknown)?;
+                rest = digits[4..].chars();
+                u16::from_str_radix(code, 16).map_err(|_| unknown())?
+            }
+            '0'..='7' => {
+                // Three digits if the first is at most 3, else two.
+                let most = if escaped <= '3' { 2 } else { 1 };
+                let digits: String =
+                    rest.as_str().chars().take(most).take_while(|c| c.is_digit(8)).collect();
+                rest = rest.as_str()[digits.len()..].chars();
+                u16::from_str_radix(&format!("{escaped}{digits}"), 8).map_err(|_| unknown())?
+            }
+            _ => return Err(unknown()),
+        });
+    }
+    Ok(units)
 }

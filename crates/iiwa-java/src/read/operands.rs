@@ -13,7 +13,9 @@ use super::{
     fault::Fault,
     reader::{Reader, children},
 };
-use crate::syntax::{BinaryOperator, Expression, ExpressionKind, Literal, TypeName, UnaryOperator};
+use crate::syntax::{
+    BinaryOperator, Expression, ExpressionKind, Literal, Pattern, TypeName, UnaryOperator,
+};
 
 /// A part of an expression, in the order of the file.
 enum Part<'n> {
@@ -24,8 +26,7 @@ enum Part<'n> {
     StepBehind(bool),
     Cast(TypeName, usize),
     Binary(BinaryOperator),
-    /// None if it has a pattern.
-    InstanceOf(Option<TypeName>),
+    InstanceOf(Pattern),
     Question,
     Colon,
     Assign(Option<BinaryOperator>),
@@ -83,13 +84,14 @@ impl Reader<'_> {
             }
             "instanceof_expression" => {
                 self.write_out(self.field(node, "left")?, parts)?;
-                let type_name = match node.child_by_field_name("right") {
-                    Some(right) if node.child_by_field_name("name").is_none() => {
-                        Some(self.type_name(right)?)
-                    }
-                    _ => None,
+                let pattern = if let Some(right) = node.child_by_field_name("right") {
+                    let name = node.child_by_field_name("name");
+                    let name = name.map(|name| self.name(name)).transpose()?;
+                    Pattern::Type { type_name: self.type_name(right)?, name }
+                } else {
+                    self.pattern(self.field(node, "pattern")?)?
                 };
-                parts.push(Part::InstanceOf(type_name));
+                parts.push(Part::InstanceOf(pattern));
                 Ok(())
             }
             "unary_expression" => {
@@ -163,12 +165,12 @@ impl Reader<'_> {
                     let right = Box::new(self.ranked(parts, rank(operator) + 1, node)?.0);
                     ExpressionKind::Binary { operator, left: Box::new(left), right }
                 }
-                Some(Part::InstanceOf(_)) if COMPARISON >= least => match parts.next() {
-                    Some(Part::InstanceOf(Some(type_name))) => {
-                        ExpressionKind::InstanceOf { value: Box::new(left), type_name }
-                    }
-                    _ => ExpressionKind::Unsupported("an `instanceof` with a pattern".to_owned()),
-                },
+                Some(Part::InstanceOf(_)) if COMPARISON >= least => {
+                    let Some(Part::InstanceOf(pattern)) = parts.next() else {
+                        return Err(self.misread(node));
+                    };
+                    ExpressionKind::InstanceOf { value: Box::new(left), pattern }
+                }
                 Some(Part::Question) if CONDITION >= least => {
                     parts.next();
                     let then = Box::new(self.ranked(parts, ASSIGNMENT, node)?.0);

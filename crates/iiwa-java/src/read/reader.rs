@@ -3,7 +3,7 @@
 use tree_sitter::Node;
 
 use super::{fault::Fault, lines::Lines};
-use crate::syntax::TypeName;
+use crate::syntax::{TypeName, TypeParameter};
 
 /// Reads the parser's tree of one file.
 pub(super) struct Reader<'t> {
@@ -44,21 +44,64 @@ impl<'t> Reader<'t> {
     }
 
     pub(super) fn type_name(&self, node: Node<'_>) -> Result<TypeName, Fault> {
-        let (name, dimensions) = match node.kind() {
+        match node.kind() {
             "integral_type" | "floating_point_type" | "boolean_type" | "void_type" => {
-                (self.source(node).to_owned(), 0)
+                Ok(TypeName::new(self.source(node), 0))
             }
             "array_type" => {
-                let TypeName { name, dimensions } = self.type_name(self.field(node, "element")?)?;
-                (name, dimensions + brackets(self.field(node, "dimensions")?))
+                let element = self.type_name(self.field(node, "element")?)?;
+                let more = brackets(self.field(node, "dimensions")?);
+                Ok(element.with_dimensions(element.dimensions + more))
             }
             "annotated_type" => {
                 let inner = named(node).pop().ok_or_else(|| self.misread(node))?;
-                return self.type_name(inner);
+                self.type_name(inner)
             }
-            _ => (self.path(node)?, 0),
-        };
-        Ok(TypeName { name, dimensions })
+            _ => {
+                let name = self.path(node)?;
+                Ok(TypeName { name, dimensions: 0, arguments: self.type_arguments(node)? })
+            }
+        }
+    }
+
+    /// The type arguments of a generic type.
+    fn type_arguments(&self, node: Node<'_>) -> Result<Vec<TypeName>, Fault> {
+        let Some(list) = child_of_kind(node, "type_arguments") else { return Ok(Vec::new()) };
+        let arguments: Result<Vec<_>, _> = named(list)
+            .into_iter()
+            .map(|own| match own.kind() {
+                "wildcard" => self.wildcard(own),
+                _ => self.type_name(own),
+            })
+            .collect();
+        let arguments = arguments?;
+        // `new ArrayList<>()`.
+        Ok(if arguments.is_empty() { vec![TypeName::new("", 0)] } else { arguments })
+    }
+
+    /// A wildcard by its upper bound.
+    fn wildcard(&self, node: Node<'_>) -> Result<TypeName, Fault> {
+        let bound = named(node).into_iter().rfind(|own| !is_annotation(*own));
+        match bound.filter(|_| child_of_kind(node, "super").is_none()) {
+            Some(bound) => self.type_name(bound),
+            None => Ok(TypeName::new("Object", 0)),
+        }
+    }
+
+    /// The type variables that a class or a method declares.
+    pub(super) fn type_parameters(&self, node: Node<'_>) -> Result<Vec<TypeParameter>, Fault> {
+        let Some(list) = child_of_kind(node, "type_parameters") else { return Ok(Vec::new()) };
+        let parameters = named(list).into_iter().filter(|own| own.kind() == "type_parameter");
+        let read = parameters.map(|own| {
+            let name = child_of_kind(own, "type_identifier")
+                .or_else(|| child_of_kind(own, "identifier"))
+                .ok_or_else(|| self.misread(own))?;
+            let bounds = child_of_kind(own, "type_bound");
+            let bound = bounds.and_then(|bounds| named(bounds).into_iter().next());
+            let bound = bound.map(|bound| self.type_name(bound)).transpose()?;
+            Ok(TypeParameter { name: self.name(name)?, bound })
+        });
+        read.collect()
     }
 
     /// Names with dots between them, without type arguments.

@@ -8,7 +8,8 @@ use super::{
     reader::{Reader, brackets, child_of_kind, children, named},
 };
 use crate::syntax::{
-    Catch, Expression, ExpressionKind, Statement, StatementKind, SwitchGroup, TypeName, Variable,
+    Catch, Expression, ExpressionKind, Label, Pattern, Statement, StatementKind, SwitchGroup,
+    Variable,
 };
 
 impl Reader<'_> {
@@ -68,11 +69,10 @@ impl Reader<'_> {
             },
             "for_statement" => self.count(node)?,
             "enhanced_for_statement" => {
-                let TypeName { name: type_name, dimensions } =
-                    self.type_name(self.field(node, "type")?)?;
+                let type_name = self.type_name(self.field(node, "type")?)?;
                 let more = node.child_by_field_name("dimensions").map_or(0, brackets);
                 StatementKind::ForEach {
-                    type_name: TypeName { name: type_name, dimensions: dimensions + more },
+                    type_name: type_name.with_dimensions(type_name.dimensions + more),
                     name: self.name(self.field(node, "name")?)?,
                     iterable: self.expression(self.field(node, "value")?)?,
                     body: self.boxed_statement(self.field(node, "body")?)?,
@@ -103,7 +103,7 @@ impl Reader<'_> {
     }
 
     /// The only part of a node that is more than a symbol.
-    fn only<'n>(&self, node: Node<'n>) -> Result<Node<'n>, Fault> {
+    pub(super) fn only<'n>(&self, node: Node<'n>) -> Result<Node<'n>, Fault> {
         match named(node)[..] {
             [only] => Ok(only),
             _ => Err(self.misread(node)),
@@ -168,10 +168,14 @@ impl Reader<'_> {
 
     fn switch_group(&self, node: Node<'_>, has_value: bool) -> Result<SwitchGroup, Fault> {
         let mut labels = Vec::new();
+        let mut guard = None;
         let mut body = Vec::new();
         for child in children(node) {
             if child.kind() == "switch_label" {
                 self.switch_labels(child, &mut labels)?;
+                if let Some(written) = child_of_kind(child, "guard") {
+                    guard = Some(self.expression(self.only(written)?)?);
+                }
             } else if child.is_named() || child.kind() == ";" {
                 let is_value = has_value && child.kind() == "expression_statement";
                 body.push(if is_value && node.kind() == "switch_rule" {
@@ -182,35 +186,42 @@ impl Reader<'_> {
                 });
             }
         }
-        Ok(SwitchGroup { labels, body, falls_through: node.kind() != "switch_rule" })
+        Ok(SwitchGroup { labels, guard, body, falls_through: node.kind() != "switch_rule" })
     }
 
-    fn switch_labels(
-        &self,
-        node: Node<'_>,
-        labels: &mut Vec<Option<Expression>>,
-    ) -> Result<(), Fault> {
-        let unsupported = |node: Node<'_>, what: &str| Expression {
-            line: self.line(node),
-            kind: ExpressionKind::Unsupported(what.to_owned()),
-        };
+    fn switch_labels(&self, node: Node<'_>, labels: &mut Vec<Label>) -> Result<(), Fault> {
         let values = named(node);
         if values.is_empty() {
-            labels.push(None);
+            labels.push(Label::Default);
         }
         for value in values {
             match value.kind() {
-                "pattern" => labels.push(Some(unsupported(node, "a `case` with a pattern"))),
+                "pattern" => labels.push(Label::Pattern(self.pattern(self.only(value)?)?)),
                 "guard" => {}
                 // `case null, default`.
-                "identifier" if self.source(value) == "default" => labels.push(None),
-                _ => labels.push(Some(self.expression(value)?)),
+                "identifier" if self.source(value) == "default" => labels.push(Label::Default),
+                _ => labels.push(Label::Value(self.expression(value)?)),
             }
         }
-        if let Some(guard) = child_of_kind(node, "guard") {
-            *labels = vec![Some(unsupported(guard, "a `case` with a condition"))];
-        }
         Ok(())
+    }
+
+    /// A pattern of `case`, or a record pattern of `instanceof`.
+    pub(super) fn pattern(&self, node: Node<'_>) -> Result<Pattern, Fault> {
+        match (node.kind(), &named(node)[..]) {
+            ("underscore_pattern", _) => Ok(Pattern::Any),
+            ("record_pattern_component", [only]) => self.pattern(*only),
+            ("type_pattern" | "record_pattern_component", [type_node, name]) => {
+                let name = Some(self.name(*name)?);
+                Ok(Pattern::Type { type_name: self.type_name(*type_node)?, name })
+            }
+            ("record_pattern", [type_node, body]) => {
+                let parts = named(*body).into_iter().map(|own| self.pattern(own));
+                let parts = parts.collect::<Result<_, _>>()?;
+                Ok(Pattern::Record { type_name: self.type_name(*type_node)?, parts })
+            }
+            _ => Err(self.misread(node)),
+        }
     }
 
     fn attempt(&self, node: Node<'_>) -> Result<StatementKind, Fault> {

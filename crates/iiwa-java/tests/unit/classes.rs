@@ -54,7 +54,7 @@ fn kinds_of_classes() {
     );
     is(
         "enum A implements B { C, D(1) { int e() { return 2; } }, ; int f; A() { } A(int f) { this.f = f; } int e() { return 1; } }",
-        "<enum A extends - implements [B], C(), D(1)<class  extends - implements [], int e() {return 2;}>, int f=-, \
+        "<enum A extends - implements [B], C(), D(1)<class  extends A implements [], int e() {return 2;}>, int f=-, \
          int e() {return 1;}, new void A() {}, new void A(int f) {(this.f = f);}>",
     );
     is(

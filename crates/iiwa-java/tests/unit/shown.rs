@@ -1,8 +1,8 @@
 //! Syntax as short texts, which say every part of it but the lines.
 
 use crate::syntax::{
-    BinaryOperator, Class, ClassKind, Expression, ExpressionKind, Literal, Member, Method,
-    Statement, StatementKind, SwitchGroup, TypeName, UnaryOperator,
+    BinaryOperator, Class, ClassKind, Expression, ExpressionKind, Label, Literal, Member, Method,
+    Pattern, ReferenceOf, Statement, StatementKind, SwitchGroup, TypeName, UnaryOperator,
 };
 
 pub(super) fn type_name(name: &TypeName) -> String {
@@ -77,17 +77,41 @@ pub(super) fn expression(shown: &Expression) -> String {
         ExpressionKind::Cast { type_name: to, value } => {
             format!("(({}) {})", type_name(to), boxed(value))
         }
-        ExpressionKind::InstanceOf { value, type_name: of } => {
-            format!("({} instanceof {})", boxed(value), type_name(of))
+        ExpressionKind::InstanceOf { value, pattern: of } => {
+            format!("({} instanceof {})", boxed(value), pattern(of))
         }
         ExpressionKind::This => "this".to_owned(),
         ExpressionKind::Super => "super".to_owned(),
+        ExpressionKind::SuperOf(of) => format!("{}.super", type_name(of)),
         ExpressionKind::ClassLiteral(of) => format!("{}.class", type_name(of)),
         ExpressionKind::Switch { value, groups } => {
             format!("(switch {} {})", expression(value), list(groups, group))
         }
-        ExpressionKind::Lambda(body) => format!("(-> {})", block(body)),
+        ExpressionKind::Lambda(lambda) => {
+            let parameters = list(&lambda.parameters, |own| {
+                format!("{} {}", type_name(&own.type_name), own.name)
+            });
+            format!("({parameters} -> {})", block(&lambda.body))
+        }
+        ExpressionKind::Reference(reference) => {
+            let of = match &reference.of {
+                ReferenceOf::Expression(of) => expression(of),
+                ReferenceOf::Type(of) => format!("type {}", type_name(of)),
+            };
+            format!("({of}::{})", reference.name.as_deref().unwrap_or("new"))
+        }
         ExpressionKind::Unsupported(what) => format!("<{what}>"),
+    }
+}
+
+fn pattern(shown: &Pattern) -> String {
+    match shown {
+        Pattern::Type { type_name: of, name: None } => type_name(of),
+        Pattern::Type { type_name: of, name: Some(name) } => format!("{} {name}", type_name(of)),
+        Pattern::Record { type_name: of, parts } => {
+            format!("{}({})", type_name(of), list(parts, pattern))
+        }
+        Pattern::Any => "_".to_owned(),
     }
 }
 
@@ -186,10 +210,15 @@ pub(super) fn statement(shown: &Statement) -> String {
 }
 
 fn group(shown: &SwitchGroup) -> String {
-    let labels =
-        list(&shown.labels, |label| label.as_ref().map_or("default".to_owned(), expression));
+    let labels = list(&shown.labels, |label| match label {
+        Label::Default => "default".to_owned(),
+        Label::Value(value) => expression(value),
+        Label::Pattern(of) => pattern(of),
+    });
+    let guard =
+        shown.guard.as_ref().map_or(String::new(), |own| format!(" when {}", expression(own)));
     let arrow = if shown.falls_through { ":" } else { "->" };
-    format!("[{labels}]{arrow}{}", block(&shown.body))
+    format!("[{labels}{guard}]{arrow}{}", block(&shown.body))
 }
 
 pub(super) fn class(shown: &Class) -> String {

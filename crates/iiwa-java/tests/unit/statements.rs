@@ -31,7 +31,7 @@ fn locals() {
     is("Map.Entry<String, int[]> a = b;", "Map.Entry a=b;");
     is(
         "Runnable a = new Runnable() { public void run() { b(); } };",
-        "Runnable a=new Runnable()<class  extends - implements [], void run() {b();}>;",
+        "Runnable a=new Runnable()<class  extends Runnable implements [], void run() {b();}>;",
     );
     is("double a = (b) + 1, c = +d;", "double a=(b + 1) c=(+ d);");
     is(
@@ -59,7 +59,11 @@ fn choices() {
         "switch a [1 2]->{b();} [C]->{{d();}} [default]->{throw e;}",
     );
     is("switch (a) { case null, default -> b(); }", "switch a [null default]->{b();}");
-    is("switch (a) { case B b -> c(); }", "switch a [<a `case` with a pattern>]->{c();}");
+    is("switch (a) { case B b -> c(); }", "switch a [B b]->{c();}");
+    is(
+        "switch (a) { case P(int x, Q(var y)) when x > 1 -> c(); default -> d(); }",
+        "switch a [P(int x Q(var y)) when (x > 1)]->{c();} [default]->{d();}",
+    );
     is("switch (a) { }", "switch a ");
 }
 

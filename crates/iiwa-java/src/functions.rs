@@ -1,0 +1,410 @@
+//! Evaluation and calls of lambda expressions and method references (JLS 15.13, 15.27).
+//!
+//! A function is a value whose interface is not known until a variable, a parameter or a call says it. As an interface of the
+//! project it is an [`Object`], with the interface's default methods; as one of Java's library it remains a [`Function`].
+
+use std::{
+    cell::{OnceCell, RefCell},
+    collections::HashMap,
+    rc::Rc,
+    sync::Arc,
+};
+
+use crate::{
+    class_id::ClassId,
+    classes::simple,
+    function::{Code, Function, FunctionSyntax},
+    interfaces::{Interface, interface},
+    library_calls::class_of_value,
+    machine::Machine,
+    stop::Stop,
+    syntax::{
+        ClassKind, Expression, ExpressionKind, Lambda, Method, Reference, ReferenceOf, TypeName,
+    },
+    value::{Object, Value},
+};
+
+impl Machine {
+    /// The value of a lambda expression.
+    pub(crate) fn lambda(&mut self, lambda: &Arc<Lambda>) -> Value {
+        let code = Code::Lambda(Arc::clone(lambda));
+        self.new_function(lambda.line, code)
+    }
+
+    /// The value of a method reference.
+    pub(crate) fn reference(&mut self, reference: &Arc<Reference>) -> Result<Value, Stop> {
+        let receiver = match &reference.of {
+            ReferenceOf::Type(_) => None,
+            ReferenceOf::Expression(of) => match self.evaluated(of)? {
+                Value::Class(_) | Value::ForeignClass(_) if !is_print_stream(of) => None,
+                Value::Null => {
+                    return self.throw("NullPointerException", "a method reference to null");
+                }
+                receiver => Some(receiver),
+            },
+        };
+        self.here.line = reference.line;
+        let code = Code::Reference(Arc::clone(reference), receiver);
+        Ok(self.new_function(reference.line, code))
+    }
+
+    pub(crate) fn new_function(&mut self, line: u32, code: Code) -> Value {
+        let activation = self.java.activation();
+        let class = activation.map_or(ClassId(0), |own| own.class);
+        let this = activation.and_then(|own| own.this.clone());
+        let locals = match code {
+            Code::Combined(_) => Vec::new(),
+            _ => activation.map_or(Vec::new(), |own| own.locals.clone()),
+        };
+        let interface = OnceCell::new();
+        let function = Function { class, this, locals, line, code, interface };
+        if let Some(syntax) = function.syntax() {
+            let address = match &syntax {
+                FunctionSyntax::Lambda(own) => Arc::as_ptr(own).cast::<()>() as usize,
+                FunctionSyntax::Reference(own) => Arc::as_ptr(own).cast::<()>() as usize,
+            };
+            if self.java.functions.insert(address, syntax).is_none() {
+                // What a call may do is more than was found before.
+                self.java.effects.clear();
+            }
+        }
+        Value::Function(Rc::new(function))
+    }
+
+    /// A function as a variable of this type holds it.
+    pub(crate) fn as_interface(
+        &self,
+        function: &Rc<Function>,
+        wanted: &TypeName,
+        within: ClassId,
+    ) -> Value {
+        let same = Value::Function(Rc::clone(function));
+        if wanted.dimensions > 0 {
+            return same;
+        }
+        if let Some(class) = self.java.classes.find(&wanted.name, within) {
+            if self.java.classes.known(class).class.kind != ClassKind::Interface {
+                return same;
+            }
+            return Value::Object(Rc::new(Object {
+                class,
+                fields: RefCell::default(),
+                outer: None,
+                captured: HashMap::new(),
+                constant: None,
+                inherited: RefCell::default(),
+                message: RefCell::default(),
+                function: Some(Rc::clone(function)),
+            }));
+        }
+        if interface(simple(&wanted.name)).is_some() {
+            // The first interface counts: others see the same object.
+            _ = function.interface.set(wanted.clone());
+        }
+        same
+    }
+
+    /// The abstract method of an interface of the project; none if it has not exactly one.
+    pub(crate) fn abstract_method(&self, id: ClassId) -> Option<(ClassId, Arc<Method>)> {
+        let classes = &self.java.classes;
+        let parents = classes.with_parents(id);
+        let of = |class: &ClassId| {
+            let class = *class;
+            classes.known(class).class.methods.iter().map(move |own| (class, Arc::clone(own)))
+        };
+        let all: Vec<_> = parents.iter().flat_map(of).collect();
+        let is_implemented = |place: usize, own: &Method| {
+            let nearer = all[..place].iter();
+            nearer.clone().any(|(_, other)| {
+                other.name == own.name && other.parameters.len() == own.parameters.len()
+            })
+        };
+        let mut found = None;
+        for (place, (class, method)) in all.iter().enumerate() {
+            let is_of_object = matches!(
+                (method.name.as_str(), method.parameters.len()),
+                ("equals", 1) | ("hashCode" | "toString", 0)
+            );
+            if method.body.is_some() || is_of_object || is_implemented(place, method) {
+                continue;
+            }
+            if found.is_some() {
+                return None;
+            }
+            found = Some((*class, Arc::clone(method)));
+        }
+        found
+    }
+
+    /// The interface of Java's library that an interface of the project extends.
+    pub(crate) fn foreign_interface(&self, id: ClassId) -> Option<&'static Interface> {
+        let classes = &self.java.classes;
+        let parents = classes.with_parents(id).into_iter();
+        let mut above = parents.flat_map(|id| &classes.known(id).class.implements);
+        above.find_map(|own| interface(simple(&own.name)))
+    }
+
+    /// Runs a function that the library got as this interface of Java's; the value is null if that returns nothing.
+    pub(crate) fn apply(
+        &mut self,
+        function: &Value,
+        as_interface: &str,
+        arguments: &[Value],
+    ) -> Result<Value, Stop> {
+        let Some(interface) = interface(as_interface) else {
+            return self.refuse(format!("the interface {as_interface} is not known"));
+        };
+        let arguments = self.as_parameters(interface, arguments)?;
+        let name = interface.method;
+        self.java.argument_types = self
+            .java
+            .classes
+            .is_overloaded(name)
+            .then(|| (name.to_owned(), vec![None; arguments.len()]));
+        let result = match function {
+            Value::Function(own) => {
+                _ = own.interface.set(TypeName::new(as_interface, 0));
+                self.run_function(own, &arguments, &[])?
+            }
+            Value::Object(object) => self.call_on_object(object, name, &arguments)?,
+            other => self.call_on(other, name, &arguments)?,
+        };
+        self.java.argument_types = None;
+        self.for_result(result, &TypeName::new(interface.returns, 0))
+    }
+
+    fn as_parameters(
+        &self,
+        interface: &Interface,
+        arguments: &[Value],
+    ) -> Result<Vec<Value>, Stop> {
+        let pairs = arguments.iter().zip(interface.parameters);
+        pairs.map(|(value, own)| self.for_variable(value.clone(), &TypeName::new(own, 0))).collect()
+    }
+
+    /// A method of a function that is not one of an interface of the project.
+    pub(crate) fn call_on_function(
+        &mut self,
+        function: &Rc<Function>,
+        name: &str,
+        arguments: &[Value],
+    ) -> Result<Value, Stop> {
+        let Some(own) = function.interface.get().cloned() else {
+            // No argument or result has a type that would have to be known.
+            if arguments.is_empty() && matches!(name, "run" | "call" | "get") {
+                return self.run_function(function, arguments, &[]);
+            }
+            let value = self
+                .unknown(format!("`{name}` of {}, whose interface is not known", function.kind()));
+            self.after_unmodelled(
+                Some(&Value::Function(Rc::clone(function))),
+                name,
+                arguments,
+                &value,
+            )?;
+            return Ok(value);
+        };
+        let Some(interface) = interface(simple(&own.name)) else {
+            return self.refuse(format!("the interface {} is not known", own.name));
+        };
+        if interface.method == name && interface.parameters.len() == arguments.len() {
+            let arguments = self.as_parameters(interface, arguments)?;
+            let types = interface.parameters.iter();
+            let types: Vec<_> = types.map(|of| Interface::resolved(of, &own.arguments)).collect();
+            let result = self.run_function(function, &arguments, &types)?;
+            return match Interface::resolved(interface.returns, &own.arguments) {
+                Some(returns) => self.for_result(result, &returns),
+                None => Ok(result),
+            };
+        }
+        let this = Value::Function(Rc::clone(function));
+        match self.combined(&this, interface, name, arguments)? {
+            Some(value) => Ok(value),
+            None => match (name, arguments) {
+                ("equals", [other]) => Ok(Value::Boolean(this.is_same(other))),
+                ("hashCode" | "toString" | "getClass", []) => {
+                    Ok(self.unknown(format!("`{name}` of {}", function.kind())))
+                }
+                _ => self.unmodelled(&this, name, arguments),
+            },
+        }
+    }
+
+    /// A method without a body of a function that implements an interface of the project; none if it is not the abstract one.
+    pub(crate) fn of_function_object(
+        &mut self,
+        object: &Rc<Object>,
+        function: &Rc<Function>,
+        name: &str,
+        arguments: &[Value],
+    ) -> Result<Option<Value>, Stop> {
+        if let Some((owner, method)) = self.abstract_method(object.class)
+            && method.name == name
+            && method.parameters.len() == arguments.len()
+        {
+            return self.run(owner, Some(Rc::clone(object)), &method, arguments).map(Some);
+        }
+        let Some(interface) = self.foreign_interface(object.class) else { return Ok(None) };
+        if interface.method == name && interface.parameters.len() == arguments.len() {
+            let arguments = self.as_parameters(interface, arguments)?;
+            let result = self.run_function(function, &arguments, &[])?;
+            return self.for_result(result, &TypeName::new(interface.returns, 0)).map(Some);
+        }
+        self.combined(&Value::Object(Rc::clone(object)), interface, name, arguments)
+    }
+
+    /// Runs a function; `types` are those of the parameters, as far as the interface says them.
+    pub(crate) fn run_function(
+        &mut self,
+        function: &Rc<Function>,
+        arguments: &[Value],
+        types: &[Option<TypeName>],
+    ) -> Result<Value, Stop> {
+        let this = function.this.clone();
+        match &function.code {
+            Code::Lambda(lambda) => {
+                if lambda.parameters.len() != arguments.len() {
+                    return self.refuse("a lambda expression gets another number of arguments");
+                }
+                self.java.argument_types = None;
+                let from =
+                    self.activate(function.class, this, "a lambda expression", function.line)?;
+                if let Some(own) = self.java.activations.last_mut() {
+                    own.locals.clone_from(&function.locals);
+                    own.lambda = Some(Arc::clone(lambda));
+                }
+                let result = self.run_lambda(lambda, arguments, types);
+                self.leave(from, &result);
+                result
+            }
+            Code::Reference(reference, receiver) => {
+                let name = reference.name.as_deref().unwrap_or("new");
+                let from = self.activate(function.class, this, name, function.line)?;
+                if let Some(own) = self.java.activations.last_mut() {
+                    own.locals.clone_from(&function.locals);
+                }
+                let result = self.run_reference(reference, receiver.as_ref(), arguments, types);
+                self.leave(from, &result);
+                result
+            }
+            Code::Combined(combined) => self.run_combined(combined, arguments),
+        }
+    }
+
+    fn run_lambda(
+        &mut self,
+        lambda: &Lambda,
+        arguments: &[Value],
+        types: &[Option<TypeName>],
+    ) -> Result<Value, Stop> {
+        for (place, (parameter, value)) in lambda.parameters.iter().zip(arguments).enumerate() {
+            let own = match parameter.type_name.name.as_str() {
+                "var" => types.get(place).cloned().flatten(),
+                _ => Some(parameter.type_name.clone()),
+            };
+            let value = match &own {
+                Some(own) => self.for_variable(value.clone(), own)?,
+                None => value.clone(),
+            };
+            self.java.declare(&parameter.name, own.as_ref(), value);
+        }
+        match self.block(&lambda.body)? {
+            crate::flow::Flow::Return(value) => Ok(value),
+            _ => Ok(Value::Null),
+        }
+    }
+
+    fn run_reference(
+        &mut self,
+        reference: &Reference,
+        receiver: Option<&Value>,
+        arguments: &[Value],
+        types: &[Option<TypeName>],
+    ) -> Result<Value, Stop> {
+        let Some(name) = &reference.name else {
+            let ReferenceOf::Type(own) = &reference.of else {
+                return self.refuse("a constructor of no class");
+            };
+            self.set_argument_types(simple(&own.name), arguments, types);
+            return self.new_by_reference(own, arguments);
+        };
+        if let Some(receiver) = receiver {
+            self.set_argument_types(name, arguments, types);
+            return self.call_on(receiver, name, arguments);
+        }
+        let class = match &reference.of {
+            ReferenceOf::Type(own) if own.dimensions > 0 => Value::Null,
+            ReferenceOf::Type(own) => match self.class_named(&own.name) {
+                Some(id) => Value::Class(id),
+                None => Value::ForeignClass(Rc::from(simple(&own.name))),
+            },
+            ReferenceOf::Expression(of) => self.evaluated(of)?,
+        };
+        let statics = match &class {
+            Value::Class(id) => self.has_static(*id, name, arguments),
+            Value::ForeignClass(class) => {
+                let class = Rc::clone(class);
+                self.set_argument_types(name, arguments, types);
+                if let Some(value) = self.library_static(&class, name, arguments)? {
+                    return Ok(value);
+                }
+                !arguments.first().is_some_and(|first| may_be_of(first, &class))
+            }
+            _ => false,
+        };
+        if statics {
+            self.set_argument_types(name, arguments, types);
+            return self.call_on(&class, name, arguments);
+        }
+        let Some((first, others)) = arguments.split_first() else {
+            return self.refuse(format!("the method reference `{name}` gets no object"));
+        };
+        self.set_argument_types(name, others, types.get(1..).unwrap_or_default());
+        self.call_on(first, name, others)
+    }
+
+    /// True if a class has a static method of this name that takes these arguments.
+    fn has_static(&self, id: ClassId, name: &str, arguments: &[Value]) -> bool {
+        let methods = self.java.classes.methods(id, name).into_iter();
+        let mut statics = methods.filter(|(_, own)| own.is_static);
+        let is_of_enum = self.java.classes.known(id).class.kind == ClassKind::Enum
+            && matches!(name, "valueOf" | "values");
+        is_of_enum || statics.any(|(owner, own)| self.fit(owner, &own, arguments).is_some())
+    }
+
+    fn new_by_reference(&mut self, own: &TypeName, arguments: &[Value]) -> Result<Value, Stop> {
+        if own.dimensions > 0 {
+            return self.new_array(own, arguments);
+        }
+        match self.class_named(&own.name) {
+            Some(class) => {
+                let captured = self.captured(class, false);
+                self.construct(class, arguments, captured)
+            }
+            None => self.new_of_library(simple(&own.name), arguments),
+        }
+    }
+
+    /// Gives the types of the arguments where they say which method is meant.
+    fn set_argument_types(&mut self, name: &str, arguments: &[Value], types: &[Option<TypeName>]) {
+        let is_overloaded = self.java.classes.is_overloaded(name);
+        self.java.argument_types = is_overloaded.then(|| {
+            let mut types = types.to_vec();
+            types.resize(arguments.len(), None);
+            (name.to_owned(), types)
+        });
+    }
+}
+
+/// True for `System.out` and `System.err`, values which the evaluator holds as a class.
+fn is_print_stream(of: &Expression) -> bool {
+    matches!(&of.kind, ExpressionKind::Field { name, .. } if matches!(name.as_str(), "out" | "err"))
+}
+
+/// False if a value is certainly not of a class of Java's library.
+fn may_be_of(value: &Value, class: &str) -> bool {
+    match class_of_value(value) {
+        Some(own) => own == class || !matches!(class, "Math" | "Arrays" | "Collections"),
+        None => true,
+    }
+}

@@ -1,0 +1,175 @@
+//! Lambda expressions and method references.
+
+use std::sync::Arc;
+
+use tree_sitter::Node;
+
+use super::{
+    expressions::unsupported,
+    fault::Fault,
+    reader::{Reader, children, named},
+};
+use crate::syntax::{
+    Expression, ExpressionKind, Lambda, Parameter, Reference, ReferenceOf, Statement,
+    StatementKind, TypeName,
+};
+
+impl Reader<'_> {
+    pub(super) fn lambda(&self, node: Node<'_>) -> Result<Lambda, Fault> {
+        let line = self.line(node);
+        let parameters = self.lambda_parameters(self.field(node, "parameters")?)?;
+        let written = self.field(node, "body")?;
+        if written.kind() != "block" {
+            let expression = self.expression(written)?;
+            let is_void_compatible = is_statement(&expression.kind);
+            let kind = StatementKind::Return(Some(expression));
+            let body = vec![Statement { line: self.line(written), kind }];
+            let is_value_compatible = true;
+            return Ok(Lambda { line, parameters, body, is_void_compatible, is_value_compatible });
+        }
+        let body = self.block(written)?;
+        let mut returns = Returns::default();
+        returns.of_all(&body);
+        Ok(Lambda {
+            line,
+            parameters,
+            is_void_compatible: !returns.a_value,
+            // JLS 15.27.2: it does not complete normally, and returns a value wherever it returns.
+            is_value_compatible: !returns.nothing && !can_complete(&body),
+            body,
+        })
+    }
+
+    fn lambda_parameters(&self, node: Node<'_>) -> Result<Vec<Parameter>, Fault> {
+        let inferred = |node: Node<'_>| {
+            Ok(Parameter { name: self.name(node)?, type_name: TypeName::new("var", 0) })
+        };
+        match node.kind() {
+            "formal_parameters" => Ok(self.parameters(node)?.0),
+            "inferred_parameters" => named(node).into_iter().map(inferred).collect(),
+            _ => Ok(vec![inferred(node)?]),
+        }
+    }
+
+    pub(super) fn reference(&self, node: Node<'_>) -> Result<ExpressionKind, Fault> {
+        let parts = children(node);
+        let (Some(before), Some(last)) = (parts.first(), parts.last()) else {
+            return Err(self.misread(node));
+        };
+        let name = match last.kind() {
+            "new" => None,
+            _ => Some(self.name(*last)?),
+        };
+        let of = match before.kind() {
+            "super" => return Ok(unsupported("a method reference to `super`")),
+            "generic_type"
+            | "array_type"
+            | "integral_type"
+            | "floating_point_type"
+            | "boolean_type"
+            | "annotated_type" => ReferenceOf::Type(self.type_name(*before)?),
+            _ if name.is_none() => ReferenceOf::Type(self.type_name_of(*before)?),
+            _ => ReferenceOf::Expression(self.expression(*before)?),
+        };
+        Ok(ExpressionKind::Reference(Arc::new(Reference { line: self.line(node), of, name })))
+    }
+
+    /// The type before `::new`, which the grammar may take for a value.
+    fn type_name_of(&self, node: Node<'_>) -> Result<TypeName, Fault> {
+        match node.kind() {
+            "field_access" => Ok(TypeName::new(self.source(node), 0)),
+            _ => self.type_name(node),
+        }
+    }
+}
+
+/// True if an expression can be a statement.
+fn is_statement(kind: &ExpressionKind) -> bool {
+    matches!(
+        kind,
+        ExpressionKind::Assign { .. }
+            | ExpressionKind::Step { .. }
+            | ExpressionKind::Call { .. }
+            | ExpressionKind::New { .. }
+    )
+}
+
+/// The `return` statements of a lambda body.
+#[derive(Default)]
+struct Returns {
+    a_value: bool,
+    nothing: bool,
+}
+
+impl Returns {
+    fn of_all<'s>(&mut self, statements: impl IntoIterator<Item = &'s Statement>) {
+        for statement in statements {
+            self.of(statement);
+        }
+    }
+
+    fn of(&mut self, statement: &Statement) {
+        match &statement.kind {
+            StatementKind::Return(Some(_)) => self.a_value = true,
+            StatementKind::Return(None) => self.nothing = true,
+            StatementKind::Block(body) | StatementKind::Synchronized { body } => self.of_all(body),
+            StatementKind::If { then, otherwise, .. } => {
+                self.of(then);
+                self.of_all(otherwise.as_deref());
+            }
+            StatementKind::While { body, .. }
+            | StatementKind::DoWhile { body, .. }
+            | StatementKind::For { body, .. }
+            | StatementKind::ForEach { body, .. }
+            | StatementKind::Labelled { body, .. } => self.of(body),
+            StatementKind::Switch { groups, .. } => {
+                self.of_all(groups.iter().flat_map(|group| &group.body));
+            }
+            StatementKind::Try { body, catches, finally, .. } => {
+                self.of_all(body);
+                self.of_all(catches.iter().flat_map(|catch| &catch.body));
+                self.of_all(finally.iter().flatten());
+            }
+            _ => {}
+        }
+    }
+}
+
+fn can_complete(statements: &[Statement]) -> bool {
+    statements.last().is_none_or(completes)
+}
+
+/// True if a statement may complete normally (JLS 14.22), without regard to `break`.
+pub(crate) fn completes(statement: &Statement) -> bool {
+    let is_true = |condition: &Expression| {
+        matches!(condition.kind, ExpressionKind::Literal(crate::syntax::Literal::Boolean(true)))
+    };
+    match &statement.kind {
+        StatementKind::Return(_)
+        | StatementKind::Throw(_)
+        | StatementKind::Yield(_)
+        | StatementKind::Break(_)
+        | StatementKind::Continue(_) => false,
+        StatementKind::Block(body) | StatementKind::Synchronized { body } => can_complete(body),
+        StatementKind::If { then, otherwise: Some(otherwise), .. } => {
+            completes(then) || completes(otherwise)
+        }
+        StatementKind::While { condition, .. } | StatementKind::DoWhile { condition, .. } => {
+            !is_true(condition)
+        }
+        StatementKind::For { condition, .. } => condition.as_ref().is_some_and(|own| !is_true(own)),
+        StatementKind::Labelled { body, .. } => completes(body),
+        StatementKind::Switch { groups, .. } => {
+            let has_default = groups
+                .iter()
+                .flat_map(|group| &group.labels)
+                .any(|label| matches!(label, crate::syntax::Label::Default));
+            !has_default || groups.iter().any(|group| can_complete(&group.body))
+        }
+        StatementKind::Try { body, catches, finally, .. } => {
+            finally.as_ref().is_none_or(|own| can_complete(own))
+                && (can_complete(body) || catches.iter().any(|own| can_complete(&own.body)))
+        }
+        _ => true,
+    }
+}
