@@ -39,7 +39,8 @@ impl Robotics<'_> {
             return self.call_robot(&own, name, arguments).map(Some);
         }
         if base == "Thread" {
-            return self.call_thread(Some(object), name, arguments).map(Some);
+            let own = Value::Object(Rc::clone(object));
+            return self.call_thread(Some(&own), name, arguments).map(Some);
         }
         if !is_task(base) {
             return Ok(None);

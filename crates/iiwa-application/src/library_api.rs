@@ -136,7 +136,7 @@ impl Robotics<'_> {
             return Ok(Some(motion));
         }
         if CONCURRENT.contains(&class) {
-            let task = arguments.iter().find_map(Value::object).cloned();
+            let task = arguments.iter().find(|own| own.is_task()).cloned();
             return Ok(Some(robot(RobotValue::thread(task))));
         }
         if is_condition(class) {

@@ -2,7 +2,7 @@
 
 use std::{any::Any, cell::RefCell, rc::Rc};
 
-use iiwa_java::{HostValue, Object, Unknown, Value};
+use iiwa_java::{HostValue, Unknown, Value};
 use iiwa_kin::{Joints, Load};
 use iiwa_program::Frame;
 
@@ -77,7 +77,7 @@ pub(crate) struct Opaque {
     /// What values that it gives depend on, as "a measured force"; else they are results of methods that are not known.
     pub(crate) gives: Option<Rc<str>>,
     /// The task of a thread or a timer.
-    pub(crate) task: Option<Rc<Object>>,
+    pub(crate) task: Option<Value>,
 }
 
 impl RobotValue {
@@ -111,7 +111,7 @@ impl RobotValue {
     }
 
     /// A thread, a timer or an executor; a thread has a task.
-    pub(crate) fn thread(task: Option<Rc<Object>>) -> Self {
+    pub(crate) fn thread(task: Option<Value>) -> Self {
         Self::Opaque(Rc::new(Opaque { class: Rc::from("Thread"), gives: None, task }))
     }
 

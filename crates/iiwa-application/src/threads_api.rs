@@ -2,7 +2,7 @@
 
 use std::rc::Rc;
 
-use iiwa_java::{Object, Stop, Unknown, Value};
+use iiwa_java::{Stop, Unknown, Value};
 
 use crate::robotics::Robotics;
 
@@ -27,7 +27,7 @@ impl Robotics<'_> {
     /// A method of a thread, a timer or an executor; `own` is the thread itself, or its task.
     pub(crate) fn call_thread(
         &mut self,
-        own: Option<&Rc<Object>>,
+        own: Option<&Value>,
         name: &str,
         arguments: &[Value],
     ) -> Result<Value, Stop> {
@@ -42,7 +42,7 @@ impl Robotics<'_> {
                 | "scheduleWithFixedDelay",
                 _,
             ) => {
-                let given = arguments.iter().find_map(Value::object).or(own).cloned();
+                let given = arguments.iter().find(|own| own.is_task()).or(own).cloned();
                 self.start(given.as_ref())
             }
             ("sleep", [amount]) => self.sleep_ms(amount),
@@ -57,7 +57,7 @@ impl Robotics<'_> {
     }
 
     /// Starts a task: it is left out if it neither moves the arm nor interferes with motions; what it sets is unknown then.
-    fn start(&mut self, task: Option<&Rc<Object>>) -> Result<Value, Stop> {
+    fn start(&mut self, task: Option<&Value>) -> Result<Value, Stop> {
         let unknown = Unknown { reason: "what a thread does".to_owned(), place: self.here.clone() };
         let unknown = Rc::new(unknown);
         let effects = task.and_then(|task| self.start_task(task, &INTERFERING, &unknown));
