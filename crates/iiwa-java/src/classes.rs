@@ -15,6 +15,8 @@ pub struct Classes {
     units: Vec<Header>,
     /// By `package.Class` or `package.Class.Inner`.
     by_qualified_name: HashMap<String, Vec<ClassId>>,
+    /// Methods, and constructors by the names of their classes.
+    by_method_name: HashMap<String, Vec<Arc<Method>>>,
     /// The class that is run: copies of classes beside it are preferred to copies in other source folders.
     main: Option<ClassId>,
     /// Files that cannot be used, by the name of the class that they should have.
@@ -116,6 +118,10 @@ impl Classes {
         self.known.push(KnownClass { class: class_of_file, file, outer, unit, is_in_method });
         let separator = if above.is_empty() { "" } else { "." };
         let qualified = format!("{above}{separator}{}", class.name);
+        for method in class.methods.iter().chain(&class.constructors) {
+            let named = self.by_method_name.entry(method.name.clone()).or_default();
+            named.push(Arc::clone(method));
+        }
         for inner in &class.classes {
             self.add_class(inner, Some(id), place, &qualified);
         }
@@ -197,19 +203,15 @@ impl Classes {
         })
     }
 
+    /// The methods of this name, and the constructors of classes of this name, of all classes.
+    pub(crate) fn named_methods(&self, name: &str) -> &[Arc<Method>] {
+        self.by_method_name.get(name).map_or(&[], Vec::as_slice)
+    }
+
     /// True if a class has several methods of this name, or several constructors, if it is that of a class; those that inherit
     /// from it count as well.
     pub(crate) fn is_overloaded(&self, name: &str) -> bool {
-        let mut count = 0;
-        for KnownClass { class, .. } in &self.known {
-            let own = class.methods.iter().filter(|own| own.name == name).count();
-            let constructors = if class.name == name { class.constructors.len() } else { 0 };
-            count += own + constructors;
-            if count > 1 {
-                return true;
-            }
-        }
-        false
+        self.named_methods(name).len() > 1
     }
 
     /// The class above, if it is of the project.

@@ -85,18 +85,12 @@ impl Machine {
         }
         // Where methods call each other in a circle, nothing new is found the second time.
         self.java.effects.insert(name.to_owned(), Effects::default());
-        let classes: Vec<_> = {
-            let classes = &self.java.classes;
-            classes.ids().map(|id| std::sync::Arc::clone(&classes.known(id).class)).collect()
-        };
         let mut found = Effects::default();
-        for class in classes {
-            for method in class.methods.iter().chain(&class.constructors) {
-                if let (true, Some(body)) = (method.name == name, &method.body) {
-                    let own = self.effects_of(body);
-                    found.add(&own);
-                    found.returns.extend(own.returns);
-                }
+        for method in self.java.classes.named_methods(name).to_vec() {
+            if let Some(body) = &method.body {
+                let own = self.effects_of(body);
+                found.add(&own);
+                found.returns.extend(own.returns);
             }
         }
         for function in self.functions_behind(name) {
@@ -111,10 +105,8 @@ impl Machine {
 impl Machine {
     /// The functions that a call of a method of this name may run.
     fn functions_behind(&self, name: &str) -> Vec<FunctionSyntax> {
-        let classes = &self.java.classes;
-        let methods = classes.ids().flat_map(|id| &classes.known(id).class.methods);
-        let mut abstract_methods = methods.filter(|own| own.name == name && own.body.is_none());
-        let is_abstract = abstract_methods.next().is_some();
+        let methods = self.java.classes.named_methods(name);
+        let is_abstract = methods.iter().any(|own| own.body.is_none());
         let functions = self.java.functions.values();
         let is_behind = |own: &&FunctionSyntax| {
             let parameters = match own {

@@ -77,6 +77,13 @@ impl Machine {
             "Comparator" | "Function" | "UnaryOperator" | "Predicate" | "Entry" => {
                 self.of_interface_class(class, name, arguments)
             }
+            "Stream" | "IntStream" | "LongStream" | "DoubleStream" => {
+                self.of_stream_class(class, name, arguments)?
+            }
+            "Collectors" => Self::of_collectors(name, arguments),
+            "Optional" | "OptionalInt" | "OptionalLong" | "OptionalDouble" => {
+                self.of_optional_class(name, arguments)?
+            }
             _ => None,
         })
     }

@@ -6,6 +6,7 @@ use crate::{
     function::Combined,
     machine::Machine,
     stop::Stop,
+    stream::StreamKind,
     type_names::is_primitive,
     unknown::Unknown,
     value::{Array, List, ListKind, Value, View},
@@ -28,6 +29,9 @@ impl Machine {
         if let Some(value) = self.run_by_library(receiver, name, arguments)? {
             return Ok(value);
         }
+        if let (Value::List(_) | Value::Map(_), "stream", []) = (receiver, name, arguments) {
+            return Ok(Self::stream_of(StreamKind::Object, receiver.clone()));
+        }
         let found = match receiver {
             Value::Text(text) => {
                 if let Some(unknown) = arguments.iter().find(|own| own.unknown().is_some()) {
@@ -48,6 +52,14 @@ impl Machine {
                 } else {
                     self.of_map(receiver, &map, name, arguments)?
                 }
+            }
+            Value::Stream(stream) => {
+                let stream = Rc::clone(stream);
+                self.of_stream(&stream, name, arguments)?
+            }
+            Value::Optional(own) => {
+                let own = Rc::clone(own);
+                self.of_optional(&own, name, arguments)?
             }
             Value::Iterator(iteration) => {
                 let iteration = Rc::clone(iteration);
@@ -281,6 +293,11 @@ impl Machine {
                 let array = Rc::clone(array);
                 self.set_all(&array, function)?
             }
+            ("Arrays", "stream", [Value::Array(array)]) => {
+                let kind = StreamKind::of_element(&array.element.name);
+                let kind = kind.filter(|_| array.element.dimensions == 0);
+                Self::stream_of(kind.unwrap_or(StreamKind::Object), arguments[0].clone())
+            }
             ("Objects", "isNull", [value]) if value.unknown().is_none() => {
                 Value::Boolean(matches!(value, Value::Null))
             }
@@ -309,17 +326,11 @@ impl Machine {
             }
             ("max" | "min", [values, rest @ ..]) => {
                 let Some(values) = Self::iterated(values) else { return Ok(None) };
-                match self.sorted(values, rest.first())? {
+                match self.extreme(values, rest.first(), name == "max", false)? {
                     Err(unknown) => Value::Unknown(unknown),
-                    Ok(sorted) => {
-                        let found = if name == "max" { sorted.last() } else { sorted.first() };
-                        match found {
-                            Some(value) => value.clone(),
-                            None => {
-                                return self
-                                    .throw("NoSuchElementException", "a collection is empty");
-                            }
-                        }
+                    Ok(Some(value)) => value,
+                    Ok(None) => {
+                        return self.throw("NoSuchElementException", "a collection is empty");
                     }
                 }
             }

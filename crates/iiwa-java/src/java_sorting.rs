@@ -108,6 +108,31 @@ impl Machine {
         Ok(sorted)
     }
 
+    /// The greatest or the least of elements, the first of equal ones; none of no elements.
+    pub(crate) fn extreme(
+        &mut self,
+        values: Vec<Value>,
+        comparator: Option<&Value>,
+        is_max: bool,
+        is_candidate_first: bool,
+    ) -> Result<Known<Option<Value>>, Stop> {
+        let wanted = if is_max == is_candidate_first { Ordering::Less } else { Ordering::Greater };
+        let mut values = values.into_iter();
+        let Some(mut candidate) = values.next() else { return Ok(Ok(None)) };
+        if let Value::Unknown(unknown) = &candidate {
+            return Ok(Err(Rc::clone(unknown)));
+        }
+        for next in values {
+            let (a, b) = if is_candidate_first { (&candidate, &next) } else { (&next, &candidate) };
+            match self.order_of_elements(comparator, a, b)? {
+                Ok(order) if order == wanted => candidate = next,
+                Ok(_) => {}
+                Err(unknown) => return Ok(Err(unknown)),
+            }
+        }
+        Ok(Ok(Some(candidate)))
+    }
+
     fn merge_sorted(
         &mut self,
         mut values: Vec<Value>,
@@ -152,6 +177,12 @@ impl Machine {
                 self.call_on_object(object, "equals", std::slice::from_ref(b))?
             }
             (Value::Object(_), Value::Object(_)) => return self.are_equal_records(a, b),
+            (Value::Optional(first), Value::Optional(second)) => {
+                return match (&**first, &**second) {
+                    (Some(a), Some(b)) => self.are_equal(a, b),
+                    (a, b) => Ok(Ok(a.is_none() == b.is_none())),
+                };
+            }
             (Value::Host(_), _) if !a.is_same(b) => {
                 self.call_on(a, "equals", std::slice::from_ref(b))?
             }

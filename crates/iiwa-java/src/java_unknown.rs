@@ -5,6 +5,7 @@ use std::rc::Rc;
 use crate::{
     machine::Machine,
     stop::Stop,
+    stream::Stage,
     unknown::Unknown,
     value::{Value, View},
 };
@@ -114,6 +115,11 @@ impl Machine {
             match value {
                 Value::Object(object) => self.may_be_called(object, name, unknown)?,
                 Value::Function(_) => self.may_be_run(value, name, unknown)?,
+                Value::Stream(stream) => {
+                    for function in stream.stages.iter().filter_map(Stage::function) {
+                        self.may_be_run(function, name, unknown)?;
+                    }
+                }
                 _ => self.spoil(value, unknown),
             }
         }

@@ -83,7 +83,7 @@ impl Machine {
         Ok(value.cast_to(wanted))
     }
 
-    fn is_of_project(&self, wanted: &TypeName) -> bool {
+    pub(crate) fn is_of_project(&self, wanted: &TypeName) -> bool {
         let within = self.java.activation().map(|own| own.class);
         within.is_some_and(|own| self.java.classes.find(&wanted.name, own).is_some())
     }

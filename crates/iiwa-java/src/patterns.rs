@@ -112,6 +112,7 @@ impl Machine {
                 _ if simple == "Object" => Value::Boolean(true),
                 _ => self.unknown(not_known()),
             },
+            _ if self.is_of_project(type_name) => Value::Boolean(false),
             Value::Int(_) if matches!(simple, "Short" | "Byte") => {
                 self.unknown(format!("whether a number is a {simple}"))
             }

@@ -291,9 +291,8 @@ impl Machine {
 
     /// The types of the results of the project's methods of a name.
     fn declared_results(&self, name: &str) -> Vec<TypeName> {
-        let classes = &self.java.classes;
-        let methods = classes.ids().flat_map(|id| &classes.known(id).class.methods);
-        methods.filter(|own| own.name == name).map(|own| own.returns.clone()).collect()
+        let methods = self.java.classes.named_methods(name).iter();
+        methods.map(|own| own.returns.clone()).collect()
     }
 
     /// True if a number is an object (`Integer`, say), by the type of its expression; none if that is not known.

@@ -202,6 +202,9 @@ impl Machine {
             Value::ForeignClass(name) => format!("class {name}"),
             Value::Host(value) => self.host.text(value),
             Value::Array(_) => return Ok(Err(self.no_text("the text of an array"))),
+            Value::Stream(_) | Value::Collector(_) | Value::Optional(_) => {
+                return Ok(Err(self.no_text(&format!("the text of {}", value.kind()))));
+            }
             Value::Function(function) => {
                 return Ok(Err(self.no_text(&format!("the text of {}", function.kind()))));
             }

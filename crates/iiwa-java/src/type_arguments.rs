@@ -53,15 +53,10 @@ impl Machine {
         if of.dimensions > 0 {
             return Some(of.element());
         }
-        if !COLLECTIONS.contains(&simple(&of.name)) || self.is_of_project_class(&of) {
+        if !COLLECTIONS.contains(&simple(&of.name)) || self.is_of_project(&of) {
             return None;
         }
         self.erased(argument(&of, 0)?)
-    }
-
-    fn is_of_project_class(&self, own: &TypeName) -> bool {
-        let within = self.java.activation().map(|own| own.class);
-        within.is_some_and(|within| self.java.classes.find(&own.name, within).is_some())
     }
 
     /// The type of the result of a method of Java's library; none if it is not known.
@@ -71,7 +66,7 @@ impl Machine {
         name: &str,
         arguments: usize,
     ) -> Option<TypeName> {
-        if of.dimensions > 0 || self.is_of_project_class(of) {
+        if of.dimensions > 0 || self.is_of_project(of) {
             return None;
         }
         let class = simple(&of.name);

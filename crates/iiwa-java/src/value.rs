@@ -7,7 +7,12 @@ use std::{
 };
 
 use crate::{
-    class_id::ClassId, function::Function, host_value::HostValue, place::Place, syntax::TypeName,
+    class_id::ClassId,
+    function::Function,
+    host_value::HostValue,
+    place::Place,
+    stream::{Collector, Stream},
+    syntax::TypeName,
     unknown::Unknown,
 };
 
@@ -52,6 +57,12 @@ pub enum Value {
     ForeignClass(Rc<str>),
     /// A lambda expression or a method reference.
     Function(Rc<Function>),
+    /// A `Stream`, `IntStream` or the like.
+    Stream(Rc<Stream>),
+    /// One of `Collectors`.
+    Collector(Rc<Collector>),
+    /// An `Optional` or the like.
+    Optional(Rc<Option<Value>>),
     /// Of a class of the host.
     Host(Rc<dyn HostValue>),
     /// What cannot be known before the program runs.
@@ -343,6 +354,9 @@ impl Value {
                 Rc::ptr_eq(a, b) || functions.is_some_and(|(a, b)| Rc::ptr_eq(a, b))
             }
             (Self::Function(a), Self::Function(b)) => Rc::ptr_eq(a, b),
+            (Self::Stream(a), Self::Stream(b)) => Rc::ptr_eq(a, b),
+            (Self::Collector(a), Self::Collector(b)) => Rc::ptr_eq(a, b),
+            (Self::Optional(a), Self::Optional(b)) => Rc::ptr_eq(a, b),
             (Self::Function(a), Self::Object(object))
             | (Self::Object(object), Self::Function(a)) => {
                 object.function.as_ref().is_some_and(|own| Rc::ptr_eq(a, own))
@@ -397,6 +411,9 @@ impl Value {
             Self::Exception(_) => "an exception".to_owned(),
             Self::Class(_) | Self::ForeignClass(_) => "a class".to_owned(),
             Self::Function(function) => function.kind().to_owned(),
+            Self::Stream(_) => "a stream".to_owned(),
+            Self::Collector(_) => "a collector".to_owned(),
+            Self::Optional(_) => "an optional value".to_owned(),
             Self::Host(value) => value.kind().to_owned(),
             Self::Unknown(unknown) => unknown.to_string(),
         }
