@@ -2,6 +2,7 @@
 
 mod cases;
 mod evaluation;
+mod functions;
 mod java_library;
 mod loops;
 mod projects;

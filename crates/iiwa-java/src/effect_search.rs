@@ -93,9 +93,6 @@ impl Machine {
                 found.returns.extend(own.returns);
             }
         }
-        for function in self.functions_behind(name) {
-            found.add(&self.effects_of_syntax(&function));
-        }
         (found.leaves, found.continues) = (false, false);
         self.java.effects.insert(name.to_owned(), found.clone());
         found
@@ -103,17 +100,33 @@ impl Machine {
 }
 
 impl Machine {
-    /// The functions that a call of a method of this name may run.
-    fn functions_behind(&self, name: &str) -> Vec<FunctionSyntax> {
+    /// The effects of the functions that a call of a method of this name, with this number of arguments, may run.
+    fn effects_of_functions(&mut self, name: &str, arguments: usize) -> Effects {
+        let key = format!("{name}/{arguments}");
+        if let Some(known) = self.java.effects.get(&key) {
+            return known.clone();
+        }
+        self.java.effects.insert(key.clone(), Effects::default());
+        let mut found = Effects::default();
+        for function in self.functions_behind(name, arguments) {
+            found.add(&self.effects_of_syntax(&function));
+        }
+        self.java.effects.insert(key, found.clone());
+        found
+    }
+
+    /// The functions that a call may run.
+    fn functions_behind(&self, name: &str, arguments: usize) -> Vec<FunctionSyntax> {
         let methods = self.java.classes.named_methods(name);
-        let is_abstract = methods.iter().any(|own| own.body.is_none());
+        let is_abstract =
+            methods.iter().any(|own| own.body.is_none() && own.parameters.len() == arguments);
         let functions = self.java.functions.values();
         let is_behind = |own: &&FunctionSyntax| {
             let parameters = match own {
                 FunctionSyntax::Lambda(lambda) => Some(lambda.parameters.len()),
                 FunctionSyntax::Reference(_) => None,
             };
-            is_abstract || may_run(name, parameters)
+            is_abstract || may_run(name, arguments, parameters)
         };
         functions.filter(is_behind).cloned().collect()
     }
@@ -312,7 +325,7 @@ impl<'m> Search<'m> {
                     }
                 }
                 self.expressions(arguments);
-                let changes = self.called(name);
+                let changes = self.called(name, arguments.len());
                 let on = on.as_deref().and_then(base_name);
                 if changes || on.is_some_and(|class| CHANGING_ARGUMENTS.contains(&class)) {
                     for argument in arguments {
@@ -323,7 +336,7 @@ impl<'m> Search<'m> {
             }
             ExpressionKind::New { type_name, arguments, body } => {
                 self.expressions(arguments);
-                self.called(crate::classes::simple(&type_name.name));
+                self.called(crate::classes::simple(&type_name.name), arguments.len());
                 if let Some(class) = body {
                     self.initializers(class);
                     self.methods(class);
@@ -394,12 +407,14 @@ impl<'m> Search<'m> {
         match (&reference.of, &reference.name) {
             (ReferenceOf::Expression(of), _) => self.expression(of),
             (ReferenceOf::Type(own), None) => {
-                self.called(crate::classes::simple(&own.name));
+                self.called(crate::classes::simple(&own.name), 0);
             }
             (ReferenceOf::Type(_), Some(_)) => {}
         }
         if let Some(name) = &reference.name {
-            self.called(name);
+            for arguments in 0..=2 {
+                self.called(name, arguments);
+            }
             if let ReferenceOf::Expression(of) = &reference.of
                 && CHANGING.iter().any(|beginning| name.starts_with(beginning))
             {
@@ -420,7 +435,7 @@ impl<'m> Search<'m> {
 
     /// A call of a method of the project, if there is one of this name; whether it changes the contents of something, perhaps
     /// of its arguments.
-    fn called(&mut self, name: &str) -> bool {
+    fn called(&mut self, name: &str, arguments: usize) -> bool {
         self.found.calls.insert(name.to_owned());
         if self.machine.host.acting().contains(&name) {
             let is_pause = self.machine.host.pausing().contains(&name);
@@ -428,7 +443,8 @@ impl<'m> Search<'m> {
             self.found.action = self.found.action.max(action);
             return false;
         }
-        let own = self.machine.effects_of_method(name);
+        let mut own = self.machine.effects_of_method(name);
+        own.add(&self.machine.effects_of_functions(name, arguments));
         self.found.add(&own);
         !own.changes.is_empty()
     }

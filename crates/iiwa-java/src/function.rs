@@ -20,6 +20,8 @@ pub struct Function {
     pub(crate) locals: Vec<Local>,
     pub(crate) line: u32,
     pub(crate) code: Code,
+    /// The levels of functions of which it is made.
+    pub(crate) depth: usize,
     /// Its interface, if that is one of Java's own and known by now.
     pub(crate) interface: OnceCell<TypeName>,
 }

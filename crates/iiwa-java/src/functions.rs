@@ -24,6 +24,9 @@ use crate::{
     value::{Object, Value},
 };
 
+/// Levels of functions that are made of functions: running one takes stack for each.
+const MAX_LEVELS: usize = 1000;
+
 impl Machine {
     /// The value of a lambda expression.
     pub(crate) fn lambda(&mut self, lambda: &Arc<Lambda>) -> Value {
@@ -52,12 +55,24 @@ impl Machine {
         let activation = self.java.activation();
         let class = activation.map_or(ClassId(0), |own| own.class);
         let this = activation.and_then(|own| own.this.clone());
-        let locals = match code {
-            Code::Combined(_) => Vec::new(),
-            _ => activation.map_or(Vec::new(), |own| own.locals.clone()),
+        let names = match &code {
+            Code::Lambda(lambda) => &lambda.names[..],
+            Code::Reference(reference, _) => &reference.names,
+            Code::Combined(_) => &[],
         };
+        let locals = activation.map_or(&[][..], |own| &own.locals).iter();
+        let locals = locals.filter(|own| names.binary_search(&own.name).is_ok()).cloned().collect();
+        let depth = match &code {
+            Code::Combined(combined) => {
+                1 + combined.parts().into_iter().map(depth).max().unwrap_or(0)
+            }
+            _ => 0,
+        };
+        if depth > MAX_LEVELS {
+            return self.unknown("a function of more than 1000 levels of functions");
+        }
         let interface = OnceCell::new();
-        let function = Function { class, this, locals, line, code, interface };
+        let function = Function { class, this, locals, line, code, depth, interface };
         if let Some(syntax) = function.syntax() {
             let address = match &syntax {
                 FunctionSyntax::Lambda(own) => Arc::as_ptr(own).cast::<()>() as usize,
@@ -156,6 +171,7 @@ impl Machine {
         };
         let arguments = self.as_parameters(interface, arguments)?;
         let name = interface.method;
+        self.count_step()?;
         self.java.argument_types = self
             .java
             .classes
@@ -393,6 +409,15 @@ impl Machine {
             types.resize(arguments.len(), None);
             (name.to_owned(), types)
         });
+    }
+}
+
+/// The levels of functions of which a value is made.
+fn depth(value: &Value) -> usize {
+    match value {
+        Value::Function(own) => own.depth,
+        Value::Object(object) => object.function.as_ref().map_or(0, |own| own.depth),
+        _ => 0,
     }
 }
 

@@ -72,7 +72,7 @@ const ALL: [Interface; 48] = [
 ];
 
 /// Methods of the library, of any class, that run functions which they are given.
-const RUNNING: [&str; 32] = [
+const RUNNING: [&str; 28] = [
     "forEach",
     "forEachOrdered",
     "forEachRemaining",
@@ -98,13 +98,9 @@ const RUNNING: [&str; 32] = [
     "flatMap",
     "filter",
     "peek",
-    "reduce",
-    "collect",
     "anyMatch",
     "allMatch",
     "noneMatch",
-    "max",
-    "min",
 ];
 
 /// The functional interface of a simple name.
@@ -112,13 +108,15 @@ pub(crate) fn interface(name: &str) -> Option<&'static Interface> {
     ALL.iter().find(|own| own.name == name)
 }
 
-/// True if a call of a method of this name may run a function with this number of parameters, which implements an interface of
+/// True if a call of a method with this number of arguments may run a function with this number of parameters, as an interface of
 /// Java's library.
-pub(crate) fn may_run(method: &str, parameters: Option<usize>) -> bool {
-    let is_it = |own: &&Interface| {
-        own.method == method && parameters.is_none_or(|count| count == own.parameters.len())
+pub(crate) fn may_run(method: &str, arguments: usize, parameters: Option<usize>) -> bool {
+    let is_it = |own: &Interface| {
+        own.method == method
+            && own.parameters.len() == arguments
+            && parameters.is_none_or(|count| count == arguments)
     };
-    RUNNING.contains(&method) || ALL.iter().any(|own| is_it(&own))
+    arguments > 0 && RUNNING.contains(&method) || ALL.iter().any(is_it)
 }
 
 impl Interface {

@@ -187,6 +187,7 @@ impl Machine {
         seen: &mut [Vec<Value>],
     ) -> Result<Known<Option<Value>>, Stop> {
         let mut value = value;
+        self.count_step()?;
         for (place, stage) in stages.iter().enumerate() {
             match stage {
                 Stage::Map(function, interface) => {

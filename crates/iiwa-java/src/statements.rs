@@ -49,12 +49,18 @@ impl Machine {
 
     pub(crate) fn statement(&mut self, statement: &Statement) -> Result<Flow, Stop> {
         self.here.line = statement.line;
+        self.count_step()?;
+        self.deeper(|machine| machine.run_statement(statement))
+    }
+
+    /// Counts a statement, or a function that the library runs.
+    pub(crate) fn count_step(&mut self) -> Result<(), Stop> {
         self.java.steps += 1;
         if self.java.steps > MAX_STEPS {
             return self
                 .refuse("the application takes more than 100 000 steps: a loop may have no end");
         }
-        self.deeper(|machine| machine.run_statement(statement))
+        Ok(())
     }
 
     fn run_statement(&mut self, statement: &Statement) -> Result<Flow, Stop> {

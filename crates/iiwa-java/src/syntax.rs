@@ -269,6 +269,8 @@ pub(crate) struct Lambda {
     pub(crate) parameters: Vec<Parameter>,
     /// An expression body is a `return`.
     pub(crate) body: Vec<Statement>,
+    /// The names in it, in order, each once: those of variables that it may capture.
+    pub(crate) names: Vec<String>,
     /// Whether it can implement a method that returns nothing.
     pub(crate) is_void_compatible: bool,
     /// Whether it can implement a method that returns a value.
@@ -282,6 +284,8 @@ pub(crate) struct Reference {
     pub(crate) of: ReferenceOf,
     /// None for `new`.
     pub(crate) name: Option<String>,
+    /// The names in it, in order, each once.
+    pub(crate) names: Vec<String>,
 }
 
 /// The part of a method reference before `::`.

@@ -19,13 +19,21 @@ impl Reader<'_> {
         let line = self.line(node);
         let parameters = self.lambda_parameters(self.field(node, "parameters")?)?;
         let written = self.field(node, "body")?;
+        let names = self.names(written);
         if written.kind() != "block" {
             let expression = self.expression(written)?;
             let is_void_compatible = is_statement(&expression.kind);
             let kind = StatementKind::Return(Some(expression));
             let body = vec![Statement { line: self.line(written), kind }];
             let is_value_compatible = true;
-            return Ok(Lambda { line, parameters, body, is_void_compatible, is_value_compatible });
+            return Ok(Lambda {
+                line,
+                parameters,
+                body,
+                names,
+                is_void_compatible,
+                is_value_compatible,
+            });
         }
         let body = self.block(written)?;
         let mut returns = Returns::default();
@@ -37,6 +45,7 @@ impl Reader<'_> {
             // JLS 15.27.2: it does not complete normally, and returns a value wherever it returns.
             is_value_compatible: !returns.nothing && !can_complete(&body),
             body,
+            names,
         })
     }
 
@@ -71,7 +80,23 @@ impl Reader<'_> {
             _ if name.is_none() => ReferenceOf::Type(self.type_name_of(*before)?),
             _ => ReferenceOf::Expression(self.expression(*before)?),
         };
-        Ok(ExpressionKind::Reference(Arc::new(Reference { line: self.line(node), of, name })))
+        let (line, names) = (self.line(node), self.names(node));
+        Ok(ExpressionKind::Reference(Arc::new(Reference { line, of, name, names })))
+    }
+
+    /// The names in a node, in order, each once.
+    fn names(&self, node: Node<'_>) -> Vec<String> {
+        let mut names = Vec::new();
+        let mut open = vec![node];
+        while let Some(node) = open.pop() {
+            if matches!(node.kind(), "identifier" | "type_identifier") {
+                names.push(self.source(node).to_owned());
+            }
+            open.extend(named(node));
+        }
+        names.sort_unstable();
+        names.dedup();
+        names
     }
 
     /// The type before `::new`, which the grammar may take for a value.

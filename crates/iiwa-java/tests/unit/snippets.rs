@@ -363,3 +363,35 @@ fn with_patterns_of_switches() {
     let lines = [&members[..], &thrown[..], &["return n;"]].concat();
     assert_eq!(evaluated(&source(&lines)), Ok("throws NullPointerException".to_owned()));
 }
+
+#[test]
+fn with_functions_that_would_fill_time_or_stack() {
+    let cases = [
+        (
+            "IntUnaryOperator f = x -> x + 1; for (int i = 0; i < 40; i++) f = f.andThen(f); return f.applyAsInt(0);",
+            "steps",
+        ),
+        (
+            "Function<Integer, Integer> f = Function.identity(); for (int i = 0; i < 40; i++) f = f.andThen(f); return f.apply(0);",
+            "steps",
+        ),
+        (
+            "UnaryOperator<Integer> f = x -> x; for (int i = 0; i < 2000; i++) f = f.andThen(x -> x + 1); return f.apply(0);",
+            "levels of functions",
+        ),
+        (
+            "Runnable[] r = new Runnable[1]; r[0] = () -> r[0].run(); r[0].run(); return 1;",
+            "100 calls deep",
+        ),
+        ("return IntStream.range(0, 2000000).count();", "a million elements"),
+        ("return IntStream.range(0, 900000).map(Math::abs).sum();", "steps"),
+    ];
+    let run = move || {
+        for (body, reason) in cases {
+            let found = evaluated(&source(&[body]));
+            assert!(found.as_ref().is_err_and(|own| own.contains(reason)), "{body}: {found:?}");
+        }
+    };
+    let machine = thread::Builder::new().stack_size(64 << 20);
+    machine.spawn(run).expect("a thread").join().expect("values");
+}
