@@ -12,7 +12,7 @@ const TO: &str =
 
 #[test]
 fn functions_move_the_arm_where_they_are_run() {
-    let cases: [(&str, &str, &[f64]); 16] = [
+    let cases: [(&str, &str, &[f64]); 17] = [
         ("", "Arrays.asList(0.1, 0.2).forEach(a -> MOVE(a)!);", &[0.1, 0.2]),
         ("", "Runnable r = () -> MOVE(0.1)!; MOVE(0.2)!; r.run();", &[0.2, 0.1]),
         (
@@ -75,6 +75,11 @@ fn functions_move_the_arm_where_they_are_run() {
             "getApplicationUI().createUserKeyBar(\"a\").addUserKey(0, (key, event) -> MOVE(0.9)!, true); MOVE(0.1)!;",
             &[0.1],
         ),
+        (
+            "double y = 0;",
+            "Supplier<Double> s = () -> 0.1; Runnable r = () -> MOVE(0.3)!; if (System.nanoTime() > 5) y = s.get(); r.run();",
+            &[0.3],
+        ),
         ("", "new Thread(() -> System.out.println(\"a\")).start(); MOVE(0.1)!;", &[0.1]),
     ];
     for (members, run, expected) in cases {
@@ -116,6 +121,9 @@ fn functions_that_may_be_run_are_not_passed_over() {
             "the order of comparisons, in which the arm moves",
         ),
         ("new Thread(() -> x = 0.3).start(); MOVE(x)!;", "what a thread does"),
+        ("new Camera(() -> x = 0.3); MOVE(x)!;", "a `Camera`, of a library without source"),
+        ("new Camera(this::back);", "`Camera` may run a method reference, in which the arm moves"),
+        ("new Camera().listener = () -> x = 0.3; MOVE(x)!;", "a field of a library without source"),
         (
             "new Camera().onImage(() -> x = 0.3); MOVE(x)!;",
             "a `Camera`, of a library without source",

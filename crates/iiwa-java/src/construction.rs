@@ -64,7 +64,11 @@ impl Machine {
             return Ok(value);
         }
         self.may_act_with(class, arguments);
-        Ok(self.unknown(format!("a `{class}`, of a library without source")))
+        let result = self.unknown(format!("a `{class}`, of a library without source"));
+        let functions = arguments.iter().filter(|own| own.function().is_some());
+        let functions: Vec<_> = functions.cloned().collect();
+        self.after_unmodelled(None, class, &functions, &result)?;
+        Ok(result)
     }
 
     /// A class that is declared in this method.

@@ -5,8 +5,8 @@ use std::rc::Rc;
 
 use crate::{
     effects::{Action, Effects},
-    function::{Code, FunctionSyntax},
-    interfaces::may_run,
+    function::{Code, FunctionSyntax, KnownFunction},
+    interfaces::{may_run, runs_any},
     machine::Machine,
     syntax::{
         Class, Expression, ExpressionKind, Label, Member, Reference, ReferenceOf, Statement,
@@ -121,14 +121,17 @@ impl Machine {
         let is_abstract =
             methods.iter().any(|own| own.body.is_none() && own.parameters.len() == arguments);
         let functions = self.java.functions.values();
-        let is_behind = |own: &&FunctionSyntax| {
-            let parameters = match own {
+        let is_behind = |own: &&KnownFunction| {
+            let parameters = match &own.syntax {
                 FunctionSyntax::Lambda(lambda) => Some(lambda.parameters.len()),
                 FunctionSyntax::Reference(_) => None,
             };
-            is_abstract || may_run(name, arguments, parameters)
+            let methods = own.methods.borrow();
+            let is_it = methods.is_empty() || methods.contains(name);
+            runs_any(name, arguments)
+                || is_it && (is_abstract || may_run(name, arguments, parameters))
         };
-        functions.filter(is_behind).cloned().collect()
+        functions.filter(is_behind).map(|own| own.syntax.clone()).collect()
     }
 
     fn effects_of_syntax(&mut self, function: &FunctionSyntax) -> Effects {

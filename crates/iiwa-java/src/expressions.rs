@@ -333,6 +333,11 @@ impl Machine {
         (right, second): (&Expression, &Value),
     ) -> Result<Value, Stop> {
         match operator {
+            BinaryOperator::Equal | BinaryOperator::NotEqual
+                if !first.is_same(second) && may_be_same(first, second) =>
+            {
+                Ok(self.unknown("whether two lambda expressions of a place are the same object"))
+            }
             BinaryOperator::Equal | BinaryOperator::NotEqual if first.is_same(second) => {
                 let is_same = match (first, second) {
                     // Equal texts may be different objects.
@@ -400,6 +405,11 @@ impl Machine {
         let id = self.java.classes.by_qualified_name(&names.join("."));
         Some(id.map_or_else(|| Value::ForeignClass(Rc::from(*last)), Value::Class))
     }
+}
+
+/// True for functions that a JVM may make one object of.
+pub(crate) fn may_be_same(a: &Value, b: &Value) -> bool {
+    a.function().zip(b.function()).is_some_and(|(a, b)| a.may_be_same(b))
 }
 
 fn of_literal(literal: &Literal) -> Value {

@@ -1,6 +1,11 @@
 //! Lambda expressions and method references as values.
 
-use std::{cell::OnceCell, rc::Rc, sync::Arc};
+use std::{
+    cell::{OnceCell, RefCell},
+    collections::BTreeSet,
+    rc::Rc,
+    sync::Arc,
+};
 
 use crate::{
     class_id::ClassId,
@@ -87,12 +92,39 @@ pub(crate) enum FunctionSyntax {
     Reference(Arc<Reference>),
 }
 
+/// A function that has been evaluated.
+#[derive(Debug)]
+pub(crate) struct KnownFunction {
+    pub(crate) syntax: FunctionSyntax,
+    /// The names of the abstract methods that it implements; none while its interface is not known.
+    pub(crate) methods: RefCell<BTreeSet<String>>,
+}
+
+impl FunctionSyntax {
+    /// Its place in memory.
+    pub(crate) fn address(&self) -> usize {
+        match self {
+            Self::Lambda(own) => Arc::as_ptr(own).cast::<()>() as usize,
+            Self::Reference(own) => Arc::as_ptr(own).cast::<()>() as usize,
+        }
+    }
+}
+
 impl Function {
     pub(crate) fn kind(&self) -> &'static str {
         match self.code {
             Code::Lambda(..) => "a lambda expression",
             Code::Reference(..) => "a method reference",
             Code::Combined(_) => "a function of Java's library",
+        }
+    }
+
+    /// True if two functions come from the same place of a source: a JVM may make one object of them.
+    pub(crate) fn may_be_same(&self, other: &Self) -> bool {
+        match (&self.code, &other.code) {
+            (Code::Lambda(a), Code::Lambda(b)) => Arc::ptr_eq(a, b),
+            (Code::Reference(a, _), Code::Reference(b, _)) => Arc::ptr_eq(a, b),
+            _ => false,
         }
     }
 

@@ -5,7 +5,7 @@
 
 use std::{
     cell::{OnceCell, RefCell},
-    collections::HashMap,
+    collections::{HashMap, hash_map::Entry},
     rc::Rc,
     sync::Arc,
 };
@@ -13,8 +13,9 @@ use std::{
 use crate::{
     class_id::ClassId,
     classes::simple,
-    function::{Code, Function, FunctionSyntax},
+    function::{Code, Function, KnownFunction},
     interfaces::{Interface, interface},
+    java_state::Local,
     library_calls::class_of_value,
     machine::Machine,
     stop::Stop,
@@ -61,7 +62,11 @@ impl Machine {
             Code::Combined(_) => &[],
         };
         let locals = activation.map_or(&[][..], |own| &own.locals).iter();
-        let locals = locals.filter(|own| names.binary_search(&own.name).is_ok()).cloned().collect();
+        let is_named = |own: &&Local| names.binary_search(&own.name).is_ok();
+        // A class of the method sees all variables around it.
+        let has_class =
+            locals.clone().filter(is_named).any(|own| matches!(own.value, Value::Class(_)));
+        let locals = locals.filter(|own| has_class || is_named(own)).cloned().collect();
         let depth = match &code {
             Code::Combined(combined) => {
                 1 + combined.parts().into_iter().map(depth).max().unwrap_or(0)
@@ -74,11 +79,10 @@ impl Machine {
         let interface = OnceCell::new();
         let function = Function { class, this, locals, line, code, depth, interface };
         if let Some(syntax) = function.syntax() {
-            let address = match &syntax {
-                FunctionSyntax::Lambda(own) => Arc::as_ptr(own).cast::<()>() as usize,
-                FunctionSyntax::Reference(own) => Arc::as_ptr(own).cast::<()>() as usize,
-            };
-            if self.java.functions.insert(address, syntax).is_none() {
+            let known = KnownFunction { methods: RefCell::default(), syntax };
+            let address = known.syntax.address();
+            if let Entry::Vacant(place) = self.java.functions.entry(address) {
+                place.insert(known);
                 // What a call may do is more than was found before.
                 self.java.effects.clear();
             }
@@ -101,6 +105,11 @@ impl Machine {
             if self.java.classes.known(class).class.kind != ClassKind::Interface {
                 return same;
             }
+            let own = self.abstract_method(class).map(|(_, own)| own.name.clone());
+            let foreign = || self.foreign_interface(class).map(|own| own.method.to_owned());
+            if let Some(method) = own.or_else(foreign) {
+                self.implements(function, &method);
+            }
             return Value::Object(Rc::new(Object {
                 class,
                 fields: RefCell::default(),
@@ -112,11 +121,20 @@ impl Machine {
                 function: Some(Rc::clone(function)),
             }));
         }
-        if interface(simple(&wanted.name)).is_some() {
+        if let Some(own) = interface(simple(&wanted.name)) {
+            self.implements(function, own.method);
             // The first interface counts: others see the same object.
             _ = function.interface.set(wanted.clone());
         }
         same
+    }
+
+    /// Notes the method by which calls run a function.
+    fn implements(&self, function: &Function, method: &str) {
+        let known = function.syntax().and_then(|own| self.java.functions.get(&own.address()));
+        if let Some(known) = known {
+            known.methods.borrow_mut().insert(method.to_owned());
+        }
     }
 
     /// The abstract method of an interface of the project; none if it has not exactly one.
@@ -180,6 +198,7 @@ impl Machine {
         let result = match function {
             Value::Function(own) => {
                 _ = own.interface.set(TypeName::new(as_interface, 0));
+                self.implements(own, name);
                 self.run_function(own, &arguments, &[])?
             }
             Value::Object(object) => self.call_on_object(object, name, &arguments)?,

@@ -108,6 +108,12 @@ pub(crate) fn interface(name: &str) -> Option<&'static Interface> {
     ALL.iter().find(|own| own.name == name)
 }
 
+/// True if a call of a method of the library with this number of arguments may run a function of any interface.
+pub(crate) fn runs_any(method: &str, arguments: usize) -> bool {
+    // A comparator may run functions that give keys.
+    arguments > 0 && RUNNING.contains(&method) || method == "compare"
+}
+
 /// True if a call of a method with this number of arguments may run a function with this number of parameters, as an interface of
 /// Java's library.
 pub(crate) fn may_run(method: &str, arguments: usize, parameters: Option<usize>) -> bool {
@@ -116,7 +122,7 @@ pub(crate) fn may_run(method: &str, arguments: usize, parameters: Option<usize>)
             && own.parameters.len() == arguments
             && parameters.is_none_or(|count| count == arguments)
     };
-    arguments > 0 && RUNNING.contains(&method) || ALL.iter().any(is_it)
+    ALL.iter().any(is_it)
 }
 
 impl Interface {

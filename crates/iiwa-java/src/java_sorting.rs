@@ -4,6 +4,7 @@ use std::{cmp::Ordering, rc::Rc};
 
 use crate::{
     effects::Effects,
+    expressions::may_be_same,
     machine::Machine,
     stop::Stop,
     syntax::ClassKind,
@@ -171,6 +172,9 @@ impl Machine {
             }
         }
         let result = match (a, b) {
+            _ if !a.is_same(b) && may_be_same(a, b) => {
+                self.unknown("whether two lambda expressions of a place are the same object")
+            }
             (Value::Object(object), _)
                 if !self.java.classes.methods(object.class, "equals").is_empty() =>
             {

@@ -10,7 +10,7 @@ use crate::{
     class_id::ClassId,
     classes::Classes,
     effects::Effects,
-    function::FunctionSyntax,
+    function::KnownFunction,
     syntax::{Lambda, TypeName, TypeParameter},
     value::{Object, Value},
 };
@@ -37,7 +37,7 @@ pub(crate) struct JavaState {
     /// What methods of a name do, as far as it was asked.
     pub(crate) effects: HashMap<String, Effects>,
     /// Lambda expressions and method references that have been evaluated, by where they are in memory.
-    pub(crate) functions: HashMap<usize, FunctionSyntax>,
+    pub(crate) functions: HashMap<usize, KnownFunction>,
     /// All objects, for what is not known of them any longer.
     pub(crate) objects: Vec<Weak<Object>>,
     /// Assignments that changed something which outlives a turn of the innermost loop.

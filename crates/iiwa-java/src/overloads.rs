@@ -270,6 +270,9 @@ impl Machine {
         function: &Function,
         wanted: &TypeName,
     ) -> Option<u32> {
+        if simple(&wanted.name) == "Object" {
+            return None;
+        }
         let class = self.java.classes.find(&wanted.name, owner);
         let own = class.and_then(|id| self.abstract_method(id));
         let foreign = match class {

@@ -372,6 +372,15 @@ impl Value {
         }
     }
 
+    /// The function that it is, as an interface of the project or of Java's library.
+    pub(crate) fn function(&self) -> Option<&Rc<Function>> {
+        match self {
+            Self::Function(function) => Some(function),
+            Self::Object(object) => object.function.as_ref(),
+            _ => None,
+        }
+    }
+
     /// `equals` of Java, of values whose classes are not of the project: numbers are equal to those of their own type alone.
     #[must_use]
     pub fn is_equal(&self, other: &Self) -> bool {

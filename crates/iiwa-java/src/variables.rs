@@ -331,6 +331,11 @@ impl Machine {
                     *element = value.clone();
                 }
             }
+            Slot::Elsewhere if value.function().is_some() => {
+                let unknown = self.unknown("a field of a library without source");
+                let function = std::slice::from_ref(&value);
+                self.after_unmodelled(None, "a library", function, &unknown)?;
+            }
             Slot::Elsewhere => {}
         }
         Ok(value)
