@@ -181,7 +181,7 @@ pub enum TimingError {
 }
 
 impl TimingError {
-    /// The motion at fault; none of an interrupt.
+    /// The motion at fault, if it is one.
     #[must_use]
     pub fn motion(&self) -> Option<MotionIndex> {
         match self {
@@ -190,7 +190,7 @@ impl TimingError {
             | Self::CurvatureJumps { motion }
             | Self::NotConverged { motion }
             | Self::Stuck { motion } => Some(*motion),
-            Self::Interrupted => None,
+            Self::TooManyRows { .. } | Self::Interrupted => None,
         }
     }
 }
