@@ -6,7 +6,6 @@ use crate::{
     class_id::ClassId,
     classes::simple,
     flow::Flow,
-    function::Function,
     java_lists::REMOVE_ELEMENT,
     java_state::{Activation, MAX_DEPTH},
     machine::Machine,
@@ -14,7 +13,7 @@ use crate::{
     stop::Stop,
     syntax::{ClassKind, Expression, ExpressionKind, Method, TypeName},
     type_names::unboxed,
-    value::{Array, Object, Value},
+    value::{Array, Function, Object, Value},
 };
 
 impl Machine {

@@ -3,11 +3,10 @@
 use std::rc::Rc;
 
 use crate::{
-    function::{Code, Combined},
     interfaces::Interface,
     machine::Machine,
     stop::Stop,
-    value::{MapPart, Value},
+    value::{Code, Combined, MapPart, Value},
 };
 
 impl Machine {

@@ -5,14 +5,14 @@ use std::rc::Rc;
 
 use crate::{
     effects::{Action, Effects},
-    function::{Code, FunctionSyntax, KnownFunction},
+    function::{FunctionSyntax, KnownFunction},
     interfaces::{may_run, runs_any},
     machine::Machine,
     syntax::{
         Class, Expression, ExpressionKind, Label, Member, Reference, ReferenceOf, Statement,
         StatementKind, SwitchGroup,
     },
-    value::Value,
+    value::{Code, Value},
 };
 
 /// Beginnings of the names of methods that change what they are called on.

@@ -1,89 +1,11 @@
 //! Lambda expressions and method references as values.
 
-use std::{
-    cell::{OnceCell, RefCell},
-    collections::BTreeSet,
-    rc::Rc,
-    sync::Arc,
-};
+use std::{cell::RefCell, collections::BTreeSet, sync::Arc};
 
 use crate::{
-    class_id::ClassId,
-    java_state::Local,
-    syntax::{Lambda, Reference, TypeName},
-    value::{Object, Value},
+    syntax::{Lambda, Reference},
+    value::{Code, Combined, Function, Value},
 };
-
-/// An object of a functional interface, of which only the abstract method is given.
-#[derive(Debug)]
-pub struct Function {
-    /// The class in which it is written.
-    pub(crate) class: ClassId,
-    /// `this` where it was evaluated.
-    pub(crate) this: Option<Rc<Object>>,
-    /// The local variables around it.
-    pub(crate) locals: Vec<Local>,
-    pub(crate) line: u32,
-    pub(crate) code: Code,
-    /// The levels of functions of which it is made.
-    pub(crate) depth: usize,
-    /// Its interface, if that is one of Java's own and known by now.
-    pub(crate) interface: OnceCell<TypeName>,
-}
-
-#[derive(Debug)]
-pub(crate) enum Code {
-    Lambda(Arc<Lambda>),
-    /// With the value before `::`, if it is a value.
-    Reference(Arc<Reference>, Option<Value>),
-    Combined(Combined),
-}
-
-/// Functions that methods of Java's functional interfaces make.
-#[derive(Debug)]
-pub(crate) enum Combined {
-    /// `Function.identity()`.
-    Identity,
-    /// `second` gets the result of `first`, which implements this interface.
-    Chain {
-        first: Value,
-        interface: Rc<str>,
-        second: Value,
-    },
-    /// Both get the arguments.
-    Both {
-        first: Value,
-        second: Value,
-        interface: Rc<str>,
-    },
-    Not {
-        of: Value,
-        interface: Rc<str>,
-    },
-    And {
-        first: Value,
-        second: Value,
-        interface: Rc<str>,
-    },
-    Or {
-        first: Value,
-        second: Value,
-        interface: Rc<str>,
-    },
-    /// A comparator by keys, which `key` gives as this interface; `order` is their comparator, if it is not the natural one.
-    ByKey {
-        key: Value,
-        interface: Rc<str>,
-        order: Option<Value>,
-    },
-    /// A comparator by keys or values of a map's entries.
-    ByEntry {
-        is_key: bool,
-    },
-    Reversed(Value),
-    /// A comparator, and one for what is equal by it.
-    Then(Value, Value),
-}
 
 /// The code of a function, for the search for its effects.
 #[derive(Clone, Debug)]

@@ -13,16 +13,15 @@ use std::{
 use crate::{
     class_id::ClassId,
     classes::simple,
-    function::{Code, Function, KnownFunction},
+    function::KnownFunction,
     interfaces::{Interface, interface},
-    java_state::Local,
     library_calls::class_of_value,
     machine::Machine,
     stop::Stop,
     syntax::{
         ClassKind, Expression, ExpressionKind, Lambda, Method, Reference, ReferenceOf, TypeName,
     },
-    value::{Object, Value},
+    value::{Code, Function, Local, Object, Value},
 };
 
 /// Levels of functions that are made of functions: running one takes stack for each.

@@ -3,13 +3,11 @@
 use std::{cell::RefCell, rc::Rc};
 
 use crate::{
-    function::Combined,
     machine::Machine,
     stop::Stop,
-    stream::StreamKind,
     type_names::is_primitive,
     unknown::Unknown,
-    value::{Array, List, ListKind, Value, View},
+    value::{Array, Combined, List, ListKind, StreamKind, Value, View},
 };
 
 /// Elements of a collection: more would fill memory, and no program has them.

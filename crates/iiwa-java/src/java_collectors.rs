@@ -5,8 +5,7 @@ use std::{cell::RefCell, rc::Rc};
 use crate::{
     machine::Machine,
     stop::Stop,
-    stream::Collector,
-    value::{Map, Value},
+    value::{Collector, Map, Value},
 };
 
 impl Machine {

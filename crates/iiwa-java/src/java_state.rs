@@ -12,7 +12,7 @@ use crate::{
     effects::Effects,
     function::KnownFunction,
     syntax::{Lambda, TypeName, TypeParameter},
-    value::{Object, Value},
+    value::{Local, Object, Value},
 };
 
 /// Statements that an application may take.
@@ -62,17 +62,6 @@ pub(crate) struct Activation {
     pub(crate) lambda: Option<Arc<Lambda>>,
     /// The type variables that the method declares.
     pub(crate) type_parameters: Vec<TypeParameter>,
-}
-
-/// A local variable.
-#[derive(Clone, Debug)]
-pub(crate) struct Local {
-    pub(crate) name: String,
-    /// None if it takes any value.
-    pub(crate) type_name: Option<TypeName>,
-    pub(crate) value: Value,
-    /// True once the program has given it a value.
-    pub(crate) is_assigned: bool,
 }
 
 impl JavaState {

@@ -8,11 +8,10 @@ use crate::{
     java_sorting::Known,
     machine::Machine,
     stop::Stop,
-    stream::{Stage, Stream, StreamKind},
-    value::{List, ListKind, Value},
+    value::{List, ListKind, Stage, Stream, StreamKind, Value},
 };
 
-/// Whether a pipeline goes on behind an element, or what that depends on.
+/// Continuation of a pipeline behind an element, or the reason why it is not known.
 type Flowed = Known<bool>;
 
 /// The end of a pipeline.

@@ -5,9 +5,8 @@ use std::rc::Rc;
 use crate::{
     machine::Machine,
     stop::Stop,
-    stream::Stage,
     unknown::Unknown,
-    value::{Value, View},
+    value::{Stage, Value, View},
 };
 
 /// Methods of the library that change nothing, though their results are not known.

@@ -6,7 +6,7 @@
 //! are neither of the project nor of Java's own library are those of a [`Host`], which says what it is to act, too. Steps, depth
 //! and memory are bounded.
 //!
-//! It is no Java for general use: no threads and no reflection.
+//! Threads and reflection are not evaluated.
 
 mod calls;
 mod class_id;
@@ -64,7 +64,6 @@ mod variables;
 
 pub use class_id::ClassId;
 pub use classes::{ClassName, Classes};
-pub use function::Function;
 pub use host_value::HostValue;
 pub use machine::{Host, Machine, Note, Progress};
 pub use place::Place;
@@ -72,8 +71,9 @@ pub use read::read;
 pub use source_error::{SourceError, SourceFault};
 pub use source_text::decode;
 pub use stop::{Refusal, Stop};
-pub use stream::{Collector, Stream};
 pub use syntax::Unit;
 pub use tasks::TaskEffects;
 pub use unknown::Unknown;
-pub use value::{Array, Iteration, List, Map, MapOrder, Object, Thrown, Value};
+pub use value::{
+    Array, Collector, Function, Iteration, List, Map, MapOrder, Object, Stream, Thrown, Value,
+};

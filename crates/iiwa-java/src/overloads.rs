@@ -5,13 +5,12 @@ use std::{rc::Rc, sync::Arc};
 use crate::{
     class_id::ClassId,
     classes::simple,
-    function::{Code, Function},
     interfaces::interface,
     machine::Machine,
     stop::Stop,
     syntax::{Method, TypeName},
     unknown::Unknown,
-    value::{Object, Value},
+    value::{Code, Function, Object, Value},
 };
 
 /// A method and the class in which it stands.
@@ -263,7 +262,7 @@ impl Machine {
         }
     }
 
-    /// How well a function fits an interface (JLS 15.12.2.1).
+    /// Rank of a function as an argument for an interface; none if it does not fit (JLS 15.12.2.1).
     fn fits_interface(
         &self,
         owner: ClassId,

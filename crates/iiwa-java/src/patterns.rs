@@ -16,7 +16,7 @@ use crate::{
 const OF_LISTS: [&str; 4] = ["List", "Collection", "Iterable", "Object"];
 
 impl Machine {
-    /// Whether a value matches a pattern; its variables are declared if it may.
+    /// Match of a value with a pattern, a boolean or unknown; the variables are declared if it may match.
     pub(crate) fn matches(&mut self, value: &Value, pattern: &Pattern) -> Result<Value, Stop> {
         let (type_name, result) = match pattern {
             Pattern::Any => return Ok(Value::Boolean(true)),
@@ -84,7 +84,7 @@ impl Machine {
         wanted.name == "var" || self.widens(component, wanted, false) == Some(true)
     }
 
-    /// Whether a value is of a type; unknown where that is not known.
+    /// Test of a value's type: a boolean, or unknown.
     pub(crate) fn is_instance(&mut self, value: &Value, type_name: &TypeName) -> Value {
         let simple = simple(&type_name.name);
         let not_known = || format!("whether {} is a {simple}", value.kind());

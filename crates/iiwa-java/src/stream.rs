@@ -1,59 +1,9 @@
-//! Streams, collectors and optional values of Java's library.
+//! Kinds and stages of streams.
 
-use std::{cell::Cell, rc::Rc};
-
-use crate::{type_names::plain, value::Value};
-
-/// A stream of `java.util.stream`.
-#[derive(Debug)]
-pub struct Stream {
-    pub(crate) kind: StreamKind,
-    /// The collection or array, which is read by the terminal operation.
-    pub(crate) source: Value,
-    pub(crate) stages: Vec<Stage>,
-    /// True once another operation has taken its elements.
-    pub(crate) is_used: Cell<bool>,
-}
-
-/// The type of a stream's elements.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum StreamKind {
-    Object,
-    Int,
-    Long,
-    Double,
-}
-
-/// An intermediate operation. Functions have the names of their interfaces.
-#[derive(Clone, Debug)]
-pub(crate) enum Stage {
-    Map(Value, Rc<str>),
-    Filter(Value, Rc<str>),
-    Peek(Value, Rc<str>),
-    /// Elements as those of another type.
-    Convert(StreamKind),
-    Limit(usize),
-    Skip(usize),
-    Sorted(Option<Value>),
-    Distinct,
-}
-
-/// A collector of `Collectors`.
-#[derive(Debug)]
-pub enum Collector {
-    /// `toList()`.
-    List,
-    /// `toSet()`.
-    Set,
-    /// `joining(between, before, behind)`.
-    Joining([Rc<str>; 3]),
-    /// `counting()`.
-    Counting,
-    /// `toMap(key, value)`.
-    Map(Value, Value),
-    /// `groupingBy(key)`.
-    Grouping(Value),
-}
+use crate::{
+    type_names::plain,
+    value::{Stage, StreamKind, Value},
+};
 
 impl StreamKind {
     /// The beginning of the names of its functional interfaces.

@@ -116,7 +116,7 @@ impl Machine {
         Ok(Ok(default))
     }
 
-    /// Whether a value is that of a label.
+    /// Comparison of a value with a label: a boolean, or unknown.
     fn is_label(&mut self, value: &Value, label: &Expression) -> Result<Value, Stop> {
         Ok(Value::Boolean(match (value, &label.kind) {
             // Constants of an enum are named without it.

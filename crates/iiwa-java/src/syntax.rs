@@ -265,15 +265,15 @@ pub(crate) enum Pattern {
 #[derive(Debug)]
 pub(crate) struct Lambda {
     pub(crate) line: u32,
-    /// Those without a type have the type `var`.
+    /// Parameters; their type is `var` if none is written.
     pub(crate) parameters: Vec<Parameter>,
     /// An expression body is a `return`.
     pub(crate) body: Vec<Statement>,
     /// The names in it, in order, each once: those of variables that it may capture.
     pub(crate) names: Vec<String>,
-    /// Whether it can implement a method that returns nothing.
+    /// True if it can implement a method that returns nothing.
     pub(crate) is_void_compatible: bool,
-    /// Whether it can implement a method that returns a value.
+    /// True if it can implement a method that returns a value.
     pub(crate) is_value_compatible: bool,
 }
 
@@ -282,7 +282,7 @@ pub(crate) struct Lambda {
 pub(crate) struct Reference {
     pub(crate) line: u32,
     pub(crate) of: ReferenceOf,
-    /// None for `new`.
+    /// The method; none for `new`.
     pub(crate) name: Option<String>,
     /// The names in it, in order, each once.
     pub(crate) names: Vec<String>,

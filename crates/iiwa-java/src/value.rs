@@ -1,18 +1,17 @@
 //! Values of Java, as the evaluator has them.
 
 use std::{
-    cell::{Cell, Ref, RefCell, RefMut},
+    cell::{Cell, OnceCell, Ref, RefCell, RefMut},
     collections::HashMap,
     rc::Rc,
+    sync::Arc,
 };
 
 use crate::{
     class_id::ClassId,
-    function::Function,
     host_value::HostValue,
     place::Place,
-    stream::{Collector, Stream},
-    syntax::TypeName,
+    syntax::{Lambda, Reference, TypeName},
     unknown::Unknown,
 };
 
@@ -227,6 +226,139 @@ pub struct Object {
     pub(crate) message: RefCell<Option<Value>>,
     /// Its abstract method, if it is a lambda expression or a method reference as an interface of the project.
     pub(crate) function: Option<Rc<Function>>,
+}
+
+/// A local variable.
+#[derive(Clone, Debug)]
+pub(crate) struct Local {
+    pub(crate) name: String,
+    /// None if it takes any value.
+    pub(crate) type_name: Option<TypeName>,
+    pub(crate) value: Value,
+    /// True once the program has given it a value.
+    pub(crate) is_assigned: bool,
+}
+
+/// An object of a functional interface, of which only the abstract method is given.
+#[derive(Debug)]
+pub struct Function {
+    /// The class in which it is written.
+    pub(crate) class: ClassId,
+    /// `this` where it was evaluated.
+    pub(crate) this: Option<Rc<Object>>,
+    /// The local variables around it.
+    pub(crate) locals: Vec<Local>,
+    pub(crate) line: u32,
+    pub(crate) code: Code,
+    /// The levels of functions of which it is made.
+    pub(crate) depth: usize,
+    /// Its interface, if that is one of Java's own and known by now.
+    pub(crate) interface: OnceCell<TypeName>,
+}
+
+#[derive(Debug)]
+pub(crate) enum Code {
+    Lambda(Arc<Lambda>),
+    /// With the value before `::`, if it is a value.
+    Reference(Arc<Reference>, Option<Value>),
+    Combined(Combined),
+}
+
+/// Functions that methods of Java's functional interfaces make.
+#[derive(Debug)]
+pub(crate) enum Combined {
+    /// `Function.identity()`.
+    Identity,
+    /// `second` gets the result of `first`, which implements this interface.
+    Chain {
+        first: Value,
+        interface: Rc<str>,
+        second: Value,
+    },
+    /// Both get the arguments.
+    Both {
+        first: Value,
+        second: Value,
+        interface: Rc<str>,
+    },
+    Not {
+        of: Value,
+        interface: Rc<str>,
+    },
+    And {
+        first: Value,
+        second: Value,
+        interface: Rc<str>,
+    },
+    Or {
+        first: Value,
+        second: Value,
+        interface: Rc<str>,
+    },
+    /// A comparator by keys, which `key` gives as this interface; `order` is their comparator, if it is not the natural one.
+    ByKey {
+        key: Value,
+        interface: Rc<str>,
+        order: Option<Value>,
+    },
+    /// A comparator by keys or values of a map's entries.
+    ByEntry {
+        is_key: bool,
+    },
+    Reversed(Value),
+    /// A comparator, and one for what is equal by it.
+    Then(Value, Value),
+}
+
+/// A stream of `java.util.stream`.
+#[derive(Debug)]
+pub struct Stream {
+    pub(crate) kind: StreamKind,
+    /// The collection or array, which is read by the terminal operation.
+    pub(crate) source: Value,
+    pub(crate) stages: Vec<Stage>,
+    /// True once another operation has taken its elements.
+    pub(crate) is_used: Cell<bool>,
+}
+
+/// The type of a stream's elements.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum StreamKind {
+    Object,
+    Int,
+    Long,
+    Double,
+}
+
+/// An intermediate operation. Functions have the names of their interfaces.
+#[derive(Clone, Debug)]
+pub(crate) enum Stage {
+    Map(Value, Rc<str>),
+    Filter(Value, Rc<str>),
+    Peek(Value, Rc<str>),
+    /// Elements as those of another type.
+    Convert(StreamKind),
+    Limit(usize),
+    Skip(usize),
+    Sorted(Option<Value>),
+    Distinct,
+}
+
+/// A collector of `Collectors`.
+#[derive(Debug)]
+pub enum Collector {
+    /// `toList()`.
+    List,
+    /// `toSet()`.
+    Set,
+    /// `joining(between, before, behind)`.
+    Joining([Rc<str>; 3]),
+    /// `counting()`.
+    Counting,
+    /// `toMap(key, value)`.
+    Map(Value, Value),
+    /// `groupingBy(key)`.
+    Grouping(Value),
 }
 
 /// An exception of Java.
