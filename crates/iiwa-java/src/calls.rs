@@ -342,7 +342,10 @@ impl Machine {
             ("ordinal", []) if object.constant.is_some() => {
                 Value::Int(object.constant.as_ref().map_or(0, |(_, ordinal)| *ordinal))
             }
-            ("getDeclaringClass", []) if object.constant.is_some() => Value::Class(object.class),
+            // The class of a constant may be its own body.
+            ("getDeclaringClass", []) if object.constant.is_some() => {
+                Value::Class(self.java.classes.parent(object.class).unwrap_or(object.class))
+            }
             ("compareTo", [Value::Object(other)]) => match (&object.constant, &other.constant) {
                 (Some((_, own)), Some((_, other))) => Value::Int(own - other),
                 _ => return Ok(None),

@@ -15,12 +15,14 @@ use crate::{
     classes::simple,
     function::KnownFunction,
     interfaces::{Interface, interface},
+    java_lists::REMOVE_ELEMENT,
     library_calls::class_of_value,
     machine::Machine,
     stop::Stop,
     syntax::{
         ClassKind, Expression, ExpressionKind, Lambda, Method, Reference, ReferenceOf, TypeName,
     },
+    type_names::is_primitive,
     value::{Code, Function, Local, Object, Value},
 };
 
@@ -198,7 +200,9 @@ impl Machine {
             Value::Function(own) => {
                 _ = own.interface.set(TypeName::new(as_interface, 0));
                 self.implements(own, name);
-                self.run_function(own, &arguments, &[])?
+                let types = interface.parameters.iter().map(|of| Interface::resolved(of, &[]));
+                let types: Vec<_> = types.collect();
+                self.run_function(own, &arguments, &types)?
             }
             Value::Object(object) => self.call_on_object(object, name, &arguments)?,
             other => self.call_on(other, name, &arguments)?,
@@ -363,6 +367,7 @@ impl Machine {
             return self.new_by_reference(own, arguments);
         };
         if let Some(receiver) = receiver {
+            let name = method_of_list(receiver, name, types);
             self.set_argument_types(name, arguments, types);
             return self.call_on(receiver, name, arguments);
         }
@@ -393,7 +398,9 @@ impl Machine {
         let Some((first, others)) = arguments.split_first() else {
             return self.refuse(format!("the method reference `{name}` gets no object"));
         };
-        self.set_argument_types(name, others, types.get(1..).unwrap_or_default());
+        let types = types.get(1..).unwrap_or_default();
+        let name = method_of_list(first, name, types);
+        self.set_argument_types(name, others, types);
         self.call_on(first, name, others)
     }
 
@@ -436,6 +443,15 @@ fn depth(value: &Value) -> usize {
         Value::Function(own) => own.depth,
         Value::Object(object) => object.function.as_ref().map_or(0, |own| own.depth),
         _ => 0,
+    }
+}
+
+/// `remove` of a list takes an index only from an interface with a primitive parameter; type variables are objects.
+fn method_of_list<'n>(receiver: &Value, name: &'n str, types: &[Option<TypeName>]) -> &'n str {
+    let is_index = types.first().is_some_and(|own| own.as_ref().is_some_and(is_primitive));
+    match (receiver, name) {
+        (Value::List(_), "remove") if !types.is_empty() && !is_index => REMOVE_ELEMENT,
+        _ => name,
     }
 }
 

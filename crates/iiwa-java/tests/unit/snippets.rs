@@ -7,7 +7,7 @@ use std::{fmt::Write as _, rc::Rc, thread};
 use crate::{Classes, Host, HostValue, Machine, Place, Progress, Stop, Value, read, value::Object};
 
 /// Snippets whose values have to be known, at least: most of them.
-const LEAST_KNOWN: usize = 1515;
+const LEAST_KNOWN: usize = 1540;
 
 const FILES: [(&str, &str); 14] = [
     ("arrays", include_str!("../../../../tests/java/snippets/arrays.txt")),
