@@ -116,7 +116,10 @@ fn set<const J: usize>(
     list: &[usize],
 ) {
     // Set where they stay: a block is some kilobytes.
-    blocks.resize_with(list.len().div_ceil(LANES), CellBlock::default);
+    let count = list.len().div_ceil(LANES);
+    blocks.truncate(count);
+    blocks.iter_mut().for_each(CellBlock::clear);
+    blocks.resize_with(count, CellBlock::default);
     for (block, cells) in blocks.iter_mut().zip(list.chunks(LANES)) {
         block.set(segments, mesh, cells);
     }

@@ -205,10 +205,12 @@ impl<const J: usize> CellBlock<J> {
         Self::SIDES + LANES * BoundedRow::SIDES * others
     }
 
-    /// Sets the rows of at most eight cells.
+    /// Sets the rows of at most eight cells in a block that is clear.
     pub(crate) fn set(&mut self, segments: &[LimitedSegment<'_>], mesh: &Mesh, cells: &[usize]) {
         self.cells = std::array::from_fn(|l| cells[l.min(cells.len() - 1)]);
-        self.reset();
+        for rows in &mut self.accelerations {
+            BoundedRow::set_bounds(rows);
+        }
         let mut block = self.any();
         for (lane, k) in block.cells.iter().enumerate() {
             block.set_cell(lane, &LimitedCell::new(segments, mesh, *k));
@@ -216,14 +218,11 @@ impl<const J: usize> CellBlock<J> {
         block.set_others(mesh);
     }
 
-    /// Makes all rows such that nothing reaches them. In place: a copy of an empty block is some kilobytes.
-    fn reset(&mut self) {
+    /// Clears all rows of a block that was in use. In place: a copy of an empty block is some kilobytes.
+    pub(crate) fn clear(&mut self) {
         let Self { velocities, accelerations, jerks, others, .. } = self;
         velocities.fill(VelocityRows::default());
         accelerations.as_flattened_mut().fill(BoundedRow::default());
-        for rows in accelerations {
-            BoundedRow::set_bounds(rows);
-        }
         jerks.as_flattened_mut().fill(JerkRow::default());
         others.iter_mut().for_each(Vec::clear);
     }
