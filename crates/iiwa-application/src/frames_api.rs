@@ -248,7 +248,7 @@ impl Robotics<'_> {
                 Ok(Value::Boolean(this.redundancy != RedundancyValue::default()))
             }
             ("getPosition" | "getTranslation", []) => Ok(vector(this.frame.xyz_mm)),
-            _ => Ok(self.not_known(&format!("a frame's {name}"))),
+            _ => Ok(self.unmodelled_result(name, " of a frame")),
         }
     }
 

@@ -132,9 +132,9 @@ fn import_here(
     notes.extend(run.notes.iter().map(note));
     if let (Ok(()), Some(endless)) = (&run.end, &run.station.endless) {
         let ways = ways_out(project, name, &setup, endless, &run.station.answered);
-        let own = notes.iter_mut().rev().find(|note| {
-            note.source == source(&endless.place) && note.text.starts_with("the loop has no end")
-        });
+        // The note on the loop is the last one of its line: the evaluation ends there.
+        let at = source(&endless.place);
+        let own = notes.iter_mut().rev().find(|note| note.source == at);
         if let (Some(own), Some(ways)) = (own, ways) {
             own.text += &ways;
         }

@@ -136,7 +136,7 @@ impl Robotics<'_> {
             name if name.starts_with("set") || name.starts_with("add") => {
                 self.note(format!("`{name}` of a motion is left out of the plan"));
             }
-            name => return Ok(self.not_known(&format!("a motion's {name}"))),
+            name => return Ok(self.unmodelled_result(name, " of a motion")),
         }
         Ok(this())
     }

@@ -51,7 +51,7 @@ impl Robotics<'_> {
             && !READING.iter().any(|begin| name.starts_with(begin))
         {
             receiver.spoil(unknown);
-            let is_new = unknown.reason.ends_with("which is not known");
+            let is_new = unknown.is_unmodelled_call;
             match receiver {
                 RobotValue::Redundancy(_) => {
                     return self.refuse(format!("`{name}` of a redundancy is not evaluated"));
@@ -278,14 +278,8 @@ impl Robotics<'_> {
         }
     }
 
-    /// The result of a method that is not known.
-    pub(crate) fn not_known(&self, what: &str) -> Value {
-        let what = match what.strip_prefix("a ").and_then(|what| what.split_once("'s ")) {
-            Some((object, method)) => {
-                format!("the result of `{method}` of a {object}, which is not known")
-            }
-            None => format!("the result of `{what}`, which is not known"),
-        };
-        self.unknown(what)
+    /// The result of a method, such as `Frame.getX`, that is not modelled.
+    pub(crate) fn not_known(&self, method: &str) -> Value {
+        self.unmodelled_result(method, "")
     }
 }

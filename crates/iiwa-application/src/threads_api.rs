@@ -58,7 +58,11 @@ impl Robotics<'_> {
 
     /// Starts a task: it is left out if it neither moves the arm nor interferes with motions; what it sets is unknown then.
     fn start(&mut self, task: Option<&Value>) -> Result<Value, Stop> {
-        let unknown = Unknown { reason: "what a thread does".to_owned(), place: self.here.clone() };
+        let unknown = Unknown {
+            reason: "what a thread does".to_owned(),
+            place: self.here.clone(),
+            is_unmodelled_call: false,
+        };
         let unknown = Rc::new(unknown);
         let effects = task.and_then(|task| self.start_task(task, &INTERFERING, &unknown));
         let call = effects.as_ref().and_then(|effects| {

@@ -252,7 +252,7 @@ impl Machine {
             Value::Host(value) => {
                 let (host, value) = (Rc::clone(&self.host), Rc::clone(value));
                 let result = host.call(self, &value, name, arguments)?;
-                if result.unknown().is_some_and(|own| own.reason.ends_with("which is not known")) {
+                if result.unknown().is_some_and(|own| own.is_unmodelled_call) {
                     self.after_unmodelled(None, name, arguments, &result)?;
                 }
                 Ok(result)

@@ -95,9 +95,7 @@ impl Machine {
             && stream.stages.iter().all(Stage::keeps_count)
             && stream.stages.iter().any(|own| own.function().is_some());
         let result = if is_count_known { None } else { self.ended(stream, name, arguments)? };
-        let result = result.unwrap_or_else(|| {
-            self.unknown(format!("the result of `{name}` of a stream, which is not known"))
-        });
+        let result = result.unwrap_or_else(|| self.unmodelled_result(name, " of a stream"));
         if result.unknown().is_some() {
             // Functions may have been run for other elements, too.
             let functions = stream.stages.iter().filter_map(Stage::function);

@@ -92,8 +92,7 @@ impl Machine {
         name: &str,
         arguments: &[Value],
     ) -> Result<Value, Stop> {
-        let result = self
-            .unknown(format!("the result of `{name}` of {}, which is not known", receiver.kind()));
+        let result = self.unmodelled_result(name, &format!(" of {}", receiver.kind()));
         self.after_unmodelled(Some(receiver), name, arguments, &result)?;
         Ok(result)
     }

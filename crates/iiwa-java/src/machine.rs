@@ -228,7 +228,7 @@ impl Machine {
     ///
     /// Always: the refusal.
     pub fn refuse_unknown<T>(&self, what: &str, unknown: &Unknown) -> Result<T, Stop> {
-        let Unknown { reason, place } = unknown;
+        let Unknown { reason, place, .. } = unknown;
         let from = if *place == self.here { String::new() } else { format!(" ({place})") };
         self.refuse(format!("{what} depends on {reason}{from}"))
     }
@@ -236,7 +236,19 @@ impl Machine {
     /// A value that cannot be known, for a reason that is here.
     #[must_use]
     pub fn unknown(&self, reason: impl Into<String>) -> Value {
-        Value::Unknown(Rc::new(Unknown { reason: reason.into(), place: self.here.clone() }))
+        let (reason, place) = (reason.into(), self.here.clone());
+        Value::Unknown(Rc::new(Unknown { reason, place, is_unmodelled_call: false }))
+    }
+
+    /// The result of a method that is not modelled; `of` is what the method belongs to, such as ` of a list`, or empty.
+    #[must_use]
+    pub fn unmodelled_result(&self, method: &str, of: &str) -> Value {
+        let reason = format!("the result of `{method}`{of}, which is not known");
+        Value::Unknown(Rc::new(Unknown {
+            reason,
+            place: self.here.clone(),
+            is_unmodelled_call: true,
+        }))
     }
 
     /// An exception of Java's or the host's, by its simple name.

@@ -81,7 +81,7 @@ impl Machine {
             }
             let unknown = unknown.unwrap_or_else(|| {
                 let reason = format!("the types of the arguments of `{name}`, which are not known");
-                Rc::new(Unknown { reason, place: self.here.clone() })
+                Rc::new(Unknown { reason, place: self.here.clone(), is_unmodelled_call: false })
             });
             let all = all.into_iter().map(|(_, method)| method).collect();
             return Some(Choice::Undecided(unknown, all));

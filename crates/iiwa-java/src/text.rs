@@ -234,7 +234,11 @@ impl Machine {
 
     /// A text that is not known.
     fn no_text(&self, reason: &str) -> Rc<Unknown> {
-        Rc::new(Unknown { reason: reason.to_owned(), place: self.here.clone() })
+        Rc::new(Unknown {
+            reason: reason.to_owned(),
+            place: self.here.clone(),
+            is_unmodelled_call: false,
+        })
     }
 
     /// `[a, b]`.

@@ -11,6 +11,8 @@ pub struct Unknown {
     pub reason: String,
     /// Where it came into the program.
     pub place: Place,
+    /// True for the result of a method that is not modelled: the call may have changed its receiver and its arguments.
+    pub is_unmodelled_call: bool,
 }
 
 impl fmt::Display for Unknown {
