@@ -7,5 +7,6 @@ mod json_schema;
 mod ruckig;
 mod topp_ra;
 mod urdf;
+mod urdf_cases;
 mod viewers;
 mod z85;
