@@ -299,6 +299,28 @@ fn huge_files_are_refused_quickly() {
     assert!(start.elapsed().as_secs() < 120, "{:?}", start.elapsed());
 }
 
+/// Elements far inside others are skipped in a time that does not grow with their depth.
+#[test]
+fn meshes_are_found_beside_deep_elements() {
+    let mesh = "<visual><geometry><mesh filename='a.stl'/></geometry></visual>";
+    let depth = 1_000_000;
+    let deep =
+        format!("<visual>{}{}</visual>", "<geometry>".repeat(depth), "</geometry>".repeat(depth));
+    let inside = "<visual><geometry><a><mesh filename='b.stl'/></a></geometry></visual>";
+    let text = other_frames().replace(
+        "<link name='link_2'/>",
+        &format!("<link name='link_2'>{deep}{inside}{mesh}</link>"),
+    );
+    let start = Instant::now();
+    let links = Robot::default().urdf_meshes(&text).unwrap();
+    let files: [Vec<&str>; 8] =
+        links.each_ref().map(|link| link.visual.iter().map(|mesh| &*mesh.file).collect());
+    let mut expected: [Vec<&str>; 8] = Default::default();
+    expected[2] = vec!["a.stl"];
+    assert_eq!(files, expected);
+    assert!(start.elapsed().as_secs() < 120, "{:?}", start.elapsed());
+}
+
 proptest! {
     /// Any change of a good file is either no change or an error; never a panic.
     #[test]

@@ -134,10 +134,14 @@ struct MeshDraft {
     mesh: Option<UrdfMesh>,
 }
 
+/// Elements around a mesh: robot, link, visual and geometry. Deeper elements are skipped, so that the time per element does
+/// not grow with the depth.
+const MESH_DEPTH: usize = 4;
+
 /// All meshes of a URDF, in the order of the file. The text is well-formed: it was read before.
 fn found(text: &str) -> Result<Vec<Found>, UrdfError> {
     let mut reader = Reader::from_str(text);
-    // Names of the elements that are open, without the outermost.
+    // Names of the open elements that can hold others of interest, without the outermost.
     let mut open: Vec<Vec<u8>> = Vec::new();
     let mut depth = 0_usize;
     let mut quaternions = false;
@@ -165,6 +169,10 @@ fn found(text: &str) -> Result<Vec<Found>, UrdfError> {
             Ok(Event::Eof) | Err(_) => break,
             Ok(_) => continue,
         };
+        if depth > MESH_DEPTH {
+            depth += usize::from(is_open);
+            continue;
+        }
         let at = At { text, start, end: offset(reader.buffer_position()) };
         let tag = Tag { element: &element, at };
         let name = element.name().as_ref().to_vec();
