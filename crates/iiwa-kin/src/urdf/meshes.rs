@@ -134,6 +134,25 @@ struct MeshDraft {
     mesh: Option<UrdfMesh>,
 }
 
+/// The place before, from which lines are counted on: from the start of the text, the time for each mesh would grow with the
+/// file.
+struct LineCounter(Place);
+
+impl LineCounter {
+    /// The place `at`, which is not before the last one.
+    fn next(&mut self, at: At<'_>) -> Place {
+        let from = self.0.span.start;
+        let mut place = Place::of_span(&at.text[from..], at.start - from..at.end - from);
+        if place.line == 1 {
+            place.column += self.0.column - 1;
+        }
+        place.line += self.0.line - 1;
+        place.span = place.span.start + from..place.span.end + from;
+        self.0 = place.clone();
+        place
+    }
+}
+
 /// Elements around a mesh: robot, link, visual and geometry. Deeper elements are skipped, so that the time per element does
 /// not grow with the depth.
 const MESH_DEPTH: usize = 4;
@@ -149,6 +168,7 @@ fn found(text: &str) -> Result<Vec<Found>, UrdfError> {
     let mut draft: Option<MeshDraft> = None;
     let mut material = None;
     let mut colours: HashMap<String, [f64; 4]> = HashMap::new();
+    let mut lines = LineCounter(Place { line: 1, column: 1, span: 0..0 });
     let mut all: Vec<(Found, Option<Colour>)> = Vec::new();
     loop {
         let start = offset(reader.buffer_position());
@@ -197,7 +217,7 @@ fn found(text: &str) -> Result<Vec<Found>, UrdfError> {
                     scale: tag.numbers("scale")?.unwrap_or([1.0; 3]),
                     pose: Pose::IDENTITY,
                     rgba: None,
-                    at: at.place(),
+                    at: lines.next(at),
                 });
             }
             ([b"link", _, b"material"], Some(draft)) => {
