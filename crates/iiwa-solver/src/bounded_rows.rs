@@ -162,3 +162,70 @@ impl BoundedRow {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use pulp::Scalar;
+
+    use super::*;
+    use crate::known_motion::{INVERSE, KnownMotion, PLACES, assert_near, splat};
+
+    fn value<const LINE: bool>(row: &BoundedRow, lane: usize, [x, v, _]: [f64; 3]) -> f64 {
+        row.value::<LINE, _>(Scalar::new(), lane, splat([x, v])).largest()
+    }
+
+    #[test]
+    fn acceleration_rows_are_differences_of_velocities() {
+        for motion in [KnownMotion::SLOW, KnownMotion::FAST] {
+            let joints = [6, 0, 3, 5];
+            let (mut rows, mut line) = ([BoundedRow::default(); 4], [BoundedRow::default()]);
+            for (lane, (t_s, length)) in PLACES.into_iter().enumerate() {
+                let place = motion.place(t_s, length);
+                let [dq, ddq, dddq] = motion.curve(t_s);
+                let curve = [dq, ddq, dddq];
+                BoundedRow::set_accelerations(&mut rows, lane, &joints, &curve, length, &INVERSE);
+                let [_, acceleration, _] = motion.differences(t_s);
+                for (row, j) in rows.iter_mut().zip(joints) {
+                    let share = acceleration[j] * INVERSE[j];
+                    assert_near(value::<false>(row, lane, place), share, &format!("{t_s} s, {j}"));
+                    row.scale(lane, 0.8);
+                    assert_near(value::<false>(row, lane, place), share / 0.8, "lowered");
+                }
+                // Along a line with this direction.
+                BoundedRow::set_accelerations(&mut line, lane, &[0], &curve, length, &INVERSE);
+                let u = 0.5 * place[1] / length;
+                let shares = (0..8).map(|j| (dq[j] * u * INVERSE[j]).abs()).fold(0.0, f64::max);
+                assert_near(value::<true>(&line[0], lane, place).abs(), shares, "line");
+            }
+        }
+    }
+
+    /// A torque of inertia, a velocity product and gravity.
+    #[test]
+    fn torque_rows_are_those_of_the_motion() {
+        let (inertia, product, gravity, inverse) = (1.7, -0.6, 0.35, 0.4);
+        let motion = KnownMotion::FAST;
+        for (lane, (t_s, length)) in PLACES.into_iter().enumerate() {
+            let [dq, ddq, _] = motion.curve(t_s).map(|derivative| derivative[2]);
+            let row = PathRow {
+                acceleration: inverse * inertia * dq,
+                square: inverse * (inertia * ddq + product * dq * dq),
+                offset: inverse * gravity,
+            };
+            let mut bounded = BoundedRow::default();
+            bounded.set(lane, &row, length);
+            let [velocity, acceleration, _] = motion.differences(t_s).map(|all| all[2]);
+            let share =
+                inverse * (inertia * acceleration + product * velocity * velocity + gravity);
+            let place = motion.place(t_s, length);
+            let found = value::<false>(&bounded, lane, place);
+            assert_near(found + row.offset, share, &format!("{t_s} s"));
+            let u = 0.5 * place[1] / length;
+            assert_near(row.at(place[0].sqrt(), u), share, "share");
+            // The room up to both bounds is that of the torque.
+            let [lower, upper] = bounded.bounds(Scalar::new(), lane).map(Vector::largest);
+            assert_near(upper - found, 1.0 - share, "upper");
+            assert_near(found - lower, 1.0 + share, "lower");
+        }
+    }
+}

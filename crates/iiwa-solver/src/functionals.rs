@@ -68,3 +68,42 @@ functionals! {
     /// V at its middle control point: the parabola V(f) stays in the hull of both ends and it.
     ControlV = [0.0, 1.0, 0.5, 0.0];
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rows_are_those_of_the_cubic() {
+        let y = [0.7, -0.4, 1.3, -2.1];
+        // x, V and W at a share of the cell.
+        let at = |f: f64| {
+            let [x, v, w0, w1] = y;
+            let slope = w1 - w0;
+            [
+                x + f * (v + f * (w0 / 2.0 + f * slope / 6.0)),
+                v + f * (w0 + f * slope / 2.0),
+                w0 + f * slope,
+            ]
+        };
+        let of = |row: CellState| -> f64 { (0..4).map(|a| row[a] * y[a]).sum() };
+        let [[x0, v0, w0], [xm, vm, wm], [x1, v1, w1]] = [0.0, 0.5, 1.0].map(at);
+        let cases = [
+            ("StartX", StartX::ROW, x0),
+            ("StartV", StartV::ROW, v0),
+            ("StartW", StartW::ROW, w0),
+            ("MiddleX", MiddleX::ROW, xm),
+            ("MiddleV", MiddleV::ROW, vm),
+            ("MiddleW", MiddleW::ROW, wm),
+            ("EndX", EndX::ROW, x1),
+            ("EndV", EndV::ROW, v1),
+            ("EndW", EndW::ROW, w1),
+            ("SecondControlX", SecondControlX::ROW, x0 + v0 / 3.0),
+            ("ThirdControlX", ThirdControlX::ROW, x1 - v1 / 3.0),
+            ("ControlV", ControlV::ROW, v0 + w0 / 2.0),
+        ];
+        for (name, row, expected) in cases {
+            assert!((of(row) - expected).abs() < 1e-15, "{name}: {} {expected}", of(row));
+        }
+    }
+}

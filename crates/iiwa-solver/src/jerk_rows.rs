@@ -188,3 +188,42 @@ impl JerkRow {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use pulp::Scalar;
+
+    use super::*;
+    use crate::known_motion::{INVERSE, KnownMotion, PLACES, assert_near, splat};
+
+    #[test]
+    fn rows_are_differences_of_accelerations() {
+        for motion in [KnownMotion::SLOW, KnownMotion::FAST] {
+            let joints = [1, 4, 2, 7];
+            let (mut rows, mut line) = ([JerkRow::default(); 4], [JerkRow::default()]);
+            for (lane, (t_s, length)) in PLACES.into_iter().enumerate() {
+                let place = motion.place(t_s, length);
+                let root = place[0].sqrt();
+                let curve = motion.curve(t_s);
+                JerkRow::set(&mut rows, lane, &joints, &curve, length, &INVERSE);
+                let [_, _, jerk] = motion.differences(t_s);
+                for (row, j) in rows.iter_mut().zip(joints) {
+                    let of = |row: &JerkRow| {
+                        row.value::<false, _>(Scalar::new(), lane, splat(place)).largest() * root
+                    };
+                    let share = jerk[j] * INVERSE[j];
+                    assert_near(of(row), share, &format!("{t_s} s, {j}"));
+                    row.scale(lane, 0.8);
+                    assert_near(of(row), share / 0.8, "lowered");
+                }
+                // Along a line with this direction: half the second derivative of x by sigma.
+                JerkRow::set(&mut line, lane, &[0], &curve, length, &INVERSE);
+                let rate = 0.5 * place[2] / length.powi(2);
+                let share =
+                    (0..8).map(|j| (curve[0][j] * rate * INVERSE[j]).abs()).fold(0.0, f64::max);
+                let found = line[0].value::<true, _>(Scalar::new(), lane, splat(place));
+                assert_near(found.largest().abs(), share, "line");
+            }
+        }
+    }
+}

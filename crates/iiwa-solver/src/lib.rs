@@ -55,6 +55,8 @@ mod error;
 mod functionals;
 mod geometry;
 mod jerk_rows;
+#[cfg(test)]
+mod known_motion;
 mod lanes;
 mod limited_segment;
 mod limiting_joints;

@@ -305,6 +305,10 @@ fn switches(segments: &[LimitedSegment<'_>]) -> Vec<Switch> {
 
 #[cfg(test)]
 mod tests {
+    use iiwa_kin::Robot;
+    use iiwa_path::{JointPath, Step};
+    use iiwa_program::{Blend, Program};
+
     use super::*;
 
     fn lengths(nodes: &[Place]) -> Vec<f64> {
@@ -333,5 +337,65 @@ mod tests {
     fn a_tiny_size_ahead_does_not_make_all_cells_tiny() {
         let nodes = march(1.0, None, |place| (1.1 * place.end).max(1e-9)).unwrap();
         assert!(nodes.len() < 100, "{}", nodes.len());
+    }
+
+    #[test]
+    fn places_keep_the_digits_of_the_nearer_end() {
+        let length = 1.0;
+        let near_start = Place { start: 1e-20, end: 1.0 }.after(2e-20, length);
+        let near_end = Place { start: 1.0, end: 3e-20 }.after(2e-20, length);
+        assert!((near_start.start / 3e-20 - 1.0).abs() < 1e-14, "{near_start:?}");
+        assert!((near_end.end / 1e-20 - 1.0).abs() < 1e-14, "{near_end:?}");
+        let way = Place { start: 1.0, end: 3e-20 }.way_to(near_end);
+        assert!((way / 2e-20 - 1.0).abs() < 1e-14, "{way:e}");
+    }
+
+    /// Lines and a blend from rest to rest.
+    #[test]
+    fn cells_fill_each_segment_and_are_short_next_to_rest() {
+        let program = Program::from_deg([0.0; 7])
+            .ptp_deg([20.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0])
+            .blend(Blend::Fraction(0.5))
+            .ptp_deg([20.0, 20.0, 0.0, 0.0, 0.0, 0.0, 0.0])
+            .build();
+        let path = JointPath::new(&program, &Robot::default()).unwrap();
+        let swept = [0.0, 0.5, 1.0].map(|p| SweptNode { t_s: p, p, rate: 1.0, u: [0.0; 2] });
+        let segments: Vec<_> = path
+            .steps()
+            .iter()
+            .filter_map(|step| match step {
+                Step::Move { segment, motion, .. } => {
+                    let limits = &path.limits()[motion.index()];
+                    LimitedSegment::new(segment.as_ref(), limits, &swept)
+                }
+                _ => None,
+            })
+            .collect();
+        assert_eq!(segments.len(), 3);
+        let count = |refinement| {
+            let mesh = mesh(&segments, 0..3, [true; 2], refinement).unwrap();
+            let [from, to] = [mesh.from_rest.unwrap(), mesh.to_rest.unwrap()];
+            let cells: Vec<_> = [from].into_iter().chain(mesh.cells).chain([to]).collect();
+            for (index, segment) in segments.iter().enumerate() {
+                let own: Vec<_> = cells.iter().filter(|cell| cell.segment == index).collect();
+                let mut sum = 0.0;
+                for cell in own {
+                    assert!(cell.length > 0.0 && (cell.from - sum).abs() < 1e-12, "{cell:?}");
+                    sum += cell.length;
+                }
+                let length = segment.length_rad();
+                assert!((sum / length - 1.0).abs() < 1e-12, "{index}: {sum} {length}");
+                let lengths = cells.iter().filter(|cell| cell.segment == index);
+                let longest = lengths.map(|cell| cell.length).fold(0.0, f64::max);
+                if index != 1 {
+                    let rest = if index == 0 { &from } else { &to };
+                    assert!(rest.length < 0.5 * longest, "{index}: {rest:?} {longest}");
+                }
+            }
+            cells.len()
+        };
+        // Cells of half the size are twice as many.
+        let (coarse, fine) = (count(1.0), count(2.0));
+        assert!((1.7..2.3).contains(&(fine as f64 / coarse as f64)), "{coarse} {fine}");
     }
 }

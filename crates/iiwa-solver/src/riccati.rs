@@ -277,3 +277,135 @@ fn fused<S: Simd>(a: f64, b: f64, c: f64) -> f64 {
     // Elsewhere it would be a call of a function.
     if S::F64_LANES > 1 { a.mul_add(b, c) } else { a * b + c }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Numbers between -1 and 1.
+    fn numbers() -> impl FnMut() -> f64 {
+        let mut n = 0.0_f64;
+        move || {
+            n += 1.0;
+            (12.9898 * n * n).sin()
+        }
+    }
+
+    /// The solution of linear equations, by Gauss elimination with row pivots; each row ends with its right-hand side.
+    fn eliminated(mut rows: Vec<Vec<f64>>) -> Vec<f64> {
+        let n = rows.len();
+        for i in 0..n {
+            let pivot = (i..n).max_by(|&a, &b| rows[a][i].abs().total_cmp(&rows[b][i].abs()));
+            rows.swap(i, pivot.unwrap());
+            for k in (0..n).filter(|k| *k != i) {
+                let factor = rows[k][i] / rows[i][i];
+                for c in i..=n {
+                    rows[k][c] -= factor * rows[i][c];
+                }
+            }
+        }
+        (0..n).map(|i| rows[i][n] / rows[i][i]).collect()
+    }
+
+    /// The steps of all stages by the conditions of Karush, Kuhn and Tucker in one matrix.
+    fn dense(chain: &Chain<'_>) -> Vec<f64> {
+        let (first, stages) = (chain.stages.start, chain.stages.len());
+        let (unknowns, n) = (4 * stages, chain.lengths.len());
+        // Coefficients by stage and component, and the right-hand side.
+        let mut constraints: Vec<(Vec<(usize, f64)>, f64)> = Vec::new();
+        match chain.slope_from_rest {
+            Some(slope) => constraints.push((vec![(0, slope), (1, -1.0)], 0.0)),
+            None => constraints.extend([0, 1].map(|a| (vec![(a, 1.0)], 0.0))),
+        }
+        for i in 0..stages {
+            let k = first + i;
+            if !chain.free[k] {
+                constraints.extend([2, 3].map(|a| (vec![(4 * i + a, 1.0)], 0.0)));
+            }
+            if k + 1 == n {
+                constraints.push(((0..4).map(|a| (4 * i + a, chain.to_rest[a])).collect(), 0.0));
+                continue;
+            }
+            let ratio = chain.lengths[k + 1] / chain.lengths[k];
+            let ends = [(EndX::ROW, 1.0), (EndV::ROW, ratio)];
+            for (a, (row, scale)) in ends.into_iter().enumerate() {
+                let missing = chain.states[k + 1][a] - scale * dot(&row, &chain.states[k]);
+                let mut terms: Vec<_> = (0..4).map(|b| (4 * i + b, scale * row[b])).collect();
+                if i + 1 < stages {
+                    terms.push((4 * (i + 1) + a, -1.0));
+                }
+                constraints.push((terms, missing));
+            }
+        }
+        let size = unknowns + constraints.len();
+        let mut rows = vec![vec![0.0; size + 1]; size];
+        for i in (0..stages).filter(|i| chain.free[first + i]) {
+            let Quadratic { h, g } = chain.quadratics[first + i];
+            let mut entries = h.into_iter();
+            for a in 0..4 {
+                for b in a..4 {
+                    let entry = entries.next().unwrap();
+                    rows[4 * i + a][4 * i + b] = entry;
+                    rows[4 * i + b][4 * i + a] = entry;
+                }
+                rows[4 * i + a][size] = -g[a];
+            }
+        }
+        for (c, (terms, side)) in constraints.into_iter().enumerate() {
+            for (unknown, factor) in terms {
+                rows[unknown][unknowns + c] = factor;
+                rows[unknowns + c][unknown] = factor;
+            }
+            rows[unknowns + c][size] = side;
+        }
+        eliminated(rows)
+    }
+
+    #[test]
+    fn steps_are_those_of_a_dense_matrix() {
+        let mut number = numbers();
+        let lengths = [0.3, 0.5, 0.2, 0.4];
+        let states: [CellState; 4] = [(); 4].map(|()| [(); 4].map(|()| number()));
+        let quadratics: [Quadratic; 4] = [(); 4].map(|()| {
+            let mut sum = Quadratic::default();
+            for _ in 0..8 {
+                sum.add(&[(); 4].map(|()| number()), 1.5 + number(), number());
+            }
+            sum
+        });
+        let to_rest = [1.0, 1.0 + 0.3 * number(), 0.5, 0.4];
+        let [all, inner] = [[true; 4], [true, false, true, true]];
+        let cases = [
+            (0..4, None, all),
+            (0..4, Some(0.8), all),
+            (0..4, Some(-1.2), inner),
+            (0..3, Some(0.8), all),
+            (1..3, None, all),
+            (1..4, None, all),
+            (0..4, None, inner),
+            (0..1, Some(0.3), all),
+            (3..4, None, all),
+        ];
+        for (stages, slope_from_rest, free) in cases {
+            let case = format!("{stages:?}, {slope_from_rest:?}, {free:?}");
+            let chain = Chain {
+                stages: stages.clone(),
+                lengths: &lengths,
+                free: &free,
+                quadratics: &quadratics,
+                states: &states,
+                slope_from_rest,
+                to_rest,
+            };
+            let (mut gains, mut steps) = ([Gain::default(); 4], [[f64::NAN; 4]; 4]);
+            solve(pulp::Scalar::new(), &chain, &mut gains, &mut steps).unwrap();
+            let expected = dense(&chain);
+            for (step, expected) in steps[stages.clone()].iter().flatten().zip(&expected) {
+                let error = (step - expected).abs();
+                assert!(error < 1e-8 * (1.0 + expected.abs()), "{case}: {step} {expected}");
+            }
+            let (before, after) = (&steps[..stages.start], &steps[stages.end..]);
+            assert!(before.iter().chain(after).flatten().all(|step| step.is_nan()), "{case}");
+        }
+    }
+}

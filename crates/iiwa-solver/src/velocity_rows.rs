@@ -81,3 +81,25 @@ impl VelocityRows {
 fn bounds<S: Simd>(simd: S) -> [Vector<S>; 2] {
     [0.0, 1.0].map(|bound| Vector::splat(simd, bound))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::known_motion::{INVERSE, KnownMotion, PLACES, assert_near};
+
+    #[test]
+    fn rows_are_squares_of_differences_of_positions() {
+        let motion = KnownMotion::FAST;
+        let mut row = VelocityRows::default();
+        for (lane, (t_s, length)) in PLACES.into_iter().enumerate() {
+            let [dq, ..] = motion.curve(t_s);
+            row.set(lane, &dq, &INVERSE);
+            let [velocity, ..] = motion.differences(t_s);
+            let share = (0..8).map(|j| (velocity[j] * INVERSE[j]).abs()).fold(0.0, f64::max);
+            let [x, ..] = motion.place(t_s, length);
+            assert_near(row.x.0[lane] * x, share * share, &format!("{t_s} s"));
+            row.scale(lane, 0.8);
+            assert_near(row.x.0[lane] * x, (share / 0.8).powi(2), "lowered");
+        }
+    }
+}
