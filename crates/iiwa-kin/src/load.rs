@@ -73,3 +73,30 @@ impl Load {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn bodies_have_their_centre_in_metres() {
+        let load: Load = "4.2,10,-20,90.5".parse().unwrap();
+        assert_eq!((load.mass_kg, load.center_mm), (4.2, [10.0, -20.0, 90.5]));
+        let body = load.body();
+        assert_eq!((body.mass_kg, body.center_m), (4.2, [0.01, -0.02, 0.0905]));
+    }
+
+    /// A mass 100 mm in front of a flange that points forwards, of an arm that reaches forwards.
+    #[test]
+    fn gravity_acts_at_the_centre() {
+        use crate::Robot;
+
+        let q = [0.0, std::f64::consts::FRAC_PI_2, 0.0, 0.0, 0.0, 0.0, 0.0];
+        let load = Load { mass_kg: 2.0, ..Load::default() };
+        let far = Load { center_mm: [0.0, 0.0, 100.0], ..load };
+        let [near, far] = [load, far]
+            .map(|load| Robot::default().dynamics().with_load(&load).gravity_torques(&q)[1].abs());
+        let more_nm = 2.0 * 9.81 * 0.1;
+        assert!((far - near - more_nm).abs() < 1e-3 * more_nm, "{near} Nm, {far} Nm");
+    }
+}

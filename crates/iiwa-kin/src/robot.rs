@@ -491,4 +491,32 @@ mod tests {
         assert!(robot.kappa(107.7).abs() < 5e-3);
         assert!((robot.kappa(180.0) - 6.378).abs() < 1e-3);
     }
+
+    /// KUKA's data sheets: speeds in deg/s, torques in Nm.
+    #[test]
+    fn built_in_robots_have_the_limits_of_their_data_sheets() {
+        let cases = [
+            (
+                Robot::lbr_iiwa_7_r800(),
+                [98.0, 98.0, 100.0, 130.0, 140.0, 180.0, 180.0],
+                [176.0, 176.0, 110.0, 110.0, 110.0, 40.0, 40.0],
+            ),
+            (
+                Robot::lbr_iiwa_14_r820(),
+                [85.0, 85.0, 100.0, 75.0, 130.0, 135.0, 135.0],
+                [320.0, 320.0, 176.0, 176.0, 110.0, 40.0, 40.0],
+            ),
+        ];
+        for (robot, velocity_deg_s, torque_nm) in cases {
+            let limits = robot.limits();
+            for j in 0..7 {
+                let found = limits.velocity_rad_s[j].to_degrees();
+                assert!((found - velocity_deg_s[j]).abs() < 1e-9, "{} {j}: {found}", robot.name());
+                let range = [170.0, 120.0, 170.0, 120.0, 170.0, 120.0, 175.0][j];
+                let found = [limits.lower_rad[j], limits.upper_rad[j]].map(f64::to_degrees);
+                assert!((found[0] + range).abs() + (found[1] - range).abs() < 1e-9, "{found:?}");
+            }
+            assert_eq!(limits.torque_nm, torque_nm, "{}", robot.name());
+        }
+    }
 }
