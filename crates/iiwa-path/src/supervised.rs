@@ -70,3 +70,45 @@ impl Segment for Supervised {
         self.inner.breaks()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Continuity, PolynomialBlend};
+
+    #[test]
+    fn the_way_of_tcp_and_flange_has_the_derivatives_of_differences() {
+        let target = [0.1, 0.6, -0.2, -1.2, 0.3, 0.9, 0.0];
+        let arrival = [0.3, -0.2, 0.1, 0.4, -0.3, 0.2, 0.6];
+        let leaving = [-0.2, 0.3, 0.4, 0.1, 0.2, -0.3, -0.6];
+        let blend = PolynomialBlend::new(&target, arrival, &leaving, 0.5, Continuity::Second);
+        let robot = Arc::new(Robot::default());
+        // The TCP goes faster than the flange, or at rest in it.
+        for tcp in [Pose::from_xyz_abc([0.3, 0.0, 0.2], [0.0; 3]), Pose::IDENTITY] {
+            let inner = Arc::new(blend.clone());
+            let supervised = Supervised { inner, robot: Arc::clone(&robot), tcp };
+            for s in [0.15, 0.3, 0.55, 0.8] {
+                const STEP: f64 = 1e-4;
+                let way = |s: f64| supervised.tool_way(s);
+                let [before, here, after] = [s - STEP, s, s + STEP].map(way);
+                let at = supervised.at(s);
+                let speed = [tcp, Pose::IDENTITY]
+                    .iter()
+                    .map(|tcp| robot.tcp_speed_m_s(tcp, &at.q, &at.dq))
+                    .fold(0.0, f64::max);
+                assert!((here.way_m[0] - speed).abs() < 1e-12, "{here:?} {speed}");
+                for k in 0..2 {
+                    let cases = [
+                        (before.way_m[k], after.way_m[k], here.way_m[k + 1]),
+                        (before.turn_rad[k], after.turn_rad[k], here.turn_rad[k + 1]),
+                    ];
+                    for (before, after, found) in cases {
+                        let expected = (after - before) / (2.0 * STEP);
+                        let error = (found - expected).abs();
+                        assert!(error < 1e-4 * (1.0 + expected.abs()), "{s}: {found} {expected}");
+                    }
+                }
+            }
+        }
+    }
+}

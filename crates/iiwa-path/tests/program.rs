@@ -8,7 +8,7 @@ use std::f64::consts::PI;
 use iiwa_kin::{Joints, Robot};
 use iiwa_path::{JointPath, Step};
 use iiwa_program::{
-    Blend, Motion, MotionIndex, MotionList, Program, Ptp, Sources, Start, Workcell,
+    Blend, Fault, Motion, MotionIndex, MotionList, Program, Ptp, Sources, Start, Workcell,
 };
 use proptest::prelude::*;
 
@@ -243,4 +243,38 @@ fn a_list_of_motions_stands_alone_and_reads_back() {
     );
     let error = MotionList::from_json("{}").unwrap_err();
     assert!(error.to_string().contains("`motions`"), "{error}");
+}
+
+/// A blend that swings beyond its targets leaves the range of joint 2 at either end of it by as much.
+#[test]
+fn blends_beyond_either_end_of_the_range_are_refused() {
+    let outside = |sign: f64, at_deg: f64| {
+        let pose = |deg: [f64; 2]| [sign * deg[0], sign * deg[1], 0.0, 0.0, 0.0, 0.0, 0.0];
+        let program = Program::from_deg(pose([0.0, at_deg]))
+            .ptp_deg(pose([60.0, at_deg]))
+            .blend(Blend::Fraction(0.5))
+            .ptp_deg(pose([120.0, 100.0]))
+            .build();
+        match JointPath::new(&program, &Robot::lbr_iiwa_7_r800()) {
+            Ok(_) => None,
+            Err(Fault::BlendOutside { outside, .. }) => Some(outside.found_rad.to_degrees()),
+            Err(fault) => unreachable!("{fault}"),
+        }
+    };
+    let [upper, lower] = [1.0, -1.0].map(|sign| outside(sign, 120.0).unwrap());
+    assert!(upper > 120.001 && (upper + lower).abs() < 1e-9, "{upper} {lower}");
+    assert_eq!([1.0, -1.0].map(|sign| outside(sign, 119.0)), [None; 2]);
+}
+
+#[test]
+fn torque_limits_are_a_share_of_the_robot_s() {
+    let limits = |key: &str| {
+        let text = format!(
+            r#"{{ "version": 1, {key} "start": {{ "joints_deg": [0, 0, 0, 0, 0, 0, 0] }}, "motions": [{{ "type": "ptp", "joints_deg": [9, 30, 0, -60, 0, 90, 0] }}] }}"#
+        );
+        path(&Program::from_json(&text).unwrap()).torque_limits_nm()
+    };
+    assert_eq!(limits(""), None);
+    let expected = Robot::lbr_iiwa_7_r800().limits().torque_nm.map(|limit| 0.4 * limit);
+    assert_eq!(limits(r#""limit_torque_percent": 40,"#), Some(expected));
 }

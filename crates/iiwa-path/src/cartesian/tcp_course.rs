@@ -369,3 +369,75 @@ fn length(v: &Vec3<Taylor>) -> [f64; 3] {
     let [zero, one, two, _] = square.sqrt().derivatives();
     [zero, one, two]
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The pose at an angle of the circle, in rad, with an orientation.
+    fn on_circle(angle: f64, abc_rad: [f64; 3]) -> Pose {
+        let (sin, cos) = angle.sin_cos();
+        Pose::from_xyz_abc([0.5 + 0.2 * cos, 0.1 + 0.2 * sin, 0.4], abc_rad)
+    }
+
+    fn off(a: &Mat3<f64>, b: &Mat3<f64>) -> f64 {
+        let all = a.as_flattened().iter().zip(b.as_flattened());
+        all.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
+    }
+
+    fn circle(turn: &ArcTurn) -> TcpCourse {
+        let [from, aux, to] = poses();
+        TcpCourse::arc(&from, &aux.position_m, &to, false, turn).unwrap()
+    }
+
+    /// Start, auxiliary frame and end, at 0 rad, 1 rad and 2.5 rad.
+    fn poses() -> [Pose; 3] {
+        let [aux, end] = [[0.5, 0.4, -0.3], [0.6, -0.2, 0.3]];
+        [on_circle(0.0, [0.1, 0.0, 0.0]), on_circle(1.0, aux), on_circle(2.5, end)]
+    }
+
+    fn at(course: &TcpCourse, s: f64) -> (Vec3<f64>, Mat3<f64>) {
+        let MovingPose { position_m, rotation } = course.at(Taylor::constant(s));
+        (position_m.map(Number::value), rotation.map(|row| row.map(Number::value)))
+    }
+
+    #[test]
+    fn circles_reach_the_auxiliary_orientation_at_the_auxiliary_frame() {
+        let [_, aux, to] = poses();
+        // The angle, and where the orientation of the end is reached.
+        let cases = [
+            (None, false, 1.0),
+            (Some(3.0), false, 1.0),
+            (Some(3.0), true, 2.5 / 3.0),
+            (Some(2.0), false, 1.0),
+        ];
+        for (angle_rad, extrapolates, end_at) in cases {
+            for with_path in [false, true] {
+                let by_way_of = Some((aux.rotation, ByWayOf::AtAux));
+                let course = circle(&ArcTurn { with_path, by_way_of, extrapolates, angle_rad });
+                let case = format!("{angle_rad:?} {extrapolates} {with_path}");
+                let (position, rotation) = at(&course, 1.0 / angle_rad.unwrap_or(2.5));
+                assert!(norm(&sub(&position, &aux.position_m)) < 1e-12, "{case}: {position:?}");
+                assert!(off(&rotation, &aux.rotation) < 1e-12, "{case}: {rotation:?}");
+                let (_, rotation) = at(&course, end_at);
+                assert!(off(&rotation, &to.rotation) < 1e-12, "{case}: {rotation:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn circles_reach_the_auxiliary_orientation_somewhere() {
+        let [_, aux, _] = poses();
+        let nearest = |by_way_of| {
+            let turn =
+                ArcTurn { with_path: false, by_way_of, extrapolates: false, angle_rad: None };
+            let course = circle(&turn);
+            let places = (0..=1000).map(|i| at(&course, f64::from(i) / 1000.0).1);
+            places.map(|rotation| off(&rotation, &aux.rotation)).fold(f64::INFINITY, f64::min)
+        };
+        let found = nearest(Some((aux.rotation, ByWayOf::Somewhere)));
+        assert!(found < 2e-3, "{found}");
+        let without = nearest(None);
+        assert!(without > 0.1, "{without}");
+    }
+}
