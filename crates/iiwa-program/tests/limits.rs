@@ -29,3 +29,20 @@ fn limits_are_written_as_they_are_read() {
         assert_eq!(motion, again);
     }
 }
+
+#[test]
+fn torque_limits_are_read_as_shares() {
+    for (key, expected) in [
+        ("", None),
+        (r#""limit_torque_percent": 100,"#, Some(1.0)),
+        (r#""limit_torque_percent": 37.5,"#, Some(0.375)),
+    ] {
+        let text = format!(
+            r#"{{ "version": 1, {key} "start": {{ "joints_deg": [0, 30, 0, -60, 0, 90, 0] }}, "motions": [{{ "type": "ptp", "joints_deg": [9, 30, 0, -60, 0, 90, 0] }}] }}"#
+        );
+        let program = Program::from_json(&text).unwrap();
+        assert_eq!(program.workcell.torque_limit_rel, expected);
+        let again = Program::from_json(&program.to_json()).unwrap();
+        assert_eq!(again.workcell.torque_limit_rel, expected);
+    }
+}
