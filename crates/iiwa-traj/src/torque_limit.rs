@@ -126,3 +126,64 @@ impl RowLimit for TorqueRows {
         torques.iter().flat_map(|torques| (0..7).map(move |j| share(torques, j))).collect()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use iiwa_kin::Robot;
+    use iiwa_program::Program;
+
+    use super::*;
+
+    fn path(percent: &str, motions: &str) -> JointPath {
+        let text = format!(
+            r#"{{ "version": 1, {percent} "start": {{ "joints_deg": [0, 90, 0, 0, 0, 0, 0] }}, "motions": [{motions}] }}"#
+        );
+        JointPath::new(&Program::from_json(&text).unwrap(), &Robot::default()).unwrap()
+    }
+
+    const WAIT: &str = r#"{ "type": "wait", "seconds": 1 }"#;
+    const UP: &str = r#"{ "type": "ptp", "joints_deg": [0, 0, 0, 0, 0, 0, 0] }"#;
+
+    /// With the arm stretched out, joint 2 holds most.
+    #[test]
+    fn the_start_has_to_be_held() {
+        for motions in [WAIT.to_owned(), UP.to_owned(), format!("{WAIT}, {UP}")] {
+            let check = |percent: &str| TorqueLimit.check(&path(percent, &motions));
+            let Err(TimingError::CannotHold { motion, joint, holding_nm, limit_nm, .. }) =
+                check(r#""limit_torque_percent": 10,"#)
+            else {
+                unreachable!("{motions}")
+            };
+            assert_eq!((motion.index(), joint), (0, Joint::ALL[1]), "{motions}");
+            assert!(holding_nm.abs() > limit_nm && (limit_nm - 17.6).abs() < 1e-12);
+            assert!(check(r#""limit_torque_percent": 90,"#).is_ok() && check("").is_ok());
+        }
+    }
+
+    #[test]
+    fn rows_are_the_torques_of_the_motion() {
+        let path = path(r#""limit_torque_percent": 50,"#, UP);
+        let rows = TorqueLimit.of_step(&path, 0).unwrap();
+        let q = [0.3, 0.7, -0.4, -1.1, 0.2, 0.9, 0.1];
+        let first = [0.5, -0.3, 0.4, 0.2, -0.6, 0.7, 0.1];
+        let second = [-0.2, 0.4, 0.3, -0.5, 0.1, 0.2, -0.3];
+        let dynamics = path.dynamics(path.steps()[0].motion());
+        let friction_nm = dynamics.friction().torques_nm(path.limits_of(0).velocity_rad_s());
+        let limits_nm = Robot::default().limits().torque_nm.map(|limit| 0.5 * limit);
+        for (speed, acceleration) in [(0.0, 0.0), (1.5, 0.0), (0.0, -2.0), (0.8, 3.0)] {
+            let velocity: Joints = first.map(|d| d * speed);
+            let by = |j: usize| first[j] * acceleration + second[j] * speed * speed;
+            let acceleration_rad_s2: Joints = std::array::from_fn(by);
+            let mut torques_nm = [[0.0; 7]];
+            dynamics.torques_batch(&[q], &[velocity], &[acceleration_rad_s2], &mut torques_nm);
+            let found = rows.rows(&[q], &[first], &[second]);
+            let shares = rows.shares(&[q], &[velocity], &[acceleration_rad_s2]);
+            for j in 0..7 {
+                let expected = torques_nm[0][j] / (limits_nm[j] - friction_nm[j]);
+                let row = found[j].at(speed, acceleration);
+                assert!((row - expected).abs() < 1e-9, "{j}: {row} {expected}");
+                assert!((shares[j] - expected).abs() < 1e-9, "{j}: {} {expected}", shares[j]);
+            }
+        }
+    }
+}
