@@ -245,3 +245,25 @@ fn messages_report_the_state_of_the_robot() {
     assert_eq!((message.safety, message.drive), (Some(Safety::Stop1), Some(Drive::Off)));
     assert_eq!(message.command_mode, Some(CommandMode::Position));
 }
+
+#[test]
+fn setpoints_are_in_place_within_the_tolerance_either_way() {
+    for (off_rad, is_in_place) in
+        [(0.9e-3, true), (-0.9e-3, true), (1.1e-3, false), (-1.1e-3, false), (-1.0, false)]
+    {
+        for joint in [0, 6] {
+            let mut controller = in_state(CommandingWait);
+            let mut joints = [0.0; 7];
+            joints[joint] = off_rad;
+            for _ in 0..10 {
+                let reflected = tick(&mut controller).sequence;
+                let sequence =
+                    controller.accepted.map_or(0, |(sequence, _)| sequence.wrapping_add(1));
+                let joints_rad = Some(joints);
+                assert!(give(&mut controller, &Command { sequence, reflected, joints_rad }));
+            }
+            let expected = if is_in_place { CommandingActive } else { CommandingWait };
+            assert_eq!(controller.state(), expected, "joint {joint}, {off_rad} rad");
+        }
+    }
+}
