@@ -280,4 +280,32 @@ mod tests {
         }
         assert!(governor.is_at_rest());
     }
+
+    /// Velocities change over the mean of the times of two steps.
+    #[test]
+    fn unequal_steps_keep_the_acceleration() {
+        let limits = *Robot::default().limits();
+        for [first_s, second_s] in [[0.001, 0.01], [0.01, 0.001], [0.005, 0.005]] {
+            let mut governor = Governor::new(&limits);
+            governor.observe(Some(&[0.0; 7]), first_s, first_s);
+            let sent = governor.command(Some(&[0.0; 7])).unwrap().joints_rad;
+            assert_eq!(sent, [0.0; 7]);
+            governor.observe(None, second_s, first_s);
+            let sent = governor.command(Some(&[2.0; 7])).unwrap().joints_rad;
+            let mean_s = 0.5 * (first_s + second_s);
+            for j in 0..7 {
+                let acceleration = sent[j] / second_s / mean_s;
+                let share = acceleration / limits.acceleration_rad_s2[j];
+                assert!((share - 1.3).abs() < 1e-6, "{first_s} s, {second_s} s: {share}");
+            }
+            // Braking, with the steps the other way round.
+            governor.observe(None, first_s, first_s);
+            let braked = governor.command(None).unwrap().joints_rad;
+            for j in 0..7 {
+                let change = sent[j] / second_s - (braked[j] - sent[j]) / first_s;
+                let share = change / mean_s / limits.acceleration_rad_s2[j];
+                assert!((share - 1.2).abs() < 1e-6, "{first_s} s, {second_s} s: {share}");
+            }
+        }
+    }
 }
