@@ -1,10 +1,9 @@
 //! What the end-to-end tests share: the reference programs, random programs, an eye for limits, free
 //! ports, sockets of ZeroMQ and bare peers of ZMTP, the conformance suite of robot programs, and that in Java as a process.
 
-pub mod bars;
 mod bernstein;
-pub mod calm;
 pub mod cartesian_cases;
+pub mod child_processes;
 pub mod conformance;
 pub mod differences;
 pub mod extremes;
@@ -12,17 +11,18 @@ pub mod families;
 mod intervals;
 mod jumps;
 pub mod loaded_programs;
-pub mod means;
+pub mod mean_limits;
+pub mod plan_check;
 pub mod ports;
 pub mod program_process;
 pub mod random;
+pub mod realtime_guard;
 pub mod reference;
 pub mod socket;
-pub mod starts;
 pub mod tcp_limits;
 pub mod tcp_programs;
+pub mod tolerances;
 pub mod torque_reference;
-pub mod verdict;
 pub mod zmtp;
 
 /// The end-to-end tests, in one executable with the unit tests of this crate.

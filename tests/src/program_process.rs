@@ -17,7 +17,7 @@ use std::{
     time::{Duration, Instant},
 };
 
-use crate::starts;
+use crate::child_processes;
 
 /// The program, a jar.
 const VARIABLE: &str = "IIWASIM_ROBOT_PROGRAM";
@@ -94,7 +94,7 @@ impl ProgramProcess {
             .stdin(Stdio::piped())
             .stdout(Stdio::piped())
             .stderr(Stdio::piped());
-        let mut child = starts::start(&mut command).expect("java");
+        let mut child = child_processes::start(&mut command).expect("java");
         let lines = read_lines(child.stdout.take().expect("a pipe"));
         show_errors(child.stderr.take().expect("a pipe"));
         (Self { stdin: child.stdin.take(), child }, lines)

@@ -8,7 +8,7 @@
 use std::{collections::BTreeSet, fs};
 
 use iiwa_program::Program;
-use iiwasim_tests::{fixture, verdict::Verdict};
+use iiwasim_tests::{fixture, plan_check::PlanCheck};
 
 /// What is wrong with each program, as far as it is known.
 const KNOWN: [(&str, &[&str]); 0] = [];
@@ -21,7 +21,7 @@ fn hostile_programs_fail_only_as_is_known() {
         let file = entry.unwrap().path();
         let name = file.file_stem().unwrap().to_string_lossy().into_owned();
         let program = Program::from_json(&fs::read_to_string(&file).unwrap()).unwrap();
-        let Verdict { refusals, failures, .. } = Verdict::of(&program);
+        let PlanCheck { refusals, failures, .. } = PlanCheck::of(&program);
         let found = [refusals, failures].concat();
         let known =
             KNOWN.iter().find(|(known, _)| *known == name).map_or(&[][..], |(_, what)| what);

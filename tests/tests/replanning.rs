@@ -8,7 +8,7 @@ use iiwa_kin::Robot;
 use iiwa_path::{JointPath, PathOptions};
 use iiwa_program::{Blend, Motion, MotionIndex, Program, Ptp, Sources, Start, Workcell};
 use iiwa_traj::{JerkOptions, PlanError, Replanner, Timing, Trajectory};
-use iiwasim_tests::{bars::RATIOS, extremes::extremes, families::Family};
+use iiwasim_tests::{extremes::extremes, families::Family, tolerances::RATIOS};
 
 /// By which share of the cycle a plan may be slower than one from nothing.
 const BAR: f64 = 1e-3;

@@ -9,8 +9,8 @@ use iiwa_traj::{
     JerkOptions, Limit, PlanError, Replanner, SweepOptions, Timing, TimingError, Trajectory,
 };
 use iiwasim_tests::{
-    bars,
     loaded_programs::{LoadedProgram, loaded_program},
+    tolerances,
     torque_reference::cases,
 };
 
@@ -123,8 +123,18 @@ fn all_limits_are_kept() {
             *found.entry(if same { "as without" } else { "held back" }).or_default() += 1;
             let shares = worst(&trajectory, &limits_nm);
             let allowed = match k {
-                0 => [MOST_TORQUE, bars::RATIOS[0], bars::RATIOS[1], bars::RATIOS[2]],
-                _ => [MOST_TORQUE, bars::SWEPT_RATIOS[0], bars::SWEPT_RATIOS[1], f64::INFINITY],
+                0 => [
+                    MOST_TORQUE,
+                    tolerances::RATIOS[0],
+                    tolerances::RATIOS[1],
+                    tolerances::RATIOS[2],
+                ],
+                _ => [
+                    MOST_TORQUE,
+                    tolerances::SWEPT_RATIOS[0],
+                    tolerances::SWEPT_RATIOS[1],
+                    f64::INFINITY,
+                ],
             };
             // A share that is not a number fails, too.
             if !(0..4).all(|i| shares[i] <= allowed[i]) {

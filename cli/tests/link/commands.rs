@@ -8,7 +8,7 @@ use std::{
 };
 
 use iiwa_log::JointSample;
-use iiwasim_tests::{calm::in_real_time, ports::free_address};
+use iiwasim_tests::{ports::free_address, realtime_guard::in_real_time};
 use predicates::{
     prelude::PredicateBooleanExt,
     str::{contains, is_empty, is_match, starts_with},

@@ -7,7 +7,7 @@ use std::{
     net::TcpStream,
 };
 
-use iiwasim_tests::calm::in_real_time;
+use iiwasim_tests::realtime_guard::in_real_time;
 use serde_json::json;
 
 use crate::link::{

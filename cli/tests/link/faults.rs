@@ -5,7 +5,7 @@ use std::{
     time::{Duration, Instant},
 };
 
-use iiwasim_tests::calm::in_real_time;
+use iiwasim_tests::realtime_guard::in_real_time;
 use predicates::str::contains;
 
 use crate::link::rig::{Process, Rig, wait_for};

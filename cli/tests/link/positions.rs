@@ -3,7 +3,7 @@
 use std::fs;
 
 use iiwa_log::Recording;
-use iiwasim_tests::calm::in_real_time;
+use iiwasim_tests::realtime_guard::in_real_time;
 use serde_json::{Value, json};
 
 use crate::link::{

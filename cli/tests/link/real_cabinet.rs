@@ -8,7 +8,7 @@ use std::{
 };
 
 use iiwasim_tests::{
-    calm::in_real_time,
+    realtime_guard::in_real_time,
     zmtp::{HANDSHAKE_TIMEOUT, Peer},
 };
 use predicates::{

@@ -8,7 +8,7 @@ use std::{
 };
 
 use iiwa_log::Recording;
-use iiwasim_tests::calm::in_real_time;
+use iiwasim_tests::realtime_guard::in_real_time;
 use serde_json::{Value, json};
 
 use crate::link::{

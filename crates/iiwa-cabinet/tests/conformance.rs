@@ -20,9 +20,9 @@ use iiwa_cabinet::{Cabinet, CabinetConfig};
 use iiwa_fri::{Client, MAX_DATAGRAM_BYTES};
 use iiwa_link::Server;
 use iiwasim_tests::{
-    calm::in_real_time,
     conformance::{self, ZmqPeer},
     ports::free_address,
+    realtime_guard::in_real_time,
 };
 
 const MALFORMED: &str = "bad_input.jsonl";

@@ -16,9 +16,9 @@ use iiwa_cabinet::{Cabinet, CabinetConfig};
 use iiwa_drive::{Drive, DriveConfig};
 use iiwa_link::{Client, Remote, Server, message::Presence};
 use iiwasim_tests::{
-    calm::in_real_time,
     ports::free_address,
     program_process::{ProgramPorts, ProgramProcess, jar},
+    realtime_guard::in_real_time,
 };
 
 /// How soon both sides are connected again.

@@ -12,7 +12,7 @@ use std::{
 use iiwa_kin::{Joints, Robot, RosNames, RosStack};
 use iiwa_link::message::{DriveState, FriStatus, IoValue, Presence, Sensors, Status};
 use iiwa_log::{Arm, Encoder, Frame, Topic};
-use iiwasim_tests::{ports::free_address, starts};
+use iiwasim_tests::{child_processes, ports::free_address};
 use serde_json::{Value, json};
 
 use iiwa_foxglove::Viewers;
@@ -269,7 +269,7 @@ fn the_end_does_not_wait_for_a_viewer_that_does_not_read() {
     let started = Instant::now();
     drop(viewers);
     assert!(started.elapsed() < Duration::from_secs(5), "{:?}", started.elapsed());
-    starts::await_all();
+    child_processes::await_all();
     drop(Viewers::listen(&Robot::default(), &RosNames::default(), address).unwrap());
 }
 
@@ -280,7 +280,7 @@ fn the_end_disconnects_viewers_and_frees_the_port() {
     let mut viewer = subscriber(&viewers, &ARM_TOPICS);
     drop(viewers);
     assert!(viewer.next().is_none());
-    starts::await_all();
+    child_processes::await_all();
     drop(TcpListener::bind(address).unwrap());
 }
 

@@ -19,7 +19,7 @@ mod tally;
 use std::{process::ExitCode, time::Instant};
 
 use iiwasim_benches::{Result, machine};
-use iiwasim_tests::{families::Family, verdict::Verdict};
+use iiwasim_tests::{families::Family, plan_check::PlanCheck};
 
 use self::{arguments::Task, table::print_table, tally::Tally};
 
@@ -31,7 +31,7 @@ pub(crate) fn run(arguments: &[&str]) -> Result<ExitCode> {
         }
         Task::Table(program) => {
             print_table(&program)?;
-            let Verdict { refusals, failures, .. } = Verdict::of(&program);
+            let PlanCheck { refusals, failures, .. } = PlanCheck::of(&program);
             for what in refusals.iter().chain(&failures) {
                 println!("{what}");
             }

@@ -15,7 +15,7 @@ use iiwa_link::{
 };
 use iiwa_program::{Motion, Ptp};
 use iiwasim_tests::{
-    calm::in_real_time,
+    realtime_guard::in_real_time,
     socket::{Socket, SocketType},
 };
 

@@ -11,7 +11,7 @@ use iiwa_link::{
     Remote, Server,
     security::{AllowList, ClientSecurity, KeyPair, ServerSecurity},
 };
-use iiwasim_tests::{calm::in_real_time, starts};
+use iiwasim_tests::{child_processes, realtime_guard::in_real_time};
 
 use crate::link::{
     rig::{Rig, wait_for},
@@ -21,7 +21,7 @@ use crate::link::{
 fn check(rig: &Rig, remote: &Remote) -> LinkCheck {
     let mut told = Vec::new();
     // The check before may have had the same UDP port.
-    starts::await_all();
+    child_processes::await_all();
     let check = LinkCheck::run(&rig.drive_config, remote, |step| told.push(step.clone()));
     assert_eq!(check.steps, told);
     assert_eq!(check.steps.len(), 11);

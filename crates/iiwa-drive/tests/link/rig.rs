@@ -15,9 +15,9 @@ use iiwa_link::{
     message::{DriveState, Presence},
 };
 use iiwasim_tests::{
+    child_processes,
     ports::free_address,
     program_process::{ProgramPorts, ProgramProcess, jar},
-    starts,
 };
 
 /// Time-out of all waits.
@@ -100,7 +100,7 @@ impl Rig {
             config.instructions = free_tcp();
             config.state = free_tcp();
         }
-        starts::await_all();
+        child_processes::await_all();
         let cabinet = Cabinet::start(config, &Server::open()).unwrap();
         let ports = ProgramPorts {
             instructions: self.cabinet_config.instructions.clone(),
@@ -114,7 +114,7 @@ impl Rig {
 
     pub(crate) fn start_drive(&mut self) {
         // The one before may have had the same ports.
-        starts::await_all();
+        child_processes::await_all();
         let drive = Drive::start(self.drive_config.clone(), &Server::open(), &self.remote).unwrap();
         self.drive = Some(drive);
     }

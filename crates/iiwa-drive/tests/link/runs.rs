@@ -8,7 +8,7 @@ use iiwa_link::{
 use iiwa_path::JointPath;
 use iiwa_program::{Blend, Motion, MotionList, Ptp};
 use iiwa_traj::{Timing, Trajectory};
-use iiwasim_tests::calm::in_real_time;
+use iiwasim_tests::realtime_guard::in_real_time;
 
 use crate::link::rig::{LONG, Rig};
 

@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 
 use iiwa_link::{Published, Stream};
 use iiwasim_tests::{
-    calm::in_real_time,
+    realtime_guard::in_real_time,
     socket::{Socket, SocketType},
 };
 use serde::Deserialize;

@@ -23,11 +23,11 @@ use iiwa_link::{
 };
 use iiwa_program::{MotionList, Program};
 use iiwasim_tests::{
-    calm::in_real_time,
     conformance::{self, DrivePeer, Incoming, Report, ZmqPeer},
     fixture,
     ports::free_address,
     program_process::{ProgramPorts, ProgramProcess, jar_or_skip},
+    realtime_guard::in_real_time,
 };
 use tempfile::TempDir;
 

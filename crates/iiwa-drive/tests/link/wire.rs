@@ -15,7 +15,7 @@ use iiwa_fri::{Format, SessionState};
 use iiwa_kin::{Joints, Robot};
 use iiwa_link::{ClientError, TimedJoints};
 use iiwa_program::{Blend, Motion, Ptp};
-use iiwasim_tests::{calm::in_real_time, ports::free_address};
+use iiwasim_tests::{ports::free_address, realtime_guard::in_real_time};
 
 use crate::link::{
     rig::{LONG, Rig},

@@ -11,7 +11,7 @@ use std::{
 };
 
 use iiwa_link::message::IoValue;
-use iiwasim_tests::starts;
+use iiwasim_tests::child_processes;
 use serde_json::{Value, json};
 
 use super::{JOINTS, listen, status};
@@ -33,7 +33,7 @@ fn a_client_in_python_reads_everything() {
         .arg(format!("ws://{}", viewers.address()))
         .arg("--json")
         .stdout(Stdio::piped());
-    let mut client = starts::start(&mut command).unwrap();
+    let mut client = child_processes::start(&mut command).unwrap();
 
     // The arm turns about all axes at once: each joint is where this one joint is, but for an offset.
     let started = Instant::now();

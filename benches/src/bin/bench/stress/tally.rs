@@ -2,7 +2,7 @@
 
 use std::{collections::BTreeMap, fmt, time::Duration};
 
-use iiwasim_tests::{families::Family, verdict::Verdict};
+use iiwasim_tests::{families::Family, plan_check::PlanCheck};
 
 /// Programs of more motions do not count for the longest plan.
 const FEW_MOTIONS: usize = 20;
@@ -81,7 +81,7 @@ impl Tally {
     /// Draws program `index` and judges it.
     pub(crate) fn add(&mut self, seed: u64, index: u64) {
         let drawn = self.family.program(seed, index);
-        let verdict = Verdict::of(&drawn.program);
+        let verdict = PlanCheck::of(&drawn.program);
         let motions = drawn.program.motions.len();
         self.programs += 1;
         self.motions += motions;

@@ -6,9 +6,9 @@ use std::{
 };
 
 use crate::{
-    bars::{COARSE, FAR, FASTER, FINE_SAMPLES, JUMP, RATIOS, SWEPT_RATIOS},
     extremes::{Extremes, extremes},
-    means::mean_ratios,
+    mean_limits::mean_ratios,
+    tolerances::{COARSE, FAR, FASTER, FINE_SAMPLES, JUMP, RATIOS, SWEPT_RATIOS},
 };
 use iiwa_kin::Robot;
 use iiwa_path::JointPath;
@@ -20,7 +20,7 @@ const CYCLE_S: f64 = 1e-3;
 
 /// What was found out about a program.
 #[derive(Clone, Debug, Default)]
-pub struct Verdict {
+pub struct PlanCheck {
     /// Largest ratios of velocity, acceleration and jerk to their limits at an instant.
     pub instants: [f64; 3],
     /// The same, without the intervals in which rounding shows.
@@ -43,7 +43,7 @@ pub struct Verdict {
     pub failures: Vec<String>,
 }
 
-impl Verdict {
+impl PlanCheck {
     /// Plans `program` with either timing and judges what comes out.
     #[must_use]
     pub fn of(program: &Program) -> Self {
