@@ -293,9 +293,8 @@ mod tests {
             governor.observe(None, second_s, first_s);
             let sent = governor.command(Some(&[2.0; 7])).unwrap().joints_rad;
             let mean_s = 0.5 * (first_s + second_s);
-            for j in 0..7 {
-                let acceleration = sent[j] / second_s / mean_s;
-                let share = acceleration / limits.acceleration_rad_s2[j];
+            for (sent, limit) in sent.iter().zip(limits.acceleration_rad_s2) {
+                let share = sent / second_s / mean_s / limit;
                 assert!((share - 1.3).abs() < 1e-6, "{first_s} s, {second_s} s: {share}");
             }
             // Braking, with the steps the other way round.
