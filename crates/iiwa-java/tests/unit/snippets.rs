@@ -339,7 +339,7 @@ fn with_patterns_of_switches() {
         ("f(new Circle(2))", "String circle2.0"),
         ("f(new Rect(new Point(1, 2), new Point(3, 4)))", "String rect12Point[x=3, y=4]"),
         ("f(new Rect(new Point(9, 2), new Point(3, 4)))", "String other9"),
-        ("f(new Box(\"s\"))", "String boxs"),
+        ("f(new Box(\"es\"))", "String boxes"),
         ("f(new Box(null))", "String anynull"),
         ("f(new Box(1))", "String any1"),
         ("f(E.A) + f(E.B)", "String Adefault"),
