@@ -100,8 +100,8 @@ fn errors_name_the_file_that_they_are_in() {
     refuses(PROGRAM, "{", &["cells/cell.json, line 1"]);
     refuses(PROGRAM, "root:x:0", &["program.json, line 3, column 14", "not a JSON object"]);
     refuses(&other("none.json"), CELL, &["program.json, line 3, column 14", "no file ./none.json"]);
-    refuses(&other("../cell.json"), CELL, &["program.json, line 3", "in a folder below it"]);
-    refuses(&other("/etc/passwd"), CELL, &["program.json, line 3", "in a folder below it"]);
+    refuses(&other("../cell.json"), CELL, &["program.json, line 3", "in a folder below that"]);
+    refuses(&other("/etc/passwd"), CELL, &["program.json, line 3", "in a folder below that"]);
     refuses(
         PROGRAM,
         &CELL.replace("\"bases\"", "\"include\": \"b.json\", \"bases\""),

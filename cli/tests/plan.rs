@@ -469,6 +469,21 @@ fn a_profile_is_found_beside_the_program() {
 }
 
 #[test]
+fn a_program_is_planned_for_the_robot_that_it_names() {
+    let folder = tempdir().unwrap();
+    let text = fs::read_to_string(fixture("appendix-b.json")).unwrap();
+    let input = folder.path().join("heavy.json");
+    fs::write(&input, text.replace("lbr_iiwa_7_r800", "lbr_iiwa_14_r820")).unwrap();
+    let json = ["--json", "--no-output"];
+    let named = figures(plan(&folder, &input, &json));
+    assert_eq!(named["robot"], "lbr_iiwa_14_r820");
+    let given = ["--json", "--no-output", "--robot", "lbr_iiwa_14_r820"];
+    assert_eq!(figures(plan(&folder, &fixture("appendix-b.json"), &given)), named);
+    let other = figures(plan(&folder, &fixture("appendix-b.json"), &json));
+    assert_ne!(named["cycle_time_s"], other["cycle_time_s"]);
+}
+
+#[test]
 fn assumed_limits_are_named() {
     let folder = tempdir().unwrap();
     let assert =

@@ -132,6 +132,16 @@ def test_errors_say_where(text: str, line: int, motion: int | None, says: str) -
     assert pickle.loads(pickle.dumps(caught.value)).line == line
 
 
+def test_programs_are_planned_for_the_robot_that_they_name() -> None:
+    text = swing().to_json()
+    heavy = iw.Program.from_json(text.replace("{", '{"robot": "lbr_iiwa_14_r820",', 1))
+    named = iw.plan(heavy)
+    assert named.robot.name == "lbr_iiwa_14_r820"
+    assert named.cycle_time_s == iw.plan(swing(), robot="lbr_iiwa_14_r820").cycle_time_s
+    assert named.cycle_time_s != iw.plan(swing()).cycle_time_s
+    assert iw.plan(heavy, robot="lbr_iiwa_7_r800").cycle_time_s == iw.plan(swing()).cycle_time_s
+
+
 def test_errors_of_plans_say_where() -> None:
     program = swing().with_motions([iw.wait(1), iw.ptp(deg=[0, 0, 0, 0, 0, 0, 200])])
     with pytest.raises(iw.ProgramError, match="A7") as caught:

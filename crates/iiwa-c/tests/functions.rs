@@ -55,6 +55,20 @@ fn at(plan: &IiwasimPlan, t_s: f64) -> IiwasimState {
     unsafe { state.assume_init() }
 }
 
+/// The figures and the warnings.
+fn figures(plan: &IiwasimPlan) -> serde_json::Value {
+    let mut json = MaybeUninit::uninit();
+    assert_eq!(iiwasim_plan_figures_json(Some(plan), Some(&mut json)), IiwasimStatus::Ok);
+    // SAFETY: it was written, and ends with a NUL.
+    let json: *mut c_char = unsafe { json.assume_init() };
+    // SAFETY: likewise.
+    let text = unsafe { CStr::from_ptr(json) }.to_str().unwrap();
+    let figures = serde_json::from_str(text).unwrap();
+    // SAFETY: it is of this library, and freed once.
+    unsafe { iiwasim_string_free(json) };
+    figures
+}
+
 /// The error of this thread, and its message.
 fn last_error() -> (IiwasimError, String) {
     let mut error = MaybeUninit::uninit();
@@ -124,21 +138,27 @@ fn samples_are_as_many_as_they_are_counted() {
 
 #[test]
 fn figures_are_those_of_the_trajectory() {
-    let plan = plan(&program(PROGRAM).unwrap()).unwrap();
-    let mut json = MaybeUninit::uninit();
-    assert_eq!(iiwasim_plan_figures_json(Some(&plan), Some(&mut json)), IiwasimStatus::Ok);
-    // SAFETY: it was written, and ends with a NUL.
-    let json: *mut c_char = unsafe { json.assume_init() };
-    // SAFETY: likewise.
-    let text = unsafe { CStr::from_ptr(json) }.to_str().unwrap();
-    let mut found: serde_json::Value = serde_json::from_str(text).unwrap();
+    let mut found = figures(&plan(&program(PROGRAM).unwrap()).unwrap());
     let warnings = found.as_object_mut().unwrap().remove("warnings").unwrap();
     assert_eq!(warnings, serde_json::json!([]));
     let (trajectory, options) = trajectory();
     let figures: PlanFigures = serde_json::from_value(found).unwrap();
     assert_eq!(figures, PlanFigures::of(&trajectory, &options));
-    // SAFETY: it is of this library, and freed once.
-    unsafe { iiwasim_string_free(json) };
+}
+
+#[test]
+fn a_program_is_planned_for_the_robot_that_it_names() {
+    let robot_and_time = |text: &str| {
+        let plan = plan(&program(text).unwrap()).unwrap();
+        let mut time_s = MaybeUninit::uninit();
+        assert_eq!(iiwasim_plan_cycle_time_s(Some(&plan), Some(&mut time_s)), IiwasimStatus::Ok);
+        // SAFETY: it was written.
+        (figures(&plan)["robot"].clone(), unsafe { time_s.assume_init() })
+    };
+    let heavy = PROGRAM.replacen('{', r#"{ "robot": "lbr_iiwa_14_r820", "#, 1);
+    let [(named, named_s), (usual, usual_s)] = [&*heavy, PROGRAM].map(robot_and_time);
+    assert_eq!((named, usual), ("lbr_iiwa_14_r820".into(), "lbr_iiwa_7_r800".into()));
+    assert!(named_s > usual_s, "{named_s} {usual_s}");
 }
 
 #[test]

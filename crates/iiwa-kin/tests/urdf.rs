@@ -9,8 +9,6 @@
     clippy::unwrap_used
 )]
 
-use std::time::Instant;
-
 use iiwa_kin::{Robot, RosNames, UrdfError, UrdfReport};
 use proptest::prelude::*;
 
@@ -274,8 +272,9 @@ fn a_circle_is_told() {
     assert!(matches!(error, UrdfError::Cycle { .. }), "{error}");
 }
 
+/// With work that grows with the square of a file, this test would take hours.
 #[test]
-fn huge_files_are_refused_quickly() {
+fn huge_files_are_refused() {
     let open = "<a>".repeat(3_500_000);
     let closed = format!("<robot>{open}{}</robot>", "</a>".repeat(3_500_000));
     let attributes: String = (0..1_000_000).map(|i| format!("a{i}='' ")).collect();
@@ -292,11 +291,9 @@ fn huge_files_are_refused_quickly() {
             "<joint name='{i}' type='{kind}'><parent link='{up}'/><child link='{i}'/></joint>"
         );
     }
-    let start = Instant::now();
     for text in [open, closed, attributes, links + "</robot>", chain + "</robot>"] {
         Robot::default().check_urdf(&text, None).unwrap_err();
     }
-    assert!(start.elapsed().as_secs() < 120, "{:?}", start.elapsed());
 }
 
 /// Elements far inside others are skipped; without that, this test would take minutes.
