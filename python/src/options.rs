@@ -4,8 +4,8 @@ use std::path::PathBuf;
 
 use iiwa_kin::Robot as Model;
 use iiwa_log::{AngleUnit, LogOptions, Positions};
-use iiwa_plan::PlanOptions;
 use iiwa_path::{BlendSearch, BlendShape, Continuity, PathOptions};
+use iiwa_plan::PlanOptions;
 use iiwa_traj::{JerkOptions, SweepOptions, Timing};
 use pyo3::{exceptions::PyValueError, prelude::*};
 

@@ -41,7 +41,7 @@ use crate::{
 pub(crate) struct Plan {
     /// The program that was given.
     source: Arc<ProgramSource>,
-    plan: iiwa_plan::Plan,
+    planned: iiwa_plan::Plan,
     /// Made when they are asked for.
     figures: OnceLock<PlanFigures>,
 }
@@ -55,16 +55,16 @@ pub(crate) fn rate(rate_hz: f64) -> PyResult<f64> {
 }
 
 impl Plan {
-    pub(crate) fn new(source: Arc<ProgramSource>, plan: iiwa_plan::Plan) -> Self {
-        Self { source, plan, figures: OnceLock::new() }
+    pub(crate) fn new(source: Arc<ProgramSource>, planned: iiwa_plan::Plan) -> Self {
+        Self { source, planned, figures: OnceLock::new() }
     }
 
     pub(crate) fn trajectory(&self) -> &Trajectory {
-        &self.plan.trajectory
+        &self.planned.trajectory
     }
 
     fn record(&self) -> &PlanFigures {
-        self.figures.get_or_init(|| self.plan.figures())
+        self.figures.get_or_init(|| self.planned.figures())
     }
 
     fn clearance_of(
@@ -74,7 +74,7 @@ impl Plan {
         find: impl Fn(&ArmInScene, &Trajectory) -> Option<PlannedClearance> + Send + Sync,
     ) -> Option<Clearance> {
         py.detach(|| {
-            let arm = ArmInScene::new(self.plan.robot(), &scene.parsed);
+            let arm = ArmInScene::new(self.planned.robot(), &scene.parsed);
             let found = find(&arm, self.trajectory())?;
             Some(Clearance::new(&arm, &found.clearance, Some(&found)))
         })
@@ -140,7 +140,7 @@ impl Plan {
     /// 'sunrise'
     #[getter]
     fn timing(&self) -> &'static str {
-        self.plan.options.timing.name()
+        self.planned.options.timing.name()
     }
 
     /// The robot that it was made for.
@@ -152,7 +152,7 @@ impl Plan {
     /// 'lbr_iiwa_7_r800'
     #[getter]
     fn robot(&self) -> Robot {
-        Robot::of(self.plan.robot().clone())
+        Robot::of(self.planned.robot().clone())
     }
 
     /// The program.
@@ -164,7 +164,7 @@ impl Plan {
     /// 2
     #[getter]
     fn program(&self) -> Program {
-        Program::planned(&self.source, &self.plan.program, self.plan.robot())
+        Program::planned(&self.source, &self.planned.program, self.planned.robot())
     }
 
     /// Its motions, as `MotionFigures`.
@@ -188,7 +188,7 @@ impl Plan {
     /// []
     #[getter]
     fn warnings(&self) -> Vec<String> {
-        self.plan.warnings(self.record())
+        self.planned.warnings(self.record())
     }
 
     /// All figures as a dict: that of `iiwasim plan --json`.
@@ -300,7 +300,7 @@ impl Plan {
         py.detach(|| {
             let output = Output::new(&path).map_err(|error| output_error(&error))?;
             let stream = output.stream().map_err(|error| output_error(&error))?;
-            write_plan(stream, &self.plan, config, self.source.text.as_read())
+            write_plan(stream, &self.planned, config, self.source.text.as_read())
                 .map_err(|error| failed(&error))?
                 .into_inner()
                 .map_err(|error| failed(error.error()))?;
@@ -317,8 +317,8 @@ impl Plan {
     /// True
     fn picture(&self, py: Python<'_>) -> PyResult<String> {
         py.detach(|| {
-            let robot = self.plan.robot();
-            let mut picture = PlanPicture::new(robot).with_frames(&self.plan.program);
+            let robot = self.planned.robot();
+            let mut picture = PlanPicture::new(robot).with_frames(&self.planned.program);
             for section in self.trajectory().sections() {
                 picture.add(section);
             }
@@ -391,19 +391,19 @@ impl Plan {
     /// Planned anew where it is unpickled: the same input gives the same plan.
     fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Pickled<'py>> {
         let (py, own) = (slf.py(), slf.get());
-        let path = own.plan.options.path;
+        let path = own.planned.options.path;
         let words = (
             own.timing(),
             crate::options::shape_name(path.blend_shape),
             crate::options::search_name(path.blend_search),
-            own.plan.options.samples,
+            own.planned.options.samples,
         );
         let restore = py.import("iiwasim._figures")?.getattr("planned")?;
         Ok((restore, (own.program(), words).into_pyobject(py)?))
     }
 
     fn __repr__(&self) -> String {
-        let count = self.plan.program.motions.len();
+        let count = self.planned.program.motions.len();
         let motions = if count == 1 { "1 motion".to_owned() } else { format!("{count} motions") };
         format!("<iiwasim.Plan {:.3} s, {motions}, {}>", self.cycle_time_s(), self.timing())
     }

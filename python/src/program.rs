@@ -60,7 +60,11 @@ impl Program {
     }
 
     /// The program of a plan, which was read from `text` unless its limits were changed.
-    pub(crate) fn planned(source: &Arc<ProgramSource>, parsed: &Arc<Motions>, robot: &Model) -> Self {
+    pub(crate) fn planned(
+        source: &Arc<ProgramSource>,
+        parsed: &Arc<Motions>,
+        robot: &Model,
+    ) -> Self {
         let source = if source.program == *parsed {
             Arc::clone(source)
         } else {
