@@ -84,12 +84,6 @@ impl ProgramSource {
         Ok(Self { program: Arc::new(program), text, robot })
     }
 
-    /// The same program for a robot that was found otherwise under the name that it has in the program.
-    #[must_use]
-    pub fn with_robot(self, robot: Robot) -> Self {
-        Self { robot: Ok(Some(robot)), ..self }
-    }
-
     /// The robot that the program names, with the flange that it states; none if it names none.
     ///
     /// # Errors
