@@ -396,7 +396,7 @@ pub(crate) enum ExpressionKind {
     },
     Lambda(Arc<Lambda>),
     Reference(Arc<Reference>),
-    /// What it is, with its article: "a string template".
+    /// Its name with an article: "a string template".
     Unsupported(String),
 }
 

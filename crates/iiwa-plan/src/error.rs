@@ -28,7 +28,7 @@ pub enum Error {
         name: String,
         /// The reason why it is not read as a profile.
         reason: String,
-        /// Where the program names it.
+        /// The place at which the program names it.
         place: Place,
     },
     /// The profile of the robot that the program names is not valid.
@@ -46,7 +46,7 @@ pub enum Error {
     Plan {
         /// The fault, with the sources of the motions that it names.
         message: String,
-        /// Where in the program's text; none if no motion of it is at fault.
+        /// The place in the text of the program; none if no motion of it is at fault.
         place: Option<Place>,
         /// The motion at fault.
         motion: Option<MotionIndex>,
