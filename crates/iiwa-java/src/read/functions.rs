@@ -22,7 +22,7 @@ impl Reader<'_> {
         let names = self.names(written);
         if written.kind() != "block" {
             let expression = self.expression(written)?;
-            let is_void_compatible = is_statement(&expression.kind);
+            let is_void_compatible = is_statement_expression(&expression.kind);
             let kind = StatementKind::Return(Some(expression));
             let body = vec![Statement { line: self.line(written), kind }];
             let is_value_compatible = true;
@@ -108,8 +108,8 @@ impl Reader<'_> {
     }
 }
 
-/// True if an expression can be a statement.
-fn is_statement(kind: &ExpressionKind) -> bool {
+/// True of a statement expression (JLS 14.8).
+pub(super) fn is_statement_expression(kind: &ExpressionKind) -> bool {
     matches!(
         kind,
         ExpressionKind::Assign { .. }

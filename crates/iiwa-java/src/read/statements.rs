@@ -5,6 +5,7 @@ use tree_sitter::Node;
 use super::{
     declarations::is_class,
     fault::Fault,
+    functions::is_statement_expression,
     reader::{Reader, brackets, child_of_kind, children, named},
 };
 use crate::syntax::{
@@ -275,15 +276,8 @@ fn children_of_label(node: Node<'_>) -> Option<[Node<'_>; 2]> {
     Some([label, body])
 }
 
-/// Whether an expression can be a statement: Java has none that only has a value.
+/// True if an expression is read as a statement: a statement expression, a switch, or what is not supported.
 fn is_statement(kind: &ExpressionKind) -> bool {
-    matches!(
-        kind,
-        ExpressionKind::Assign { .. }
-            | ExpressionKind::Step { .. }
-            | ExpressionKind::Call { .. }
-            | ExpressionKind::New { .. }
-            | ExpressionKind::Switch { .. }
-            | ExpressionKind::Unsupported(_)
-    )
+    is_statement_expression(kind)
+        || matches!(kind, ExpressionKind::Switch { .. } | ExpressionKind::Unsupported(_))
 }
