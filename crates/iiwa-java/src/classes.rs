@@ -33,7 +33,7 @@ pub(crate) struct KnownClass {
     /// The class within which it stands.
     pub(crate) outer: Option<ClassId>,
     unit: usize,
-    /// True if it, or a class around it, stands in a method.
+    /// True for a local or anonymous class, and for classes within one.
     is_in_method: bool,
 }
 
@@ -129,7 +129,7 @@ impl Classes {
         id
     }
 
-    /// A class that stands in a method of `outer`.
+    /// A local or anonymous class in a method of `outer`.
     pub(crate) fn in_method(&mut self, class: &Arc<Class>, outer: ClassId) -> ClassId {
         let address = Arc::as_ptr(class) as usize;
         if let Some(id) = self.in_methods.get(&address) {
@@ -145,7 +145,7 @@ impl Classes {
         id
     }
 
-    /// True for a class that stands in a method, and for those in it.
+    /// True for a local or anonymous class, and for classes within one.
     pub(crate) fn is_in_method(&self, id: ClassId) -> bool {
         self.known(id).is_in_method
     }

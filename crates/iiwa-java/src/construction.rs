@@ -81,7 +81,7 @@ impl Machine {
         }
     }
 
-    /// A class that stands in a method of another one.
+    /// A local or anonymous class in a method of another class.
     pub(crate) fn class_in_method(&mut self, class: &Arc<Class>, outer: ClassId) -> ClassId {
         let before = self.java.classes.ids().count();
         let id = self.java.classes.in_method(class, outer);
@@ -92,7 +92,7 @@ impl Machine {
         id
     }
 
-    /// What a class that stands in a method sees of it.
+    /// The variables of a method that a local class in it sees.
     pub(crate) fn captured(&self, class: ClassId, is_anonymous: bool) -> HashMap<String, Value> {
         let Some(activation) = self.java.activation() else { return HashMap::new() };
         let is_local =

@@ -200,7 +200,7 @@ impl Project {
         classes
     }
 
-    /// Statements about robots in its `StationSetup.cat`; none if there is no such file.
+    /// Statements about robots in `StationSetup.cat` of the project; empty without that file.
     ///
     /// # Errors
     ///

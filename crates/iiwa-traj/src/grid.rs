@@ -247,7 +247,7 @@ impl pulp::WithSimd for BlendDerivatives<'_> {
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) {
         let BlendDerivatives { blend, table, scale, dq, ddq } = self;
-        // sigma goes from 0 to 2 d0.
+        // The range of sigma is 0 to 2 d0.
         let mut along = [0.0; 8];
         let mut turn = [0.0; 8];
         for j in 0..7 {

@@ -26,7 +26,8 @@ struct TorqueRows {
 
 /// The torque limits of a motion, and the friction at its speed limits, in Nm. None if the program does not limit torques.
 ///
-/// Viscous friction grows with the speed, which is no convex limit of its square; and it is below 1 % of an iiwa's torque.
+/// Viscous friction is taken at the speed limit: as a function of the squared speed it is not convex, and it is below 1 % of the
+/// torque of an iiwa.
 fn most_nm(path: &JointPath, step: usize, dynamics: &Dynamics) -> Option<[Joints; 2]> {
     let limits_nm = path.torque_limits_nm()?;
     let friction_nm = dynamics.friction().torques_nm(path.limits_of(step).velocity_rad_s());
