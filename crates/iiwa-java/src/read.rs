@@ -19,11 +19,12 @@ mod statements;
 #[path = "../tests/unit/read.rs"]
 mod tests;
 mod tokens;
+mod tree;
 
 use std::thread;
 
 pub(crate) use self::functions::completes;
-use self::{fault::Fault, lines::Lines, reader::Reader, tokens::Tokens};
+use self::{fault::Fault, lines::Lines, reader::Reader, tokens::Tokens, tree::Nodes};
 use crate::{
     source_error::{SourceError, SourceFault},
     syntax::Unit,
@@ -63,7 +64,8 @@ fn unit(text: &str) -> Result<Unit, Fault> {
     let text = text.strip_suffix('\u{1a}').unwrap_or(text);
     let lines = Lines::new(text);
     let tree = parser::parse(text, &tokens, &lines)?;
-    Reader { text, lines: &lines }.unit(tree.root_node())
+    let nodes = Nodes::of(&tree)?;
+    Reader { text, lines: &lines }.unit(nodes.root())
 }
 
 fn no_result(why: &str) -> Fault {

@@ -3,8 +3,6 @@
 //! The parser itself needs no stack for what is nested. Its work is bounded in steps, and the depth of its tree is bounded before
 //! [`Reader`](super::reader::Reader) and the evaluator, which call themselves for each level, see it.
 
-use tree_sitter::Tree;
-
 use super::{
     fault::Fault,
     tokens::{Kind, Tokens},
@@ -90,28 +88,5 @@ fn closing(open: &str) -> &'static str {
         "(" => ")",
         "[" => "]",
         _ => "}",
-    }
-}
-
-/// Checks the depth of the parser's tree, without recursion.
-pub(super) fn check_depth(tree: &Tree) -> Result<(), Fault> {
-    let mut cursor = tree.walk();
-    let mut levels = 0;
-    loop {
-        if cursor.goto_first_child() {
-            levels += 1;
-            if levels > MOST_LEVELS {
-                let at = cursor.node().start_byte();
-                let message = "too many expressions and statements are within one another";
-                return Err(Fault::too_deep(at, message, MOST_LEVELS));
-            }
-            continue;
-        }
-        while !cursor.goto_next_sibling() {
-            if !cursor.goto_parent() {
-                return Ok(());
-            }
-            levels -= 1;
-        }
     }
 }

@@ -2,11 +2,10 @@
 
 use std::sync::Arc;
 
-use tree_sitter::Node;
-
 use super::{
     fault::Fault,
     reader::{Reader, brackets, child_of_kind, children, is_annotation, named},
+    tree::Node,
 };
 use crate::syntax::{
     Annotation, Class, ClassKind, Constant, Expression, ExpressionKind, Field, Import, Literal,
@@ -21,7 +20,7 @@ impl Reader<'_> {
             match node.kind() {
                 "package_declaration" | "import_declaration" if !is_within_head => {
                     let what = "`package` and `import` are expected before all classes";
-                    return Err(Fault::syntax(node.start_byte(), what));
+                    return Err(Fault::syntax(node.start(), what));
                 }
                 "package_declaration" => {
                     let name = named(node).into_iter().find(|own| !is_annotation(*own));
@@ -36,7 +35,7 @@ impl Reader<'_> {
                 }
                 _ => {
                     let what = "a class is expected: what is here is outside of any";
-                    return Err(Fault::syntax(node.start_byte(), what));
+                    return Err(Fault::syntax(node.start(), what));
                 }
             }
         }
@@ -66,13 +65,12 @@ impl Reader<'_> {
         read.line = self.line(name);
         read.type_parameters = self.type_parameters(node)?;
         read.is_abstract = kind == ClassKind::Interface || has_modifier(node, "abstract");
-        if let Some(superclass) = node.child_by_field_name("superclass") {
+        if let Some(superclass) = node.field("superclass") {
             let extends = named(superclass).pop().ok_or_else(|| self.misread(superclass))?;
             read.extends = Some(self.type_name(extends)?);
         }
-        let interfaces = node
-            .child_by_field_name("interfaces")
-            .or_else(|| child_of_kind(node, "extends_interfaces"));
+        let interfaces =
+            node.field("interfaces").or_else(|| child_of_kind(node, "extends_interfaces"));
         if let Some(list) = interfaces.and_then(|own| child_of_kind(own, "type_list")) {
             read.implements = self.type_names(&named(list))?;
         }
@@ -208,8 +206,8 @@ impl Reader<'_> {
 
     fn constant(&self, class: &str, node: Node<'_>) -> Result<Constant, Fault> {
         let name = self.field(node, "name")?;
-        let arguments = node.child_by_field_name("arguments");
-        let body = node.child_by_field_name("body");
+        let arguments = node.field("arguments");
+        let body = node.field("body");
         Ok(Constant {
             name: self.name(name)?,
             line: self.line(name),
@@ -223,7 +221,7 @@ impl Reader<'_> {
     fn fields(&self, class: &mut Class, node: Node<'_>) -> Result<(), Fault> {
         let is_static = class.kind == ClassKind::Interface || has_modifier(node, "static");
         let type_name = self.type_name(self.field(node, "type")?)?;
-        for declarator in node.children_by_field_name("declarator", &mut node.walk()) {
+        for declarator in node.fields("declarator") {
             let variable = self.variable(declarator)?;
             class.members.push(Member::Field(Field {
                 name: variable.name,
@@ -242,8 +240,8 @@ impl Reader<'_> {
         let (parameters, is_variadic) = self.parameters(self.field(node, "parameters")?)?;
         let mut returns = self.type_name(self.field(node, "type")?)?;
         // `int values()[]` is an old way to write `int[] values()`.
-        returns.dimensions += node.child_by_field_name("dimensions").map_or(0, brackets);
-        let body = node.child_by_field_name("body");
+        returns.dimensions += node.field("dimensions").map_or(0, brackets);
+        let body = node.field("body");
         Ok(Method {
             name: self.name(name)?,
             line: self.line(name),
@@ -262,7 +260,7 @@ impl Reader<'_> {
         let name = self.name(written)?;
         if name != class {
             let what = format!("`{name}` lacks the type that it returns, or `void`");
-            return Err(Fault::syntax(written.start_byte(), what));
+            return Err(Fault::syntax(written.start(), what));
         }
         let (parameters, is_variadic) = self.parameters(self.field(node, "parameters")?)?;
         let mut body = Vec::new();
@@ -288,7 +286,7 @@ impl Reader<'_> {
     fn constructor_call(&self, node: Node<'_>) -> Result<Statement, Fault> {
         let constructor = self.field(node, "constructor")?;
         let arguments = named(self.field(node, "arguments")?);
-        let kind = if node.child_by_field_name("object").is_some() {
+        let kind = if node.field("object").is_some() {
             ExpressionKind::Unsupported("a `super(...)` of an outer object".to_owned())
         } else if constructor.kind() == "this" {
             ExpressionKind::ThisCall(self.expressions(&arguments)?)
@@ -306,13 +304,12 @@ impl Reader<'_> {
         for written in named(node) {
             if is_variadic {
                 let what = "a parameter with `...` is expected to be the last";
-                return Err(Fault::syntax(written.start_byte(), what));
+                return Err(Fault::syntax(written.start(), what));
             }
             match written.kind() {
                 "formal_parameter" => {
                     let mut type_name = self.type_name(self.field(written, "type")?)?;
-                    type_name.dimensions +=
-                        written.child_by_field_name("dimensions").map_or(0, brackets);
+                    type_name.dimensions += written.field("dimensions").map_or(0, brackets);
                     let name = self.name(self.field(written, "name")?)?;
                     parameters.push(Parameter { name, type_name });
                 }
@@ -344,7 +341,7 @@ impl Reader<'_> {
         for annotation in modifiers.into_iter().filter(|own| is_annotation(*own)) {
             let path = self.path(self.field(annotation, "name")?)?;
             let mut value = None;
-            let arguments = annotation.child_by_field_name("arguments");
+            let arguments = annotation.field("arguments");
             for argument in arguments.map_or(Vec::new(), named) {
                 let node = match argument.kind() {
                     "element_value_pair" => {

@@ -2,11 +2,10 @@
 
 use std::sync::Arc;
 
-use tree_sitter::Node;
-
 use super::{
     fault::Fault,
     reader::{Reader, brackets, child_of_kind, children, is_annotation, named},
+    tree::Node,
 };
 use crate::syntax::{Expression, ExpressionKind, TypeName};
 
@@ -24,7 +23,7 @@ impl Reader<'_> {
 
     /// What is between operators.
     pub(super) fn operand(&self, node: Node<'_>) -> Result<Placed, Fault> {
-        let start = node.start_byte();
+        let start = node.start();
         let kind = match node.kind() {
             "parenthesized_expression" => match named(node)[..] {
                 [inner] => return Ok((self.expression(inner)?, start)),
@@ -89,7 +88,7 @@ impl Reader<'_> {
 
     fn call(&self, node: Node<'_>) -> Result<Placed, Fault> {
         let written = self.field(node, "name")?;
-        let (on, start) = match node.child_by_field_name("object") {
+        let (on, start) = match node.field("object") {
             Some(object) => {
                 let (mut on, start) = self.placed(object)?;
                 if let Some(above) = super_behind(node, object) {
@@ -98,7 +97,7 @@ impl Reader<'_> {
                 }
                 (Some(Box::new(on)), start)
             }
-            None => (None, written.start_byte()),
+            None => (None, written.start()),
         };
         let name = self.name(written)?;
         let arguments = self.expressions(&named(self.field(node, "arguments")?))?;
@@ -110,14 +109,14 @@ impl Reader<'_> {
         let element = self.type_name(self.field(node, "type")?)?;
         let mut dimensions = element.dimensions;
         let mut lengths = Vec::new();
-        for part in node.children_by_field_name("dimensions", &mut node.walk()) {
+        for part in node.fields("dimensions") {
             dimensions += brackets(part);
             if part.kind() == "dimensions_expr" {
                 let length = named(part).into_iter().find(|own| !is_annotation(*own));
                 lengths.push(self.expression(length.ok_or_else(|| self.misread(part))?)?);
             }
         }
-        let values = node.child_by_field_name("value");
+        let values = node.field("value");
         Ok(ExpressionKind::NewArray {
             type_name: element.with_dimensions(dimensions),
             lengths,
@@ -149,5 +148,5 @@ fn super_of_named_class() -> ExpressionKind {
 
 /// `super` between what is before the dot and the member: `Outer.super.run()`.
 fn super_behind<'n>(node: Node<'n>, object: Node<'_>) -> Option<Node<'n>> {
-    child_of_kind(node, "super").filter(|above| above.id() != object.id())
+    child_of_kind(node, "super").filter(|above| !above.is_same(object))
 }

@@ -2,12 +2,11 @@
 
 use std::sync::Arc;
 
-use tree_sitter::Node;
-
 use super::{
     expressions::unsupported,
     fault::Fault,
     reader::{Reader, children, named},
+    tree::Node,
 };
 use crate::syntax::{
     Expression, ExpressionKind, Lambda, Parameter, Reference, ReferenceOf, Statement,

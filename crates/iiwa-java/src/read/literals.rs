@@ -1,8 +1,6 @@
 //! Literals and their values.
 
-use tree_sitter::Node;
-
-use super::{fault::Fault, reader::Reader};
+use super::{fault::Fault, reader::Reader, tree::Node};
 use crate::syntax::{ExpressionKind, Literal};
 
 impl Reader<'_> {
@@ -15,7 +13,7 @@ impl Reader<'_> {
             "character_literal" => self.character(node)?,
             "string_literal" if written.starts_with("\"\"\"") => {
                 let block = unindented(written.get(3..written.len() - 3).unwrap_or(""));
-                let units = units(&block, |_| node.start_byte())?;
+                let units = units(&block, |_| node.start())?;
                 Literal::String(String::from_utf16_lossy(&units))
             }
             "string_literal" => Literal::String(String::from_utf16_lossy(&self.units(node)?)),
@@ -32,7 +30,7 @@ impl Reader<'_> {
     /// An `int` or a `long`; the least of them have their sign before them.
     pub(super) fn integer(&self, node: Node<'_>, is_negative: bool) -> Result<Literal, Fault> {
         let written = self.source(node);
-        let fault = |what: &str| Fault::syntax(node.start_byte(), format!("{written}: {what}"));
+        let fault = |what: &str| Fault::syntax(node.start(), format!("{written}: {what}"));
         let digits = written.replace('_', "");
         let (digits, is_long) = match digits.strip_suffix(['l', 'L']) {
             Some(digits) => (digits, true),
@@ -72,7 +70,7 @@ impl Reader<'_> {
     fn float(&self, node: Node<'_>) -> Result<Literal, Fault> {
         let written = self.source(node);
         let digits = written.replace('_', "");
-        let fault = |what: &str| Fault::syntax(node.start_byte(), format!("{written}: {what}"));
+        let fault = |what: &str| Fault::syntax(node.start(), format!("{written}: {what}"));
         if let Some(digits) = digits.strip_suffix(['f', 'F']) {
             let value: f32 = digits.parse().map_err(|_| fault("a number is expected"))?;
             if !value.is_finite() {
@@ -91,10 +89,7 @@ impl Reader<'_> {
     fn character(&self, node: Node<'_>) -> Result<Literal, Fault> {
         match self.units(node)?[..] {
             [unit] => Ok(Literal::Char(unit)),
-            _ => Err(Fault::syntax(
-                node.start_byte(),
-                "one character is expected between the quotes",
-            )),
+            _ => Err(Fault::syntax(node.start(), "one character is expected between the quotes")),
         }
     }
 
@@ -102,7 +97,7 @@ impl Reader<'_> {
     fn units(&self, node: Node<'_>) -> Result<Vec<u16>, Fault> {
         let written = self.source(node);
         let inner = written.get(1..written.len().saturating_sub(1)).unwrap_or("");
-        units(inner, |rest| node.start_byte() + written.len() - 2 - rest)
+        units(inner, |rest| node.start() + written.len() - 2 - rest)
     }
 }
 

@@ -6,12 +6,11 @@
 
 use std::iter::Peekable;
 
-use tree_sitter::Node;
-
 use super::{
     expressions::Placed,
     fault::Fault,
     reader::{Reader, children},
+    tree::Node,
 };
 use crate::syntax::{
     BinaryOperator, Expression, ExpressionKind, Literal, Pattern, TypeName, UnaryOperator,
@@ -84,8 +83,8 @@ impl Reader<'_> {
             }
             "instanceof_expression" => {
                 self.write_out(self.field(node, "left")?, parts)?;
-                let pattern = if let Some(right) = node.child_by_field_name("right") {
-                    let name = node.child_by_field_name("name");
+                let pattern = if let Some(right) = node.field("right") {
+                    let name = node.field("name");
                     let name = name.map(|name| self.name(name)).transpose()?;
                     Pattern::Type { type_name: self.type_name(right)?, name }
                 } else {
@@ -101,12 +100,12 @@ impl Reader<'_> {
                     "!" => UnaryOperator::Not,
                     _ => UnaryOperator::Complement,
                 };
-                parts.push(Part::Unary(operator, node.start_byte()));
+                parts.push(Part::Unary(operator, node.start()));
                 self.write_out(self.field(node, "operand")?, parts)
             }
             "update_expression" => match children(node)[..] {
                 [step, target] if matches!(step.kind(), "++" | "--") => {
-                    parts.push(Part::StepBefore(step.kind() == "++", node.start_byte()));
+                    parts.push(Part::StepBefore(step.kind() == "++", node.start()));
                     self.write_out(target, parts)
                 }
                 [target, step] => {
@@ -125,12 +124,12 @@ impl Reader<'_> {
     }
 
     fn write_out_cast<'n>(&self, node: Node<'n>, parts: &mut Vec<Part<'n>>) -> Result<(), Fault> {
-        let types: Vec<_> = node.children_by_field_name("type", &mut node.walk()).collect();
+        let types: Vec<_> = node.fields("type").collect();
         let Some(first) = types.first() else { return Err(self.misread(node)) };
         let is_name = matches!(first.kind(), "type_identifier" | "scoped_type_identifier");
         let cast = parts.len();
         // Of `(A & B) value`, the first says what it is.
-        parts.push(Part::Cast(self.type_name(*first)?, node.start_byte()));
+        parts.push(Part::Cast(self.type_name(*first)?, node.start()));
         self.write_out(self.field(node, "value")?, parts)?;
         let sign = match parts.get(cast + 1) {
             Some(Part::Unary(UnaryOperator::Plus, _)) => BinaryOperator::Add,

@@ -20,17 +20,14 @@ use super::{
 };
 use crate::source_error::SourceFault;
 
-/// The tree of a file without syntax errors, whose depth is bounded.
+/// The tree of a file without syntax errors.
 pub(super) fn parse(text: &str, tokens: &Tokens<'_>, lines: &Lines<'_>) -> Result<Tree, Fault> {
     let mut parser = Parser::new();
     let language = Language::new(tree_sitter_java::LANGUAGE);
     parser.set_language(&language).map_err(|error| no_result(&error.to_string()))?;
     let most = 1000 + tokens.list.len() * MOST_CALLS_PER_TOKEN;
     match bounded(&mut parser, text, most, || false) {
-        Some(tree) if !tree.root_node().has_error() => {
-            bounds::check_depth(&tree)?;
-            Ok(tree)
-        }
+        Some(tree) if !tree.root_node().has_error() => Ok(tree),
         _ => Err(first_error(&mut parser, &language, text, tokens, lines, most)),
     }
 }

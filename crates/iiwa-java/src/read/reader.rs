@@ -1,8 +1,6 @@
 //! From the parser's tree to ours: what all kinds of nodes need.
 
-use tree_sitter::Node;
-
-use super::{fault::Fault, lines::Lines};
+use super::{fault::Fault, lines::Lines, tree::Node};
 use crate::syntax::{TypeName, TypeParameter};
 
 /// Reads the parser's tree of one file.
@@ -13,12 +11,12 @@ pub(super) struct Reader<'t> {
 
 impl<'t> Reader<'t> {
     pub(super) fn line(&self, node: Node<'_>) -> u32 {
-        self.lines.line(node.start_byte())
+        self.lines.line(node.start())
     }
 
     /// The source text of a node.
     pub(super) fn source(&self, node: Node<'_>) -> &'t str {
-        self.text.get(node.byte_range()).unwrap_or("")
+        self.text.get(node.bytes()).unwrap_or("")
     }
 
     /// A name; the parser takes keywords for names where it expects none.
@@ -29,18 +27,18 @@ impl<'t> Reader<'t> {
         if is_name && !is_reserved(found) {
             return Ok(found.to_owned());
         }
-        Err(Fault::syntax(node.start_byte(), format!("a name is expected, not `{found}`")))
+        Err(Fault::syntax(node.start(), format!("a name is expected, not `{found}`")))
     }
 
     /// The child in a field of the grammar.
     pub(super) fn field<'n>(&self, node: Node<'n>, field: &str) -> Result<Node<'n>, Fault> {
-        node.child_by_field_name(field).ok_or_else(|| self.misread(node))
+        node.field(field).ok_or_else(|| self.misread(node))
     }
 
     /// The error where the grammar has nodes that this reader does not know.
     pub(super) fn misread(&self, node: Node<'_>) -> Fault {
         let begin = self.source(node).split_whitespace().next().unwrap_or("");
-        Fault::syntax(node.start_byte(), format!("`{begin}` is not expected here"))
+        Fault::syntax(node.start(), format!("`{begin}` is not expected here"))
     }
 
     pub(super) fn type_name(&self, node: Node<'_>) -> Result<TypeName, Fault> {
@@ -123,24 +121,24 @@ impl<'t> Reader<'t> {
     }
 }
 
-/// All children but comments.
+/// All children.
 pub(super) fn children(node: Node<'_>) -> Vec<Node<'_>> {
-    node.children(&mut node.walk()).filter(|child| !child.is_extra()).collect()
+    node.children().collect()
 }
 
 /// The children that are more than a symbol or a keyword.
 pub(super) fn named(node: Node<'_>) -> Vec<Node<'_>> {
-    node.named_children(&mut node.walk()).filter(|child| !child.is_extra()).collect()
+    node.children().filter(|child| child.is_named()).collect()
 }
 
 /// The first child of a kind.
 pub(super) fn child_of_kind<'n>(node: Node<'n>, kind: &str) -> Option<Node<'n>> {
-    children(node).into_iter().find(|child| child.kind() == kind)
+    node.children().find(|child| child.kind() == kind)
 }
 
 /// The dimensions that are written as `[]`.
 pub(super) fn brackets(node: Node<'_>) -> usize {
-    children(node).iter().filter(|child| child.kind() == "[").count()
+    node.children().filter(|child| child.kind() == "[").count()
 }
 
 pub(super) fn is_annotation(node: Node<'_>) -> bool {

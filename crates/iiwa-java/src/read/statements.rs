@@ -1,12 +1,11 @@
 //! Statements.
 
-use tree_sitter::Node;
-
 use super::{
     declarations::is_class,
     fault::Fault,
     functions::is_statement_expression,
     reader::{Reader, brackets, child_of_kind, children, named},
+    tree::Node,
 };
 use crate::syntax::{
     Catch, Expression, ExpressionKind, Label, Pattern, Statement, StatementKind, SwitchGroup,
@@ -42,7 +41,7 @@ impl Reader<'_> {
                 let read = self.expression(expression)?;
                 if !is_statement(&read.kind) {
                     let what = "a statement is expected: this has a value, and does nothing";
-                    return Err(Fault::syntax(expression.start_byte(), what));
+                    return Err(Fault::syntax(expression.start(), what));
                 }
                 StatementKind::Expression(read)
             }
@@ -50,7 +49,7 @@ impl Reader<'_> {
             "if_statement" => StatementKind::If {
                 condition: self.expression(self.field(node, "condition")?)?,
                 then: self.boxed_statement(self.field(node, "consequence")?)?,
-                otherwise: match node.child_by_field_name("alternative") {
+                otherwise: match node.field("alternative") {
                     Some(otherwise) => Some(self.boxed_statement(otherwise)?),
                     None => None,
                 },
@@ -71,7 +70,7 @@ impl Reader<'_> {
             "for_statement" => self.count(node)?,
             "enhanced_for_statement" => {
                 let type_name = self.type_name(self.field(node, "type")?)?;
-                let more = node.child_by_field_name("dimensions").map_or(0, brackets);
+                let more = node.field("dimensions").map_or(0, brackets);
                 StatementKind::ForEach {
                     type_name: type_name.with_dimensions(type_name.dimensions + more),
                     name: self.name(self.field(node, "name")?)?,
@@ -114,7 +113,7 @@ impl Reader<'_> {
     fn local(&self, node: Node<'_>) -> Result<Statement, Fault> {
         let type_name = self.type_name(self.field(node, "type")?)?;
         let mut variables = Vec::new();
-        for variable in node.children_by_field_name("declarator", &mut node.walk()) {
+        for variable in node.fields("declarator") {
             variables.push(self.variable(variable)?);
         }
         let kind = StatementKind::Local { type_name, variables };
@@ -123,10 +122,10 @@ impl Reader<'_> {
 
     /// A variable or a field, from its name on.
     pub(super) fn variable(&self, node: Node<'_>) -> Result<Variable, Fault> {
-        let initial = node.child_by_field_name("value");
+        let initial = node.field("value");
         Ok(Variable {
             name: self.name(self.field(node, "name")?)?,
-            dimensions: node.child_by_field_name("dimensions").map_or(0, brackets),
+            dimensions: node.field("dimensions").map_or(0, brackets),
             initial: initial.map(|initial| self.expression(initial)).transpose()?,
         })
     }
@@ -137,7 +136,7 @@ impl Reader<'_> {
 
     fn count(&self, node: Node<'_>) -> Result<StatementKind, Fault> {
         let mut initial = Vec::new();
-        for own in node.children_by_field_name("init", &mut node.walk()) {
+        for own in node.fields("init") {
             initial.push(if own.kind() == "local_variable_declaration" {
                 self.local(own)?
             } else {
@@ -145,8 +144,8 @@ impl Reader<'_> {
                 Statement { line: self.line(own), kind }
             });
         }
-        let condition = node.child_by_field_name("condition");
-        let update: Vec<_> = node.children_by_field_name("update", &mut node.walk()).collect();
+        let condition = node.field("condition");
+        let update: Vec<_> = node.fields("update").collect();
         Ok(StatementKind::For {
             initial,
             condition: condition.map(|own| self.expression(own)).transpose()?,
@@ -227,10 +226,10 @@ impl Reader<'_> {
 
     fn attempt(&self, node: Node<'_>) -> Result<StatementKind, Fault> {
         let mut resources = Vec::new();
-        let written = node.child_by_field_name("resources").map_or(Vec::new(), named);
+        let written = node.field("resources").map_or(Vec::new(), named);
         for resource in written {
             let line = self.line(resource);
-            let kind = match resource.child_by_field_name("type") {
+            let kind = match resource.field("type") {
                 Some(type_node) => {
                     let value = self.field(resource, "value")?;
                     let variable = Variable {

@@ -1,0 +1,122 @@
+//! The parser's tree, copied once without its comments: its own nodes are searched through the parser, which is slow.
+
+use std::ops::Range;
+
+use tree_sitter::Tree;
+
+use super::{bounds::MOST_LEVELS, fault::Fault};
+
+/// The nodes of a tree, each before what is within it.
+pub(super) struct Nodes<'t>(Vec<Entry<'t>>);
+
+struct Entry<'t> {
+    kind: &'t str,
+    /// What the grammar calls it within the node around it.
+    field: Option<&'t str>,
+    bytes: Range<usize>,
+    is_named: bool,
+    /// The number of the first node behind it that is not within it.
+    after: usize,
+}
+
+/// A node of a tree.
+#[derive(Clone, Copy)]
+pub(super) struct Node<'n> {
+    nodes: &'n Nodes<'n>,
+    number: usize,
+}
+
+impl<'t> Nodes<'t> {
+    /// # Errors
+    ///
+    /// If nodes are too deep within one another for what calls itself for each level.
+    pub(super) fn of(tree: &'t Tree) -> Result<Self, Fault> {
+        let mut nodes = Vec::with_capacity(tree.root_node().descendant_count());
+        let mut around = Vec::new();
+        let mut cursor = tree.walk();
+        loop {
+            let node = cursor.node();
+            if !node.is_extra() {
+                let number = nodes.len();
+                nodes.push(Entry {
+                    kind: node.kind(),
+                    field: cursor.field_name(),
+                    bytes: node.byte_range(),
+                    is_named: node.is_named(),
+                    after: number + 1,
+                });
+                if cursor.goto_first_child() {
+                    if around.len() == MOST_LEVELS {
+                        let at = cursor.node().start_byte();
+                        let message = "too many expressions and statements are within one another";
+                        return Err(Fault::too_deep(at, message, MOST_LEVELS));
+                    }
+                    around.push(number);
+                    continue;
+                }
+            }
+            while !cursor.goto_next_sibling() {
+                if !cursor.goto_parent() {
+                    return Ok(Self(nodes));
+                }
+                let after = nodes.len();
+                if let Some(entry) = around.pop().and_then(|number| nodes.get_mut(number)) {
+                    entry.after = after;
+                }
+            }
+        }
+    }
+
+    /// The whole file.
+    pub(super) fn root(&self) -> Node<'_> {
+        Node { nodes: self, number: 0 }
+    }
+}
+
+impl<'n> Node<'n> {
+    fn entry(self) -> &'n Entry<'n> {
+        &self.nodes.0[self.number]
+    }
+
+    pub(super) fn kind(self) -> &'n str {
+        self.entry().kind
+    }
+
+    /// Whether it is more than a symbol or a keyword.
+    pub(super) fn is_named(self) -> bool {
+        self.entry().is_named
+    }
+
+    pub(super) fn bytes(self) -> Range<usize> {
+        self.entry().bytes.clone()
+    }
+
+    pub(super) fn start(self) -> usize {
+        self.entry().bytes.start
+    }
+
+    pub(super) fn is_same(self, other: Node<'_>) -> bool {
+        std::ptr::eq(self.nodes, other.nodes) && self.number == other.number
+    }
+
+    pub(super) fn children(self) -> impl Iterator<Item = Self> {
+        let end = self.entry().after;
+        let mut next = self.number + 1;
+        std::iter::from_fn(move || {
+            let child = Self { nodes: self.nodes, number: next };
+            (next < end).then(|| {
+                next = child.entry().after;
+                child
+            })
+        })
+    }
+
+    /// The children that the grammar calls so.
+    pub(super) fn fields(self, name: &str) -> impl Iterator<Item = Self> {
+        self.children().filter(move |child| child.entry().field == Some(name))
+    }
+
+    pub(super) fn field(self, name: &str) -> Option<Self> {
+        self.fields(name).next()
+    }
+}
