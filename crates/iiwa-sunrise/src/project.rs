@@ -7,6 +7,7 @@ use std::{
 };
 
 use iiwa_java::{Classes, SourceError, SourceFault, Unit, decode};
+use rayon::iter::{IntoParallelIterator, ParallelIterator};
 
 use crate::{
     project_folder::{self, DATA_FILE, FolderFault, MOST_FILES, MOST_FOLDERS, STATION_FILE},
@@ -149,7 +150,7 @@ impl Project {
         for (name, path) in found {
             match contents(&path) {
                 Ok(bytes) => reading.add(name, &bytes)?,
-                Err(fault) => reading.add_faulty(name, fault),
+                Err(fault) => reading.texts.push((name, Err(fault))),
             }
         }
         Ok(reading.project(data))
@@ -217,6 +218,17 @@ impl Project {
 }
 
 impl SourceFile {
+    fn read(path: String, text: Result<String, SourceFault>) -> Self {
+        let (unit, robots) = match text {
+            Ok(text) => (iiwa_java::read(&path, &text), in_java(&path, &text)),
+            Err(fault) => {
+                let error = SourceError { file: path.clone(), line: 1, column: 1, fault };
+                (Err(error), Vec::new())
+            }
+        };
+        Self { path, unit, robots }
+    }
+
     /// Its name from the project's folder on, with `/`.
     #[must_use]
     pub fn path(&self) -> &str {
@@ -247,34 +259,33 @@ impl SourceFile {
 
 /// A project as it is read.
 struct Reading {
-    files: Vec<SourceFile>,
+    /// Java files by their names, with their texts.
+    texts: Vec<(String, Result<String, SourceFault>)>,
     station: Result<Vec<RobotStatement>, StationFault>,
     bytes: u64,
 }
 
 impl Default for Reading {
     fn default() -> Self {
-        Self { files: Vec::new(), station: Ok(Vec::new()), bytes: 0 }
+        Self { texts: Vec::new(), station: Ok(Vec::new()), bytes: 0 }
     }
 }
 
 impl Reading {
     fn add(&mut self, path: String, bytes: &[u8]) -> Result<(), ProjectError> {
-        if self.files.len() >= MOST_FILES {
+        if self.texts.len() >= MOST_FILES {
             return Err(ProjectError::TooManyFiles { most: MOST_FILES });
         }
         let length = u64::try_from(bytes.len()).unwrap_or(u64::MAX);
         if length > MOST_BYTES {
-            self.add_faulty(path, SourceFault::TooLarge { bytes: length, most: MOST_BYTES });
+            self.texts.push((path, Err(SourceFault::TooLarge { bytes: length, most: MOST_BYTES })));
             return Ok(());
         }
         self.bytes += length;
         if self.bytes > MOST_BYTES_IN_ALL {
             return Err(ProjectError::TooLarge { most: MOST_BYTES_IN_ALL });
         }
-        let text = decode(bytes);
-        let (unit, robots) = (iiwa_java::read(&path, &text), in_java(&path, &text));
-        self.files.push(SourceFile { path, unit, robots });
+        self.texts.push((path, Ok(decode(bytes))));
         Ok(())
     }
 
@@ -284,13 +295,10 @@ impl Reading {
         self.station = read.map_err(|reason| StationFault { path: path.to_owned(), reason });
     }
 
-    fn add_faulty(&mut self, path: String, fault: SourceFault) {
-        let error = SourceError { file: path.clone(), line: 1, column: 1, fault };
-        self.files.push(SourceFile { path, unit: Err(error), robots: Vec::new() });
-    }
-
+    /// The project; its Java files are parsed on all cores.
     fn project(self, data: ProjectData) -> Project {
-        Project { files: self.files, data, station: self.station }
+        let files = self.texts.into_par_iter().map(|(path, text)| SourceFile::read(path, text));
+        Project { files: files.collect(), data, station: self.station }
     }
 }
 
