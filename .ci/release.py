@@ -47,16 +47,16 @@ def output(*command):
 
 def build(target, glibc):
     """The program, and the library for C beside it."""
-    command = ["cargo", "zigbuild" if glibc else "build", "--profile", "dist", "--locked", "--features", "iiwasim/full"]
+    command = ["cargo", "zigbuild" if glibc else "build", "--release", "--locked", "--features", "iiwasim/full"]
     command += ["-p", "iiwasim", "-p", "iiwa-c", "--target", f"{target}.{glibc}" if glibc else target]
     subprocess.run(command, cwd=ROOT, check=True)
-    return ROOT / "target" / target / "dist" / ("iiwasim.exe" if "windows" in target else "iiwasim")
+    return ROOT / "target" / target / "release" / ("iiwasim.exe" if "windows" in target else "iiwasim")
 
 
 def build_wheel(target, glibc):
     """The Python package; one wheel serves each version from 3.9 on."""
     with tempfile.TemporaryDirectory() as scratch:
-        command = ["maturin", "build", "-q", "--profile", "dist", "--locked", "-m", "python/Cargo.toml"]
+        command = ["maturin", "build", "-q", "--release", "--locked", "-m", "python/Cargo.toml"]
         command += ["--target", target, "--out", scratch]
         if glibc:
             command += ["--zig", "--compatibility", f"manylinux_{glibc.replace('.', '_')}"]

@@ -47,8 +47,8 @@ impl DhProduct {
 
 #[cfg(test)]
 mod tests {
+    use super::super::joints::poses;
     use super::*;
-    use crate::joints::poses;
 
     #[test]
     fn is_the_same_robot() {

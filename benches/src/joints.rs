@@ -4,7 +4,7 @@ use iiwa_kin::{Joints, Robot, vector};
 use iiwa_path::JointPath;
 use iiwa_program::Program;
 
-use crate::Result;
+use super::Result;
 
 /// A generator of numbers (`splitmix64`, Steele et al. 2014).
 #[derive(Debug)]

@@ -4,7 +4,7 @@ use std::fmt::Write;
 
 use iiwa_kin::Robot;
 
-use crate::joints::Numbers;
+use super::joints::Numbers;
 
 /// How the motions of a program hang together.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -45,7 +45,7 @@ pub fn processor() -> String {
 /// # Errors
 ///
 /// If the system does not tell.
-pub fn peak_memory_mb() -> crate::Result<f64> {
+pub fn peak_memory_mb() -> super::Result<f64> {
     let status = fs::read_to_string("/proc/self/status")?;
     let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"));
     let kib = line.and_then(|line| line.trim().strip_suffix("kB")).ok_or("no VmHWM")?;

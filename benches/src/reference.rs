@@ -5,13 +5,13 @@ use iiwa_path::BlendSearch;
 use iiwa_program::{Blend, Motion, Program};
 use serde_json::Value;
 
-use crate::Result;
+use super::Result;
+
+const PROGRAMS: &str = include_str!("../../fixtures/reference/programs.json");
 
 /// All reference programs, with the results that go with them, in order.
 fn cases() -> Result<Vec<Value>> {
-    let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../fixtures/reference/programs.json");
-    let text = std::fs::read_to_string(file).map_err(|error| format!("{file}: {error}"))?;
-    let mut file: Value = serde_json::from_str(&text)?;
+    let mut file: Value = serde_json::from_str(PROGRAMS)?;
     match file["cases"].take() {
         Value::Array(cases) => Ok(cases),
         _ => Err("the reference programs have no cases".into()),
@@ -23,7 +23,7 @@ fn cases() -> Result<Vec<Value>> {
 ///
 /// # Errors
 ///
-/// If the file is missing or not as expected.
+/// If the file is not as expected.
 pub fn texts() -> Result<Vec<String>> {
     Ok(cases()?.iter().map(|case| case["program"].to_string()).collect())
 }

@@ -12,7 +12,7 @@ use iiwa_path::{JointPath, Segment, Step};
 use iiwa_program::MotionLimits;
 use nalgebra::DMatrix;
 
-use crate::Result;
+use super::Result;
 
 /// The distance of the nodes next to a join from it, as a share of an interval.
 ///
@@ -306,8 +306,8 @@ mod tests {
     use iiwa_kin::Robot;
     use iiwa_program::Program;
 
+    use super::super::reference;
     use super::*;
-    use crate::reference;
 
     /// The times of the independent solver are from below, and these are from above: they hold the
     /// limits at both ends of each interval, which costs time in proportion to its length.

@@ -6,7 +6,7 @@ use iiwa_kin::Joints;
 use iiwa_path::{JointPath, Step};
 use nalgebra::DMatrix;
 
-use crate::Result;
+use super::Result;
 
 /// A path from its start to its first stop, sampled: derivatives by the distance in joint space,
 /// and limits.

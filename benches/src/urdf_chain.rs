@@ -3,7 +3,7 @@
 use iiwa_kin::{Joints, Robot};
 use k::{Chain, Isometry3, SerialChain};
 
-use crate::Result;
+use super::Result;
 
 /// A chain of joints from the base to the flange.
 pub struct UrdfChain {
@@ -36,8 +36,8 @@ impl UrdfChain {
 
 #[cfg(test)]
 mod tests {
+    use super::super::joints::poses;
     use super::*;
-    use crate::joints::poses;
 
     #[test]
     fn is_the_same_robot() {

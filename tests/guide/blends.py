@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Draws docs/blends.svg: one corner with four blends, and the speed over time, of plans of the command.
 
-    tests/guide/blends.py target/dist/iiwasim docs/blends.svg
+    tests/guide/blends.py target/release/iiwasim docs/blends.svg
 
 Needs mcap and mcap-ros2-support (tests/requirements.txt).
 """

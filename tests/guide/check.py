@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Runs what README and guide say: commands, and their outputs; programs; links.
 
-    tests/guide/check.py target/dist/iiwasim [PAGE.md ...] [--renew]
+    tests/guide/check.py target/release/iiwasim [PAGE.md ...] [--renew]
 
 Each page has a folder of its own with `fixtures` in it, and `iiwasim` on the path. On Linux, as root, it has a network
 of its own as well, so that drive and cabinet find their usual ports free. Fences are taken in order:

@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 """Writes docs/guide/keys.md, the reference of all keys, of the JSON Schemas that the command prints.
 
-tests/guide/keys.py target/dist/iiwasim            is the page what the schemas say?
-tests/guide/keys.py target/dist/iiwasim --renew    makes it so
+tests/guide/keys.py target/release/iiwasim            is the page what the schemas say?
+tests/guide/keys.py target/release/iiwasim --renew    makes it so
 """
 
 import json

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Draws docs/recorded-ptp.svg: a PTP motion of a real robot over the plans of it, by KUKA's DataRecorder and the command.
 
-    tests/guide/recorded.py target/dist/iiwasim LOG OVERRIDE_PERCENT NUMBER docs/recorded-ptp.svg
+    tests/guide/recorded.py target/release/iiwasim LOG OVERRIDE_PERCENT NUMBER docs/recorded-ptp.svg
 
 LOG has the columns `axisQCmdT1m_...[0]` to `[6]` in degrees; NUMBER counts its motions that are straight in joint space, from 1.
 docs/evidence.md says where logs are: they are not part of this project.

@@ -2,6 +2,7 @@
 
 #![expect(clippy::unwrap_used, clippy::panic, reason = "a failed test panics")]
 
+mod benches;
 mod c_header;
 mod json_schema;
 mod ruckig;
