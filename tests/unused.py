@@ -1,6 +1,6 @@
 """Finds dependencies that no source file of their package names, in all workspaces.
 
-A package says itself what it needs for nothing else than a feature: `ignored` in `[package.metadata.unused]`.
+A package says itself what it needs for nothing else than a feature: `ignored` in `[package.metadata.unused]`, where `*` is all.
 """
 
 from __future__ import annotations
@@ -44,11 +44,11 @@ def unused(workspace: str) -> list[str]:
     for package in members:
         folder = Path(package["manifest_path"]).parent
         text = code(folder, {other for other in folders if folder in other.parents})
-        ignored = ((package["metadata"] or {}).get("unused") or {}).get("ignored", [])
+        ignored = set(((package["metadata"] or {}).get("unused") or {}).get("ignored", []))
         for dependency in package["dependencies"]:
             name = dependency["name"]
             known_as = (dependency["rename"] or libraries.get(name, name)).replace("-", "_")
-            if name not in ignored and not re.search(rf"\b{known_as}\b", text):
+            if not ignored & {name, "*"} and not re.search(rf"\b{known_as}\b", text):
                 lines.append(f"{folder.relative_to(ROOT)}: nothing uses {name}")
     return lines
 
