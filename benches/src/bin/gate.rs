@@ -4,7 +4,7 @@
 //! their own: the difference is the workload's alone. Counts depend on the level of instructions
 //! that the crates find, so that the baseline holds one set for each level.
 //!
-//! `cargo run --profile dist -p iiwasim-benches --bin gate`; with `-- --renew` it writes the baseline.
+//! `cargo run --release -p iiwasim-benches --bin gate`; with `-- --renew` it writes the baseline.
 #![expect(clippy::print_stdout, reason = "a table is what it is for")]
 
 use std::{

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Makes an FMU (FMI 3.0, co-simulation) of a motion program.
 
-    pack.py PROGRAM.json [-o PROGRAM.fmu] [--library target/dist/libiiwasim.so]
+    pack.py PROGRAM.json [-o PROGRAM.fmu] [--library target/release/libiiwasim.so]
 
 The program is planned first: one that cannot be is refused. For more platforms than this one, their libraries are given
 as well: --also x86_64-windows=iiwasim.dll. The same input gives the same bytes.
@@ -29,7 +29,7 @@ def own_platform():
 
 def built_library():
     name = {"Windows": "iiwasim.dll", "Darwin": "libiiwasim.dylib"}.get(platform.system(), "libiiwasim.so")
-    return ROOT / "target/dist" / name
+    return ROOT / "target/release" / name
 
 
 def pack(fmu, program, library, also=(), **options):

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Holds the library for C, and the FMUs that are made with it, against what they promise.
 
-    check.py [target/dist/libiiwasim.so]
+    check.py [target/release/libiiwasim.so]
 
 Needs gcc, g++, cmake, pkg-config and valgrind, and requirements.txt beside it.
 """
@@ -33,7 +33,7 @@ WITH_FILES = """{ "version": 1, "robot": "own.json", "include": "cell.json", "to
 
 
 def main():
-    binary = Path(sys.argv[1] if len(sys.argv) > 1 else ROOT / "target/dist/libiiwasim.so").resolve()
+    binary = Path(sys.argv[1] if len(sys.argv) > 1 else ROOT / "target/release/libiiwasim.so").resolve()
     began = time.monotonic()
     library = Library(binary)
     fixtures = [ROOT / "fixtures" / f"{name}.json" for name in ("appendix-b", "waits-and-stops", "pick-and-place")]

@@ -385,7 +385,7 @@ fn time(ns: f64) -> String {
 fn criterion_folder() -> Result<PathBuf> {
     let folder = match env::var_os("CRITERION_HOME") {
         Some(home) => home.into(),
-        // target/dist/bench, beside it target/criterion.
+        // target/release/bench, beside it target/criterion.
         None => env::current_exe()?
             .ancestors()
             .nth(2)
