@@ -159,7 +159,7 @@ def collect(folder, binary, target):
 def collect_c(folder, built, target):
     """The library for C with its header, where pkg-config looks for them."""
     names = next(names for system, names in C_LIBRARIES.items() if system in target)
-    crate = ROOT / "crates/iiwa-c"
+    crate = ROOT / "crates/front/iiwa-c"
     files = {built / name: f"lib/{name}" for name in names}
     files |= {crate / "include/iiwasim.h": "include/iiwasim.h", crate / "iiwasim.pc": "lib/pkgconfig/iiwasim.pc"}
     for source, place in files.items():

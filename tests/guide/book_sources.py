@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """mdBook's preprocessor `sources`: what pages link to outside of docs/ becomes part of the book.
 
-A page links to `../crates/iiwa-kin/src/inverse.rs`, which a forge shows. The book has no such file beside it: each one
+A page links to `../crates/core/iiwa-kin/src/inverse.rs`, which a forge shows. The book has no such file beside it: each one
 that is linked to is copied to `sources`, beside the folder of the book, with `.txt` behind its name so that browsers show
 it, and the link leads there. Folders have nothing to show and keep their text alone.
 """

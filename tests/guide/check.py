@@ -367,7 +367,7 @@ def check_page(path, binary, renew):
             elif fence.language == "yaml":
                 check_yaml(page, fence, folder)
             elif fence.language.startswith("rust") and page.path not in RUST:
-                page.wrong(fence, "no doctest compiles it: crates/iiwa/src/lib.rs and RUST name the pages")
+                page.wrong(fence, "no doctest compiles it: crates/front/iiwa/src/lib.rs and RUST name the pages")
             elif fence.language == "python":
                 outputs = None
                 if page.path not in PYTHON:

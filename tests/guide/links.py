@@ -18,7 +18,7 @@ OTHER_SITE = re.compile(r"[a-z][a-z0-9+.-]*:", re.IGNORECASE)
 
 
 def documents():
-    for pattern in ("*.md", "docs/**/*.md", "benches/*.md", "crates/*/*.md", "tests/**/*.md"):
+    for pattern in ("*.md", "docs/**/*.md", "benches/*.md", "crates/*/*/*.md", "tests/**/*.md"):
         yield from sorted(ROOT.glob(pattern))
 
 

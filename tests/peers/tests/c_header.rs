@@ -7,7 +7,7 @@ use cbindgen::{Builder, Config};
 /// `IIWASIM_RENEW=1 cargo test --manifest-path tests/peers/Cargo.toml c_header` writes it anew.
 #[test]
 fn the_header_is_that_of_the_sources() {
-    let folder = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../crates/iiwa-c"));
+    let folder = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../crates/front/iiwa-c"));
     let config = Config::from_file(folder.join("cbindgen.toml")).unwrap();
     let made = Builder::new().with_crate(folder).with_config(config).generate().unwrap();
     let mut text = Vec::new();

@@ -1,7 +1,7 @@
 //! URDF against independent readers: `urdf-rs` for the text, `k` for the kinematics. Files that the readers disagree about
 //! are in `urdf_cases`.
 
-#[path = "../../../crates/iiwa-kin/tests/urdf_examples.rs"]
+#[path = "../../../crates/core/iiwa-kin/tests/urdf_examples.rs"]
 mod urdf_examples;
 
 use iiwa_kin::{Joints, Robot};

@@ -7,12 +7,12 @@ use crate::tests::architecture::sources::{files, root, shown, text};
 
 /// A call, and the folders that may make it.
 const CALLS: [(&str, &[&str]); 6] = [
-    ("Planner::new(", &["crates/iiwa-traj", "crates/iiwa-plan"]),
-    ("Program::from_json_with(", &["crates/iiwa-program", "crates/iiwa-plan"]),
-    ("Program::merged_json(", &["crates/iiwa-program", "crates/iiwa-plan"]),
-    ("JointPath::on_other_robot(", &["crates/iiwa-path", "crates/iiwa-plan", "crates/iiwa-eval"]),
-    (".torque_warnings()", &["crates/iiwa-plan"]),
-    ("TurnContradiction::all(", &["crates/iiwa-path", "crates/iiwa-plan"]),
+    ("Planner::new(", &["crates/core/iiwa-traj", "crates/core/iiwa-plan"]),
+    ("Program::from_json_with(", &["crates/core/iiwa-program", "crates/core/iiwa-plan"]),
+    ("Program::merged_json(", &["crates/core/iiwa-program", "crates/core/iiwa-plan"]),
+    ("JointPath::on_other_robot(", &["crates/core/iiwa-path", "crates/core/iiwa-plan", "crates/analysis/iiwa-eval"]),
+    (".torque_warnings()", &["crates/core/iiwa-plan"]),
+    ("TurnContradiction::all(", &["crates/core/iiwa-path", "crates/core/iiwa-plan"]),
 ];
 
 #[test]

@@ -60,7 +60,7 @@ pub(crate) struct Member {
 impl Member {
     /// Whether it is one of the libraries, below `crates/`.
     pub(crate) fn is_library(&self) -> bool {
-        self.folder.parent().is_some_and(|parent| parent.ends_with("crates"))
+        self.folder.ancestors().nth(2).is_some_and(|crates| crates.ends_with("crates"))
     }
 
     /// The roots of its module trees: `lib.rs`, `main.rs` and those of further binaries.
@@ -82,9 +82,10 @@ impl Member {
 
 /// The members of the workspace, in order of their folders.
 pub(crate) fn members() -> Vec<Member> {
-    let mut folders: Vec<PathBuf> = fs::read_dir(root().join("crates"))
-        .unwrap()
-        .map(|entry| entry.unwrap().path())
+    let within = |folder: PathBuf| fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
+    let mut folders: Vec<PathBuf> = within(root().join("crates"))
+        .filter(|path| path.is_dir())
+        .flat_map(within)
         .filter(|path| path.join("Cargo.toml").exists())
         .collect();
     folders.sort();

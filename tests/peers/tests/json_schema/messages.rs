@@ -1,6 +1,6 @@
 //! Messages of the bridge.
 
-#[path = "../../../../crates/iiwa-bridge/tests/sample_messages.rs"]
+#[path = "../../../../crates/bridge/iiwa-bridge/tests/sample_messages.rs"]
 mod sample_messages;
 
 use iiwa_bridge::message::schema;

@@ -1,6 +1,6 @@
 //! Motions of all kinds, read and written.
 
-#[path = "../../../../crates/iiwa-path/tests/any_program.rs"]
+#[path = "../../../../crates/core/iiwa-path/tests/any_program.rs"]
 mod any_program;
 
 use iiwa_program::Program;
@@ -27,7 +27,7 @@ proptest! {
 
 #[test]
 fn motions_to_frames_fit() {
-    let text = include_str!("../../../../crates/iiwa-path/tests/every_motion.json");
+    let text = include_str!("../../../../crates/core/iiwa-path/tests/every_motion.json");
     let schema = validator(&Program::schema());
     assert_fits(&schema, &serde_json::from_str(text).unwrap());
     assert_fits(&schema, &written(&Program::from_json(text).unwrap()));

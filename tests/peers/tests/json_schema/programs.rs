@@ -1,6 +1,6 @@
 //! Programs, and files of tools, bases and frames.
 
-#[path = "../../../../crates/iiwa-program/tests/documents.rs"]
+#[path = "../../../../crates/core/iiwa-program/tests/documents.rs"]
 mod documents;
 
 use iiwa_program::{Program, Workcell};

@@ -1,6 +1,6 @@
 //! Scenes of obstacles, and meshes of tools.
 
-#[path = "../../../../crates/iiwa-scene/tests/documents.rs"]
+#[path = "../../../../crates/analysis/iiwa-scene/tests/documents.rs"]
 mod documents;
 
 use iiwa_scene::Scene;

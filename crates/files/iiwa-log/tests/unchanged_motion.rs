@@ -1,0 +1,92 @@
+//! Programs without a load: what their files say of the motion has not changed since files have torques.
+
+// The last bits of sines and cosines are those of one C library.
+#![cfg(all(target_arch = "x86_64", target_os = "linux", target_env = "gnu"))]
+#![expect(clippy::unwrap_used, reason = "a test fails by it")]
+
+use std::{fs, io::Cursor, path::Path};
+
+use iiwa_log::{PlanConfig, Recording, write_plan};
+use iiwa_plan::{PlanOptions, PlanRequest, ProgramSource};
+use iiwa_traj::{SweepOptions, Timing};
+use mcap::MessageStream;
+
+/// The hash FNV-1a of some bytes.
+#[derive(Debug, PartialEq, Eq)]
+struct Hash(u64);
+
+impl Hash {
+    fn new() -> Self {
+        Self(0xcbf2_9ce4_8422_2325)
+    }
+
+    fn add(&mut self, bytes: &[u8]) {
+        for byte in bytes {
+            self.0 = (self.0 ^ u64::from(*byte)).wrapping_mul(0x0100_0000_01b3);
+        }
+    }
+}
+
+/// The messages on `/joint_trajectory` with their stamps, and stamps, positions and velocities on `/joint_states`.
+fn hashes(name: &str, timing: Timing) -> [u64; 2] {
+    let fixtures = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../fixtures");
+    let text = fs::read_to_string(fixtures.join(name).with_extension("json")).unwrap();
+    let options = PlanOptions::with_timing(timing);
+    let request = PlanRequest { options, ..PlanRequest::default() };
+    let plan = request.plan(&ProgramSource::from_json(&text).unwrap()).unwrap();
+    let stream = Cursor::new(Vec::new());
+    let file = write_plan(stream, &plan, PlanConfig::default(), &text).unwrap();
+    let file = file.into_inner();
+
+    let mut trajectory = Hash::new();
+    for message in MessageStream::new(&file).unwrap().map(Result::unwrap) {
+        if message.channel.topic == "/joint_trajectory" {
+            trajectory.add(&message.log_time.to_le_bytes());
+            trajectory.add(&message.data);
+        }
+    }
+    let mut states = Hash::new();
+    for sample in Recording::from_bytes(&file).unwrap().joint_states {
+        for value in [sample.t_s].iter().chain(&sample.q).chain(&sample.dq) {
+            states.add(&value.to_le_bytes());
+        }
+    }
+    [trajectory.0, states.0]
+}
+
+/// Of the last version whose files had no torques, e4417f5: with limits of jerk, and without.
+const BEFORE: [(&str, [u64; 2], [u64; 2]); 4] = [
+    (
+        "appendix-b",
+        [0x2ca2_6395_49bc_7bb6, 0x2e59_f8c4_9e59_a9e4],
+        [0x39ca_0519_519e_dfcb, 0x6a81_62db_79fe_b97d],
+    ),
+    (
+        "pick-and-place",
+        [0xbf84_8b62_14c7_601a, 0x814e_7a5c_1ba0_ffe9],
+        [0x2ec2_2696_157d_8da2, 0x72b8_c1e0_9c32_169e],
+    ),
+    (
+        "ten-motions",
+        [0x027f_14cd_7f47_61d3, 0x9118_a52b_c1bc_f84a],
+        [0x9306_f243_10fe_2150, 0x8a1e_2f96_bb40_8f05],
+    ),
+    (
+        "waits-and-stops",
+        [0x0082_fff2_5f3a_349f, 0x42b6_f996_0c72_c1f0],
+        [0x04c4_cfb2_9424_8f68, 0x1f7c_bdde_6469_a019],
+    ),
+];
+
+#[test]
+fn motions_without_a_load_are_written_as_before() {
+    // A product and a sum are rounded once by processors with this instruction, and twice by those before 2013.
+    let rounds_once = is_x86_feature_detected!("fma") && is_x86_feature_detected!("avx2");
+    for (name, jerk, acceleration) in BEFORE {
+        if rounds_once {
+            assert_eq!(hashes(name, Timing::jerk_limited()), jerk, "{name}");
+        }
+        let timing = Timing::Acceleration(SweepOptions::default());
+        assert_eq!(hashes(name, timing), acceleration, "{name}");
+    }
+}

@@ -1,0 +1,87 @@
+//! The KUKA LBR iiwa in Rust: which path does the arm take through a program, and how long does it take?
+//!
+//! One dependency for all libraries of the workspace; each is a module here, behind a feature of its name.
+//!
+//! ```
+//! use iiwa::prelude::*;
+//!
+//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
+//! # let text = r#"{ "version": 1, "start": { "joints_deg": [-20, 0, 0, 0, 0, 0, 0] },
+//! #     "motions": [{ "type": "ptp", "joints_deg": [20, 0, 0, 0, 0, 0, 0] }] }"#;
+//! let trajectory = PlanRequest::default().plan(&ProgramSource::from_json(text)?)?.trajectory;
+//!
+//! println!("{:.3} s", trajectory.cycle_time_s());
+//! assert!((trajectory.cycle_time_s() - 0.798).abs() < 1e-3);
+//! # Ok(())
+//! # }
+//! ```
+//!
+//! | feature | modules | for |
+//! |---|---|---|
+//! | none | [`kin`] | robot models, forward kinematics, Jacobian |
+//! | `profile`, `urdf` (default) | in [`kin`] | robot profiles in JSON; robots as URDF |
+//! | `plan` (default) | `json`, `program`, `path`, `solver`, `traj`, `plan` | motion programs, paths, time-optimal trajectories |
+//! | `scene` | `scene` | obstacles and clearances |
+//! | `sunrise` | `sunrise`, `application` | Sunrise projects: frames and tools, applications as programs, programs as projects |
+//! | `log` | `log` | trajectories and recordings as MCAP files, trajectories as tables in CSV and Parquet too |
+//! | `eval` | `eval` | plans compared with recordings, robots identified from recordings |
+//! | `fri` | `fri` | KUKA's Fast Robot Interface |
+//! | `link` | `link` | the client of a drive |
+//! | `drive` | `drive` | the drive |
+//! | `cabinet` | `cabinet` | a simulated controller for it |
+//! | `view` | `view` | pages, pictures and reports as text |
+//! | `foxglove` | `foxglove` | the robot live in Foxglove and Lichtblick |
+//! | `bridge` | `bridge` | robots to Kafka and MQTT, and requests back |
+//! | `full` | all | |
+//!
+//! Units are SI and radians unless a name ends in another one.
+
+#[cfg(feature = "sunrise")]
+pub use iiwa_application as application;
+#[cfg(feature = "bridge")]
+pub use iiwa_bridge as bridge;
+#[cfg(feature = "cabinet")]
+pub use iiwa_cabinet as cabinet;
+#[cfg(feature = "drive")]
+pub use iiwa_drive as drive;
+#[cfg(feature = "eval")]
+pub use iiwa_eval as eval;
+#[cfg(feature = "foxglove")]
+pub use iiwa_foxglove as foxglove;
+#[cfg(feature = "fri")]
+pub use iiwa_fri as fri;
+#[cfg(feature = "plan")]
+pub use iiwa_json as json;
+pub use iiwa_kin as kin;
+#[cfg(feature = "link")]
+pub use iiwa_link as link;
+#[cfg(feature = "log")]
+pub use iiwa_log as log;
+#[cfg(feature = "plan")]
+pub use iiwa_path as path;
+#[cfg(feature = "plan")]
+pub use iiwa_plan as plan;
+#[cfg(feature = "plan")]
+pub use iiwa_program as program;
+#[cfg(feature = "scene")]
+pub use iiwa_scene as scene;
+#[cfg(feature = "plan")]
+pub use iiwa_solver as solver;
+#[cfg(feature = "sunrise")]
+pub use iiwa_sunrise as sunrise;
+#[cfg(feature = "plan")]
+pub use iiwa_traj as traj;
+#[cfg(feature = "view")]
+pub use iiwa_view as view;
+
+pub mod prelude;
+
+/// The README's Rust compiles.
+#[cfg(all(doctest, feature = "plan"))]
+#[doc = include_str!("../../../../README.md")]
+pub struct Readme;
+
+/// The guide's Rust compiles.
+#[cfg(all(doctest, feature = "plan"))]
+#[doc = include_str!("../../../../docs/guide/library.md")]
+pub struct Guide;
