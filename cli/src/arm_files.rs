@@ -7,8 +7,8 @@ use std::{
 };
 
 use iiwa_kin::Robot;
+use iiwa_page::ArmSource;
 use iiwa_scene::{ArmMeshError, ArmMeshes};
-use iiwa_view::ArmSource;
 
 use crate::{args::Urdf, failure::Failure, input::Text};
 

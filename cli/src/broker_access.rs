@@ -8,7 +8,7 @@ use iiwa_bridge::{
     mqtt::{MqttConnection, MqttVersion},
     tls::TlsFiles,
 };
-use iiwa_view::with_causes;
+use iiwa_report::with_causes;
 
 use crate::{args, connection, failure::Failure};
 

@@ -8,7 +8,7 @@ use iiwa_link::{
     message::Code,
     security::{ClientSecurity, ConnectionRefusal, SecurityError, ServerSecurity},
 };
-use iiwa_view::with_causes;
+use iiwa_report::with_causes;
 
 use crate::{
     args::{ClientKeys, DriveAddress, ServerKeys},

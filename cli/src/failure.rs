@@ -5,9 +5,10 @@ use std::{error::Error, io::Write as _, ops::Range, path::Path};
 use annotate_snippets::{AnnotationKind, Group, Level, Renderer, Snippet};
 use iiwa_files::{OutputError, folder_of};
 use iiwa_json::{Place, printable};
+use iiwa_page::PageError;
 use iiwa_program::ProgramError;
+use iiwa_report::{ReportError, with_causes};
 use iiwa_traj::{PlanError, TimingError};
-use iiwa_view::{ViewError, with_causes};
 
 use crate::file_kind::{JsonKind, other_kind};
 
@@ -137,17 +138,17 @@ impl Failure {
     }
 }
 
-impl From<ViewError> for Failure {
-    fn from(error: ViewError) -> Self {
+impl From<PageError> for Failure {
+    fn from(error: PageError) -> Self {
         Self::from(&error)
     }
 }
 
-impl From<&ViewError> for Failure {
-    fn from(error: &ViewError) -> Self {
+impl From<&PageError> for Failure {
+    fn from(error: &PageError) -> Self {
         let hint = match error {
-            ViewError::UnknownRobot { .. } => "; name its profile with --robot",
-            ViewError::Recording { name, .. }
+            PageError::UnknownRobot { .. } => "; name its profile with --robot",
+            PageError::Recording { name, .. }
                 if Path::new(name).extension().is_some_and(|extension| extension == "json") =>
             {
                 "; a program has to be planned first"
@@ -155,6 +156,17 @@ impl From<&ViewError> for Failure {
             _ => "",
         };
         let what = format!("{}{hint}", with_causes(error));
+        if error.is_input() {
+            Self::input(what)
+        } else {
+            Self::Run { what: printable(&what), cause: None }
+        }
+    }
+}
+
+impl From<ReportError> for Failure {
+    fn from(error: ReportError) -> Self {
+        let what = with_causes(&error);
         if error.is_input() {
             Self::input(what)
         } else {

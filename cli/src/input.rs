@@ -14,8 +14,8 @@ use iiwa_plan::{Plan, PlanRequest, ProgramSource};
 #[cfg(feature = "sunrise")]
 use iiwa_program::Program;
 use iiwa_program::Workcell;
+use iiwa_report::with_causes;
 use iiwa_scene::Scene;
-use iiwa_view::with_causes;
 
 use crate::{
     args::LogReading,

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use iiwa_view::PictureFormat;
+use iiwa_report::PictureFormat;
 
 use iiwa_files::Output;
 

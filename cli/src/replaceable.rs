@@ -7,7 +7,7 @@ use std::{
 };
 
 use iiwa_log::is_recording;
-use iiwa_view::PictureFormat;
+use iiwa_report::PictureFormat;
 
 use crate::failure::Failure;
 

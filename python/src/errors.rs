@@ -61,7 +61,7 @@ pub(crate) fn output_error(error: &OutputError) -> PyErr {
         OutputError::Interrupted => PyKeyboardInterrupt::new_err(()),
         OutputError::Write { path, source } => match source.downcast_ref() {
             Some(error) => os_error(path, error),
-            None => PyOSError::new_err(iiwa_view::with_causes(error)),
+            None => PyOSError::new_err(iiwa_report::with_causes(error)),
         },
     }
 }

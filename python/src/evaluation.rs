@@ -8,7 +8,7 @@ use std::{
 use iiwa_eval::{Comparison as Compared, Plan as Reference, identify as identified};
 use iiwa_kin::Robot as Model;
 use iiwa_plan::{PlanRequest, ProgramSource};
-use iiwa_view::{ComparisonReport, IdentificationReport, draw_comparison, with_causes};
+use iiwa_report::{ComparisonReport, IdentificationReport, draw_comparison, with_causes};
 use pyo3::{
     exceptions::{PyRuntimeError, PyValueError},
     prelude::*,

@@ -2,7 +2,8 @@
 
 use std::path::PathBuf;
 
-use iiwa_view::{Page, PageOptions, with_causes};
+use iiwa_page::{Page, PageOptions};
+use iiwa_report::with_causes;
 use pyo3::{exceptions::PyValueError, prelude::*};
 use rayon::ThreadPoolBuilder;
 

@@ -10,7 +10,7 @@ use iiwa_log::{PlanConfig, write_plan};
 use iiwa_plan::{PlanFigures, ProgramSource};
 use iiwa_scene::{ArmInScene, PlannedClearance};
 use iiwa_traj::Trajectory;
-use iiwa_view::{PlanPicture, plan_table, with_causes};
+use iiwa_report::{PlanPicture, plan_table, with_causes};
 use pyo3::{
     exceptions::{PyOSError, PyRuntimeError, PyValueError},
     prelude::*,

@@ -51,7 +51,7 @@ pub(crate) fn open(path: &Path) -> PyResult<File> {
 
 /// What the recording is not.
 pub(crate) fn recording_error(py: Python<'_>, name: &str, error: &JointLogError) -> PyErr {
-    exception(py, "RecordingError", (format!("{name}: {}", iiwa_view::with_causes(error)),))
+    exception(py, "RecordingError", (format!("{name}: {}", iiwa_report::with_causes(error)),))
 }
 
 #[pymethods]

@@ -2,7 +2,7 @@
 
 use iiwa_eval::Plan;
 use iiwa_log::{PlanRecordError, Positions};
-use iiwa_view::{ComparisonReport, draw_comparison, with_causes};
+use iiwa_report::{ComparisonReport, draw_comparison, with_causes};
 
 use crate::{args::Compare, failure::Failure, input, output, picture, replaceable::Replaceable};
 

@@ -7,7 +7,7 @@ use iiwa_kin::Robot;
 use iiwa_log::{JointLog, Loss, Positions};
 use iiwa_plan::ProgramSource;
 use iiwa_program::Program;
-use iiwa_view::{IdentificationReport, with_causes};
+use iiwa_report::{IdentificationReport, with_causes};
 
 use crate::{args::Identify, failure::Failure, input, output};
 

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use iiwa_files::interrupt;
 use iiwa_json::printable;
 use iiwa_log::Positions;
-use iiwa_view::{Extent, Page, PageOptions, ViewError};
+use iiwa_page::{Extent, Page, PageError, PageOptions};
 
 use crate::{
     args::Report,
@@ -36,7 +36,7 @@ pub(crate) fn run(options: &Report) -> Result<(), Failure> {
     let how = PageOptions { robot, arm, scene, log, extent, interrupted };
     let page = Page::read(&options.file, options.measured.as_deref(), &how);
     let page = page.map_err(|error| match (&error, &files) {
-        (ViewError::Arm { source }, Some(files)) => files.failure(source),
+        (PageError::Arm { source }, Some(files)) => files.failure(source),
         _ => error.into(),
     })?;
     for note in page.notes() {

@@ -3,7 +3,7 @@
 use std::{fmt::Write as _, path::Path};
 
 use iiwa_kin::Robot;
-use iiwa_view::{robot_sheet, robots_table, rounded};
+use iiwa_report::{robot_sheet, robots_table, rounded};
 
 use crate::{
     args,

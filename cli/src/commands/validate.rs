@@ -3,8 +3,8 @@
 use iiwa_eval::Plan;
 use iiwa_log::Positions;
 use iiwa_plan::PlanOptions;
+use iiwa_report::{ValidationReport, with_causes};
 use iiwa_traj::SweepOptions;
-use iiwa_view::{ValidationReport, with_causes};
 
 use crate::{args::Validate, failure::Failure, input, output};
 

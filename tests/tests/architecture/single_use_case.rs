@@ -10,7 +10,10 @@ const CALLS: [(&str, &[&str]); 6] = [
     ("Planner::new(", &["crates/core/iiwa-traj", "crates/core/iiwa-plan"]),
     ("Program::from_json_with(", &["crates/core/iiwa-program", "crates/core/iiwa-plan"]),
     ("Program::merged_json(", &["crates/core/iiwa-program", "crates/core/iiwa-plan"]),
-    ("JointPath::on_other_robot(", &["crates/core/iiwa-path", "crates/core/iiwa-plan", "crates/analysis/iiwa-eval"]),
+    (
+        "JointPath::on_other_robot(",
+        &["crates/core/iiwa-path", "crates/core/iiwa-plan", "crates/analysis/iiwa-eval"],
+    ),
     (".torque_warnings()", &["crates/core/iiwa-plan"]),
     ("TurnContradiction::all(", &["crates/core/iiwa-path", "crates/core/iiwa-plan"]),
 ];

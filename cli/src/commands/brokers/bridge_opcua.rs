@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use iiwa_bridge::{BridgedRobot, Sink, default_spool};
 use iiwa_opcua::{BridgedArm, OpcUa, OpcUaError, OpcUaOptions};
-use iiwa_view::with_causes;
+use iiwa_report::with_causes;
 
 use crate::{args, broker_access::credentials, connection, failure::Failure, input::find_robot};
 

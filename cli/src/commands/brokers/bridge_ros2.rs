@@ -3,8 +3,8 @@
 use std::sync::Arc;
 
 use iiwa_bridge::{BridgedRobot, Sink};
+use iiwa_report::with_causes;
 use iiwa_ros2::{RetimeGoals, Ros2, Ros2Error, Ros2Options, Ros2Robot, namespace_of};
-use iiwa_view::with_causes;
 
 use crate::{args, connection, failure::Failure, input::find_robot};
 

@@ -8,7 +8,7 @@ use iiwa_bridge::{
     kafka::reader::{KafkaReader, Selection},
 };
 use iiwa_json::printable;
-use iiwa_view::table;
+use iiwa_report::table;
 
 use crate::{
     args,

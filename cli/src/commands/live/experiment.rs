@@ -8,7 +8,7 @@ use std::{
     path::{Path, PathBuf},
 };
 
-use iiwa_view::{
+use iiwa_report::{
     Bench, ExperimentKind, TrialRun, VirtualArm, motion_warning, other_robot, preface,
 };
 

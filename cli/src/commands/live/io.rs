@@ -1,7 +1,7 @@
 //! `iiwasim io`.
 
 use iiwa_json::printable;
-use iiwa_view::table;
+use iiwa_report::table;
 
 use crate::{
     args::{DriveAddress, IoAction},

@@ -14,10 +14,10 @@ use iiwa_link::{
 };
 use iiwa_log::Config;
 use iiwa_plan::{PlanFigures, PlanGates, PlanOptions};
+use iiwa_report::{RunReport, add_clearances, plan_table, warning_lines};
 use iiwa_scene::ArmInScene;
 use iiwa_traj::Timing;
 use iiwa_twin::runs::{began, label, longest_log, now, since_start};
-use iiwa_view::{RunReport, add_clearances, plan_table, warning_lines};
 
 use crate::{
     args::Run,

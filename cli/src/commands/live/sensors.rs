@@ -1,6 +1,6 @@
 //! `iiwasim sensors`.
 
-use iiwa_view::table;
+use iiwa_report::table;
 
 use crate::{args::Sensors, connection, failure::Failure, output};
 

@@ -9,8 +9,8 @@ use std::{
 };
 
 use iiwa_json::printable;
+use iiwa_report::{PlannedTimes, Summary, SummaryRow, warning_lines};
 use iiwa_scene::Scene;
-use iiwa_view::{PlannedTimes, Summary, SummaryRow, warning_lines};
 use rayon::{
     ThreadPoolBuilder,
     iter::{ParallelBridge, ParallelIterator},

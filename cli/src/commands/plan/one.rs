@@ -7,7 +7,7 @@ use std::{
 };
 
 use iiwa_plan::PlanFigures;
-use iiwa_view::{assumption_lines, plan_table, warning_lines};
+use iiwa_report::{assumption_lines, plan_table, warning_lines};
 
 use crate::{
     args::{Plan, Timing},

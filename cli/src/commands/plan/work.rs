@@ -7,9 +7,9 @@ use iiwa_files::interrupt;
 use iiwa_log::{PlanConfig, PlanSize, PlanWriter};
 use iiwa_path::PathOptions;
 use iiwa_plan::{PlanFigures, PlanGates, PlanOptions, Planning, ProgramSource};
+use iiwa_report::{PlanPicture, add_clearances, long_duration};
 use iiwa_scene::{ArmInScene, Scene};
 use iiwa_traj::SweepOptions;
-use iiwa_view::{PlanPicture, add_clearances, long_duration};
 
 use crate::{
     args::Plan,

@@ -9,7 +9,7 @@ use std::{
     thread::{self, JoinHandle},
 };
 
-use iiwa_view::Extent;
+use iiwa_page::Extent;
 use tokio::runtime::Handle;
 
 use crate::{

@@ -7,7 +7,7 @@ use iiwa_foxglove::ViewersError;
 use iiwa_json::Place;
 use iiwa_link::LinkError;
 use iiwa_log::WriteError;
-use iiwa_view::ViewError;
+use iiwa_page::PageError;
 
 /// A failure of the twin.
 #[derive(Debug, thiserror::Error)]
@@ -17,7 +17,7 @@ pub enum TwinError {
     Link(#[from] LinkError),
     /// A page cannot be made of a plan.
     #[error(transparent)]
-    View(#[from] ViewError),
+    Page(#[from] PageError),
     /// Viewers cannot be served.
     #[error(transparent)]
     Viewers(#[from] ViewersError),

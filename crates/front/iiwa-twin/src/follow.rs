@@ -10,7 +10,7 @@ use iiwa_files::interrupt;
 use iiwa_foxglove::Viewers;
 use iiwa_kin::Joints;
 use iiwa_link::{Lag, Published};
-use iiwa_view::NearestPlaces;
+use iiwa_page::NearestPlaces;
 use serde::Serialize;
 
 use crate::{

@@ -6,10 +6,11 @@ use iiwa_files::Output;
 use iiwa_kin::Joints;
 use iiwa_link::message::RunLabel;
 use iiwa_log::{PlanConfig, PlanSize, write_plan};
+use iiwa_page::{Extent, NearestPlaces};
 use iiwa_plan::{PlanRequest, ProgramSource};
 use iiwa_program::{MotionList, Program};
+use iiwa_report::long_duration;
 use iiwa_traj::Trajectory;
-use iiwa_view::{Extent, NearestPlaces, long_duration};
 use serde::Serialize;
 
 use crate::{

@@ -18,8 +18,8 @@ use iiwa_link::{
     message::{DriveState, Request, Run as Measured, RunLabel, Status},
 };
 use iiwa_log::{Config, JointLog};
+use iiwa_page::{Extent, Page};
 use iiwa_program::{Motion, Program, Ptp, Sources, Start, Workcell};
-use iiwa_view::{Extent, Page};
 use serde::Serialize;
 
 use crate::{

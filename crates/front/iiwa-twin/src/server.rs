@@ -16,7 +16,7 @@ use axum::{
     response::{IntoResponse, Response},
     routing::{get, post},
 };
-use iiwa_view::twin_page;
+use iiwa_page::twin_page;
 use serde::Deserialize;
 use tokio::{fs, task, time};
 use tokio_util::io::ReaderStream;

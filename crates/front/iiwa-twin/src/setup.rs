@@ -10,13 +10,13 @@ use std::{
 use iiwa_files::{interrupt, leftovers::Name};
 use iiwa_kin::{Joints, Robot, RosNames};
 use iiwa_link::{Client, Remote, Stream};
+use iiwa_page::{
+    ArmSource, Extent, Nearest, NearestPlaces, Page, PageOptions, TwinRobot, TwinSetup,
+};
 use iiwa_plan::PlanOptions;
 use iiwa_program::Program;
 use iiwa_scene::{ArmInScene, ArmMeshes, PlannedClearance, Scene};
 use iiwa_traj::Trajectory;
-use iiwa_view::{
-    ArmSource, Extent, Nearest, NearestPlaces, Page, PageOptions, TwinRobot, TwinSetup,
-};
 use tempfile::TempDir;
 
 use crate::{TwinError, Wording, positions::default_file, runs::DriveConnection};
@@ -268,7 +268,7 @@ impl Setup {
             positions: Some(folder.join("positions.json")),
             folder: Some(folder.to_owned()),
             wording: Wording {
-                error: |error| iiwa_view::with_causes(error),
+                error: |error| iiwa_report::with_causes(error),
                 request: |error| error.to_string(),
                 refusal: |_| "",
                 unknown_position: |_| String::new(),

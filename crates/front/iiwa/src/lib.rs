@@ -29,7 +29,8 @@
 //! | `link` | `link` | the client of a drive |
 //! | `drive` | `drive` | the drive |
 //! | `cabinet` | `cabinet` | a simulated controller for it |
-//! | `view` | `view` | pages, pictures and reports as text |
+//! | `report` | `report` | tables, reports and pictures as text |
+//! | `page` | `page` | HTML pages |
 //! | `foxglove` | `foxglove` | the robot live in Foxglove and Lichtblick |
 //! | `bridge` | `bridge` | robots to Kafka and MQTT, and requests back |
 //! | `full` | all | |
@@ -57,12 +58,16 @@ pub use iiwa_kin as kin;
 pub use iiwa_link as link;
 #[cfg(feature = "log")]
 pub use iiwa_log as log;
+#[cfg(feature = "page")]
+pub use iiwa_page as page;
 #[cfg(feature = "plan")]
 pub use iiwa_path as path;
 #[cfg(feature = "plan")]
 pub use iiwa_plan as plan;
 #[cfg(feature = "plan")]
 pub use iiwa_program as program;
+#[cfg(feature = "report")]
+pub use iiwa_report as report;
 #[cfg(feature = "scene")]
 pub use iiwa_scene as scene;
 #[cfg(feature = "plan")]
@@ -71,8 +76,6 @@ pub use iiwa_solver as solver;
 pub use iiwa_sunrise as sunrise;
 #[cfg(feature = "plan")]
 pub use iiwa_traj as traj;
-#[cfg(feature = "view")]
-pub use iiwa_view as view;
 
 pub mod prelude;
 

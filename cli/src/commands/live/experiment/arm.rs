@@ -8,8 +8,8 @@ use iiwa_link::{
 };
 use iiwa_log::JointLog;
 use iiwa_plan::{PlanFigures, PlanOptions};
+use iiwa_report::VirtualArm;
 use iiwa_twin::runs::{DriveConnection, label};
-use iiwa_view::VirtualArm;
 
 use crate::{
     connection,

@@ -5,8 +5,8 @@ use std::{
     path::{Path, PathBuf},
 };
 
+use iiwa_report::ImportReport;
 use iiwa_sunrise::{DataFile, ImportedCell};
-use iiwa_view::ImportReport;
 
 use crate::{
     args::Import,

@@ -3,7 +3,7 @@
 use std::{fmt::Write as _, path::Path};
 
 use iiwa_application::{Application as Found, Import, ImportError};
-use iiwa_view::table;
+use iiwa_report::table;
 use serde::Serialize;
 
 use crate::{failure::Failure, output, sunrise::Application};

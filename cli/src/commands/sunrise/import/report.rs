@@ -5,8 +5,8 @@ use std::{fmt::Write as _, path::Path};
 use iiwa_application::{Import, ImportNote, RefusedImport};
 use iiwa_json::printable;
 use iiwa_program::{Motion, Program, Source};
+use iiwa_report::table;
 use iiwa_sunrise::{Question, QuestionKind, RobotStatement};
-use iiwa_view::table;
 use serde::Serialize;
 
 /// Rows of motions that are shown at the start and at the end of a long program.

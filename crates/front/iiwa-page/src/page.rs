@@ -1,0 +1,55 @@
+//! What pages share: the arm in 3D, poses over time, style; and how a page is put together.
+//!
+//! A page is one file that loads nothing: its style, its scripts and its data are in it. It is markup
+//! with a place for each part, as `/*arm.js*/`, `<!--title-->` and `<!--data-->`.
+
+mod arm_source;
+mod poses;
+
+pub use arm_source::ArmSource;
+pub(crate) use poses::Poses;
+
+use serde::Serialize;
+
+use crate::PageError;
+
+/// A place in a page, and what comes there.
+pub(crate) type Part = (&'static str, &'static str);
+
+/// Parts of all pages.
+const PARTS: [Part; 12] = [
+    ("/*style.css*/", include_str!("page/style.css")),
+    ("/*basics.js*/", include_str!("page/basics.js")),
+    ("/*poses.js*/", include_str!("page/poses.js")),
+    ("/*arm.js*/", include_str!("page/arm.js")),
+    ("/*surroundings.js*/", include_str!("page/surroundings.js")),
+    ("/*shaders.js*/", include_str!("page/shaders.js")),
+    ("/*painter.js*/", include_str!("page/painter.js")),
+    ("/*shadows.js*/", include_str!("page/shadows.js")),
+    ("/*look.js*/", include_str!("page/look.js")),
+    ("/*sight.js*/", include_str!("page/sight.js")),
+    ("/*scene.js*/", include_str!("page/scene.js")),
+    ("/*view.js*/", include_str!("page/view.js")),
+];
+
+/// A page with its parts, its title and its data, which its scripts read as JSON.
+pub(crate) fn assemble(
+    page: &str,
+    parts: &[Part],
+    title: &str,
+    data: &impl Serialize,
+) -> Result<String, PageError> {
+    let all = PARTS.iter().chain(parts);
+    let html = all.fold(page.to_owned(), |html, (place, part)| html.replace(place, part));
+    let html = html.replace("<!--title-->", &escaped(title));
+    // Last, so that nothing in it is taken for a place.
+    let json = serde_json::to_string(data).map_err(|source| PageError::Json { source })?;
+    let json = json.replace('<', "\\u003c");
+    let (before, after) = html.split_once("<!--data-->").unwrap_or((&html, ""));
+    Ok([before, &json, after].concat())
+}
+
+/// A text that is no markup.
+fn escaped(text: &str) -> String {
+    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;")
+}

@@ -1,0 +1,49 @@
+//! The plan of the program that a recording holds.
+
+use std::io::Cursor;
+
+use iiwa_kin::Robot;
+use iiwa_log::{PlanConfig, PlanSize, PlanWriter};
+use iiwa_plan::{PlanRequest, ProgramSource};
+
+use crate::PageError;
+
+use super::source::{Role, Source};
+
+/// Bytes of that plan, which is in memory, at most: some two hours.
+const MOST_BYTES: u64 = 256 << 20;
+
+/// The plan of the program that a recording holds; none of a plan, nor of a recording without one.
+pub(crate) fn plan(
+    recording: &Source,
+    robot: &Robot,
+    interrupted: fn() -> bool,
+) -> Option<Result<Source, PageError>> {
+    let text = recording.log.program.as_deref()?;
+    (recording.role() == Role::Recording).then(|| made(text, robot, interrupted))
+}
+
+fn made(text: &str, robot: &Robot, interrupted: fn() -> bool) -> Result<Source, PageError> {
+    let refuse = |error| PageError::RecordedProgram { source: Box::new(error) };
+    let request = PlanRequest { robot: Some(robot.clone()), ..PlanRequest::default() };
+    let source = ProgramSource::from_json(text).map_err(refuse)?;
+    let mut planning = request.begin(&source).map_err(refuse)?;
+    let config = PlanConfig::default();
+    let mut size = PlanSize::new(config.rate_hz);
+    let mut writer = PlanWriter::new(Cursor::new(Vec::new()), robot, config)?;
+    for section in planning.by_ref() {
+        if interrupted() {
+            return Err(PageError::Interrupted);
+        }
+        let section = section.map_err(refuse)?;
+        size.add(&section);
+        if size.bytes() > MOST_BYTES {
+            return Err(PageError::TooLong {
+                duration: iiwa_report::long_duration(size.duration_s()),
+            });
+        }
+        writer.section(&section)?;
+    }
+    let stream = writer.finish(planning.figures(), Some(text))?;
+    Source::made("plan of its program", stream.get_ref())
+}

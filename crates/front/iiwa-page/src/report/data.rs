@@ -1,0 +1,566 @@
+//! All that the page shows, as it is in the page.
+
+use std::{
+    collections::{BTreeMap, BTreeSet},
+    path::Path,
+};
+
+use crate::arm_look::Look;
+use iiwa_eval::{Comparison, Plan, TracePoint};
+use iiwa_kin::{Joints, Robot};
+use iiwa_log::{LogOptions, Loss, PlanPiece};
+use iiwa_program::{Blend, LimitKind, Motion, Program};
+use iiwa_report::{ComparisonReport, with_causes};
+use iiwa_scene::{ArmInScene, ArmMeshes, Scene};
+use serde::Serialize;
+use serde_json::Value;
+
+use crate::{
+    PageError,
+    page::{self, ArmSource, Part, Poses},
+};
+
+use super::{
+    attached,
+    clearance::{Clearances, OfPose},
+    curve::{Curve, Samples},
+    curves::Curves,
+    measured::{self, Measured},
+    planned::Planned,
+    source::{Role, Source},
+    tool::Workcell,
+};
+
+/// Parts of this page alone.
+const PARTS: [Part; 9] = [
+    ("/*data.js*/", include_str!("data.js")),
+    ("/*plot.js*/", include_str!("../page/plot.js")),
+    ("/*charts.js*/", include_str!("charts.js")),
+    ("/*head.js*/", include_str!("head.js")),
+    ("/*point.js*/", include_str!("point.js")),
+    ("/*panels.js*/", include_str!("panels.js")),
+    ("/*tables.js*/", include_str!("tables.js")),
+    ("/*pointing.js*/", include_str!("pointing.js")),
+    ("/*main.js*/", include_str!("main.js")),
+];
+
+/// A page that shows a plan, a recording, or both in one file that loads nothing.
+#[derive(Debug, Serialize)]
+pub struct Page {
+    robot: Model,
+    /// The arm of FILE, then the one of MEASURED.
+    arms: Vec<Arm>,
+    /// Lines, paths of the TCP, blends, settles and waits, in the order of time.
+    pieces: Vec<PlanPiece>,
+    corners: Vec<Corner>,
+    workcell: Workcell,
+    /// What stands around the arm, and what it carries.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    scene: Option<Scene>,
+    /// Of the motions that have any below 1; motions count from 1.
+    shares: BTreeMap<usize, Shares>,
+    /// As `iiwasim plan --json` has them.
+    figures: Value,
+    compared: Option<Compared>,
+    /// What is missing or assumed, as text.
+    notes: Vec<String>,
+    /// The files' names.
+    #[serde(skip)]
+    title: String,
+}
+
+/// The robot: what it looks like, how it moves, and how far it may go.
+#[derive(Debug, Serialize)]
+struct Model {
+    name: String,
+    /// Joints.
+    urdf: String,
+    look: Look,
+    lower_rad: Joints,
+    upper_rad: Joints,
+    velocity_rad_s: Joints,
+    acceleration_rad_s2: Joints,
+    jerk_rad_s3: Joints,
+    torque_nm: Joints,
+    assumptions: Vec<String>,
+}
+
+/// The motion of the arm in one file. Times are in s of the page.
+#[derive(Debug, Serialize)]
+struct Arm {
+    role: Role,
+    file: String,
+    start_s: f64,
+    end_s: f64,
+    samples: usize,
+    rate_hz: Option<f64>,
+    poses: Poses,
+    #[serde(flatten)]
+    curves: Option<Curves>,
+    /// What the joints exert, in Nm; without columns if the file does not tell.
+    torque: Curve,
+    /// In m/s: of the flange, and, if there is a tool, of the TCP.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    speed: Option<Curve>,
+    /// In a scene with obstacles.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    clearance: Option<Clearances>,
+    /// Of the arm from itself, in a scene.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    self_clearance: Option<Clearances>,
+}
+
+/// How much of a page is made. Curves take more memory than all the rest.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Extent {
+    /// Only what [`Page::sketch`] shows.
+    Sketch,
+    /// Everything.
+    #[default]
+    Whole,
+}
+
+/// How a page is made.
+#[derive(Clone, Debug)]
+pub struct PageOptions {
+    /// The robot, if it is not the one of the files.
+    pub robot: Option<Robot>,
+    /// What the arm looks like, if not as we draw it: meshes, whose convex hulls are also what its clearance is taken of.
+    pub arm: Option<ArmSource>,
+    /// What stands around the arm: the whole page shows it, and how near the arm comes.
+    pub scene: Option<Scene>,
+    /// What the columns of logs leave open.
+    pub log: LogOptions,
+    /// How much of the page is made.
+    pub extent: Extent,
+    /// Whether the work is to end early; asked again and again while something is planned.
+    pub interrupted: fn() -> bool,
+}
+
+impl Default for PageOptions {
+    /// The files' robot as we draw it, no scene, the whole page, never interrupted.
+    fn default() -> Self {
+        Self {
+            robot: None,
+            arm: None,
+            scene: None,
+            log: LogOptions::default(),
+            extent: Extent::default(),
+            interrupted: || false,
+        }
+    }
+}
+
+/// A page without curves.
+#[derive(Serialize)]
+struct Sketch<'a> {
+    arms: Vec<Outline<'a>>,
+    pieces: &'a [PlanPiece],
+    corners: &'a [Corner],
+    workcell: &'a Workcell,
+    compared: Option<&'a ComparisonReport>,
+    notes: &'a [String],
+}
+
+/// An arm without curves.
+#[derive(Serialize)]
+struct Outline<'a> {
+    start_s: &'a f64,
+    end_s: &'a f64,
+    poses: &'a Poses,
+    torque: &'a Curve,
+}
+
+/// A target that is blended away.
+#[derive(Debug, Serialize)]
+struct Corner {
+    /// From 1.
+    motion: usize,
+    target_m: [f64; 3],
+    /// Of the sphere; none if the blend is a share of its neighbours.
+    radius_m: Option<f64>,
+}
+
+/// A motion's shares of the robot's limits.
+#[derive(Debug, Serialize)]
+struct Shares {
+    velocity: Joints,
+    acceleration: Joints,
+    jerk: Joints,
+}
+
+/// A recording held against a plan.
+#[derive(Serialize)]
+struct Compared {
+    /// As `iiwasim compare --json` has it.
+    report: ComparisonReport,
+    /// How far some samples of the recording were off, over the page's time.
+    tcp_mm: Curve,
+    joints_mrad: Curve,
+}
+
+impl std::fmt::Debug for Compared {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Compared").field("tcp_mm", &self.tcp_mm).finish_non_exhaustive()
+    }
+}
+
+impl Page {
+    /// Reads one file, a plan or a recording, or a plan and what was measured. Beside a recording that
+    /// holds its program and is shown alone, the plan of that program is shown.
+    ///
+    /// # Errors
+    ///
+    /// [`PageError`] if a file cannot be read or shown, or its robot is unknown.
+    pub fn read(
+        file: &Path,
+        measured: Option<&Path>,
+        options: &PageOptions,
+    ) -> Result<Self, PageError> {
+        let extent = options.extent;
+        let first = Source::read(file, options.log)?;
+        let second = measured.map(|path| Source::read(path, options.log)).transpose()?;
+        swapped(&first, second.as_ref())?;
+        let (robot, assumed) = first.robot(options.robot.as_ref())?;
+        first.check(&robot)?;
+        let title = match &second {
+            None => first.file.clone(),
+            Some(second) => format!("{} and {}", first.file, second.file),
+        };
+        let mut notes: Vec<String> = assumed.into_iter().collect();
+        let (first, second) = match second {
+            None => beside_its_plan(first, &robot, options.interrupted, &mut notes)?,
+            second => (first, second),
+        };
+        notes.extend(first.losses());
+        if first.role() == Role::Part {
+            notes.push(format!(
+                "{}: a plan without the end of its file: its motions and limits up to there",
+                first.name
+            ));
+        }
+
+        let mut compared = None;
+        let program = first.program();
+        let workcell = Workcell::new(program.as_ref());
+        let shift_s = from_start(&first);
+        let scene = options.scene.as_ref().filter(|_| extent == Extent::Whole);
+        let meshes = options.arm.as_ref().filter(|_| extent == Extent::Whole);
+        let meshes = meshes.map(|source| source.of(&robot)).transpose()?;
+        let in_scene = scene.map(|scene| match &meshes {
+            Some(meshes) => ArmInScene::with_meshes(&robot, scene, meshes),
+            None => ArmInScene::new(&robot, scene),
+        });
+        let making = Making {
+            extent,
+            robot: &robot,
+            scene: in_scene.as_ref(),
+            workcell: &workcell,
+            pieces: &first.record.pieces,
+        };
+        let mut arms = vec![making.arm(&first, shift_s)];
+        if let Some(second) = &second {
+            second.check(&robot)?;
+            if second.role() != Role::Recording {
+                notes.push(format!("{}: a plan, too: nothing in it was measured", second.name));
+            }
+            let shift_s = match comparison(&first, second, &robot) {
+                Ok((report, shift_s)) => {
+                    compared = Some(report);
+                    shift_s
+                }
+                Err(why) => {
+                    notes.push(why);
+                    from_start(second)
+                }
+            };
+            // The comparison reports gaps itself.
+            let gap = |loss: &Loss| matches!(loss, Loss::Gap { .. });
+            if compared.is_none() || !second.log.losses.iter().all(gap) {
+                notes.extend(second.losses());
+            }
+            arms.push(making.arm(second, shift_s));
+        }
+        let motions = program.as_ref().map_or(&[][..], |program| &program.motions);
+        Ok(Self {
+            robot: Model::new(&robot, meshes.as_ref(), extent),
+            arms,
+            corners: corners(&first.record.pieces, program.as_ref(), &robot),
+            workcell,
+            scene: scene.cloned(),
+            shares: shares(motions),
+            figures: first.record.to_json(),
+            pieces: first.record.pieces,
+            compared,
+            notes,
+            title,
+        })
+    }
+
+    /// What is missing or assumed, in words.
+    #[must_use]
+    pub fn notes(&self) -> &[String] {
+        &self.notes
+    }
+
+    /// How long the second file's motion took, in s, if it was held against the plan.
+    #[must_use]
+    pub fn measured_cycle_time_s(&self) -> Option<f64> {
+        self.compared.as_ref().map(|compared| compared.report.measured_cycle_time_s())
+    }
+
+    /// What the 3D view needs of the page, without curves.
+    #[must_use]
+    pub fn sketch(&self) -> impl Serialize + use<'_> {
+        Sketch {
+            arms: self
+                .arms
+                .iter()
+                .map(|Arm { start_s, end_s, poses, torque, .. }| Outline {
+                    start_s,
+                    end_s,
+                    poses,
+                    torque,
+                })
+                .collect(),
+            pieces: &self.pieces,
+            corners: &self.corners,
+            workcell: &self.workcell,
+            compared: self.compared.as_ref().map(|compared| &compared.report),
+            notes: &self.notes,
+        }
+    }
+
+    /// The page as HTML, with its style, its scripts and its data.
+    ///
+    /// # Errors
+    ///
+    /// [`PageError::Json`].
+    pub fn html(&self) -> Result<String, PageError> {
+        page::assemble(include_str!("page.html"), &PARTS, &self.title, self)
+    }
+}
+
+/// Refuses a recording followed by a plan: the page would swap the two.
+fn swapped(first: &Source, second: Option<&Source>) -> Result<(), PageError> {
+    match second {
+        Some(second) if first.role() == Role::Recording && second.role() != Role::Recording => {
+            Err(PageError::Swapped { recording: first.name.clone(), plan: second.name.clone() })
+        }
+        _ => Ok(()),
+    }
+}
+
+/// A file that is shown alone; if it is a recording that holds its program, the plan of that, and the
+/// recording beside it.
+fn beside_its_plan(
+    alone: Source,
+    robot: &Robot,
+    interrupted: fn() -> bool,
+    notes: &mut Vec<String>,
+) -> Result<(Source, Option<Source>), PageError> {
+    match attached::plan(&alone, robot, interrupted) {
+        None => Ok((alone, None)),
+        Some(Ok(plan)) => {
+            notes.push(format!(
+                "{}: the plan beside it was made for this page, of the program that the recording \
+                 holds, with limits of jerk",
+                alone.name
+            ));
+            Ok((plan, Some(alone)))
+        }
+        Some(Err(error @ (PageError::Interrupted | PageError::Write { .. }))) => Err(error),
+        // The recording can be shown all the same.
+        Some(Err(error)) => {
+            let why = with_causes(&error);
+            notes.push(format!("{}: no plan of the program that it holds: {why}", alone.name));
+            Ok((alone, None))
+        }
+    }
+}
+
+/// What takes the times of a file to the page's: its first sample is at 0.
+fn from_start(source: &Source) -> f64 {
+    source.log.t_s.first().map_or(0.0, |first| 0.0 - first)
+}
+
+/// The recording held against the plan, and what takes its times to the plan's; or why not.
+fn comparison(first: &Source, second: &Source, robot: &Robot) -> Result<(Compared, f64), String> {
+    let not = |why: String| format!("not compared, both start at 0: {why}");
+    if first.role() != Role::Plan || first.is_broken_off() {
+        return Err(not(format!("{} is not a whole plan", first.name)));
+    }
+    let plan = Plan::from_record(first.record.clone(), Some(robot.clone()))
+        .map_err(|error| not(with_causes(&error)))?;
+    let comparison: Comparison = iiwa_eval::compare(&plan, &second.log)
+        .map_err(|error| not(format!("{}: {}", second.name, with_causes(&error))))?;
+    let moves = |piece: &&PlanPiece| !matches!(&*piece.kind, "settle" | "wait");
+    let start_s = first.record.pieces.iter().find(moves).map_or(0.0, |piece| piece.start_s);
+    let names = [Path::new(&first.name), Path::new(&second.name)];
+    let compared = Compared {
+        report: ComparisonReport::new(names, None, &plan, &second.log, &comparison),
+        tcp_mm: deviation(&comparison, start_s, |point| 1e3 * point.tcp_deviation_m),
+        joints_mrad: deviation(&comparison, start_s, |point| 1e3 * point.joints_rad),
+    };
+    Ok((compared, start_s - comparison.departure_s))
+}
+
+/// A deviation over the time of the arm, which goes on where the plan's time stands; the arm starts at `start_s`.
+fn deviation(comparison: &Comparison, start_s: f64, value: impl Fn(&TracePoint) -> f64) -> Curve {
+    let mut samples = Samples::<1>::with_capacity(comparison.trace.len());
+    for part in comparison.unbroken_trace() {
+        if let (Some(last), Some(first)) = (samples.t_s.last(), part.first()) {
+            let middle_s = f64::midpoint(*last, start_s + first.measured_s);
+            samples.push(middle_s, [f64::NAN]);
+        }
+        for point in part {
+            samples.push(start_s + point.measured_s, [value(point)]);
+        }
+    }
+    Curve::new(&samples, 0.0)
+}
+
+/// The motions with limits of their own, each with its number.
+fn shares(motions: &[Motion]) -> BTreeMap<usize, Shares> {
+    let own = |(index, motion): (usize, &Motion)| {
+        let share = |kind| match motion {
+            Motion::Ptp(ptp) => Some(*ptp.share(kind)),
+            Motion::Cartesian(own) => Some(own.shares[kind]),
+            Motion::Wait { .. } | Motion::Load(_) => None,
+        };
+        let [velocity, acceleration, jerk] = LimitKind::ALL.map(share);
+        let [velocity, acceleration, jerk] = [velocity?, acceleration?, jerk?];
+        let narrower = [velocity, acceleration, jerk].iter().flatten().any(|share| *share < 1.0);
+        narrower.then_some((index + 1, Shares { velocity, acceleration, jerk }))
+    };
+    motions.iter().enumerate().filter_map(own).collect()
+}
+
+/// The targets that are blended away.
+fn corners(pieces: &[PlanPiece], program: Option<&Program>, robot: &Robot) -> Vec<Corner> {
+    let Some(program) = program else { return Vec::new() };
+    let blended: BTreeSet<usize> = pieces
+        .iter()
+        .filter(|piece| piece.kind == "blend")
+        .map(|piece| piece.motion as usize)
+        .collect();
+    let corner = |(index, motion): (usize, &Motion)| {
+        let (target_m, radius_mm) = match motion {
+            Motion::Ptp(ptp) => {
+                // The TCP of the program's tool, or the flange.
+                let tcp = program.workcell.tcp(None).ok()?;
+                let target = robot.flange_pose(&ptp.target_rad).then(&tcp);
+                let radius_mm = match ptp.blend? {
+                    Blend::CartMm(radius_mm) => Some(radius_mm),
+                    _ => None,
+                };
+                (target.position_m, radius_mm)
+            }
+            Motion::Cartesian(own) => {
+                let target = own.target()?;
+                let (_, pose) = program.workcell.target(target, own.base.as_deref()).ok()?;
+                (pose.position_m, own.blend?.cart_mm)
+            }
+            Motion::Wait { .. } | Motion::Load(_) => return None,
+        };
+        // A blend belongs to the motion that it leads into.
+        let waits =
+            program.motions[index + 1..].iter().take_while(|next| next.is_overlapping_wait());
+        blended.contains(&(index + 2 + waits.count())).then(|| Corner {
+            motion: index + 1,
+            target_m,
+            radius_m: radius_mm.map(|radius_mm| 1e-3 * radius_mm),
+        })
+    };
+    program.motions.iter().enumerate().filter_map(corner).collect()
+}
+
+/// What arms are made with.
+#[derive(Clone, Copy)]
+struct Making<'a> {
+    extent: Extent,
+    robot: &'a Robot,
+    scene: Option<&'a ArmInScene>,
+    workcell: &'a Workcell,
+    /// Those of the plan, by which the TCP is told, in the page's time.
+    pieces: &'a [PlanPiece],
+}
+
+impl Making<'_> {
+    /// The arm of a file, all times later by `shift_s`.
+    fn arm(&self, source: &Source, shift_s: f64) -> Arm {
+        let log = &source.log;
+        let times = |t_s: Option<&f64>| t_s.map_or(0.0, |t_s| t_s + shift_s);
+        let (start_s, end_s) = (times(log.t_s.first()), times(log.t_s.last()));
+        let role = source.role();
+        let (mut clearance, mut self_clearance, mut speed) = (None, None, None);
+        let mut measure = |position: &Samples, velocity: &Samples| {
+            let distances = |of_pose: OfPose| {
+                self.scene.and_then(|arm| Clearances::new(arm, of_pose, position, shift_s))
+            };
+            clearance = distances(ArmInScene::clearance);
+            self_clearance = distances(ArmInScene::self_clearance);
+            let states = std::iter::zip(position.at_times(&velocity.t_s), &velocity.rows);
+            let states = std::iter::zip(&velocity.t_s, states);
+            let states = states.map(|(t_s, (q, dq))| (*t_s, q, dq));
+            speed = Some(self.workcell.speeds(self.robot, self.pieces, states, shift_s));
+        };
+        let (poses, curves) = match (self.extent, role) {
+            (Extent::Sketch, _) => (Poses::new(&log.t_s, &log.q_rad, shift_s), None),
+            (Extent::Whole, Role::Plan) => {
+                let timing = source.record.timing();
+                let planned = Planned::new(&source.record.nodes, timing != Some("acceleration"));
+                measure(&planned.position, &planned.velocity);
+                let poses = Poses::new(&planned.position.t_s, &planned.position.rows, shift_s);
+                (poses, Some(Curves::of_plan(planned, timing, shift_s)))
+            }
+            (Extent::Whole, _) => {
+                let poses = Poses::new(&log.t_s, &log.q_rad, shift_s);
+                let measured = Measured::new(log);
+                measure(&measured.position, &measured.velocity);
+                (poses, Some(Curves::of_recording(measured, shift_s)))
+            }
+        };
+        Arm {
+            role,
+            file: source.file.clone(),
+            start_s,
+            end_s,
+            samples: log.t_s.len(),
+            rate_hz: log.period_s().map(f64::recip),
+            poses,
+            curves,
+            torque: Curve::new(&measured::torques(log), shift_s),
+            speed,
+            clearance,
+            self_clearance,
+        }
+    }
+}
+
+impl Model {
+    fn new(robot: &Robot, meshes: Option<&ArmMeshes>, extent: Extent) -> Self {
+        let limits = robot.limits();
+        let look = match (extent, meshes) {
+            (Extent::Sketch, _) => Look::default(),
+            (Extent::Whole, Some(meshes)) => Look::of_meshes(meshes),
+            (Extent::Whole, None) => Look::own(robot),
+        };
+        Self {
+            name: robot.name().to_owned(),
+            urdf: robot.to_urdf(),
+            look,
+            lower_rad: limits.lower_rad,
+            upper_rad: limits.upper_rad,
+            velocity_rad_s: limits.velocity_rad_s,
+            acceleration_rad_s2: limits.acceleration_rad_s2,
+            jerk_rad_s3: limits.jerk_rad_s3,
+            torque_nm: limits.torque_nm,
+            assumptions: robot
+                .assumptions()
+                .iter()
+                .map(|assumption| format!("{}: {}", assumption.what, assumption.basis))
+                .collect(),
+        }
+    }
+}

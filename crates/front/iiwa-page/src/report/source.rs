@@ -1,0 +1,156 @@
+//! What a file has for the page.
+
+use std::{
+    fs::File,
+    io::{self, Read},
+    path::Path,
+};
+
+use iiwa_kin::Robot;
+use iiwa_log::{JointLog, LogOptions, Loss, PlanRecord, Source as Format};
+use iiwa_program::Program;
+use serde::Serialize;
+
+use crate::PageError;
+
+/// A file that was read.
+#[derive(Debug)]
+pub(crate) struct Source {
+    /// As it was named.
+    pub(crate) name: String,
+    /// The same without its folder: pages are passed on.
+    pub(crate) file: String,
+    /// Where the joints were.
+    pub(crate) log: JointLog,
+    /// What a plan has beside them; of a recording, nothing but its metadata.
+    pub(crate) record: PlanRecord,
+}
+
+/// The motion of the arm in a file.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub(crate) enum Role {
+    /// What it is to do.
+    Plan,
+    /// The same, without the end of the file: no trajectory, no figures.
+    Part,
+    /// What it did.
+    Recording,
+}
+
+impl Source {
+    /// Reads a file, as far as it is whole.
+    pub(crate) fn read(path: &Path, options: LogOptions) -> Result<Self, PageError> {
+        let name = path.display().to_string();
+        let log = JointLog::read_with(open(path)?, options)
+            .and_then(|log| log.check_rate().map(|()| log))
+            .map_err(|source| PageError::Recording { name: name.clone(), source })?;
+        let file = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned();
+        Self { name, file, log, record: PlanRecord::default() }.with_record(|| open(path))
+    }
+
+    /// Takes an MCAP file that was made for the page, under a name to show.
+    pub(crate) fn made(name: &str, content: &[u8]) -> Result<Self, PageError> {
+        let log = JointLog::read(content)
+            .map_err(|source| PageError::Recording { name: name.to_owned(), source })?;
+        let [name, file] = [name, name].map(str::to_owned);
+        Self { name, file, log, record: PlanRecord::default() }.with_record(|| Ok(content))
+    }
+
+    pub(crate) fn role(&self) -> Role {
+        match (self.record.nodes.len(), self.record.pieces.is_empty()) {
+            (2.., false) => Role::Plan,
+            (_, false) => Role::Part,
+            (_, true) => Role::Recording,
+        }
+    }
+
+    /// The program that the file holds, if it can be read.
+    pub(crate) fn program(&self) -> Option<Program> {
+        self.log.program.as_deref().and_then(|text| Program::from_json(text).ok())
+    }
+
+    /// With what a plan has beside joint states, up to where the file breaks off, which the
+    /// joint states have shown.
+    fn with_record<R: Read>(
+        mut self,
+        open: impl FnOnce() -> Result<R, PageError>,
+    ) -> Result<Self, PageError> {
+        if self.log.source != Some(Format::Mcap) {
+            return Ok(self);
+        }
+        let (record, end) = PlanRecord::read_part(open()?);
+        match end {
+            Some(source) if !self.is_broken_off() => {
+                return Err(PageError::Plan { name: self.name, source });
+            }
+            _ => self.record = record,
+        }
+        // Without nodes, the duration of the last piece follows from the joint states.
+        if let (true, Some(last), Some(end_s)) =
+            (self.record.nodes.is_empty(), self.record.pieces.last_mut(), self.log.t_s.last())
+        {
+            last.end_s = last.start_s.max(*end_s);
+        }
+        Ok(self)
+    }
+
+    /// Whether the file is cut off or damaged.
+    pub(crate) fn is_broken_off(&self) -> bool {
+        self.log.losses.iter().any(|loss| matches!(loss, Loss::BrokenOff { .. }))
+    }
+
+    /// The robot that was asked for, or the one that the file was made with, or the default one; and what
+    /// is assumed.
+    pub(crate) fn robot(
+        &self,
+        asked: Option<&Robot>,
+    ) -> Result<(Robot, Option<String>), PageError> {
+        if let Some(robot) = asked {
+            return Ok((robot.clone(), None));
+        }
+        let recorded = self
+            .log
+            .recorded_robot()
+            .map_err(|source| PageError::UnknownRobot { name: self.name.clone(), source })?;
+        if let Some(robot) = recorded {
+            return Ok((robot, None));
+        }
+        let robot = Robot::default();
+        let note = format!("{} names no robot: taken for {}", self.name, robot.name());
+        Ok((robot, Some(note)))
+    }
+
+    /// Refuses positions that the robot does not have.
+    pub(crate) fn check(&self, robot: &Robot) -> Result<(), PageError> {
+        self.log
+            .check_robot(robot)
+            .map_err(|source| PageError::Recording { name: self.name.clone(), source })
+    }
+
+    /// What the file lacks, as text.
+    pub(crate) fn losses(&self) -> Vec<String> {
+        const SHOWN: usize = 5;
+        let losses = &self.log.losses;
+        let mut notes: Vec<String> =
+            losses.iter().take(SHOWN).map(|loss| format!("{}: {loss}", self.name)).collect();
+        if losses.len() > SHOWN {
+            notes.push(format!("{}: and {} more losses", self.name, losses.len() - SHOWN));
+            // Where it ends is what people ask first.
+            if let Some(end @ Loss::BrokenOff { .. }) = losses.last() {
+                notes.push(format!("{}: {end}", self.name));
+            }
+        }
+        notes
+    }
+}
+
+/// Opens a file.
+fn open(path: &Path) -> Result<File, PageError> {
+    let refuse = |source| PageError::Open { name: path.display().to_string(), source };
+    let file = File::open(path).map_err(refuse)?;
+    if file.metadata().is_ok_and(|kind| kind.is_dir()) {
+        return Err(refuse(io::Error::from(io::ErrorKind::IsADirectory)));
+    }
+    Ok(file)
+}

@@ -1,0 +1,78 @@
+//! The page that follows a robot: its markup, its style and its scripts, but not its server.
+
+use crate::arm_look::Look;
+use iiwa_kin::{Joints, Robot};
+use iiwa_scene::{ArmMeshes, Scene};
+use serde::Serialize;
+
+use crate::{
+    PageError,
+    page::{self, Part},
+};
+
+/// Parts of this page alone.
+const PARTS: [Part; 10] = [
+    ("/*twin.css*/", include_str!("twin/twin.css")),
+    ("/*plot.js*/", include_str!("page/plot.js")),
+    ("/*link.js*/", include_str!("twin/link.js")),
+    ("/*live.js*/", include_str!("twin/live.js")),
+    ("/*positions.js*/", include_str!("twin/positions.js")),
+    ("/*programs.js*/", include_str!("twin/programs.js")),
+    ("/*torque.js*/", include_str!("twin/torque.js")),
+    ("/*history.js*/", include_str!("twin/history.js")),
+    ("/*stop.js*/", include_str!("twin/stop.js")),
+    ("/*main.js*/", include_str!("twin/main.js")),
+];
+
+/// What the page of a twin knows from the start. Everything else reaches it over its connection.
+#[derive(Clone, Debug, Serialize)]
+pub struct TwinSetup<'a> {
+    /// The robot.
+    pub robot: TwinRobot<'a>,
+    /// The obstacles, if there are any.
+    pub scene: Option<&'a Scene>,
+    /// Programs that come nearer to an obstacle are not sent, in mm.
+    pub min_clearance_mm: f64,
+    /// The drive's address.
+    pub drive: &'a str,
+    /// The file of saved positions.
+    pub positions: String,
+    /// The folder of the twin's files, if they are kept.
+    pub folder: Option<String>,
+}
+
+/// What the page needs to know about the robot.
+#[derive(Clone, Debug, Serialize)]
+pub struct TwinRobot<'a> {
+    name: &'a str,
+    urdf: String,
+    look: Look,
+    lower_rad: Joints,
+    upper_rad: Joints,
+    torque_nm: Joints,
+}
+
+impl<'a> TwinRobot<'a> {
+    /// A robot, with these meshes if there are any.
+    #[must_use]
+    pub fn new(robot: &'a Robot, meshes: Option<&ArmMeshes>) -> Self {
+        Self {
+            name: robot.name(),
+            urdf: robot.to_urdf(),
+            look: meshes.map_or_else(|| Look::own(robot), Look::of_meshes),
+            lower_rad: robot.limits().lower_rad,
+            upper_rad: robot.limits().upper_rad,
+            torque_nm: robot.limits().torque_nm,
+        }
+    }
+}
+
+/// The page of a twin as HTML, with its style, its scripts and what it knows from the start.
+///
+/// # Errors
+///
+/// [`PageError::Json`].
+pub fn twin_page(setup: &TwinSetup<'_>) -> Result<String, PageError> {
+    let title = format!("{} - iiwasim twin", setup.robot.name);
+    page::assemble(include_str!("twin/page.html"), &PARTS, &title, setup)
+}

@@ -1,0 +1,65 @@
+//! What all experiments do with their recordings.
+
+use iiwa_eval::{
+    experiment::Trial,
+    identify::{Identified, LeftOut, Recording, identify},
+};
+use iiwa_kin::Robot;
+use iiwa_path::{JointPath, PathOptions};
+use iiwa_plan::PlanOptions;
+use iiwa_traj::{Timing, Trajectory};
+
+use crate::ReportError;
+
+use super::bench::{Bench, TrialRun};
+
+/// What the recordings tell of the robot.
+pub(super) fn identified(bench: &Bench, runs: &[TrialRun]) -> Result<Identified, ReportError> {
+    let recordings: Vec<_> =
+        runs.iter().map(|run| Recording { program: &run.trial.program, log: &run.log }).collect();
+    identify(&recordings, &bench.model).map_err(|source| ReportError::Identify { source })
+}
+
+/// Says what of the recordings was not used.
+pub(super) fn left_out(runs: &[TrialRun], left_out: &[LeftOut]) -> String {
+    match left_out {
+        [] => String::new(),
+        [first, ..] => {
+            let LeftOut { recording, motion, why, .. } = first;
+            let name = runs.get(*recording).map_or("", |run| run.trial.name.as_str());
+            format!(
+                "Not used: {} motions; the first of them is motion {motion} of `{name}`: {why}.",
+                left_out.len()
+            )
+        }
+    }
+}
+
+/// Mean and standard deviation.
+pub(super) fn spread(values: &[f64]) -> (f64, f64) {
+    let count = values.len() as f64;
+    let mean = values.iter().sum::<f64>() / count;
+    let squares: f64 = values.iter().map(|value| (value - mean).powi(2)).sum();
+    (mean, (squares / (count - 1.0).max(1.0)).sqrt())
+}
+
+/// The program's path as the model has it.
+pub(super) fn path(
+    bench: &Bench,
+    trial: &Trial,
+    options: PathOptions,
+) -> Result<JointPath, ReportError> {
+    JointPath::with_options(&trial.program, &bench.model, options)
+        .map_err(|source| ReportError::Path { name: trial.name.clone(), source })
+}
+
+/// The program as a robot plans it.
+pub(super) fn planned(
+    robot: &Robot,
+    trial: &Trial,
+    timing: Timing,
+) -> Result<Trajectory, ReportError> {
+    PlanOptions::with_timing(timing)
+        .plan(&trial.program, robot)
+        .map_err(|source| ReportError::Planning { name: trial.name.clone(), source })
+}

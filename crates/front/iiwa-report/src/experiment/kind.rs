@@ -1,0 +1,112 @@
+//! The experiments: the programs of each, and its report.
+
+use iiwa_eval::experiment::{self, TcpSeries, Trial};
+
+use crate::ReportError;
+
+use super::{
+    bench::{Bench, TrialRun},
+    blends,
+    chapter::Chapter,
+    cycle_time, limits, load, settle, tcp_blends, zone_velocity,
+};
+
+/// Share of full speed at which section 4.2 is run; the thesis does not state its own. The path does not
+/// depend on it.
+const BLENDS_VELOCITY_REL: f64 = 0.5;
+
+/// An experiment of the thesis (Larsen 2019), or ours.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ExperimentKind {
+    /// Limits of the joints (Appendix A).
+    Limits,
+    /// The curve of blends (sections 4.2 and 4.3).
+    Blends,
+    /// The velocity in blends (Appendix B).
+    ZoneVelocity,
+    /// The time to settle (Appendix C).
+    Settle,
+    /// Errors of the cycle time (section 5.1.2).
+    CycleTime,
+    /// Blends of paths of the TCP: not in the thesis.
+    TcpBlends,
+    /// Whether the planner knows the load: not in the thesis, and not among [`ALL`](Self::ALL), since people have to mount it.
+    Load,
+}
+
+impl ExperimentKind {
+    /// All experiments that need nobody, in the order of the report.
+    pub const ALL: [Self; 6] = [
+        Self::Limits,
+        Self::Blends,
+        Self::ZoneVelocity,
+        Self::Settle,
+        Self::CycleTime,
+        Self::TcpBlends,
+    ];
+
+    /// The programs of the experiment.
+    #[must_use]
+    pub fn trials(self, bench: &Bench) -> Vec<Trial> {
+        let Bench { model, seed, .. } = bench;
+        let count = |most: usize| bench.count.unwrap_or(most).min(most);
+        match self {
+            Self::Limits => {
+                let mut trials = experiment::limits();
+                let wide = trials.pop();
+                trials.truncate(count(trials.len()));
+                trials.extend(wide);
+                trials
+            }
+            Self::Blends => vec![experiment::blends(BLENDS_VELOCITY_REL)],
+            Self::ZoneVelocity => vec![experiment::zone_velocity()],
+            Self::Settle => vec![experiment::settle(model, count(200), *seed)],
+            Self::CycleTime => cycle_time::trials(bench, count(5)),
+            Self::TcpBlends => vec![experiment::tcp_blends(&TcpSeries::ALL)],
+            Self::Load => experiment::load(&bench.load).into(),
+        }
+    }
+
+    /// Whether the thesis has it.
+    #[must_use]
+    pub fn is_of_thesis(self) -> bool {
+        !matches!(self, Self::TcpBlends | Self::Load)
+    }
+
+    /// What people have to do at the flange before a program runs, in words.
+    #[must_use]
+    pub fn to_mount(self, trial: &Trial) -> Option<String> {
+        let load = trial.program.loads().first().copied().flatten();
+        (self == Self::Load).then(|| match load {
+            None => "Take all off the flange, and have no load configured".to_owned(),
+            Some(load) => format!(
+                "Mount {} kg with its centre at {:?} mm of the flange",
+                load.mass_kg, load.center_mm
+            ),
+        })
+    }
+
+    /// Sample rate of a virtual robot in Hz: high enough to show the phases of constant jerk.
+    #[must_use]
+    pub fn rate_hz(self) -> f64 {
+        if self == Self::CycleTime { 200.0 } else { 1000.0 }
+    }
+
+    /// The report on what was recorded.
+    ///
+    /// # Errors
+    ///
+    /// [`ReportError`] if the recordings do not show what the experiment is about, or a picture cannot be
+    /// drawn.
+    pub fn chapter(self, bench: &Bench, runs: &[TrialRun]) -> Result<Chapter, ReportError> {
+        match self {
+            Self::Limits => limits::chapter(bench, runs),
+            Self::Blends => blends::chapter(bench, runs),
+            Self::ZoneVelocity => zone_velocity::chapter(bench, runs),
+            Self::Settle => settle::chapter(bench, runs),
+            Self::CycleTime => cycle_time::chapter(bench, runs),
+            Self::TcpBlends => tcp_blends::chapter(bench, runs),
+            Self::Load => load::chapter(bench, runs),
+        }
+    }
+}

@@ -1,0 +1,46 @@
+//! Plans and recordings of the KUKA LBR iiwa in words: reports (Markdown), tables (text) and pictures (SVG).
+//!
+//! Everything comes back as text or as a value that serialises to JSON. The crate reads and writes no file, and prints nothing.
+//!
+//! - [`PlanPicture`] draws a plan while it is made, [`draw_comparison`] a recording beside its plan.
+//! - [`ExperimentKind`] lists the experiments, those of the thesis (Larsen 2019) and ours, and writes each one's
+//!   [`Chapter`].
+//! - [`ComparisonReport`], [`IdentificationReport`], [`ImportReport`], [`plan_table`] and [`Summary`] put results
+//!   into words and tables.
+
+mod comparison_report;
+mod duration;
+mod error;
+mod experiment;
+mod identification_report;
+#[cfg(feature = "sunrise")]
+mod import_report;
+mod picture;
+mod plan_clearance;
+mod robot_sheet;
+mod run_report;
+mod signed;
+mod stated_time;
+mod summary;
+mod table;
+mod validation_report;
+mod warning;
+
+pub use comparison_report::ComparisonReport;
+pub use duration::long_duration;
+pub use error::{ReportError, with_causes};
+pub use experiment::{
+    Bench, Chapter, ExperimentKind, TrialRun, VirtualArm, motion_warning, other_robot, preface,
+    wrapped,
+};
+pub use identification_report::IdentificationReport;
+#[cfg(feature = "sunrise")]
+pub use import_report::ImportReport;
+pub use picture::{PictureError, PictureFormat, PlanPicture, draw_comparison};
+pub use plan_clearance::add_clearances;
+pub use robot_sheet::{robot_sheet, robots_table, rounded};
+pub use run_report::RunReport;
+pub use summary::{PlannedTimes, Summary, SummaryRow};
+pub use table::{assumption_lines, plan_table, table};
+pub use validation_report::ValidationReport;
+pub use warning::warning_lines;

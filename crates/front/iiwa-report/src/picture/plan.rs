@@ -1,0 +1,288 @@
+//! A picture of a plan: the path of the TCP, and the joints' speeds over time.
+
+use iiwa_kin::{Joints, Pose, Robot};
+use iiwa_program::{PlacedFrame, Program};
+use iiwa_traj::{PieceKind, Section};
+use plotters::prelude::{
+    ChartBuilder, Circle, Color, IntoFont, LineSeries, PathElement, Rectangle, SeriesLabelPosition,
+    Text, WHITE,
+};
+
+use super::{
+    AXES, Area, COLOURS, Chart, DASH, Drawn, FINE, HEIGHT, INK, SHADE, Space, WIDTH, font, legend,
+    shade, svg,
+};
+use crate::ReportError;
+
+/// Radius of a circle at a blend's end.
+const DOT: i32 = 20;
+
+/// Height of the chart of the TCP's speed.
+const TCP_HEIGHT: u32 = 220;
+
+/// Samples that a picture can show; a longer program is thinned out.
+const SAMPLES: usize = 20_000;
+
+/// A picture of a plan, drawn from a bounded number of samples that are taken while it is made: the path of
+/// the TCP, and the joints' speeds; of programs with frames the TCP's speed, too.
+#[derive(Debug)]
+pub struct PlanPicture {
+    robot: Robot,
+    step_s: f64,
+    next_s: f64,
+    samples: Vec<Sample>,
+    blends: Vec<BlendMark>,
+    frames: Vec<PlacedFrame>,
+    has_tools: bool,
+    has_frames: bool,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Sample {
+    t_s: f64,
+    tcp_mm: [f64; 3],
+    tcp_mm_s: f64,
+    /// The TCP in the flange's frame.
+    offset_m: [f64; 3],
+    /// Share of each joint's speed limit.
+    speed: [f64; 7],
+}
+
+#[derive(Debug)]
+struct BlendMark {
+    start_s: f64,
+    end_s: f64,
+    ends_mm: [[f64; 3]; 2],
+}
+
+impl PlanPicture {
+    /// A picture of a plan for `robot`, without any section yet.
+    #[must_use]
+    pub fn new(robot: &Robot) -> Self {
+        Self {
+            robot: robot.clone(),
+            step_s: 0.004,
+            next_s: 0.0,
+            samples: Vec::new(),
+            blends: Vec::new(),
+            frames: Vec::new(),
+            has_tools: false,
+            has_frames: false,
+        }
+    }
+
+    /// With the frames of a program, as far as they are there.
+    #[must_use]
+    pub fn with_frames(self, program: &Program) -> Self {
+        let frames = program.placed_frames().unwrap_or_default();
+        Self { frames, has_frames: program.has_frames(), ..self }
+    }
+
+    /// Takes in the next section.
+    pub fn add(&mut self, section: &Section) {
+        let path = section.path();
+        self.has_tools |= path.has_tools();
+        while self.next_s <= section.end_s() {
+            let state = section.at(self.next_s);
+            let limits = &self.robot.limits().velocity_rad_s;
+            self.samples.push(Sample {
+                t_s: state.t_s,
+                tcp_mm: self.tcp_mm(path.tcp(state.motion), &state.q),
+                offset_m: path.tcp(state.motion).position_m,
+                tcp_mm_s: if self.has_frames {
+                    1e3 * self.robot.tcp_speed_m_s(path.tcp(state.motion), &state.q, &state.dq)
+                } else {
+                    0.0
+                },
+                speed: std::array::from_fn(|j| state.dq[j] / limits[j]),
+            });
+            self.next_s += self.step_s;
+            if self.samples.len() >= SAMPLES {
+                let mut keep = [true, false].into_iter().cycle();
+                self.samples.retain(|_| keep.next().unwrap_or(true));
+                self.step_s *= 2.0;
+            }
+        }
+        for piece in section.pieces().iter().filter(|piece| piece.kind == PieceKind::Blend) {
+            let (start_s, end_s) = (piece.start_s, piece.end_s);
+            // A blend belongs to the motion that it leads into, with its TCP.
+            let ends_mm =
+                [start_s, end_s].map(|t_s| self.tcp_mm(path.tcp(piece.motion), &section.at(t_s).q));
+            self.blends.push(BlendMark { start_s, end_s, ends_mm });
+        }
+    }
+
+    /// Where a TCP is, in mm, that is given in the flange's frame.
+    fn tcp_mm(&self, tcp: &Pose, joints_rad: &Joints) -> [f64; 3] {
+        let place_m = match tcp.position_m {
+            [0.0, 0.0, 0.0] => self.robot.flange_position(joints_rad),
+            _ => self.robot.flange_pose(joints_rad).then(tcp).position_m,
+        };
+        place_m.map(|v| 1e3 * v)
+    }
+
+    /// The picture as SVG.
+    ///
+    /// # Errors
+    ///
+    /// [`ReportError::Draw`].
+    pub fn draw(&self) -> Result<String, ReportError> {
+        let height = if self.has_frames { HEIGHT + TCP_HEIGHT } else { HEIGHT };
+        svg([WIDTH, height], |root| {
+            let (top, bottom) = root.split_vertically(FINE * HEIGHT * 3 / 5);
+            self.draw_path(&top)?;
+            if !self.has_frames {
+                return self.draw_speeds(&bottom);
+            }
+            let (joints, tcp) = bottom.split_vertically(FINE * HEIGHT * 2 / 5);
+            self.draw_speeds(&joints)?;
+            self.draw_tcp_speed(&tcp)
+        })
+    }
+
+    /// The TCP's path in the plane that shows most of it, with the same scale on both axes.
+    fn draw_path(&self, area: &Area<'_>) -> Drawn {
+        let space = Space::of(self.samples.iter().map(|sample| sample.tcp_mm));
+        let [(across, up), ..] = space.planes();
+        let what = if self.has_tools { "TCP" } else { "flange" };
+        let caption =
+            format!("Path of the {what}, coloured by the fastest joint's share of its limit");
+        let mut chart = space.chart(area, &caption, (across, up))?;
+        let point = |mm: [f64; 3]| (mm[across], mm[up]);
+        for blend in &self.blends {
+            for end in blend.ends_mm {
+                chart.draw_series([Circle::new(point(end), DOT, INK.stroke_width(FINE))])?;
+            }
+        }
+        let mut from = 0;
+        for run in self.samples.chunk_by(|a, b| tone(a) == tone(b) && a.offset_m == b.offset_m) {
+            // Each run of one colour reaches to the first point of the next, unless that is of another TCP.
+            let next = from + run.len();
+            let goes_on = self.samples.get(next).is_some_and(|it| it.offset_m == run[0].offset_m);
+            let to = if goes_on { next } else { next - 1 };
+            let line: Vec<_> = self.samples[from..=to].iter().map(|s| point(s.tcp_mm)).collect();
+            let colour = shade(f64::from(tone(&run[0])) / f64::from(TONES));
+            chart.draw_series([PathElement::new(line, colour.stroke_width(3 * FINE))])?;
+            from = next;
+        }
+        self.draw_frames(&mut chart, (across, up))?;
+        for share in 0..=4 {
+            let share = f64::from(share) / 4.0;
+            chart
+                .draw_series(LineSeries::new([], shade(share).stroke_width(4 * FINE)))?
+                .label(format!("{:.0} %", 100.0 * share))
+                .legend(move |(x, y)| {
+                    PathElement::new([(x, y), (x + DASH, y)], shade(share).stroke_width(4 * FINE))
+                });
+        }
+        if !self.blends.is_empty() {
+            chart
+                .draw_series([Circle::new(
+                    point(self.blends[0].ends_mm[0]),
+                    DOT,
+                    INK.stroke_width(FINE),
+                )])?
+                .label("start and end of blends")
+                .legend(|(x, y)| Circle::new((x + DASH / 2, y), DOT, INK.stroke_width(FINE)));
+        }
+        legend(&mut chart, SeriesLabelPosition::UpperRight)
+    }
+
+    /// The frames' axes: x red, y green, z blue; and their names.
+    fn draw_frames(&self, chart: &mut Chart<'_>, (across, up): (usize, usize)) -> Drawn {
+        /// Length of an axis, as a share of what the chart shows.
+        const AXIS: f64 = 0.04;
+        /// More frames hide each other.
+        const FRAMES: usize = 500;
+        let shown = chart.x_range();
+        let length = AXIS * (shown.end - shown.start);
+        for frame in self.frames.iter().take(FRAMES) {
+            let at = frame.pose.position_m.map(|v| 1e3 * v);
+            for (axis, colour) in AXES.iter().enumerate() {
+                let end = |i: usize| at[i] + length * frame.pose.rotation[i][axis];
+                let line = [(at[across], at[up]), (end(across), end(up))];
+                chart.draw_series([PathElement::new(line, colour.stroke_width(2 * FINE))])?;
+            }
+            if let Some(name) = &frame.name {
+                let style = ("sans-serif", 12 * FINE).into_font().color(&INK);
+                let place = (at[across] + 0.2 * length, at[up] - 0.2 * length);
+                chart.draw_series([Text::new(name.clone(), place, style)])?;
+            }
+        }
+        Ok(())
+    }
+
+    /// The speed of the TCP.
+    fn draw_tcp_speed(&self, area: &Area<'_>) -> Drawn {
+        let end = self.samples.last().map_or(1.0, |sample| sample.t_s).max(1e-3);
+        let most = self.samples.iter().fold(1e-3_f64, |most, sample| most.max(sample.tcp_mm_s));
+        let mut chart = ChartBuilder::on(area)
+            .caption("Speed of the TCP in mm/s", font())
+            .margin(14 * FINE)
+            .x_label_area_size(44 * FINE)
+            .y_label_area_size(62 * FINE)
+            .build_cartesian_2d(0.0..end, 0.0..1.05 * most)?;
+        chart
+            .configure_mesh()
+            .light_line_style(WHITE.mix(0.0))
+            .bold_line_style(SHADE.stroke_width(FINE))
+            .axis_style(INK.stroke_width(FINE))
+            .label_style(font())
+            .y_labels(5)
+            .y_label_formatter(&|v| format!("{v:.0}"))
+            .x_desc("time in s")
+            .y_desc("mm/s")
+            .draw()?;
+        let points = self.samples.iter().map(|sample| (sample.t_s, sample.tcp_mm_s));
+        chart.draw_series(LineSeries::new(points, COLOURS[0].stroke_width(2 * FINE)))?;
+        Ok(())
+    }
+
+    /// The joints' speeds; blends are shaded.
+    fn draw_speeds(&self, area: &Area<'_>) -> Drawn {
+        let end = self.samples.last().map_or(1.0, |sample| sample.t_s).max(1e-3);
+        let mut chart = ChartBuilder::on(area)
+            .caption("Joint speeds in % of their limits, blends shaded", font())
+            .margin(14 * FINE)
+            .x_label_area_size(44 * FINE)
+            .y_label_area_size(62 * FINE)
+            .build_cartesian_2d(0.0..end, -105.0..105.0)?;
+        chart.draw_series(self.blends.iter().map(|blend| {
+            Rectangle::new([(blend.start_s, -105.0), (blend.end_s, 105.0)], SHADE.filled())
+        }))?;
+        chart
+            .configure_mesh()
+            .light_line_style(WHITE.mix(0.0))
+            .bold_line_style(SHADE.stroke_width(FINE))
+            .axis_style(INK.stroke_width(FINE))
+            .label_style(font())
+            .y_label_formatter(&|v| format!("{v:.0}"))
+            .x_desc("time in s")
+            .y_desc("speed in %")
+            .draw()?;
+        for (joint, colour) in COLOURS.iter().enumerate() {
+            if self.samples.iter().all(|sample| sample.speed[joint] == 0.0) {
+                continue;
+            }
+            let points = self.samples.iter().map(|s| (s.t_s, 100.0 * s.speed[joint]));
+            chart
+                .draw_series(LineSeries::new(points, colour.stroke_width(2 * FINE)))?
+                .label(format!("A{}", joint + 1))
+                .legend(move |(x, y)| {
+                    PathElement::new([(x, y), (x + DASH, y)], colour.stroke_width(2 * FINE))
+                });
+        }
+        legend(&mut chart, SeriesLabelPosition::UpperRight)
+    }
+}
+
+/// Steps of colour from standstill to full speed.
+const TONES: u8 = 40;
+
+/// The fastest joint's share of its limit, in steps of colour.
+fn tone(sample: &Sample) -> u8 {
+    let fastest = sample.speed.iter().fold(0.0_f64, |fastest, v| fastest.max(v.abs()));
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "0 to TONES")]
+    let tone = (fastest.min(1.0) * f64::from(TONES)).round() as u8;
+    tone
+}
