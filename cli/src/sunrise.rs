@@ -2,10 +2,10 @@
 
 use std::path::Path;
 
-use iiwa_application::{Import, ImportError, ImportOptions, Unanswered};
 use iiwa_json::printable;
 use iiwa_kin::Robot;
 use iiwa_sunrise::{AnswerValue, Answers, ExportedProject, Project, Question, QuestionKind};
+use iiwa_sunrise::{Import, ImportError, ImportOptions, Unanswered};
 
 use crate::{
     args::Answering,
@@ -50,7 +50,7 @@ impl Application {
 
     /// The program of the application that is named, or of the only one.
     pub(crate) fn import(&self, name: Option<&str>) -> Result<Import, ImportError> {
-        iiwa_application::import(&self.project, name, &self.options)
+        iiwa_sunrise::import(&self.project, name, &self.options)
     }
 }
 

@@ -23,7 +23,7 @@ impl From<&TwinError> for Failure {
     fn from(error: &TwinError) -> Self {
         match error {
             TwinError::Link(error) => connection::refused(error),
-            TwinError::View(error) => error.into(),
+            TwinError::Page(error) => error.into(),
             TwinError::Viewers(error) => Self::run(error.what.clone(), &*error.cause),
             TwinError::Output(error) => error.into(),
             TwinError::Program { name, text, error } => Self::program(error, name, text),

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use iiwa_application::{Application, ImportOptions, import};
+use iiwa_sunrise::{Application, ImportOptions, import};
 use iiwa_sunrise::{AnswerValue, Answers, Project, ProjectError, QuestionKind};
 use pyo3::{exceptions::PyValueError, prelude::*, types::PyDict};
 use std::collections::BTreeMap;

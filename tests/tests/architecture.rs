@@ -1,4 +1,4 @@
-//! The rules that keep the workspace easy to change, held against its sources: sizes, the arrows between
+//! The rules that keep the workspace easy to change, held against its sources: the arrows between
 //! crates, circles between files, names, and names in the documentation.
 
 mod arrows;
@@ -9,5 +9,4 @@ mod module_tree;
 mod names;
 mod offenders;
 mod single_use_case;
-mod sizes;
 mod sources;

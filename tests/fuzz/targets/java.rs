@@ -2,7 +2,7 @@
 
 #![no_main]
 
-use iiwa_application::{Application, ImportOptions, import};
+use iiwa_sunrise::{Application, ImportOptions, import};
 use iiwa_sunrise::{Project, SourceFault};
 use libfuzzer_sys::fuzz_target;
 

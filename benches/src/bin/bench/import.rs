@@ -6,8 +6,8 @@ mod large;
 use std::{fmt::Write as _, fs, path::Path, process::ExitCode, time::Instant};
 
 use super::no_arguments::no_arguments;
-use iiwa_application::{ImportOptions, import};
 use iiwa_sunrise::Project;
+use iiwa_sunrise::{ImportOptions, import};
 use iiwasim_benches::{Result, machine};
 use tempfile::TempDir;
 

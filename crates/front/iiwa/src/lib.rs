@@ -22,7 +22,7 @@
 //! | `profile`, `urdf` (default) | in [`kin`] | robot profiles in JSON; robots as URDF |
 //! | `plan` (default) | `json`, `program`, `path`, `solver`, `traj`, `plan` | motion programs, paths, time-optimal trajectories |
 //! | `scene` | `scene` | obstacles and clearances |
-//! | `sunrise` | `sunrise`, `application` | Sunrise projects: frames and tools, applications as programs, programs as projects |
+//! | `sunrise` | `sunrise` | Sunrise projects: frames and tools, applications as programs, programs as projects |
 //! | `log` | `log` | trajectories and recordings as MCAP files, trajectories as tables in CSV and Parquet too |
 //! | `eval` | `eval` | plans compared with recordings, robots identified from recordings |
 //! | `fri` | `fri` | KUKA's Fast Robot Interface |
@@ -37,8 +37,6 @@
 //!
 //! Units are SI and radians unless a name ends in another one.
 
-#[cfg(feature = "sunrise")]
-pub use iiwa_application as application;
 #[cfg(feature = "bridge")]
 pub use iiwa_bridge as bridge;
 #[cfg(feature = "cabinet")]

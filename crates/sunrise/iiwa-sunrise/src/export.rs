@@ -1,5 +1,6 @@
 //! From a motion program to a Sunrise project.
 
+mod awaited_motions;
 mod cell;
 mod class;
 mod error;
@@ -8,7 +9,6 @@ mod identifier;
 mod imports;
 mod literal;
 mod loads;
-mod schedule;
 mod tools;
 
 use iiwa_kin::{Joints, Mount, Robot};

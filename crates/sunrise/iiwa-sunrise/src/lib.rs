@@ -24,9 +24,12 @@
 //!
 //! [`DataFile`] holds what the file says, [`ImportedCell`] what programs can use of it, and under which names.
 //!
+//! [`import`] evaluates an [`Application`] of a [`Project`] without a robot; that becomes a program, each motion with its line.
+//!
 //! [`ExportedProject`] is the way back: a motion program as an application in Java, with its frames and tools.
 
 mod answers;
+mod application;
 mod cell;
 mod check;
 mod data_file;
@@ -42,6 +45,10 @@ mod robot_statement;
 mod write;
 
 pub use answers::{AnswerValue, Answers, AnswersError};
+pub use application::{
+    Application, Import, ImportError, ImportNote, ImportOptions, Missing, RefusedImport,
+    Unanswered, import,
+};
 pub use cell::{ImportedCell, ImportedFrame, ImportedTool, TcpChange};
 pub use check::{FrameCheck, Verdict};
 pub use data_file::{

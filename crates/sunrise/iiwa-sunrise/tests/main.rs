@@ -1,5 +1,13 @@
-//! Sunrise projects: import, export, and source files.
+//! Sunrise projects: import, export, source files, and applications, their evaluation and round trips.
 
+mod cases;
+mod evaluation;
 mod export;
+mod functions;
 mod import;
+mod java_library;
+mod loops;
 mod project;
+mod projects;
+mod robots;
+mod round_trip;

@@ -2,9 +2,9 @@
 
 use std::{fs, path::Path, time::Instant};
 
-use iiwa_application::{ImportOptions, import};
 use iiwa_plan::{PlanRequest, ProgramSource};
 use iiwa_sunrise::{Answers, Project};
+use iiwa_sunrise::{ImportOptions, import};
 use iiwasim_benches::{Result, machine};
 use tempfile::TempDir;
 

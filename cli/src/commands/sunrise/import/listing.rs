@@ -2,8 +2,8 @@
 
 use std::{fmt::Write as _, path::Path};
 
-use iiwa_application::{Application as Found, Import, ImportError};
 use iiwa_report::table;
+use iiwa_sunrise::{Application as Found, Import, ImportError};
 use serde::Serialize;
 
 use crate::{failure::Failure, output, sunrise::Application};

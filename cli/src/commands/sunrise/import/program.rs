@@ -5,9 +5,9 @@ use std::{
     path::{Path, PathBuf},
 };
 
-use iiwa_application::{Application as Found, ImportError};
 use iiwa_json::printable;
 use iiwa_kin::Robot;
+use iiwa_sunrise::{Application as Found, ImportError};
 use iiwa_sunrise::{DataFile, ProjectData};
 
 use crate::{

@@ -2,10 +2,10 @@
 
 use std::{fmt::Write as _, path::Path};
 
-use iiwa_application::{Import, ImportNote, RefusedImport};
 use iiwa_json::printable;
 use iiwa_program::{Motion, Program, Source};
 use iiwa_report::table;
+use iiwa_sunrise::{Import, ImportNote, RefusedImport};
 use iiwa_sunrise::{Question, QuestionKind, RobotStatement};
 use serde::Serialize;
 

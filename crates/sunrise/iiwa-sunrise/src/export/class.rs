@@ -6,13 +6,13 @@ use iiwa_kin::Joints;
 use iiwa_program::{Blend, Motion, MotionIndex, Program};
 
 use super::{
+    awaited_motions::{AwaitedMotions, SleepCall},
     cell::WorldTree,
     error::{ExportError, ExportNotice},
     expression::MotionWriter,
     imports::ExportedImports,
     literal::comment,
     loads::{AtFlange, AttachedTools},
-    schedule::{Schedule, SleepCall},
     tools::ExportedTools,
 };
 
@@ -74,7 +74,7 @@ impl ExportedClass {
         class.imports.class("com.kuka.roboticsAPI.deviceModel.LBR");
         class.imports.class("javax.inject.Inject");
         let attached = AttachedTools::new(program);
-        let schedule = Schedule::new(program)?;
+        let awaited = AwaitedMotions::new(program)?;
         // A change of the load before the first motion is one of the program.
         let mut at_flange: &[AtFlange<'p>] = &[];
         let mut before: Option<MotionBefore> = None;
@@ -100,10 +100,10 @@ impl ExportedClass {
                 // What is attached says it.
                 Motion::Load(_) => class.come_into_step(),
                 Motion::Ptp(_) | Motion::Cartesian(_) => {
-                    if schedule.is_in_step(index) {
+                    if awaited.is_in_step(index) {
                         class.come_into_step();
                     }
-                    let blends = schedule.blends(index);
+                    let blends = awaited.blends(index);
                     let point = point(entry, motion, at_flange, before.as_ref(), tools)?;
                     let base = match entry {
                         Motion::Cartesian(own) => own.base.as_deref(),
@@ -120,7 +120,7 @@ impl ExportedClass {
                         Motion::Cartesian(own) => expressions.cartesian(own, blends)?,
                         Motion::Wait { .. } | Motion::Load(_) => continue,
                     };
-                    let is_async = schedule.is_asynchronous(index);
+                    let is_async = awaited.is_asynchronous(index);
                     let method = if is_async { "moveAsync" } else { "move" };
                     class.under_way = (is_async && !blends).then_some(class.run.len());
                     class.run.push(written.statement(&format!("{point}.{method}("), INDENT));

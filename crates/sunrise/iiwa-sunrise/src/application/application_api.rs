@@ -1,0 +1,152 @@
+//! What applications, groups of inputs and outputs, and tools of a project inherit from KUKA's classes.
+
+use std::rc::Rc;
+
+use iiwa_java::{Object, Stop, Value};
+
+use crate::application::{
+    arguments::robot_value,
+    robot_value::{RobotValue, robot},
+    robotics::Robotics,
+    spot::Spot,
+};
+
+/// Methods of applications that do nothing unless a project says otherwise.
+const EMPTY: [&str; 9] = [
+    "initialize",
+    "run",
+    "dispose",
+    "close",
+    "cleanUp",
+    "onCancel",
+    "initializeCyclic",
+    "runCyclic",
+    "finalize",
+];
+
+impl Robotics<'_> {
+    /// A method of an object of the project that only its `base` has, the first class above it that is not of the project;
+    /// none if it is not known.
+    pub(crate) fn robot_inherited(
+        &mut self,
+        object: &Rc<Object>,
+        base: &str,
+        name: &str,
+        arguments: &[Value],
+    ) -> Result<Option<Value>, Stop> {
+        let own = object.inherited.borrow().as_ref().and_then(robot_value);
+        if let Some(own) = own {
+            return self.call_robot(&own, name, arguments).map(Some);
+        }
+        if base == "Thread" {
+            let own = Value::Object(Rc::clone(object));
+            return self.call_thread(Some(&own), name, arguments).map(Some);
+        }
+        if !is_task(base) {
+            return Ok(None);
+        }
+        let service = match name {
+            "getApplicationData" => "IApplicationData",
+            "getApplicationUI" => "IApplicationUI",
+            "getLogger" => "ITaskLogger",
+            "getApplicationControl" => "IApplicationControl",
+            "getContext" => "IContext",
+            "getController" => "Controller",
+            "getObserverManager" => "IObserverManager",
+            "getDevice" | "getRobot" => return self.device(arguments).map(Some),
+            "getTaskFunction" => return Ok(Some(self.unknown("what another task gives"))),
+            "getFrame" | "getProcessData" | "createFromTemplate" => {
+                let Some(data) = Self::service("IApplicationData").as_ref().and_then(robot_value)
+                else {
+                    return Ok(None);
+                };
+                return self.call_robot(&data, name, arguments).map(Some);
+            }
+            name if EMPTY.contains(&name) => return Ok(Some(Value::Null)),
+            _ => return Ok(None),
+        };
+        Ok(Self::service(service))
+    }
+
+    /// The robot, unless the class of another device is named.
+    fn device(&mut self, arguments: &[Value]) -> Result<Value, Stop> {
+        let controller = RobotValue::opaque("Controller");
+        self.call_robot(&controller, "getDevice", arguments)
+    }
+
+    /// What the constructor of a class that is not of the project makes of an object.
+    pub(crate) fn robot_constructed(
+        &mut self,
+        object: &Rc<Object>,
+        base: &str,
+        arguments: &[Value],
+    ) -> Result<(), Stop> {
+        let inherited = match base {
+            // `super(controller, name)`.
+            "AbstractIOGroup" => match arguments.get(1) {
+                Some(Value::Text(name)) => Some(RobotValue::IoGroup(Rc::clone(name))),
+                Some(Value::Unknown(unknown)) => {
+                    return self.refuse_unknown("the name of these inputs and outputs", unknown);
+                }
+                _ => return self.refuse("these inputs and outputs have no name"),
+            },
+            "Tool" | "Workpiece" | "PhysicalObject" | "SpatialObject" => {
+                robot_value(&self.new_body(base == "Workpiece", arguments))
+            }
+            _ => None,
+        };
+        if inherited.is_some() {
+            *object.inherited.borrow_mut() = inherited.map(robot);
+        }
+        Ok(())
+    }
+
+    /// What is injected into a field whose class is not of the project; none if that is not known.
+    pub(crate) fn robot_injected(
+        &mut self,
+        class: &str,
+        named: Option<&str>,
+        field: &str,
+    ) -> Result<Option<Value>, Stop> {
+        if let Some(service) = Self::service(class) {
+            return Ok(Some(service));
+        }
+        match class {
+            "Tool" | "Workpiece" | "PhysicalObject" | "SpatialObject" => {
+                let name = named.unwrap_or(field);
+                Ok(Some(self.injected_body(name, class == "Workpiece")))
+            }
+            "ObjectFrame" | "AbstractFrame" => match named {
+                Some(path) => self.tree_frame(path).map(Some),
+                None => Ok(None),
+            },
+            "Flange" => Ok(Some(robot(RobotValue::Spot(Spot::Flange)))),
+            // Without a value, reading it gives an unknown value with its id.
+            "IProcessData" | "ProcessData" => {
+                let id = Rc::from(named.unwrap_or(field));
+                Ok(Some(robot(RobotValue::ProcessData(id))))
+            }
+            class => match class.strip_suffix("IOGroup") {
+                Some(group) if !group.is_empty() => {
+                    Ok(Some(robot(RobotValue::IoGroup(Rc::from(group)))))
+                }
+                _ => Ok(self.injected_by_name(class, named.unwrap_or(field))),
+            },
+        }
+    }
+
+    /// A tool of a class of its own, such as those of KUKA's gripper toolbox: by its name in the data file, or by its class.
+    fn injected_by_name(&mut self, class: &str, name: &str) -> Option<Value> {
+        let known = self.template(name).map(|body| (body.name, body.is_workpiece));
+        let of_class = || self.template_of_class(class).map(|name| (name.to_owned(), false));
+        let missing = || class.ends_with("Gripper").then(|| (name.to_owned(), false));
+        let (name, is_workpiece) = known.or_else(of_class).or_else(missing)?;
+        Some(self.injected_body(&name, is_workpiece))
+    }
+}
+
+/// Whether a class is one of those that Sunrise runs.
+fn is_task(base: &str) -> bool {
+    base.starts_with("RoboticsAPI")
+        && ["Application", "Task", "BackgroundTask"].iter().any(|end| base.ends_with(end))
+}

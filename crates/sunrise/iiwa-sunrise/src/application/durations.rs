@@ -1,0 +1,74 @@
+//! Durations that the sources do not state: holds that the operator ends, grippers, platforms.
+
+use crate::{Answers, QuestionKind};
+use iiwa_java::{Stop, Value};
+
+use crate::application::{motion_value::HoldTime, robotics::Robotics};
+
+/// A hold that lasts longer has no end of its own: applications write `-1` or `60, TimeUnit.DAYS`.
+const LONGEST_HOLD_S: f64 = 86400.0;
+
+/// The duration of a hold of so many seconds; negative numbers stand for a hold without an end.
+pub(crate) fn hold_time(seconds: f64) -> HoldTime {
+    if (0.0..LONGEST_HOLD_S).contains(&seconds) {
+        HoldTime::Seconds(seconds)
+    } else {
+        HoldTime::UntilEnded
+    }
+}
+
+impl Robotics<'_> {
+    /// The duration in s that is given for this line; 0 otherwise, with a note. `event` is a clause such as "the platform
+    /// drives".
+    pub(crate) fn given_seconds(&mut self, event: &str) -> Result<f64, Stop> {
+        let asked = self.here.to_string();
+        // Its file, with or without its folders; the key that states most of them counts.
+        let is_here = |key: &str| asked == key || asked.ends_with(&format!("/{key}"));
+        let given = self.station.answers.times.iter().filter(|(key, _)| is_here(key));
+        let given = given.max_by_key(|(key, _)| key.len()).map(|(_, seconds)| *seconds);
+        let seconds = given.unwrap_or(0.0);
+        if Answers::seconds(seconds).is_none() {
+            return self.refuse(format!("`{asked}` is given as {seconds}: {}", Answers::SECONDS));
+        }
+        if given.is_none() {
+            self.note(format!(
+                "{event}: its time is not in the plan; an answer, `[times]`, adds it"
+            ));
+        }
+        let (answer, is_given) = (seconds.to_string(), given.is_some());
+        self.record(QuestionKind::Time, &asked, Vec::new(), answer, is_given);
+        Ok(seconds)
+    }
+
+    /// Something takes the time that is given for this line, while the program waits.
+    pub(crate) fn take_given_time(&mut self, event: &str) -> Result<(), Stop> {
+        let seconds = self.given_seconds(event)?;
+        if seconds > 0.0 {
+            self.wait(seconds)?;
+        }
+        Ok(())
+    }
+
+    /// The arm holds its position, while the program goes on.
+    pub(crate) fn hold(&mut self, time: HoldTime) -> Result<(), Stop> {
+        let seconds = match time {
+            HoldTime::Seconds(seconds) => seconds,
+            HoldTime::UntilEnded => {
+                self.given_seconds("the arm holds its position until this is ended")?
+            }
+        };
+        self.station.schedule.await_all();
+        self.check_wait(seconds)?;
+        let is_fixed = time == HoldTime::UntilEnded;
+        self.station.schedule.hold(seconds, is_fixed, self.here.clone());
+        Ok(())
+    }
+
+    /// `grip` and `release` of a gripper of KUKA's gripper toolbox. Its answer is measured.
+    pub(crate) fn grip(&mut self, name: &str) -> Result<Value, Stop> {
+        let event =
+            if name.starts_with("grip") { "the gripper grips" } else { "the gripper opens" };
+        self.take_given_time(event)?;
+        Ok(self.unknown("the state of the gripper"))
+    }
+}

@@ -1,0 +1,49 @@
+//! Conditions that are measured while the arm moves: an answer says which came true.
+
+use crate::QuestionKind;
+use iiwa_java::Value;
+
+use crate::application::{asked::Asked, robotics::Robotics};
+
+impl Robotics<'_> {
+    /// The answer to the question here, by the file and line of the call; `condition` is what is asked about, as "the break
+    /// condition of a motion".
+    pub(crate) fn ask_fired(&mut self, condition: &str) -> Value {
+        let at = self.here.to_string();
+        if let Some(is_fired) = self.given_fired(&at) {
+            self.record(QuestionKind::Fired, &at, Vec::new(), is_fired.to_string(), true);
+            if is_fired {
+                self.note(format!(
+                    "{condition} is taken to have come true, and the arm to be where it would be otherwise: where it stops \
+                     is measured"
+                ));
+            }
+            return Value::Boolean(is_fired);
+        }
+        self.station.asked.push(Asked {
+            kind: QuestionKind::Fired,
+            subject: at.clone(),
+            choices: Vec::new(),
+            answer: None,
+            is_given: false,
+        });
+        self.unknown(format!("{condition} at `{at}`, for which no answer is given"))
+    }
+
+    /// The answer that is given for a place, by its file with or without its folders, and its line; the n-th time, the n-th one.
+    fn given_fired(&mut self, at: &str) -> Option<bool> {
+        let fired = &self.station.answers.fired;
+        let is_it = |key: &&String| {
+            at == key.as_str()
+                || at.strip_suffix(key.as_str()).is_some_and(|own| own.ends_with('/'))
+        };
+        // The one that says most.
+        let key = fired.keys().filter(is_it).max_by_key(|key| key.len())?.clone();
+        let answers = fired.get(&key)?;
+        let count = self.station.fired.entry(key).or_default();
+        let answer = answers.get(*count).or(answers.last()).copied();
+        *count += 1;
+        self.station.continued += usize::from(*count < answers.len());
+        answer
+    }
+}

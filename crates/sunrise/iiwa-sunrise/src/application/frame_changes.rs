@@ -1,0 +1,189 @@
+//! Frames of tools, workpieces and the data file that an application adds or changes.
+
+use std::rc::Rc;
+
+use iiwa_java::{Stop, Unknown, Value};
+use iiwa_program::Frame;
+
+use crate::application::{
+    arguments::first_unknown,
+    body::BodyFrame,
+    frame_value::{inverse, then},
+    frames_api::offset_of,
+    missing::Missing,
+    robot_value::{RobotValue, robot},
+    robotics::Robotics,
+    spot::Spot,
+    station::Station,
+};
+
+impl Station {
+    /// The unknown value on which the place of a spot depends, if one does: its own, or that of a frame in which it is given.
+    pub(crate) fn unknown_of(&self, spot: Spot) -> Option<Rc<Unknown>> {
+        match spot {
+            Spot::World | Spot::Flange => None,
+            Spot::Tree(index) => {
+                let found = self.tree.get(index)?;
+                let above = || self.unknown_of(Spot::Tree(found.parent?));
+                found.unknown.clone().or_else(above)
+            }
+            Spot::Root(index) => self.unknown_of(self.bodies.get(index)?.attached?.0),
+            Spot::Of(index, frame) => {
+                let own = self.bodies.get(index)?.frames.get(frame)?.unknown.clone();
+                own.or_else(|| self.unknown_of(Spot::Root(index)))
+            }
+        }
+    }
+
+    /// True if the application has moved a frame of the data file, or a frame in which it is given.
+    pub(crate) fn is_changed(&self, index: usize) -> bool {
+        let Some(found) = self.tree.get(index) else { return false };
+        found.is_changed || found.parent.is_some_and(|parent| self.is_changed(parent))
+    }
+}
+
+impl Robotics<'_> {
+    /// Refuses a spot whose place is not known.
+    pub(crate) fn check_known(&self, spot: Spot) -> Result<(), Stop> {
+        if let Some(unknown) = self.station.unknown_of(spot) {
+            let what = format!("the place of {}", self.spot_name(spot));
+            return self.refuse_unknown(&what, &unknown);
+        }
+        self.check_template(spot)
+    }
+
+    /// Refuses a tool or a workpiece that neither the data file nor an answer describes.
+    pub(crate) fn check_template(&self, spot: Spot) -> Result<(), Stop> {
+        let Some(body) = spot.body().and_then(|index| self.station.bodies.get(index)) else {
+            return Ok(());
+        };
+        let Some(place) = &body.missing else { return Ok(()) };
+        let name = &body.name;
+        self.station.missing.replace(Some(Missing::Template(name.clone())));
+        self.refuse(format!(
+            "the data file has no template `{name}`, which is injected at {place}: its frames are not known; add the template, or \
+             answer with its frames: `[tools]`, `{name}` for the TCP and `{name}/FRAME` for others"
+        ))
+    }
+
+    /// `addChildFrame(name, transformation)` and `addDefaultMotionFrame(name, transformation)` of a tool or workpiece, or of one of
+    /// its frames.
+    pub(crate) fn add_child(
+        &mut self,
+        spot: Spot,
+        name: &str,
+        arguments: &[Value],
+    ) -> Result<Value, Stop> {
+        let (Some(index), Some(Value::Text(own))) = (spot.body(), arguments.first()) else {
+            return self.refuse(format!(
+                "`{name}` takes a name and a transformation, of a tool or workpiece"
+            ));
+        };
+        let unknown = first_unknown(arguments);
+        let offset = match arguments.get(1) {
+            None | Some(Value::Unknown(_)) => Some(Frame::default()),
+            Some(other) => offset_of(other),
+        };
+        let Some(offset) = offset else {
+            return self.refuse(format!("`{name}` takes a name and a transformation"));
+        };
+        let Some(body) = self.station.bodies.get_mut(index) else {
+            return self.refuse("this tool is not known");
+        };
+        let above = match spot {
+            Spot::Of(_, frame) => body.frames.get(frame),
+            _ => None,
+        };
+        let path = format!("{}/{}", above.map_or("", |own| &own.path), own.trim_start_matches('/'));
+        let frame = above.map_or(offset, |own| then(&own.frame, &offset));
+        let unknown = unknown.or_else(|| above.and_then(|own| own.unknown.clone()));
+        let added = BodyFrame { path, frame, in_programs: None, unknown };
+        body.frames.push(added);
+        let frame = body.frames.len() - 1;
+        // Its frames are those that the application gives it.
+        body.missing = None;
+        if name == "addDefaultMotionFrame" {
+            body.default = Some(frame);
+        }
+        Ok(robot(RobotValue::Spot(Spot::Of(index, frame))))
+    }
+
+    /// A frame of an object is given another transformation from the one in which it is given.
+    pub(crate) fn change_frame(&mut self, spot: Spot, to: &Value) -> Result<Value, Stop> {
+        let (frame, unknown) = match (offset_of(to), to) {
+            (Some(frame), _) => (frame, None),
+            (None, Value::Unknown(unknown)) => (Frame::default(), Some(Rc::clone(unknown))),
+            (None, other) => {
+                let what = other.kind();
+                return self
+                    .refuse(format!("a frame is changed to {what}, which is no transformation"));
+            }
+        };
+        match spot {
+            Spot::Tree(index) => {
+                if let Some(own) = self.station.tree.get_mut(index) {
+                    (own.frame, own.unknown, own.is_changed) = (frame, unknown, true);
+                }
+            }
+            Spot::Of(index, of) => {
+                if let Some(body) = self.station.bodies.get_mut(index) {
+                    body.change(of, frame, unknown.as_ref());
+                }
+                if self
+                    .station
+                    .bodies
+                    .iter()
+                    .any(|body| body.attached.is_some_and(|(at, _)| at == spot))
+                {
+                    self.load_changed()?;
+                }
+            }
+            Spot::World | Spot::Flange | Spot::Root(_) => {
+                let what = self.spot_name(spot);
+                return self.refuse(format!("{what} is changed, which cannot be planned"));
+            }
+        }
+        Ok(robot(RobotValue::Spot(spot)))
+    }
+
+    /// `changeFrameTransformation(frame, transformation)` of the application's data.
+    pub(crate) fn change_data_frame(&mut self, frame: &Value, to: &Value) -> Result<Value, Stop> {
+        match (robot_value_of(frame), frame) {
+            (Some(spot), _) => self.change_frame(spot, to),
+            (None, Value::Unknown(unknown)) => {
+                self.refuse_unknown("which frame is changed", unknown)
+            }
+            _ => self.refuse("a frame of the data file is changed, and it is not known which one"),
+        }
+    }
+}
+
+fn robot_value_of(value: &Value) -> Option<Spot> {
+    match crate::application::arguments::robot_value(value)? {
+        RobotValue::Spot(spot) => Some(spot),
+        _ => None,
+    }
+}
+
+impl crate::application::body::Body {
+    /// Gives a frame another place in the one in which it is given; frames that are given in it move along.
+    fn change(&mut self, of: usize, frame: Frame, unknown: Option<&Rc<Unknown>>) {
+        let Some(own) = self.frames.get(of) else { return };
+        let (path, old) = (own.path.clone(), own.frame);
+        let above = path.rsplit_once('/').map_or("", |(above, _)| above);
+        let within = self.frames.iter().find(|own| own.path == above).map(|own| own.frame);
+        let new = within.map_or(frame, |within| then(&within, &frame));
+        let below = format!("{path}/");
+        for (index, other) in self.frames.iter_mut().enumerate() {
+            if index == of {
+                other.frame = new;
+            } else if other.path.starts_with(&below) {
+                other.frame = then(&new, &then(&inverse(&old), &other.frame));
+            } else {
+                continue;
+            }
+            other.unknown = unknown.cloned();
+            other.in_programs = None;
+        }
+    }
+}

@@ -1,0 +1,356 @@
+//! From an application of a project to the motion program that it runs.
+
+use std::{collections::BTreeMap, fmt::Write as _, rc::Rc, thread};
+
+use crate::{
+    DataFile, ExportedProject, Project, ProjectData, Question, QuestionKind, RobotStatement,
+};
+use iiwa_java::{ClassId, Classes, Machine, Note, Place, Refusal, Stop};
+use iiwa_kin::{Joints, Robot};
+use iiwa_program::{Motion, Program, Source};
+
+use crate::application::{
+    applications::Application,
+    asked::EndlessLoop,
+    import_error::{ImportError, RefusedImport, Unanswered},
+    import_note::ImportNote,
+    import_options::ImportOptions,
+    missing::Missing,
+    robot_choice::RobotChoice,
+    station::{Station, StationSetup},
+    station_host::StationHost,
+};
+
+/// An application as a motion program.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Import {
+    /// The application.
+    pub application: Application,
+    /// The robot that runs it.
+    pub robot: Robot,
+    /// Places in the project that state the robot and its flange; empty if both were given or assumed.
+    pub statements: Vec<RobotStatement>,
+    /// The program that it runs; its motions have their places in the sources.
+    pub program: Program,
+    /// What is not as the sources have it.
+    pub notes: Vec<ImportNote>,
+    /// What it asked, and how it was answered.
+    pub questions: Vec<Question>,
+}
+
+/// Bytes of stack for the evaluation, which is bounded by the depth of calls and of expressions; only what is used takes
+/// memory.
+const STACK: usize = 256 << 20;
+
+/// Runs an application of a project without a robot, and gives the program of its motions. It may be named with or without its
+/// package, by its file from the project's folder on, and not at all if the project has one only.
+///
+/// ```
+/// use iiwa_application::{ImportOptions, import};
+/// use crate::Project;
+///
+/// let project = Project::from_texts([("src/Wave.java", r#"
+///     import static com.kuka.roboticsAPI.motionModel.BasicMotions.*;
+///     public class Wave extends RoboticsAPIApplication {
+///         @Inject private LBR lbr;
+///         public void run() {
+///             for (int i = 1; i <= 2; i++) {
+///                 lbr.move(ptp(0, 0, 0, Math.toRadians(-45 * i), 0, 0, 0).setJointVelocityRel(0.5));
+///             }
+///         }
+///     }"#)])?;
+/// let import = import(&project, None, &ImportOptions::default())?;
+/// assert_eq!(import.program.motions.len(), 2);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
+/// # Errors
+///
+/// If there is no such application, if a file that it needs cannot be used, or if what it does cannot be known before it runs:
+/// then with the place, the reason, and what was understood up to there.
+pub fn import(
+    project: &Project,
+    name: Option<&str>,
+    options: &ImportOptions,
+) -> Result<Import, ImportError> {
+    let data_file = data_file(project)?;
+    let run = || import_here(project, name, options, data_file);
+    thread::scope(|scope| {
+        let thread = thread::Builder::new().stack_size(STACK).spawn_scoped(scope, run);
+        match thread.map(thread::ScopedJoinHandle::join) {
+            Ok(Ok(result)) => result,
+            Ok(Err(panic)) => std::panic::resume_unwind(panic),
+            Err(error) => Err(ImportError::Thread(error.to_string())),
+        }
+    })
+}
+
+fn data_file(project: &Project) -> Result<DataFile, ImportError> {
+    match project.data() {
+        ProjectData::Found { path, text } => DataFile::from_xml(text)
+            .map_err(|fault| ImportError::DataFile { path: path.clone(), fault }),
+        ProjectData::Several(paths) => Err(ImportError::SeveralDataFiles(paths.clone())),
+        ProjectData::Unreadable { path, reason } => {
+            Err(ImportError::UnreadableDataFile { path: path.clone(), reason: reason.clone() })
+        }
+        // There is none.
+        _ => Ok(DataFile::default()),
+    }
+}
+
+fn import_here(
+    project: &Project,
+    name: Option<&str>,
+    options: &ImportOptions,
+    data_file: DataFile,
+) -> Result<Import, ImportError> {
+    let (_, application) = find(project, &project.classes(), name)?;
+    let choice = RobotChoice::new(project, &application, &data_file, options)?;
+    let RobotChoice {
+        robot,
+        name: robot_name,
+        flange_m,
+        statements,
+        questions: of_robot,
+        mut notes,
+    } = choice;
+    let start_rad = options.start_rad.or_else(|| stated_start(&data_file));
+    let is_start_known = start_rad.is_some();
+    let start_rad = start_rad.unwrap_or_default();
+    let answers = options.answers.clone();
+    let setup = StationSetup {
+        robot: robot.clone(),
+        robot_name,
+        flange_m,
+        data_file,
+        start_rad,
+        is_start_known,
+        answers,
+        is_survey: false,
+    };
+    let run = Run::new(project, name, setup.clone())?;
+    notes.extend(run.notes.iter().map(note));
+    if let (Ok(()), Some(endless)) = (&run.end, &run.station.endless) {
+        let ways = ways_out(project, name, &setup, endless, &run.station.answered);
+        // The note on the loop is the last one of its line: the evaluation ends there.
+        let at = source(&endless.place);
+        let own = notes.iter_mut().rev().find(|note| note.source == at);
+        if let (Some(own), Some(ways)) = (own, ways) {
+            own.text += &ways;
+        }
+    }
+    let asked = run.station.asked.clone();
+    let first_missing = run.station.missing.take();
+    let (program, places, mut questions) = run.station.finish();
+    questions.extend(of_robot);
+    if !is_start_known && program.motions.iter().any(Motion::moves) {
+        let answer = "0,0,0,0,0,0,0".to_owned();
+        questions.push(application.question(QuestionKind::Start, "start", answer, false));
+    }
+    let program = with_sources(program, &places);
+    match run.end {
+        Ok(()) if program.motions.iter().any(Motion::moves) => {
+            Ok(Import { application, robot, statements, program, notes, questions })
+        }
+        Ok(()) => Err(ImportError::NoMotions { application: Box::new(application) }),
+        Err(Refusal { reason, place }) => {
+            let missing =
+                first_missing.map_or_else(Vec::new, |first| survey(project, name, setup, first));
+            let mut reason = reason;
+            if let [_, _, ..] = missing.as_slice() {
+                let all: Vec<_> = missing.iter().map(ToString::to_string).collect();
+                let more = if missing.len() > MAX_SURVEYS { ", and perhaps more" } else { "" };
+                let _ = write!(reason, "; in all it lacks {}{more}", all.join(", "));
+            }
+            if !missing.is_empty() && matches!(project.data(), ProjectData::Absent) {
+                reason += "; the project has no RoboticsAPI.data.xml";
+            }
+            let mut unanswered: Vec<Unanswered> = Vec::new();
+            for own in asked.iter().filter(|own| own.answer.is_none()) {
+                let own = Unanswered { kind: own.kind, asked: own.subject.clone() };
+                if reason.contains(&format!("`{}`", own.asked)) && !unanswered.contains(&own) {
+                    unanswered.push(own);
+                }
+            }
+            Err(ImportError::Refused(Box::new(RefusedImport {
+                application,
+                source: source(&place),
+                reason,
+                understood: program,
+                missing,
+                notes,
+                questions,
+                unanswered,
+            })))
+        }
+    }
+}
+
+/// Runs that look for further entries of the data file.
+const MAX_SURVEYS: usize = 200;
+
+/// All entries that the data file lacks, as far as runs come that have those before: `first` and others.
+fn survey(
+    project: &Project,
+    name: Option<&str>,
+    setup: StationSetup,
+    first: Missing,
+) -> Vec<Missing> {
+    let mut setup = StationSetup { is_survey: true, ..setup };
+    let mut found = vec![first];
+    while let Some(last) = found.last().filter(|_| found.len() <= MAX_SURVEYS) {
+        last.add_to(&mut setup.data_file);
+        let run = Run::new(project, name, setup.clone()).ok();
+        match run.and_then(|run| run.station.missing.take()) {
+            Some(next) if !found.contains(&next) => found.push(next),
+            _ => break,
+        }
+    }
+    found
+}
+
+/// An evaluation of an application from its beginning to its end.
+struct Run {
+    end: Result<(), Refusal>,
+    notes: Vec<Note>,
+    station: Station,
+}
+
+impl Run {
+    fn new(
+        project: &Project,
+        name: Option<&str>,
+        setup: StationSetup,
+    ) -> Result<Self, ImportError> {
+        let classes = project.classes();
+        let (id, application) = find(project, &classes, name)?;
+        let station = Rc::new(StationHost::new(Station::new(setup)));
+        let here = Place { file: application.file.as_str().into(), line: application.line };
+        let mut machine = Machine::new(classes, station.clone(), here);
+        // As the controller does.
+        let end = match machine.run_class(id, &["initialize", "run"]) {
+            Ok(()) | Err(Stop::Ended) => Ok(()),
+            Err(Stop::Refused(refusal)) => Err(*refusal),
+            Err(Stop::Thrown(thrown)) => {
+                let class = thrown.classes.first().map_or("Exception", |class| class);
+                let reason =
+                    format!("an exception ends the application: {class}, {}", thrown.message);
+                Err(Refusal { reason, place: thrown.place.clone() })
+            }
+        };
+        let notes = std::mem::take(&mut machine.notes);
+        drop(machine);
+        match Rc::into_inner(station) {
+            Some(station) => Ok(Self { end, notes, station: station.into_station() }),
+            None => Err(ImportError::Thread("its station is still in use".to_owned())),
+        }
+    }
+}
+
+/// Buttons that are tried, of all dialogs of a loop together.
+const MAX_WAYS: usize = 16;
+
+/// The answers to dialogs that end an endless loop: each is tried in a run of its own.
+fn ways_out(
+    project: &Project,
+    name: Option<&str>,
+    setup: &StationSetup,
+    endless: &EndlessLoop,
+    answered: &BTreeMap<String, usize>,
+) -> Option<String> {
+    let buttons = endless
+        .dialogs
+        .iter()
+        .flat_map(|dialog| (0..dialog.choices.len()).map(move |button| (dialog, button)));
+    let mut found = Vec::new();
+    for (dialog, button) in buttons.take(MAX_WAYS) {
+        let mut answers = setup.answers.clone();
+        let dialogs = &mut answers.dialogs;
+        let key = dialogs.keys().find(|part| dialog.subject.contains(part.as_str())).cloned();
+        let key = key.unwrap_or_else(|| dialog.subject.clone());
+        let mut given = dialogs.remove(&key).unwrap_or_default();
+        let before = answered.get(&key).or(answered.get(&dialog.subject)).copied().unwrap_or(1);
+        let last = given.last().copied().unwrap_or(0);
+        given.resize(before.max(given.len()), last);
+        given.push(button);
+        let list: Vec<_> = given.iter().map(usize::to_string).collect();
+        dialogs.insert(key, given);
+        let setup = StationSetup { answers, ..setup.clone() };
+        let run = Run::new(project, name, setup).ok()?;
+        if run.station.endless.is_none_or(|own| own.place != endless.place) {
+            let choice = dialog.choices.get(button).cloned().unwrap_or_default();
+            found.push(format!("{} ({choice}) to `{}`", list.join(", "), dialog.subject));
+        }
+    }
+    match (endless.dialogs.is_empty(), found.is_empty()) {
+        (true, _) => None,
+        (false, true) => Some("; no answer to a dialog in it is known to end it".to_owned()),
+        (false, false) => Some(format!("; it ends by the answers {}", found.join(", or "))),
+    }
+}
+
+/// Where the arm stands when an exported project begins.
+fn stated_start(data_file: &DataFile) -> Option<Joints> {
+    let numbers = data_file.setting(ExportedProject::START_ID)?.split_whitespace();
+    let numbers: Vec<f64> = numbers.map(str::parse).collect::<Result<_, _>>().ok()?;
+    numbers.try_into().ok()
+}
+
+/// The application of this name, or the only one.
+fn find(
+    project: &Project,
+    classes: &Classes,
+    name: Option<&str>,
+) -> Result<(ClassId, Application), ImportError> {
+    let all = Application::with_classes(classes);
+    let Some(name) = name else {
+        let mut left = all.into_iter();
+        return match (left.next(), left.next()) {
+            (Some(only), None) => Ok(only),
+            (None, _) => Err(no_application(project)),
+            (Some(first), Some(second)) => {
+                let all = [first, second].into_iter().chain(left).map(|(_, own)| own);
+                Err(ImportError::Several { known: all.collect() })
+            }
+        };
+    };
+    let is_it =
+        |own: &Application| own.name == name || own.qualified_name == name || own.file == name;
+    let mut found = all.iter().filter(|(_, own)| is_it(own));
+    match (found.next(), found.next()) {
+        (Some(only), None) => Ok(only.clone()),
+        (Some(_), Some(_)) => {
+            let several = all.into_iter().map(|(_, own)| own).filter(is_it);
+            Err(ImportError::Several { known: several.collect() })
+        }
+        (None, _) => match classes.faulty(name) {
+            Some(fault) => Err(ImportError::Source(fault.clone())),
+            None if all.is_empty() => Err(no_application(project)),
+            None => Err(ImportError::Unknown {
+                name: name.to_owned(),
+                known: all.into_iter().map(|(_, own)| own).collect(),
+            }),
+        },
+    }
+}
+
+/// The error for a project without applications; a file that cannot be read may be the reason.
+fn no_application(project: &Project) -> ImportError {
+    match project.files().iter().find_map(|file| file.error()) {
+        Some(error) => ImportError::Source(error.clone()),
+        None => ImportError::NoApplications { files: project.files().len() },
+    }
+}
+
+fn with_sources(program: Program, places: &[Place]) -> Program {
+    let sources = (0..).map(iiwa_program::MotionIndex::new).zip(places.iter().map(source));
+    Program { sources: sources.collect(), ..program }
+}
+
+fn source(place: &Place) -> Source {
+    Source { file: place.file.to_string(), line: place.line }
+}
+
+fn note(note: &Note) -> ImportNote {
+    ImportNote { text: note.text.clone(), source: source(&note.place) }
+}

@@ -1,0 +1,114 @@
+//! Inputs and outputs.
+
+use crate::{AnswerValue, QuestionKind};
+use iiwa_java::{Stop, Value};
+
+use crate::application::{asked::Asked, robotics::Robotics};
+
+impl Robotics<'_> {
+    /// A method of a group of inputs and outputs.
+    pub(crate) fn call_io_group(
+        &mut self,
+        group: &str,
+        name: &str,
+        arguments: &[Value],
+    ) -> Result<Value, Stop> {
+        match (name, arguments) {
+            (
+                "addInput"
+                | "addDigitalOutput"
+                | "addOutput"
+                | "addMockedInput"
+                | "addMockedDigitalOutput"
+                | "addAnalogOutput",
+                _,
+            ) => Ok(Value::Null),
+            (_, [Value::Text(signal), rest @ ..]) if name.starts_with("get") => {
+                let is_output = matches!(rest.first(), Some(Value::Boolean(true)));
+                let value = self.read_signal(group, signal, is_output, name.contains("Boolean"))?;
+                Ok(match value.number() {
+                    Some(number) if name.contains("Analog") => Value::Double(number),
+                    _ => value,
+                })
+            }
+            (_, [Value::Text(signal), value]) if name.starts_with("set") => {
+                self.station.outputs.insert(format!("{group}.{signal}"), value.clone());
+                Ok(Value::Null)
+            }
+            // Of a group whose class is not in the project: `getName()` and `setName(value)`.
+            (_, []) if name.starts_with("get") || name.starts_with("is") => {
+                let signal = name.trim_start_matches("get").trim_start_matches("is");
+                self.read_signal(group, signal, false, false)
+            }
+            (_, [value]) if name.starts_with("set") => {
+                let signal = name.trim_start_matches("set");
+                self.station.outputs.insert(format!("{group}.{signal}"), value.clone());
+                Ok(Value::Null)
+            }
+            _ => Ok(self.not_known(&format!("AbstractIOGroup.{name}"))),
+        }
+    }
+
+    /// The value of a signal: as the program has set it, or as it is given.
+    fn read_signal(
+        &mut self,
+        group: &str,
+        signal: &str,
+        is_output: bool,
+        is_boolean: bool,
+    ) -> Result<Value, Stop> {
+        let id = format!("{group}.{signal}");
+        self.station.readings += 1;
+        if let Some(value) = self.station.outputs.get(&id) {
+            return Ok(value.clone());
+        }
+        let Some(given) = self.station.answers.inputs.get(&id).cloned() else {
+            // Outputs are off until they are set.
+            if is_output && is_boolean {
+                return Ok(Value::Boolean(false));
+            }
+            return Ok(self.without_value(&id, is_output));
+        };
+        let value = match (&given, is_boolean) {
+            (AnswerValue::Boolean(value), _) => Value::Boolean(*value),
+            // Signals of one bit are written both ways.
+            (AnswerValue::Integer(bit @ (0 | 1)), true) => Value::Boolean(*bit == 1),
+            (AnswerValue::Integer(value), false) => match i32::try_from(*value) {
+                Ok(value) => Value::Int(value),
+                Err(_) => Value::Long(*value),
+            },
+            (AnswerValue::Number(value), false) => Value::Double(*value),
+            _ => {
+                let wanted = if is_boolean { "true or false" } else { "a number, true or false" };
+                return self
+                    .refuse(format!("the input `{id}` is given as `{given}`: it is {wanted}"));
+            }
+        };
+        self.record(QuestionKind::Input, &id, Vec::new(), given.to_string(), true);
+        Ok(value)
+    }
+
+    /// A signal for which no value is given: what is tried, what ends a loop, or unknown.
+    fn without_value(&mut self, id: &str, is_output: bool) -> Value {
+        if is_output {
+            return self.unknown(format!("the output `{id}`, for which no value is given"));
+        }
+        if let Some((tried, value)) = &self.station.trial
+            && tried == id
+        {
+            return Value::Boolean(*value);
+        }
+        if let Some(value) = self.station.supposed.get(id).copied() {
+            self.record(QuestionKind::Input, id, Vec::new(), value.to_string(), false);
+            return Value::Boolean(value);
+        }
+        self.station.asked.push(Asked {
+            kind: QuestionKind::Input,
+            subject: id.to_owned(),
+            choices: Vec::new(),
+            answer: None,
+            is_given: false,
+        });
+        self.unknown(format!("the input `{id}`, for which no value is given"))
+    }
+}

@@ -1,0 +1,263 @@
+//! What a program sets on a motion.
+
+use std::{cell::RefCell, rc::Rc};
+
+use iiwa_java::{Stop, Value};
+use iiwa_kin::Joints;
+use iiwa_program::{AuxOrientation, LimitKind, OrientationType};
+
+use crate::application::{
+    arguments::{first_unknown, numbers, robot_value},
+    motion_value::{MotionValue, Obstacle, Way},
+    robot_value::{RobotValue, robot},
+    robotics::Robotics,
+};
+
+/// A setting that a setter changes.
+#[derive(Clone, Copy)]
+enum Setting {
+    Share(LimitKind),
+    Way(LimitKind),
+    Turn(LimitKind),
+    BlendingCart,
+    BlendingRel,
+    BlendingOri,
+    CircAngle,
+}
+
+fn setting(name: &str) -> Option<Setting> {
+    use LimitKind::{Acceleration, Jerk, Velocity};
+    Some(match name {
+        "setJointVelocityRel" => Setting::Share(Velocity),
+        "setJointAccelerationRel" => Setting::Share(Acceleration),
+        "setJointJerkRel" => Setting::Share(Jerk),
+        "setCartVelocity" => Setting::Way(Velocity),
+        "setCartAcceleration" => Setting::Way(Acceleration),
+        "setCartJerk" => Setting::Way(Jerk),
+        "setOrientationVelocity" => Setting::Turn(Velocity),
+        "setOrientationAcceleration" => Setting::Turn(Acceleration),
+        "setOrientationJerk" => Setting::Turn(Jerk),
+        "setBlendingCart" => Setting::BlendingCart,
+        "setBlendingRel" => Setting::BlendingRel,
+        "setBlendingOri" => Setting::BlendingOri,
+        "setCircAngle" => Setting::CircAngle,
+        _ => return None,
+    })
+}
+
+/// Words in the names of setters that limit a motion or change its target.
+const DECISIVE: [&str; 12] = [
+    "Velocity",
+    "Acceleration",
+    "Jerk",
+    "Blending",
+    "Override",
+    "Offset",
+    "Destination",
+    "Target",
+    "Frame",
+    "Position",
+    "Transformation",
+    "Redundancy",
+];
+
+/// The component of a relative motion's offset (x, y, z in mm; a, b, c in rad) that a setter changes.
+fn offset_component(name: &str) -> Option<usize> {
+    let component = name.strip_prefix("set")?.strip_suffix("Offset")?;
+    Some(match component {
+        "X" => 0,
+        "Y" => 1,
+        "Z" => 2,
+        "Alpha" | "A" => 3,
+        "Beta" | "B" => 4,
+        "Gamma" | "C" => 5,
+        _ => return None,
+    })
+}
+
+impl Robotics<'_> {
+    /// A method of a motion; setters give it back.
+    pub(crate) fn call_motion(
+        &mut self,
+        motion: &Rc<RefCell<MotionValue>>,
+        name: &str,
+        arguments: &[Value],
+    ) -> Result<Value, Stop> {
+        let this = || robot(RobotValue::Motion(Rc::clone(motion)));
+        if let Some(setting) = setting(name) {
+            self.set(motion, name, setting, arguments)?;
+            return Ok(this());
+        }
+        let is_relative = matches!(motion.borrow().way, Way::LinRel { .. });
+        if is_relative && let Some(component) = offset_component(name) {
+            self.set_offset(motion, name, component, arguments)?;
+            return Ok(this());
+        }
+        match name {
+            "setMode" => {
+                if arguments.iter().any(|mode| !matches!(mode, Value::Null)) {
+                    self.note("a control mode changes how the arm follows a path: it is planned alike");
+                }
+            }
+            "breakWhen" => {
+                motion.borrow_mut().settings.has_break = true;
+                self.note("a motion with `breakWhen` is planned to its end, as if the condition did not come true");
+            }
+            "triggerWhen" => self.note("what a trigger starts is not evaluated"),
+            "setOrientationType" => self.set_orientation(motion, arguments)?,
+            "setOrientationReferenceSystem" => {
+                let constant = constant_name(arguments);
+                motion.borrow_mut().settings.turns_with_path =
+                    constant.map(|name| &*name == "Path");
+            }
+            "setAuxiliaryPointOrientation" | "setAuxPointOrientationMode" => {
+                let mode = constant_name(arguments);
+                let mode = mode.and_then(|name| match &*name {
+                    "Consider" => Some(AuxOrientation::Consider),
+                    "Interpolate" => Some(AuxOrientation::Interpolate),
+                    "Ignore" => Some(AuxOrientation::Ignore),
+                    _ => None,
+                });
+                motion.borrow_mut().settings.aux_orientation = mode;
+            }
+            "addMotionOverlay" => motion.borrow_mut().obstruct(Obstacle::Refused(
+                "a motion with an overlay, as of FRI, cannot be planned ahead: where the arm goes is decided while it \
+                 moves; plan the motion without it"
+                    .to_owned(),
+            )),
+            "copy" | "clone" => {
+                let copy = motion.borrow().clone();
+                return Ok(robot(RobotValue::motion(copy)));
+            }
+            name if name.starts_with("set") && DECISIVE.iter().any(|word| name.contains(word)) => {
+                let reason = format!("`{name}` changes this motion, and its effect is not known: remove the call");
+                motion.borrow_mut().obstruct(Obstacle::Refused(reason));
+            }
+            name if name.starts_with("set") || name.starts_with("add") => {
+                self.note(format!("`{name}` of a motion is left out of the plan"));
+            }
+            name => return Ok(self.unmodelled_result(name, " of a motion")),
+        }
+        Ok(this())
+    }
+
+    fn set(
+        &mut self,
+        motion: &Rc<RefCell<MotionValue>>,
+        name: &str,
+        setting: Setting,
+        arguments: &[Value],
+    ) -> Result<(), Stop> {
+        if is_obstructed(motion, name, arguments) {
+            return Ok(());
+        }
+        let given = numbers(arguments).unwrap_or_default();
+        if let Setting::Share(kind) = setting {
+            let shares: Option<Joints> = match given[..] {
+                [share] => Some([share; 7]),
+                _ => given.try_into().ok(),
+            };
+            let Some(shares) = shares else {
+                return self.throw(
+                    "IllegalArgumentException",
+                    format!("`{name}` takes one number, or seven"),
+                );
+            };
+            if let Some(wrong) = shares.iter().find(|share| !(**share > 0.0 && **share <= 1.0)) {
+                return self.throw(
+                    "IllegalArgumentException",
+                    format!("`{name}` takes shares above 0 and up to 1, and here is {wrong}"),
+                );
+            }
+            motion.borrow_mut().settings.shares[kind] = Some(shares);
+            return Ok(());
+        }
+        let [given] = given[..] else {
+            return self.throw("IllegalArgumentException", format!("`{name}` takes a number"));
+        };
+        let is_limit = matches!(setting, Setting::Way(_) | Setting::Turn(_));
+        let is_angle = matches!(setting, Setting::CircAngle);
+        if !given.is_finite() || (is_limit && given <= 0.0) || (!is_angle && given < 0.0) {
+            let least = if is_limit { "above 0" } else { "from 0 on" };
+            return self.throw(
+                "IllegalArgumentException",
+                format!("`{name}` takes a number {least}, and here is {given}"),
+            );
+        }
+        let mut motion = motion.borrow_mut();
+        let is_in_joints = matches!(motion.way, Way::Joints(_) | Way::Home | Way::Ptp(_));
+        let settings = &mut motion.settings;
+        match setting {
+            Setting::Share(_) => {}
+            Setting::Way(kind) => settings.tool.way[kind] = 1e-3 * given,
+            Setting::Turn(kind) => settings.tool.turn[kind] = given,
+            Setting::BlendingCart => settings.blending.cart_mm = Some(given),
+            Setting::BlendingRel => settings.blending.rel = Some(given),
+            // Of a motion in joint space the controller does not take it.
+            Setting::BlendingOri if is_in_joints => {}
+            Setting::BlendingOri => settings.blending.orientation_rad = Some(given),
+            Setting::CircAngle => settings.circ_angle_rad = Some(given),
+        }
+        Ok(())
+    }
+
+    /// Sets one component of a relative motion's offset; the others stay.
+    fn set_offset(
+        &mut self,
+        motion: &Rc<RefCell<MotionValue>>,
+        name: &str,
+        component: usize,
+        arguments: &[Value],
+    ) -> Result<(), Stop> {
+        if is_obstructed(motion, name, arguments) {
+            return Ok(());
+        }
+        let Some([value]) = numbers(arguments).and_then(|given| <[f64; 1]>::try_from(given).ok())
+        else {
+            return self.throw("IllegalArgumentException", format!("`{name}` takes a number"));
+        };
+        if let Way::LinRel { offset, .. } = &mut motion.borrow_mut().way {
+            let mut components = offset.xyz_mm.iter_mut().chain(&mut offset.abc_rad);
+            if let Some(own) = components.nth(component) {
+                *own = value;
+            }
+        }
+        Ok(())
+    }
+
+    fn set_orientation(
+        &mut self,
+        motion: &Rc<RefCell<MotionValue>>,
+        arguments: &[Value],
+    ) -> Result<(), Stop> {
+        if let Some(unknown) = first_unknown(arguments) {
+            let what = "the type of orientation of this motion".to_owned();
+            motion.borrow_mut().obstruct(Obstacle::Unknown(what, unknown));
+            return Ok(());
+        }
+        let law = match constant_name(arguments).as_deref() {
+            Some("Constant") => OrientationType::Constant,
+            Some("Variable") => OrientationType::Variable,
+            Some("OriJoint") => OrientationType::Joints,
+            Some("Ignore") => OrientationType::Ignore,
+            _ => return self.refuse("this type of orientation is not known"),
+        };
+        motion.borrow_mut().settings.orientation = Some(law);
+        Ok(())
+    }
+}
+
+fn constant_name(arguments: &[Value]) -> Option<Rc<str>> {
+    match robot_value(arguments.first()?)? {
+        RobotValue::Constant(constant) => Some(Rc::clone(&constant.name)),
+        _ => None,
+    }
+}
+
+/// True if an argument of a setter is unknown: the motion then cannot be sent.
+fn is_obstructed(motion: &Rc<RefCell<MotionValue>>, name: &str, arguments: &[Value]) -> bool {
+    let Some(unknown) = first_unknown(arguments) else { return false };
+    let what = format!("the argument of `{name}` of this motion");
+    motion.borrow_mut().obstruct(Obstacle::Unknown(what, unknown));
+    true
+}

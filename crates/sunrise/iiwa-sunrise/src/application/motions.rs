@@ -1,0 +1,247 @@
+//! Motions are made: what `BasicMotions` gives, and classes of motions.
+
+use std::{cell::RefCell, rc::Rc};
+
+use iiwa_java::{Stop, Unknown, Value};
+use iiwa_program::Frame;
+
+use crate::application::{
+    arguments::{first_unknown, flattened, frame, joints, numbers, robot_value},
+    durations::hold_time,
+    frame_value::FrameValue,
+    motion_value::{Goal, HoldTime, MotionValue, Obstacle, Way},
+    robot_value::{RobotValue, robot},
+    robotics::Robotics,
+    spot::Spot,
+};
+
+/// What cannot be planned, and why: classes of motions, and statics of `BasicMotions`.
+const REFUSED: [(&str, &str); 13] = [
+    ("SmartServo", SERVO),
+    ("SmartServoLIN", SERVO),
+    ("DirectServo", SERVO),
+    ("ServoMotion", SERVO),
+    ("ServoMotionJP", SERVO),
+    (
+        "SplineJP",
+        "its blends in joint space are not known; write its segments as ptp motions with a blending",
+    ),
+    ("HandGuidingMotion", HAND_GUIDING),
+    ("handGuiding", HAND_GUIDING),
+    ("GMSReferencing", TESTS),
+    ("BrakeTest", TESTS),
+    ("BrakeMotion", TESTS),
+    ("SafetyMotion", TESTS),
+    ("CartesianSineMotion", "its time depends on the controller"),
+];
+
+const SERVO: &str = "its targets are given while it moves; plan it as motions to the targets, or leave it out of the project's run";
+const HAND_GUIDING: &str = "a person moves the arm, by a way and in a time that are not known; leave it out, or go there by ptp";
+const TESTS: &str =
+    "it is a test of the robot's brakes or sensors, which runs on the controller alone";
+
+/// The classes and methods that make motions, and which of them they make.
+fn maker(name: &str) -> Option<&'static str> {
+    Some(match name {
+        "ptp" | "PTP" | "CartesianPTP" => "ptp",
+        "ptpHome" => "ptpHome",
+        "lin" | "LIN" => "lin",
+        "linRel" | "RelativeLIN" => "linRel",
+        "circ" | "CIRC" => "circ",
+        "spl" | "SPL" => "spl",
+        "Spline" => "spline",
+        "batch" | "MotionBatch" => "batch",
+        "positionHold" | "PositionHold" => "positionHold",
+        _ => return None,
+    })
+}
+
+impl Robotics<'_> {
+    /// A motion by the name of its class or of its method in `BasicMotions`; none if there is no such motion.
+    pub(crate) fn new_motion(
+        &mut self,
+        name: &str,
+        arguments: &[Value],
+    ) -> Result<Option<Value>, Stop> {
+        if let Some((_, reason)) = REFUSED.iter().find(|(refused, _)| *refused == name) {
+            let reason = format!("`{name}` cannot be planned ahead: {reason}");
+            return Ok(Some(robot(RobotValue::motion(MotionValue::refused(reason)))));
+        }
+        let Some(kind) = maker(name) else { return Ok(None) };
+        let way = match kind {
+            "batch" | "spline" => return self.sequence(kind, arguments).map(Some),
+            "positionHold" => return Ok(Some(position_hold(arguments))),
+            _ if first_unknown(arguments).is_some() => {
+                let mut motion = MotionValue::new(Way::Refused);
+                if let Some(unknown) = first_unknown(arguments) {
+                    motion.obstruct(target_unknown(unknown));
+                }
+                return Ok(Some(robot(RobotValue::motion(motion))));
+            }
+            "ptpHome" => Some(Way::Home),
+            "ptp" => self.ptp(arguments)?,
+            "lin" => goal(arguments).map(Way::Lin),
+            "spl" => goal(arguments).map(Way::Spl),
+            "circ" => match arguments {
+                [aux, to] => {
+                    let aux = goal(std::slice::from_ref(aux));
+                    let to = goal(std::slice::from_ref(to));
+                    aux.zip(to).map(|(aux, to)| Way::Circ { aux, to })
+                }
+                _ => None,
+            },
+            _ => lin_rel(arguments),
+        };
+        match way {
+            Some(way) => Ok(Some(robot(RobotValue::motion(MotionValue::new(way))))),
+            None if arguments.iter().any(|argument| matches!(argument, Value::Null)) => {
+                self.throw("NullPointerException", format!("the target of `{name}` is null"))
+            }
+            None => {
+                let found: Vec<String> = arguments.iter().map(Value::kind).collect();
+                let found = found.join(", ");
+                self.refuse(format!("`{name}` of {found} is not known: it takes joints or a frame"))
+            }
+        }
+    }
+
+    fn ptp(&mut self, arguments: &[Value]) -> Result<Option<Way>, Stop> {
+        if let [only] = arguments
+            && let Some(RobotValue::Joints(joints)) = robot_value(only)
+            && let Some(unknown) = &joints.borrow().unknown
+        {
+            return self.refuse_unknown("the target of this motion", unknown);
+        }
+        if let Some(joints_rad) = joints(arguments) {
+            return Ok(Some(Way::Joints(joints_rad)));
+        }
+        if let Some(numbers) = numbers(arguments) {
+            let found = numbers.len();
+            return self.throw(
+                "IllegalArgumentException",
+                format!("a motion to joints takes 7 numbers, and here are {found}"),
+            );
+        }
+        Ok(goal(arguments).map(Way::Ptp))
+    }
+
+    /// A batch or a spline.
+    fn sequence(&mut self, kind: &str, arguments: &[Value]) -> Result<Value, Stop> {
+        let arguments = flattened(arguments);
+        let mut motions = Vec::with_capacity(arguments.len());
+        for argument in &arguments {
+            match robot_value(argument) {
+                Some(RobotValue::Motion(motion)) => motions.push(motion),
+                _ => match argument {
+                    Value::Unknown(unknown) => {
+                        let mut motion = MotionValue::new(Way::Refused);
+                        motion.obstruct(target_unknown(Rc::clone(unknown)));
+                        motions.push(Rc::new(RefCell::new(motion)));
+                    }
+                    Value::Null => {
+                        return self.throw("NullPointerException", "a motion of a batch is null");
+                    }
+                    other => {
+                        let what = other.kind();
+                        return self.refuse(format!(
+                            "{what} is no motion: batches and splines have motions"
+                        ));
+                    }
+                },
+            }
+        }
+        let way = if kind == "spline" { Way::Spline(motions) } else { Way::Batch(motions) };
+        let (depth, count) = way.extent();
+        if depth > MAX_DEPTH || count > MAX_MOTIONS {
+            return self.refuse(format!(
+                "a batch has {count} motions, {depth} batches deep; it can have {MAX_MOTIONS}, {MAX_DEPTH} deep"
+            ));
+        }
+        Ok(robot(RobotValue::motion(MotionValue::new(way))))
+    }
+}
+
+/// The deepest nesting of batches: following them recursively uses stack.
+const MAX_DEPTH: usize = 20;
+/// Motions of a batch, at most.
+const MAX_MOTIONS: usize = 10_000;
+
+/// The frame that a motion goes to.
+fn goal(arguments: &[Value]) -> Option<Goal> {
+    let [only] = arguments else { return None };
+    match robot_value(only) {
+        Some(RobotValue::Frame(frame)) => Some(Goal::Frame(frame)),
+        Some(RobotValue::Spot(spot)) => Some(Goal::Spot(spot)),
+        // A transformation is a frame in the world.
+        Some(RobotValue::Transformation(frame)) => {
+            let frame = FrameValue::within(Spot::World, *frame);
+            Some(Goal::Frame(Rc::new(RefCell::new(frame))))
+        }
+        _ => None,
+    }
+}
+
+fn lin_rel(arguments: &[Value]) -> Option<Way> {
+    let (offset, within) = match arguments {
+        // Its setters give the offset.
+        [] => (Some(Frame::default()), None),
+        [offset] => (offset_of(std::slice::from_ref(offset)), None),
+        [offset, within] if !is_number(offset) => {
+            (offset_of(std::slice::from_ref(offset)), Some(within))
+        }
+        [numbers @ .., within] if !is_number(within) => (offset_of(numbers), Some(within)),
+        numbers => (offset_of(numbers), None),
+    };
+    let within = match within {
+        Some(within) => Some(goal(std::slice::from_ref(within))?),
+        None => None,
+    };
+    Some(Way::LinRel { offset: offset?, within })
+}
+
+/// A motion that stands for a time.
+fn position_hold(arguments: &[Value]) -> Value {
+    let mut motion = MotionValue::new(Way::Hold(HoldTime::UntilEnded));
+    match arguments {
+        [_, Value::Unknown(unknown), _] | [_, _, Value::Unknown(unknown)] => {
+            let what = "the time of this hold".to_owned();
+            motion.obstruct(Obstacle::Unknown(what, Rc::clone(unknown)));
+        }
+        [_, time, unit] => {
+            let amount = time.number();
+            let seconds = match robot_value(unit) {
+                Some(RobotValue::Constant(unit)) => amount.and_then(|time| unit.seconds(time)),
+                _ => None,
+            };
+            if let Some(seconds) = seconds {
+                motion.way = Way::Hold(hold_time(seconds));
+            } else {
+                let reason = "the time of this hold is not a number and a unit of time";
+                motion.obstruct(Obstacle::Refused(reason.to_owned()));
+            }
+        }
+        // Without a time, it has no end.
+        _ => {}
+    }
+    robot(RobotValue::motion(motion))
+}
+
+fn target_unknown(unknown: Rc<Unknown>) -> Obstacle {
+    Obstacle::Unknown("the target of this motion".to_owned(), unknown)
+}
+
+fn is_number(value: &Value) -> bool {
+    value.number().is_some()
+}
+
+/// An offset by numbers, or by a transformation.
+fn offset_of(arguments: &[Value]) -> Option<Frame> {
+    match arguments {
+        [only] if !is_number(only) => match robot_value(only)? {
+            RobotValue::Transformation(offset) => Some(*offset),
+            RobotValue::Vector(vector) => Some(Frame { xyz_mm: *vector, abc_rad: [0.0; 3] }),
+            _ => None,
+        },
+        numbers => frame(&self::numbers(numbers)?),
+    }
+}

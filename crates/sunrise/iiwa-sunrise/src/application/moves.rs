@@ -1,0 +1,544 @@
+//! Motions are sent: what the program has of them, and where the arm stands then.
+
+use std::{cell::RefCell, rc::Rc};
+
+use iiwa_java::{Place, Stop, Value};
+use iiwa_kin::{Pose, Status};
+use iiwa_program::{
+    Blend, ByKind, CartesianMotion, Circ, Course, Frame, MAX_OVERLAP, Motion, OrientationType,
+    PathBlend, Program, Ptp, SegmentCourse, SegmentLimits, SplineSegment, Target, TargetRef,
+};
+
+use crate::application::{
+    arrival::{joints_at, moved_by, on_circle},
+    frame_value::Parent,
+    motion_value::{Blending, Goal, MotionValue, Obstacle, Settings, Way},
+    robot_value::{RobotValue, Sent, robot},
+    robotics::Robotics,
+    spot::Spot,
+    station::FOOT,
+};
+
+/// More are a loop without an end.
+const MAX_MOTIONS: usize = 100_000;
+
+/// A frame to go to, and where that is.
+struct Destination {
+    target: TargetRef,
+    /// In the robot's foot.
+    pose: Pose,
+    e1_rad: Option<f64>,
+    status: Option<Status>,
+}
+
+impl Robotics<'_> {
+    /// Sends a motion of a TCP, and waits for its end unless it is asynchronous. Gives its container.
+    pub(crate) fn send(
+        &mut self,
+        mover: Spot,
+        motion: &Rc<RefCell<MotionValue>>,
+        is_async: bool,
+    ) -> Result<Value, Stop> {
+        self.note_default_frame(mover);
+        let mover = self.station.default_frame(mover);
+        self.check_known(mover)?;
+        if self.station.in_flange(mover).is_none() {
+            let what = self.spot_name(mover);
+            return self
+                .refuse(format!("{what} moves, but it is not attached to the robot's flange"));
+        }
+        self.keep_override()?;
+        let mut has_break = false;
+        for (motion, settings) in members(motion, &Settings::default()) {
+            has_break |= settings.has_break;
+            self.send_one(mover, &motion, &settings)?;
+        }
+        if !is_async {
+            self.station.schedule.await_all();
+        }
+        let sent = Sent { count: self.station.schedule.sent(), has_break };
+        Ok(robot(RobotValue::Container(Rc::new(sent))))
+    }
+
+    /// A program has one override: that of its first motion.
+    fn keep_override(&mut self) -> Result<(), Stop> {
+        let station = &mut *self.station;
+        let now = station.speed_override.as_ref().map_or(1.0, |(share, _)| *share);
+        let first = *station.first_override.get_or_insert(now);
+        if now == first {
+            return Ok(());
+        }
+        let place = station.speed_override.as_ref().map(|(_, place)| format!(" ({place})"));
+        let [first, now] = [first, now].map(|share| share * 100.0);
+        self.refuse(format!(
+            "the application goes on at {now} % of its speed{}, after motions at {first} %: a program has one override; \
+             plan the parts on their own",
+            place.unwrap_or_default()
+        ))
+    }
+
+    fn send_one(
+        &mut self,
+        mover: Spot,
+        motion: &MotionValue,
+        settings: &Settings,
+    ) -> Result<(), Stop> {
+        match &motion.obstacle {
+            Some(Obstacle::Unknown(what, unknown)) => return self.refuse_unknown(what, unknown),
+            Some(Obstacle::Refused(reason)) => return self.refuse(reason.clone()),
+            None => {}
+        }
+        if self.station.schedule.sent() >= MAX_MOTIONS {
+            return self.refuse(format!("the arm is moved more than {MAX_MOTIONS} times"));
+        }
+        if let Way::Hold(time) = motion.way {
+            return self.hold(time);
+        }
+        self.begin_to_move()?;
+        let shares = ByKind::from_fn(|kind| settings.shares[kind].unwrap_or([1.0; 7]));
+        let to_rad = match motion.way {
+            Way::Joints(joints_rad) => Some(joints_rad),
+            Way::Home => Some(self.station.home_rad),
+            _ => None,
+        };
+        if let Some(target_rad) = to_rad {
+            if let Err(outside) = self.station.robot.limits().check(&target_rad) {
+                return self.refuse(format!("the arm cannot go there: {outside}"));
+            }
+            let mut ptp = Ptp { blend: one_blend(&settings.blending), ..Ptp::to(target_rad) };
+            for (kind, share) in shares {
+                *ptp.share_mut(kind) = share;
+            }
+            self.station.at_rad = target_rad;
+            return self.put(Motion::Ptp(ptp));
+        }
+        let law = self.law_of(&motion.way, settings.orientation).unwrap_or_default();
+        let course = self.course(mover, motion, settings, law)?;
+        let mut own = CartesianMotion::new(course);
+        own.tool = self.station.tcp_name(mover);
+        own.shares = shares;
+        own.tool_limits = settings.tool;
+        own.blend = if own.is_ptp() {
+            one_blend(&settings.blending).map(PathBlend::from)
+        } else {
+            own.orientation = law;
+            path_blend(&settings.blending)
+        };
+        self.put(Motion::Cartesian(Box::new(own)))
+    }
+
+    /// Adds a motion, unless no robot could do it.
+    fn put(&mut self, motion: Motion) -> Result<(), Stop> {
+        self.check(&motion)?;
+        self.station.schedule.send(motion, self.here.clone());
+        Ok(())
+    }
+
+    /// The program waits, while the arm moves on.
+    pub(crate) fn wait(&mut self, seconds: f64) -> Result<(), Stop> {
+        self.check_wait(seconds)?;
+        let overlap = self.station.schedule.under_way();
+        if overlap > MAX_OVERLAP {
+            return self.refuse(format!(
+                "a wait begins while {overlap} motions are under way; it can be {MAX_OVERLAP}"
+            ));
+        }
+        self.station.schedule.wait(seconds, self.here.clone());
+        Ok(())
+    }
+
+    /// Refuses a wait that is longer than a program can have.
+    pub(crate) fn check_wait(&self, seconds: f64) -> Result<(), Stop> {
+        self.check(&Motion::Wait { seconds, overlap: 0 })
+    }
+
+    /// Refuses a motion that a program cannot have.
+    fn check(&self, motion: &Motion) -> Result<(), Stop> {
+        let mut program = Program::from_rad(self.station.start_rad).build();
+        program.motions.push(motion.clone());
+        match program.check_numbers() {
+            Ok(()) => Ok(()),
+            Err(fault) => {
+                let text = fault.to_string();
+                self.refuse(text.strip_prefix("motion 1: ").unwrap_or(&text))
+            }
+        }
+    }
+
+    /// The course of a motion; the arm stands at its end then.
+    fn course(
+        &mut self,
+        mover: Spot,
+        motion: &MotionValue,
+        settings: &Settings,
+        law: OrientationType,
+    ) -> Result<Course, Stop> {
+        let tcp = self.station.in_flange(mover).unwrap_or_default().pose();
+        let from = self.station.robot.flange_pose(&self.station.at_rad).then(&tcp);
+        let with_law = |pose: &Pose| match law {
+            OrientationType::Constant => Pose { rotation: from.rotation, ..*pose },
+            _ => *pose,
+        };
+        // Along a path, the arm stays on its side: only the wrist may change by its joints.
+        let status_of =
+            |place: &Destination| place.status.filter(|_| law == OrientationType::Joints);
+        match &motion.way {
+            Way::Ptp(to) => {
+                let place = self.place_of(to)?;
+                self.arrive(&place.target, (&place.pose, &tcp), place.e1_rad, place.status)?;
+                Ok(Course::Ptp { to: place.target })
+            }
+            Way::Lin(to) => {
+                let place = self.place_of(to)?;
+                let pose = with_law(&place.pose);
+                self.arrive(&place.target, (&pose, &tcp), place.e1_rad, status_of(&place))?;
+                Ok(Course::Lin { to: place.target })
+            }
+            Way::LinRel { offset, within } => {
+                let within = within.as_ref().map(|within| self.place_of(within)).transpose()?;
+                let axes = within.as_ref().map_or(from.rotation, |within| within.pose.rotation);
+                let pose = with_law(&moved_by(&from, &offset.pose(), &axes));
+                let to = TargetRef::from(Frame::from(&pose));
+                self.arrive(&to, (&pose, &tcp), None, None)?;
+                let within = within.map(|within| within.target);
+                Ok(Course::LinRel { offset: *offset, e1_rad: None, within })
+            }
+            Way::Circ { aux, to } => {
+                let (aux, place) = (self.place_of(aux)?, self.place_of(to)?);
+                let mut pose = with_law(&place.pose);
+                if let Some(angle) = settings.circ_angle_rad {
+                    let points = [&from.position_m, &aux.pose.position_m, &place.pose.position_m];
+                    let Some(position_m) = on_circle(points, angle) else {
+                        return self.refuse(
+                            "start, auxiliary frame and end are on one line: no circle goes through them",
+                        );
+                    };
+                    pose.position_m = position_m;
+                }
+                self.arrive(&place.target, (&pose, &tcp), place.e1_rad, status_of(&place))?;
+                Ok(Course::Circ(circ(aux.target, place.target, settings)))
+            }
+            Way::Spl(to) => {
+                let place = self.place_of(to)?;
+                let pose = with_law(&place.pose);
+                self.arrive(&place.target, (&pose, &tcp), place.e1_rad, None)?;
+                Ok(Course::Spline(vec![SplineSegment {
+                    course: SegmentCourse::Spl { to: place.target },
+                    orientation: None,
+                    limits: SegmentLimits::default(),
+                }]))
+            }
+            Way::Spline(segments) => self.spline(&from, &tcp, law, segments),
+            Way::Joints(_) | Way::Home | Way::Batch(_) | Way::Hold(_) | Way::Refused => {
+                self.refuse("this motion has no course of the TCP")
+            }
+        }
+    }
+
+    /// The orientation type of a motion. `OriJoint` on a spline is planned as `Variable`: the motions of its wrist axes along
+    /// a spline are not known.
+    fn law_of(&mut self, way: &Way, law: Option<OrientationType>) -> Option<OrientationType> {
+        let is_spline = matches!(way, Way::Spl(_) | Way::Spline(_));
+        if is_spline && law == Some(OrientationType::Joints) {
+            self.note("`OriJoint` on a spline is planned as `Variable`, which is an assumption");
+            return Some(OrientationType::Variable);
+        }
+        law
+    }
+
+    /// The segments of a spline; the arm stands at the end of the last one then.
+    fn spline(
+        &mut self,
+        from: &Pose,
+        tcp: &Pose,
+        law: OrientationType,
+        segments: &[Rc<RefCell<MotionValue>>],
+    ) -> Result<Course, Stop> {
+        let mut at = *from;
+        let mut e1_rad = None;
+        let mut last = None;
+        let mut found = Vec::with_capacity(segments.len());
+        for segment in segments {
+            let segment = segment.borrow();
+            match &segment.obstacle {
+                Some(Obstacle::Unknown(what, unknown)) => {
+                    return self.refuse_unknown(what, unknown);
+                }
+                Some(Obstacle::Refused(reason)) => return self.refuse(reason.clone()),
+                None => {}
+            }
+            let settings = &segment.settings;
+            if settings.blending != Blending::default() {
+                return self.refuse("a segment of a spline has a blending: set it on the spline");
+            }
+            let own = self.law_of(&Way::Spline(Vec::new()), settings.orientation);
+            let own_law = own.unwrap_or(law);
+            let (place, course) = match &segment.way {
+                Way::Spl(to) => {
+                    let place = self.place_of(to)?;
+                    let to = place.target.clone();
+                    (place, SegmentCourse::Spl { to })
+                }
+                Way::Lin(to) => {
+                    let place = self.place_of(to)?;
+                    let to = place.target.clone();
+                    (place, SegmentCourse::Lin { to })
+                }
+                Way::LinRel { offset, within } => {
+                    let axes = match within {
+                        Some(within) => self.place_of(within)?.pose.rotation,
+                        None => at.rotation,
+                    };
+                    let pose = moved_by(&at, &offset.pose(), &axes);
+                    let target = TargetRef::Given(in_foot(Frame::from(&pose)));
+                    let to = target.clone();
+                    (
+                        Destination { target, pose, e1_rad: None, status: None },
+                        SegmentCourse::Lin { to },
+                    )
+                }
+                Way::Circ { aux, to } => {
+                    let (aux, place) = (self.place_of(aux)?, self.place_of(to)?);
+                    let circ = circ(aux.target, place.target.clone(), settings);
+                    (place, SegmentCourse::Circ(circ))
+                }
+                _ => {
+                    return self.refuse(
+                        "a spline has a segment that is no path of the TCP: segments are spl, lin, linRel and circ",
+                    );
+                }
+            };
+            at = match own_law {
+                OrientationType::Constant => Pose { rotation: at.rotation, ..place.pose },
+                _ => place.pose,
+            };
+            e1_rad = place.e1_rad.or(e1_rad);
+            last = Some(place.target);
+            let limits = SegmentLimits { shares: settings.shares, tool: settings.tool };
+            found.push(SplineSegment { course, orientation: own, limits });
+        }
+        let Some(last) = last else { return self.refuse("a spline has no segments") };
+        self.arrive(&last, (&at, tcp), e1_rad, None)?;
+        Ok(Course::Spline(found))
+    }
+
+    /// Brings the arm to a pose of its TCP.
+    fn arrive(
+        &mut self,
+        target: &TargetRef,
+        poses: (&Pose, &Pose),
+        e1_rad: Option<f64>,
+        status: Option<Status>,
+    ) -> Result<(), Stop> {
+        let station = &self.station;
+        match joints_at(&station.robot, &station.at_rad, poses, e1_rad, status) {
+            Ok(joints_rad) => {
+                self.station.at_rad = joints_rad;
+                Ok(())
+            }
+            Err(_) if self.station.is_survey => Ok(()),
+            Err(reason) => {
+                let what = match target {
+                    TargetRef::Named(name) => format!("the frame `{name}`"),
+                    TargetRef::Given(_) => "the target of this motion".to_owned(),
+                };
+                let hint = self.station.start_hint.as_ref();
+                let hint = hint.filter(|_| self.station.schedule.sent() == 0);
+                let hint = hint.map_or_else(String::new, |hint| format!("; {hint}"));
+                self.refuse(format!("{what} cannot be reached: {reason}{hint}"))
+            }
+        }
+    }
+
+    /// Where a goal is, and how the program names it.
+    fn place_of(&mut self, goal: &Goal) -> Result<Destination, Stop> {
+        match goal {
+            Goal::Spot(Spot::Tree(index)) => {
+                self.note_world_after_drive();
+                let Some(found) = self.station.tree.get(*index).cloned() else {
+                    return self.refuse("this frame is not in the data file");
+                };
+                self.check_known(Spot::Tree(*index))?;
+                if self.station.is_changed(*index) {
+                    return Ok(self.changed_place(*index, &found.name));
+                }
+                let Some(target) = self.station.workcell.frames.get(&found.name) else {
+                    // A base that is no frame to go to itself.
+                    let base = Target { base: Some(found.name), ..Target::at(Frame::default()) };
+                    return Ok(Destination { pose: found.pose, ..given(base) });
+                };
+                Ok(Destination {
+                    pose: found.pose,
+                    e1_rad: target.e1_rad,
+                    status: target.status,
+                    target: TargetRef::Named(found.name),
+                })
+            }
+            Goal::Spot(Spot::World) => {
+                let target = in_foot(Frame::default());
+                Ok(given(target))
+            }
+            Goal::Spot(spot) => {
+                self.check_known(*spot)?;
+                if self.station.in_flange(*spot).is_some() {
+                    let what = self.spot_name(*spot);
+                    return self.refuse(format!("{what} is a target, and it moves with the arm"));
+                }
+                if let Some(frame) = self.station.in_world(*spot) {
+                    Ok(given(in_foot(frame)))
+                } else {
+                    let what = self.spot_name(*spot);
+                    self.refuse(format!("{what} is a target, and it is attached to nothing"))
+                }
+            }
+            Goal::Frame(frame) => {
+                let frame = frame.borrow().clone();
+                if let Some(unknown) = &frame.unknown {
+                    return self.refuse_unknown("the target of this motion", unknown);
+                }
+                if matches!(frame.parent, Parent::Spot(Spot::Tree(_))) {
+                    self.note_world_after_drive();
+                }
+                if let Parent::Spot(parent) = frame.parent {
+                    self.check_known(parent)?;
+                }
+                let Some(place) = self.station.frame_in_world(&frame) else {
+                    return self.refuse(
+                        "the target of this motion is given in something that is attached to nothing",
+                    );
+                };
+                let own = frame.redundancy;
+                let target = Target {
+                    e1_rad: own.e1_rad,
+                    status: own.status,
+                    turn: own.turn,
+                    ..in_foot(place)
+                };
+                Ok(given(target))
+            }
+        }
+    }
+
+    /// A frame of the data file that the application has moved: its place by now, with the redundancy of the data file.
+    fn changed_place(&self, index: usize, name: &str) -> Destination {
+        let place = self.station.in_world(Spot::Tree(index)).unwrap_or_default();
+        let target = match self.station.workcell.frames.get(name) {
+            Some(taught) => Target { frame: place, base: Some(FOOT.to_owned()), ..taught.clone() },
+            None => in_foot(place),
+        };
+        given(target)
+    }
+
+    /// Before the first motion: the tool at the flange is that of the program, and its load what is carried.
+    fn begin_to_move(&mut self) -> Result<(), Stop> {
+        if self.station.has_moved {
+            return Ok(());
+        }
+        let tools = (0..self.station.bodies.len()).find_map(|index| {
+            let body = self.station.bodies.get(index).filter(|body| !body.is_workpiece)?;
+            body.in_programs.as_ref()?;
+            self.station.tool_at_flange(index).map(str::to_owned)
+        });
+        self.station.workcell.tool = tools;
+        self.station.has_moved = true;
+        self.station.carried = self.station.workcell.load(None).copied();
+        let place = self.station.attached_at.take().unwrap_or_else(|| self.here.clone());
+        self.carry(place)
+    }
+
+    /// What is attached to the flange has changed.
+    pub(crate) fn load_changed(&mut self) -> Result<(), Stop> {
+        let place = self.here.clone();
+        if self.station.has_moved {
+            return self.carry(place);
+        }
+        self.station.attached_at = Some(place);
+        Ok(())
+    }
+
+    /// From here on, the program's load is what hangs on the flange.
+    fn carry(&mut self, place: Place) -> Result<(), Stop> {
+        let wanted = self.station.flange_load();
+        if self.station.carried == wanted {
+            return Ok(());
+        }
+        let own = self.station.workcell.load(None).copied();
+        let step = (wanted != own).then(|| wanted.unwrap_or_default());
+        self.check(&Motion::Load(step))?;
+        self.station.schedule.load(step, place);
+        self.station.carried = wanted;
+        Ok(())
+    }
+
+    /// A spot as messages name it.
+    pub(crate) fn spot_name(&self, spot: Spot) -> String {
+        match spot {
+            Spot::World => "the world".to_owned(),
+            Spot::Flange => "the flange".to_owned(),
+            Spot::Tree(index) => {
+                let name = self.station.tree.get(index).map_or("", |frame| &frame.path);
+                format!("the frame `{name}`")
+            }
+            Spot::Root(_) | Spot::Of(..) => {
+                let body = spot.body().and_then(|index| self.station.bodies.get(index));
+                let (name, kind) = body.map_or(("", "tool"), |body| {
+                    (&body.name, if body.is_workpiece { "workpiece" } else { "tool" })
+                });
+                format!("the {kind} `{name}`")
+            }
+        }
+    }
+}
+
+/// The motions of a batch, each with its settings and, where it has none, those of the batch; any other motion alone.
+fn members(motion: &Rc<RefCell<MotionValue>>, defaults: &Settings) -> Vec<(MotionValue, Settings)> {
+    let own = motion.borrow().clone();
+    let settings = own.settings.or(defaults);
+    match &own.way {
+        // What the batch as a whole cannot do, its members cannot.
+        Way::Batch(motions) if own.obstacle.is_none() => {
+            motions.iter().flat_map(|motion| members(motion, &settings)).collect()
+        }
+        _ => vec![(own, settings)],
+    }
+}
+
+fn circ(aux: TargetRef, to: TargetRef, settings: &Settings) -> Circ {
+    Circ {
+        aux,
+        to,
+        angle_rad: settings.circ_angle_rad,
+        turns_with_path: settings.turns_with_path.unwrap_or_default(),
+        aux_orientation: settings.aux_orientation.unwrap_or_default(),
+        extrapolates: false,
+    }
+}
+
+fn in_foot(frame: Frame) -> Target {
+    Target { base: Some(FOOT.to_owned()), ..Target::at(frame) }
+}
+
+fn given(target: Target) -> Destination {
+    Destination {
+        pose: target.frame.pose(),
+        e1_rad: target.e1_rad,
+        status: target.status,
+        target: TargetRef::Given(target),
+    }
+}
+
+/// The blend of a point-to-point motion: the Cartesian one, if there are several.
+fn one_blend(blending: &Blending) -> Option<Blend> {
+    blending.cart_mm.map(Blend::CartMm).or(blending.rel.map(Blend::SunriseRel))
+}
+
+/// The blend of a path.
+fn path_blend(blending: &Blending) -> Option<PathBlend> {
+    let blend = PathBlend {
+        cart_mm: blending.cart_mm,
+        orientation_rad: blending.orientation_rad,
+        sunrise_rel: blending.rel,
+        fraction: None,
+    };
+    (*blending != Blending::default()).then_some(blend)
+}

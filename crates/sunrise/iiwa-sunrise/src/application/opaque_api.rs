@@ -1,0 +1,176 @@
+//! Objects whose inside does not change what is planned: the application's data, dialogs and log, controllers, conditions,
+//! control modes.
+
+use iiwa_java::{Stop, Value};
+
+use crate::application::{
+    arguments::first_unknown,
+    platform_api::{is_platform, name_platform, platform},
+    robot_value::{Opaque, RobotValue, robot},
+    robotics::Robotics,
+    spot::Spot,
+};
+
+/// Beginnings of the names of methods that give the object itself back, if they give anything.
+const FLUENT: [&str; 9] =
+    ["set", "add", "enable", "disable", "parametrize", "with", "remove", "register", "publish"];
+
+impl Robotics<'_> {
+    /// A method of an opaque object.
+    pub(crate) fn call_opaque(
+        &mut self,
+        opaque: &std::rc::Rc<Opaque>,
+        name: &str,
+        arguments: &[Value],
+    ) -> Result<Value, Stop> {
+        match &*opaque.class {
+            "IApplicationData" => return self.call_application_data(name, arguments),
+            "IApplicationUI" => {
+                return match name {
+                    "displayModalDialog" => self.ask(arguments),
+                    name => Ok(self.call_user_interface(name)),
+                };
+            }
+            "IUserKeyBar" => return Ok(self.call_user_key_bar(name)),
+            "IUserKey" => return Ok(self.call_user_key(name)),
+            "ITaskLogger" | "IObserver" => return Ok(Value::Null),
+            "IApplicationControl" => {
+                return match (name, arguments) {
+                    ("setApplicationOverride" | "clipApplicationOverride", [share]) => {
+                        self.set_override(share)
+                    }
+                    ("getApplicationOverride" | "getEffectiveOverride", []) => {
+                        let share = self.station.speed_override.as_ref();
+                        Ok(Value::Double(share.map_or(1.0, |(share, _)| *share)))
+                    }
+                    ("pause" | "halt", []) => {
+                        self.take_given_time(
+                            "the application pauses until the operator resumes it",
+                        )?;
+                        Ok(Value::Null)
+                    }
+                    _ if name.starts_with("get") || name.starts_with("is") => {
+                        Ok(self.not_known(&format!("IApplicationControl.{name}")))
+                    }
+                    _ => Ok(Value::Null),
+                };
+            }
+            "IContext" | "Controller" => return Ok(self.call_controller(name, arguments)),
+            "IObserverManager" if name == "waitFor" => {
+                if arguments.len() > 1 {
+                    return Ok(self.ask_fired("the condition of a wait"));
+                }
+                self.note("a wait for a condition is planned as if it came true at once");
+                return Ok(Value::Null);
+            }
+            "IObserverManager" => {
+                self.note("what an observer does when its condition comes true is not evaluated");
+                return Ok(robot(RobotValue::opaque("IObserver")));
+            }
+            "ICondition" => {
+                return Ok(match name {
+                    "and" | "or" | "xor" | "invert" | "onePressed" => {
+                        robot(RobotValue::Opaque(opaque.clone()))
+                    }
+                    _ => self.unknown("a measured force"),
+                });
+            }
+            "FRISession" if name == "await" => {
+                self.note("a session of FRI is planned as if it were there at once");
+                return Ok(Value::Null);
+            }
+            "MobilePlatform" => return self.call_platform(name, arguments),
+            "PlatformMotion" => return Ok(self.call_platform_motion(name)),
+            "Thread" => {
+                return self.call_thread(opaque.task.as_ref(), name, arguments);
+            }
+            _ => {}
+        }
+        if let Some(gives) = &opaque.gives {
+            return Ok(self.unknown(gives.to_string()));
+        }
+        if FLUENT.iter().any(|begin| name.starts_with(begin)) {
+            if &*opaque.class == "LoadData" {
+                self.note(
+                    "a load that the application sets is left out: that of the template counts",
+                );
+            }
+            return Ok(robot(RobotValue::Opaque(opaque.clone())));
+        }
+        if let Some(unknown) = first_unknown(arguments) {
+            return Ok(Value::Unknown(unknown));
+        }
+        Ok(self.not_known(&format!("{}.{name}", opaque.class)))
+    }
+
+    fn call_application_data(&mut self, name: &str, arguments: &[Value]) -> Result<Value, Stop> {
+        match (name, arguments) {
+            ("getFrame" | "tryGetFrame", [Value::Text(path)]) => {
+                let path = path.to_string();
+                self.tree_frame(&path)
+            }
+            ("getFrame" | "tryGetFrame", [Value::Unknown(unknown)]) => {
+                Ok(Value::Unknown(unknown.clone()))
+            }
+            ("getProcessData", [id]) => self.process_data(id),
+            ("createFromTemplate", [template]) => self.body_of_template(template),
+            ("changeFrameTransformation" | "changeFramePosition", [frame, to]) => {
+                self.change_data_frame(frame, to)
+            }
+            _ => Ok(self.not_known(&format!("IApplicationData.{name}"))),
+        }
+    }
+
+    fn call_controller(&mut self, name: &str, arguments: &[Value]) -> Value {
+        let arm = robot(RobotValue::Robot);
+        let controller = robot(RobotValue::opaque("Controller"));
+        match (name, arguments) {
+            ("getDefaultController" | "getController", _) => controller,
+            ("getEngine" | "getPersistenceEngine" | "getDefaultPersistenceEngine", _) => {
+                robot(RobotValue::opaque("IApplicationData"))
+            }
+            ("getControllers", []) => Value::list(vec![controller]),
+            ("getDevices", []) => Value::list(vec![arm]),
+            ("getDeviceFromType" | "getDevice" | "getRobot", _) if name_platform(arguments) => {
+                platform()
+            }
+            ("getDeviceFromType" | "getDevice", [.., Value::ForeignClass(class)])
+                if !class.contains("LBR") && !class.contains("Robot") =>
+            {
+                let class = class.to_string();
+                self.unknown(format!("the device `{class}`"))
+            }
+            ("getDeviceFromType" | "getDevice" | "getRobot", _) => arm,
+            _ if FLUENT.iter().any(|begin| name.starts_with(begin)) => Value::Null,
+            _ => self.not_known(&format!("Controller.{name}")),
+        }
+    }
+
+    /// The objects of the API that an application gets by its own methods or by injection, by their class.
+    pub(crate) fn service(class: &str) -> Option<Value> {
+        let class = match class {
+            arm if is_arm(arm) => return Some(robot(RobotValue::Robot)),
+            "World" => return Some(robot(RobotValue::Spot(Spot::World))),
+            "IApplicationData" | "ApplicationData" | "IPersistenceEngine" => "IApplicationData",
+            "IApplicationUI" | "ApplicationUI" | "ITaskUI" => "IApplicationUI",
+            "ITaskLogger" | "ILogger" | "Logger" => "ITaskLogger",
+            "IApplicationControl" => "IApplicationControl",
+            "IContext" | "ApplicationContext" | "RoboticsAPIContext" => "IContext",
+            "Controller" | "SunriseController" => "Controller",
+            "IObserverManager" | "ObserverManager" => "IObserverManager",
+            class if is_platform(class) => return Some(platform()),
+            _ => return None,
+        };
+        Some(robot(RobotValue::opaque(class)))
+    }
+}
+
+/// True if a device class is the arm: `LBR` and `Robot`, and `RoboticArm` and `LBRMed7` of Sunrise.OS Med and Sunrise 2. The
+/// LBR Med has the kinematics of the LBR iiwa.
+pub(crate) fn is_arm(class: &str) -> bool {
+    /// Classes of the FRI and of redundancies begin like those of robots.
+    const OTHERS: [&str; 3] = ["LBRE1Redundancy", "LBRJointOverlay", "LBRWrenchOverlay"];
+    let is_general =
+        ["Robot", "AbstractRobot", "RobotDevice", "RoboticArm", "IRoboticArm"].contains(&class);
+    is_general || (class.starts_with("LBR") && !OTHERS.contains(&class))
+}

@@ -1,0 +1,87 @@
+//! Questions to a station: supposed answers, and the answers and states that keep loops going.
+
+use std::hash::{DefaultHasher, Hash, Hasher};
+
+use crate::QuestionKind;
+use iiwa_java::Place;
+
+use crate::application::{
+    asked::{Asked, EndlessLoop},
+    station::Station,
+};
+
+impl Station {
+    /// Hashes of the arm's position, and of outputs and process data.
+    pub(crate) fn state(&self) -> [u64; 2] {
+        let mut position = DefaultHasher::new();
+        for joint in self.at_rad {
+            joint.to_bits().hash(&mut position);
+        }
+        let mut values = DefaultHasher::new();
+        for (id, value) in self.outputs.iter().chain(&self.changed_data) {
+            id.hash(&mut values);
+            format!("{value:?}").hash(&mut values);
+        }
+        [position.finish(), values.finish()]
+    }
+
+    /// Supposes a value of the only input since `since` that has none; nothing if `value` is absent.
+    pub(crate) fn suppose(&mut self, since: usize, value: Option<bool>) -> bool {
+        self.trial = None;
+        let Some(value) = value else { return true };
+        let asked = self.asked.get(since..).unwrap_or_default();
+        let mut open = asked.iter().filter(|own| own.answer.is_none());
+        match (open.next(), open.next_back()) {
+            (Some(first), last)
+                if first.kind == QuestionKind::Input && last.is_none_or(|last| last == first) =>
+            {
+                self.trial = Some((first.subject.clone(), value));
+                true
+            }
+            _ => false,
+        }
+    }
+
+    /// Takes the supposed value from here on.
+    pub(crate) fn settle(&mut self) {
+        self.supposed.extend(self.trial.take());
+    }
+
+    /// The inputs and dialogs since `since`, with their answers.
+    pub(crate) fn answers_since(&self, since: usize) -> Option<String> {
+        let mut found: Vec<String> = Vec::new();
+        for own in self.asked.get(since..).unwrap_or_default() {
+            let Some(answer) = &own.answer else { continue };
+            let answer = match answer.parse().ok().and_then(|button: usize| own.choices.get(button))
+            {
+                Some(choice) => format!("{answer} ({choice})"),
+                None => answer.clone(),
+            };
+            let kind = match own.kind {
+                QuestionKind::Dialog => "the dialog",
+                QuestionKind::Input => "the input",
+                QuestionKind::Fired => "the condition at",
+                _ => "the value of",
+            };
+            let is_given = if own.is_given { "given as" } else { "taken as" };
+            let text = format!("{kind} `{}`, which is {is_given} {answer}", own.subject);
+            if !found.contains(&text) {
+                found.push(text);
+            }
+        }
+        (!found.is_empty()).then(|| found.join(", and "))
+    }
+
+    /// Remembers the loop without an end in which the evaluation ended.
+    pub(crate) fn ended_in_loop(&mut self, place: &Place, since: usize) {
+        let asked = self.asked.get(since..).unwrap_or_default();
+        let dialogs = asked.iter().filter(|own| own.kind == QuestionKind::Dialog);
+        let mut found: Vec<Asked> = Vec::new();
+        for own in dialogs {
+            if !found.iter().any(|known| known.subject == own.subject) {
+                found.push(own.clone());
+            }
+        }
+        self.endless = Some(EndlessLoop { place: place.clone(), dialogs: found });
+    }
+}

@@ -1,0 +1,446 @@
+//! Tools, workpieces and their frames: what they move, and what they are attached to.
+
+use std::rc::Rc;
+
+use crate::QuestionKind;
+use iiwa_java::{HostValue, Stop, Value};
+use iiwa_json::meant;
+use iiwa_program::Frame;
+
+use crate::application::{
+    arguments::robot_value,
+    body::{Body, BodyFrame},
+    frame_value::inverse,
+    missing::Missing,
+    robot_value::{LoadRef, RobotValue, robot},
+    robotics::Robotics,
+    spot::Spot,
+};
+
+/// The longest chain of attached objects: following it recursively uses stack.
+const MAX_ATTACHED: usize = 100;
+
+impl Robotics<'_> {
+    /// A method of a frame of an object, or of a tool or workpiece itself.
+    pub(crate) fn call_spot(
+        &mut self,
+        spot: Spot,
+        name: &str,
+        arguments: &[Value],
+    ) -> Result<Value, Stop> {
+        match (name, arguments) {
+            ("move" | "moveAsync", _) => self.move_by(spot, name == "moveAsync", arguments),
+            ("attachTo", [to, ..]) => self.attach(spot, to, arguments.get(1)),
+            ("detach", _) => {
+                self.detach(spot)?;
+                Ok(Value::Null)
+            }
+            ("getFrame" | "getChild" | "createFrame", [path, ..]) => self.frame_within(spot, path),
+            ("getRootFrame", []) => Ok(robot(RobotValue::Spot(match spot.body() {
+                Some(body) => Spot::Root(body),
+                None => spot,
+            }))),
+            ("getDefaultMotionFrame", []) => {
+                Ok(robot(RobotValue::Spot(self.station.default_frame(spot))))
+            }
+            ("setDefaultMotionFrame", [frame]) => {
+                if let Value::Unknown(unknown) = frame {
+                    return self.refuse_unknown("the frame that moves", unknown);
+                }
+                self.set_default_frame(spot, frame);
+                Ok(Value::Null)
+            }
+            ("getName", []) => Ok(Value::text(self.own_name(spot))),
+            ("getPath", []) => Ok(Value::text(self.station.own_path(spot))),
+            ("getParent", []) => Ok(self.parent_spot(spot)),
+            ("getChildren", []) => {
+                let children = self.children(spot).into_iter().map(RobotValue::Spot);
+                Ok(Value::list(children.map(robot).collect()))
+            }
+            ("isReadyToMove" | "isAttached", _) => {
+                let attached = self.station.in_flange(spot).is_some();
+                Ok(Value::Boolean(attached))
+            }
+            ("getLoadData", []) => Ok(match spot.body() {
+                Some(body) => robot(RobotValue::Load(LoadRef::Body(body))),
+                None => robot(RobotValue::Load(LoadRef::Own(Rc::default()))),
+            }),
+            ("addChildFrame" | "addDefaultMotionFrame" | "addFrame", _) => {
+                self.add_child(spot, name, arguments)
+            }
+            (
+                "setTransformationFromParent" | "changeTransformation" | "setTransformation",
+                [to],
+            ) => self.change_frame(spot, to),
+            _ if spot.body().is_some()
+                && (name.starts_with("grip") || name.starts_with("release")) =>
+            {
+                self.grip(name)
+            }
+            ("equals", [other]) => {
+                let other = robot_value(other);
+                Ok(Value::Boolean(
+                    other.is_some_and(|other| RobotValue::Spot(spot).is_same(&other)),
+                ))
+            }
+            ("setAdditionalParameter", _) => {
+                self.note("`setAdditionalParameter` of a frame is left out of the plan");
+                Ok(Value::Null)
+            }
+            // What else a tool is given, as the force of a gripper, is not planned.
+            _ if changes(name) && matches!(spot, Spot::Root(_)) => {
+                self.note(format!("`{name}` of a tool is left out of the plan"));
+                Ok(Value::Null)
+            }
+            _ if changes(name) => {
+                let object = self.spot_name(spot);
+                self.refuse(format!("`{name}` changes {object}, and its effect is not known"))
+            }
+            _ => match self.spot_frame(spot) {
+                Some(frame) => self.frame_method(&frame, name, arguments),
+                None => Ok(self.not_known(&format!("ObjectFrame.{name}"))),
+            },
+        }
+    }
+
+    /// Sends motions: `move(motion)` and `moveAsync(motion, ...)`.
+    pub(crate) fn move_by(
+        &mut self,
+        mover: Spot,
+        is_async: bool,
+        arguments: &[Value],
+    ) -> Result<Value, Stop> {
+        match arguments {
+            [Value::Unknown(unknown), ..] => self.refuse_unknown("this motion", unknown),
+            [Value::Null, ..] => self.throw("NullPointerException", "the motion is null"),
+            [motion, ..] => {
+                if let Some(RobotValue::Motion(motion)) = robot_value(motion) {
+                    return self.send(mover, &motion, is_async);
+                }
+                let what = motion.kind();
+                self.refuse(format!("{what} is no motion that can be planned"))
+            }
+            [] => self.throw("IllegalArgumentException", "a motion is missing"),
+        }
+    }
+
+    fn attach(&mut self, spot: Spot, to: &Value, offset: Option<&Value>) -> Result<Value, Stop> {
+        let Some(body) = spot.body() else {
+            let what = self.spot_name(spot);
+            return self
+                .refuse(format!("{what} is attached, and only tools and workpieces can be"));
+        };
+        let to = match robot_value(to) {
+            Some(RobotValue::Robot) => Spot::Flange,
+            Some(RobotValue::Spot(to)) => to,
+            _ => match to {
+                Value::Unknown(unknown) => {
+                    return self.refuse_unknown("what this tool is attached to", unknown);
+                }
+                Value::Null => return self.throw("NullPointerException", "it is attached to null"),
+                _ => {
+                    let what = to.kind();
+                    return self.refuse(format!(
+                        "a tool is attached to {what}, which is no frame of an object"
+                    ));
+                }
+            },
+        };
+        if self.station.attached_deep(to) > MAX_ATTACHED {
+            return self
+                .refuse(format!("more than {MAX_ATTACHED} things are attached to one another"));
+        }
+        if self.station.hangs_on(to, body) {
+            return self.refuse("a tool is attached to itself, by way of others or not");
+        }
+        // The frame of it that is attached lies on the other one.
+        let own = match spot {
+            Spot::Of(_, frame) => {
+                let frame = self.station.bodies.get(body).and_then(|body| body.frames.get(frame));
+                frame.map_or(Frame::default(), |frame| inverse(&frame.frame))
+            }
+            _ => Frame::default(),
+        };
+        let frame = match offset {
+            None => own,
+            Some(Value::Unknown(unknown)) => {
+                return self.refuse_unknown("how this tool is attached", unknown);
+            }
+            Some(offset) => match robot_value(offset) {
+                Some(RobotValue::Transformation(offset)) => {
+                    crate::application::frame_value::then(&offset, &own)
+                }
+                _ => return self.refuse("how this tool is attached is not known"),
+            },
+        };
+        if let Some(body) = self.station.bodies.get_mut(body) {
+            body.attached = Some((to, frame));
+        }
+        let missing = self.station.bodies.get(body).filter(|body| body.missing.is_some());
+        if let Some(name) = missing.map(|body| body.name.clone()) {
+            self.note(format!(
+                "the data file has no template `{name}`: it is planned without load"
+            ));
+        }
+        self.load_changed()?;
+        Ok(Value::Null)
+    }
+
+    fn detach(&mut self, spot: Spot) -> Result<(), Stop> {
+        let body = spot.body().and_then(|body| self.station.bodies.get_mut(body));
+        if let Some(body) = body {
+            body.attached = None;
+            self.load_changed()?;
+        }
+        Ok(())
+    }
+
+    /// A frame by its path within another, or of a tool or workpiece.
+    fn frame_within(&mut self, spot: Spot, path: &Value) -> Result<Value, Stop> {
+        let path = match path {
+            Value::Text(path) => path.to_string(),
+            Value::Unknown(unknown) => return Ok(Value::Unknown(unknown.clone())),
+            _ => return Ok(self.not_known("getFrame")),
+        };
+        let found = match spot {
+            Spot::Root(index) => {
+                let body = self.station.bodies.get(index);
+                body.and_then(|body| body.frame(&path)).map(|frame| Spot::Of(index, frame))
+            }
+            Spot::Of(index, own) => {
+                let body = self.station.bodies.get(index);
+                let above = body.and_then(|body| body.frames.get(own)).map(|own| own.path.clone());
+                let below =
+                    format!("{}/{}", above.unwrap_or_default(), path.trim_start_matches('/'));
+                body.and_then(|body| body.frame(&below).or_else(|| body.frame(&path)))
+                    .map(|frame| Spot::Of(index, frame))
+            }
+            Spot::Tree(index) => {
+                let above = self.station.tree.get(index).map(|own| own.path.clone());
+                let below =
+                    format!("{}/{}", above.unwrap_or_default(), path.trim_start_matches('/'));
+                self.station.tree_frame(&below).map(Spot::Tree)
+            }
+            Spot::World => return self.tree_frame(&path),
+            Spot::Flange => None,
+        };
+        if let Some(found) = found {
+            return Ok(robot(RobotValue::Spot(found)));
+        }
+        self.check_template(spot)?;
+        let missing = match spot {
+            Spot::Tree(_) => Some(Missing::Frame(format!(
+                "{}/{}",
+                self.station.own_path(spot).trim_end_matches('/'),
+                path.trim_start_matches('/')
+            ))),
+            _ => spot.body().and_then(|index| self.station.bodies.get(index)).map(|body| {
+                Missing::TemplateFrame { template: body.name.clone(), path: path.clone() }
+            }),
+        };
+        self.station.missing.replace(missing);
+        let known: Vec<String> = match spot.body().and_then(|body| self.station.bodies.get(body)) {
+            Some(body) => body.frames.iter().map(|frame| frame.path.clone()).collect(),
+            None => {
+                self.children(spot).into_iter().map(|child| self.station.own_path(child)).collect()
+            }
+        };
+        let what = self.spot_name(spot);
+        self.refuse(format!("{what} has no frame `{path}`{}", instead(&path, &known)))
+    }
+
+    /// A frame of the data file, by its path.
+    pub(crate) fn tree_frame(&mut self, path: &str) -> Result<Value, Stop> {
+        if let Some(found) = self.station.tree_frame(path) {
+            return Ok(robot(RobotValue::Spot(Spot::Tree(found))));
+        }
+        self.station.missing.replace(Some(Missing::Frame(path.to_owned())));
+        let known: Vec<String> = self.station.tree.iter().map(|frame| frame.path.clone()).collect();
+        self.refuse(format!("the data file has no frame `{path}`{}", instead(path, &known)))
+    }
+
+    /// A new tool or workpiece from a template.
+    pub(crate) fn body_of_template(&mut self, name: &Value) -> Result<Value, Stop> {
+        let name = match name {
+            Value::Text(name) => name.to_string(),
+            Value::Unknown(unknown) => {
+                return self.refuse_unknown("the name of this template", unknown);
+            }
+            _ => return self.refuse("a template is named by a string"),
+        };
+        let Some(template) = self.template(&name).or_else(|| self.given_body(&name, false)) else {
+            self.station.missing.replace(Some(Missing::Template(name.clone())));
+            let known: Vec<String> =
+                self.station.templates.iter().map(|template| template.name.clone()).collect();
+            return self.refuse(format!(
+                "the data file has no template `{name}`{}; add it there, or answer with its TCP: `[tools]`, `{name}`",
+                instead(&name, &known)
+            ));
+        };
+        let made = self.station.made(&template);
+        Ok(robot(RobotValue::Spot(Spot::Root(made))))
+    }
+
+    pub(crate) fn template(&self, name: &str) -> Option<Body> {
+        self.station.templates.iter().find(|template| template.name == name).cloned()
+    }
+
+    /// The tool or workpiece of a template that is injected: the same each time.
+    pub(crate) fn injected_body(&mut self, name: &str, is_workpiece: bool) -> Value {
+        let known = self.station.injected.get(name).copied();
+        let made = known.unwrap_or_else(|| {
+            let template = self.template(name).or_else(|| self.given_body(name, is_workpiece));
+            let template = template.unwrap_or_else(|| Body {
+                missing: Some(self.here.clone()),
+                ..Body::bare(name, is_workpiece)
+            });
+            self.station.made(&template)
+        });
+        self.station.injected.insert(name.to_owned(), made);
+        robot(RobotValue::Spot(Spot::Root(made)))
+    }
+
+    /// A tool or workpiece whose frames are given as an answer: `Name` its TCP, `Name/Frame` others.
+    fn given_body(&mut self, name: &str, is_workpiece: bool) -> Option<Body> {
+        let given = self.station.answers.tools.clone();
+        let mut body = Body::bare(name, is_workpiece);
+        for (key, frame) in given {
+            let path = if key == name {
+                body.default = Some(body.frames.len());
+                "/TCP".to_owned()
+            } else {
+                match key.strip_prefix(name) {
+                    Some(path) if path.starts_with('/') => path.to_owned(),
+                    _ => continue,
+                }
+            };
+            body.frames.push(BodyFrame { path, frame, in_programs: None, unknown: None });
+            let numbers = frame.xyz_mm.into_iter().chain(frame.abc_rad.map(f64::to_degrees));
+            let numbers: Vec<_> = numbers.map(|number| number.to_string()).collect();
+            self.record(QuestionKind::Tool, &key, Vec::new(), numbers.join(","), true);
+        }
+        (!body.frames.is_empty()).then_some(body)
+    }
+
+    /// The only tool or workpiece whose template has this class.
+    pub(crate) fn template_of_class(&self, class: &str) -> Option<&str> {
+        let has_class = |body: &&Body| {
+            let own = body.class.as_deref().map(|own| own.rsplit('.').next().unwrap_or(own));
+            own == Some(class)
+        };
+        let mut found = self.station.templates.iter().filter(has_class);
+        let only = found.next()?;
+        found.next().is_none().then_some(only.name.as_str())
+    }
+
+    fn own_name(&self, spot: Spot) -> String {
+        let path = self.station.own_path(spot);
+        path.rsplit('/').next().unwrap_or_default().to_owned()
+    }
+
+    fn parent_spot(&self, spot: Spot) -> Value {
+        let parent = match spot {
+            Spot::World => return Value::Null,
+            Spot::Flange => Spot::World,
+            Spot::Tree(index) => {
+                let parent = self.station.tree.get(index).and_then(|frame| frame.parent);
+                parent.map_or(Spot::World, Spot::Tree)
+            }
+            Spot::Of(index, _) => Spot::Root(index),
+            Spot::Root(index) => {
+                match self.station.bodies.get(index).and_then(|body| body.attached) {
+                    Some((at, _)) => at,
+                    None => return Value::Null,
+                }
+            }
+        };
+        robot(RobotValue::Spot(parent))
+    }
+
+    /// The frames that are given in one of the data file.
+    fn children(&self, spot: Spot) -> Vec<Spot> {
+        let parent = match spot {
+            Spot::World => None,
+            Spot::Tree(index) => Some(index),
+            _ => return Vec::new(),
+        };
+        let tree = self.station.tree.iter().enumerate();
+        tree.filter(|(_, frame)| frame.parent == parent)
+            .map(|(index, _)| Spot::Tree(index))
+            .collect()
+    }
+
+    /// `new Tool(name, ...)` and `new Workpiece(name, ...)`: from the template of that name, or bare.
+    pub(crate) fn new_body(&mut self, is_workpiece: bool, arguments: &[Value]) -> Value {
+        let name = match arguments.first() {
+            Some(Value::Text(name)) => name.to_string(),
+            _ => if is_workpiece { "Workpiece" } else { "Tool" }.to_owned(),
+        };
+        let body = self.template(&name).unwrap_or_else(|| Body::bare(&name, is_workpiece));
+        let mut body = body;
+        match arguments.get(1).map(robot_value) {
+            None => {}
+            Some(Some(RobotValue::Load(load))) => body.load = Some(self.load_in(&load)),
+            Some(_) if body.load.is_some() => {}
+            Some(_) => {
+                self.note(format!(
+                    "what `{name}` weighs by its constructor is left out of the plan"
+                ));
+            }
+        }
+        let made = self.station.made(&body);
+        robot(RobotValue::Spot(Spot::Root(made)))
+    }
+
+    /// Notes which frame of a tool moves if its template names none: the only one of a gripper, else the root.
+    pub(crate) fn note_default_frame(&mut self, mover: Spot) {
+        let Spot::Root(index) = mover else { return };
+        let Some(body) = self.station.bodies.get_mut(index) else { return };
+        let (None, Some(first)) = (body.default, body.frames.first()) else { return };
+        let is_plain = body.class.as_deref().is_none_or(|own| own.contains(".geometricModel."));
+        let (name, path) = (&body.name, &first.path);
+        let text = if is_plain || body.frames.len() > 1 {
+            format!("`{name}` has no default motion frame: its root moves, and none of its frames")
+        } else {
+            let text =
+                format!("`{name}` has no default motion frame: its only frame `{path}` moves");
+            body.default = Some(0);
+            text
+        };
+        self.note(text);
+    }
+
+    fn set_default_frame(&mut self, spot: Spot, frame: &Value) {
+        if let (Some(own), Some(RobotValue::Spot(frame))) = (spot.body(), robot_value(frame))
+            && let Some(body) = self.station.bodies.get_mut(own)
+        {
+            body.default = match frame {
+                Spot::Of(of, index) if of == own => Some(index),
+                _ => None,
+            };
+        }
+    }
+}
+
+/// Whether a method changes an object, by its name.
+fn changes(name: &str) -> bool {
+    let begins = |verb: &&str| name.starts_with(*verb);
+    ["set", "change", "transform", "add", "remove"].iter().any(begins)
+        && !name.starts_with("transformation")
+}
+
+/// What may be meant in place of `name`.
+fn instead(name: &str, known: &[String]) -> String {
+    /// More would hide the message.
+    const MOST: usize = 8;
+    if let Some(meant) = meant(name, known.iter().map(String::as_str)) {
+        return format!("; did you mean `{meant}`?");
+    }
+    let shown: Vec<String> = known.iter().take(MOST).map(|name| format!("`{name}`")).collect();
+    let more = if known.len() > MOST { ", ..." } else { "" };
+    match shown.len() {
+        0 => "; it has none".to_owned(),
+        1 => format!("; there is {}", shown.concat()),
+        _ => format!("; there are {}{more}", shown.join(", ")),
+    }
+}

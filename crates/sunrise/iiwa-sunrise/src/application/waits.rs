@@ -1,0 +1,144 @@
+//! Programs that wait: for a time, or for the arm.
+
+use iiwa_java::{Stop, Value};
+
+use crate::application::{
+    enum_constant::EnumConstant,
+    robot_value::{RobotValue, Sent, robot},
+    robotics::Robotics,
+};
+
+impl Robotics<'_> {
+    /// `ThreadUtil.milliSleep`, `Thread.sleep`.
+    pub(crate) fn sleep_ms(&mut self, amount: &Value) -> Result<Value, Stop> {
+        self.sleep(amount, |ms| Some(ms / 1e3))
+    }
+
+    /// A method of a constant of an enum.
+    pub(crate) fn call_constant(
+        &mut self,
+        constant: &EnumConstant,
+        name: &str,
+        arguments: &[Value],
+    ) -> Result<Value, Stop> {
+        match (name, arguments) {
+            ("name", []) => Ok(Value::text(&constant.name)),
+            ("ordinal", []) => Ok(Value::Int(constant.ordinal)),
+            ("compareTo", [other]) => Ok(match crate::application::arguments::robot_value(other) {
+                Some(RobotValue::Constant(other)) => Value::Int(constant.ordinal - other.ordinal),
+                _ => self.not_known("Enum.compareTo"),
+            }),
+            ("sleep", [amount]) => self.sleep(amount, |amount| constant.seconds(amount)),
+            (_, [amount]) if name.starts_with("to") => Ok(self.converted(constant, name, amount)),
+            ("convert", [amount, unit]) => match crate::application::arguments::robot_value(unit) {
+                Some(RobotValue::Constant(unit)) => {
+                    let name = format!("to{}", constant.name);
+                    Ok(self.converted(&unit, &name, amount))
+                }
+                _ => Ok(self.not_known("TimeUnit.convert")),
+            },
+            // The world, as it is now.
+            ("getRootFrame", []) if &*constant.class == "World" => {
+                Ok(robot(RobotValue::Spot(crate::application::spot::Spot::World)))
+            }
+            _ => Ok(self.not_known(&format!("{}.{name}", constant.class))),
+        }
+    }
+
+    /// So much of a unit of time in another, in whole ones, as `TimeUnit.SECONDS.toMillis`.
+    fn converted(&self, unit: &EnumConstant, name: &str, amount: &Value) -> Value {
+        if let Value::Unknown(unknown) = amount {
+            return Value::Unknown(unknown.clone());
+        }
+        let wanted = match name.to_ascii_lowercase().as_str() {
+            "tonanos" | "tonanoseconds" => "NANOSECONDS",
+            "tomicros" | "tomicroseconds" => "MICROSECONDS",
+            "tomillis" | "tomilliseconds" => "MILLISECONDS",
+            "toseconds" => "SECONDS",
+            "tominutes" => "MINUTES",
+            "tohours" => "HOURS",
+            _ => "DAYS",
+        };
+        let one = |unit: &EnumConstant| unit.seconds(1.0);
+        let wanted = EnumConstant::named("TimeUnit", wanted);
+        let factor = one(unit).zip(wanted.and_then(|wanted| one(&wanted)));
+        match (amount.integer(), factor) {
+            (Some(amount), Some((own, wanted))) if own >= wanted => {
+                #[expect(clippy::cast_possible_truncation, reason = "they are whole numbers")]
+                let factor = (own / wanted).round() as i64;
+                Value::Long(amount.saturating_mul(factor))
+            }
+            (Some(amount), Some((own, wanted))) => {
+                #[expect(clippy::cast_possible_truncation, reason = "they are whole numbers")]
+                let factor = (wanted / own).round() as i64;
+                Value::Long(amount / factor.max(1))
+            }
+            _ => self.not_known(&format!("TimeUnit.{name}")),
+        }
+    }
+
+    fn sleep(
+        &mut self,
+        amount: &Value,
+        seconds: impl Fn(f64) -> Option<f64>,
+    ) -> Result<Value, Stop> {
+        if let Value::Unknown(unknown) = amount {
+            return self.refuse_unknown("the time of this wait", unknown);
+        }
+        let Some(seconds) = amount.number().and_then(seconds) else {
+            return self.refuse("the time of this wait is no number of a unit of time");
+        };
+        if seconds < 0.0 {
+            return self.throw("IllegalArgumentException", "timeout value is negative");
+        }
+        // Nobody sees that nothing is waited for.
+        if seconds > 0.0 {
+            self.wait(seconds)?;
+        }
+        Ok(Value::Null)
+    }
+
+    /// A method of a motion's container.
+    pub(crate) fn call_container(&mut self, sent: Sent, name: &str) -> Result<Value, Stop> {
+        let Sent { count: sent, has_break } = sent;
+        let is_under_way =
+            self.station.schedule.is_under_way() && sent == self.station.schedule.sent();
+        match name {
+            "await" => {
+                if sent < self.station.schedule.sent() && self.station.schedule.is_under_way() {
+                    self.note("a motion is awaited while others follow it: the program is planned as if it awaited them all");
+                }
+                self.station.schedule.await_all();
+                Ok(Value::Null)
+            }
+            "isFinished" => {
+                if self.station.schedule.is_under_way() || self.station.schedule.is_holding() {
+                    self.note("a program that asks whether a motion is over is planned as if it awaited its end");
+                    self.station.schedule.await_all();
+                }
+                Ok(Value::Boolean(true))
+            }
+            "hasFired" if has_break => Ok(self.ask_fired("the break condition of a motion")),
+            "getFiredBreakConditionInfo" if has_break => {
+                Ok(match self.ask_fired("the break condition of a motion") {
+                    Value::Boolean(true) => robot(RobotValue::source(
+                        "IFiredConditionInfo",
+                        "the state of the robot when a break condition fired",
+                    )),
+                    Value::Boolean(false) => Value::Null,
+                    other => other,
+                })
+            }
+            "hasFired" | "hasError" | "isCanceled" => Ok(Value::Boolean(false)),
+            "cancel" if sent == self.station.schedule.sent() && self.station.schedule.is_holding() => {
+                self.station.schedule.end_hold();
+                Ok(Value::Null)
+            }
+            "cancel" if is_under_way => self.refuse(
+                "a motion is cancelled while it runs: where the arm stops depends on when that is; send a motion that ends there",
+            ),
+            "cancel" | "getFiredBreakConditionInfo" | "getErrorMessage" => Ok(Value::Null),
+            name => Ok(self.not_known(&format!("IMotionContainer.{name}"))),
+        }
+    }
+}
