@@ -9,6 +9,8 @@ mod bridge;
 mod bridge_opcua;
 #[cfg(feature = "ros2")]
 mod bridge_ros2;
+#[cfg(feature = "bridge")]
+mod broker_access;
 mod compare;
 #[cfg(feature = "live")]
 mod experiment;
@@ -68,7 +70,8 @@ pub(crate) use {
 };
 #[cfg(feature = "bridge")]
 pub(crate) use {
-    bridge::{Bridge, KafkaAccess, Mqtt},
+    bridge::{Bridge, Mqtt},
+    broker_access::{BrokerAccess, KafkaAccess},
     stored::{History, Replay, Stored},
 };
 #[cfg(feature = "sunrise")]

@@ -1,9 +1,9 @@
 //! How brokers are reached, and what they refuse.
 
-use std::{fs, path::PathBuf};
+use std::{fs, path::Path};
 
 use iiwa_bridge::{
-    BridgeError, Credentials,
+    BridgeError, BrokerAccess, Credentials,
     kafka::KafkaConnection,
     mqtt::{MqttConnection, MqttVersion},
     tls::TlsFiles,
@@ -17,13 +17,10 @@ pub(crate) fn kafka_connection(
     brokers: &[String],
     access: &args::KafkaAccess,
 ) -> Result<KafkaConnection, Failure> {
-    let own = (&access.certificate, &access.certificate_key);
-    let sasl = access.sasl.parse().unwrap_or_default();
-    let credentials = credentials(access.user.as_ref(), access.password_file.as_ref())?;
     Ok(KafkaConnection {
         brokers: brokers.to_vec(),
-        tls: tls(access.tls, access.authority.as_ref(), own),
-        sasl: credentials.map(|credentials| (sasl, credentials)),
+        access: broker_access(&access.shared())?,
+        sasl: access.sasl.parse().unwrap_or_default(),
     })
 }
 
@@ -37,36 +34,25 @@ pub(crate) fn mqtt_connection(mqtt: &args::Mqtt) -> Result<Option<MqttConnection
         5 => MqttVersion::V5,
         other => return Err(Failure::input(format!("--mqtt-version {other}: it is 3 or 5"))),
     };
-    let own = (&mqtt.certificate, &mqtt.certificate_key);
     Ok(Some(MqttConnection {
         host: host.trim_start_matches('[').trim_end_matches(']').to_owned(),
         port: port.parse().unwrap_or_default(),
         version,
-        tls: tls(mqtt.tls, mqtt.authority.as_ref(), own),
-        credentials: credentials(mqtt.user.as_ref(), mqtt.password_file.as_ref())?,
+        access: broker_access(&mqtt.access.shared())?,
         client_id: mqtt.client.clone(),
     }))
 }
 
-fn tls(
-    wanted: bool,
-    authority: Option<&PathBuf>,
-    own: (&Option<PathBuf>, &Option<PathBuf>),
-) -> Option<TlsFiles> {
-    let own = match own {
-        (Some(certificate), Some(key)) => Some((certificate.clone(), key.clone())),
-        _ => None,
-    };
-    let wanted = wanted || authority.is_some() || own.is_some();
-    wanted.then(|| TlsFiles { authority: authority.cloned(), own })
+fn broker_access(options: &args::BrokerAccess<'_>) -> Result<BrokerAccess, Failure> {
+    let own = options.own.map(|(certificate, key)| (certificate.clone(), key.clone()));
+    let tls = (options.tls || options.authority.is_some() || own.is_some())
+        .then(|| TlsFiles { authority: options.authority.cloned(), own });
+    let credentials = options.user.map(|(user, file)| credentials(user, file)).transpose()?;
+    Ok(BrokerAccess { tls, credentials })
 }
 
 /// The user, with the password in the first line of a file.
-pub(crate) fn credentials(
-    user: Option<&String>,
-    file: Option<&PathBuf>,
-) -> Result<Option<Credentials>, Failure> {
-    let (Some(user), Some(file)) = (user, file) else { return Ok(None) };
+pub(crate) fn credentials(user: &str, file: &Path) -> Result<Credentials, Failure> {
     let text = fs::read_to_string(file).map_err(|error| {
         Failure::input(format!("cannot read the password in {}: {error}", file.display()))
     })?;
@@ -74,7 +60,7 @@ pub(crate) fn credentials(
     if password.is_empty() {
         return Err(Failure::input(format!("the first line of {} is empty", file.display())));
     }
-    Ok(Some(Credentials { user: user.clone(), password }))
+    Ok(Credentials { user: user.to_owned(), password })
 }
 
 /// A bridge that did not start: invalid input if the options are wrong.

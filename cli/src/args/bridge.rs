@@ -7,6 +7,7 @@ use iiwa_link::security::Endpoint;
 
 use super::{
     addresses::{DriveAddress, STREAM},
+    broker_access::{KafkaAccess, MqttAccess},
     values::{at_least_0, whole},
 };
 
@@ -92,67 +93,6 @@ pub(crate) struct Kafka {
     pub(crate) compression: String,
 }
 
-/// How Kafka is reached, for all commands that do.
-#[derive(Args, Debug)]
-pub(crate) struct KafkaAccess {
-    /// What the names of topics begin with
-    #[arg(
-        id = "kafka_prefix",
-        long = "kafka-prefix",
-        value_name = "TEXT",
-        default_value = "iiwasim"
-    )]
-    pub(crate) prefix: String,
-
-    /// Use TLS, with the authorities of the system
-    #[arg(id = "kafka_tls", long = "kafka-tls")]
-    pub(crate) tls: bool,
-
-    /// Use TLS, with these authorities
-    #[arg(id = "kafka_ca", long = "kafka-ca", value_name = "FILE.pem")]
-    pub(crate) authority: Option<PathBuf>,
-
-    /// Own certificate, for brokers that ask for one
-    #[arg(
-        id = "kafka_cert",
-        long = "kafka-cert",
-        value_name = "FILE.pem",
-        requires = "kafka_cert_key"
-    )]
-    pub(crate) certificate: Option<PathBuf>,
-
-    /// Key of the own certificate
-    #[arg(
-        id = "kafka_cert_key",
-        long = "kafka-cert-key",
-        value_name = "FILE.pem",
-        requires = "kafka_cert"
-    )]
-    pub(crate) certificate_key: Option<PathBuf>,
-
-    /// User
-    #[arg(
-        id = "kafka_user",
-        long = "kafka-user",
-        value_name = "NAME",
-        requires = "kafka_password_file"
-    )]
-    pub(crate) user: Option<String>,
-
-    /// File with the user's password
-    #[arg(
-        id = "kafka_password_file",
-        long = "kafka-password-file",
-        value_name = "FILE",
-        requires = "kafka_user"
-    )]
-    pub(crate) password_file: Option<PathBuf>,
-
-    /// How the user proves to know the password; `plain` is the password itself, with TLS only, or on this machine
-    #[arg(long = "kafka-sasl", value_name = "NAME", default_value = "scram-sha-512", value_parser = ["plain", "scram-sha-256", "scram-sha-512"])]
-    pub(crate) sasl: String,
-}
-
 /// MQTT.
 #[derive(Args, Debug)]
 #[command(next_help_heading = "MQTT")]
@@ -165,15 +105,6 @@ pub(crate) struct Mqtt {
     #[arg(long = "mqtt-version", value_name = "N", default_value_t = 5, value_parser = whole::<u8, 3, 5>)]
     pub(crate) version: u8,
 
-    /// What topics begin with
-    #[arg(
-        id = "mqtt_prefix",
-        long = "mqtt-prefix",
-        value_name = "TEXT",
-        default_value = "iiwasim"
-    )]
-    pub(crate) prefix: String,
-
     /// Most messages of joints per second and robot; 0 for all
     #[arg(long = "mqtt-rate", value_name = "HZ", default_value_t = 10.0, value_parser = at_least_0)]
     pub(crate) rate: f64,
@@ -182,49 +113,8 @@ pub(crate) struct Mqtt {
     #[arg(long = "mqtt-client", value_name = "TEXT", default_value = "iiwasim")]
     pub(crate) client: String,
 
-    /// Use TLS, with the authorities of the system
-    #[arg(id = "mqtt_tls", long = "mqtt-tls")]
-    pub(crate) tls: bool,
-
-    /// Use TLS, with these authorities
-    #[arg(id = "mqtt_ca", long = "mqtt-ca", value_name = "FILE.pem")]
-    pub(crate) authority: Option<PathBuf>,
-
-    /// Own certificate, for brokers that ask for one
-    #[arg(
-        id = "mqtt_cert",
-        long = "mqtt-cert",
-        value_name = "FILE.pem",
-        requires = "mqtt_cert_key"
-    )]
-    pub(crate) certificate: Option<PathBuf>,
-
-    /// Key of the own certificate
-    #[arg(
-        id = "mqtt_cert_key",
-        long = "mqtt-cert-key",
-        value_name = "FILE.pem",
-        requires = "mqtt_cert"
-    )]
-    pub(crate) certificate_key: Option<PathBuf>,
-
-    /// User
-    #[arg(
-        id = "mqtt_user",
-        long = "mqtt-user",
-        value_name = "NAME",
-        requires = "mqtt_password_file"
-    )]
-    pub(crate) user: Option<String>,
-
-    /// File with the user's password
-    #[arg(
-        id = "mqtt_password_file",
-        long = "mqtt-password-file",
-        value_name = "FILE",
-        requires = "mqtt_user"
-    )]
-    pub(crate) password_file: Option<PathBuf>,
+    #[command(flatten)]
+    pub(crate) access: MqttAccess,
 
     /// Also be an edge node of Sparkplug B, with the robots as devices, in this group
     #[arg(long, value_name = "GROUP", num_args = 0..=1, require_equals = true, default_missing_value = "iiwasim", requires = "broker")]

@@ -131,12 +131,12 @@ fn kafka(options: &args::Bridge, spool: &Path) -> Result<Option<KafkaOptions>, F
 fn mqtt(options: &args::Bridge, spool: &Path) -> Result<Option<MqttOptions>, Failure> {
     let mqtt = &options.mqtt;
     let Some(connection) = mqtt_connection(mqtt)? else { return Ok(None) };
-    if mqtt.prefix.is_empty() || mqtt.prefix.contains(['+', '#']) {
+    if mqtt.access.prefix.is_empty() || mqtt.access.prefix.contains(['+', '#']) {
         return Err(Failure::input("--mqtt-prefix is empty, or has + or #".to_owned()));
     }
     Ok(Some(MqttOptions {
         connection,
-        prefix: mqtt.prefix.clone(),
+        prefix: mqtt.access.prefix.clone(),
         rate_hz: rate(mqtt),
         joints: options.joints.parse().unwrap_or_default(),
         spool: spool.join("mqtt"),

@@ -21,7 +21,8 @@ pub(crate) fn start(
         (robot.name().to_owned(), BridgedArm { model: model.clone(), load: None })
     };
     let beside_the_spool = || default_spool().with_file_name("opcua");
-    let user = credentials(options.user.as_ref(), options.password_file.as_ref())?;
+    let user = options.user.as_ref().zip(options.password_file.as_ref());
+    let user = user.map(|(user, file)| credentials(user, file)).transpose()?;
     let own = OpcUaOptions {
         listen,
         host: options.host.clone(),

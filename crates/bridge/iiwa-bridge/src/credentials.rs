@@ -1,8 +1,21 @@
-//! Names and passwords for brokers.
+//! How a broker is reached safely: TLS, and a name with a password.
 
 use std::fmt;
 #[cfg(any(feature = "tls", test))]
 use std::net::IpAddr;
+
+#[cfg(feature = "tls")]
+use crate::tls::TlsFiles;
+
+/// What it takes to be let in by a broker.
+#[cfg(feature = "tls")]
+#[derive(Clone, Debug, Default)]
+pub struct BrokerAccess {
+    /// TLS, if the broker has it.
+    pub tls: Option<TlsFiles>,
+    /// The user, if the broker asks for one.
+    pub credentials: Option<Credentials>,
+}
 
 /// A user of a broker.
 #[derive(Clone)]

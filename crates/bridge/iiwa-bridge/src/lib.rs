@@ -38,6 +38,8 @@ pub mod tls;
 mod trouble;
 
 pub use bridge::{Bridge, BridgeOptions, default_spool};
+#[cfg(feature = "tls")]
+pub use credentials::BrokerAccess;
 pub use credentials::Credentials;
 pub use error::BridgeError;
 pub use message::{Content, Kind, Message, Timestamp};

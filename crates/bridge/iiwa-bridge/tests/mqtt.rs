@@ -13,7 +13,7 @@ use std::{
 
 use bytes::BytesMut;
 use iiwa_bridge::{
-    BridgedRobot, Timestamp,
+    BridgedRobot, BrokerAccess, Timestamp,
     commands::CommandGate,
     encoding::JointFormat,
     mqtt::{Mqtt, MqttConnection, MqttOptions, MqttVersion},
@@ -133,8 +133,7 @@ impl Rig {
                 host: "127.0.0.1".to_owned(),
                 port: listener.local_addr().unwrap().port(),
                 version: MqttVersion::V5,
-                tls: None,
-                credentials: None,
+                access: BrokerAccess::default(),
                 client_id: "bridge".to_owned(),
             },
             prefix: "plant".to_owned(),

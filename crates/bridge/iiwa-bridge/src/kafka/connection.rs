@@ -13,7 +13,7 @@ use tokio::time::{Instant, sleep, timeout};
 
 use crate::{
     BridgeError,
-    credentials::{Credentials, is_this_machine},
+    credentials::{BrokerAccess, Credentials, is_this_machine},
     tls::TlsFiles,
 };
 
@@ -22,10 +22,10 @@ use crate::{
 pub struct KafkaConnection {
     /// Addresses to begin with, as `HOST:PORT`.
     pub brokers: Vec<String>,
-    /// TLS, if the brokers have it.
-    pub tls: Option<TlsFiles>,
-    /// The user, if the brokers ask for one.
-    pub sasl: Option<(Sasl, Credentials)>,
+    /// TLS, and the user.
+    pub access: BrokerAccess,
+    /// How the user proves to be who he is.
+    pub sasl: Sasl,
 }
 
 /// How a user proves to be who he is.
@@ -70,17 +70,18 @@ impl KafkaConnection {
     /// Reads certificates, and checks the settings.
     pub(super) fn connector(&self) -> Result<KafkaConnector, BridgeError> {
         let far = self.brokers.iter().find(|broker| !is_this_machine(broker));
-        let is_open = self.tls.is_none();
-        if let (Some((Sasl::Plain, _)), Some(broker), true) = (&self.sasl, far, is_open) {
+        let BrokerAccess { tls, credentials } = &self.access;
+        let is_plain = self.sasl == Sasl::Plain && tls.is_none();
+        if let (Some(_), Some(broker), true) = (credentials, far, is_plain) {
             let what = format!(
                 "{broker} is on another machine, and the password would be sent in the clear: use TLS, or SCRAM"
             );
             return Err(BridgeError::Settings { what });
         }
-        let tls = self.tls.as_ref().map(TlsFiles::config).transpose()?;
-        let sasl = self.sasl.as_ref().map(|(how, Credentials { user, password })| {
+        let tls = tls.as_ref().map(TlsFiles::config).transpose()?;
+        let sasl = credentials.as_ref().map(|Credentials { user, password }| {
             let credentials = KafkaCredentials::new(user.clone(), password.clone());
-            match how {
+            match self.sasl {
                 Sasl::Plain => SaslConfig::Plain(credentials),
                 Sasl::ScramSha256 => SaslConfig::ScramSha256(credentials),
                 Sasl::ScramSha512 => SaslConfig::ScramSha512(credentials),

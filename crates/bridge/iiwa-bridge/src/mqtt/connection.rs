@@ -17,7 +17,7 @@ use tokio::{sync::mpsc, task::JoinHandle, time::timeout};
 
 use crate::{
     BridgeError,
-    credentials::{Credentials, is_this_machine},
+    credentials::{BrokerAccess, Credentials, is_this_machine},
     tls::TlsFiles,
 };
 
@@ -30,10 +30,8 @@ pub struct MqttConnection {
     pub port: u16,
     /// The version of the protocol.
     pub version: MqttVersion,
-    /// TLS, if the broker has it.
-    pub tls: Option<TlsFiles>,
-    /// The user, if the broker asks for one.
-    pub credentials: Option<Credentials>,
+    /// TLS, and the user.
+    pub access: BrokerAccess,
     /// What the names of connections begin with; brokers end a connection when another one has its name.
     pub client_id: String,
 }
@@ -69,13 +67,13 @@ impl MqttConnection {
     /// Reads certificates, and checks the settings.
     pub(super) fn connector(&self) -> Result<MqttConnector, BridgeError> {
         let at = format!("{}:{}", self.host, self.port);
-        if self.credentials.is_some() && self.tls.is_none() && !is_this_machine(&at) {
+        if self.access.credentials.is_some() && self.access.tls.is_none() && !is_this_machine(&at) {
             let what = format!(
                 "{at} is on another machine, and the password would be sent in the clear: use TLS"
             );
             return Err(BridgeError::Settings { what });
         }
-        let tls = self.tls.as_ref().map(TlsFiles::config).transpose()?;
+        let tls = self.access.tls.as_ref().map(TlsFiles::config).transpose()?;
         Ok(MqttConnector { settings: self.clone(), tls })
     }
 }
@@ -102,7 +100,7 @@ impl MqttConnector {
 
     /// Begins a connection; [`Connection::next`] says when it is there.
     pub(super) fn open(&self, name: &str, will: Option<Will>) -> Connection {
-        let MqttConnection { host, port, credentials, client_id, version, .. } = &self.settings;
+        let MqttConnection { host, port, access, client_id, version } = &self.settings;
         let id = format!("{client_id}-{name}");
         let tls = || self.tls.clone().map(|tls| Transport::Tls(TlsConfiguration::Rustls(tls)));
         let (arrived, incoming) = Arrivals::new();
@@ -113,7 +111,7 @@ impl MqttConnector {
                 let most = MAX_PACKET_BYTES as usize;
                 options.set_max_packet_size(most, most);
                 tls().map(|transport| options.set_transport(transport));
-                if let Some(Credentials { user, password }) = credentials {
+                if let Some(Credentials { user, password }) = &access.credentials {
                     options.set_credentials(user, password);
                 }
                 if let Some(Will { topic, payload, retain }) = will {
@@ -136,7 +134,7 @@ impl MqttConnector {
                 options.set_keep_alive(KEEP_ALIVE).set_clean_start(true);
                 options.set_max_packet_size(Some(MAX_PACKET_BYTES));
                 tls().map(|transport| options.set_transport(transport));
-                if let Some(Credentials { user, password }) = credentials {
+                if let Some(Credentials { user, password }) = &access.credentials {
                     options.set_credentials(user, password);
                 }
                 if let Some(Will { topic, payload, retain }) = will {
