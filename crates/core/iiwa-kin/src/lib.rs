@@ -25,6 +25,7 @@ mod dynamics_batch;
 mod forward;
 mod forward_moving;
 mod friction;
+pub mod hermite;
 mod inertials;
 mod inverse;
 mod inverse_point;

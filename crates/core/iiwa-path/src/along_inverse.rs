@@ -2,6 +2,8 @@
 
 use std::sync::OnceLock;
 
+use iiwa_kin::hermite;
+
 use crate::continuity::{Continuity, Polynomial};
 
 /// Intervals of the table. With cubics in between, a start is 1e-8 off at most: one step of Newton's method
@@ -42,10 +44,8 @@ fn interpolated(table: &Table, sigma: f64) -> f64 {
     let index = (place as usize).min(INTERVALS - 1);
     let f = place - index as f64;
     let [[a, da], [b, db]] = [table[index], table[index + 1]];
-    // Hermite's cubic.
     let h = 2.0 / INTERVALS as f64;
-    let (da, db, rise) = (da * h, db * h, b - a);
-    a + f * (da + f * (3.0 * rise - 2.0 * da - db + f * (da + db - 2.0 * rise)))
+    hermite::value(&hermite::cubic([a, da * h], [b, db * h]), f)
 }
 
 /// One step of Newton's method.

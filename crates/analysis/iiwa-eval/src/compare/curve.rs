@@ -1,7 +1,7 @@
 //! The planned path as a curve through the nodes of its trajectory.
 
 use iiwa_kin::{
-    Joints,
+    Joints, hermite,
     vector::{add_scaled, dot, norm, scale, sub},
 };
 use iiwa_log::PlanNode;
@@ -189,39 +189,26 @@ impl Curve {
     }
 }
 
-/// A polynomial over 0..=1.
-struct Polynomial {
-    /// Coefficients from that of x on, after the value at 0.
-    start: f64,
-    c: [f64; 5],
-}
+/// A polynomial over 0..=1, the lowest power first.
+struct Polynomial([f64; 6]);
 
 impl Polynomial {
     /// The one that meets positions, velocities and, if it is smooth, accelerations at both ends.
     fn new(a: [f64; 3], b: [f64; 3], h: f64, smooth: bool) -> Self {
-        let (rise, m0, m1) = (b[0] - a[0], h * a[1], h * b[1]);
-        let c = if smooth {
-            let (k0, k1) = (0.5 * h * h * a[2], 0.5 * h * h * b[2]);
-            // What constant acceleration would miss at the end.
-            let (way, slope, bend) = (rise - m0 - k0, m1 - m0 - 2.0 * k0, k1 - k0);
-            let cubic = 10.0 * way - 4.0 * slope + bend;
-            let quartic = -15.0 * way + 7.0 * slope - 2.0 * bend;
-            let quintic = 6.0 * way - 3.0 * slope + bend;
-            [m0, k0, cubic, quartic, quintic]
-        } else {
-            [m0, 3.0 * rise - 2.0 * m0 - m1, m0 + m1 - 2.0 * rise, 0.0, 0.0]
-        };
-        Self { start: a[0], c }
+        let [a, b] = [a, b].map(|[q, dq, ddq]| [q, h * dq, h * h * ddq]);
+        if smooth {
+            return Self(hermite::quintic(a, b));
+        }
+        let [c0, c1, c2, c3] = hermite::cubic([a[0], a[1]], [b[0], b[1]]);
+        Self([c0, c1, c2, c3, 0.0, 0.0])
     }
 
     fn at(&self, x: f64) -> f64 {
-        let [c1, c2, c3, c4, c5] = self.c;
-        self.start + x * (c1 + x * (c2 + x * (c3 + x * (c4 + x * c5))))
+        hermite::value(&self.0, x)
     }
 
     fn slope(&self, x: f64) -> f64 {
-        let [c1, c2, c3, c4, c5] = self.c;
-        c1 + x * (2.0 * c2 + x * (3.0 * c3 + x * (4.0 * c4 + x * 5.0 * c5)))
+        hermite::slope(&self.0, x)
     }
 
     /// Where it has a value between those at its ends: Newton's method, kept in a bracket.

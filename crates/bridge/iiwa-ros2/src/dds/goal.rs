@@ -1,6 +1,6 @@
 //! Goals of `FollowJointTrajectory`: what they say, and the motion between their points.
 
-use iiwa_kin::Joints;
+use iiwa_kin::{Joints, hermite};
 use iiwa_link::{MAX_STEP_S, TimedJoints};
 
 use super::{
@@ -171,31 +171,17 @@ fn between(a: &Point, b: &Point, share: f64) -> (f64, Joints) {
     let t_s = a.t_s + share * h;
     let q = match (a.dq.zip(b.dq), a.ddq.zip(b.ddq)) {
         (Some((va, vb)), Some((aa, ab))) => std::array::from_fn(|j| {
-            quintic([a.q[j], va[j] * h, aa[j] * h * h], [b.q[j], vb[j] * h, ab[j] * h * h], share)
+            let ends = [[a.q[j], va[j], aa[j]], [b.q[j], vb[j], ab[j]]];
+            let [start, end] = ends.map(|[q, dq, ddq]| [q, dq * h, ddq * h * h]);
+            hermite::value(&hermite::quintic(start, end), share)
         }),
-        (Some((va, vb)), None) => {
-            std::array::from_fn(|j| cubic([a.q[j], va[j] * h], [b.q[j], vb[j] * h], share))
-        }
+        (Some((va, vb)), None) => std::array::from_fn(|j| {
+            let c = hermite::cubic([a.q[j], va[j] * h], [b.q[j], vb[j] * h]);
+            hermite::value(&c, share)
+        }),
         (None, _) => std::array::from_fn(|j| a.q[j] + share * (b.q[j] - a.q[j])),
     };
     (t_s, q)
-}
-
-/// The cubic with these values and slopes at 0 and at 1.
-fn cubic([a, da]: [f64; 2], [b, db]: [f64; 2], x: f64) -> f64 {
-    let rise = b - a;
-    a + x * (da + x * ((3.0 * rise - 2.0 * da - db) + x * (da + db - 2.0 * rise)))
-}
-
-/// The quintic with these values, slopes and second derivatives at 0 and at 1.
-fn quintic([a, da, dda]: [f64; 3], [b, db, ddb]: [f64; 3], x: f64) -> f64 {
-    let rise = b - a - da - 0.5 * dda;
-    let slope = db - da - dda;
-    let bend = ddb - dda;
-    let c3 = 10.0 * rise - 4.0 * slope + 0.5 * bend;
-    let c4 = -15.0 * rise + 7.0 * slope - bend;
-    let c5 = 6.0 * rise - 3.0 * slope + 0.5 * bend;
-    a + x * (da + x * (0.5 * dda + x * (c3 + x * (c4 + x * c5))))
 }
 
 #[cfg(test)]
@@ -290,20 +276,6 @@ mod tests {
         // Alone at the start, it is a rest.
         let motion = read(&message(&[(0.0, 0.2)])).unwrap().motion(&[0.2; 7]);
         assert_eq!(motion.joints_rad, [[0.2; 7]; 2]);
-    }
-
-    #[test]
-    fn polynomials_meet_both_ends() {
-        // x^5 and its derivatives, and x^3.
-        for x in [0.0_f64, 0.2, 0.7, 1.0] {
-            assert!((quintic([0.0; 3], [1.0, 5.0, 20.0], x) - x.powi(5)).abs() < 1e-12);
-            assert!(
-                (quintic([1.0, 2.0, 6.0], [6.0, 8.0, 6.0], x) - (1.0 + 2.0 * x + 3.0 * x * x))
-                    .abs()
-                    < 1e-12
-            );
-            assert!((cubic([0.0, 0.0], [1.0, 3.0], x) - x.powi(3)).abs() < 1e-12);
-        }
     }
 
     #[test]

@@ -1,6 +1,6 @@
 //! Quintic Hermite polynomials between two knots.
 
-use iiwa_kin::Taylor;
+use iiwa_kin::{Taylor, hermite};
 
 /// First and second derivative of a vector by a length or an angle.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -27,17 +27,11 @@ impl<const N: usize> Quintic<N> {
     pub(crate) fn hermite(values: [&[f64; N]; 2], rates: [&Rates<N>; 2], length: f64) -> Self {
         let mut powers = [[0.0; N]; 6];
         for i in 0..N {
-            let [v0, v1] = rates.map(|rates| length * rates.first[i]);
-            let [a0, a1] = rates.map(|rates| length * length * rates.second[i]);
-            let by = values[1][i] - values[0][i];
-            let column = [
-                values[0][i],
-                v0,
-                0.5 * a0,
-                10.0 * by - 6.0 * v0 - 4.0 * v1 - 1.5 * a0 + 0.5 * a1,
-                -15.0 * by + 8.0 * v0 + 7.0 * v1 + 1.5 * a0 - a1,
-                6.0 * by - 3.0 * (v0 + v1) + 0.5 * (a1 - a0),
-            ];
+            let end = |k: usize| {
+                let Rates { first, second } = rates[k];
+                [values[k][i], length * first[i], length * length * second[i]]
+            };
+            let column = hermite::quintic(end(0), end(1));
             for (power, value) in powers.iter_mut().zip(column) {
                 power[i] = value;
             }
