@@ -27,6 +27,7 @@ mod torques;
 
 use iiwa_log::JointLog;
 use iiwa_program::{MotionIndex, MotionType};
+use iiwa_traj::PieceKind;
 
 use iiwa_kin::vector::{self, add_scaled, norm, sub};
 
@@ -36,7 +37,7 @@ use deviation::Deviations;
 use edge::{Edge, Side, Stop};
 use follow::Followed;
 use line::Line;
-use plan::{Leg, Piece, PieceKind};
+use plan::{Leg, Piece};
 
 pub use deviation::{Deviation, Location, TracePoint};
 pub use error::CompareError;
@@ -392,9 +393,8 @@ impl Timing {
         let row = |pieces: &[Piece]| {
             let (start, end) = (&pieces[0], &pieces[pieces.len() - 1]);
             let planned_start_s = start.start_s;
-            let planned_end_s =
-                if end.kind == PieceKind::Settles { end.start_s } else { end.end_s };
-            let waits = start.kind == PieceKind::Waits;
+            let planned_end_s = if end.kind == PieceKind::Settle { end.start_s } else { end.end_s };
+            let waits = start.kind == PieceKind::Wait;
             // Before the first departure and after the last arrival standing is not told apart from
             // what is not part of the program.
             let seen = !waits || (planned_start_s >= first && planned_end_s < last);
@@ -527,7 +527,7 @@ impl<'a> Finder<'a> {
     /// When the arm passes the places within legs at which another motion begins.
     fn passes(&self) -> Vec<(f64, Option<f64>)> {
         let begins = |pair: &&[Piece]| {
-            let moves = pair.iter().all(|piece| piece.kind == PieceKind::Moves);
+            let moves = pair.iter().all(|piece| piece.kind.moves());
             moves && pair[0].motion != pair[1].motion
         };
         let pairs = self.plan.pieces.windows(2).filter(begins);

@@ -75,6 +75,15 @@ pub enum PieceKind {
 }
 
 impl PieceKind {
+    const ALL: [Self; 7] =
+        [Self::Line, Self::Lin, Self::Circ, Self::Spline, Self::Blend, Self::Settle, Self::Wait];
+
+    /// The kind of this name in files.
+    #[must_use]
+    pub fn named(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|kind| kind.name() == name)
+    }
+
     /// Its name in files: `line`, `lin`, `circ`, `spline`, `blend`, `settle` or `wait`.
     #[must_use]
     pub fn name(self) -> &'static str {

@@ -5,7 +5,8 @@ use std::io::Read;
 
 use iiwa_kin::{Joints, Robot};
 use iiwa_plan::PlanFigures;
-use serde::Serialize;
+use iiwa_traj::PieceKind;
+use serde::{Serialize, Serializer};
 use serde_json::Value;
 
 use crate::plan_metadata::to_json;
@@ -25,6 +26,8 @@ pub struct PlanRecord {
     pub pieces: Vec<PlanPiece>,
     /// The program, JSON.
     pub program: Option<String>,
+    /// A kind of pieces that is not known here.
+    unknown_kind: Option<String>,
     metadata: BTreeMap<String, String>,
     profile: Option<String>,
 }
@@ -47,8 +50,9 @@ pub struct PlanNode {
 pub struct PlanPiece {
     /// The motion of the program, from 1.
     pub motion: u32,
-    /// `line`, `lin`, `circ`, `spline`, `blend`, `settle` or `wait`.
-    pub kind: String,
+    /// What the arm does.
+    #[serde(serialize_with = "name")]
+    pub kind: PieceKind,
     /// When it starts, in s.
     pub start_s: f64,
     /// When it ends, in s.
@@ -58,6 +62,10 @@ pub struct PlanPiece {
     /// Which of its limits: `velocity`, `acceleration` or `jerk`, after `cart_` or `orientation_` if it is one of the
     /// TCP; empty where nothing moves.
     pub limit: String,
+}
+
+fn name<S: Serializer>(kind: &PieceKind, serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.serialize_str(kind.name())
 }
 
 /// Why a file is not a whole plan.
@@ -132,9 +140,13 @@ impl PlanRecord {
                 if let Some(before) = self.pieces.last_mut() {
                     before.end_s = sample.t_s;
                 }
+                let Some(kind) = PieceKind::named(&sample.motion.kind) else {
+                    self.unknown_kind = Some(sample.motion.kind.into_owned());
+                    return;
+                };
                 self.pieces.push(PlanPiece {
                     motion: sample.motion.index,
-                    kind: sample.motion.kind.into_owned(),
+                    kind,
                     start_s: sample.t_s,
                     end_s: sample.t_s,
                     joint: sample.motion.limiting_joint,
@@ -171,6 +183,9 @@ impl PlanRecord {
         }
         if let Some(pair) = self.nodes.windows(2).find(|pair| pair[1].t_s <= pair[0].t_s) {
             return damaged(format!("time does not increase after {:.3} s", pair[0].t_s));
+        }
+        if let Some(kind) = &self.unknown_kind {
+            return damaged(format!("a piece of the unknown kind `{kind}`"));
         }
         if self.pieces.is_empty() {
             return Err(PlanRecordError::Missing { what: "/motion" });

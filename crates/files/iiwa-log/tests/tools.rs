@@ -74,7 +74,7 @@ fn figures_of_the_tcp_read_back() {
     assert_eq!((&circ["type"], &circ["status"]), (&"circ".into(), &2.into()));
     assert!((circ["tcp_speed_peak_mm_s"].as_f64().unwrap() - 300.0).abs() < 0.01);
     assert_eq!(circ["singularity"]["axis"], "shoulder");
-    let kinds: Vec<_> = record.pieces.iter().map(|piece| &*piece.kind).collect();
+    let kinds: Vec<_> = record.pieces.iter().map(|piece| piece.kind.name()).collect();
     assert!(kinds.contains(&"lin") && kinds.contains(&"circ") && kinds.contains(&"blend"));
 }
 

@@ -5,7 +5,7 @@ use std::io::Read;
 use iiwa_kin::{Dynamics, Joints, Load, Mount, Robot};
 use iiwa_log::{PlanNode, PlanPiece, PlanRecord, PlanRecordError};
 use iiwa_program::{MotionIndex, MotionType, Program};
-use iiwa_traj::Trajectory;
+use iiwa_traj::{PieceKind, Trajectory};
 
 use super::curve::Curve;
 
@@ -31,29 +31,6 @@ pub(crate) struct Piece {
     pub(crate) end_s: f64,
 }
 
-/// What the arm does in a piece.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum PieceKind {
-    Moves,
-    Settles,
-    Waits,
-}
-
-impl PieceKind {
-    fn from_name(name: &str) -> Option<Self> {
-        match name {
-            "line" | "lin" | "circ" | "spline" | "blend" => Some(Self::Moves),
-            "settle" => Some(Self::Settles),
-            "wait" => Some(Self::Waits),
-            _ => None,
-        }
-    }
-
-    fn moves(self) -> bool {
-        self == Self::Moves
-    }
-}
-
 /// A part of a plan from one stop to the next.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Leg {
@@ -75,13 +52,11 @@ impl Plan {
         let pieces = trajectory.sections().iter().flat_map(iiwa_traj::Section::pieces);
         let pieces = pieces
             .filter(|piece| piece.end_s > piece.start_s)
-            .filter_map(|piece| {
-                Some(Piece {
-                    motion: piece.motion,
-                    kind: PieceKind::from_name(piece.kind.name())?,
-                    start_s: piece.start_s,
-                    end_s: piece.end_s,
-                })
+            .map(|piece| Piece {
+                motion: piece.motion,
+                kind: piece.kind,
+                start_s: piece.start_s,
+                end_s: piece.end_s,
             })
             .collect();
         let path = trajectory.path();
@@ -118,11 +93,7 @@ impl Plan {
             }
         };
         let piece = |piece: &PlanPiece| {
-            let kind = PieceKind::from_name(&piece.kind).ok_or_else(|| {
-                let what = format!("a piece of the unknown kind `{}`", piece.kind);
-                PlanRecordError::Damaged { what }
-            })?;
-            let &PlanPiece { motion, start_s, end_s, .. } = piece;
+            let &PlanPiece { motion, kind, start_s, end_s, .. } = piece;
             let motion = MotionIndex::from_number(motion as usize).ok_or_else(|| {
                 PlanRecordError::Damaged {
                     what: "a piece of motion 0; motions count from 1".to_owned(),

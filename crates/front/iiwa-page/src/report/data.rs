@@ -12,6 +12,7 @@ use iiwa_log::{LogOptions, Loss, PlanPiece};
 use iiwa_program::{Blend, LimitKind, Motion, Program};
 use iiwa_report::{ComparisonReport, with_causes};
 use iiwa_scene::{ArmInScene, ArmMeshes, Scene};
+use iiwa_traj::PieceKind;
 use serde::Serialize;
 use serde_json::Value;
 
@@ -394,7 +395,7 @@ fn comparison(first: &Source, second: &Source, robot: &Robot) -> Result<(Compare
         .map_err(|error| not(with_causes(&error)))?;
     let comparison: Comparison = iiwa_eval::compare(&plan, &second.log)
         .map_err(|error| not(format!("{}: {}", second.name, with_causes(&error))))?;
-    let moves = |piece: &&PlanPiece| !matches!(&*piece.kind, "settle" | "wait");
+    let moves = |piece: &&PlanPiece| piece.kind.moves();
     let start_s = first.record.pieces.iter().find(moves).map_or(0.0, |piece| piece.start_s);
     let names = [Path::new(&first.name), Path::new(&second.name)];
     let compared = Compared {
@@ -441,7 +442,7 @@ fn corners(pieces: &[PlanPiece], program: Option<&Program>, robot: &Robot) -> Ve
     let Some(program) = program else { return Vec::new() };
     let blended: BTreeSet<usize> = pieces
         .iter()
-        .filter(|piece| piece.kind == "blend")
+        .filter(|piece| piece.kind == PieceKind::Blend)
         .map(|piece| piece.motion as usize)
         .collect();
     let corner = |(index, motion): (usize, &Motion)| {
