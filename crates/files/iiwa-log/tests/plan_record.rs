@@ -65,7 +65,7 @@ fn everything_is_read_back() {
         assert_eq!(record.pieces.len(), pieces.len());
         for (read, piece) in record.pieces.iter().zip(&pieces) {
             assert_eq!(
-                (read.motion as usize, &*read.kind),
+                (read.motion as usize, read.kind.name()),
                 (piece.motion.number(), piece.kind.name())
             );
             assert!((read.start_s - piece.start_s).abs() < 1e-9);
