@@ -47,10 +47,26 @@ def output(*command):
 
 def build(target, glibc):
     """The program, and the library for C beside it."""
-    command = ["cargo", "zigbuild" if glibc else "build", "--release", "--locked", "--features", "iiwasim/full"]
-    command += ["-p", "iiwasim", "-p", "iiwa-c", "--target", f"{target}.{glibc}" if glibc else target]
+    command = [
+        "cargo",
+        "zigbuild" if glibc else "build",
+        "--release",
+        "--locked",
+        "--features",
+        "iiwasim/full",
+    ]
+    command += [
+        "-p",
+        "iiwasim",
+        "-p",
+        "iiwa-c",
+        "--target",
+        f"{target}.{glibc}" if glibc else target,
+    ]
     subprocess.run(command, cwd=ROOT, check=True)
-    return ROOT / "target" / target / "release" / ("iiwasim.exe" if "windows" in target else "iiwasim")
+    return (
+        ROOT / "target" / target / "release" / ("iiwasim.exe" if "windows" in target else "iiwasim")
+    )
 
 
 def build_wheel(target, glibc):
@@ -67,7 +83,11 @@ def build_wheel(target, glibc):
 
 def crates(target):
     """Packages of others that the program has in it."""
-    metadata = json.loads(output("cargo", "metadata", "--format-version", "1", "--locked", "--filter-platform", target))
+    metadata = json.loads(
+        output(
+            "cargo", "metadata", "--format-version", "1", "--locked", "--filter-platform", target
+        )
+    )
     packages = {package["id"]: package for package in metadata["packages"]}
     # One line a package: metadata alone has no features of one program.
     tree = output(
@@ -87,7 +107,9 @@ def crates(target):
         "{p}",
     )
     wanted = {tuple(line.split()[:2]) for line in tree.splitlines() if line.strip()}
-    found = [p for p in packages.values() if (p["name"], f"v{p['version']}") in wanted and p["source"]]
+    found = [
+        p for p in packages.values() if (p["name"], f"v{p['version']}") in wanted and p["source"]
+    ]
     return sorted(found, key=lambda package: (package["name"], package["version"]))
 
 
@@ -97,11 +119,16 @@ def third_party(target):
     for package in crates(target):
         name = f"{package['name']} {package['version']} ({package['license'] or 'see its text'})"
         folder = Path(package["manifest_path"]).parent
-        files = [f for f in sorted(folder.rglob("*")) if f.is_file() and f.name.lower().startswith(LICENCE_FILES)]
+        files = [
+            f
+            for f in sorted(folder.rglob("*"))
+            if f.is_file() and f.name.lower().startswith(LICENCE_FILES)
+        ]
         files = [
             f
             for f in files
-            if f.suffix.lower() in ("", ".md", ".txt", ".mit", ".apache") or "license-" in f.name.lower()
+            if f.suffix.lower() in ("", ".md", ".txt", ".mit", ".apache")
+            or "license-" in f.name.lower()
         ]
         for file in files:
             text = file.read_text(encoding="utf-8", errors="replace").strip().replace("\r\n", "\n")
@@ -112,7 +139,11 @@ def third_party(target):
     for text, names in sorted(texts.items(), key=lambda entry: sorted(set(entry[1]))):
         lines += ["=" * 78, *sorted(set(names)), "=" * 78, "", text, ""]
     if without:
-        lines += ["=" * 78, "Packages without a text of their own; their licences are among those above:", *without]
+        lines += [
+            "=" * 78,
+            "Packages without a text of their own; their licences are among those above:",
+            *without,
+        ]
     return "\n".join(lines) + "\n"
 
 
@@ -121,7 +152,9 @@ def runs_here(target):
 
 
 def host():
-    return next(line.split()[1] for line in output("rustc", "-vV").splitlines() if line.startswith("host:"))
+    return next(
+        line.split()[1] for line in output("rustc", "-vV").splitlines() if line.startswith("host:")
+    )
 
 
 def collect(folder, binary, target):
@@ -151,7 +184,9 @@ def collect(folder, binary, target):
     completions = folder / "completions"
     completions.mkdir()
     for shell, name in SHELLS.items():
-        text = subprocess.run([program, "completions", shell], check=True, capture_output=True).stdout
+        text = subprocess.run(
+            [program, "completions", shell], check=True, capture_output=True
+        ).stdout
         (completions / name).write_bytes(text)
     subprocess.run([program, "man", folder / "man"], check=True, stdout=subprocess.DEVNULL)
 
@@ -161,7 +196,10 @@ def collect_c(folder, built, target):
     names = next(names for system, names in C_LIBRARIES.items() if system in target)
     crate = ROOT / "crates/front/iiwa-c"
     files = {built / name: f"lib/{name}" for name in names}
-    files |= {crate / "include/iiwasim.h": "include/iiwasim.h", crate / "iiwasim.pc": "lib/pkgconfig/iiwasim.pc"}
+    files |= {
+        crate / "include/iiwasim.h": "include/iiwasim.h",
+        crate / "iiwasim.pc": "lib/pkgconfig/iiwasim.pc",
+    }
     for source, place in files.items():
         (folder / place).parent.mkdir(parents=True, exist_ok=True)
         shutil.copyfile(source, folder / place)
@@ -234,7 +272,9 @@ def write_debian_package(folder, target, version, glibc):
         )
         package = DIST / f"iiwasim_{version}_{architecture}.deb"
         subprocess.run(
-            ["dpkg-deb", "--build", "--root-owner-group", root, package], check=True, stdout=subprocess.DEVNULL
+            ["dpkg-deb", "--build", "--root-owner-group", root, package],
+            check=True,
+            stdout=subprocess.DEVNULL,
         )
     return package
 
@@ -252,17 +292,25 @@ def needed_glibc(binary):
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("--target", help="triple of the machine that it is for")
-    parser.add_argument("--zig", metavar="GLIBC", help="with cargo-zigbuild, for this version of glibc")
+    parser.add_argument(
+        "--zig", metavar="GLIBC", help="with cargo-zigbuild, for this version of glibc"
+    )
     parser.add_argument("--deb", action="store_true", help="a Debian package, too")
     parser.add_argument("--wheel", action="store_true", help="the Python package as a wheel, too")
     parser.add_argument("--binary", type=Path, help="pack this one")
     options = parser.parse_args()
     target = options.target or host()
     binary = options.binary or build(target, options.zig)
-    version = json.loads(output("cargo", "metadata", "--format-version", "1", "--no-deps", "--locked"))
-    version = next(package["version"] for package in version["packages"] if package["name"] == "iiwasim")
+    version = json.loads(
+        output("cargo", "metadata", "--format-version", "1", "--no-deps", "--locked")
+    )
+    version = next(
+        package["version"] for package in version["packages"] if package["name"] == "iiwasim"
+    )
     at_s = int(output("git", "log", "-1", "--format=%ct").strip())
     DIST.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory() as scratch:
@@ -271,7 +319,9 @@ def main():
         collect(folder, binary, target)
         made = [write_archive(folder, target, at_s)]
         if options.deb:
-            made.append(write_debian_package(folder, target, version, needed_glibc(folder / "iiwasim")))
+            made.append(
+                write_debian_package(folder, target, version, needed_glibc(folder / "iiwasim"))
+            )
     if options.wheel:
         made.append(build_wheel(target, options.zig))
     for file in made:

@@ -22,8 +22,19 @@ FACADE = "iiwa"
 
 def crates() -> tuple[dict[str, str], dict[str, set[str]]]:
     """The folder of each crate, and what it depends on."""
-    command = ["cargo", "metadata", "--no-deps", "--locked", "--format-version", "1", "--manifest-path", ROOT / "Cargo.toml"]
-    packages = json.loads(subprocess.run(command, check=True, stdout=subprocess.PIPE).stdout)["packages"]
+    command = [
+        "cargo",
+        "metadata",
+        "--no-deps",
+        "--locked",
+        "--format-version",
+        "1",
+        "--manifest-path",
+        ROOT / "Cargo.toml",
+    ]
+    packages = json.loads(subprocess.run(command, check=True, stdout=subprocess.PIPE).stdout)[
+        "packages"
+    ]
     folders = {}
     for package in packages:
         path = Path(package["manifest_path"]).parent.relative_to(ROOT)
@@ -61,7 +72,9 @@ def diagram(folders: dict[str, str], uses: dict[str, set[str]]) -> str:
     """Mermaid, with a box a folder."""
     lines = ["```mermaid", "flowchart LR"]
     for folder in sorted(set(folders.values()) - {"cli"}):
-        names = sorted(short(name) for name in folders if folders[name] == folder and name != FACADE)
+        names = sorted(
+            short(name) for name in folders if folders[name] == folder and name != FACADE
+        )
         lines.append(f"  subgraph {folder}_[crates/{folder}]\n    {'; '.join(names)}\n  end")
     for name in sorted(folders):
         if name == FACADE:
@@ -90,7 +103,9 @@ def main() -> None:
         path = ROOT / file
         old = path.read_text()
         block = f"<!-- {mark}: made by tests/arrows.py -->\n{text}\n<!-- end -->"
-        new = re.sub(rf"<!-- {mark}:.*?<!-- end -->", lambda _, block=block: block, old, flags=re.DOTALL)
+        new = re.sub(
+            rf"<!-- {mark}:.*?<!-- end -->", lambda _, block=block: block, old, flags=re.DOTALL
+        )
         if block not in new:
             sys.exit(f"{file} has no place for its {mark}")
         if new != old:
@@ -98,7 +113,9 @@ def main() -> None:
             if "--renew" in sys.argv:
                 path.write_text(new)
     if wrong and "--renew" not in sys.argv:
-        sys.exit(f"{' and '.join(wrong)}: the crates or their arrows have changed; tests/arrows.py --renew draws them")
+        sys.exit(
+            f"{' and '.join(wrong)}: the crates or their arrows have changed; tests/arrows.py --renew draws them"
+        )
     print("The arrows are as drawn.")
 
 

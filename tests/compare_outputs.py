@@ -40,7 +40,12 @@ def programs():
 def run(binary, folder, *arguments):
     """Standard output and error, and the exit code, of a command in a folder."""
     done = subprocess.run(
-        [binary, *map(str, arguments)], cwd=folder, capture_output=True, check=False, text=True, timeout=3600
+        [binary, *map(str, arguments)],
+        cwd=folder,
+        capture_output=True,
+        check=False,
+        text=True,
+        timeout=3600,
     )
     return {"stdout": done.stdout, "stderr": done.stderr, "exit code": done.returncode}
 
@@ -65,12 +70,16 @@ def make(binary, folder):
                 "--picture",
                 f"{label}.svg",
             )
-            texts[f"{label}-report"] = run(binary, folder, "report", f"{label}.mcap", "-o", f"{label}.html")
+            texts[f"{label}-report"] = run(
+                binary, folder, "report", f"{label}.mcap", "-o", f"{label}.html"
+            )
         plan, other = f"{name}-jerk.mcap", f"{name}-acceleration.mcap"
         texts[f"{name}-compare"] = run(
             binary, folder, "compare", plan, other, "--json", "--picture", f"{name}-compare.svg"
         )
-        texts[f"{name}-report-both"] = run(binary, folder, "report", plan, other, "-o", f"{name}-both.html")
+        texts[f"{name}-report-both"] = run(
+            binary, folder, "report", plan, other, "-o", f"{name}-both.html"
+        )
         scene = ("--scene", FIXTURES / "cage.json")
         texts[f"{name}-scene"] = run(binary, folder, "plan", program, *scene, "--no-output")
     texts["many"] = run(binary, folder, "plan", FIXTURES, "--no-output")
@@ -103,7 +112,9 @@ def mcap_content(path):
         for record in reader.iter_metadata():
             for key, value in record.metadata.items():
                 metadata[f"{record.name}.{key}"] = value
-        attachments = {record.name: (record.media_type, record.data) for record in reader.iter_attachments()}
+        attachments = {
+            record.name: (record.media_type, record.data) for record in reader.iter_attachments()
+        }
     return messages, metadata, attachments
 
 
@@ -162,7 +173,10 @@ def main():
         texts = [make(binary, folder) for binary, folder in zip(binaries, folders)]
         for name, before in texts[0].items():
             tell(f"output of {name}", list(entries("", before, texts[1][name])))
-        names = [{str(path.relative_to(folder)) for path in folder.rglob("*") if path.is_file()} for folder in folders]
+        names = [
+            {str(path.relative_to(folder)) for path in folder.rglob("*") if path.is_file()}
+            for folder in folders
+        ]
         for name in sorted(names[0] | names[1]):
             if name not in names[1]:
                 tell(name, ["is missing"])

@@ -18,8 +18,12 @@ def is_test(path: Path) -> bool:
 
 
 def main() -> None:
-    listed = subprocess.run(["git", "ls-files", "*.rs"], cwd=ROOT, check=True, stdout=subprocess.PIPE, text=True).stdout
-    lines = {Path(name): len((ROOT / name).read_text().splitlines()) for name in listed.splitlines()}
+    listed = subprocess.run(
+        ["git", "ls-files", "*.rs"], cwd=ROOT, check=True, stdout=subprocess.PIPE, text=True
+    ).stdout
+    lines = {
+        Path(name): len((ROOT / name).read_text().splitlines()) for name in listed.splitlines()
+    }
     product, tests = Counter(), Counter()
     for path, count in lines.items():
         place = path.parts[2] if path.parts[0] == "crates" else path.parts[0]

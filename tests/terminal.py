@@ -46,7 +46,17 @@ def shown(command: list[str]) -> str:
 
 def main() -> None:
     binary, drive, stream = sys.argv[1:]
-    command = [binary, "run", str(FIXTURE), "--no-output", "--move-to-start=30", "--drive", drive, "--stream", stream]
+    command = [
+        binary,
+        "run",
+        str(FIXTURE),
+        "--no-output",
+        "--move-to-start=30",
+        "--drive",
+        drive,
+        "--stream",
+        stream,
+    ]
     text = shown(command)
     planned_s = float(re.search(r"Cycle time ([0-9.]+) s", text)[1])
     for bar, most_s in (("moving to the start", None), ("running", planned_s)):

@@ -17,7 +17,16 @@ WORKSPACES = [".", "python", "tests/peers", "tests/fuzz"]
 def metadata(workspace: str) -> dict:
     """What cargo knows of a workspace and of all that it depends on."""
     manifest = ROOT / workspace / "Cargo.toml"
-    command = ["cargo", "metadata", "--locked", "--all-features", "--format-version", "1", "--manifest-path", manifest]
+    command = [
+        "cargo",
+        "metadata",
+        "--locked",
+        "--all-features",
+        "--format-version",
+        "1",
+        "--manifest-path",
+        manifest,
+    ]
     return json.loads(subprocess.run(command, check=True, stdout=subprocess.PIPE).stdout)
 
 
@@ -38,7 +47,9 @@ def unused(workspace: str) -> list[str]:
         for target in package["targets"]
         if {"lib", "proc-macro", "rlib", "dylib", "cdylib"}.intersection(target["kind"])
     }
-    members = [package for package in found["packages"] if package["id"] in found["workspace_members"]]
+    members = [
+        package for package in found["packages"] if package["id"] in found["workspace_members"]
+    ]
     folders = {Path(file).parent for file in ROOT.rglob("Cargo.toml") if "target" not in file.parts}
     lines = []
     for package in members:

@@ -91,7 +91,9 @@ def ratio(of: Callable[[int], float]) -> float:
 
 
 def main() -> int:
-    arguments = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    arguments = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     arguments.add_argument("count", nargs="?", type=int, default=20_000, help="number of programs")
     count = arguments.parse_args().count
     programs = random_programs(count)
@@ -102,7 +104,10 @@ def main() -> int:
         begin = time.perf_counter()
         alone = batches.figures(programs, jobs=1)
         took_s = time.perf_counter() - begin
-        print(f"one core: {count} programs in {took_s:.1f} s, {count / took_s:.0f} a second", flush=True)
+        print(
+            f"one core: {count} programs in {took_s:.1f} s, {count / took_s:.0f} a second",
+            flush=True,
+        )
         for on in ("ray", "dask"):
             folder = Path(name, on)
             took_s, killed_at = killed_on_the_way(on, source, count, folder)
@@ -118,7 +123,10 @@ def main() -> int:
             )
     some = programs[: min(count, 3000)]
     for on in ("ray", "dask"):
-        turns = [(ratio(lambda workers, on=on: throughput(on, workers, some)), ratio(counting)) for _ in range(TURNS)]
+        turns = [
+            (ratio(lambda workers, on=on: throughput(on, workers, some)), ratio(counting))
+            for _ in range(TURNS)
+        ]
         planned, machine = zip(*turns)
         print(
             f"{on}: two workers plan {median(planned):.2f} times what one does ({min(planned):.2f} to {max(planned):.2f}, "

@@ -25,7 +25,9 @@ import iiwasim as iw
 
 ROOT = Path(__file__).resolve().parents[2]
 TURNS = 5
-IMPORT = "import numpy, time; t = time.perf_counter(); import iiwasim; print(time.perf_counter() - t)"
+IMPORT = (
+    "import numpy, time; t = time.perf_counter(); import iiwasim; print(time.perf_counter() - t)"
+)
 
 
 def median_us(rounds: int, work: Callable[[], object]) -> float:
@@ -49,11 +51,15 @@ def beside_rust(native: str) -> None:
     turns: dict[str, list[tuple[float, float]]] = {name: [] for name in works}
     samples = 0
     for _ in range(TURNS):
-        rust = json.loads(subprocess.run([native], capture_output=True, text=True, check=True).stdout)
+        rust = json.loads(
+            subprocess.run([native], capture_output=True, text=True, check=True).stdout
+        )
         samples = rust["samples"]
         for name, (rounds, work) in works.items():
             turns[name].append((median_us(rounds, work), rust[name]))
-    middle = {name: [statistics.median(column) for column in zip(*pairs)] for name, pairs in turns.items()}
+    middle = {
+        name: [statistics.median(column) for column in zip(*pairs)] for name, pairs in turns.items()
+    }
     ours, theirs = middle["plan_us"]
     print(
         f"plan of ten motions: Python {ours:.0f} us, Rust {theirs:.0f} us: {ours - theirs:+.0f} us, {ours / theirs:.3f}"
@@ -63,7 +69,9 @@ def beside_rust(native: str) -> None:
         f"{samples} samples at 1 kHz: Python {ours / 1e3:.2f} ms, Rust {theirs / 1e3:.2f} ms; {10e3 / samples * ours / 1e3:.2f} ms for 10 s"
     )
     ours, theirs = middle["fk_us"]
-    print(f"100 000 poses: Python {ours / 1e3:.2f} ms, Rust {theirs / 1e3:.2f} ms: {ours / theirs:.2f}")
+    print(
+        f"100 000 poses: Python {ours / 1e3:.2f} ms, Rust {theirs / 1e3:.2f} ms: {ours / theirs:.2f}"
+    )
 
 
 def cores() -> None:
@@ -77,7 +85,9 @@ def cores() -> None:
             iw.plan_all(programs, jobs=jobs)
             took.append(time.perf_counter() - begin)
         ratios.append(took[0] / took[1])
-    print(f"plan_all on two cores: {statistics.median(ratios):.2f} times one core ({os.cpu_count()} cores here)")
+    print(
+        f"plan_all on two cores: {statistics.median(ratios):.2f} times one core ({os.cpu_count()} cores here)"
+    )
 
     def speed(stop: threading.Event, counted: list[float]) -> None:
         begin, count = time.perf_counter(), 0
@@ -97,7 +107,8 @@ def cores() -> None:
 
     for jobs in (1, 2):
         kept = [
-            beside(lambda jobs=jobs: iw.plan_all(programs, jobs=jobs)) / beside(lambda: time.sleep(1))
+            beside(lambda jobs=jobs: iw.plan_all(programs, jobs=jobs))
+            / beside(lambda: time.sleep(1))
             for _ in range(TURNS)
         ]
         print(
@@ -124,7 +135,9 @@ def interrupted() -> None:
             iw.plan_all(programs)
         except KeyboardInterrupt:
             waits.append(time.perf_counter() - sent[0])
-    print(f"Ctrl-C ends plan_all after {1e3 * statistics.median(waits):.0f} ms, at most {1e3 * max(waits):.0f} ms")
+    print(
+        f"Ctrl-C ends plan_all after {1e3 * statistics.median(waits):.0f} ms, at most {1e3 * max(waits):.0f} ms"
+    )
 
 
 def main() -> None:
@@ -132,7 +145,11 @@ def main() -> None:
     for wheel in wheels:
         print(f"wheel: {Path(wheel).stat().st_size / 1e3:.0f} kB")
     imports = [
-        float(subprocess.run([sys.executable, "-c", IMPORT], capture_output=True, text=True, check=True).stdout)
+        float(
+            subprocess.run(
+                [sys.executable, "-c", IMPORT], capture_output=True, text=True, check=True
+            ).stdout
+        )
         for _ in range(9)
     ]
     print(f"import after numpy: {1e3 * statistics.median(imports):.1f} ms")

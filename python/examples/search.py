@@ -50,7 +50,9 @@ Figures = Callable[..., Any]
 def candidate(unit: np.ndarray) -> str:
     """The program for a point of the unit cube."""
     low, high = BOUNDS.T
-    first_rel, times, first_mm, second_mm, pick_deg, place_deg = (float(at) for at in low + unit * (high - low))
+    first_rel, times, first_mm, second_mm, pick_deg, place_deg = (
+        float(at) for at in low + unit * (high - low)
+    )
     program = copy.deepcopy(PROGRAM)
     frames, motions = program["frames"], program["motions"]
     frames["pick"]["e1_deg"], frames["place"]["e1_deg"] = pick_deg, place_deg
@@ -76,7 +78,11 @@ def search(figures: Figures, generations: int, seed: int) -> tuple[np.ndarray, f
     low, high = BOUNDS.T
     start = (START - low) / (high - low)
     optimiser = cmaes.CMA(
-        mean=start, sigma=0.2, bounds=np.array([[0.0, 1.0]] * len(start)), seed=seed, population_size=16
+        mean=start,
+        sigma=0.2,
+        bounds=np.array([[0.0, 1.0]] * len(start)),
+        seed=seed,
+        population_size=16,
     )
     best, least, planned = start, math.inf, 0
     for _ in range(generations):
@@ -110,14 +116,18 @@ def workers(on: str) -> Iterator[Figures]:
 
         import iiwasim.dask
 
-        with Client(threads_per_worker=1, host="127.0.0.1", dashboard_address="127.0.0.1:0") as client:
+        with Client(
+            threads_per_worker=1, host="127.0.0.1", dashboard_address="127.0.0.1:0"
+        ) as client:
             yield partial(iiwasim.dask.figures, client=client)
     else:
         yield partial(batches.figures, jobs=1 if on == "one-core" else None)
 
 
 def main() -> None:
-    arguments = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    arguments = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     arguments.add_argument("--on", choices=["one-core", "cores", "ray", "dask"], default="cores")
     arguments.add_argument("--generations", type=int, default=40)
     arguments.add_argument("--seed", type=int, default=1)
@@ -130,14 +140,18 @@ def main() -> None:
         best, least, planned = search(figures, asked.generations, asked.seed)
         took_s = time.perf_counter() - begin
     if least >= 1e3:
-        raise SystemExit(f"none of {planned} programs keeps {1e3 * CLEARANCE_M:.0f} mm; try more --generations")
+        raise SystemExit(
+            f"none of {planned} programs keeps {1e3 * CLEARANCE_M:.0f} mm; try more --generations"
+        )
     (after,) = batches.figures([candidate(best)], scene=SCENE).to_pylist()
 
     print(f"{'':30}  {'before':>8}  {'after':>8}")
     for (name, unit, at, (low_at, high_at)), point in zip(VARIABLES, best):
         print(f"{name:30}  {at:8.2f}  {low_at + point * (high_at - low_at):8.2f} {unit}".rstrip())
     print(f"{'cycle time':30}  {before['cycle_time_s']:8.3f}  {after['cycle_time_s']:8.3f} s")
-    print(f"{'clearance to the press':30}  {1e3 * before['clearance_m']:8.1f}  {1e3 * after['clearance_m']:8.1f} mm")
+    print(
+        f"{'clearance to the press':30}  {1e3 * before['clearance_m']:8.1f}  {1e3 * after['clearance_m']:8.1f} mm"
+    )
     print(f"{planned} programs in {took_s:.1f} s ({asked.on})")
 
 

@@ -15,7 +15,9 @@ from ._native import Plan, Program, Robot, Scene, plan_all
 try:
     import pyarrow as pa
 except ImportError as error:
-    raise ImportError("figures of many programs need pyarrow: pip install 'iiwasim[batches]'") from error
+    raise ImportError(
+        "figures of many programs need pyarrow: pip install 'iiwasim[batches]'"
+    ) from error
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
@@ -75,7 +77,9 @@ class Planning:
         if robot is not None and not isinstance(robot, Robot):
             self.options["robot"] = Robot(robot)
         if unknown := [name for name in self.options if name not in DEFAULTS]:
-            raise TypeError(f"there is no option {unknown[0]!r}; there are {', '.join(DEFAULTS)} and scene")
+            raise TypeError(
+                f"there is no option {unknown[0]!r}; there are {', '.join(DEFAULTS)} and scene"
+            )
         plan_all([], **self.options)
         # Numbers of numpy are as good, and JSON has none of them.
         self.options["samples"] = int(self.options["samples"])
@@ -89,7 +93,10 @@ class Planning:
             "iiwasim": self.version,
             "column": self.column,
             "scene": None if self.scene is None else _digest(self.scene),
-            **{name: _digest(value) if isinstance(value, Robot) else value for name, value in self.options.items()},
+            **{
+                name: _digest(value) if isinstance(value, Robot) else value
+                for name, value in self.options.items()
+            },
         }
 
     def figures(self, chunk: pa.Table, look: Callable[[], object] = lambda: None) -> pa.Table:
@@ -100,7 +107,9 @@ class Planning:
         Raises `RuntimeError` on a worker of another version, whose figures may be others.
         """
         if version("iiwasim") != self.version:
-            raise RuntimeError(f"a worker has iiwasim {version('iiwasim')}; {self.version} is needed, as here")
+            raise RuntimeError(
+                f"a worker has iiwasim {version('iiwasim')}; {self.version} is needed, as here"
+            )
         rows = []
         for planned in self._planned(chunk.column(self.column).to_pylist(), look):
             look()
@@ -111,7 +120,9 @@ class Planning:
             kept = kept.append_column(FIGURES.field(name), figures.column(name))
         return kept
 
-    def _planned(self, texts: list[str | None], look: Callable[[], object]) -> list[Plan | ProgramError]:
+    def _planned(
+        self, texts: list[str | None], look: Callable[[], object]
+    ) -> list[Plan | ProgramError]:
         read = []
         for text in texts:
             look()
@@ -125,13 +136,22 @@ class Planning:
         if isinstance(planned, ProgramError):
             return {"error": str(planned)}
         figures = planned.figures()
-        row = {name: figures[name] for name in ("cycle_time_s", "motion_time_s", "settle_time_s", "wait_time_s")}
+        row = {
+            name: figures[name]
+            for name in ("cycle_time_s", "motion_time_s", "settle_time_s", "wait_time_s")
+        }
         row["motions"] = len(figures["motions"])
         row["limited_joint"], row["limited_by"] = _limit(figures["motions"])
-        peaks = [peak for motion in figures["motions"] for peak in enumerate(motion["torque"]["peak_percent"], 1)]
+        peaks = [
+            peak
+            for motion in figures["motions"]
+            for peak in enumerate(motion["torque"]["peak_percent"], 1)
+        ]
         # A program that takes no time has no peak: it may be of a load alone.
         none = (None, None)
-        row["peak_torque_joint"], row["peak_torque_percent"] = max(peaks, key=lambda peak: peak[1], default=none)
+        row["peak_torque_joint"], row["peak_torque_percent"] = max(
+            peaks, key=lambda peak: peak[1], default=none
+        )
         clearance = None if self.scene is None else planned.clearance(self.scene)
         if clearance is not None:
             row["clearance_m"], row["clearance_obstacle"] = clearance.distance_m, clearance.obstacle
@@ -166,7 +186,9 @@ def _limit(motions: list[dict[str, Any]]) -> tuple[int | None, str | None]:
     times: defaultdict[tuple[int | None, str], float] = defaultdict(float)
     for motion in motions:
         for limit in motion["limits"]:
-            times[limit["joint"], limit["kind"]] += limit["share"] * (motion["end_s"] - motion["start_s"])
+            times[limit["joint"], limit["kind"]] += limit["share"] * (
+                motion["end_s"] - motion["start_s"]
+            )
     return max(times, key=lambda limit: times[limit]) if times else (None, None)
 
 

@@ -18,7 +18,9 @@ try:
     import zmq.auth
     from zmq.utils.monitor import recv_monitor_message
 except ImportError as error:
-    raise ImportError("the client of the drive needs pyzmq: pip install 'iiwasim[drive]'") from error
+    raise ImportError(
+        "the client of the drive needs pyzmq: pip install 'iiwasim[drive]'"
+    ) from error
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -37,12 +39,16 @@ class ConnectionLost(DriveTimeout):
 class Line:
     """A connection to a drive that has passed its handshake."""
 
-    def __init__(self, at: str, keys: Keys | None, timeout_s: float, topics: tuple[bytes, ...] = ()) -> None:
+    def __init__(
+        self, at: str, keys: Keys | None, timeout_s: float, topics: tuple[bytes, ...] = ()
+    ) -> None:
         """For requests, or for topics of the stream."""
         self.is_lost = False
         self._at = at
         self._is_stream = bool(topics)
-        self._socket: zmq.Socket[bytes] = zmq.Context.instance().socket(zmq.SUB if topics else zmq.REQ)
+        self._socket: zmq.Socket[bytes] = zmq.Context.instance().socket(
+            zmq.SUB if topics else zmq.REQ
+        )
         self._events: zmq.Socket[bytes] = self._socket.get_monitor_socket(zmq.EVENT_ALL)
         try:
             self._socket.setsockopt(zmq.LINGER, 0)
@@ -83,7 +89,9 @@ class Line:
             closed += event == zmq.EVENT_DISCONNECTED
         if closed:
             raise self._refusal(zmq.EVENT_DISCONNECTED, keys)
-        raise DriveTimeout("timeout", f"no drive answers at {self._at}; is `iiwasim drive` running there?")
+        raise DriveTimeout(
+            "timeout", f"no drive answers at {self._at}; is `iiwasim drive` running there?"
+        )
 
     def _refusal(self, event: int, keys: Keys | None) -> DriveTimeout:
         if event == zmq.EVENT_HANDSHAKE_FAILED_AUTH:
@@ -94,12 +102,18 @@ class Line:
             why = "it has no keys, or is no drive: leave out `key` and `server_key`, or start it with --key and --allow"
         else:
             why = "it closed the connection; do the keys fit, and is `server_key` its .pub file?"
-            return ConnectionLost("unauthorized", f"the drive at {self._at} refused the connection: {why}")
-        return DriveTimeout("unauthorized", f"the drive at {self._at} refused the connection: {why}")
+            return ConnectionLost(
+                "unauthorized", f"the drive at {self._at} refused the connection: {why}"
+            )
+        return DriveTimeout(
+            "unauthorized", f"the drive at {self._at} refused the connection: {why}"
+        )
 
     def _next_event(self, wait_s: float) -> int | None:
         """What has become of the connection, if anything has."""
-        return recv_monitor_message(self._events)["event"] if self._events.poll(_ms(wait_s)) else None
+        return (
+            recv_monitor_message(self._events)["event"] if self._events.poll(_ms(wait_s)) else None
+        )
 
     def send(self, request: bytes) -> None:
         try:
@@ -130,7 +144,9 @@ class Line:
     def _loss(self) -> ConnectionLost:
         self.is_lost = True
         lost = f"the connection to the drive at {self._at} was lost before its reply"
-        return ConnectionLost("timeout", f"{lost}; a motion that had begun goes on, and `last_run` has its result")
+        return ConnectionLost(
+            "timeout", f"{lost}; a motion that had begun goes on, and `last_run` has its result"
+        )
 
     def receive(self) -> list[bytes]:
         return self._socket.recv_multipart(zmq.NOBLOCK)
@@ -144,22 +160,34 @@ class Keys(NamedTuple):
     server: bytes
 
     @classmethod
-    def read(cls, key: str | os.PathLike[str] | None, server_key: str | os.PathLike[str] | None) -> Keys | None:
+    def read(
+        cls, key: str | os.PathLike[str] | None, server_key: str | os.PathLike[str] | None
+    ) -> Keys | None:
         if key is None and server_key is None:
             return None
         if key is None or server_key is None:
-            missing = "server_key, the drive's .pub file" if server_key is None else "key, your own .key file"
+            missing = (
+                "server_key, the drive's .pub file"
+                if server_key is None
+                else "key, your own .key file"
+            )
             raise ValueError(f"keys come in twos: give {missing}, too")
         if not zmq.has("curve"):
-            raise ValueError("this pyzmq has no CURVE keys; install the one of PyPI: pip install pyzmq")
+            raise ValueError(
+                "this pyzmq has no CURVE keys; install the one of PyPI: pip install pyzmq"
+            )
         public, secret = _certificate(key)
         if secret is None:
             raise ValueError(f"{key} has a public key only; `key` is your own .key file")
         if os.name == "posix" and (mode := stat.S_IMODE(Path(key).stat().st_mode)) & 0o077:
-            raise ValueError(f"{key} has a secret key, and others may access it (mode {mode:04o}): `chmod 600` it")
+            raise ValueError(
+                f"{key} has a secret key, and others may access it (mode {mode:04o}): `chmod 600` it"
+            )
         server, foreign = _certificate(server_key)
         if foreign is not None:
-            raise ValueError(f"{server_key} has a secret key, which its owner alone should have; give the .pub file")
+            raise ValueError(
+                f"{server_key} has a secret key, which its owner alone should have; give the .pub file"
+            )
         return cls(public, secret, server)
 
 

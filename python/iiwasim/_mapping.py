@@ -81,14 +81,20 @@ def to_folder(
     # The last part may be a short one.
     rows_missing = sum(min(size, rows - index * size) for index in missing)
     done = rows - rows_missing
-    work = ((index, chunk) for index, chunk in enumerate(now.of(chunks(source, size))) if index in missing)
+    work = (
+        (index, chunk)
+        for index, chunk in enumerate(now.of(chunks(source, size)))
+        if index in missing
+    )
     for index, figures in _mapped(work, planning, workers):
         folder.write(index, figures)
         done += figures.num_rows
         if progress is not None and rows:
             progress(done, rows)
     if now.sha256() != before.sha256():
-        raise IiwasimError(f"{source.name} changed while it was planned; delete {folder.path} and plan it again")
+        raise IiwasimError(
+            f"{source.name} changed while it was planned; delete {folder.path} and plan it again"
+        )
     return Planned(folder.path, rows, rows_missing)
 
 

@@ -41,7 +41,9 @@ __all__ = [
 
 @final
 class Robot:
-    def __new__(cls, model: _Path = "lbr_iiwa_7_r800", *, flange_m: float | None = None) -> Self: ...
+    def __new__(
+        cls, model: _Path = "lbr_iiwa_7_r800", *, flange_m: float | None = None
+    ) -> Self: ...
     @staticmethod
     def from_profile(text: str) -> Robot: ...
     @property
@@ -73,7 +75,12 @@ class Robot:
         base: str | None = None,
     ) -> _Array: ...
     def frame(
-        self, q: ArrayLike, *, program: Program | None = None, tool: str | None = None, base: str | None = None
+        self,
+        q: ArrayLike,
+        *,
+        program: Program | None = None,
+        tool: str | None = None,
+        base: str | None = None,
     ) -> dict[str, Any]: ...
     def torques(
         self,
@@ -118,7 +125,9 @@ class Program:
     def load(path: _Path) -> Program: ...
     def to_json(self) -> str: ...
     def save(self, path: _Path) -> None: ...
-    def with_start(self, *, deg: ArrayLike | None = None, rad: ArrayLike | None = None) -> Program: ...
+    def with_start(
+        self, *, deg: ArrayLike | None = None, rad: ArrayLike | None = None
+    ) -> Program: ...
     def with_motions(self, motions: Iterable[Mapping[str, Any]]) -> Program: ...
     @property
     def motions(self) -> list[dict[str, Any]]: ...
@@ -238,7 +247,12 @@ class Clearance:
 @final
 class Recording:
     def __new__(
-        cls, t: ArrayLike, q: ArrayLike, *, cycle_time_s: float | None = None, program: Program | None = None
+        cls,
+        t: ArrayLike,
+        q: ArrayLike,
+        *,
+        cycle_time_s: float | None = None,
+        program: Program | None = None,
     ) -> Self: ...
     @staticmethod
     def load(
@@ -315,7 +329,9 @@ def plan_all(
     jobs: int | None = None,
     progress: Callable[[int, int], object] | None = None,
 ) -> list[Plan | ProgramError]: ...
-def compare(plan: Plan | str | PathLike[str] | tuple[str, bytes], measured: Recording, /) -> Comparison: ...
+def compare(
+    plan: Plan | str | PathLike[str] | tuple[str, bytes], measured: Recording, /
+) -> Comparison: ...
 def identify(
     recordings: Sequence[Recording],
     *,

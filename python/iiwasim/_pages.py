@@ -56,7 +56,9 @@ def _written(plan: Plan, measured: Recording, folder: str) -> Path:
     recording = recording_of(measured)
     file = Path(folder, "recording")
     head = ",".join(["t_s", *(f"joint_{joint}_rad" for joint in range(1, 8))])
-    rows = (",".join(repr(float(value)) for value in (t, *q)) for t, q in zip(recording.t, recording.q))
+    rows = (
+        ",".join(repr(float(value)) for value in (t, *q)) for t, q in zip(recording.t, recording.q)
+    )
     file.write_text("\n".join([head, *rows, ""]), encoding="utf-8")
     return file
 

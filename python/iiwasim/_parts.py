@@ -35,13 +35,17 @@ class Folder:
         if (self.path / PLAN).exists():
             self._check(plan)
         elif any(not name.startswith(".") for name in os.listdir(self.path)):
-            raise IiwasimError(f"{self.path} has files in it that are no figures; give a new folder")
+            raise IiwasimError(
+                f"{self.path} has files in it that are no figures; give a new folder"
+            )
         else:
             self._write(PLAN, lambda file: file.write(text.encode()))
 
     def missing(self) -> list[int]:
         """The parts that are not there yet."""
-        return [index for index in range(self._parts) if not (self.path / self._name(index)).exists()]
+        return [
+            index for index in range(self._parts) if not (self.path / self._name(index)).exists()
+        ]
 
     def write(self, index: int, figures: pa.Table) -> None:
         self._write(self._name(index), lambda file: pq.write_table(figures, file))
@@ -50,8 +54,12 @@ class Folder:
         known = _known(self.path)
         other = [name for name in {**known, **plan} if known.get(name) != plan.get(name)]
         if other:
-            said = "; ".join(f"`{name}` is {known.get(name)!r} there, {plan.get(name)!r} here" for name in other)
-            raise IiwasimError(f"{self.path} has figures of another plan: {said}. Give a new folder")
+            said = "; ".join(
+                f"`{name}` is {known.get(name)!r} there, {plan.get(name)!r} here" for name in other
+            )
+            raise IiwasimError(
+                f"{self.path} has figures of another plan: {said}. Give a new folder"
+            )
 
     def _name(self, index: int) -> str:
         return f"part-{index:0{self._width}}.parquet"
@@ -94,4 +102,6 @@ def _known(folder: Path) -> dict[str, Any]:
     try:
         return dict(json.loads((folder / PLAN).read_text()))
     except (OSError, ValueError, TypeError) as error:
-        raise IiwasimError(f"{folder / PLAN} is not as it was written: {error}; give a new folder") from error
+        raise IiwasimError(
+            f"{folder / PLAN} is not as it was written: {error}; give a new folder"
+        ) from error

@@ -43,7 +43,9 @@ def plot(plan: Plan, rate_hz: float) -> Figure:
     speeds.set_ylabel("speed / % of the limit")
     speeds.set_xlim(0, max(plan.cycle_time_s, 1e-3))
     speeds.set_ylim(0, 105)
-    speeds.legend(ncols=7, fontsize="small", loc="lower center", bbox_to_anchor=(0.5, 1.0), frameon=False)
+    speeds.legend(
+        ncols=7, fontsize="small", loc="lower center", bbox_to_anchor=(0.5, 1.0), frameon=False
+    )
     figure.suptitle(f"Cycle time {plan.cycle_time_s:.3f} s")
     backend = mpl.get_backend().lower()
     if backend in WINDOWLESS or "inline" in backend:

@@ -20,11 +20,15 @@ def recording_of(measured: Recording | Run | str | PathLike[str]) -> Recording:
         return Recording.load(measured)
     if not (hasattr(measured, "t") and hasattr(measured, "q")):
         found = type(measured).__name__
-        raise TypeError(f"a Recording, a Run or the path of a file is expected, not an object of type {found}")
+        raise TypeError(
+            f"a Recording, a Run or the path of a file is expected, not an object of type {found}"
+        )
     return Recording(measured.t, measured.q, cycle_time_s=getattr(measured, "cycle_time_s", None))
 
 
-def compare(plan: Plan | str | PathLike[str], measured: Recording | Run | str | PathLike[str], /) -> Comparison:
+def compare(
+    plan: Plan | str | PathLike[str], measured: Recording | Run | str | PathLike[str], /
+) -> Comparison:
     """Holds a plan against what the robot did: in time, on the path and, where there are any, in torques.
 
     `plan` is a plan or the path of its MCAP file, `measured` a recording, a run of a drive, or the path of a file.
@@ -61,7 +65,9 @@ def identify(
     """
     if isinstance(recordings, (str, PathLike, Recording)):
         raise TypeError("recordings is one of them; give a list")
-    return _native.identify([recording_of(it) for it in recordings], program=program, robot=robot, name=name)
+    return _native.identify(
+        [recording_of(it) for it in recordings], program=program, robot=robot, name=name
+    )
 
 
 def identified(recordings: list[Recording], options: dict[str, Any]) -> Identification:

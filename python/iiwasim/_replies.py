@@ -50,7 +50,11 @@ class Run:
     """Number of further samples, which the drive did not keep."""
 
     def __repr__(self) -> str:
-        took = "no cycle time" if self.cycle_time_s is None else f"cycle time {self.cycle_time_s:.3f} s"
+        took = (
+            "no cycle time"
+            if self.cycle_time_s is None
+            else f"cycle time {self.cycle_time_s:.3f} s"
+        )
         return f"<Run: {took}, {len(self.t)} samples>"
 
 
@@ -235,7 +239,10 @@ def read_state(reply: dict[str, Any]) -> DriveState:
 def read_sensors(reply: dict[str, Any]) -> Sensors:
     sensors = reply["sensors"]
     temperatures = sensors.get("joint_temperature_c")
-    return Sensors(_joints(sensors["external_torque_nm"]), None if temperatures is None else _joints(temperatures))
+    return Sensors(
+        _joints(sensors["external_torque_nm"]),
+        None if temperatures is None else _joints(temperatures),
+    )
 
 
 def read_signals(reply: dict[str, Any]) -> list[Signal]:

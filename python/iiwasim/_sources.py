@@ -66,12 +66,16 @@ def of_path(path: str | os.PathLike[str], column: str) -> Source:
         )
     if not isinstance(path, (str, os.PathLike)):
         found = type(path).__name__
-        raise TypeError(f"the source is a {found}; `plan` takes the path of a file, and `figures` programs in memory")
+        raise TypeError(
+            f"the source is a {found}; `plan` takes the path of a file, and `figures` programs in memory"
+        )
     path = Path(path)
     if not path.exists():
         raise IiwasimError(f"there is no {path}")
     if path.suffix in LINES:
-        return Source(str(path), lambda: pa.schema({column: pa.string()}), lambda: _lines(path, column))
+        return Source(
+            str(path), lambda: pa.schema({column: pa.string()}), lambda: _lines(path, column)
+        )
     if path.suffix not in PARQUET and not path.is_dir():
         known = f"Parquet ({', '.join(PARQUET)}, or a folder of them) nor JSON lines ({', '.join(LINES)})"
         raise IiwasimError(f"{path} is neither {known}")
@@ -81,7 +85,9 @@ def of_path(path: str | os.PathLike[str], column: str) -> Source:
         check(str(path), dataset.schema, column)
     except (pa.ArrowInvalid, OSError) as error:
         raise IiwasimError(f"cannot read {path}: {error}") from error
-    return Source(str(path), lambda: dataset.schema, lambda: dataset.to_batches(batch_size=READ_ROWS))
+    return Source(
+        str(path), lambda: dataset.schema, lambda: dataset.to_batches(batch_size=READ_ROWS)
+    )
 
 
 def of_programs(programs: Iterable[Program | str], planning: Planning) -> Source:
@@ -99,7 +105,9 @@ def of_programs(programs: Iterable[Program | str], planning: Planning) -> Source
         texts.append(text)
         # The text names robots only; a profile of the program's own would be lost.
         if planning.options["robot"] is None and _loses_robot(program, text):
-            raise ValueError(f"programs[{index}] is for a robot with a profile of its own; give `robot`")
+            raise ValueError(
+                f"programs[{index}] is for a robot with a profile of its own; give `robot`"
+            )
     table = pa.table({planning.column: pa.array(texts, pa.string())})
     return Source("the programs", lambda: table.schema, lambda: iter(table.to_batches()))
 
@@ -107,9 +115,13 @@ def of_programs(programs: Iterable[Program | str], planning: Planning) -> Source
 def check(name: str, schema: pa.Schema, column: str) -> None:
     """Whether the programs can be found, and figures put beside the other columns."""
     if column not in schema.names:
-        raise IiwasimError(f"{name} has no column {column!r}; it has {', '.join(schema.names)}: give `column`")
+        raise IiwasimError(
+            f"{name} has no column {column!r}; it has {', '.join(schema.names)}: give `column`"
+        )
     kind = schema.field(column).type
-    if not (pa.types.is_string(kind) or pa.types.is_large_string(kind) or pa.types.is_string_view(kind)):
+    if not (
+        pa.types.is_string(kind) or pa.types.is_large_string(kind) or pa.types.is_string_view(kind)
+    ):
         raise IiwasimError(f"the column {column!r} of {name} has {kind}; programs are JSON texts")
     for taken in (ROW, *FIGURES.names):
         if taken != column and taken in schema.names:

@@ -101,7 +101,9 @@ def plan(
         return to_folder(of_path(source, column), target, chunk, planning, workers, progress)
 
 
-def figures(programs: Iterable[Program | str], *, jobs: int | None = None, **options: Unpack[Options]) -> pa.Table:
+def figures(
+    programs: Iterable[Program | str], *, jobs: int | None = None, **options: Unpack[Options]
+) -> pa.Table:
     """Figures of programs in memory, in their order: what an optimiser needs of each of its candidates.
 
     A text that is no program has its error in its row. Options are those of `plan`.

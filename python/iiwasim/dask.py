@@ -57,12 +57,19 @@ def plan(
     """
     planning = Planning(column, options)
     client = _client(client)
-    origin = _of_frame(source, column, client) if isinstance(source, dd.DataFrame) else of_path(source, column)
+    origin = (
+        _of_frame(source, column, client)
+        if isinstance(source, dd.DataFrame)
+        else of_path(source, column)
+    )
     return to_folder(origin, target, chunk, planning, _Futures(client), progress)
 
 
 def figures(
-    programs: Iterable[Program | str], *, client: distributed.Client | None = None, **options: Unpack[Options]
+    programs: Iterable[Program | str],
+    *,
+    client: distributed.Client | None = None,
+    **options: Unpack[Options],
 ) -> pa.Table:
     """Figures of programs in memory, in their order, as `iiwasim.batches.figures`.
 
@@ -76,7 +83,9 @@ def figures(
     return to_table(of_programs(programs, planning), planning, _Futures(_client(client)))
 
 
-def mapped(frame: dd.DataFrame, *, column: str = "program", **options: Unpack[Options]) -> dd.DataFrame:
+def mapped(
+    frame: dd.DataFrame, *, column: str = "program", **options: Unpack[Options]
+) -> dd.DataFrame:
     """The data frame with figures in place of the programs in `column`, computed when it is asked for.
 
     Index and order stay. Options are those of `plan`; the columns of figures have types of Arrow.
@@ -91,12 +100,16 @@ def mapped(frame: dd.DataFrame, *, column: str = "program", **options: Unpack[Op
     """
     planning = Planning(column, options)
     if column not in frame.columns:
-        raise IiwasimError(f"the data frame has no column {column!r}; it has {', '.join(frame.columns)}: give `column`")
+        raise IiwasimError(
+            f"the data frame has no column {column!r}; it has {', '.join(frame.columns)}: give `column`"
+        )
     return frame.map_partitions(_partition, planning, meta=_partition(frame._meta, planning))
 
 
 def _partition(frame: pd.DataFrame, planning: Planning) -> pd.DataFrame:
-    programs = pa.table({planning.column: pa.array(frame[planning.column], pa.string(), from_pandas=True)})
+    programs = pa.table(
+        {planning.column: pa.array(frame[planning.column], pa.string(), from_pandas=True)}
+    )
     # Types of Arrow know of missing integers.
     figures = planning.figures(programs).to_pandas(types_mapper=pd.ArrowDtype)
     return frame.drop(columns=planning.column).join(figures.set_index(frame.index))
@@ -113,14 +126,18 @@ def _of_frame(frame: dd.DataFrame, column: str, client: distributed.Client) -> S
                 schema = table.schema
             yield from table.to_batches()
 
-    return Source("the data frame", lambda: pa.Schema.from_pandas(frame._meta, preserve_index=False), read)
+    return Source(
+        "the data frame", lambda: pa.Schema.from_pandas(frame._meta, preserve_index=False), read
+    )
 
 
 def _client(client: distributed.Client | None) -> distributed.Client:
     try:
         return client or distributed.default_client()
     except ValueError as error:
-        raise IiwasimError("there is no cluster: make a `distributed.Client`, or give one as `client`") from error
+        raise IiwasimError(
+            "there is no cluster: make a `distributed.Client`, or give one as `client`"
+        ) from error
 
 
 class _Futures:
@@ -145,7 +162,9 @@ class _Futures:
         try:
             return task.result()
         except distributed.KilledWorker as error:
-            raise RuntimeError(f"one worker after the other died of it; is there enough memory? {error}") from error
+            raise RuntimeError(
+                f"one worker after the other died of it; is there enough memory? {error}"
+            ) from error
 
     def cancel(self, tasks: Collection[Any]) -> None:
         if tasks:

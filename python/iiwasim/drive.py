@@ -142,7 +142,9 @@ class Drive:
         if address is None:
             address = os.environ.get("IIWASIM_DRIVE", ADDRESS)
             stream = stream or os.environ.get("IIWASIM_STREAM")
-        keys = Keys.read(key or os.environ.get("IIWASIM_KEY"), server_key or os.environ.get("IIWASIM_SERVER_KEY"))
+        keys = Keys.read(
+            key or os.environ.get("IIWASIM_KEY"), server_key or os.environ.get("IIWASIM_SERVER_KEY")
+        )
         host, port = endpoint(address, keys)
         stream_host, stream_port = endpoint(stream, keys) if stream else (host, port + 1)
         self._at = f"tcp://{host}:{port}"
@@ -155,7 +157,10 @@ class Drive:
         return self
 
     def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
     ) -> None:
         self.close()
 
@@ -218,7 +223,9 @@ class Drive:
         if start is not None:
             self._go_to_start(start, move_to_start, start_velocity_rel, robot)
         elif move_to_start:
-            raise ValueError("the program has no start to move to; give it one, or leave out move_to_start")
+            raise ValueError(
+                "the program has no start to move to; give it one, or leave out move_to_start"
+            )
         return self._execute(text, timeout_s, on_sample)
 
     def run_trajectory(
@@ -252,7 +259,9 @@ class Drive:
         points = np.asarray(q, dtype=np.float64)
         if times.ndim != 1 or points.shape != (len(times), 7) or not 0 < len(times) <= MAX_POINTS:
             found = f"t {times.shape}, q {points.shape}"
-            raise ValueError(f"a trajectory is t (n,) and q (n, 7) of up to {MAX_POINTS} points; found {found}")
+            raise ValueError(
+                f"a trajectory is t (n,) and q (n, 7) of up to {MAX_POINTS} points; found {found}"
+            )
         if not (np.isfinite(times).all() and np.isfinite(points).all()):
             raise ValueError("t and q have to be finite")
         trajectory = {"t_s": times.tolist(), "joints_rad": points.tolist()}
@@ -323,7 +332,9 @@ class Drive:
                 yield sample
             if not self._closed:
                 heard = f"the drive at {self._stream_at} has published nothing for {self._timeout_s:g} s"
-                raise DriveTimeout("timeout", f"{heard}; does it hear the robot? `iiwasim status` tells")
+                raise DriveTimeout(
+                    "timeout", f"{heard}; does it hear the robot? `iiwasim status` tells"
+                )
 
     def _ask(self, request: dict[str, Any], read: Callable[[dict[str, Any]], T]) -> T:
         self._check_open()
@@ -343,12 +354,16 @@ class Drive:
                     raise
                 time.sleep(RETRY_S)
 
-    def _exchange(self, request: dict[str, Any], read: Callable[[dict[str, Any]], T], timeout_s: float) -> T:
+    def _exchange(
+        self, request: dict[str, Any], read: Callable[[dict[str, Any]], T], timeout_s: float
+    ) -> T:
         """Sends a request, and reads its reply."""
         with self._connection() as line:
             line.send(_request_text(request))
             if not line.poll(timeout_s):
-                raise DriveTimeout("timeout", f"the drive at {self._at} did not reply within {timeout_s:.3g} s")
+                raise DriveTimeout(
+                    "timeout", f"the drive at {self._at} did not reply within {timeout_s:.3g} s"
+                )
             return read_reply(line.receive()[-1], read)
 
     def _connection(self) -> Line:
@@ -366,7 +381,9 @@ class Drive:
         if self._closed:
             raise ValueError("the drive is closed")
 
-    def _go_to_start(self, start: Joints, move: bool, velocity_rel: float, robot: Robot | None) -> None:
+    def _go_to_start(
+        self, start: Joints, move: bool, velocity_rel: float, robot: Robot | None
+    ) -> None:
         """Makes sure that the robot is at a start; it moves there if it may."""
         state = self.state()
         if state.state != "idle":
@@ -374,7 +391,9 @@ class Drive:
         if state.q is None or state.fri.session == "silent":
             raise DriveError("robot", _unknown_position(state.fri))
         if caution := _caution(state.conditions):
-            warnings.warn(f"{caution}: the program takes longer than planned", RuntimeWarning, stacklevel=3)
+            warnings.warn(
+                f"{caution}: the program takes longer than planned", RuntimeWarning, stacklevel=3
+            )
         off = np.abs(state.q - start)
         joint = int(off.argmax())
         if off[joint] <= (1e-6 if move else START_TOLERANCE_RAD):
@@ -383,21 +402,32 @@ class Drive:
             at, begin = math.degrees(state.q[joint]), math.degrees(start[joint])
             where = f"joint A{joint + 1} is at {at:.3f} deg, the program starts at {begin:.3f} deg"
             how = "move_to_start=True moves it there first"
-            raise DriveError("start_mismatch", f"the robot is not at the program's start: {where}; {how}")
+            raise DriveError(
+                "start_mismatch", f"the robot is not at the program's start: {where}; {how}"
+            )
         approach = {"type": "ptp", "joints_rad": start.tolist(), "velocity_rel": velocity_rel}
         try:
             request = {"type": "run_motions", "motions": [approach], **_label(None, None, robot)}
             self._execute(_request_text(request), None, None)
         except DriveError as error:
-            raise type(error)(error.code, f"the robot did not move to the start: {error.message}") from error
+            raise type(error)(
+                error.code, f"the robot did not move to the start: {error.message}"
+            ) from error
 
     def _execute(
-        self, request: bytes, timeout_s: float | None, on_sample: Callable[[JointSample], object] | None
+        self,
+        request: bytes,
+        timeout_s: float | None,
+        on_sample: Callable[[JointSample], object] | None,
     ) -> Run:
         """Sends a run and waits for its end; what comes in between stops the robot."""
         self._check_open()
         with ExitStack() as open_lines:
-            samples = open_lines.enter_context(self._subscription(b"state", b"joints")) if on_sample else None
+            samples = (
+                open_lines.enter_context(self._subscription(b"state", b"joints"))
+                if on_sample
+                else None
+            )
             if samples is not None:
                 # The run is not to begin before the drive has read the subscription.
                 samples.poll(self._timeout_s)
@@ -413,7 +443,9 @@ class Drive:
             if has_ended:
                 return read_reply(line.receive()[-1], read_run)
             reply = self._bring_to_rest(line)
-            raise DriveTimeout("timeout", f"the run took more than {timeout_s:g} s, and was stopped", run_of(reply))
+            raise DriveTimeout(
+                "timeout", f"the run took more than {timeout_s:g} s, and was stopped", run_of(reply)
+            )
 
     def _bring_to_rest(self, line: Line) -> bytes | None:
         """Stops the run that a connection waits for, and returns its reply."""
@@ -445,14 +477,21 @@ def _robot_of(program: object, keys: dict[str, Any]) -> Robot:
     """The robot that a program is for."""
     from ._native import Program, Robot
 
-    return program.robot if isinstance(program, Program) else Robot(keys.get("robot") or "lbr_iiwa_7_r800")
+    return (
+        program.robot
+        if isinstance(program, Program)
+        else Robot(keys.get("robot") or "lbr_iiwa_7_r800")
+    )
 
 
 def _label(name: str | None, planned_s: float | None, robot: Robot | None) -> dict[str, Any]:
     """The label of a run request: statements about the run."""
     label: dict[str, Any] = {} if name is None else {"program": name}
     if robot is not None:
-        label["planned_for"] = {"model": robot.name, "lengths_mm": json.loads(robot.profile())["lengths_mm"]}
+        label["planned_for"] = {
+            "model": robot.name,
+            "lengths_mm": json.loads(robot.profile())["lengths_mm"],
+        }
     if planned_s is not None:
         if not 0.0 <= planned_s < math.inf:
             raise ValueError(f"planned_s is {planned_s}; give a time in s")
@@ -461,7 +500,10 @@ def _label(name: str | None, planned_s: float | None, robot: Robot | None) -> di
 
 
 def _follow(
-    line: Line, samples: Line | None, timeout_s: float | None, on_sample: Callable[[JointSample], object] | None
+    line: Line,
+    samples: Line | None,
+    timeout_s: float | None,
+    on_sample: Callable[[JointSample], object] | None,
 ) -> bool:
     """Waits for the end of a run, and hands on its samples; whether it has ended in time."""
     if samples is None or on_sample is None:
@@ -535,7 +577,9 @@ def _start_of(program: object, keys: dict[str, Any]) -> Joints | None:
 def _seven(values: object, what: str) -> Joints:
     joints = np.asarray(values, dtype=np.float64)
     if joints.shape != (7,) or not np.isfinite(joints).all():
-        raise ValueError(f"{what} has to be seven finite numbers, A1 to A7; found {joints.tolist()}")
+        raise ValueError(
+            f"{what} has to be seven finite numbers, A1 to A7; found {joints.tolist()}"
+        )
     return joints
 
 

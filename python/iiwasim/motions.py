@@ -68,7 +68,9 @@ def _others(kind: str, limits: dict[str, Any], *made: str) -> dict[str, Any]:
     return limits
 
 
-def _blend(cart_mm: float | None, ori_deg: float | None, **others: float | None) -> dict[str, float] | None:
+def _blend(
+    cart_mm: float | None, ori_deg: float | None, **others: float | None
+) -> dict[str, float] | None:
     given = {"cart_mm": cart_mm, "ori_deg": ori_deg, **others}
     return {key: value for key, value in given.items() if value is not None} or None
 
@@ -111,7 +113,9 @@ def ptp(
         velocity_rel=_share("velocity_rel", velocity_rel),
         acceleration_rel=_share("acceleration_rel", acceleration_rel),
         jerk_rel=_share("jerk_rel", jerk_rel),
-        blend=_blend(blend_cart_mm, blend_ori_deg, fraction=blend_fraction, sunrise_rel=blend_sunrise_rel),
+        blend=_blend(
+            blend_cart_mm, blend_ori_deg, fraction=blend_fraction, sunrise_rel=blend_sunrise_rel
+        ),
         blocking=blocking or None,
     )
 
@@ -133,7 +137,13 @@ def lin(
     {'type': 'lin', 'frame': 'place', 'cart_velocity_mm_s': 250, 'cart_jerk_mm_s3': 20000}
     """
     blend = _blend(blend_cart_mm, blend_ori_deg)
-    return _motion("lin", frame=frame, cart_velocity_mm_s=cart_velocity_mm_s, **_others("lin", limits), blend=blend)
+    return _motion(
+        "lin",
+        frame=frame,
+        cart_velocity_mm_s=cart_velocity_mm_s,
+        **_others("lin", limits),
+        blend=blend,
+    )
 
 
 def lin_rel(
@@ -157,7 +167,14 @@ def lin_rel(
     >>> iw.lin_rel(z_mm=-80, cart_velocity_mm_s=250)
     {'type': 'lin_rel', 'offset': {'z_mm': -80}, 'cart_velocity_mm_s': 250}
     """
-    given = {"x_mm": x_mm, "y_mm": y_mm, "z_mm": z_mm, "a_deg": a_deg, "b_deg": b_deg, "c_deg": c_deg}
+    given = {
+        "x_mm": x_mm,
+        "y_mm": y_mm,
+        "z_mm": z_mm,
+        "a_deg": a_deg,
+        "b_deg": b_deg,
+        "c_deg": c_deg,
+    }
     return _motion(
         "lin_rel",
         offset={key: value for key, value in given.items() if value},

@@ -72,7 +72,9 @@ def figures(programs: Iterable[Program | str], **options: Unpack[Options]) -> pa
     return to_table(of_programs(programs, planning), planning, _Tasks())
 
 
-def mapped(dataset: Dataset, *, column: str = "program", chunk: int = 500, **options: Unpack[Options]) -> Dataset:
+def mapped(
+    dataset: Dataset, *, column: str = "program", chunk: int = 500, **options: Unpack[Options]
+) -> Dataset:
     """The dataset with figures in place of the programs in `column`: a step of a pipeline of Ray Data, done when it is read.
 
     Rows stay in their order, which needs no `row`. Options are those of `plan`.
@@ -87,7 +89,9 @@ def mapped(dataset: Dataset, *, column: str = "program", chunk: int = 500, **opt
     """
     planning = Planning(column, options)
     check("the dataset", dataset.schema().base_schema, column)
-    result = dataset.map_batches(planning.figures, batch_size=chunk, batch_format="pyarrow", zero_copy_batch=True)
+    result = dataset.map_batches(
+        planning.figures, batch_size=chunk, batch_format="pyarrow", zero_copy_batch=True
+    )
     return _in_order(result)
 
 
@@ -134,7 +138,9 @@ class _Tasks:
         try:
             return ray.get(task)
         except (ray.exceptions.WorkerCrashedError, ray.exceptions.OutOfMemoryError) as error:
-            raise RuntimeError(f"its worker died {1 + RETRIES} times; is there enough memory? {error}") from error
+            raise RuntimeError(
+                f"its worker died {1 + RETRIES} times; is there enough memory? {error}"
+            ) from error
 
     def cancel(self, tasks: Collection[Any]) -> None:
         for task in tasks:

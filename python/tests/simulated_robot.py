@@ -54,7 +54,9 @@ def binary() -> Path:
 class SimulatedRobot:
     """A robot and its drive, which end with the `with` block."""
 
-    def __init__(self, folder: Path, *, cabinet: tuple[str, ...] = (), drive: tuple[str, ...] = ()) -> None:
+    def __init__(
+        self, folder: Path, *, cabinet: tuple[str, ...] = (), drive: tuple[str, ...] = ()
+    ) -> None:
         self.folder = folder
         self.program = binary()
         self.started: list[subprocess.Popen[bytes]] = []
@@ -64,7 +66,9 @@ class SimulatedRobot:
         at = ["--instructions", f"127.0.0.1:{instructions}", "--state", f"127.0.0.1:{state}"]
         self.cabinet = self.start("cabinet", *link, *at, *cabinet)
         at = ["--cabinet-instructions", str(instructions), "--cabinet-state", str(state)]
-        self.drive = self.start("drive", *link, *at, "--instructions", self.address, "--stream", self.stream, *drive)
+        self.drive = self.start(
+            "drive", *link, *at, "--instructions", self.address, "--stream", self.stream, *drive
+        )
 
     def __enter__(self) -> Self:
         return self

@@ -26,7 +26,9 @@ def members(owner: type) -> list[tuple[str, object]]:
         found.update(vars(base))
     offered = {}
     for name, member in found.items():
-        is_field = name in getattr(owner, "_fields", ()) or name in getattr(owner, "__dataclass_fields__", ())
+        is_field = name in getattr(owner, "_fields", ()) or name in getattr(
+            owner, "__dataclass_fields__", ()
+        )
         if name.startswith("_") or is_field:
             continue
         if inspect.isdatadescriptor(member):

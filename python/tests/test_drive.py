@@ -92,7 +92,11 @@ def test_runs_say_what_they_are(drive: Drive) -> None:
     }
     plan = {"cycle_time_s": 1.25, "limited_by": []}
     # The move to the start of a trajectory of no known robot has none.
-    assert begins == [{"program": "away", "planned_for": robot, "plan": plan}, None, {"program": "rise"}]
+    assert begins == [
+        {"program": "away", "planned_for": robot, "plan": plan},
+        None,
+        {"program": "rise"},
+    ]
     for wrong in (-1.0, math.nan, math.inf):
         with pytest.raises(ValueError, match="planned_s"):
             drive.run(program(HOME), planned_s=wrong)
@@ -118,7 +122,9 @@ def test_programs_come_as_objects_keys_and_text(drive: Drive) -> None:
         (iw.Robot(flange_m=0.126), "lbr_iiwa_7_r800 with a flange of 126 mm"),
     ],
 )
-def test_programs_for_another_robot_are_refused(drive: Drive, other: iw.Robot | str, named: str) -> None:
+def test_programs_for_another_robot_are_refused(
+    drive: Drive, other: iw.Robot | str, named: str
+) -> None:
     go(drive, HOME)
     q = np.zeros((2, 7))
     motions = [iw.ptp(deg=AWAY)]
@@ -149,7 +155,9 @@ def test_tools_bases_and_frames_go_along(drive: Drive) -> None:
     assert np.allclose(up.q[0], np.radians(bend), atol=1e-4)
     assert np.abs(np.degrees(up.q[-1] - up.q[0])).max() > 1.0
     start = iw.Robot().frame(np.radians(bend))
-    again = drive.run(iw.Program([iw.lin_rel(z_mm=-20)], start_frame=start), **{**at, "start_rad": None})
+    again = drive.run(
+        iw.Program([iw.lin_rel(z_mm=-20)], start_frame=start), **{**at, "start_rad": None}
+    )
     assert np.allclose(again.q[0], np.radians(bend), atol=1e-4)
     with pytest.raises(DriveError, match="pencil"):
         drive.run({"motions": motions, "tool": "pencil"})
@@ -158,7 +166,9 @@ def test_tools_bases_and_frames_go_along(drive: Drive) -> None:
 def test_a_run_begins_at_its_start_only(drive: Drive) -> None:
     go(drive, HOME)
     drive.run(program([0, 0, 0, 1, 0, 0, 0], HOME, start=[0.4, 0, 0, 0, 0, 0, 0]))
-    with pytest.raises(DriveError, match=r"A4 is at -?0\.000 deg, the program starts at -8\.000 deg") as refused:
+    with pytest.raises(
+        DriveError, match=r"A4 is at -?0\.000 deg, the program starts at -8\.000 deg"
+    ) as refused:
         drive.run(program(HOME, start=AWAY))
     assert refused.value.code == "start_mismatch"
     with pytest.raises(DriveError) as refused:
@@ -196,7 +206,10 @@ def test_trajectories_are_followed(drive: Drive) -> None:
 
 
 def test_real_cabinets_tell_no_times(tmp_path: Path) -> None:
-    with SimulatedRobot(tmp_path, cabinet=("--without-times",)) as robot, Drive(robot.address, timeout_s=30) as drive:
+    with (
+        SimulatedRobot(tmp_path, cabinet=("--without-times",)) as robot,
+        Drive(robot.address, timeout_s=30) as drive,
+    ):
         robot.wait_until_ready(drive)
         run = drive.run(program(AWAY))
         assert run.timed_by == "commanded_position" and run.cycle_time_s is not None
@@ -297,10 +310,16 @@ except KeyboardInterrupt:
 def test_ctrl_c_stops_the_robot(drive: Drive, robot: SimulatedRobot, approach: bool) -> None:
     go(drive, [30, 0, 0, 0, 0, 0, 0] if approach else HOME)
     command = [sys.executable, "-u", "-c", INTERRUPTED, robot.address, json.dumps(SLOW)]
-    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as client:
+    with subprocess.Popen(
+        command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+    ) as client:
         try:
             if approach:
-                moves = (sample for sample in drive.stream(duration_s=20) if sample.q[0] < math.radians(29.9))
+                moves = (
+                    sample
+                    for sample in drive.stream(duration_s=20)
+                    if sample.q[0] < math.radians(29.9)
+                )
                 assert next(moves)
             else:
                 assert client.stdout.readline() == "moves\n"
@@ -357,7 +376,9 @@ def test_inputs_and_outputs_are_read_and_set(drive: Drive) -> None:
 
 def test_sensors_are_read(drive: Drive) -> None:
     sensors = drive.sensors()
-    assert sensors.external_torque_nm.shape == (7,) and np.allclose(sensors.external_torque_nm, 0.0, atol=1e-6)
+    assert sensors.external_torque_nm.shape == (7,) and np.allclose(
+        sensors.external_torque_nm, 0.0, atol=1e-6
+    )
     assert sensors.joint_temperature_c.shape == (7,) and (sensors.joint_temperature_c > 10).all()
 
 
@@ -380,7 +401,12 @@ def test_a_closed_drive_takes_nothing(robot: SimulatedRobot) -> None:
     with drive:
         pass
     assert list(stream) == []
-    for request in (drive.state, drive.stop, lambda: next(drive.stream()), lambda: drive.run(program(AWAY))):
+    for request in (
+        drive.state,
+        drive.stop,
+        lambda: next(drive.stream()),
+        lambda: drive.run(program(AWAY)),
+    ):
         with pytest.raises(ValueError, match="closed"):
             request()
     assert repr(drive) == f"<Drive at tcp://{robot.address}, closed>"
@@ -398,7 +424,9 @@ def test_a_closed_drive_takes_nothing(robot: SimulatedRobot) -> None:
         ({"type": "lin_rel", "offset": {"z_mm": 900}}, "limit", "motion 1"),
     ],
 )
-def test_what_the_drive_refuses_is_raised(drive: Drive, motion: dict[str, object], code: str, says: str) -> None:
+def test_what_the_drive_refuses_is_raised(
+    drive: Drive, motion: dict[str, object], code: str, says: str
+) -> None:
     with pytest.raises(DriveError, match=says) as refused:
         drive.run({"motions": [motion]})
     assert refused.value.code == code and refused.value.run is None
@@ -449,7 +477,10 @@ def test_only_one_run_is_on(drive: Drive) -> None:
         (program(AWAY, start=[0, 0]), r"the start's joints_deg .* found \[0.0, 0.0\]"),
         ({"start": {}, "motions": []}, "start"),
         ({"motions": [{"type": "wait", "seconds": math.nan}]}, "not JSON compliant"),
-        ({"motions": [{"type": "wait", "seconds": 1}] * 200_000}, "bytes, and a drive takes 4194304"),
+        (
+            {"motions": [{"type": "wait", "seconds": 1}] * 200_000},
+            "bytes, and a drive takes 4194304",
+        ),
         ("{", "line 1"),
     ],
 )
@@ -521,17 +552,32 @@ def test_answers_that_are_none_are_errors(text: bytes) -> None:
 
 def test_what_slows_or_hides_the_robot_is_told() -> None:
     fri = {"session": "monitoring_ready", "quality": "good", "lost": 0, "late": 0, "later": 1}
-    state = {"ok": True, "state": "idle", "joints_rad": HOME, "t_s": 1.0, "fri": fri, "robot_program": "connected"}
+    state = {
+        "ok": True,
+        "state": "idle",
+        "joints_rad": HOME,
+        "t_s": 1.0,
+        "fri": fri,
+        "robot_program": "connected",
+    }
     state["conditions"] = {"operation_mode": "t1", "override": 0.305}
     with answering(json.dumps(state).encode()) as drive:
-        slowed = pytest.warns(RuntimeWarning, match=r"override is 30\.5 %, and the operation mode is T1")
+        slowed = pytest.warns(
+            RuntimeWarning, match=r"override is 30\.5 %, and the operation mode is T1"
+        )
         with slowed, pytest.raises(DriveError, match="not at the program's start"):
             drive.run(program(HOME, start=AWAY))
     fri.update(session="silent", unexpected_source="10.0.0.9")
-    with answering(json.dumps(state).encode()) as drive, pytest.raises(DriveError, match=r"from 10\.0\.0\.9"):
+    with (
+        answering(json.dumps(state).encode()) as drive,
+        pytest.raises(DriveError, match=r"from 10\.0\.0\.9"),
+    ):
         drive.run(program(AWAY))
     state["state"] = "running_motion"
-    with answering(json.dumps(state).encode()) as drive, pytest.raises(DriveError, match="busy") as busy:
+    with (
+        answering(json.dumps(state).encode()) as drive,
+        pytest.raises(DriveError, match="busy") as busy,
+    ):
         drive.run(program(AWAY))
     assert busy.value.code == "not_idle"
 

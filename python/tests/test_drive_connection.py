@@ -24,8 +24,15 @@ if TYPE_CHECKING:
 def test_no_drive_is_a_timeout() -> None:
     at = f"127.0.0.1:{free_ports(1)[0]}"
     with Drive(at, timeout_s=0.3) as drive:
-        for request in (drive.state, drive.stop, lambda: next(drive.stream()), lambda: drive.run(program(AWAY))):
-            with pytest.raises(DriveTimeout, match=r"no drive answers at tcp://127.*`iiwasim drive`") as absent:
+        for request in (
+            drive.state,
+            drive.stop,
+            lambda: next(drive.stream()),
+            lambda: drive.run(program(AWAY)),
+        ):
+            with pytest.raises(
+                DriveTimeout, match=r"no drive answers at tcp://127.*`iiwasim drive`"
+            ) as absent:
                 request()
             assert absent.value.code == "timeout"
 
@@ -59,7 +66,9 @@ def keyed(tmp_path_factory: pytest.TempPathFactory) -> Iterator[SimulatedRobot]:
         yield robot
 
 
-def test_the_right_keys_open_everything(keyed: SimulatedRobot, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_right_keys_open_everything(
+    keyed: SimulatedRobot, monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.setenv("IIWASIM_KEY", str(keyed.folder / "keys/alice.key"))
     monkeypatch.setenv("IIWASIM_SERVER_KEY", str(keyed.folder / "keys/drive.pub"))
     with Drive(keyed.address, stream=keyed.stream) as drive:
@@ -78,13 +87,19 @@ def test_the_right_keys_open_everything(keyed: SimulatedRobot, monkeypatch: pyte
 def test_wrong_keys_open_nothing(keyed: SimulatedRobot, keys: dict[str, str], says: str) -> None:
     given = {name: keyed.folder / "keys" / file for name, file in keys.items()}
     with Drive(keyed.address, stream=keyed.stream, **given) as drive:
-        for request in (drive.state, lambda: next(drive.stream()), lambda: drive.run({"motions": []})):
+        for request in (
+            drive.state,
+            lambda: next(drive.stream()),
+            lambda: drive.run({"motions": []}),
+        ):
             with pytest.raises(DriveTimeout, match=says) as refused:
                 request()
             assert refused.value.code == "unauthorized"
 
 
-def test_keys_are_of_no_use_where_a_drive_has_none(keyed: SimulatedRobot, robot: SimulatedRobot) -> None:
+def test_keys_are_of_no_use_where_a_drive_has_none(
+    keyed: SimulatedRobot, robot: SimulatedRobot
+) -> None:
     keys = {"key": keyed.folder / "keys/alice.key", "server_key": keyed.folder / "keys/drive.pub"}
     with Drive(robot.address, **keys) as drive, pytest.raises(DriveTimeout, match="it has no keys"):
         drive.state()
@@ -123,7 +138,15 @@ def test_addresses_are_those_of_the_command(monkeypatch: pytest.MonkeyPatch) -> 
     monkeypatch.setenv("IIWASIM_STREAM", "127.0.0.2:90")
     assert at() == ("tcp://127.0.0.2:80", "tcp://127.0.0.2:90")
     assert at("127.0.0.1:70") == ("tcp://127.0.0.1:70", "tcp://127.0.0.1:71")
-    for wrong in ("5560", "127.0.0.1", "127.0.0.1:0", "127.0.0.1:70000", "udp://127.0.0.1:5560", "::1:5560", "a b:5"):
+    for wrong in (
+        "5560",
+        "127.0.0.1",
+        "127.0.0.1:0",
+        "127.0.0.1:70000",
+        "udp://127.0.0.1:5560",
+        "::1:5560",
+        "a b:5",
+    ):
         with pytest.raises(ValueError, match="is no address"):
             Drive(wrong)
     for elsewhere in ("192.168.0.9:5560", "robot-pc:5560", "0.0.0.0:5560"):
@@ -136,6 +159,11 @@ def test_addresses_are_those_of_the_command(monkeypatch: pytest.MonkeyPatch) -> 
 
 def test_without_pyzmq_it_says_what_to_install() -> None:
     missing = "import sys; sys.modules['zmq'] = None; import iiwasim.drive as d; d.Run; d.Drive()"
-    ended = subprocess.run([sys.executable, "-c", missing], check=False, capture_output=True, text=True)
+    ended = subprocess.run(
+        [sys.executable, "-c", missing], check=False, capture_output=True, text=True
+    )
     assert ended.returncode == 1
-    assert "ImportError: the client of the drive needs pyzmq: pip install 'iiwasim[drive]'" in ended.stderr
+    assert (
+        "ImportError: the client of the drive needs pyzmq: pip install 'iiwasim[drive]'"
+        in ended.stderr
+    )

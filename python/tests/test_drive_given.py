@@ -37,15 +37,22 @@ def test_addresses_are_texts(address: Any) -> None:
 
 @pytest.mark.parametrize("on_sample", [3, 0, "print", []])
 def test_what_takes_samples_is_callable(drive: Drive, on_sample: Any) -> None:
-    with pytest.raises(TypeError, match=r"on_sample is .*; a function of a JointSample is expected"):
+    with pytest.raises(
+        TypeError, match=r"on_sample is .*; a function of a JointSample is expected"
+    ):
         drive.run(RESTING, on_sample=on_sample)
     with pytest.raises(TypeError, match="on_sample is "):
         drive.run_trajectory([0.0, 0.01], np.zeros((2, 7)), on_sample=on_sample)
 
 
 def test_programs_are_no_files_and_no_lists(drive: Drive) -> None:
-    with pytest.raises(ValueError, match=r"is no JSON: .*line 1 column 1.*; a str is taken .* iiwasim\.Program\.load"):
+    with pytest.raises(
+        ValueError,
+        match=r"is no JSON: .*line 1 column 1.*; a str is taken .* iiwasim\.Program\.load",
+    ):
         drive.run("program.json")
     for program in ([iw.ptp(deg=[0] * 7)], [], Path("program.json"), b"{}", 3):
-        with pytest.raises(TypeError, match=rf"iiwasim\.Program, .*; found {type(program).__name__}$"):
+        with pytest.raises(
+            TypeError, match=rf"iiwasim\.Program, .*; found {type(program).__name__}$"
+        ):
             drive.run(program)  # type: ignore[arg-type]

@@ -31,7 +31,9 @@ def program(*degrees: float) -> iw.Program:
 def lines(folder: Path, *texts: str | bytes) -> Path:
     """A file of them."""
     source = folder / "programs.jsonl"
-    source.write_bytes(b"\n".join(text if isinstance(text, bytes) else text.encode() for text in texts))
+    source.write_bytes(
+        b"\n".join(text if isinstance(text, bytes) else text.encode() for text in texts)
+    )
     return source
 
 
@@ -56,10 +58,16 @@ def test_programs_without_a_motion_have_no_peak(motion: iw.Motion) -> None:
     ids=str,
 )
 def test_numbers_of_numpy_are_options(options: dict[str, Any], tmp_path: Path) -> None:
-    source, target = lines(tmp_path, program(10).to_json(), program(20).to_json()), tmp_path / "figures"
+    source, target = (
+        lines(tmp_path, program(10).to_json(), program(20).to_json()),
+        tmp_path / "figures",
+    )
     assert batches.plan(source, target, **options).rows_planned == 2
     # They are those of Python: it is the same plan.
-    plain = {name: getattr(value, "tolist", lambda value=value: value)() for name, value in options.items()}
+    plain = {
+        name: getattr(value, "tolist", lambda value=value: value)()
+        for name, value in options.items()
+    }
     assert batches.plan(source, target, **plain).rows_planned == 0
 
 
@@ -103,7 +111,9 @@ def test_blank_lines_are_no_programs(tmp_path: Path) -> None:
 
 
 def test_a_mark_of_the_encoding_is_no_part_of_a_program(tmp_path: Path) -> None:
-    source = lines(tmp_path, b"\xef\xbb\xbf" + program(10).to_json().encode(), program(20).to_json())
+    source = lines(
+        tmp_path, b"\xef\xbb\xbf" + program(10).to_json().encode(), program(20).to_json()
+    )
     batches.plan(source, tmp_path / "figures")
     assert batches.read(tmp_path / "figures").equals(batches.figures([program(10), program(20)]))
 
@@ -113,7 +123,11 @@ def test_no_lines_have_no_figures(text: bytes, tmp_path: Path) -> None:
     source, target = lines(tmp_path, text), tmp_path / "figures"
     told: list[tuple[int, int]] = []
     for _ in range(2):
-        assert batches.plan(source, target, progress=lambda *done: told.append(done)) == (target, 0, 0)
+        assert batches.plan(source, target, progress=lambda *done: told.append(done)) == (
+            target,
+            0,
+            0,
+        )
         figures = batches.read(target)
         assert figures.num_rows == 0 and figures.equals(batches.figures([]))
     # Who divides by the number of programs is not called.
@@ -121,7 +135,11 @@ def test_no_lines_have_no_figures(text: bytes, tmp_path: Path) -> None:
 
 
 def test_columns_without_rows_stay(tmp_path: Path) -> None:
-    columns = {"name": pa.array([], pa.string()), "program": pa.array([], pa.string()), "weight": pa.array([], "f8")}
+    columns = {
+        "name": pa.array([], pa.string()),
+        "program": pa.array([], pa.string()),
+        "weight": pa.array([], "f8"),
+    }
     pq.write_table(pa.table(columns), tmp_path / "programs.parquet")
     batches.plan(tmp_path / "programs.parquet", tmp_path / "figures")
     figures = batches.read(tmp_path / "figures")
@@ -132,7 +150,10 @@ def test_columns_without_rows_stay(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("programs", "says"),
     [
-        (program(10).to_json(), r"are a str; a list of .* is expected, \[program\] for one, and `plan` takes files"),
+        (
+            program(10).to_json(),
+            r"are a str; a list of .* is expected, \[program\] for one, and `plan` takes files",
+        ),
         ("programs.jsonl", "are a str; a list of iiwasim.Program or of JSON texts is expected"),
         (program(10).to_json().encode(), "are a bytes; "),
         ({"version": 1, "motions": []}, "are a dict; "),
@@ -147,9 +168,13 @@ def test_what_is_no_list_of_programs(programs: Any, says: str) -> None:
 
 
 def test_what_is_no_file_of_programs(tmp_path: Path) -> None:
-    with pytest.raises(iw.IiwasimError, match="the source is a JSON text; `plan` takes the path of a file"):
+    with pytest.raises(
+        iw.IiwasimError, match="the source is a JSON text; `plan` takes the path of a file"
+    ):
         batches.plan(program(*range(1, 90)).to_json(), tmp_path / "figures")
-    with pytest.raises(TypeError, match="the source is a list; `plan` takes the path of a file, and `figures`"):
+    with pytest.raises(
+        TypeError, match="the source is a list; `plan` takes the path of a file, and `figures`"
+    ):
         batches.plan([program(10)], tmp_path / "figures")  # type: ignore[arg-type]
     assert not list(tmp_path.iterdir())
 

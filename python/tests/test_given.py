@@ -35,7 +35,9 @@ def test_a_report_that_cannot_be_written_leaves_nothing(tmp_path: Path) -> None:
 def test_motions_that_contain_themselves(place: type) -> None:
     motion: dict[str, Any] = iw.wait(1)
     motion["source"] = motion if place is dict else [[motion]]
-    with pytest.raises(iw.ProgramError, match="motion 2 contains a list or dict that contains itself") as caught:
+    with pytest.raises(
+        iw.ProgramError, match="motion 2 contains a list or dict that contains itself"
+    ) as caught:
         iw.Program([iw.wait(1), motion], start_deg=HOME)
     assert caught.value.motion == 2
     # A list that is there twice is not in itself.
@@ -59,14 +61,28 @@ def test_overlaps_are_booleans_of_numpy_too(overlap: bool) -> None:
             ValueError,
             "velocity_rel is 'fast'; a number, or one for each",
         ),  # type: ignore[arg-type]
-        (lambda: iw.ptp(deg=HOME, jerk_rel=[1, "a"]), ValueError, r"jerk_rel is \[1, 'a'\]; a number, or"),  # type: ignore[list-item]
-        (lambda: iw.ptp(deg=HOME, acceleration_rel={}), TypeError, r"acceleration_rel is \{\}; a number, or"),  # type: ignore[arg-type]
+        (
+            lambda: iw.ptp(deg=HOME, jerk_rel=[1, "a"]),
+            ValueError,
+            r"jerk_rel is \[1, 'a'\]; a number, or",
+        ),  # type: ignore[list-item]
+        (
+            lambda: iw.ptp(deg=HOME, acceleration_rel={}),
+            TypeError,
+            r"acceleration_rel is \{\}; a number, or",
+        ),  # type: ignore[arg-type]
         (lambda: iw.ptp(deg="home"), ValueError, "deg is 'home'; a list of numbers is expected"),  # type: ignore[arg-type]
         (lambda: iw.ptp(rad=5), TypeError, "rad is 5; a list of numbers is expected"),  # type: ignore[arg-type]
-        (lambda: iw.load(1, center_mm=[0, None, 0]), TypeError, r"center_mm is \[0, None, 0\]; a list of"),  # type: ignore[list-item]
+        (
+            lambda: iw.load(1, center_mm=[0, None, 0]),
+            TypeError,
+            r"center_mm is \[0, None, 0\]; a list of",
+        ),  # type: ignore[list-item]
     ],
 )
-def test_numbers_that_are_none_are_named(make: Callable[[], object], kind: type[Exception], says: str) -> None:
+def test_numbers_that_are_none_are_named(
+    make: Callable[[], object], kind: type[Exception], says: str
+) -> None:
     with pytest.raises(kind, match=f"^{says}"):
         make()
 
@@ -74,16 +90,33 @@ def test_numbers_that_are_none_are_named(make: Callable[[], object], kind: type[
 @pytest.mark.parametrize(
     ("make", "says"),
     [
-        (lambda given: iw.lin("a", **given), "lin has no argument 'blend': give blend_cart_mm or blend_ori_deg"),
+        (
+            lambda given: iw.lin("a", **given),
+            "lin has no argument 'blend': give blend_cart_mm or blend_ori_deg",
+        ),
         (lambda given: iw.lin_rel(**given), "lin_rel has no argument 'blend': give blend_cart_mm"),
-        (lambda given: iw.circ("a", "b", **given), "circ has no argument 'blend': give blend_cart_mm"),
-        (lambda given: iw.spline([], **given), "spline has no argument 'blend': give blend_cart_mm"),
-        (lambda _: iw.lin_rel(offset={"z_mm": 1}), "lin_rel has no argument 'offset': give x_mm, y_mm"),
+        (
+            lambda given: iw.circ("a", "b", **given),
+            "circ has no argument 'blend': give blend_cart_mm",
+        ),
+        (
+            lambda given: iw.spline([], **given),
+            "spline has no argument 'blend': give blend_cart_mm",
+        ),
+        (
+            lambda _: iw.lin_rel(offset={"z_mm": 1}),
+            "lin_rel has no argument 'offset': give x_mm, y_mm",
+        ),
         (lambda _: iw.lin_rel(**{"in": "tcp"}), "lin_rel has no argument 'in': give within"),  # type: ignore[arg-type]
-        (lambda _: iw.lin("a", type="ptp"), "lin has no argument 'type': its motions have their type"),
+        (
+            lambda _: iw.lin("a", type="ptp"),
+            "lin has no argument 'type': its motions have their type",
+        ),
     ],
 )
-def test_keys_that_other_arguments_make(make: Callable[[dict[str, Any]], object], says: str) -> None:
+def test_keys_that_other_arguments_make(
+    make: Callable[[dict[str, Any]], object], says: str
+) -> None:
     with pytest.raises(TypeError, match=f"^{says}"):
         make({"blend": {"cart_mm": 5}})
 
@@ -101,4 +134,7 @@ FUNCTIONS = [name for name in iw.__all__ if inspect.isfunction(getattr(iw, name)
 @pytest.mark.parametrize("name", FUNCTIONS)
 def test_annotations_can_be_looked_up(name: str) -> None:
     function = getattr(iw, name)
-    assert set(typing.get_type_hints(function)) == {*inspect.signature(function).parameters, "return"}
+    assert set(typing.get_type_hints(function)) == {
+        *inspect.signature(function).parameters,
+        "return",
+    }

@@ -34,7 +34,17 @@ GUIDE = ROOT / "docs/guide/python.md"
 README = ROOT / "README.md"
 
 # Their methods and attributes are in the guide, too.
-DESCRIBED = {"Comparison", "Drive", "Identification", "Plan", "Program", "Recording", "Robot", "Samples", "Scene"}
+DESCRIBED = {
+    "Comparison",
+    "Drive",
+    "Identification",
+    "Plan",
+    "Program",
+    "Recording",
+    "Robot",
+    "Samples",
+    "Scene",
+}
 
 
 class Example(NamedTuple):
@@ -73,8 +83,12 @@ def examples(path: Path) -> list[Example]:
             # Two lines below the end.
             below = fence.line + fence.text.count("\n") + 4
             shows = after is not None and after.language == "text" and after.line == below
-            expected, at = (f"{after.text}\n" if after.text else "", after.line) if shows else ("", None)
-            found.append(Example(fence.line, fence.text, expected, at, "not run" not in fence.marks))
+            expected, at = (
+                (f"{after.text}\n" if after.text else "", after.line) if shows else ("", None)
+            )
+            found.append(
+                Example(fence.line, fence.text, expected, at, "not run" not in fence.marks)
+            )
     return found
 
 
@@ -97,7 +111,9 @@ def check(path: Path) -> int:
     for example, printed in outputs(path):
         count += 1
         if not doctest.OutputChecker().check_output(example.expected, printed, doctest.ELLIPSIS):
-            pytest.fail(f"{path.relative_to(ROOT)}:{example.line} prints\n{printed}\nbut shows\n{example.expected}")
+            pytest.fail(
+                f"{path.relative_to(ROOT)}:{example.line} prints\n{printed}\nbut shows\n{example.expected}"
+            )
     return count
 
 
@@ -151,7 +167,9 @@ def public_names() -> list[str]:
 def guide_of(kind: str) -> str:
     """Its examples, or all of it."""
     return (
-        "\n".join(example.code for example in examples(GUIDE)) if kind == "code" else GUIDE.read_text(encoding="utf-8")
+        "\n".join(example.code for example in examples(GUIDE))
+        if kind == "code"
+        else GUIDE.read_text(encoding="utf-8")
     )
 
 
@@ -161,7 +179,9 @@ def test_guide_has(name: str) -> None:
     # Classes may be what something else returns, or raises.
     is_class = inspect.isclass(getattr(iiwasim, name, None))
     where = guide_of("text" if is_class else "code")
-    assert re.search(rf"\b{word}\b", where), f"{GUIDE.name} has no {'word on' if is_class else 'example of'} {name}"
+    assert re.search(rf"\b{word}\b", where), (
+        f"{GUIDE.name} has no {'word on' if is_class else 'example of'} {name}"
+    )
 
 
 def renew(path: Path) -> None:

@@ -45,13 +45,19 @@ QUESTIONS = {
 
 def run(name: str, monkeypatch: pytest.MonkeyPatch, folder: Path) -> tuple[dict[str, Any], Any]:
     """The answers of a notebook, and the notebook with its outputs; its kernel is stopped, whatever comes."""
-    nbclient = pytest.importorskip("nbclient", reason="nbclient is missing: tests/requirements.txt has it")
+    nbclient = pytest.importorskip(
+        "nbclient", reason="nbclient is missing: tests/requirements.txt has it"
+    )
     nbformat = pytest.importorskip("nbformat")
     monkeypatch.setenv("IPYTHONDIR", str(folder))
     monkeypatch.setenv("JUPYTER_RUNTIME_DIR", str(folder))
     notebook = nbformat.read(FOLDER / f"{name}.ipynb", as_version=4)
-    notebook.cells.append(nbformat.v4.new_code_cell(f"import json; print(json.dumps({QUESTIONS[name]}))"))
-    kernel = pytest.importorskip("jupyter_client").AsyncKernelManager(kernel_name="python3", transport="ipc")
+    notebook.cells.append(
+        nbformat.v4.new_code_cell(f"import json; print(json.dumps({QUESTIONS[name]}))")
+    )
+    kernel = pytest.importorskip("jupyter_client").AsyncKernelManager(
+        kernel_name="python3", transport="ipc"
+    )
     kernel.ip = str(folder / "kernel")
     client = nbclient.NotebookClient(notebook, km=kernel)
     until = time.monotonic() + TIME_LIMIT_S
@@ -66,7 +72,9 @@ def run(name: str, monkeypatch: pytest.MonkeyPatch, folder: Path) -> tuple[dict[
 
 def shown(notebook: Any, kind: str) -> list[str]:
     """What the cells show of a kind."""
-    outputs = [output for cell in notebook.cells if cell.cell_type == "code" for output in cell.outputs]
+    outputs = [
+        output for cell in notebook.cells if cell.cell_type == "code" for output in cell.outputs
+    ]
     return [output.data[kind] for output in outputs if kind in output.get("data", {})]
 
 
@@ -78,7 +86,9 @@ def test_all_notebooks_are_tested() -> None:
 def test_stored_without_outputs(path: Path) -> None:
     for cell in json.loads(path.read_text(encoding="utf-8"))["cells"]:
         if cell["cell_type"] == "code":
-            assert cell["outputs"] == [] and cell["execution_count"] is None, f"clear the outputs of {cell['id']}"
+            assert cell["outputs"] == [] and cell["execution_count"] is None, (
+                f"clear the outputs of {cell['id']}"
+            )
 
 
 def test_first_plan(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
@@ -96,7 +106,9 @@ def test_first_plan(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
 def test_calibrate(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     found, _ = run("calibrate", monkeypatch, tmp_path)
     for kind in ("velocity", "acceleration", "jerk"):
-        assert found["model"][kind] > 5, f"the virtual robot hardly differs from the model in {kind}"
+        assert found["model"][kind] > 5, (
+            f"the virtual robot hardly differs from the model in {kind}"
+        )
         assert found["found"][kind] < 2, f"{kind} is off by {found['found'][kind]} %"
     assert found["before_percent"] < -1
     assert abs(found["after_percent"]) < 0.05

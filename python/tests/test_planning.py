@@ -38,12 +38,20 @@ def swing(deg: float = 30.0, **options: object) -> iw.Program:
 def test_samples_are_the_plan(name: str, timing: str) -> None:
     plan = iw.plan(iw.Program.load(FIXTURES / name), timing=timing)
     samples = plan.sample(rate_hz=200)
-    assert len(samples) == len(samples.t) and samples.t[0] == 0 and samples.t[-1] == plan.cycle_time_s
+    assert (
+        len(samples) == len(samples.t) and samples.t[0] == 0 and samples.t[-1] == plan.cycle_time_s
+    )
     for values in (samples.q, samples.dq, samples.ddq, samples.torque):
-        assert values.shape == (len(samples), 7) and values.dtype == np.float64 and values.flags.c_contiguous
+        assert (
+            values.shape == (len(samples), 7)
+            and values.dtype == np.float64
+            and values.flags.c_contiguous
+        )
     for place in range(0, len(samples), 37):
         state = plan.at(samples.t[place])
-        assert np.array_equal(state.q, samples.q[place]) and np.array_equal(state.ddq, samples.ddq[place])
+        assert np.array_equal(state.q, samples.q[place]) and np.array_equal(
+            state.ddq, samples.ddq[place]
+        )
         assert state.motion == samples.motion[place]
     # The derivatives are those of the positions.
     fine = plan.sample(rate_hz=2000)
@@ -57,7 +65,9 @@ def test_figures_fit_together(name: str) -> None:
     plan = iw.plan(iw.Program.load(FIXTURES / name))
     figures = plan.figures()
     assert figures["cycle_time_s"] == plan.cycle_time_s
-    assert plan.cycle_time_s == pytest.approx(plan.motion_time_s + plan.settle_time_s + plan.wait_time_s, abs=1e-12)
+    assert plan.cycle_time_s == pytest.approx(
+        plan.motion_time_s + plan.settle_time_s + plan.wait_time_s, abs=1e-12
+    )
     assert [motion.index for motion in plan.motions] == list(range(1, len(plan.program) + 1))
     assert all(motion.figures is not None and motion.time_s >= 0 for motion in plan.motions)
     # Motions end where the arm begins to settle.
@@ -75,11 +85,14 @@ def test_the_tcp_is_the_tool() -> None:
 
 
 def test_logs_of_a_data_recorder(tmp_path: Path) -> None:
-    names = [f"{kind}_LBR_iiwa_7_R800_1[{j}]" for kind in ("axisQMsr", "axisQCmdT1m") for j in range(7)]
+    names = [
+        f"{kind}_LBR_iiwa_7_R800_1[{j}]" for kind in ("axisQMsr", "axisQCmdT1m") for j in range(7)
+    ]
     row = "0 0 0 1 0 0 0"
     log = tmp_path / "recorder.log"
     log.write_text(
-        f"% ZeitInSec ZeitInNanoSec {' '.join(names)}\n" + f" 5 0 {row} {row}\n 5 20000000 {row} 0 0 0 90 0 0 0\n"
+        f"% ZeitInSec ZeitInNanoSec {' '.join(names)}\n"
+        + f" 5 0 {row} {row}\n 5 20000000 {row} 0 0 0 90 0 0 0\n"
     )
     assert iw.Recording.load(log).q[0, 3] == 1.0
     assert iw.Recording.load(log, unit="deg").q[0, 3] == math.radians(1)
@@ -120,9 +133,24 @@ def test_options_of_plans() -> None:
     ("text", "line", "motion", "says"),
     [
         ("{", 1, None, "ends too early"),
-        ('{"version": 1,\n "start": {"joints_deg": [0,0,0,0,0,0,0]},\n "motions": [{"type": "hop"}]}', 3, 1, "hop"),
-        ('{"version": 1, "start": {"joints_deg": [0,0,0,0,0,0]}, "motions": []}', 1, None, "seven|7"),
-        ('{"version": 9, "start": {"joints_deg": [0,0,0,0,0,0,0]}, "motions": []}', 1, None, "version 9"),
+        (
+            '{"version": 1,\n "start": {"joints_deg": [0,0,0,0,0,0,0]},\n "motions": [{"type": "hop"}]}',
+            3,
+            1,
+            "hop",
+        ),
+        (
+            '{"version": 1, "start": {"joints_deg": [0,0,0,0,0,0]}, "motions": []}',
+            1,
+            None,
+            "seven|7",
+        ),
+        (
+            '{"version": 9, "start": {"joints_deg": [0,0,0,0,0,0,0]}, "motions": []}',
+            1,
+            None,
+            "version 9",
+        ),
     ],
 )
 def test_errors_say_where(text: str, line: int, motion: int | None, says: str) -> None:
@@ -155,7 +183,9 @@ def test_errors_of_plans_say_where() -> None:
         iw.Program([iw.wait(1)])
     with pytest.raises(FileNotFoundError, match=r"no-such-file\.json"):
         iw.Program.load("no-such-file.json")
-    with pytest.raises(iw.ProgramError, match="motion 2 contains a value that is not finite") as caught:
+    with pytest.raises(
+        iw.ProgramError, match="motion 2 contains a value that is not finite"
+    ) as caught:
         iw.Program([iw.wait(1), iw.ptp(deg=[np.nan] * 7)], start_deg=[0] * 7)
     assert caught.value.motion == 2
     with pytest.raises(ValueError, match="not finite"):
@@ -164,15 +194,28 @@ def test_errors_of_plans_say_where() -> None:
 
 def test_numbers_of_numpy_are_numbers() -> None:
     by_numpy = iw.Program(
-        [iw.ptp(deg=np.arange(7, dtype=np.float32), velocity_rel=np.float32(0.5)), iw.wait(np.float64(1))],  # type: ignore[arg-type]
+        [
+            iw.ptp(deg=np.arange(7, dtype=np.float32), velocity_rel=np.float32(0.5)),
+            iw.wait(np.float64(1)),
+        ],  # type: ignore[arg-type]
         start_deg=np.zeros(7),
     )
-    assert by_numpy == iw.Program([iw.ptp(deg=range(7), velocity_rel=0.5), iw.wait(1)], start_deg=[0] * 7)
+    assert by_numpy == iw.Program(
+        [iw.ptp(deg=range(7), velocity_rel=0.5), iw.wait(1)], start_deg=[0] * 7
+    )
 
 
 def test_arrays_of_samples_are_not_written_to() -> None:
     samples = iw.plan(swing()).sample()
-    for values in (samples.t, samples.q, samples.dq, samples.ddq, samples.motion, samples.tcp, samples.torque):
+    for values in (
+        samples.t,
+        samples.q,
+        samples.dq,
+        samples.ddq,
+        samples.motion,
+        samples.tcp,
+        samples.torque,
+    ):
         with pytest.raises(ValueError, match="read-only"):
             values[0] = 1
 
@@ -236,13 +279,22 @@ def test_things_are_pickled(tmp_path: Path) -> None:
     [
         (lambda own: iw.plan(own, robot=own), "robot is of type Program; a Robot, the name"),
         (lambda own: iw.compare(own, own), "a Recording, a Run or the path of a file"),
-        (lambda own: iw.compare(3, iw.Recording([0.0, 0.01], [[0.0] * 7] * 2)), "plan is of type int; a Plan or"),
+        (
+            lambda own: iw.compare(3, iw.Recording([0.0, 0.01], [[0.0] * 7] * 2)),
+            "plan is of type int; a Plan or",
+        ),
         (lambda own: iw.identify("log.csv"), "give a list"),
         (lambda own: iw.plan_all([own, 3]), r"programs\[1\] is of type int; a Program"),
         (lambda own: iw.Program([], start_deg=[0] * 7, robot=3), "robot is of type int; a Robot"),
         (lambda own: iw.Robot().torques([0.0] * 7, load=3), "load is of type int; a dict"),
-        (lambda own: iw.import_application(JOINTS, answers={"Go?": "Yes"}), "of type str; the number of a button"),
-        (lambda own: iw.import_application(JOINTS, inputs={"speed": [1]}), "a value is of type list; True or False"),
+        (
+            lambda own: iw.import_application(JOINTS, answers={"Go?": "Yes"}),
+            "of type str; the number of a button",
+        ),
+        (
+            lambda own: iw.import_application(JOINTS, inputs={"speed": [1]}),
+            "a value is of type list; True or False",
+        ),
     ],
 )
 def test_wrong_types_are_told(call: Callable[[iw.Program], object], says: str) -> None:
@@ -257,7 +309,9 @@ def test_scenes_with_meshes_are_pickled(tmp_path: Path) -> None:
     (tmp_path / "tool.obj").write_text("\n".join(lines))
     tool = [{"type": "mesh", "file": "tool.obj"}]
     floor = {"name": "floor", "type": "plane", "point_mm": [0, 0, 0], "normal": [0, 0, 1]}
-    (tmp_path / "scene.json").write_text(json.dumps({"version": 1, "tool": tool, "obstacles": [floor]}))
+    (tmp_path / "scene.json").write_text(
+        json.dumps({"version": 1, "tool": tool, "obstacles": [floor]})
+    )
     scene = iw.Scene.load(tmp_path / "scene.json")
     shutil.rmtree(tmp_path)
     plan = iw.plan(swing())
@@ -271,9 +325,15 @@ def test_scenes_with_meshes_are_pickled(tmp_path: Path) -> None:
         (lambda own: iw.plan(own, samples=-1), "samples is -1; from 2"),
         (lambda own: iw.plan_all([own], jobs=-1), "jobs is -1; at least 1"),
         (lambda own: iw.Robot().ik(dict.fromkeys(FRAME, 0), e1_deg=0, status=300), "status is 300"),
-        (lambda own: iw.Robot().ik(dict.fromkeys(FRAME, 0), e1_deg=math.nan, status=2), "e1_deg is NaN"),
+        (
+            lambda own: iw.Robot().ik(dict.fromkeys(FRAME, 0), e1_deg=math.nan, status=2),
+            "e1_deg is NaN",
+        ),
         (lambda own: own.with_start(), "either in deg or in rad"),
-        (lambda own: iw.Program([], start_deg=[[0] * 7]), r"start_deg has to be of the shape \(7,\)"),
+        (
+            lambda own: iw.Program([], start_deg=[[0] * 7]),
+            r"start_deg has to be of the shape \(7,\)",
+        ),
     ],
 )
 def test_wrong_values_are_told(call: Callable[[iw.Program], object], says: str) -> None:
@@ -285,7 +345,12 @@ def test_wrong_values_are_told(call: Callable[[iw.Program], object], says: str) 
     ("call", "error"),
     [
         (lambda folder: iw.Recording.load(folder), IsADirectoryError),
-        (lambda folder: iw.compare(folder / "none.mcap", iw.Recording([0, 0.01], [[0.0] * 7] * 2)), FileNotFoundError),
+        (
+            lambda folder: iw.compare(
+                folder / "none.mcap", iw.Recording([0, 0.01], [[0.0] * 7] * 2)
+            ),
+            FileNotFoundError,
+        ),
         (lambda folder: iw.applications(folder / "none"), FileNotFoundError),
         (lambda folder: iw.plan(swing()).write(folder), IsADirectoryError),
         (lambda folder: iw.plan(swing()).write(folder / "none/plan.mcap"), FileNotFoundError),
@@ -300,7 +365,9 @@ def test_wrong_values_are_told(call: Callable[[iw.Program], object], says: str) 
 def test_what_is_wrong_with_files_is_told(
     call: Callable[[Path], object], error: type[Exception], tmp_path: Path
 ) -> None:
-    (tmp_path / "latin-1.json").write_bytes('{"version": 1, "robot": "Gr\u00fc\u00dfe"}'.encode("latin-1"))
+    (tmp_path / "latin-1.json").write_bytes(
+        '{"version": 1, "robot": "Gr\u00fc\u00dfe"}'.encode("latin-1")
+    )
     with pytest.raises(error) as raised:
         call(tmp_path)
     assert str(tmp_path) in str(raised.value)
@@ -326,7 +393,9 @@ for work in (
 
 @pytest.mark.skipif(sys.platform != "linux", reason="memory is limited by Linux")
 def test_too_much_memory_is_an_exception() -> None:
-    done = subprocess.run([sys.executable, "-c", LIMITED], capture_output=True, text=True, timeout=120, check=True)
+    done = subprocess.run(
+        [sys.executable, "-c", LIMITED], capture_output=True, text=True, timeout=120, check=True
+    )
     assert len(done.stdout.splitlines()) == 2, done
 
 
@@ -344,7 +413,9 @@ except KeyboardInterrupt:
 
 
 def test_ctrl_c_in_the_first_sampling_is_an_interrupt() -> None:
-    done = subprocess.run([sys.executable, "-c", CTRL_C], capture_output=True, text=True, timeout=120, check=True)
+    done = subprocess.run(
+        [sys.executable, "-c", CTRL_C], capture_output=True, text=True, timeout=120, check=True
+    )
     assert done.stdout == "interrupted\n" and not done.stderr
 
 
@@ -354,7 +425,9 @@ def test_idle_threads_are_few() -> None:
         assert len(list(pool.map(lambda _: iw.plan(program), range(400)))) == 400
     if sys.platform == "linux":
         names = (Path(f"/proc/self/task/{task}/comm") for task in os.listdir("/proc/self/task"))
-        workers = [name for name in names if name.exists() and name.read_text().strip() == "iiwasim"]
+        workers = [
+            name for name in names if name.exists() and name.read_text().strip() == "iiwasim"
+        ]
         assert len(workers) <= (os.cpu_count() or 1)
 
 
@@ -418,7 +491,9 @@ def test_recordings_and_what_they_show_are_pickled(tmp_path: Path) -> None:
     found = iw.identify([iw.Recording(samples.t, samples.q)], program=plan.program, name="cell 3")
     assert copied(found).robot == found.robot and copied(found).figures() == found.figures()
     again = iw.identify([tmp_path / "plan.mcap"], name="cell 3")
-    assert np.allclose(again.robot.velocity_limits_rad_s, found.robot.velocity_limits_rad_s, rtol=1e-3)
+    assert np.allclose(
+        again.robot.velocity_limits_rad_s, found.robot.velocity_limits_rad_s, rtol=1e-3
+    )
 
 
 def test_a_profile_counts_as_it_does_on_the_command_line(tmp_path: Path) -> None:
@@ -439,7 +514,11 @@ def test_a_profile_counts_as_it_does_on_the_command_line(tmp_path: Path) -> None
 
 
 def test_all_cores_plan_the_same() -> None:
-    programs = [swing(deg) for deg in range(5, 121, 5)] + [swing(300)] + [iw.Program.load(FIXTURES / PROGRAMS[1])]
+    programs = (
+        [swing(deg) for deg in range(5, 121, 5)]
+        + [swing(300)]
+        + [iw.Program.load(FIXTURES / PROGRAMS[1])]
+    )
     seen: list[tuple[int, int]] = []
     plans = iw.plan_all(programs, progress=lambda done, total: seen.append((done, total)))
     assert seen[-1] == (len(programs), len(programs))
@@ -449,7 +528,11 @@ def test_all_cores_plan_the_same() -> None:
             assert isinstance(alone, iw.Plan)
             assert plan.cycle_time_s == alone.cycle_time_s == iw.plan(program).cycle_time_s
         else:
-            assert isinstance(plan, iw.ProgramError) and plan.motion == 1 and "its range is" in str(plan)
+            assert (
+                isinstance(plan, iw.ProgramError)
+                and plan.motion == 1
+                and "its range is" in str(plan)
+            )
     assert sum(isinstance(plan, iw.Plan) for plan in plans) == len(programs) - 1
     assert iw.plan_all([]) == []
     with pytest.raises(TypeError, match=r"programs\[1\]"):
@@ -497,7 +580,10 @@ def test_ctrl_c_ends_the_work() -> None:
 def test_threads_share_the_package() -> None:
     program = iw.Program.load(FIXTURES / "ten-motions.json")
     times: list[float] = []
-    threads = [threading.Thread(target=lambda: times.append(iw.plan(program).cycle_time_s)) for _ in range(8)]
+    threads = [
+        threading.Thread(target=lambda: times.append(iw.plan(program).cycle_time_s))
+        for _ in range(8)
+    ]
     for thread in threads:
         thread.start()
     for thread in threads:
@@ -539,7 +625,9 @@ def test_tables_have_the_columns_of_the_command_line() -> None:
     plan = iw.plan(swing())
     pandas = plan.to_pandas(rate_hz=100)
     polars = plan.to_polars(rate_hz=100)
-    assert list(pandas.columns) == list(polars.columns) and len(pandas) == len(polars) == len(plan.sample(rate_hz=100))
+    assert list(pandas.columns) == list(polars.columns) and len(pandas) == len(polars) == len(
+        plan.sample(rate_hz=100)
+    )
     assert np.array_equal(pandas["joint_4_rad_s"], plan.sample(rate_hz=100).dq[:, 3])
     assert np.array_equal(polars["torque_2_nm"].to_numpy(), plan.sample(rate_hz=100).torque[:, 1])
 

@@ -58,7 +58,9 @@ def test_what_is_drawn(pyplot: ModuleType) -> None:
 
 
 @pytest.mark.parametrize("backend", ["agg", "svg"])
-def test_figures_without_windows_are_not_kept(backend: str, pyplot: ModuleType, tmp_path: Path) -> None:
+def test_figures_without_windows_are_not_kept(
+    backend: str, pyplot: ModuleType, tmp_path: Path
+) -> None:
     pyplot.switch_backend(backend)
     own = pyplot.figure()
     plan = iw.plan(iw.Program(PROGRAMS["at rest"], start_deg=HOME))

@@ -45,8 +45,15 @@ def test_frames_and_joints_are_inverse() -> None:
     for q in postures(50):
         assert np.abs(robot.ik(robot.frame(q)) - q).max() < 1e-7
         frame = robot.frame(q, program=program, tool="gripper/left", base="table")
-        assert np.abs(robot.ik(frame, program=program, tool="gripper/left", base="table") - q).max() < 1e-7
-    plain = {key: value for key, value in robot.frame(q).items() if key not in ("e1_deg", "status", "turn")}
+        assert (
+            np.abs(robot.ik(frame, program=program, tool="gripper/left", base="table") - q).max()
+            < 1e-7
+        )
+    plain = {
+        key: value
+        for key, value in robot.frame(q).items()
+        if key not in ("e1_deg", "status", "turn")
+    }
     assert np.abs(robot.ik(plain, near=q) - q).max() < 1e-7
     with pytest.raises(ValueError, match="E1"):
         robot.ik(plain)
@@ -96,11 +103,17 @@ def test_arrays_of_all_kinds_are_taken() -> None:
 
 def test_clearances() -> None:
     scene = iw.Scene.load(FIXTURES / "cage.json")
-    plan = iw.plan(iw.Program([iw.ptp(deg=[60, 40, 0, -60, 0, 40, 0])], start_deg=[-60, 40, 0, -60, 0, 40, 0]))
+    plan = iw.plan(
+        iw.Program([iw.ptp(deg=[60, 40, 0, -60, 0, 40, 0])], start_deg=[-60, 40, 0, -60, 0, 40, 0])
+    )
     near = plan.clearance(scene)
     assert near is not None and near.at_s is not None
     # No sample is nearer than the nearest place by more than its tolerance.
-    least = min(found.distance_m for q in plan.sample(rate_hz=100).q if (found := scene.clearance(q)) is not None)
+    least = min(
+        found.distance_m
+        for q in plan.sample(rate_hz=100).q
+        if (found := scene.clearance(q)) is not None
+    )
     assert near.distance_m <= least + 1e-9 and near.distance_m > least - 5e-3
     at = scene.clearance(plan.at(near.at_s).q)
     assert at is not None and at.distance_m == pytest.approx(near.distance_m, abs=1e-6)
@@ -115,7 +128,9 @@ def test_recordings_are_held_against_plans(tmp_path: Path) -> None:
     comparison = iw.compare(plan, measured)
     assert comparison.cycle_time_error_percent == pytest.approx(-0.4, abs=0.1)
     plan.write(tmp_path / "plan.mcap")
-    assert iw.compare(tmp_path / "plan.mcap", measured).measured_s == pytest.approx(comparison.measured_s)
+    assert iw.compare(tmp_path / "plan.mcap", measured).measured_s == pytest.approx(
+        comparison.measured_s
+    )
     with pytest.raises(iw.RecordingError, match="not the same program"):
         iw.compare(plan, iw.Recording(samples.t, samples.q * 0.5))
     with pytest.raises(iw.RecordingError):
@@ -132,11 +147,16 @@ def test_a_robot_is_identified() -> None:
     found = iw.identify([iw.Recording(samples.t, samples.q, program=program)], name="bench")
     assert found.robot.name == "bench" and "A6" in found.table()
     assert found.figures()["settle"] is not None or found.figures()["blends"]
-    bend = [iw.ptp(deg=[30, 0, 0, -60, 0, 0, 0], blend_fraction=0.3), iw.ptp(deg=[0, 40, 0, -60, 0, 40, 0])]
+    bend = [
+        iw.ptp(deg=[30, 0, 0, -60, 0, 0, 0], blend_fraction=0.3),
+        iw.ptp(deg=[0, 40, 0, -60, 0, 40, 0]),
+    ]
     other = iw.Program(bend, start_deg=[0] * 7, robot="lbr_iiwa_14_r820")
     moved = iw.plan(other).sample(rate_hz=500)
     of_the_other = iw.identify([iw.Recording(moved.t, moved.q, program=other)])
-    assert np.array_equal(of_the_other.robot.torque_limits_nm, iw.Robot("lbr_iiwa_14_r820").torque_limits_nm)
+    assert np.array_equal(
+        of_the_other.robot.torque_limits_nm, iw.Robot("lbr_iiwa_14_r820").torque_limits_nm
+    )
     with pytest.raises(ValueError, match="program"):
         iw.identify([iw.Recording(samples.t, samples.q)])
     with pytest.raises(ValueError, match="empty"):

@@ -50,7 +50,10 @@ def test_a_saved_program_takes_as_long(program: iw.Program, tmp_path: Path) -> N
     assert np.array_equal(iw.plan(again).at(0.3).q, expected.at(0.3).q)
     # A built-in robot needs no profile.
     is_built_in = again.robot in (iw.Robot(), iw.Robot("lbr_iiwa_14_r820"))
-    assert sorted(it.name for it in tmp_path.iterdir()) == ["cell-robot.json", "cell.json"][is_built_in:]
+    assert (
+        sorted(it.name for it in tmp_path.iterdir())
+        == ["cell-robot.json", "cell.json"][is_built_in:]
+    )
 
 
 def test_the_command_plans_what_was_saved(tmp_path: Path) -> None:
@@ -65,7 +68,9 @@ def test_a_start_at_a_frame_is_that_of_the_robot() -> None:
     short = iw.Robot(flange_m=0.126)
     program = iw.Program([iw.wait(1)], start_frame=short.frame(np.radians(HOME)), robot=short)
     assert np.allclose(program.start_rad, np.radians(HOME), atol=1e-9)
-    assert not np.allclose(iw.Program.from_json(program.to_json()).start_rad, program.start_rad, atol=1e-3)
+    assert not np.allclose(
+        iw.Program.from_json(program.to_json()).start_rad, program.start_rad, atol=1e-3
+    )
     far = {"x_mm": 5000, "y_mm": 0, "z_mm": 0, "a_deg": 0, "b_deg": 0, "c_deg": 0}
     with pytest.raises(iw.ProgramError, match="start"):
         iw.Program([iw.wait(1)], start_frame=far).start_rad  # noqa: B018

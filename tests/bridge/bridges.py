@@ -19,7 +19,11 @@ class Bridge(Program):
     lasts = True
 
     def __init__(self, binary: Path, robot: Robot, log: Path, *options: str) -> None:
-        super().__init__([str(binary), "bridge", *robot.drive_at, *robot.stream_at, *options], log, folder=log.parent)
+        super().__init__(
+            [str(binary), "bridge", *robot.drive_at, *robot.stream_at, *options],
+            log,
+            folder=log.parent,
+        )
 
     def memory_kb(self) -> int:
         """What of it is in memory."""
@@ -39,7 +43,9 @@ class Schema:
 
     def __init__(self, binary: Path) -> None:
         command = [binary, "schema", "bridge"]
-        done = subprocess.run(command, check=True, capture_output=True, text=True, timeout=PATIENCE_S)
+        done = subprocess.run(
+            command, check=True, capture_output=True, text=True, timeout=PATIENCE_S
+        )
         self.schema = json.loads(done.stdout)
         kind = jsonschema.validators.validator_for(self.schema)
         kind.check_schema(self.schema)

@@ -42,7 +42,9 @@ class Authority:
             .add_extension(usage, critical=True)
         )
         self.certificate = folder / f"{name}.pem"
-        self.certificate.write_bytes(own.sign(self.key, hashes.SHA256()).public_bytes(serialization.Encoding.PEM))
+        self.certificate.write_bytes(
+            own.sign(self.key, hashes.SHA256()).public_bytes(serialization.Encoding.PEM)
+        )
 
     def begun(
         self, subject: str, issuer: str, key: ec.EllipticCurvePrivateKey, valid: datetime.timedelta
@@ -56,7 +58,9 @@ class Authority:
             .serial_number(x509.random_serial_number())
             .not_valid_before(now - 30 * DAY)
             .not_valid_after(now + valid)
-            .add_extension(x509.SubjectKeyIdentifier.from_public_key(key.public_key()), critical=False)
+            .add_extension(
+                x509.SubjectKeyIdentifier.from_public_key(key.public_key()), critical=False
+            )
         )
 
     def sign(self, name: str, *hosts: str, valid: datetime.timedelta = 30 * DAY) -> Pair:
@@ -71,12 +75,18 @@ class Authority:
             .add_extension(x509.AuthorityKeyIdentifier.from_issuer_public_key(own), critical=False)
         )
         if hosts:
-            builder = builder.add_extension(x509.SubjectAlternativeName([alternative(host) for host in hosts]), False)
+            builder = builder.add_extension(
+                x509.SubjectAlternativeName([alternative(host) for host in hosts]), False
+            )
         signed = builder.sign(self.key, hashes.SHA256()).public_bytes(serialization.Encoding.PEM)
         secret = key.private_bytes(
-            serialization.Encoding.PEM, serialization.PrivateFormat.PKCS8, serialization.NoEncryption()
+            serialization.Encoding.PEM,
+            serialization.PrivateFormat.PKCS8,
+            serialization.NoEncryption(),
         )
-        pair = Pair(*(self.folder / f"{self.name}-{name}{end}" for end in (".pem", ".key", "-both.pem")))
+        pair = Pair(
+            *(self.folder / f"{self.name}-{name}{end}" for end in (".pem", ".key", "-both.pem"))
+        )
         pair.certificate.write_bytes(signed)
         pair.key.write_bytes(secret)
         pair.both.write_bytes(secret + signed)

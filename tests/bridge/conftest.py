@@ -46,7 +46,9 @@ def certificates(tmp_path_factory: pytest.TempPathFactory) -> Certificates:
 
 
 @pytest.fixture(scope="session")
-def kafka_of_session(tmp_path_factory: pytest.TempPathFactory, certificates: Certificates) -> Iterator[KafkaBroker]:
+def kafka_of_session(
+    tmp_path_factory: pytest.TempPathFactory, certificates: Certificates
+) -> Iterator[KafkaBroker]:
     with KafkaBroker(fetch_jars(), tmp_path_factory.mktemp("kafka"), certificates) as broker:
         yield broker
 
@@ -58,7 +60,9 @@ def kafka(kafka_of_session: KafkaBroker) -> KafkaBroker:
 
 
 @pytest.fixture(scope="session")
-def mosquitto_of_session(tmp_path_factory: pytest.TempPathFactory, certificates: Certificates) -> Iterator[Mosquitto]:
+def mosquitto_of_session(
+    tmp_path_factory: pytest.TempPathFactory, certificates: Certificates
+) -> Iterator[Mosquitto]:
     with Mosquitto(tmp_path_factory.mktemp("mosquitto"), certificates) as broker:
         yield broker
 
@@ -117,7 +121,9 @@ def bridge(binary: Path, tmp_path: Path) -> Iterator[Callable[..., Bridge]]:
 
     def start(robot: Robot, *options: str) -> Bridge:
         given = [] if "--spool" in options else ["--spool", str(tmp_path / f"spool-{len(started)}")]
-        started.append(Bridge(binary, robot, tmp_path / f"bridge-{len(started)}.log", *options, *given))
+        started.append(
+            Bridge(binary, robot, tmp_path / f"bridge-{len(started)}.log", *options, *given)
+        )
         return started[-1]
 
     yield start
@@ -133,6 +139,8 @@ def way(request: pytest.FixtureRequest, name: str) -> Iterator[Way]:
     if request.param == "kafka":
         made = KafkaWay(request.getfixturevalue("kafka"), name)
     else:
-        made = MqttWay(request.getfixturevalue("mosquitto"), name, 5 if request.param == "mqtt" else 4)
+        made = MqttWay(
+            request.getfixturevalue("mosquitto"), name, 5 if request.param == "mqtt" else 4
+        )
     with made as way:
         yield way

@@ -29,7 +29,14 @@ LISTENERS = {
     "EXPIRED": "SSL",
 }
 # It starts in a fraction of the time: nothing runs for long enough to be worth more.
-JAVA = ["java", "-Xmx256m", "-Xms64m", "-XX:+UseSerialGC", "-XX:TieredStopAtLevel=1", "-Xshare:auto"]
+JAVA = [
+    "java",
+    "-Xmx256m",
+    "-Xms64m",
+    "-XX:+UseSerialGC",
+    "-XX:TieredStopAtLevel=1",
+    "-Xshare:auto",
+]
 MECHANISMS = ("PLAIN", "SCRAM-SHA-256", "SCRAM-SHA-512")
 
 
@@ -38,14 +45,18 @@ def fetch_jars(folder: Path | None = None) -> Path:
 
     `IIWASIM_KAFKA` names it where no folder is given; else it is where CI keeps them.
     """
-    folder = folder or Path(os.environ.get("IIWASIM_KAFKA", REPOSITORY / "target/ci/kafka")).resolve()
+    folder = (
+        folder or Path(os.environ.get("IIWASIM_KAFKA", REPOSITORY / "target/ci/kafka")).resolve()
+    )
     pom = Path(__file__).parent / "kafka/pom.xml"
     # The pins that the jars are of: others than these are fetched anew.
     fetched = folder / "pom.xml"
     if not fetched.exists() or fetched.read_bytes() != pom.read_bytes():
         shutil.rmtree(folder, ignore_errors=True)
         folder.mkdir(parents=True)
-        subprocess.run(["mvn", "-B", "-q", "-f", pom, f"-Djars={folder}", "package"], check=True, timeout=600)
+        subprocess.run(
+            ["mvn", "-B", "-q", "-f", pom, f"-Djars={folder}", "package"], check=True, timeout=600
+        )
         shutil.copy(pom, fetched)
     return folder
 
@@ -55,16 +66,22 @@ class KafkaBroker(Broker):
 
     label = "Kafka"
 
-    def __init__(self, jars: Path, folder: Path, certificates: Certificates | None = None, **settings: str) -> None:
+    def __init__(
+        self, jars: Path, folder: Path, certificates: Certificates | None = None, **settings: str
+    ) -> None:
         """With certificates, it listens to all LISTENERS, else to those without. Settings are as in server.properties,
         with _ in place of dots."""
         super().__init__(folder)
         self.jars = jars
-        names = [name for name, protocol in LISTENERS.items() if certificates or "SSL" not in protocol]
+        names = [
+            name for name, protocol in LISTENERS.items() if certificates or "SSL" not in protocol
+        ]
         *ports, controller = free_ports(len(names) + 1)
         self.addresses = {name: f"localhost:{port}" for name, port in zip(names, ports)}
         self.properties = folder / "server.properties"
-        lines = self.settings(controller) | {key.replace("_", "."): value for key, value in settings.items()}
+        lines = self.settings(controller) | {
+            key.replace("_", "."): value for key, value in settings.items()
+        }
         if certificates:
             lines |= self.secured(certificates)
         self.properties.write_text("".join(f"{key}={value}\n" for key, value in lines.items()))
@@ -72,7 +89,10 @@ class KafkaBroker(Broker):
 
     def settings(self, controller: int) -> dict[str, str]:
         listeners = ",".join(f"{name}://{address}" for name, address in self.addresses.items())
-        protocols = {**{name: LISTENERS[name] for name in self.addresses}, "CONTROLLER": "PLAINTEXT"}
+        protocols = {
+            **{name: LISTENERS[name] for name in self.addresses},
+            "CONTROLLER": "PLAINTEXT",
+        }
         return {
             "process.roles": "broker,controller",
             "node.id": "1",
@@ -80,7 +100,9 @@ class KafkaBroker(Broker):
             "controller.listener.names": "CONTROLLER",
             "listeners": f"{listeners},CONTROLLER://localhost:{controller}",
             "advertised.listeners": listeners,
-            "listener.security.protocol.map": ",".join(f"{name}:{protocol}" for name, protocol in protocols.items()),
+            "listener.security.protocol.map": ",".join(
+                f"{name}:{protocol}" for name, protocol in protocols.items()
+            ),
             "inter.broker.listener.name": "PLAINTEXT",
             "log.dirs": str(self.folder / "data"),
             "group.initial.rebalance.delay.ms": "0",

@@ -17,7 +17,9 @@ KINDS = ("joints", "state", "run", "io", "sensors", "conditions", "bridge")
 def without_repetitions(messages: Iterable[dict[str, Any]]) -> tuple[list[dict[str, Any]], int]:
     """Messages without those that have come before, in their order, and how many had: they arrive at least once."""
     messages = list(messages)
-    keys = [tuple(message[name] for name in ("robot", "kind", "session", "seq")) for message in messages]
+    keys = [
+        tuple(message[name] for name in ("robot", "kind", "session", "seq")) for message in messages
+    ]
     by_key = dict(zip(keys, messages))
     once, repeated = once_and_in_order(keys)
     return [by_key[key] for key in once], repeated
@@ -35,7 +37,9 @@ def check_numbers(messages: Iterable[dict[str, Any]], *, may_lack: Iterable[str]
         found[message["robot"], message["kind"], message["session"]].append(message["seq"])
     for what, numbers in found.items():
         lacks = what[1] in may_lack
-        gaps = [(a, b) for a, b in zip([-1, *numbers], numbers) if (b <= a if lacks else b != a + 1)]
+        gaps = [
+            (a, b) for a, b in zip([-1, *numbers], numbers) if (b <= a if lacks else b != a + 1)
+        ]
         assert not gaps, f"{what}: {len(gaps)} gaps, the first from {gaps[0][0]} to {gaps[0][1]}"
     return repeated
 
@@ -70,7 +74,9 @@ def refused_commands(robot: str, program: dict[str, Any]) -> dict[str, bytes]:
 
     def changed(**change: Any) -> bytes:
         whole = {**command(robot, "run_motions", motions=program["motions"]), **change}
-        return json.dumps({key: value for key, value in whole.items() if value is not None}).encode()
+        return json.dumps(
+            {key: value for key, value in whole.items() if value is not None}
+        ).encode()
 
     whole = changed()
     return {
@@ -90,14 +96,23 @@ def refused_commands(robot: str, program: dict[str, Any]) -> dict[str, bytes]:
         "an id that is a number": changed(id=7),
         "no time": changed(at=None),
         "a time without a zone": changed(at=datetime.now(UTC).isoformat()[:19]),
-        "too old": json.dumps(command(robot, "run_motions", age_s=60, motions=program["motions"])).encode(),
-        "from the future": json.dumps(command(robot, "run_motions", age_s=-60, motions=program["motions"])).encode(),
+        "too old": json.dumps(
+            command(robot, "run_motions", age_s=60, motions=program["motions"])
+        ).encode(),
+        "from the future": json.dumps(
+            command(robot, "run_motions", age_s=-60, motions=program["motions"])
+        ).encode(),
         "no request": changed(request=None),
         "an unknown request": changed(request={"type": "fly"}),
         "an unknown key": changed(hurry=True),
-        "an id in its request": changed(request={"type": "run_motions", "id": 1, "motions": program["motions"]}),
+        "an id in its request": changed(
+            request={"type": "run_motions", "id": 1, "motions": program["motions"]}
+        ),
         "a motion out of reach": changed(
-            request={"type": "run_motions", "motions": [{"type": "ptp", "joints_deg": [0, 0, 0, 500, 0, 0, 0]}]}
+            request={
+                "type": "run_motions",
+                "motions": [{"type": "ptp", "joints_deg": [0, 0, 0, 500, 0, 0, 0]}],
+            }
         ),
         "motions planned for another robot": changed(
             request={
@@ -106,7 +121,12 @@ def refused_commands(robot: str, program: dict[str, Any]) -> dict[str, bytes]:
                 "label": {
                     "planned_for": {
                         "model": "lbr_iiwa_7_r800",
-                        "lengths_mm": {"base": 340, "upper_arm": 400, "forearm": 400, "flange": 126},
+                        "lengths_mm": {
+                            "base": 340,
+                            "upper_arm": 400,
+                            "forearm": 400,
+                            "flange": 126,
+                        },
                     }
                 },
             }

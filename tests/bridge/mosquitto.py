@@ -30,7 +30,12 @@ class Mosquitto(Broker):
     label = "mosquitto"
 
     def __init__(
-        self, folder: Path, certificates: Certificates | None = None, *, persistent: bool = True, forbidden: str = ""
+        self,
+        folder: Path,
+        certificates: Certificates | None = None,
+        *,
+        persistent: bool = True,
+        forbidden: str = "",
     ) -> None:
         """With certificates, it listens to all LISTENERS, else to those without. A forbidden topic is so for who shows
         nothing."""
@@ -40,7 +45,9 @@ class Mosquitto(Broker):
         command = [program("mosquitto_passwd"), "-b", "-c", str(self.passwords), USER, PASSWORD]
         subprocess.run(command, check=True, capture_output=True, timeout=60)
         self.rules = folder / "rules"
-        self.rules.write_text(f"topic readwrite #\ntopic deny {forbidden}\n" if forbidden else "topic readwrite #\n")
+        self.rules.write_text(
+            f"topic readwrite #\ntopic deny {forbidden}\n" if forbidden else "topic readwrite #\n"
+        )
         names = LISTENERS if certificates else LISTENERS[:2]
         self.ports = dict(zip(names, free_ports(len(names))))
         self.configuration = folder / "mosquitto.conf"
@@ -66,8 +73,14 @@ class Mosquitto(Broker):
         if "password" in name:
             lines = ["allow_anonymous false", f"password_file {self.passwords}"]
         if certificates and name not in LISTENERS[:2]:
-            shown = {"misnamed": certificates.misnamed, "expired": certificates.expired}.get(name, certificates.server)
-            lines += [f"cafile {certificates.authority}", f"certfile {shown.certificate}", f"keyfile {shown.key}"]
+            shown = {"misnamed": certificates.misnamed, "expired": certificates.expired}.get(
+                name, certificates.server
+            )
+            lines += [
+                f"cafile {certificates.authority}",
+                f"certfile {shown.certificate}",
+                f"keyfile {shown.key}",
+            ]
         if name == "mutual":
             lines += ["require_certificate true", "use_identity_as_username true"]
         return lines

@@ -24,7 +24,9 @@ sys.path.append(str(REPOSITORY / "tests/browser"))
 T = TypeVar("T")
 
 
-def until(condition: Callable[[], T], what: str, *, patience_s: float = PATIENCE_S, every_s: float = 0.05) -> T:
+def until(
+    condition: Callable[[], T], what: str, *, patience_s: float = PATIENCE_S, every_s: float = 0.05
+) -> T:
     """What the condition gives as soon as that is true."""
     end = time.monotonic() + patience_s
     while True:
@@ -46,7 +48,11 @@ class Program:
         self.log = log
         with log.open("ab") as output:
             self.process = subprocess.Popen(
-                command, stdin=subprocess.DEVNULL, stdout=output, stderr=subprocess.STDOUT, cwd=folder
+                command,
+                stdin=subprocess.DEVNULL,
+                stdout=output,
+                stderr=subprocess.STDOUT,
+                cwd=folder,
             )
         running.append(self)
 

@@ -12,7 +12,15 @@ from dataclasses import dataclass, field
 from typing import Any, Self
 
 import paho.mqtt.client as mqtt
-from confluent_kafka import OFFSET_BEGINNING, Consumer, KafkaError, KafkaException, Message, Producer, TopicPartition
+from confluent_kafka import (
+    OFFSET_BEGINNING,
+    Consumer,
+    KafkaError,
+    KafkaException,
+    Message,
+    Producer,
+    TopicPartition,
+)
 from confluent_kafka.admin import AdminClient
 from paho.mqtt.enums import CallbackAPIVersion, MQTTProtocolVersion
 from paho.mqtt.packettypes import PacketTypes
@@ -33,7 +41,13 @@ def kafka_errors(address: str, **settings: str) -> list[str]:
     errors: list[KafkaError] = []
     given = {key.replace("_", "."): value for key, value in settings.items()}
     consumer = Consumer(
-        {"bootstrap.servers": address, "group.id": "x", "error_cb": errors.append, **QUIET, **given},
+        {
+            "bootstrap.servers": address,
+            "group.id": "x",
+            "error_cb": errors.append,
+            **QUIET,
+            **given,
+        },
     )
     try:
 
@@ -61,7 +75,12 @@ class KafkaReader:
         common = {"bootstrap.servers": address, "reconnect.backoff.max.ms": 500, **QUIET, **given}
         self.admin = AdminClient(common)
         self.consumer = Consumer(
-            {"group.id": uuid.uuid4().hex, "enable.auto.commit": False, "enable.partition.eof": False, **common}
+            {
+                "group.id": uuid.uuid4().hex,
+                "enable.auto.commit": False,
+                "enable.partition.eof": False,
+                **common,
+            }
         )
         self.assigned: set[tuple[str, int]] = set()
         self.messages: list[Message] = []
@@ -78,9 +97,13 @@ class KafkaReader:
             known = self.admin.list_topics(timeout=2).topics
         except KafkaException:
             return
-        found = {(topic, at) for topic in self.topics if topic in known for at in known[topic].partitions}
+        found = {
+            (topic, at) for topic in self.topics if topic in known for at in known[topic].partitions
+        }
         if new := found - self.assigned:
-            self.consumer.incremental_assign([TopicPartition(*place, OFFSET_BEGINNING) for place in new])
+            self.consumer.incremental_assign(
+                [TopicPartition(*place, OFFSET_BEGINNING) for place in new]
+            )
             self.assigned |= new
 
     def read(self) -> None:
@@ -94,7 +117,9 @@ class KafkaReader:
             if message.error() is None:
                 self.messages.append(message)
 
-    def until(self, condition: Callable[[], Any], what: str, *, patience_s: float = PATIENCE_S) -> None:
+    def until(
+        self, condition: Callable[[], Any], what: str, *, patience_s: float = PATIENCE_S
+    ) -> None:
         """Reads until the condition is true."""
 
         def read_and_look() -> bool:
@@ -135,7 +160,9 @@ class KafkaWriter:
             self.failed.append(error.str())
 
     def write(self, topic: str, value: bytes, key: bytes | None = None, **headers: bytes) -> None:
-        self.producer.produce(topic, value, key, headers=list(headers.items()), on_delivery=self.told)
+        self.producer.produce(
+            topic, value, key, headers=list(headers.items()), on_delivery=self.told
+        )
         self.producer.poll(0)
 
     def flush(self) -> None:
@@ -182,7 +209,10 @@ class MqttClient:
         protocol = MQTTProtocolVersion.MQTTv5 if is_5 else MQTTProtocolVersion.MQTTv311
         session = {} if is_5 else {"clean_session": identity is None}
         self.client = mqtt.Client(
-            CallbackAPIVersion.VERSION2, client_id=identity or uuid.uuid4().hex, protocol=protocol, **session
+            CallbackAPIVersion.VERSION2,
+            client_id=identity or uuid.uuid4().hex,
+            protocol=protocol,
+            **session,
         )
         self.client.on_connect = self.connected
         self.client.on_subscribe = lambda *_: self.subscribed.set()
@@ -192,7 +222,9 @@ class MqttClient:
             self.client.username_pw_set(*user)
         if authority:
             shown = {"certfile": str(pair.certificate), "keyfile": str(pair.key)} if pair else {}
-            self.client.tls_set(ca_certs=str(authority), tls_version=ssl.PROTOCOL_TLS_CLIENT, **shown)
+            self.client.tls_set(
+                ca_certs=str(authority), tls_version=ssl.PROTOCOL_TLS_CLIENT, **shown
+            )
         start: dict[str, Any] = {}
         if is_5:
             start["clean_start"] = identity is None
@@ -221,7 +253,14 @@ class MqttClient:
 
     def on_message(self, _: Any, __: Any, message: mqtt.MQTTMessage) -> None:
         properties = message.properties.json() if message.properties else {}
-        received = Received(message.topic, message.payload, message.qos, message.retain, properties, time.monotonic())
+        received = Received(
+            message.topic,
+            message.payload,
+            message.qos,
+            message.retain,
+            properties,
+            time.monotonic(),
+        )
         with self.lock:
             self.received.append(received)
 
@@ -235,7 +274,13 @@ class MqttClient:
         return messages[-1].json() if messages else None
 
     def publish(
-        self, topic: str, payload: bytes | str, *, qos: int = 1, retain: bool = False, **properties: Any
+        self,
+        topic: str,
+        payload: bytes | str,
+        *,
+        qos: int = 1,
+        retain: bool = False,
+        **properties: Any,
     ) -> None:
         """Returns when the broker has it. Properties are those of MQTT 5: ResponseTopic, CorrelationData."""
         given = None
@@ -243,9 +288,13 @@ class MqttClient:
             given = Properties(PacketTypes.PUBLISH)
             for name, value in properties.items():
                 setattr(given, name, value)
-        self.client.publish(topic, payload, qos=qos, retain=retain, properties=given).wait_for_publish(PATIENCE_S)
+        self.client.publish(
+            topic, payload, qos=qos, retain=retain, properties=given
+        ).wait_for_publish(PATIENCE_S)
 
-    def until(self, condition: Callable[[], Any], what: str, *, patience_s: float = PATIENCE_S) -> Any:
+    def until(
+        self, condition: Callable[[], Any], what: str, *, patience_s: float = PATIENCE_S
+    ) -> Any:
         return until(condition, what, patience_s=patience_s, every_s=0.02)
 
 

@@ -25,7 +25,9 @@ SAME_RAD = 1e-3
 def program(*targets_deg: list[float], velocity_rel: float = 0.6, **options: Any) -> dict[str, Any]:
     """Motions through targets and back to the start."""
     targets = [*targets_deg, START_DEG]
-    motions = [{"type": "ptp", "joints_deg": target, "velocity_rel": velocity_rel} for target in targets]
+    motions = [
+        {"type": "ptp", "joints_deg": target, "velocity_rel": velocity_rel} for target in targets
+    ]
     return {"version": 1, "start": {"joints_deg": START_DEG}, "motions": motions, **options}
 
 
@@ -124,7 +126,12 @@ class Robot(Rig):
         return json.loads(run.said().splitlines()[-1])
 
     def stop(self) -> None:
-        subprocess.run([self.program, "stop", *self.drive_at], check=True, capture_output=True, timeout=PATIENCE_S)
+        subprocess.run(
+            [self.program, "stop", *self.drive_at],
+            check=True,
+            capture_output=True,
+            timeout=PATIENCE_S,
+        )
 
     def rest(self) -> None:
         """Idle, whatever the test before has left, and where programs start: a run is one run then."""

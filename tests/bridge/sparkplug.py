@@ -52,17 +52,26 @@ TYPES = {
 def compiled(name: str, messages: dict[str, dict[str, tuple[int, str]]] = FIELDS) -> type:
     """The class of a message, by a table as the one above; `*` is for repeated numbers."""
     pool = descriptor_pool.DescriptorPool()
-    file = descriptor_pb2.FileDescriptorProto(name="sparkplug.proto", package="sparkplug", syntax="proto2")
+    file = descriptor_pb2.FileDescriptorProto(
+        name="sparkplug.proto", package="sparkplug", syntax="proto2"
+    )
     kinds = descriptor_pb2.FieldDescriptorProto
     for message, fields in messages.items():
         described = file.message_type.add(name=message)
         for field_name, (number, kind) in fields.items():
             one = described.field.add(name=field_name, number=number, label=kinds.LABEL_OPTIONAL)
             if kind.endswith("*"):
-                one.label, one.type = kinds.LABEL_REPEATED, getattr(kinds, f"TYPE_{kind[:-1].upper()}")
+                one.label, one.type = (
+                    kinds.LABEL_REPEATED,
+                    getattr(kinds, f"TYPE_{kind[:-1].upper()}"),
+                )
                 one.options.packed = True
             elif kind in messages:
-                one.label, one.type, one.type_name = kinds.LABEL_REPEATED, kinds.TYPE_MESSAGE, f".sparkplug.{kind}"
+                one.label, one.type, one.type_name = (
+                    kinds.LABEL_REPEATED,
+                    kinds.TYPE_MESSAGE,
+                    f".sparkplug.{kind}",
+                )
             else:
                 one.type = getattr(kinds, f"TYPE_{kind.upper()}")
     pool.Add(file)
@@ -111,7 +120,9 @@ class Host:
     def take(self, message: Received) -> None:
         namespace, group, kind, node_name, *device_name = message.topic.split("/")
         assert namespace == NAMESPACE, message.topic
-        assert (not message.retained and message.qos == 0) or kind == "NDEATH", f"{kind} has QoS {message.qos}"
+        assert (not message.retained and message.qos == 0) or kind == "NDEATH", (
+            f"{kind} has QoS {message.qos}"
+        )
         payload = Payload.FromString(message.payload)
         node = self.nodes.setdefault(f"{group}/{node_name}", Node())
         device = device_name[0] if device_name else ""
@@ -177,7 +188,9 @@ class Host:
     def learn(self, node: Node, device: str, payload: Any) -> None:
         assert payload.HasField("timestamp")
         for metric in payload.metrics:
-            assert metric.name and metric.HasField("datatype") and metric.HasField("timestamp"), metric
+            assert metric.name and metric.HasField("datatype") and metric.HasField("timestamp"), (
+                metric
+            )
             if metric.HasField("alias"):
                 assert metric.alias not in node.names, f"the alias {metric.alias} is used twice"
                 node.names[metric.alias] = (device, metric.name, metric.datatype)

@@ -20,14 +20,20 @@ from ways import KafkaWay, MqttWay, Way, of, read_until
 Start = Callable[..., Bridge]
 
 
-def test_each_kind_is_passed_on(way: Way, bridge: Start, simulated_robot: Robot, schema: Schema, name: str) -> None:
+def test_each_kind_is_passed_on(
+    way: Way, bridge: Start, simulated_robot: Robot, schema: Schema, name: str
+) -> None:
     robot = simulated_robot
     bridge(robot, *way.options)
     read_until(way, lambda: of(way, "joints"), "joints are passed on")
     with robot.samples() as published:
         figures = robot.run_motions(SHORT)
         until(robot.is_idle, "the run has ended")
-    read_until(way, lambda: [it for it in of(way, "run") if it["event"] == "end"], "the end of the run is passed on")
+    read_until(
+        way,
+        lambda: [it for it in of(way, "run") if it["event"] == "end"],
+        "the end of the run is passed on",
+    )
     robot.ask("set_io", name="MediaFlange.LEDBlue", value=True)
 
     def lit() -> list[bool]:
@@ -38,7 +44,11 @@ def test_each_kind_is_passed_on(way: Way, bridge: Start, simulated_robot: Robot,
     robot.ask("set_io", name="MediaFlange.LEDBlue", value=False)
     read_until(way, lambda: lit() == [False], "the lamp is passed on")
     read_until(way, lambda: all(of(way, kind) for kind in KINDS), "there is a message of each kind")
-    read_until(way, lambda: of(way, "joints")[-1]["t_s"] >= published[-1]["t_s"], "all samples are passed on")
+    read_until(
+        way,
+        lambda: of(way, "joints")[-1]["t_s"] >= published[-1]["t_s"],
+        "all samples are passed on",
+    )
 
     for message in way.read:
         schema.check(message)
@@ -49,20 +59,30 @@ def test_each_kind_is_passed_on(way: Way, bridge: Start, simulated_robot: Robot,
     assert (begin["event"], end["event"], begin["what"]) == ("begin", "end", "motions")
     assert begin["run"] == end["run"]
     assert begin["plan"]["cycle_time_s"] == pytest.approx(figures["planned_cycle_time_s"], abs=1e-9)
-    assert end["result"]["cycle_time_s"] == pytest.approx(figures["robot_program_cycle_time_s"], abs=1e-9)
+    assert end["result"]["cycle_time_s"] == pytest.approx(
+        figures["robot_program_cycle_time_s"], abs=1e-9
+    )
     assert "error" not in end["result"]
     assert [message["state"] for message in of(way, "state")][-2:] == ["running_motion", "idle"]
 
     passed_on = {message["t_s"]: message["joints_rad"] for message in of(way, "joints")}
-    other = [sample["t_s"] for sample in published if passed_on.get(sample["t_s"]) != sample["joints_rad"]]
-    assert not other, f"{len(other)} of {len(published)} samples are not as the drive published them"
+    other = [
+        sample["t_s"]
+        for sample in published
+        if passed_on.get(sample["t_s"]) != sample["joints_rad"]
+    ]
+    assert not other, (
+        f"{len(other)} of {len(published)} samples are not as the drive published them"
+    )
     conditions = of(way, "conditions")[-1]
     assert conditions["drive"] == conditions["robot_program"] == "connected"
     assert conditions["simulated"]
     assert len(of(way, "sensors")[-1]["external_torque_nm"]) == 7
 
 
-def test_stopped_run_is_told(way: Way, bridge: Start, simulated_robot: Robot, schema: Schema, name: str) -> None:
+def test_stopped_run_is_told(
+    way: Way, bridge: Start, simulated_robot: Robot, schema: Schema, name: str
+) -> None:
     robot = simulated_robot
     bridge(robot, *way.options)
     read_until(way, lambda: of(way, "joints"), "joints are passed on")
@@ -78,7 +98,12 @@ def test_stopped_run_is_told(way: Way, bridge: Start, simulated_robot: Robot, sc
 
 @pytest.mark.parametrize("gently", [True, False], ids=["stopped", "killed"])
 def test_nothing_is_lost_with_the_broker(
-    way: Way, bridge: Start, quick_robot: Robot, name: str, gently: bool, request: pytest.FixtureRequest
+    way: Way,
+    bridge: Start,
+    quick_robot: Robot,
+    name: str,
+    gently: bool,
+    request: pytest.FixtureRequest,
 ) -> None:
     """Each sample of 1 kHz and each event of runs, while the broker goes away three times."""
     if isinstance(way, MqttWay) and not gently:
@@ -101,23 +126,41 @@ def test_nothing_is_lost_with_the_broker(
             run = robot.start_run(LONG)
             way.broker.start()
             so_far = published[-1]["t_s"]
-            read_until(way, lambda so_far=so_far: of(way, "joints")[-1]["t_s"] >= so_far, "the rest is passed on")
+            read_until(
+                way,
+                lambda so_far=so_far: of(way, "joints")[-1]["t_s"] >= so_far,
+                "the rest is passed on",
+            )
             memory.append(passing.memory_kb())
         run.wait(120)
         runs += 1
         last = published[-1]["t_s"]
     read_until(way, lambda: of(way, "joints")[-1]["t_s"] >= last, "all samples are passed on")
-    read_until(way, lambda: len(without_repetitions(of(way, "run"))[0]) >= 2 * runs, "all runs are passed on")
+    read_until(
+        way,
+        lambda: len(without_repetitions(of(way, "run"))[0]) >= 2 * runs,
+        "all runs are passed on",
+    )
 
     repeated = check_numbers(way.read, may_lack=way.may_lack)
     samples, _ = without_repetitions(of(way, "joints"))
     missing = check_times(samples, 0.001)
     passed_on = {message["t_s"] for message in samples}
-    lost = [sample["t_s"] for sample in published if first <= sample["t_s"] <= last and sample["t_s"] not in passed_on]
-    assert "joints" in way.may_lack or not lost, f"{len(lost)} of {len(published)} samples, the first at {lost[0]} s"
-    events = [(message["run"], message["event"]) for message in without_repetitions(of(way, "run"))[0]]
+    lost = [
+        sample["t_s"]
+        for sample in published
+        if first <= sample["t_s"] <= last and sample["t_s"] not in passed_on
+    ]
+    assert "joints" in way.may_lack or not lost, (
+        f"{len(lost)} of {len(published)} samples, the first at {lost[0]} s"
+    )
+    events = [
+        (message["run"], message["event"]) for message in without_repetitions(of(way, "run"))[0]
+    ]
     assert len(events) == 2 * runs
-    assert all(a[0] == b[0] and (a[1], b[1]) == ("begin", "end") for a, b in zip(events[::2], events[1::2]))
+    assert all(
+        a[0] == b[0] and (a[1], b[1]) == ("begin", "end") for a, b in zip(events[::2], events[1::2])
+    )
     # What waits is on the disk. Buffers and the heap have found their size by the first look.
     assert max(memory) < memory[0] + 30_000, memory
     lost_and_late = robot.lost_and_late()
@@ -127,7 +170,9 @@ def test_nothing_is_lost_with_the_broker(
     )
 
 
-def test_broker_that_answers_nothing_is_waited_for(way: Way, bridge: Start, quick_robot: Robot, name: str) -> None:
+def test_broker_that_answers_nothing_is_waited_for(
+    way: Way, bridge: Start, quick_robot: Robot, name: str
+) -> None:
     robot = quick_robot
     passing = bridge(robot, *way.options)
     read_until(way, lambda: of(way, "joints"), "joints are passed on")
@@ -141,11 +186,15 @@ def test_broker_that_answers_nothing_is_waited_for(way: Way, bridge: Start, quic
         way.broker.resume()
     last = robot.state()["t_s"]
     read_until(way, lambda: of(way, "joints")[-1]["t_s"] >= last, "all samples are passed on")
-    read_until(way, lambda: len(without_repetitions(of(way, "run"))[0]) >= 4, "both runs are passed on")
+    read_until(
+        way, lambda: len(without_repetitions(of(way, "run"))[0]) >= 4, "both runs are passed on"
+    )
     check_numbers(way.read, may_lack=way.may_lack)
 
 
-def test_bridge_begins_without_a_broker(way: Way, bridge: Start, simulated_robot: Robot, name: str) -> None:
+def test_bridge_begins_without_a_broker(
+    way: Way, bridge: Start, simulated_robot: Robot, name: str
+) -> None:
     robot = simulated_robot
     way.broker.stop()
     try:
@@ -159,7 +208,9 @@ def test_bridge_begins_without_a_broker(way: Way, bridge: Start, simulated_robot
     check_numbers(way.read, may_lack=way.may_lack)
 
 
-def test_killed_bridge_continues(way: Way, bridge: Start, simulated_robot: Robot, name: str, tmp_path: Path) -> None:
+def test_killed_bridge_continues(
+    way: Way, bridge: Start, simulated_robot: Robot, name: str, tmp_path: Path
+) -> None:
     """What it had for a broker that is away is passed on by the next one, which numbers its own from 0."""
     robot = simulated_robot
     options = [*way.options, "--spool", str(tmp_path / "spool")]
@@ -175,32 +226,55 @@ def test_killed_bridge_continues(way: Way, bridge: Start, simulated_robot: Robot
         bridge(robot, *options)
     finally:
         way.broker.start()
-    read_until(way, lambda: len({message["session"] for message in way.read}) == 2, "the second one passes on")
-    read_until(way, lambda: len(without_repetitions(of(way, "run"))[0]) >= 2, "the run is passed on")
+    read_until(
+        way,
+        lambda: len({message["session"] for message in way.read}) == 2,
+        "the second one passes on",
+    )
+    read_until(
+        way, lambda: len(without_repetitions(of(way, "run"))[0]) >= 2, "the run is passed on"
+    )
     check_numbers(way.read, may_lack=way.may_lack)
     sessions = [message["session"] for message in without_repetitions(of(way, "joints"))[0]]
     assert sessions == sorted(sessions)
     if "joints" not in way.may_lack:
-        assert max(message["t_s"] for message in of(way, "joints") if message["session"] == sessions[0]) >= before
+        assert (
+            max(
+                message["t_s"] for message in of(way, "joints") if message["session"] == sessions[0]
+            )
+            >= before
+        )
 
 
-def test_drive_may_go_away(way: Way, bridge: Start, tmp_path: Path, binary: Path, name: str) -> None:
+def test_drive_may_go_away(
+    way: Way, bridge: Start, tmp_path: Path, binary: Path, name: str
+) -> None:
     with Robot(binary, tmp_path / "own") as robot:
         bridge(robot, *way.options)
         read_until(way, lambda: of(way, "joints"), "joints are passed on")
         robot.drive.terminate()
         robot.drive.wait(30)
-        read_until(way, lambda: of(way, "conditions")[-1]["drive"] == "silent", "it is told that the drive is silent")
+        read_until(
+            way,
+            lambda: of(way, "conditions")[-1]["drive"] == "silent",
+            "it is told that the drive is silent",
+        )
         robot.start_drive()
         robot.wait_until_ready()
-        read_until(way, lambda: of(way, "conditions")[-1]["drive"] == "connected", "it is told that the drive is back")
+        read_until(
+            way,
+            lambda: of(way, "conditions")[-1]["drive"] == "connected",
+            "it is told that the drive is back",
+        )
         robot.run_motions(SHORT)
         read_until(way, lambda: len(of(way, "run")) >= 2, "the run is passed on")
         check_numbers(way.read, may_lack=way.may_lack)
 
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM], ids=["ctrl-c", "terminated"])
-def test_it_ends_when_asked(way: Way, bridge: Start, simulated_robot: Robot, name: str, number: int) -> None:
+def test_it_ends_when_asked(
+    way: Way, bridge: Start, simulated_robot: Robot, name: str, number: int
+) -> None:
     passing = bridge(simulated_robot, *way.options)
     read_until(way, lambda: of(way, "joints"), "joints are passed on")
     passing.send(number)
@@ -208,7 +282,9 @@ def test_it_ends_when_asked(way: Way, bridge: Start, simulated_robot: Robot, nam
     assert "panic" not in passing.said()
 
 
-def test_it_ends_when_asked_without_a_broker(way: Way, bridge: Start, simulated_robot: Robot, name: str) -> None:
+def test_it_ends_when_asked_without_a_broker(
+    way: Way, bridge: Start, simulated_robot: Robot, name: str
+) -> None:
     passing = bridge(simulated_robot, *way.options)
     read_until(way, lambda: of(way, "joints"), "joints are passed on")
     way.broker.stop()
@@ -220,10 +296,14 @@ def test_it_ends_when_asked_without_a_broker(way: Way, bridge: Start, simulated_
     assert "panic" not in passing.said()
 
 
-def test_both_at_once(kafka: KafkaBroker, mosquitto: Mosquitto, bridge: Start, quick_robot: Robot, name: str) -> None:
+def test_both_at_once(
+    kafka: KafkaBroker, mosquitto: Mosquitto, bridge: Start, quick_robot: Robot, name: str
+) -> None:
     """A broker that is away does not hold up the other."""
     with KafkaWay(kafka, name) as one, MqttWay(mosquitto, name) as other:
-        others = [option for option in other.options if option not in ("--name", "--mqtt-client", name)]
+        others = [
+            option for option in other.options if option not in ("--name", "--mqtt-client", name)
+        ]
         bridge(quick_robot, *one.options, *others, "--mqtt-client", name)
         for way in (one, other):
             read_until(way, lambda way=way: of(way, "joints"), "joints are passed on")
@@ -233,6 +313,8 @@ def test_both_at_once(kafka: KafkaBroker, mosquitto: Mosquitto, bridge: Start, q
             read_until(one, lambda: len(of(one, "run")) == 2, "Kafka has the run")
         finally:
             mosquitto.start()
-        read_until(other, lambda: len(without_repetitions(of(other, "run"))[0]) == 2, "MQTT has the run")
+        read_until(
+            other, lambda: len(without_repetitions(of(other, "run"))[0]) == 2, "MQTT has the run"
+        )
         check_numbers(one.read)
         check_numbers(other.read, may_lack=other.may_lack)

@@ -24,20 +24,31 @@ from readers import (
 from sparkplug import Host, Payload
 
 
-def settings(listener: str, certificates: Certificates, mechanism: str = "PLAIN", password: str = PASSWORD) -> dict:
-    given = {"security.protocol": {"MUTUAL": "SSL", "MISNAMED": "SSL", "EXPIRED": "SSL"}.get(listener, listener)}
+def settings(
+    listener: str, certificates: Certificates, mechanism: str = "PLAIN", password: str = PASSWORD
+) -> dict:
+    given = {
+        "security.protocol": {"MUTUAL": "SSL", "MISNAMED": "SSL", "EXPIRED": "SSL"}.get(
+            listener, listener
+        )
+    }
     if listener.startswith("SASL"):
         given |= kafka_login(mechanism, USER, password)
     if given["security.protocol"].endswith("SSL"):
         given |= {"ssl.ca.location": str(certificates.authority)}
     if listener == "MUTUAL":
         pair = certificates.client
-        given |= {"ssl.certificate.location": str(pair.certificate), "ssl.key.location": str(pair.key)}
+        given |= {
+            "ssl.certificate.location": str(pair.certificate),
+            "ssl.key.location": str(pair.key),
+        }
     return given
 
 
 WAYS = [("PLAINTEXT", "PLAIN"), ("SSL", "PLAIN"), ("MUTUAL", "PLAIN")]
-WAYS += [(listener, mechanism) for listener in ("SASL_PLAINTEXT", "SASL_SSL") for mechanism in MECHANISMS]
+WAYS += [
+    (listener, mechanism) for listener in ("SASL_PLAINTEXT", "SASL_SSL") for mechanism in MECHANISMS
+]
 
 
 @pytest.mark.parametrize(("listener", "mechanism"), WAYS)
@@ -53,7 +64,9 @@ def test_kafka_keeps_what_is_written(
     assert writer.acknowledged == 100
     with KafkaReader(kafka.address(listener), topic, **given) as reader:
         reader.until(lambda: len(reader.messages) == 100, "all is read")
-        assert [message.value() for message in reader.messages] == [str(i).encode() for i in range(100)]
+        assert [message.value() for message in reader.messages] == [
+            str(i).encode() for i in range(100)
+        ]
         assert {message.key() for message in reader.messages} == {b"robot"}
         assert reader.messages[0].headers() == [("kind", b"test")]
 
@@ -62,7 +75,9 @@ def test_kafka_refuses(kafka: KafkaBroker, certificates: Certificates) -> None:
     for listener, mechanism in WAYS:
         if listener.startswith("SASL"):
             wrong = settings(listener, certificates, mechanism, "let me out")
-            assert "uthentication failed" in " ".join(kafka_errors(kafka.address(listener), **wrong))
+            assert "uthentication failed" in " ".join(
+                kafka_errors(kafka.address(listener), **wrong)
+            )
     for listener in ("MISNAMED", "EXPIRED"):
         given = settings(listener, certificates)
         assert "verify failed" in " ".join(kafka_errors(kafka.address(listener), **given))
@@ -90,7 +105,9 @@ def test_kafka_loses_nothing(kafka: KafkaBroker, gently: bool) -> None:
             kafka.start()
         writer.flush()
         reader.until(lambda: len(reader.messages) >= written, "all are read")
-        assert [message.value() for message in reader.messages] == [str(i).encode() for i in range(written)]
+        assert [message.value() for message in reader.messages] == [
+            str(i).encode() for i in range(written)
+        ]
 
 
 def mqtt_ways(certificates: Certificates) -> dict[str, dict]:
@@ -101,14 +118,18 @@ def mqtt_ways(certificates: Certificates) -> dict[str, dict]:
 
 
 @pytest.mark.parametrize("version", [4, 5])
-def test_mosquitto_passes_on_what_is_written(mosquitto: Mosquitto, certificates: Certificates, version: int) -> None:
+def test_mosquitto_passes_on_what_is_written(
+    mosquitto: Mosquitto, certificates: Certificates, version: int
+) -> None:
     for listener, given in mqtt_ways(certificates).items():
         topic = f"test/{uuid.uuid4().hex}"
         with MqttClient(mosquitto.port(listener), f"{topic}/#", version=version, **given) as client:
             for i in range(100):
                 client.publish(f"{topic}/{i % 3}", str(i))
             client.until(lambda client=client: len(client.received) == 100, "all is read")
-            assert [message.payload for message in client.received] == [str(i).encode() for i in range(100)]
+            assert [message.payload for message in client.received] == [
+                str(i).encode() for i in range(100)
+            ]
 
 
 def test_mosquitto_refuses(mosquitto: Mosquitto, certificates: Certificates) -> None:
@@ -159,11 +180,16 @@ def test_mosquitto_loses_nothing(mosquitto: Mosquitto, version: int) -> None:
             mosquitto.restart()
         thread.join(60)
         assert done.is_set()
-        reader.until(lambda: reader.received[-1].payload == str(written - 1).encode(), "all are read")
+        reader.until(
+            lambda: reader.received[-1].payload == str(written - 1).encode(), "all are read"
+        )
         keys, _ = once_and_in_order([message.payload for message in reader.received])
         assert keys == [str(i).encode() for i in range(written)]
     with MqttClient(mosquitto.port(), topic, version=version, identity=away) as late:
-        late.until(lambda: late.received and late.received[-1].payload == str(written - 1).encode(), "all are read")
+        late.until(
+            lambda: late.received and late.received[-1].payload == str(written - 1).encode(),
+            "all are read",
+        )
         assert once_and_in_order([message.payload for message in late.received])[0] == keys
 
 

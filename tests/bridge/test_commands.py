@@ -30,7 +30,9 @@ def send(way: Way, type: str, **request: Any) -> str:
 
 def reply_to(way: Way, identity: str) -> dict[str, Any]:
     """The reply of the drive to a command."""
-    read_until(way, lambda: [it for it in way.replies if it.get("id") == identity], "the reply comes")
+    read_until(
+        way, lambda: [it for it in way.replies if it.get("id") == identity], "the reply comes"
+    )
     (reply,) = (it for it in way.replies if it.get("id") == identity)
     assert reply["robot"] == way.robot
     return reply["reply"]
@@ -89,7 +91,9 @@ def test_run_and_stop(way: Way, allowed: Bridge, simulated_robot: Robot, schema:
     assert second["error"]["code"] == "not_idle"
     began = time.monotonic()
     stop = reply_to(way, send(way, "stop"))
-    print(f"{way.label}: the robot stands {time.monotonic() - began:.2f} s after the command to stop")
+    print(
+        f"{way.label}: the robot stands {time.monotonic() - began:.2f} s after the command to stop"
+    )
     assert stop["ok"], stop
     assert robot.is_idle()
     assert "stopped" in reply_to(way, identity)["error"]["message"]
@@ -108,7 +112,9 @@ def test_inputs_and_outputs(way: Way, allowed: Bridge, simulated_robot: Robot) -
     assert len(reply_to(way, send(way, "read_sensors"))["sensors"]["external_torque_nm"]) == 7
 
 
-def test_what_is_wrong_is_refused(way: Way, allowed: Bridge, simulated_robot: Robot, name: str) -> None:
+def test_what_is_wrong_is_refused(
+    way: Way, allowed: Bridge, simulated_robot: Robot, name: str
+) -> None:
     robot = simulated_robot
     before = robot.joints()
     for what, body in refused_commands(name, LONG).items():
@@ -126,22 +132,36 @@ def test_what_is_wrong_is_refused(way: Way, allowed: Bridge, simulated_robot: Ro
     assert reply_to(way, send(way, "state"))["ok"]
 
 
-def test_what_is_repeated_runs_once(way: Way, allowed: Bridge, simulated_robot: Robot, name: str) -> None:
+def test_what_is_repeated_runs_once(
+    way: Way, allowed: Bridge, simulated_robot: Robot, name: str
+) -> None:
     body = command(name, "run_motions", motions=SHORT["motions"])
     text = json.dumps(body).encode()
     for _ in range(5):
         way.send(text)
-    read_until(way, lambda: len([it for it in way.replies if it.get("id") == body["id"]]) == 5, "all are answered")
+    read_until(
+        way,
+        lambda: len([it for it in way.replies if it.get("id") == body["id"]]) == 5,
+        "all are answered",
+    )
     replies = [it["reply"] for it in way.replies if it.get("id") == body["id"]]
     assert sorted(reply["ok"] for reply in replies) == [False] * 4 + [True]
     way.send(text)
-    read_until(way, lambda: len([it for it in way.replies if it.get("id") == body["id"]]) == 6, "it is answered")
+    read_until(
+        way,
+        lambda: len([it for it in way.replies if it.get("id") == body["id"]]) == 6,
+        "it is answered",
+    )
     until(simulated_robot.is_idle, "the run has ended")
-    read_until(way, lambda: [it for it in of(way, "run") if it["event"] == "end"], "the run is passed on")
+    read_until(
+        way, lambda: [it for it in of(way, "run") if it["event"] == "end"], "the run is passed on"
+    )
     assert len([it for it in of(way, "run") if it["event"] == "begin"]) == 1
 
 
-def test_what_is_too_long_is_refused(way: Way, bridge: Start, simulated_robot: Robot, name: str) -> None:
+def test_what_is_too_long_is_refused(
+    way: Way, bridge: Start, simulated_robot: Robot, name: str
+) -> None:
     if isinstance(way, KafkaWay):
         # Topics may be set up to take more than the bridge does.
         settings = {"max.message.bytes": "20000000"}
@@ -154,7 +174,9 @@ def test_what_is_too_long_is_refused(way: Way, bridge: Start, simulated_robot: R
     for mb in (0.9, 3, 5, 15):
         count = len(way.replies)
         way.send(
-            json.dumps(command(name, "run_motions", identity="x" * int(mb * 1e6), motions=LONG["motions"])).encode()
+            json.dumps(
+                command(name, "run_motions", identity="x" * int(mb * 1e6), motions=LONG["motions"])
+            ).encode()
         )
         read_until(way, lambda count=count: len(way.replies) > count, f"it is answered: {mb} MB")
         assert not way.replies[-1]["reply"]["ok"]
@@ -220,7 +242,9 @@ def test_stop_passes_a_flood(way: Way, allowed: Bridge, simulated_robot: Robot, 
     assert not robot.is_idle()
     began = time.monotonic()
     stop = reply_to(way, send(way, "stop"))
-    print(f"{way.label}: in a flood, {stop} {time.monotonic() - began:.2f} s after the command to stop")
+    print(
+        f"{way.label}: in a flood, {stop} {time.monotonic() - began:.2f} s after the command to stop"
+    )
     assert stop["ok"]
     assert "stopped" in reply_to(way, identity)["error"]["message"]
     assert allowed.memory_kb() < 300_000

@@ -22,7 +22,9 @@ from ways import KafkaWay, of, read_until, tells_losses
 Start = Callable[..., Bridge]
 
 
-def test_keys_and_times(kafka: KafkaBroker, bridge: Start, simulated_robot: Robot, name: str) -> None:
+def test_keys_and_times(
+    kafka: KafkaBroker, bridge: Start, simulated_robot: Robot, name: str
+) -> None:
     with KafkaWay(kafka, name) as way:
         before = time.time()
         bridge(simulated_robot, *way.options)
@@ -38,7 +40,12 @@ def test_keys_and_times(kafka: KafkaBroker, bridge: Start, simulated_robot: Robo
 
 
 def test_robots_keep_their_order_over_partitions(
-    kafka: KafkaBroker, bridge: Start, binary: Path, tmp_path: Path, simulated_robot: Robot, name: str
+    kafka: KafkaBroker,
+    bridge: Start,
+    binary: Path,
+    tmp_path: Path,
+    simulated_robot: Robot,
+    name: str,
 ) -> None:
     """Two robots in topics of several partitions; each of them stays in the partition that Kafka's own clients choose."""
     admin = AdminClient({"bootstrap.servers": kafka.address()})
@@ -71,7 +78,8 @@ def test_robots_keep_their_order_over_partitions(
         writer.flush()
         with KafkaReader(kafka.address(), probe) as reader:
             reader.until(
-                lambda: len([it for it in reader.of(probe) if b"probe" in it.value()]) == 2, "what was written is read"
+                lambda: len([it for it in reader.of(probe) if b"probe" in it.value()]) == 2,
+                "what was written is read",
             )
             probes = {it.key(): it.partition() for it in reader.of(probe) if b"probe" in it.value()}
         assert {key: {partition} for key, partition in probes.items()} == seen
@@ -85,12 +93,16 @@ def test_compressed_batches_are_read(
         bridge(quick_robot, *way.options, "--kafka-compression", compression)
         read_until(way, lambda: len(of(way, "joints")) > 2000, "joints are passed on")
         check_numbers(way.read)
-        log = sum(file.stat().st_size for file in (kafka.folder / "data").glob(f"{name}.joints-*/*.log"))
+        log = sum(
+            file.stat().st_size for file in (kafka.folder / "data").glob(f"{name}.joints-*/*.log")
+        )
         print(f"{compression}: {log / len(of(way, 'joints')):.0f} bytes a sample")
 
 
 @pytest.mark.parametrize("form", ["protobuf", "cdr"])
-def test_other_formats(kafka: KafkaBroker, bridge: Start, simulated_robot: Robot, name: str, form: str) -> None:
+def test_other_formats(
+    kafka: KafkaBroker, bridge: Start, simulated_robot: Robot, name: str, form: str
+) -> None:
     with KafkaWay(kafka, name) as way:
         bridge(simulated_robot, *way.options, "--joints", form)
         topic = way.topic("joints")
@@ -100,11 +112,16 @@ def test_other_formats(kafka: KafkaBroker, bridge: Start, simulated_robot: Robot
         for message in way.reader.of(topic):
             headers = dict(message.headers())
             numbers.append(int(headers["seq"]))
-            read = from_protobuf(message.value()) if form == "protobuf" else from_cdr(message.value())
+            read = (
+                from_protobuf(message.value()) if form == "protobuf" else from_cdr(message.value())
+            )
             assert read["robot"] == name
             assert read["joints_rad"] == pytest.approx(expected, abs=1e-6)
             if form == "protobuf":
-                assert (read["seq"], read["session"]) == (int(headers["seq"]), int(headers["session"]))
+                assert (read["seq"], read["session"]) == (
+                    int(headers["seq"]),
+                    int(headers["session"]),
+                )
         assert numbers == list(range(len(numbers)))
 
 
@@ -112,7 +129,12 @@ def from_protobuf(payload: bytes) -> dict:
     """By the schema of the guide."""
     from sparkplug import compiled
 
-    fields = {"version": (1, "uint32"), "robot": (2, "string"), "session": (3, "uint64"), "seq": (4, "uint64")}
+    fields = {
+        "version": (1, "uint32"),
+        "robot": (2, "string"),
+        "session": (3, "uint64"),
+        "seq": (4, "uint64"),
+    }
     fields |= {"at_us": (5, "uint64"), "t_s": (6, "double"), "joints_rad": (7, "double*")}
     fields |= {"measured_nm": (8, "double*"), "external_nm": (9, "double*")}
     message = compiled("Joints", {"Joints": fields}).FromString(payload)
@@ -151,7 +173,9 @@ def from_cdr(payload: bytes) -> dict:
     return {"robot": robot, "joints_rad": position}
 
 
-def test_broker_that_takes_less_at_a_time(bridge: Start, quick_robot: Robot, tmp_path: Path, name: str) -> None:
+def test_broker_that_takes_less_at_a_time(
+    bridge: Start, quick_robot: Robot, tmp_path: Path, name: str
+) -> None:
     """Its limit is far below what the bridge gathers while it is away."""
     small = KafkaBroker(fetch_jars(), tmp_path / "small", message_max_bytes="60000")
     with small as broker, KafkaWay(broker, name) as way:
@@ -188,21 +212,33 @@ def test_full_spool_drops_the_oldest(
 ) -> None:
     """And says so; events are kept, and what is left is in order."""
     # The least room is filled in some time by a robot in fast motion.
-    with Robot(binary, tmp_path / "fast", "--period", "1", "--speed", "10") as robot, KafkaWay(kafka, name) as way:
+    with (
+        Robot(binary, tmp_path / "fast", "--period", "1", "--speed", "10") as robot,
+        KafkaWay(kafka, name) as way,
+    ):
         passing = bridge(robot, *way.options, "--spool-mb", "64")
         read_until(way, lambda: of(way, "joints"), "joints are passed on")
         kafka.stop()
         robot.run_motions(SHORT)
         until(lambda: "the spool is full" in passing.said(), "the spool is full", patience_s=240)
         memory = passing.memory_kb()
-        files = [file.stat().st_size for file in (tmp_path / "spool-0").rglob("*") if file.is_file()]
+        files = [
+            file.stat().st_size for file in (tmp_path / "spool-0").rglob("*") if file.is_file()
+        ]
         assert sum(files) < 70e6
         last = robot.state()["t_s"]
         # Readers are not to be in a race with a robot that is so fast.
         robot.started[0].terminate()
         kafka.start()
-        read_until(way, lambda: of(way, "joints")[-1]["t_s"] >= last, "joints are passed on", patience_s=240)
-        read_until(way, lambda: len(without_repetitions(of(way, "run"))[0]) == 2, "the run is passed on")
+        read_until(
+            way,
+            lambda: of(way, "joints")[-1]["t_s"] >= last,
+            "joints are passed on",
+            patience_s=240,
+        )
+        read_until(
+            way, lambda: len(without_repetitions(of(way, "run"))[0]) == 2, "the run is passed on"
+        )
         check_numbers(way.read, may_lack=["joints"])
         numbers = [message["seq"] for message in without_repetitions(of(way, "joints"))[0]]
         lacking = numbers[-1] + 1 - len(numbers)

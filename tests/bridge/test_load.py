@@ -34,7 +34,9 @@ def load(passing: Bridge, way: KafkaWay) -> str:
     return f"{share:.1f} % of a core for {rate:.0f} samples a second, {passing.memory_kb() / 1000:.0f} MB"
 
 
-def test_load_of_a_robot_at_1_khz(kafka: KafkaBroker, bridge: Start, quick_robot: Robot, name: str) -> None:
+def test_load_of_a_robot_at_1_khz(
+    kafka: KafkaBroker, bridge: Start, quick_robot: Robot, name: str
+) -> None:
     with KafkaWay(kafka, name) as way:
         passing = bridge(quick_robot, *way.options)
         run = quick_robot.start_run(LONG)
@@ -43,13 +45,18 @@ def test_load_of_a_robot_at_1_khz(kafka: KafkaBroker, bridge: Start, quick_robot
         assert run.wait() == 0
 
 
-def test_load_of_ten_robots(kafka: KafkaBroker, bridge: Start, binary: Path, tmp_path: Path, name: str) -> None:
+def test_load_of_ten_robots(
+    kafka: KafkaBroker, bridge: Start, binary: Path, tmp_path: Path, name: str
+) -> None:
     """On one bridge, in one set of topics."""
     with ExitStack() as stack, KafkaWay(kafka, name) as way:
         first, *others = [
-            stack.enter_context(Robot(binary, tmp_path / f"robot-{i}", "--period", "5")) for i in range(10)
+            stack.enter_context(Robot(binary, tmp_path / f"robot-{i}", "--period", "5"))
+            for i in range(10)
         ]
-        added = [f"--add={name}-{i}={robot.address},{robot.stream}" for i, robot in enumerate(others)]
+        added = [
+            f"--add={name}-{i}={robot.address},{robot.stream}" for i, robot in enumerate(others)
+        ]
         passing = bridge(first, *way.options, *added)
 
         def are_all_there() -> bool:

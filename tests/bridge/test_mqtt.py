@@ -48,7 +48,11 @@ def test_events_are_retained_and_samples_are_not(
     bridge(simulated_robot, *way.options)
     read_until(way, lambda: of(way, "joints"), "joints are passed on")
     simulated_robot.run_motions(SHORT)
-    read_until(way, lambda: len(of(way, "run")) == 2 and of(way, "io") and of(way, "sensors"), "events are passed on")
+    read_until(
+        way,
+        lambda: len(of(way, "run")) == 2 and of(way, "io") and of(way, "sensors"),
+        "events are passed on",
+    )
     read_until(way, lambda: of(way, "state")[-1]["state"] == "idle", "the robot is idle")
     found = kept(way)
     assert set(found) == {"state", "run", "io", "sensors", "conditions", "bridge"}
@@ -61,13 +65,17 @@ def test_events_are_retained_and_samples_are_not(
     assert {message.qos for message in way.client.of(way.topic("joints"))} == {0}
 
 
-def test_state_is_there_before_anything_moves(way: MqttWay, bridge: Start, simulated_robot: Robot) -> None:
+def test_state_is_there_before_anything_moves(
+    way: MqttWay, bridge: Start, simulated_robot: Robot
+) -> None:
     """Whoever comes first wants to know whether the robot is idle."""
     bridge(simulated_robot, *way.options)
     read_until(way, lambda: of(way, "state"), "the state is passed on", patience_s=20)
 
 
-def test_killed_bridge_is_offline(way: MqttWay, bridge: Start, simulated_robot: Robot, schema: Schema) -> None:
+def test_killed_bridge_is_offline(
+    way: MqttWay, bridge: Start, simulated_robot: Robot, schema: Schema
+) -> None:
     passing = bridge(simulated_robot, *way.options)
     read_until(way, lambda: of(way, "bridge"), "the bridge is online")
     until(lambda: status(way).get("online") is True, "the bridge is online")
@@ -79,15 +87,23 @@ def test_killed_bridge_is_offline(way: MqttWay, bridge: Start, simulated_robot: 
 
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM], ids=["ctrl-c", "terminated"])
-def test_ended_bridge_is_offline(way: MqttWay, bridge: Start, simulated_robot: Robot, number: int) -> None:
+def test_ended_bridge_is_offline(
+    way: MqttWay, bridge: Start, simulated_robot: Robot, number: int
+) -> None:
     passing = bridge(simulated_robot, *way.options)
     until(lambda: status(way).get("online") is True, "the bridge is online")
     passing.send(number)
     passing.wait(30)
-    until(lambda: status(way).get("online") is False, "the bridge says that it is offline", patience_s=5)
+    until(
+        lambda: status(way).get("online") is False,
+        "the bridge says that it is offline",
+        patience_s=5,
+    )
 
 
-def test_bridge_is_online_again_after_the_broker_was_away(way: MqttWay, bridge: Start, simulated_robot: Robot) -> None:
+def test_bridge_is_online_again_after_the_broker_was_away(
+    way: MqttWay, bridge: Start, simulated_robot: Robot
+) -> None:
     bridge(simulated_robot, *way.options)
     until(lambda: status(way).get("online") is True, "the bridge is online")
     for again in (way.broker.stop, way.broker.kill):
@@ -96,12 +112,16 @@ def test_bridge_is_online_again_after_the_broker_was_away(way: MqttWay, bridge: 
         way.broker.start()
         began = time.monotonic()
         before = len(of(way, "joints"))
-        read_until(way, lambda before=before: len(of(way, "joints")) > before, "joints are passed on")
+        read_until(
+            way, lambda before=before: len(of(way, "joints")) > before, "joints are passed on"
+        )
         until(lambda: status(way).get("online") is True, "the bridge is online")
         print(f"online {time.monotonic() - began:.1f} s after the broker")
 
 
-def test_unresponsive_bridge_is_offline(way: MqttWay, bridge: Start, simulated_robot: Robot) -> None:
+def test_unresponsive_bridge_is_offline(
+    way: MqttWay, bridge: Start, simulated_robot: Robot
+) -> None:
     """A machine that hangs: the broker finds out by the missing keep-alive, and it comes back."""
     passing = bridge(simulated_robot, *way.options)
     until(lambda: status(way).get("online") is True, "the bridge is online")
@@ -111,7 +131,9 @@ def test_unresponsive_bridge_is_offline(way: MqttWay, bridge: Start, simulated_r
     until(lambda: status(way).get("online") is True, "the bridge is online")
 
 
-def test_refused_message_is_left_out(tmp_path: Path, bridge: Start, simulated_robot: Robot, name: str) -> None:
+def test_refused_message_is_left_out(
+    tmp_path: Path, bridge: Start, simulated_robot: Robot, name: str
+) -> None:
     """By rules of the broker. What it takes arrives nevertheless, and the bridge tells how much is lost."""
     strict = Mosquitto(tmp_path / "strict", forbidden=f"iiwasim/{name}/run")
     with (
@@ -130,7 +152,9 @@ def test_refused_message_is_left_out(tmp_path: Path, bridge: Start, simulated_ro
 
 
 @pytest.mark.parametrize("rate", [5.0, 50.0])
-def test_rate(mosquitto: Mosquitto, bridge: Start, quick_robot: Robot, name: str, rate: float) -> None:
+def test_rate(
+    mosquitto: Mosquitto, bridge: Start, quick_robot: Robot, name: str, rate: float
+) -> None:
     with MqttWay(mosquitto, name) as way:
         options = way.options.copy()
         options[options.index("--mqtt-rate") + 1] = str(rate)
@@ -145,7 +169,11 @@ def test_rate(mosquitto: Mosquitto, bridge: Start, quick_robot: Robot, name: str
 
 def refusal_of(way: MqttWay, identity: str) -> str:
     """Why a command is refused."""
-    read_until(way, lambda: [it for it in way.replies if it.get("id") == identity], "the command is answered")
+    read_until(
+        way,
+        lambda: [it for it in way.replies if it.get("id") == identity],
+        "the command is answered",
+    )
     (reply,) = (it["reply"] for it in way.replies if it.get("id") == identity)
     assert not reply["ok"], reply
     return reply["error"]["message"]
@@ -162,7 +190,12 @@ def test_reply_goes_where_it_is_asked_for(
         read_until(way, lambda: of(way, "joints"), "joints are passed on")
         with MqttClient(mosquitto.port(), answers) as client:
             body = json.dumps(command(name, "state"))
-            client.publish(way.topic("request"), body, ResponseTopic=answers, CorrelationData=b"\x00\x01 any bytes")
+            client.publish(
+                way.topic("request"),
+                body,
+                ResponseTopic=answers,
+                CorrelationData=b"\x00\x01 any bytes",
+            )
             client.until(lambda: client.received, "there is a reply")
             reply = client.received[0]
         assert reply.json()["reply"]["ok"]
@@ -191,12 +224,20 @@ def test_foreign_response_topic_is_refused(
         with MqttClient(mosquitto.port(), *foreign) as listener:
             for where in foreign:
                 body = command(name, "run_motions", motions=LONG["motions"])
-                listener.publish(requests, json.dumps(body), ResponseTopic=where, CorrelationData=b"7f3c")
-                assert f"the response topic has to be `{way.topic('reply')}`" in refusal_of(way, body["id"])
+                listener.publish(
+                    requests, json.dumps(body), ResponseTopic=where, CorrelationData=b"7f3c"
+                )
+                assert f"the response topic has to be `{way.topic('reply')}`" in refusal_of(
+                    way, body["id"]
+                )
             # What the bridge had sent there would come before this.
             listener.publish(foreign[0], "end")
-            listener.until(lambda: [it for it in listener.received if it.payload == b"end"], "all is read")
-            heard = [message for message in listener.received if b'"kind":"reply"' in message.payload]
+            listener.until(
+                lambda: [it for it in listener.received if it.payload == b"end"], "all is read"
+            )
+            heard = [
+                message for message in listener.received if b'"kind":"reply"' in message.payload
+            ]
         assert not heard
         replies = way.client.of(way.topic("reply"))
         assert {reply.properties["CorrelationData"] for reply in replies} == {b"7f3c".hex()}
@@ -239,7 +280,9 @@ def test_command_retained_while_the_bridge_is_subscribed_is_refused(
         body = command(name, "state")
         way.send(json.dumps(body).encode())
         read_until(way, lambda: way.replies, "the command is answered")
-        assert [reply["id"] for reply in way.replies] == [body["id"]] and way.replies[0]["reply"]["ok"]
+        assert [reply["id"] for reply in way.replies] == [body["id"]] and way.replies[0]["reply"][
+            "ok"
+        ]
         assert simulated_robot.is_idle() and simulated_robot.joints() == before
         assert not of(way, "run")
 
@@ -253,7 +296,9 @@ def test_retained_command_runs_once_by_3_1_1(
         read_until(way, lambda: of(way, "joints"), "joints are passed on")
         body = command(name, "run_motions", motions=SHORT["motions"])
         way.client.publish(way.topic("request"), json.dumps(body), retain=True)
-        read_until(way, lambda: [it for it in way.replies if it["id"] == body["id"]], "the run has ended")
+        read_until(
+            way, lambda: [it for it in way.replies if it["id"] == body["id"]], "the run has ended"
+        )
         assert way.replies[0]["reply"]["ok"]
         # To the same bridge, as a command that the broker repeats.
         way.replies.clear()
@@ -269,7 +314,9 @@ def test_retained_command_runs_once_by_3_1_1(
         way.client.publish(way.topic("request"), b"", retain=True)
 
 
-def test_two_bridges_of_one_name_take_turns_without_harm(way: MqttWay, bridge: Start, simulated_robot: Robot) -> None:
+def test_two_bridges_of_one_name_take_turns_without_harm(
+    way: MqttWay, bridge: Start, simulated_robot: Robot
+) -> None:
     """The broker ends the connection of the first when the second comes: neither may run wild."""
     passing = [bridge(simulated_robot, *way.options) for _ in range(2)]
     time.sleep(5)
@@ -299,4 +346,6 @@ def test_flood_of_commands_stalls_nothing(way: MqttWay, bridge: Start, quick_rob
     for _ in range(4):
         way.send(*(json.dumps(command(way.robot, "state")).encode() for _ in range(5000)))
         last = quick_robot.state()["t_s"]
-        read_until(way, lambda last=last: of(way, "joints")[-1]["t_s"] > last, "joints are passed on")
+        read_until(
+            way, lambda last=last: of(way, "joints")[-1]["t_s"] > last, "joints are passed on"
+        )

@@ -35,7 +35,12 @@ class Access:
 
     def pair(self) -> list[str]:
         pair = self.certificates.client
-        return [f"--{self.broker}-cert", str(pair.certificate), f"--{self.broker}-cert-key", str(pair.key)]
+        return [
+            f"--{self.broker}-cert",
+            str(pair.certificate),
+            f"--{self.broker}-cert-key",
+            str(pair.key),
+        ]
 
 
 @pytest.fixture
@@ -50,7 +55,9 @@ def mqtt_access(tmp_path: Path, certificates: Certificates) -> Access:
 
 def to(way: Way, listener: str, *options: str) -> list[str]:
     """The options of a way, with another listener of its broker."""
-    return [way.broker.address(listener) if it == way.broker.address() else it for it in way.options] + [*options]
+    return [
+        way.broker.address(listener) if it == way.broker.address() else it for it in way.options
+    ] + [*options]
 
 
 def passes(way: Way, passing: Bridge) -> None:
@@ -101,7 +108,9 @@ def test_kafka_with_tls(
         for listener in ("MISNAMED", "EXPIRED"):
             refuses(bridge(simulated_robot, *to(way, listener, *authority)), "certificate")
         refuses(bridge(simulated_robot, *to(way, "SSL", *strange)), "certificate", "UnknownIssuer")
-        refuses(bridge(simulated_robot, *to(way, "SSL", "--kafka-tls")), "certificate", "UnknownIssuer")
+        refuses(
+            bridge(simulated_robot, *to(way, "SSL", "--kafka-tls")), "certificate", "UnknownIssuer"
+        )
         way.take()
         assert not way.read
 
@@ -111,10 +120,18 @@ def test_kafka_that_asks_for_what_is_not_given_is_told(
 ) -> None:
     """A certificate, or TLS at all: the bridge may go on trying, but says what is wrong."""
     with KafkaWay(kafka, name) as way:
-        for listener, options in (("MUTUAL", kafka_access.authority()), ("SSL", []), ("PLAINTEXT", ["--kafka-tls"])):
+        for listener, options in (
+            ("MUTUAL", kafka_access.authority()),
+            ("SSL", []),
+            ("PLAINTEXT", ["--kafka-tls"]),
+        ):
             passing = bridge(simulated_robot, *to(way, listener, *options))
             passing.lasts = False
-            read_until(way, lambda passing=passing: not passing.runs() or "WARN" in passing.said(), "it is told")
+            read_until(
+                way,
+                lambda passing=passing: not passing.runs() or "WARN" in passing.said(),
+                "it is told",
+            )
             print(listener, options, passing.said())
             assert "panic" not in passing.said()
             passing.end()
@@ -123,7 +140,12 @@ def test_kafka_that_asks_for_what_is_not_given_is_told(
 
 @pytest.mark.parametrize("version", [4, 5])
 def test_mqtt_with_password(
-    mosquitto: Mosquitto, mqtt_access: Access, bridge: Start, simulated_robot: Robot, name: str, version: int
+    mosquitto: Mosquitto,
+    mqtt_access: Access,
+    bridge: Start,
+    simulated_robot: Robot,
+    name: str,
+    version: int,
 ) -> None:
     for listener, tls in (("password", []), ("tls_password", mqtt_access.authority())):
         with MqttWay(mosquitto, f"{name}-{listener}", version) as way:
@@ -135,7 +157,12 @@ def test_mqtt_with_password(
 
 @pytest.mark.parametrize("version", [4, 5])
 def test_mqtt_with_tls(
-    mosquitto: Mosquitto, mqtt_access: Access, bridge: Start, simulated_robot: Robot, name: str, version: int
+    mosquitto: Mosquitto,
+    mqtt_access: Access,
+    bridge: Start,
+    simulated_robot: Robot,
+    name: str,
+    version: int,
 ) -> None:
     authority, pair = mqtt_access.authority(), mqtt_access.pair()
     with MqttWay(mosquitto, name, version) as way:
@@ -147,7 +174,9 @@ def test_mqtt_with_tls(
         for listener in ("misnamed", "expired"):
             refuses(bridge(simulated_robot, *to(way, listener, *authority)), "certificate")
         refuses(bridge(simulated_robot, *to(way, "tls", *strange)), "certificate", "UnknownIssuer")
-        refuses(bridge(simulated_robot, *to(way, "tls", "--mqtt-tls")), "certificate", "UnknownIssuer")
+        refuses(
+            bridge(simulated_robot, *to(way, "tls", "--mqtt-tls")), "certificate", "UnknownIssuer"
+        )
         way.take()
         assert not way.read
 
@@ -158,17 +187,27 @@ def test_passwords_do_not_leave_this_machine_in_the_clear(
     # An address for documentation, which nobody has.
     kafka = ["--kafka", "192.0.2.1:9092", "--kafka-sasl", "plain", *kafka_access.user()]
     refuses(bridge(simulated_robot, *kafka), "in the clear")
-    refuses(bridge(simulated_robot, "--mqtt", "192.0.2.1:1883", *mqtt_access.user()), "in the clear")
+    refuses(
+        bridge(simulated_robot, "--mqtt", "192.0.2.1:1883", *mqtt_access.user()), "in the clear"
+    )
 
 
 def test_files_that_cannot_be_used_are_named(
-    kafka: KafkaBroker, kafka_access: Access, bridge: Start, simulated_robot: Robot, tmp_path: Path, name: str
+    kafka: KafkaBroker,
+    kafka_access: Access,
+    bridge: Start,
+    simulated_robot: Robot,
+    tmp_path: Path,
+    name: str,
 ) -> None:
     way = KafkaWay(kafka, name)
     empty = tmp_path / "empty.pem"
     empty.write_text("")
     refuses(bridge(simulated_robot, *to(way, "SSL", *kafka_access.authority(empty))), "empty.pem")
-    refuses(bridge(simulated_robot, *to(way, "SSL", *kafka_access.authority(tmp_path / "none.pem"))), "none.pem")
+    refuses(
+        bridge(simulated_robot, *to(way, "SSL", *kafka_access.authority(tmp_path / "none.pem"))),
+        "none.pem",
+    )
     missing = ["--kafka-user", USER, "--kafka-password-file", str(tmp_path / "nowhere")]
     refuses(bridge(simulated_robot, *to(way, "SASL_SSL", *missing)), "nowhere")
     missing[-1] = str(empty)
@@ -184,19 +223,28 @@ def test_spool_is_one_bridge_s(
         refuses(bridge(simulated_robot, *way.options, *spool), "another bridge uses the spool")
 
 
-@pytest.mark.parametrize("options", [["--name", ".."], ["--add", "..=127.0.0.1:1,127.0.0.1:1"]], ids=["name", "add"])
+@pytest.mark.parametrize(
+    "options", [["--name", ".."], ["--add", "..=127.0.0.1:1,127.0.0.1:1"]], ids=["name", "add"]
+)
 def test_name_that_leads_out_of_the_spool_is_refused(
     mosquitto: Mosquitto, bridge: Start, simulated_robot: Robot, tmp_path: Path, options: list[str]
 ) -> None:
     spool = tmp_path / "plant" / "spool"
-    passing = bridge(simulated_robot, "--mqtt", mosquitto.address(), "--spool", str(spool), *options)
+    passing = bridge(
+        simulated_robot, "--mqtt", mosquitto.address(), "--spool", str(spool), *options
+    )
     refuses(passing, "invalid robot name `..`: use 1 to 64 letters, digits, `-` and `_`")
     assert not spool.parent.exists()
 
 
 @pytest.mark.parametrize("file", ["lock", "cursor", "000000000001.spool"])
 def test_link_in_the_spool_is_refused(
-    mosquitto: Mosquitto, bridge: Start, simulated_robot: Robot, tmp_path: Path, name: str, file: str
+    mosquitto: Mosquitto,
+    bridge: Start,
+    simulated_robot: Robot,
+    tmp_path: Path,
+    name: str,
+    file: str,
 ) -> None:
     """Whoever may write to the folder of the spool cannot have the bridge empty or send another file."""
     victim = tmp_path / "victim"
@@ -205,7 +253,10 @@ def test_link_in_the_spool_is_refused(
         link = tmp_path / "spool" / "mqtt" / name / file
         link.parent.mkdir(parents=True)
         link.symlink_to(victim)
-        refuses(bridge(simulated_robot, *way.options, "--spool", str(tmp_path / "spool")), f"{link} is a symbolic link")
+        refuses(
+            bridge(simulated_robot, *way.options, "--spool", str(tmp_path / "spool")),
+            f"{link} is a symbolic link",
+        )
         assert victim.read_text() == "precious"
         link.unlink()
         bridge(simulated_robot, *way.options, "--spool", str(tmp_path / "spool"))

@@ -52,7 +52,9 @@ class Follower:
         return self.node()
 
     def ask_for_birth(self) -> None:
-        self.client.publish(f"spBv1.0/{self.group}/NCMD/{self.name}", command("Node Control/Rebirth", True), qos=0)
+        self.client.publish(
+            f"spBv1.0/{self.group}/NCMD/{self.name}", command("Node Control/Rebirth", True), qos=0
+        )
 
 
 @pytest.fixture
@@ -61,24 +63,36 @@ def follower(mosquitto: Mosquitto, name: str) -> Iterator[Follower]:
         yield follower
 
 
-def test_births_and_data(follower: Follower, bridge: Start, simulated_robot: Robot, name: str) -> None:
+def test_births_and_data(
+    follower: Follower, bridge: Start, simulated_robot: Robot, name: str
+) -> None:
     bridge(simulated_robot, *follower.options)
     node = follower.until(lambda node: node.devices.get(name), "the robot is born")
     assert node.is_online and node.births == 1
     joints = [f"Joints/A{i}/Position" for i in range(1, 8)]
-    follower.until(lambda node: all((name, joint) in node.values for joint in joints), "its joints are known")
+    follower.until(
+        lambda node: all((name, joint) in node.values for joint in joints), "its joints are known"
+    )
     simulated_robot.run_motions(SHORT)
-    node = follower.until(lambda node: node.values.get((name, "Run/Cycle Time")), "the run is known")
-    assert node.values[name, "Run/Planned Cycle Time"] == pytest.approx(node.values[name, "Run/Cycle Time"], abs=0.01)
+    node = follower.until(
+        lambda node: node.values.get((name, "Run/Cycle Time")), "the run is known"
+    )
+    assert node.values[name, "Run/Planned Cycle Time"] == pytest.approx(
+        node.values[name, "Run/Cycle Time"], abs=0.01
+    )
     follower.until(lambda node: node.values.get((name, "State")) == "idle", "the robot is idle")
     expected = simulated_robot.joints()
     follower.until(
-        lambda node: all(abs(node.values[name, it] - angle) < 1e-3 for it, angle in zip(joints, expected)),
+        lambda node: all(
+            abs(node.values[name, it] - angle) < 1e-3 for it, angle in zip(joints, expected)
+        ),
         "its joints are where it is",
     )
 
 
-def test_it_is_born_again_when_asked(follower: Follower, bridge: Start, simulated_robot: Robot, name: str) -> None:
+def test_it_is_born_again_when_asked(
+    follower: Follower, bridge: Start, simulated_robot: Robot, name: str
+) -> None:
     bridge(simulated_robot, *follower.options)
     follower.until(lambda node: node.devices.get(name), "the robot is born")
     follower.ask_for_birth()
@@ -91,12 +105,16 @@ def test_deaths(follower: Follower, bridge: Start, simulated_robot: Robot, name:
     passing.kill()
     follower.until(lambda node: not node.is_online and node.deaths == 1, "its will is there")
     passing = bridge(simulated_robot, *follower.options)
-    follower.until(lambda node: node.is_online and node.devices.get(name), "the robot is born again")
+    follower.until(
+        lambda node: node.is_online and node.devices.get(name), "the robot is born again"
+    )
     passing.end()
     follower.until(lambda node: not node.is_online and node.deaths == 2, "it has said goodbye")
 
 
-def test_broker_that_was_away(follower: Follower, bridge: Start, simulated_robot: Robot, name: str) -> None:
+def test_broker_that_was_away(
+    follower: Follower, bridge: Start, simulated_robot: Robot, name: str
+) -> None:
     bridge(simulated_robot, *follower.options)
     first = follower.until(lambda node: node.devices.get(name), "the robot is born").birth_seq
     follower.mosquitto.restart()

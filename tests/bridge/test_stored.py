@@ -25,7 +25,9 @@ from ways import KafkaWay, of, read_until
 Start = Callable[..., Bridge]
 
 
-def read(binary: Path, kafka: KafkaBroker, name: str, command: str, *options: str) -> subprocess.CompletedProcess:
+def read(
+    binary: Path, kafka: KafkaBroker, name: str, command: str, *options: str
+) -> subprocess.CompletedProcess:
     """`iiwasim replay` or `history`, of what a test has written."""
     source = ["--kafka", kafka.address(), "--kafka-prefix", name]
     whole = [binary, command, *source, *options]
@@ -44,7 +46,9 @@ def recorded(path: Path) -> list[tuple[float, list[float]]]:
 
 
 @pytest.fixture
-def stored(kafka: KafkaBroker, bridge: Start, quick_robot: Robot, name: str) -> list[dict[str, Any]]:
+def stored(
+    kafka: KafkaBroker, bridge: Start, quick_robot: Robot, name: str
+) -> list[dict[str, Any]]:
     """Samples of a run that are in Kafka."""
     with KafkaWay(kafka, name) as way:
         passing = bridge(quick_robot, *way.options)
@@ -80,11 +84,25 @@ def test_replay_is_a_recording(
     assert done.returncode == 0, done.stderr
     expected = [sample["joints_rad"] for sample in stored if sample["at"] >= middle]
     assert [joints for _, joints in recorded(part)] == expected
-    done = read(binary, kafka, name, "replay", "--name", name, "--until", middle, "-o", str(part), "--overwrite")
+    done = read(
+        binary,
+        kafka,
+        name,
+        "replay",
+        "--name",
+        name,
+        "--until",
+        middle,
+        "-o",
+        str(part),
+        "--overwrite",
+    )
     assert len(recorded(part)) == len(stored) - len(expected)
     # Nothing is replaced without a word, and nothing is written where nothing is.
     assert read(binary, kafka, name, "replay", "--name", name, "-o", str(part)).returncode != 0
-    none = read(binary, kafka, name, "replay", "--name", "nobody", "-o", str(tmp_path / "none.mcap"))
+    none = read(
+        binary, kafka, name, "replay", "--name", "nobody", "-o", str(tmp_path / "none.mcap")
+    )
     assert none.returncode == 1 and "nobody" in none.stderr
     assert not (tmp_path / "none.mcap").exists()
 
@@ -94,12 +112,25 @@ def test_replay_is_a_drive(
 ) -> None:
     """For those who follow it; nobody can move it."""
     drive, stream = (f"127.0.0.1:{port}" for port in free_ports(2))
-    options = ["--kafka", kafka.address(), "--kafka-prefix", name, "--name", name, "--serve", "--speed", "0.2"]
+    options = [
+        "--kafka",
+        kafka.address(),
+        "--kafka-prefix",
+        name,
+        "--name",
+        name,
+        "--serve",
+        "--speed",
+        "0.2",
+    ]
     command = [str(binary), "replay", *options, "--drive", drive, "--stream", stream]
     replay = Program(command, tmp_path / "replay.log")
     try:
         with published(stream) as samples:
-            for type, more in (("run_motions", {"motions": SHORT["motions"]}), ("set_io", {"name": "a", "value": 1})):
+            for type, more in (
+                ("run_motions", {"motions": SHORT["motions"]}),
+                ("set_io", {"name": "a", "value": 1}),
+            ):
                 reply = ask(drive, type, **more)
                 assert not reply["ok"], reply
                 print(reply)
@@ -113,11 +144,21 @@ def test_replay_is_a_drive(
     assert played <= {json.dumps(sample["joints_rad"]) for sample in stored}
 
 
-def end_of_run(name: str, number: int, cycle_time_s: float, planned_s: float | None, **more: Any) -> dict[str, Any]:
+def end_of_run(
+    name: str, number: int, cycle_time_s: float, planned_s: float | None, **more: Any
+) -> dict[str, Any]:
     """The end of a run as the bridge tells it."""
     plan = {} if planned_s is None else {"plan": {"cycle_time_s": planned_s, "limited_by": []}}
     at = datetime.now(UTC).isoformat(timespec="microseconds").replace("+00:00", "Z")
-    head = {"version": 1, "robot": name, "session": 1, "seq": number, "at": at, "kind": "run", "t_s": float(number)}
+    head = {
+        "version": 1,
+        "robot": name,
+        "session": 1,
+        "seq": number,
+        "at": at,
+        "kind": "run",
+        "t_s": float(number),
+    }
     run = {"run": number, "event": "end", "what": "motions", "program": "weld", **plan}
     return {**head, **run, "result": {"cycle_time_s": cycle_time_s}, **more}
 
@@ -131,7 +172,12 @@ def write(kafka: KafkaBroker, name: str, *bodies: bytes | None, **settings: str)
 
 @pytest.mark.parametrize(("slower", "planned"), [(1.0, 2.0), (1.05, 2.0), (1.05, None)])
 def test_drift_is_found(
-    kafka: KafkaBroker, binary: Path, schema: Schema, name: str, slower: float, planned: float | None
+    kafka: KafkaBroker,
+    binary: Path,
+    schema: Schema,
+    name: str,
+    slower: float,
+    planned: float | None,
 ) -> None:
     runs = [end_of_run(name, i, 2.0 * (slower if i >= 15 else 1.0), planned) for i in range(20)]
     write(kafka, name, *(json.dumps(schema.check(run)).encode() for run in runs))
@@ -150,11 +196,23 @@ def test_edited_program_does_not_drift(kafka: KafkaBroker, binary: Path, name: s
     assert "weld" in done.stdout
 
 
-def test_repeated_and_foreign_records_do_not_count(kafka: KafkaBroker, binary: Path, name: str) -> None:
+def test_repeated_and_foreign_records_do_not_count(
+    kafka: KafkaBroker, binary: Path, name: str
+) -> None:
     """At least once is once; what others have written there is told, and passed over."""
     runs = [json.dumps(end_of_run(name, i, 2.0, 2.0)).encode() for i in range(10)]
     write(kafka, name, *runs[:5], *runs[2:7])
-    write(kafka, name, b"", None, b"\xff\xfe", b"{", b"[" * 50_000, b'{"version": 2}', compression_type="zstd")
+    write(
+        kafka,
+        name,
+        b"",
+        None,
+        b"\xff\xfe",
+        b"{",
+        b"[" * 50_000,
+        b'{"version": 2}',
+        compression_type="zstd",
+    )
     write(kafka, name, *runs[7:], compression_type="lz4")
     time.sleep(0.5)
     done = read(binary, kafka, name, "history", "--json")

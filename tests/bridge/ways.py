@@ -73,7 +73,16 @@ class MqttWay:
         self.broker = broker
         self.robot = robot
         self.version = version
-        self.options = ["--mqtt", broker.address(), "--mqtt-rate", "0", "--mqtt-client", robot, "--name", robot]
+        self.options = [
+            "--mqtt",
+            broker.address(),
+            "--mqtt-rate",
+            "0",
+            "--mqtt-client",
+            robot,
+            "--name",
+            robot,
+        ]
         self.options += ["--mqtt-version", {4: "3", 5: "5"}[version]]
         self.read: list[dict[str, Any]] = []
         self.by_kind: dict[str, list[dict[str, Any]]] = defaultdict(list)
@@ -86,7 +95,9 @@ class MqttWay:
 
     def __enter__(self) -> Self:
         identity = uuid.uuid4().hex
-        self.client = MqttClient(self.broker.port(), self.topic("#"), version=self.version, identity=identity)
+        self.client = MqttClient(
+            self.broker.port(), self.topic("#"), version=self.version, identity=identity
+        )
         self.client.__enter__()
         return self
 

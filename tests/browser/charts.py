@@ -53,8 +53,13 @@ def numbers_along_axes_are_whole(browser: Browser, pages) -> None:
     desk(browser)
     # A recording that is on its path but for rounding.
     browser.open(pages.page("exact"))
-    titles = browser.run("[...document.querySelectorAll('#deviations h3')].map(it => it.textContent)")
-    assert titles == ["Flange off its path: below 0.001 mm", "Joints off their path: below 0.001 mrad"], titles
+    titles = browser.run(
+        "[...document.querySelectorAll('#deviations h3')].map(it => it.textContent)"
+    )
+    assert titles == [
+        "Flange off its path: below 0.001 mm",
+        "Joints off their path: below 0.001 mrad",
+    ], titles
     assert "below 0.001 mm" in browser.run("document.getElementById('errors').textContent")
 
 
@@ -66,7 +71,9 @@ def deviations_go_on_in_time(browser: Browser, pages) -> None:
         browser.run(WATCH)
         browser.run("(lines.length = 0, drawCharts())")
         # Grids are lines from side to side, or from top to bottom.
-        lines = [(kind, x, y) for kind, x, y in browser.run("lines") if x % 1 != 0.5 and y % 1 != 0.5]
+        lines = [
+            (kind, x, y) for kind, x, y in browser.run("lines") if x % 1 != 0.5 and y % 1 != 0.5
+        ]
         backwards = [
             (before, after)
             for before, after in zip(lines, lines[1:])
@@ -80,7 +87,9 @@ def deviations_go_on_in_time(browser: Browser, pages) -> None:
             assert browser.run(f"{times}.every((t, i) => i === 0 || t >= {times}[i - 1])"), name
             # All of the time is there, the waits, too.
             first, last = browser.run(f"[{times}[0], {times}.at(-1)]")
-            assert last - first > 0.9 * browser.run("report.compared.report.cycle_time.real_s") - 0.4, (first, last)
+            assert (
+                last - first > 0.9 * browser.run("report.compared.report.cycle_time.real_s") - 0.4
+            ), (first, last)
 
 
 def values_are_at_the_mouse(browser: Browser, pages) -> None:
@@ -159,12 +168,18 @@ def torques_have_a_curve(browser: Browser, pages) -> None:
     assert f"A2 {nm[0]:.2f} | {nm[1]:.2f} Nm" in browser.run(f"{TOLD}.textContent")
     browser.click("#units")
     seek(browser, 3)
-    cell = browser.run("document.querySelector('#joints tr:nth-child(2) td:nth-child(4)').textContent")
+    cell = browser.run(
+        "document.querySelector('#joints tr:nth-child(2) td:nth-child(4)').textContent"
+    )
     assert abs(float(cell) - browser.run("readingAt(second.torque, 3, 1, 7)")) < 0.06, cell
     head = browser.run("[...document.querySelectorAll('#table th')].map(it => it.textContent)")
     column = head.index("top torque") + 1
-    shares = browser.run(f"[...document.querySelectorAll('#table td:nth-child({column})')].map(it => it.textContent)")
-    assert len(shares) == 10 and all(re.fullmatch(r"A\d \d+ %, -?[\d.]+ Nm", it) for it in shares), shares
+    shares = browser.run(
+        f"[...document.querySelectorAll('#table td:nth-child({column})')].map(it => it.textContent)"
+    )
+    assert len(shares) == 10 and all(
+        re.fullmatch(r"A\d \d+ %, -?[\d.]+ Nm", it) for it in shares
+    ), shares
     assert "peak power" in browser.run("document.getElementById('figures').textContent")
     pages.keep(browser, "torques")
     # A file without torques says nothing of them.
@@ -181,7 +196,9 @@ def a_part_is_zoomed_into(browser: Browser, pages) -> None:
     y, left, inner = box["y"] + 60, box["x"] + 56, box["width"] - 64
     browser.drag([(left + share * inner, y) for share in (0.25, 0.3, 0.4, 0.5)])
     window = browser.run("[state.window.from, state.window.to]")
-    assert abs(window[0] - 0.25 * whole) < 0.01 * whole and abs(window[1] - 0.5 * whole) < 0.01 * whole, window
+    assert (
+        abs(window[0] - 0.25 * whole) < 0.01 * whole and abs(window[1] - 0.5 * whole) < 0.01 * whole
+    ), window
     assert browser.run("state.time") == 0, "a zoom takes the arm along"
     # A click takes the arm there, and a double click shows the whole again.
     browser.press(left + 0.5 * inner, y)
@@ -190,7 +207,10 @@ def a_part_is_zoomed_into(browser: Browser, pages) -> None:
     assert browser.run(SPAN) == whole
     # Backwards, too; beyond the chart, up to its end.
     browser.drag([(left + share * inner, y) for share in (0.5, 0.3, -0.2)])
-    assert browser.run("state.window.from") == 0 and abs(browser.run(SPAN) - 0.5 * whole) < 0.01 * whole
+    assert (
+        browser.run("state.window.from") == 0
+        and abs(browser.run(SPAN) - 0.5 * whole) < 0.01 * whole
+    )
     browser.click("#whole")
     assert browser.run(SPAN) == whole
 
@@ -254,7 +274,9 @@ def the_tcp_has_curves(browser: Browser, pages) -> None:
         place = browser.run(f"placeOf(report.arms[0], {t})")
         expected = [told[key] for key in ("x_mm", "y_mm", "z_mm", "a_deg", "b_deg", "c_deg")]
         assert all(abs(a - b) < 1e-3 for a, b in zip(place, expected)), (place, expected)
-        before, after = (browser.run(f"placeOf(report.arms[0], {at})") for at in (t - 0.004, t + 0.004))
+        before, after = (
+            browser.run(f"placeOf(report.arms[0], {at})") for at in (t - 0.004, t + 0.004)
+        )
         speed = math.dist(before[:3], after[:3]) / 0.008
         shown = 1000 * browser.run(f"readingAt(report.arms[0].speed, {t}, 0, 1)")
         assert abs(speed - shown) < 0.01 * shown + 1, (speed, shown)
@@ -275,7 +297,9 @@ def the_tcp_has_curves(browser: Browser, pages) -> None:
     flange = browser.run("placeOf(report.arms[0], 1)")
     assert abs(math.dist(tip[:3], flange[:3]) - 120) < 0.01, (tip, flange)
     most = browser.run("Math.max(...report.figures.motions.map(it => it.tcp_speed_peak_mm_s || 0))")
-    highest = browser.run("1000 * Math.max(...report.arms[0].speed.high.filter((_, i) => i % 2 === 1))")
+    highest = browser.run(
+        "1000 * Math.max(...report.arms[0].speed.high.filter((_, i) => i % 2 === 1))"
+    )
     assert highest > 0.95 * most, (highest, most)
     # A recording has them, too.
     browser.open(pages.page("run"))

@@ -25,7 +25,10 @@ def run_checks(name: str, checks: list[Callable], subject: object) -> int:
             except AssertionError as error:
                 failed += 1
                 line = traceback.extract_tb(error.__traceback__)[-1]
-                print(f"FAILED  {check.__name__}, line {line.lineno}: {error or line.line}", flush=True)
+                print(
+                    f"FAILED  {check.__name__}, line {line.lineno}: {error or line.line}",
+                    flush=True,
+                )
     finally:
         browser.close()
     print("\n".join(figures))

@@ -114,7 +114,9 @@ class Browser:
 
     def run(self, script: str) -> object:
         """The value of a script in the page; a promise is waited for."""
-        answer = self.call("Runtime.evaluate", expression=script, returnByValue=True, awaitPromise=True)
+        answer = self.call(
+            "Runtime.evaluate", expression=script, returnByValue=True, awaitPromise=True
+        )
         if "exceptionDetails" in answer:
             raise AssertionError(f"{script}: {answer['exceptionDetails']}")
         return answer["result"].get("value")
@@ -122,7 +124,9 @@ class Browser:
     def open(self, file: Path, fragment: str = "") -> None:
         """Opens a file and waits until it is loaded and drawn."""
         self.go(file.resolve().as_uri() + fragment)
-        self.until("document.readyState === 'complete' && document.documentElement?.dataset.drawnMs > ''")
+        self.until(
+            "document.readyState === 'complete' && document.documentElement?.dataset.drawnMs > ''"
+        )
         self.frames()
 
     def go(self, url: str) -> None:
@@ -134,7 +138,9 @@ class Browser:
 
     def frames(self) -> None:
         """Waits until what was asked for is on the screen."""
-        self.run("new Promise(done => requestAnimationFrame(() => requestAnimationFrame(() => done(1))))")
+        self.run(
+            "new Promise(done => requestAnimationFrame(() => requestAnimationFrame(() => done(1))))"
+        )
 
     def until(self, script: str, seconds: float = 300) -> None:
         """Waits until a script says yes."""
@@ -166,13 +172,19 @@ class Browser:
         if whole:
             content = self.call("Page.getLayoutMetrics")["cssContentSize"]
             clip = {"clip": {**content, "scale": 1}}
-        answer = self.call("Page.captureScreenshot", format="png", captureBeyondViewport=whole, **clip)
+        answer = self.call(
+            "Page.captureScreenshot", format="png", captureBeyondViewport=whole, **clip
+        )
         return base64.b64decode(answer["data"])
 
     def pdf(self) -> bytes:
         """The page as it is printed on A4."""
         answer = self.call(
-            "Page.printToPDF", printBackground=True, preferCSSPageSize=True, paperWidth=8.27, paperHeight=11.69
+            "Page.printToPDF",
+            printBackground=True,
+            preferCSSPageSize=True,
+            paperWidth=8.27,
+            paperHeight=11.69,
         )
         return base64.b64decode(answer["data"])
 
@@ -188,7 +200,9 @@ class Browser:
             self.press(box["x"] + box["width"] / 2, box["y"] + box["height"] / 2)
             # A busy browser confirms the press before the page sees it: pressed again at once, a button would be pressed twice.
             until = time.monotonic() + 30
-            while (met := self.run("window.met ?? 'another page'")) == "nothing yet" and time.monotonic() < until:
+            while (
+                met := self.run("window.met ?? 'another page'")
+            ) == "nothing yet" and time.monotonic() < until:
                 time.sleep(0.02)
             if met is True or met == "another page":
                 return
@@ -221,7 +235,9 @@ class Browser:
         self.call("Input.dispatchMouseEvent", type="mouseMoved", x=x, y=y)
         self.frames()
 
-    def drag(self, places: list[tuple[float, float]], button: str = "left", shift: bool = False) -> None:
+    def drag(
+        self, places: list[tuple[float, float]], button: str = "left", shift: bool = False
+    ) -> None:
         """Presses the mouse, moves it and lets go."""
         for i, (x, y) in enumerate(places):
             kind = "mousePressed" if i == 0 else "mouseMoved"
@@ -230,7 +246,14 @@ class Browser:
         self.frames()
 
     def _mouse(
-        self, kind: str, x: float, y: float, button: str, down: bool, shift: bool = False, count: int = 1
+        self,
+        kind: str,
+        x: float,
+        y: float,
+        button: str,
+        down: bool,
+        shift: bool = False,
+        count: int = 1,
     ) -> None:
         self.call(
             "Input.dispatchMouseEvent",
@@ -256,16 +279,30 @@ class Browser:
         """Fingers go down, from place to place, and up."""
         for i, fingers in enumerate(places):
             points = [{"x": x, "y": y, "id": k} for k, (x, y) in enumerate(fingers)]
-            self.call("Input.dispatchTouchEvent", type="touchMove" if i else "touchStart", touchPoints=points)
+            self.call(
+                "Input.dispatchTouchEvent",
+                type="touchMove" if i else "touchStart",
+                touchPoints=points,
+            )
         self.call("Input.dispatchTouchEvent", type="touchEnd", touchPoints=[])
         self.frames()
 
     def key(self, key: str, text: str = "", shift: bool = False) -> None:
         """Presses a key."""
-        codes = {"Tab": 9, "End": 35, "Home": 36, "ArrowLeft": 37, "ArrowRight": 39, "Enter": 13, "Escape": 27}
+        codes = {
+            "Tab": 9,
+            "End": 35,
+            "Home": 36,
+            "ArrowLeft": 37,
+            "ArrowRight": 39,
+            "Enter": 13,
+            "Escape": 27,
+        }
         for kind in ("keyDown", "keyUp"):
             extra = {"text": text} if text and kind == "keyDown" else {}
             extra["modifiers"] = 8 if shift else 0
             code = codes.get(key, 0)
-            self.call("Input.dispatchKeyEvent", type=kind, key=key, windowsVirtualKeyCode=code, **extra)
+            self.call(
+                "Input.dispatchKeyEvent", type=kind, key=key, windowsVirtualKeyCode=code, **extra
+            )
         self.frames()

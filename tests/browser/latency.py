@@ -23,7 +23,13 @@ class Witness(threading.Thread):
         self.stamps: list[float] = []
         self.heard_ms: list[float] = []
         self.process = rig.start(
-            "status", "--watch", "--json", *rig.drive_at, *rig.stream_at, stdout=subprocess.PIPE, text=True
+            "status",
+            "--watch",
+            "--json",
+            *rig.drive_at,
+            *rig.stream_at,
+            stdout=subprocess.PIPE,
+            text=True,
         )
         self.start()
 
@@ -88,9 +94,13 @@ def frames_latency_and_memory(browser: Browser, twin: Twin) -> str:
     seconds: dict[int, int] = {}
     for now_ms, _ in frames:
         seconds[int(now_ms // 1000)] = seconds.get(int(now_ms // 1000), 0) + 1
-    late_ms = sorted(now_ms - heard for now_ms, stamp in frames if (heard := witness.when(stamp)) is not None)
+    late_ms = sorted(
+        now_ms - heard for now_ms, stamp in frames if (heard := witness.when(stamp)) is not None
+    )
     assert frames, "nothing was drawn"
-    assert len(late_ms) > 0.9 * len(frames), f"{len(late_ms)} of {len(frames)} frames are known to the witness"
+    assert len(late_ms) > 0.9 * len(frames), (
+        f"{len(late_ms)} of {len(frames)} frames are known to the witness"
+    )
     usual = statistics.median(seconds.values())
     share = lambda part: late_ms[int(part * (len(late_ms) - 1))]
     # The first words of everything are behind it by then.

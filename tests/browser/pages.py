@@ -79,7 +79,9 @@ class Pages:
         self.folder.mkdir(parents=True, exist_ok=True)
 
     def iiwasim(self, *arguments: str) -> str:
-        done = subprocess.run([self.program, *arguments], cwd=self.folder, check=True, capture_output=True, text=True)
+        done = subprocess.run(
+            [self.program, *arguments], cwd=self.folder, check=True, capture_output=True, text=True
+        )
         return done.stdout
 
     def make(self) -> None:
@@ -93,7 +95,13 @@ class Pages:
         self.iiwasim("report", "appendix-b.mcap", "measured.mcap", "-o", "compared.html")
         # At ten times the speed: times are the robot's.
         with Rig(self.program, self.folder, "--speed", "10", "--noise", "2e-5") as rig:
-            rig.run(FIXTURES / "ten-motions.json", "-o", "real.mcap", "--overwrite", "--move-to-start=100")
+            rig.run(
+                FIXTURES / "ten-motions.json",
+                "-o",
+                "real.mcap",
+                "--overwrite",
+                "--move-to-start=100",
+            )
         self.iiwasim("report", "ten-motions.mcap", "real.mcap", "-o", "run.html")
         # The recording holds its program, so that its plan can be beside it.
         self.iiwasim("report", "real.mcap", "-o", "run-alone.html")
@@ -107,7 +115,9 @@ class Pages:
         # What stands around, and a tool of all kinds of shapes.
         scene = write_scene(self.folder)
         self.iiwasim("report", "ten-motions.mcap", "--scene", scene, "-o", "scene.html")
-        self.iiwasim("report", "ten-motions.mcap", "real.mcap", "--scene", scene, "-o", "scene-run.html")
+        self.iiwasim(
+            "report", "ten-motions.mcap", "real.mcap", "--scene", scene, "-o", "scene-run.html"
+        )
         self.make_deviations()
         self.make_tool()
         # A long file, so that there are several chunks, cut off.
@@ -123,7 +133,11 @@ class Pages:
         self.csv("ten-motions", "exact.csv", 0.0)
         self.csv("waiting", "waiting.csv", 2e-5)
         self.csv("waiting", "gap.csv", 2e-5, (0.6, 0.9))
-        for plan, recording in (("ten-motions", "exact"), ("waiting", "waiting"), ("waiting", "gap")):
+        for plan, recording in (
+            ("ten-motions", "exact"),
+            ("waiting", "waiting"),
+            ("waiting", "gap"),
+        ):
             self.iiwasim("report", f"{plan}.mcap", f"{recording}.csv", "-o", f"{recording}.html")
         self.iiwasim("report", "waiting.mcap", "-o", "long-wait.html")
 
@@ -132,10 +146,15 @@ class Pages:
         self.iiwasim("plan", "tool.json")
         self.iiwasim("report", "tool.mcap")
 
-    def csv(self, plan: str, name: str, noise_rad: float, gap: tuple[float, float] = (0, 0)) -> None:
+    def csv(
+        self, plan: str, name: str, noise_rad: float, gap: tuple[float, float] = (0, 0)
+    ) -> None:
         """What a robot would record that follows a plan, but for some noise and a gap."""
         random = Random(7)
-        with (self.folder / name).open("w") as table, (self.folder / f"{plan}.mcap").open("rb") as file:
+        with (
+            (self.folder / name).open("w") as table,
+            (self.folder / f"{plan}.mcap").open("rb") as file,
+        ):
             table.write("t_s," + ",".join(f"joint_{j}_rad" for j in range(1, 8)) + "\n")
             reader = make_reader(file, decoder_factories=[DecoderFactory()])
             start = None
@@ -151,8 +170,12 @@ class Pages:
         """Stamps in s and torques of a file, as they are in it."""
         with (self.folder / f"{name}.mcap").open("rb") as file:
             reader = make_reader(file, decoder_factories=[DecoderFactory()])
-            messages = [message for *_, message in reader.iter_decoded_messages(topics=["/joint_states"])]
-        return [(m.header.stamp.sec + 1e-9 * m.header.stamp.nanosec, list(m.effort)) for m in messages]
+            messages = [
+                message for *_, message in reader.iter_decoded_messages(topics=["/joint_states"])
+            ]
+        return [
+            (m.header.stamp.sec + 1e-9 * m.header.stamp.nanosec, list(m.effort)) for m in messages
+        ]
 
     @staticmethod
     def json(text: str) -> dict:

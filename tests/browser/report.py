@@ -45,7 +45,9 @@ def opens_and_is_drawn(browser: Browser, pages: Pages) -> str:
         browser.open(page)
         ms = int(browser.run("document.documentElement.dataset.drawnMs"))
         assert browser.requests[-1].startswith("file:"), browser.requests
-        others = [url for url in browser.requests if not url.startswith(("file:", "about:", "data:"))]
+        others = [
+            url for url in browser.requests if not url.startswith(("file:", "about:", "data:"))
+        ]
         assert not others, others
         sizes[page.stem] = (page.stat().st_size, ms)
     size, ms = sizes["ten-motions"]
@@ -94,7 +96,9 @@ def flange_is_where_the_robot_model_has_it(browser: Browser, pages: Pages) -> No
         off = math.dist(told["position_m"], found)
         assert off < 1e-6, f"{off} m at {t} s"
         seek(browser, t)
-        shown = browser.run("[...document.querySelectorAll('#flange td')].slice(1).map(it => +it.textContent)")
+        shown = browser.run(
+            "[...document.querySelectorAll('#flange td')].slice(1).map(it => +it.textContent)"
+        )
         assert math.dist([1e3 * v for v in told["position_m"]], shown) < 0.1, shown
 
 
@@ -308,7 +312,10 @@ def own_limits_are_bands(browser: Browser, pages: Pages) -> None:
     assert not runs["jerk"] and not runs["position"]
     # They can be seen.
     seen = browser.run(CHARTS)
-    assert browser.run(f"(() => {{ for (const it of QUANTITIES) it.own = []; return {CHARTS} }})()") != seen
+    assert (
+        browser.run(f"(() => {{ for (const it of QUANTITIES) it.own = []; return {CHARTS} }})()")
+        != seen
+    )
     assert "own limits" in browser.run("document.getElementById('bands').textContent")
     browser.open(pages.page("ten-motions"))
     assert "own limits" not in browser.run("document.getElementById('bands').textContent")
@@ -319,7 +326,9 @@ def a_run_is_beside_its_plan(browser: Browser, pages: Pages) -> None:
     compared = []
     for name in ("run", "run-alone"):
         browser.open(pages.page(name), "#t=3")
-        assert browser.run("[...document.querySelectorAll('#flange td:first-child')].map(it => it.textContent)") == [
+        assert browser.run(
+            "[...document.querySelectorAll('#flange td:first-child')].map(it => it.textContent)"
+        ) == [
             "plan",
             "measured",
         ]
@@ -343,12 +352,24 @@ def a_scene_is_shown(browser: Browser, pages: Pages) -> None:
     desk(browser)
     browser.open(pages.page("scene"), "#t=0.5")
     planned = json.loads(
-        pages.iiwasim("plan", str(FIXTURES / "ten-motions.json"), "--scene", "cage.json", "--no-output", "--json")
+        pages.iiwasim(
+            "plan",
+            str(FIXTURES / "ten-motions.json"),
+            "--scene",
+            "cage.json",
+            "--no-output",
+            "--json",
+        )
     )
     told, itself = planned["clearance"], planned["self_clearance"]
     figures = browser.run("document.getElementById('figures').textContent")
-    assert f"{told['distance_mm']:.1f} mm" in figures and f"and {told['obstacle']}" in figures, figures
-    assert f"from itself: {'the tool' if itself['link'] == 8 else 'link ' + str(itself['link'])}" in figures, figures
+    assert f"{told['distance_mm']:.1f} mm" in figures and f"and {told['obstacle']}" in figures, (
+        figures
+    )
+    assert (
+        f"from itself: {'the tool' if itself['link'] == 8 else 'link ' + str(itself['link'])}"
+        in figures
+    ), figures
     assert f"{itself['distance_mm']:.1f} mm" in figures, figures
     assert browser.run("document.querySelectorAll('#clearances canvas').length") == 2
     # What is written is the clearance where the arm is.
@@ -361,7 +382,11 @@ def a_scene_is_shown(browser: Browser, pages: Pages) -> None:
     count = browser.run("around.tool.length")
     assert count == len(TOOL)
     for i in range(count):
-        looks.append(browser.run(f"(scene.fill({{ tool: around.tool.filter((_, k) => k !== {i}) }}), {SCENE})"))
+        looks.append(
+            browser.run(
+                f"(scene.fill({{ tool: around.tool.filter((_, k) => k !== {i}) }}), {SCENE})"
+            )
+        )
     looks.append(browser.run(f"(scene.fill({{ tool: [] }}), {SCENE})"))
     looks.append(browser.run(f"(scene.fill({{ ...around, obstacles: [] }}), {SCENE})"))
     assert len(set(looks)) == count + 3, "a shape is not drawn"
@@ -439,7 +464,9 @@ def an_hour(browser: Browser, pages: Pages) -> str:
             q = math.sin(k / 1000)
             # A peak of one sample on top of the sine: it must not get lost.
             off = 0.05 if k == 1_233_075 else 0
-            table.write(f"{k / 1000},{q:.6f},{0.3 * q + off:.6f},0,{0.5 * q - 1.2:.6f},0,{0.5 * q:.6f},0\n")
+            table.write(
+                f"{k / 1000},{q:.6f},{0.3 * q + off:.6f},0,{0.5 * q - 1.2:.6f},0,{0.5 * q:.6f},0\n"
+            )
     begin = time.monotonic()
     pages.iiwasim("report", "hour.csv")
     made_s = time.monotonic() - begin
@@ -482,7 +509,9 @@ CHECKS = [
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawTextHelpFormatter
+    )
     parser.add_argument("program", type=Path)
     parser.add_argument("folder", type=Path)
     parser.add_argument("--hour", action="store_true")
@@ -494,7 +523,11 @@ def main() -> None:
     pages.make()
     if options.urdf is None:
         print("left out, without --urdf: meshes_of_a_urdf_are_drawn", flush=True)
-    checks = CHECKS + [meshes_of_a_urdf_are_drawn] * (options.urdf is not None) + [an_hour] * options.hour
+    checks = (
+        CHECKS
+        + [meshes_of_a_urdf_are_drawn] * (options.urdf is not None)
+        + [an_hour] * options.hour
+    )
     checks = [check for check in checks if options.only in (None, check.__name__)]
     raise SystemExit(run_checks("reports", checks, pages))
 

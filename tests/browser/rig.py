@@ -27,8 +27,20 @@ class Rig:
         self.started: list[subprocess.Popen] = []
         fri, instructions, state, requests, stream = free_ports(5)
         at = "127.0.0.1:{}".format
-        self.drive_options = ["--fri", at(fri), "--instructions", at(requests), "--stream", at(stream)]
-        self.drive_options += ["--cabinet-instructions", str(instructions), "--cabinet-state", str(state)]
+        self.drive_options = [
+            "--fri",
+            at(fri),
+            "--instructions",
+            at(requests),
+            "--stream",
+            at(stream),
+        ]
+        self.drive_options += [
+            "--cabinet-instructions",
+            str(instructions),
+            "--cabinet-state",
+            str(state),
+        ]
         self.drive_at = ["--drive", at(requests)]
         self.stream_at = ["--stream", at(stream)]
         robot = ["--fri", at(fri), "--instructions", at(instructions), "--state", at(state)]

@@ -57,7 +57,9 @@ def page_follows_the_robot(browser: Browser, twin: Twin) -> None:
     browser.until("live.health.status.state === 'idle'")
     status = [twin.rig.program, "status", "--json", *twin.rig.drive_at]
     where = json.loads(subprocess.run(status, check=True, capture_output=True).stdout)["joints_rad"]
-    browser.until(f"{json.dumps(where)}.every((q, j) => Math.abs(q - live.newest.joints_rad[j]) < 1e-6)")
+    browser.until(
+        f"{json.dumps(where)}.every((q, j) => Math.abs(q - live.newest.joints_rad[j]) < 1e-6)"
+    )
 
 
 def tool_is_drawn(browser: Browser, twin: Twin) -> None:
@@ -70,7 +72,11 @@ def tool_is_drawn(browser: Browser, twin: Twin) -> None:
     )
     looks = [browser.run(look)]
     for i in range(len(TOOL)):
-        looks.append(browser.run(f"(scene.fill({{ tool: around.tool.filter((_, k) => k !== {i}) }}), {look})"))
+        looks.append(
+            browser.run(
+                f"(scene.fill({{ tool: around.tool.filter((_, k) => k !== {i}) }}), {look})"
+            )
+        )
     looks.append(browser.run(f"(scene.fill({{ tool: [] }}), {look})"))
     assert len(set(looks)) == len(TOOL) + 2, "a shape is not drawn"
     browser.run("scene.fill(around)")
@@ -86,19 +92,32 @@ def program_is_simulated_sent_and_replayed(browser: Browser, twin: Twin) -> None
     twin.open(browser)
     for bad, why in (("{", "line 1"), ('{"version": 1, "motions": []}', "start")):
         browser.run(f"loadFile(new File([{json.dumps(bad)}], 'bad.json'))")
-        browser.until(f"document.getElementById('program-said').textContent.includes({json.dumps(why)})")
+        browser.until(
+            f"document.getElementById('program-said').textContent.includes({json.dumps(why)})"
+        )
     load(browser, FIXTURES / "ten-motions.json")
     assert text(browser, "program-said") == ""
     planned = [twin.rig.program, "plan", FIXTURES / "ten-motions.json", "--no-output", "--json"]
-    cycle_s = json.loads(subprocess.run(planned, check=True, capture_output=True).stdout)["cycle_time_s"]
-    assert f"{cycle_s:.3f} s" in text(browser, "plan-figures") and "10" in text(browser, "plan-figures")
+    cycle_s = json.loads(subprocess.run(planned, check=True, capture_output=True).stdout)[
+        "cycle_time_s"
+    ]
+    assert f"{cycle_s:.3f} s" in text(browser, "plan-figures") and "10" in text(
+        browser, "plan-figures"
+    )
     # The simulation plays by itself, next to the arm as it is.
-    browser.until("document.getElementById('mode').textContent === \"Live, with the plan's simulation\"")
+    browser.until(
+        "document.getElementById('mode').textContent === \"Live, with the plan's simulation\""
+    )
     browser.until("shown.time > 1")
     pictures = {browser.run(SCENE)}
     twin.keep(browser, "twin-simulation")
     # All in one: on a slow machine, the simulation may have come to its end before a mouse is there.
-    assert browser.run("(play(true), shown.time = 1, document.getElementById('play').click(), shown.playing)") is False
+    assert (
+        browser.run(
+            "(play(true), shown.time = 1, document.getElementById('play').click(), shown.playing)"
+        )
+        is False
+    )
     assert text(browser, "play") == "Play"
     at = browser.run("shown.time")
     browser.frames()
@@ -127,7 +146,9 @@ def program_is_simulated_sent_and_replayed(browser: Browser, twin: Twin) -> None
         " remember = it => { known(it); left_ = watched.left_s ?? left_ } })()"
     )
     send(browser)
-    browser.until("desk.run && desk.run.phase === 'running' && document.getElementById('send').disabled")
+    browser.until(
+        "desk.run && desk.run.phase === 'running' && document.getElementById('send').disabled"
+    )
     browser.until("document.getElementById('mode').textContent === 'Live'")
     twin.keep(browser, "twin-running")
     # Measured torques, and below them the planned ones, from the page's history: on a busy machine the run may be over.
@@ -154,7 +175,9 @@ def program_is_simulated_sent_and_replayed(browser: Browser, twin: Twin) -> None
     )
     assert off < 0.01, f"plan and run are {off} rad apart"
     twin.keep(browser, "twin-replay")
-    link = browser.run("[...document.querySelectorAll('#files a')].map(it => [it.textContent, it.href])")
+    link = browser.run(
+        "[...document.querySelectorAll('#files a')].map(it => [it.textContent, it.href])"
+    )
     assert [name for name, _ in link] == ["Report", "Program", "Plan", "What the robot did"]
     browser.go(dict(link)["Report"])
     browser.until("document.documentElement?.dataset.drawnMs > ''")
@@ -201,9 +224,15 @@ def stop_button_is_in_view(browser: Browser, twin: Twin) -> None:
         browser.size(width, height, phone=width < 500)
         browser.frames()
         for share in (0, 0.2, 0.4, 0.6, 0.8, 1):
-            browser.run(f"scrollTo(0, {share} * (document.documentElement.scrollHeight - innerHeight))")
+            browser.run(
+                f"scrollTo(0, {share} * (document.documentElement.scrollHeight - innerHeight))"
+            )
             browser.frames()
-            assert not (unmet := browser.run(f"{UNMET}([document.getElementById('stop')])")), (width, share, unmet)
+            assert not (unmet := browser.run(f"{UNMET}([document.getElementById('stop')])")), (
+                width,
+                share,
+                unmet,
+            )
             assert share == 0 or browser.run("scrollY") > 0, f"{width} px: nothing to scroll"
         # At the upper and the lower edge of the screen, no control is behind the header.
         for edge in ("start", "end"):
@@ -213,14 +242,20 @@ def stop_button_is_in_view(browser: Browser, twin: Twin) -> None:
         browser.run("confirmed('A question', Array(60).fill('A line'), 'Yes', 'Move'), 1")
         for share in (0, 0.5, 1):
             where = "document.getElementById('confirm')"
-            browser.run(f"{where}.scrollTop = {share} * ({where}.scrollHeight - {where}.clientHeight)")
+            browser.run(
+                f"{where}.scrollTop = {share} * ({where}.scrollHeight - {where}.clientHeight)"
+            )
             browser.frames()
             script = f"{UNMET}(document.querySelectorAll('#confirm .stop'))"
             assert not (unmet := browser.run(script)), (width, share, unmet)
-            assert share == 0 or browser.run(f"{where}.scrollTop") > 0, f"{width} px: nothing to scroll"
+            assert share == 0 or browser.run(f"{where}.scrollTop") > 0, (
+                f"{width} px: nothing to scroll"
+            )
         for scheme in ("light", "dark"):
             browser.scheme(scheme)
-            (twin.rig.folder / f"twin-stop-dialog-{width}-{scheme}.png").write_bytes(browser.picture())
+            (twin.rig.folder / f"twin-stop-dialog-{width}-{scheme}.png").write_bytes(
+                browser.picture()
+            )
         browser.run("document.getElementById('confirm').close()")
         for scheme in ("light", "dark"):
             browser.scheme(scheme)
@@ -229,7 +264,10 @@ def stop_button_is_in_view(browser: Browser, twin: Twin) -> None:
             (twin.rig.folder / f"twin-stop-{width}-{scheme}.png").write_bytes(browser.picture())
         browser.scheme("light")
         browser.run("askForName(1, 'a name'), 1")
-        assert not (unmet := browser.run(f"{UNMET}(document.querySelectorAll('#rename .stop'))")), (width, unmet)
+        assert not (unmet := browser.run(f"{UNMET}(document.querySelectorAll('#rename .stop'))")), (
+            width,
+            unmet,
+        )
         browser.run("document.getElementById('rename').close()")
     browser.size(1280, 1000)
     browser.click("#look-full")
@@ -253,7 +291,9 @@ def escape_and_dialogs_stop(browser: Browser, twin: Twin) -> None:
     browser.run("document.getElementById('position-name').focus()")
     orders = browser.run("link.count")
     browser.key("Escape")
-    assert browser.run("document.activeElement === document.body"), "Escape does not leave the field"
+    assert browser.run("document.activeElement === document.body"), (
+        "Escape does not leave the field"
+    )
     browser.run("confirmed('A question', [], 'Yes'), 1")
     browser.key("Escape")
     browser.until("!document.getElementById('confirm').open")
@@ -264,7 +304,9 @@ def escape_and_dialogs_stop(browser: Browser, twin: Twin) -> None:
         browser.key("Escape")
 
     def in_the_dialog() -> None:
-        browser.run("window.sure = null, confirmed('A question', [], 'Yes').then(it => { window.sure = it }), 1")
+        browser.run(
+            "window.sure = null, confirmed('A question', [], 'Yes').then(it => { window.sure = it }), 1"
+        )
         browser.click("#confirm .stop")
         browser.until("window.sure === false && !document.getElementById('confirm').open")
 
@@ -275,7 +317,9 @@ def escape_and_dialogs_stop(browser: Browser, twin: Twin) -> None:
 
     for stop in (with_the_key, in_the_dialog, on_the_full_screen):
         send(browser)
-        browser.until("desk.run && desk.run.phase === 'running' && live.health.status.state === 'running_motion'")
+        browser.until(
+            "desk.run && desk.run.phase === 'running' && live.health.status.state === 'running_motion'"
+        )
         stop()
         browser.until("desk.run.phase === 'failed'")
         assert "stopped on request" in text(browser, "run"), stop.__name__
@@ -317,7 +361,9 @@ def positions_are_kept(browser: Browser, twin: Twin) -> None:
     assert text(browser, "positions-said") == ""
     browser.click("#positions tr:nth-child(1) [aria-label='Move P2 down']")
     browser.until(f"{names} === '<i>first</i>,P2'")
-    assert browser.run("document.querySelector('#positions [aria-label=\"Move P2 down\"]').disabled")
+    assert browser.run(
+        "document.querySelector('#positions [aria-label=\"Move P2 down\"]').disabled"
+    )
     browser.click("#positions tr:nth-child(2) .name")
     browser.until("document.getElementById('rename').open")
     twin.keep(browser, "twin-rename")
@@ -328,7 +374,9 @@ def positions_are_kept(browser: Browser, twin: Twin) -> None:
     browser.until("desk.plan && desk.plan.name.startsWith('positions')")
     twin.keep(browser, "twin-positions")
     # The program has them by name.
-    link = browser.run("[...document.querySelectorAll('#files a')].find(it => it.textContent === 'Program').href")
+    link = browser.run(
+        "[...document.querySelectorAll('#files a')].find(it => it.textContent === 'Program').href"
+    )
     program = json.loads(urllib.request.urlopen(link, timeout=10).read())
     assert program["motions"][0]["frame"] == "home" and "home" in program["frames"], program
     # They survive the twin.
@@ -351,7 +399,9 @@ def nothing_is_armed_after_a_broken_file(browser: Browser, twin: Twin) -> None:
     browser.run("loadFile(new File(['{'], 'bad.json'))")
     browser.until("document.getElementById('program-said').textContent.includes('line 1')")
     browser.until("desk.plan === null && document.getElementById('plan').hidden")
-    browser.until("document.getElementById('program-said').textContent.includes('Nothing is loaded')")
+    browser.until(
+        "document.getElementById('program-said').textContent.includes('Nothing is loaded')"
+    )
     twin.keep(browser, "twin-broken")
     # What is odd about the next one is told, and what was wrong before is gone.
     program = twin.rig.folder / "odd.json"
@@ -375,12 +425,16 @@ def the_last_minutes_are_plotted(browser: Browser, twin: Twin) -> None:
         browser.run("document.getElementById('history-joints').scrollIntoView({ block: 'center' })")
         browser.until("isHistorySeen")
         browser.until("1000 * (speedNow() ?? 0) > 100")
-        browser.until("document.getElementById('speed-now').textContent.includes('The flange moves at ')")
+        browser.until(
+            "document.getElementById('speed-now').textContent.includes('The flange moves at ')"
+        )
         twin.keep(browser, "twin-history")
     finally:
         mover.end()
     # As the arm was, by its own stamps, each once.
-    assert browser.run("history_.t_s.subarray(0, history_.count).every((t, i, all) => i === 0 || t > all[i - 1])")
+    assert browser.run(
+        "history_.t_s.subarray(0, history_.count).every((t, i, all) => i === 0 || t > all[i - 1])"
+    )
     browser.until("speedNow() < 0.001")
     newest = "[...history_.rows.slice(NUMBERS * (history_.count - 1), NUMBERS * (history_.count - 1) + 7)]"
     browser.until(f"{newest}.every((q, j) => Math.abs(q - live.newest.joints_rad[j]) < 1e-3)")
@@ -388,7 +442,9 @@ def the_last_minutes_are_plotted(browser: Browser, twin: Twin) -> None:
     before = browser.run(look)
     browser.click("#history-120")
     assert browser.run("history_.span") == 120 and browser.run(look) != before
-    assert browser.run("document.getElementById('history-120').getAttribute('aria-pressed')") == "true"
+    assert (
+        browser.run("document.getElementById('history-120').getAttribute('aria-pressed')") == "true"
+    )
     # Two minutes are kept, and no more than there is room for.
     kept = browser.run(
         "(() => { const t = history_.t_s[history_.count - 1];"
@@ -402,10 +458,14 @@ def the_last_minutes_are_plotted(browser: Browser, twin: Twin) -> None:
 
 def joints_are_turned(browser: Browser, twin: Twin) -> None:
     twin.open(browser)
-    browser.until("live.health.status.state === 'idle' && document.body.classList.contains('simulated')")
+    browser.until(
+        "live.health.status.state === 'idle' && document.body.classList.contains('simulated')"
+    )
     assert browser.run("getComputedStyle(document.getElementById('simulated')).display") != "none"
     # The table of the joints fits into its column.
-    assert browser.run("document.querySelector('aside').scrollWidth <= document.querySelector('aside').clientWidth")
+    assert browser.run(
+        "document.querySelector('aside').scrollWidth <= document.querySelector('aside').clientWidth"
+    )
     joint = "live.newest.joints_rad[2] * DEG"
     before = browser.run(joint)
     browser.run("document.getElementById('jog-step').value = '7'")
@@ -487,7 +547,9 @@ def too_near_is_not_sent(browser: Browser, twin: Twin) -> None:
     assert "It cannot be sent: " in text(browser, "plan-refused")
     assert browser.run("document.getElementById('send').disabled")
     # The page's own scruples are not all there is.
-    why = browser.run("order('send', { plan: desk.plan.id, move_to_start: true }).then(() => '', it => it.message)")
+    why = browser.run(
+        "order('send', { plan: desk.plan.id, move_to_start: true }).then(() => '', it => it.message)"
+    )
     assert why.startswith("the program is not sent: "), why
     browser.until("shown.time > 0.8")
     twin.keep(browser, "twin-too-near")
@@ -529,7 +591,9 @@ def twin_ends(browser: Browser, twin: Twin) -> None:
     token = twin.address.split("token=")[1]
     twin.process.terminate()
     twin.process.wait(60)
-    browser.until("document.getElementById('banner').textContent.includes('The twin cannot be reached')")
+    browser.until(
+        "document.getElementById('banner').textContent.includes('The twin cannot be reached')"
+    )
     twin.keep(browser, "twin-gone")
     # The browser tells of connections that fail.
     browser.go("about:blank")
@@ -567,7 +631,9 @@ CHECKS = [
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawTextHelpFormatter
+    )
     parser.add_argument("program", type=Path)
     parser.add_argument("folder", type=Path)
     parser.add_argument("--minutes", type=float, default=2)

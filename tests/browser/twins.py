@@ -56,7 +56,14 @@ class Twin:
     def start(self) -> None:
         """The same port each time, so that an open page finds it again."""
         rig = self.rig
-        options = ["--port", "0", "--scene", write_scene(rig.folder), "--positions", "positions.json"]
+        options = [
+            "--port",
+            "0",
+            "--scene",
+            write_scene(rig.folder),
+            "--positions",
+            "positions.json",
+        ]
         printed = rig.folder / "address"
         with printed.open("w") as out:
             self.process = rig.start("twin", *options, *rig.drive_at, *rig.stream_at, stdout=out)

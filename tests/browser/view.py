@@ -104,7 +104,9 @@ def view_fills_the_screen(browser: Browser, pages: Pages) -> None:
     browser.click("#look-full")
     browser.until("document.fullscreenElement === document.querySelector('.view')")
     browser.until(f"document.getElementById('scene').clientHeight > {before}")
-    browser.until("document.getElementById('scene').height === document.getElementById('scene').clientHeight")
+    browser.until(
+        "document.getElementById('scene').height === document.getElementById('scene').clientHeight"
+    )
     pages.keep(browser, "ten-motions-full", whole=False)
     browser.click("#look-full")
     browser.until("!document.fullscreenElement")

@@ -78,7 +78,9 @@ class Viewer:
     def subscribe(self, topics: Iterable[str]) -> None:
         subscriptions = []
         for topic in topics:
-            subscriptions.append({"id": len(self.subscribed), "channelId": self.channels[topic]["id"]})
+            subscriptions.append(
+                {"id": len(self.subscribed), "channelId": self.channels[topic]["id"]}
+            )
             self.subscribed.append(topic)
         self.socket.send(json.dumps({"op": "subscribe", "subscriptions": subscriptions}))
 
@@ -142,7 +144,9 @@ def pose(translation: Any, q: Any) -> Matrix:
     """What a message says, as a matrix."""
     sine = math.hypot(q.x, q.y, q.z)
     axis = (q.x / sine, q.y / sine, q.z / sine) if sine > 0 else (0.0, 0.0, 1.0)
-    return placed(rotation(axis, 2 * math.atan2(sine, q.w)), translation.x, translation.y, translation.z)
+    return placed(
+        rotation(axis, 2 * math.atan2(sine, q.w)), translation.x, translation.y, translation.z
+    )
 
 
 def difference(a: Matrix, b: Matrix) -> float:

@@ -31,9 +31,15 @@ def positions(binary, blend, folder):
     if blend:
         motions[0]["blend"] = blend
     program = folder / "corner.json"
-    program.write_text(json.dumps({"version": 1, "start": {"joints_deg": TARGETS[0]}, "motions": motions}))
+    program.write_text(
+        json.dumps({"version": 1, "start": {"joints_deg": TARGETS[0]}, "motions": motions})
+    )
     plan = folder / "corner.mcap"
-    subprocess.run([binary, "plan", program, "-o", plan, "--rate", "500"], check=True, stdout=subprocess.DEVNULL)
+    subprocess.run(
+        [binary, "plan", program, "-o", plan, "--rate", "500"],
+        check=True,
+        stdout=subprocess.DEVNULL,
+    )
     found = []
     for message in read_ros2_messages(plan, topics=["/tcp_pose"]):
         stamp, at = message.ros_msg.header.stamp, message.ros_msg.pose.position
@@ -59,10 +65,17 @@ def main(binary, output):
     scale = min(400 / (high_y - low_y), 270 / (high_x - low_x))
     middle = (high_y + low_y) / 2
     end = max(run[-1][0] for *_, run in runs)
-    speeds = [[(b[0], dist(a[1], b[1]) / (b[0] - a[0])) for a, b in pairwise(run)] for *_, run in runs]
+    speeds = [
+        [(b[0], dist(a[1], b[1]) / (b[0] - a[0])) for a, b in pairwise(run)] for *_, run in runs
+    ]
     top = max(v for speed in speeds for _, v in speed)
     for (name, _, colour, run), speed in zip(runs, speeds, strict=True):
-        out.append(line([(265 - scale * (at[1] - middle), 345 - scale * (at[0] - low_x)) for _, at in run], colour))
+        out.append(
+            line(
+                [(265 - scale * (at[1] - middle), 345 - scale * (at[0] - low_x)) for _, at in run],
+                colour,
+            )
+        )
         out.append(line([(510 + 410 * t / end, 340 - 230 * v / top) for t, v in speed], colour))
         y = 200 + 6 * len(out)
         out.append(f'<rect x="190" y="{y + 21:.0f}" width="22" height="4" fill="{colour}"/>')

@@ -51,7 +51,9 @@ def main():
 
         # What is in fences is no link.
         parts = re.split(r"(^```.*?^```$)", chapter["content"], flags=re.MULTILINE | re.DOTALL)
-        chapter["content"] = "".join(part if part.startswith("```") else LINK.sub(inside, part) for part in parts)
+        chapter["content"] = "".join(
+            part if part.startswith("```") else LINK.sub(inside, part) for part in parts
+        )
     json.dump(book, sys.stdout)
     return 0
 

@@ -57,7 +57,10 @@ MEASURED = [
     (re.compile(r"by the robot program's clock"), [0.06, 0]),
     (re.compile(r"^\d+ samples recorded"), 40),
     # Of a comparison: the motion's number, planned, real, error in s and in per cent.
-    (re.compile(r"^ *\d+ +\w+ +\d\.\d{3} +\d\.\d{3} +-?\d\.\d{4} +-?\d\.\d\d$"), [0, 0, 0.01, 0.01, 2]),
+    (
+        re.compile(r"^ *\d+ +\w+ +\d\.\d{3} +\d\.\d{3} +-?\d\.\d{4} +-?\d\.\d\d$"),
+        [0, 0, 0.01, 0.01, 2],
+    ),
     (re.compile(r"^Cycle time .* real: off by"), [0, 0.01, 0.01, 0.2]),
     # How soon FRI is answered depends on what else the machine does.
     (re.compile(r"^FRI +\w+, quality"), 1000),
@@ -143,7 +146,9 @@ class Folder:
         programs = self.path / ".bin"
         programs.mkdir()
         (programs / "iiwasim").symlink_to(binary)
-        inherited = {name: value for name, value in os.environ.items() if not name.startswith("IIWASIM_")}
+        inherited = {
+            name: value for name, value in os.environ.items() if not name.startswith("IIWASIM_")
+        }
         self.environment = inherited | {
             "PATH": f"{programs}:{os.environ['PATH']}",
             "HOME": str(self.path),
@@ -243,12 +248,16 @@ def same(expected, found):
         if not (pattern.search(expected) and pattern.search(found)):
             continue
         # Columns are as wide as their numbers.
-        shape = [re.sub(r"[\s─]+", " ", NUMBER.sub("#", line)).strip() for line in (expected, found)]
+        shape = [
+            re.sub(r"[\s─]+", " ", NUMBER.sub("#", line)).strip() for line in (expected, found)
+        ]
         numbers = [[float(number) for number in NUMBER.findall(line)] for line in (expected, found)]
         if shape[0] != shape[1]:
             continue
         bounds = bounds if isinstance(bounds, list) else [bounds] * len(numbers[0])
-        if len(bounds) == len(numbers[0]) and all(abs(a - b) <= by for a, b, by in zip(*numbers, bounds)):
+        if len(bounds) == len(numbers[0]) and all(
+            abs(a - b) <= by for a, b, by in zip(*numbers, bounds)
+        ):
             return True
     return False
 
@@ -296,7 +305,12 @@ def check_json(page, fence, folder):
     arguments = [program]
     if "obstacles" in document:
         arguments += ["--scene", file]
-    elif isinstance(document.get("base"), str) and not document.keys() & {"motions", "frames", "bases", "tools"}:
+    elif isinstance(document.get("base"), str) and not document.keys() & {
+        "motions",
+        "frames",
+        "bases",
+        "tools",
+    }:
         arguments += ["--robot", file]
     elif document.get("type") == "run_motions":
         motions = {key: value for key, value in document.items() if key != "type"}
@@ -304,7 +318,12 @@ def check_json(page, fence, folder):
     elif "motions" in document:
         arguments = [file]
     else:
-        around = {"version": 1, "include": file.name, "start": HOME_POSE, "motions": [{"type": "ptp"} | HOME_POSE]}
+        around = {
+            "version": 1,
+            "include": file.name,
+            "start": HOME_POSE,
+            "motions": [{"type": "ptp"} | HOME_POSE],
+        }
         program.write_text(json.dumps(around))
     done = subprocess.run(
         ["iiwasim", "plan", *arguments, "--no-output"],
@@ -342,7 +361,9 @@ def check_yaml(page, fence, folder):
                 yield from scripts(inner)
 
     for script in scripts(yaml.safe_load(fence.text)):
-        ours = "\n".join(line for line in script.split("\n") if line.lstrip().startswith("iiwasim "))
+        ours = "\n".join(
+            line for line in script.split("\n") if line.lstrip().startswith("iiwasim ")
+        )
         if ours:
             run(page, Fence("sh", fence.line, ours), folder)
 
@@ -367,17 +388,25 @@ def check_page(path, binary, renew):
             elif fence.language == "yaml":
                 check_yaml(page, fence, folder)
             elif fence.language.startswith("rust") and page.path not in RUST:
-                page.wrong(fence, "no doctest compiles it: crates/front/iiwa/src/lib.rs and RUST name the pages")
+                page.wrong(
+                    fence,
+                    "no doctest compiles it: crates/front/iiwa/src/lib.rs and RUST name the pages",
+                )
             elif fence.language == "python":
                 outputs = None
                 if page.path not in PYTHON:
-                    page.wrong(fence, "no test runs it: python/tests/test_guide.py and PYTHON name the pages")
+                    page.wrong(
+                        fence,
+                        "no test runs it: python/tests/test_guide.py and PYTHON name the pages",
+                    )
             elif fence.language == "toml":
                 page.documents += 1
                 (folder.path / "iiwasim.toml").write_text(fence.text + "\n")
                 run(page, Fence("sh", fence.line, "iiwasim schema"), folder)
             elif not fence.language.startswith(("rust", "text")):
-                page.wrong(fence, f"nothing checks {fence.language or 'a fence without a language'}")
+                page.wrong(
+                    fence, f"nothing checks {fence.language or 'a fence without a language'}"
+                )
     finally:
         folder.close()
     if renew and replaced:
@@ -401,12 +430,17 @@ def own_network():
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("binary", type=Path)
     parser.add_argument("pages", nargs="*", type=Path)
     parser.add_argument("--renew", action="store_true")
     options = parser.parse_args()
-    paths = [page.resolve() for page in options.pages] or [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]
+    paths = [page.resolve() for page in options.pages] or [
+        ROOT / "README.md",
+        *sorted((ROOT / "docs").rglob("*.md")),
+    ]
     # What is ended takes along what it has started.
     signal.signal(signal.SIGTERM, lambda *_: sys.exit(1))
     own_network()
@@ -418,7 +452,10 @@ def main():
         if page.commands or page.documents or page.problems:
             took = time.monotonic() - page_began
             verdict = f"{len(page.problems)} wrong" if page.problems else "as written"
-            print(f"{path.relative_to(ROOT)}: {page.commands} blocks of commands, {verdict}, {took:.1f} s", flush=True)
+            print(
+                f"{path.relative_to(ROOT)}: {page.commands} blocks of commands, {verdict}, {took:.1f} s",
+                flush=True,
+            )
         problems += page.problems
         commands_run += page.commands
         outputs += page.outputs

@@ -51,12 +51,16 @@ class Runner:
 
     def ends_mm(self, program: dict) -> dict[int, list[float]]:
         """Position of the TCP at the end of each motion, and at the start, as motion 0, in the robot's base frame."""
-        motions = [{k: v for k, v in motion.items() if k != "blend"} for motion in program["motions"]]
+        motions = [
+            {k: v for k, v in motion.items() if k != "blend"} for motion in program["motions"]
+        ]
         file, table = self.folder / "geometry.json", self.folder / "geometry.csv"
         file.write_text(json.dumps(program | {"motions": motions}))
         try:
             command = ["iiwasim", "plan", file, "--no-output", "--csv", table]
-            subprocess.run(command, cwd=self.folder, env=self.environment, check=True, capture_output=True)
+            subprocess.run(
+                command, cwd=self.folder, env=self.environment, check=True, capture_output=True
+            )
             ends: dict[int, list[float]] = {}
             with table.open(newline="") as rows:
                 for row in csv.DictReader(rows):
@@ -72,7 +76,9 @@ class Runner:
 def base_mm(program: dict, name: str) -> list[float]:
     """Origin of a base. A turned base has no place here."""
     base = program["bases"][name]
-    assert not any(base.get(key) for key in ("a_deg", "b_deg", "c_deg", "base")), f"the base {name} is turned"
+    assert not any(base.get(key) for key in ("a_deg", "b_deg", "c_deg", "base")), (
+        f"the base {name} is turned"
+    )
     return [base.get(f"{axis}_mm", 0) for axis in "xyz"]
 
 
@@ -122,7 +128,9 @@ def check_geometry(program: dict, prose: str, mark: re.Match | None, runner: Run
             claims.append(claim)
     for said in HEIGHT.finditer(prose):
         if not any(claim["words"] in said[0] or said[0] in claim["words"] for claim in claims):
-            problems.append(f"“{said[0]}” needs a claim that is checked: see tests/guide/geometry.py")
+            problems.append(
+                f"“{said[0]}” needs a claim that is checked: see tests/guide/geometry.py"
+            )
     has_table = "table" in program.get("bases", {})
     if not claims and not has_table:
         return problems

@@ -37,8 +37,12 @@ def plain(number):
 def bounds(schema):
     low, high = schema.get("minimum"), schema.get("maximum")
     above, below = schema.get("exclusiveMinimum"), schema.get("exclusiveMaximum")
-    low_text = plain(low) if low is not None else f"above {plain(above)}" if above is not None else ""
-    high_text = plain(high) if high is not None else f"below {plain(below)}" if below is not None else ""
+    low_text = (
+        plain(low) if low is not None else f"above {plain(above)}" if above is not None else ""
+    )
+    high_text = (
+        plain(high) if high is not None else f"below {plain(below)}" if below is not None else ""
+    )
     if low_text and high_text:
         return f", {low_text} to {high_text}"
     if low_text:
@@ -67,7 +71,11 @@ def kind(schema):
         low, high = schema.get("minItems"), schema.get("maxItems")
         of = kind(schema.get("items", {}))
         if low is not None and low == high:
-            return f"{low} {of.replace('number', 'numbers', 1)}" if of.startswith("number") else f"{low} times {of}"
+            return (
+                f"{low} {of.replace('number', 'numbers', 1)}"
+                if of.startswith("number")
+                else f"{low} times {of}"
+            )
         count = f", {low or 0} to {high}" if high else f", at least {low}" if low else ""
         return f"list of {of}{count}"
     if types == ["object"]:
@@ -83,7 +91,9 @@ def cell(text):
 def properties(schema):
     required = set(schema.get("required", []))
     lines = ["| key | value | meaning |", "|---|---|---|"]
-    for name, value in sorted(schema["properties"].items(), key=lambda entry: (entry[0] not in required, entry[0])):
+    for name, value in sorted(
+        schema["properties"].items(), key=lambda entry: (entry[0] not in required, entry[0])
+    ):
         if value is False:
             continue
         shown = f"**`{name}`**" if name in required else f"`{name}`"
@@ -101,18 +111,24 @@ def section(schema):
         lines += properties(schema)
     elif options and all("const" in option or "enum" in option for option in options):
         lines += ["| value | meaning |", "|---|---|"]
-        lines += [f"| {cell(kind(option))} | {cell(option.get('description', ''))} |" for option in options]
+        lines += [
+            f"| {cell(kind(option))} | {cell(option.get('description', ''))} |"
+            for option in options
+        ]
     elif options and all(len(option.get("properties", {})) == 1 for option in options):
         lines += ["One of", "", "| key | value | meaning |", "|---|---|---|"]
         for option in options:
             [(name, value)] = option["properties"].items()
-            lines.append(f"| `{name}` | {cell(kind(value))} | {cell(option.get('description', ''))} |")
+            lines.append(
+                f"| `{name}` | {cell(kind(value))} | {cell(option.get('description', ''))} |"
+            )
     elif options and all("properties" in option for option in options):
         for option in options:
             lines += [option.get("description", ""), "", *properties(option), ""]
     elif options:
         lines += [
-            f"- {kind(option)}{': ' + option['description'] if 'description' in option else ''}" for option in options
+            f"- {kind(option)}{': ' + option['description'] if 'description' in option else ''}"
+            for option in options
         ]
     else:
         lines.append(kind(schema))
@@ -124,7 +140,9 @@ def section(schema):
 def page(binary):
     lines, seen = [HEAD], {}
     for name, title in DOCUMENTS.items():
-        text = subprocess.run([binary, "schema", name], check=True, capture_output=True, text=True).stdout
+        text = subprocess.run(
+            [binary, "schema", name], check=True, capture_output=True, text=True
+        ).stdout
         schema = json.loads(text)
         lines += [f"## {title}", "", *section(schema)]
         for part, definition in sorted(schema.get("$defs", {}).items()):
@@ -143,7 +161,10 @@ def main():
     if "--renew" in sys.argv:
         PAGE.write_text(text, encoding="utf-8")
     elif PAGE.read_text(encoding="utf-8") != text:
-        print(f"{PAGE.name} is not what the schemas say: tests/guide/keys.py BINARY --renew", file=sys.stderr)
+        print(
+            f"{PAGE.name} is not what the schemas say: tests/guide/keys.py BINARY --renew",
+            file=sys.stderr,
+        )
         return 1
     return 0
 

@@ -25,7 +25,9 @@ def documents():
 def prose(text):
     """Without fences and code, in which brackets mean something else."""
     text = re.sub(r"^ *```.*?^ *```$", "", text, flags=re.MULTILINE | re.DOTALL)
-    return re.sub(r"`[^`\n]*`", lambda code: "`" + re.sub(r"[\[\]()]", "", code[0][1:-1]) + "`", text)
+    return re.sub(
+        r"`[^`\n]*`", lambda code: "`" + re.sub(r"[\[\]()]", "", code[0][1:-1]) + "`", text
+    )
 
 
 def anchors(text):
@@ -53,7 +55,11 @@ def links_of_documents():
             shown = f"{document.relative_to(ROOT)}: {link}"
             if not file.exists():
                 wrong.append(f"{shown}: there is no such file")
-            elif anchor and file.suffix == ".md" and anchor not in anchors(file.read_text(encoding="utf-8")):
+            elif (
+                anchor
+                and file.suffix == ".md"
+                and anchor not in anchors(file.read_text(encoding="utf-8"))
+            ):
                 wrong.append(f"{shown}: there is no such heading")
     return wrong, count
 
@@ -75,7 +81,9 @@ class Page(HTMLParser):
 def links_of_book(folder):
     # The page for what is not found is shown anywhere, and the one for print repeats the others.
     pages = {
-        file: Page(file) for file in folder.rglob("*.html") if file.name not in ("404.html", "print.html", "toc.html")
+        file: Page(file)
+        for file in folder.rglob("*.html")
+        if file.name not in ("404.html", "print.html", "toc.html")
     }
     wrong, count = [], 0
     for file, page in pages.items():

@@ -29,7 +29,10 @@ def recorded(path):
     for line in lines[1:]:
         values = line.split()
         if values:
-            yield float(values[0]) + 1e-9 * float(values[1]), [float(values[column]) for column in joints]
+            yield (
+                float(values[0]) + 1e-9 * float(values[1]),
+                [float(values[column]) for column in joints],
+            )
 
 
 def straight_motions(samples):
@@ -47,7 +50,8 @@ def straight_motions(samples):
                 continue
             way = [b - a for a, b in zip(start, end, strict=True)]
             shares = [
-                sum((q - a) * w for q, a, w in zip(joints, start, way, strict=True)) / length**2 for _, joints in run
+                sum((q - a) * w for q, a, w in zip(joints, start, way, strict=True)) / length**2
+                for _, joints in run
             ]
             off = max(
                 dist(joints, [a + share * w for a, w in zip(start, way, strict=True)])
@@ -58,7 +62,10 @@ def straight_motions(samples):
                     start,
                     end,
                     length,
-                    [(t - run[0][0], length * share) for (t, _), share in zip(run, shares, strict=True)],
+                    [
+                        (t - run[0][0], length * share)
+                        for (t, _), share in zip(run, shares, strict=True)
+                    ],
                 )
 
 
@@ -69,7 +76,10 @@ def planned(binary, start, end, timing, override, folder):
     Path(folder, "ptp.json").write_text(json.dumps(program))
     options = ["--timing", timing, "--no-output", "--csv", "ptp.csv", "--rate", "1000"]
     subprocess.run(
-        [Path(binary).resolve(), "plan", "ptp.json", *options], cwd=folder, check=True, stdout=subprocess.DEVNULL
+        [Path(binary).resolve(), "plan", "ptp.json", *options],
+        cwd=folder,
+        check=True,
+        stdout=subprocess.DEVNULL,
     )
     with open(Path(folder, "ptp.csv")) as table:
         for row in csv.DictReader(table):
@@ -99,7 +109,10 @@ def main(binary, log, override, number, output):
     start, end, length, samples = list(straight_motions(list(recorded(log))))[int(number) - 1]
     out, labels = [], []
     with tempfile.TemporaryDirectory() as folder:
-        plans = {timing: list(planned(binary, start, end, timing, float(override), folder)) for timing in COLOURS}
+        plans = {
+            timing: list(planned(binary, start, end, timing, float(override), folder))
+            for timing in COLOURS
+        }
     samples = shifted(samples, plans["sunrise"])
     whole = max(plan[-1][0] for plan in plans.values()) * 1.02
     curves = {timing: speeds(plan) for timing, plan in plans.items()}
@@ -116,7 +129,9 @@ def main(binary, log, override, number, output):
 
         for timing, curve in of_plans.items():
             shown = " ".join("{:.1f},{:.1f}".format(*place(t, v)) for t, v in curve[::5])
-            out.append(f'<polyline points="{shown}" fill="none" stroke="{COLOURS[timing]}" stroke-width="2"/>')
+            out.append(
+                f'<polyline points="{shown}" fill="none" stroke="{COLOURS[timing]}" stroke-width="2"/>'
+            )
         out += ['<circle cx="{:.1f}" cy="{:.1f}" r="3"/>'.format(*place(t, v)) for t, v in of_log]
         labels.append(
             f'<path class="axis" d="M70 {zero}H930"/><text x="24" y="{zero - height + 4}">{top / 1.05:.0f} {unit}</text>'

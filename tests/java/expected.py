@@ -119,7 +119,16 @@ def values(blocks):
     with tempfile.TemporaryDirectory() as folder:
         file = pathlib.Path(folder) / "Snippets.java"
         file.write_text(text, encoding="utf-8")
-        compile_ = ["javac", "-encoding", "UTF-8", "-nowarn", "-Xlint:none", "-d", folder, str(file)]
+        compile_ = [
+            "javac",
+            "-encoding",
+            "UTF-8",
+            "-nowarn",
+            "-Xlint:none",
+            "-d",
+            folder,
+            str(file),
+        ]
         compiled = subprocess.run(compile_, check=False, capture_output=True, text=True)
         if compiled.returncode != 0:
             sys.exit(compiled.stderr)
@@ -140,7 +149,9 @@ def version():
 def main():
     """Writes or compares the values."""
     is_check = sys.argv[1:] == ["--check"]
-    files = {file: snippets(file.read_text(encoding="utf-8")) for file in sorted(FOLDER.glob("*.txt"))}
+    files = {
+        file: snippets(file.read_text(encoding="utf-8")) for file in sorted(FOLDER.glob("*.txt"))
+    }
     if version() > 18:
         del files[FOLDER / "old_texts.txt"]
     blocks = [block for own in files.values() for block in own[1:]]
@@ -156,7 +167,9 @@ def main():
         differs = True
         if is_check:
             sys.stdout.writelines(
-                difflib.unified_diff(old.splitlines(True), written.splitlines(True), file.name, "as the JVM has it")
+                difflib.unified_diff(
+                    old.splitlines(True), written.splitlines(True), file.name, "as the JVM has it"
+                )
             )
         else:
             file.write_text(written, encoding="utf-8")

@@ -24,7 +24,18 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "browser"))
 
 from asyncua import Client, ua
 
-from check import AXIS, MACHINE, TASK, System, Types, Visitor, check, failures, make_certificates, near
+from check import (
+    AXIS,
+    MACHINE,
+    TASK,
+    System,
+    Types,
+    Visitor,
+    check,
+    failures,
+    make_certificates,
+    near,
+)
 from ports import free_ports
 from rig import Rig
 
@@ -61,7 +72,11 @@ def listening(process: subprocess.Popen) -> set[tuple[str, int]]:
             local, state, inode = (line.split()[at] for at in (1, 3, 9))
             if state == "0A" and inode in inodes:
                 address, port = local.split(":")
-                ip = ".".join(str(byte) for byte in reversed(bytes.fromhex(address))) if len(address) == 8 else address
+                ip = (
+                    ".".join(str(byte) for byte in reversed(bytes.fromhex(address)))
+                    if len(address) == 8
+                    else address
+                )
                 found.add((ip, int(port, 16)))
     return found
 
@@ -107,7 +122,9 @@ async def connected(visitor: Visitor) -> Client:
             return client
 
 
-async def wait_for(what: str, path: str, system: System, holds: Callable[[ua.DataValue], bool]) -> None:
+async def wait_for(
+    what: str, path: str, system: System, holds: Callable[[ua.DataValue], bool]
+) -> None:
     until = time.monotonic() + 20
     while True:
         found = await system.read(path)
@@ -129,7 +146,11 @@ def given(value: object) -> Callable[[ua.DataValue], bool]:
 
 def status(rig: Rig) -> dict:
     done = subprocess.run(
-        [rig.program, "status", "--json", *rig.drive_at], check=True, capture_output=True, text=True, timeout=30
+        [rig.program, "status", "--json", *rig.drive_at],
+        check=True,
+        capture_output=True,
+        text=True,
+        timeout=30,
     )
     return json.loads(done.stdout)
 
@@ -147,13 +168,20 @@ async def check_run(rig: Rig, system: System) -> float:
     run = rig.start(*command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
     await wait_for("a program runs", STATE, system, given("Executing"))
     await wait_for("its name", PROGRAM_NAME, system, given("there"))
-    await wait_for("the first axis turns", AXIS.format(1, "ActualPosition"), system, lambda it: it.Value.Value > 0.2)
+    await wait_for(
+        "the first axis turns",
+        AXIS.format(1, "ActualPosition"),
+        system,
+        lambda it: it.Value.Value > 0.2,
+    )
     speed = await system.value(AXIS.format(1, "ActualSpeed"))
     check("with a tenth of its speed", 0.05 < speed < 0.3, speed)
 
     machine = await system.at(MACHINE)
     began = time.monotonic()
-    result = await machine.call_method(f"{system.types.robotics}:Stop", ua.Variant(0, ua.VariantType.Int64))
+    result = await machine.call_method(
+        f"{system.types.robotics}:Stop", ua.Variant(0, ua.VariantType.Int64)
+    )
     took_s = time.monotonic() - began
     check("the stop", result == 0, result)
     now = status(rig)
@@ -163,12 +191,18 @@ async def check_run(rig: Rig, system: System) -> float:
     for joint, end in enumerate(END):
         near(f"joint {joint + 1} on the path", now["joints_rad"][joint], share * end, 2e-3)
     code = await asyncio.to_thread(run.wait, 10)
-    check("iiwasim run fails and reports the stop", code != 0 and b"stop" in run.stdout.read(), code)
+    check(
+        "iiwasim run fails and reports the stop", code != 0 and b"stop" in run.stdout.read(), code
+    )
     await wait_for("no program runs", STATE, system, given("Ready"))
     # Values are those of the next update after the stop.
     first, rest = AXIS.format(1, "ActualPosition"), status(rig)["joints_rad"][0]
-    await wait_for("the first axis rests", first, system, lambda it: abs(it.Value.Value - rest) < 1e-5)
-    for joint, (shown, measured) in enumerate(zip(await axes(system), status(rig)["joints_rad"], strict=True)):
+    await wait_for(
+        "the first axis rests", first, system, lambda it: abs(it.Value.Value - rest) < 1e-5
+    )
+    for joint, (shown, measured) in enumerate(
+        zip(await axes(system), status(rig)["joints_rad"], strict=True)
+    ):
         near(f"joint {joint + 1} as the drive has it", shown, measured, 1e-5)
     return took_s
 
@@ -180,14 +214,20 @@ async def check_loss(rig: Rig, system: System) -> None:
     rig.drive.terminate()
     rig.drive.wait(10)
     name = "UncertainNoCommunicationLastUsableValue"
-    await wait_for("a value of the past is marked", path, system, lambda it: it.StatusCode.name == name)
+    await wait_for(
+        "a value of the past is marked", path, system, lambda it: it.StatusCode.name == name
+    )
     check("it is the last one", abs((await system.read(path)).Value.Value - before) < 1e-3)
     machine = await system.at(MACHINE)
     try:
-        await machine.call_method(f"{system.types.robotics}:Stop", ua.Variant(0, ua.VariantType.Int64))
+        await machine.call_method(
+            f"{system.types.robotics}:Stop", ua.Variant(0, ua.VariantType.Int64)
+        )
     except ua.UaStatusCodeError as error:
         check(
-            "a stop without a drive returns BadNoCommunication", error.code == ua.StatusCodes.BadNoCommunication, error
+            "a stop without a drive returns BadNoCommunication",
+            error.code == ua.StatusCodes.BadNoCommunication,
+            error,
         )
     else:
         check("a stop without a drive fails", False)
@@ -206,7 +246,9 @@ async def check_all(program: Path, folder: Path) -> None:
             await check_loss(rig, system)
         async with served(rig) as (system, _, _):
             machine = await system.at(MACHINE)
-            names = {(await child.read_browse_name()).Name for child in await machine.get_children()}
+            names = {
+                (await child.read_browse_name()).Name for child in await machine.get_children()
+            }
             check("without --allow-commands there is no stop", not names & {"Stop", "Start"}, names)
     print(f"a run is stopped in {took_s:.2f} s")
 

@@ -75,9 +75,13 @@ def make_certificates(folder: Path) -> None:
         key = rsa.generate_private_key(public_exponent=65537, key_size=2048)
         subject = x509.Name([x509.NameAttribute(NameOID.COMMON_NAME, f"check.py {name}")])
         uses = x509.KeyUsage(True, True, True, True, False, False, False, False, False)
-        builder = x509.CertificateBuilder(subject, subject, key.public_key(), x509.random_serial_number(), begin, end)
+        builder = x509.CertificateBuilder(
+            subject, subject, key.public_key(), x509.random_serial_number(), begin, end
+        )
         certificate = (
-            builder.add_extension(x509.SubjectAlternativeName([x509.UniformResourceIdentifier(APPLICATION)]), False)
+            builder.add_extension(
+                x509.SubjectAlternativeName([x509.UniformResourceIdentifier(APPLICATION)]), False
+            )
             .add_extension(uses, False)
             .add_extension(x509.ExtendedKeyUsage([ExtendedKeyUsageOID.CLIENT_AUTH]), False)
             .sign(key, hashes.SHA256())
@@ -85,7 +89,9 @@ def make_certificates(folder: Path) -> None:
         (folder / f"{name}.der").write_bytes(certificate.public_bytes(serialization.Encoding.DER))
         (folder / f"{name}.pem").write_bytes(
             key.private_bytes(
-                serialization.Encoding.PEM, serialization.PrivateFormat.PKCS8, serialization.NoEncryption()
+                serialization.Encoding.PEM,
+                serialization.PrivateFormat.PKCS8,
+                serialization.NoEncryption(),
             )
         )
 
@@ -194,13 +200,17 @@ class Types:
         inverse = ua.BrowseDirection.Inverse
         while True:
             node = self.client.get_node(found[-1])
-            base = await self.known("base", node, partial(node.get_referenced_nodes, ua.ObjectIds.HasSubtype, inverse))
+            base = await self.known(
+                "base", node, partial(node.get_referenced_nodes, ua.ObjectIds.HasSubtype, inverse)
+            )
             if not base:
                 return found
             found.append(base[0].nodeid)
 
     async def rule(self, node: Node) -> ua.NodeId | None:
-        rules = await self.known("rule", node, lambda: node.get_referenced_nodes(ua.ObjectIds.HasModellingRule))
+        rules = await self.known(
+            "rule", node, lambda: node.get_referenced_nodes(ua.ObjectIds.HasModellingRule)
+        )
         return rules[0].nodeid if rules else None
 
     async def check(self, path: str, instance: Node, declared: Node) -> None:
@@ -217,7 +227,9 @@ class Types:
             # What is named by us is of a type by itself: a robot, an axis, ...
             if ref.BrowseName.NamespaceIndex == instance.nodeid.NamespaceIndex:
                 node = self.client.get_node(ref.NodeId)
-                await self.check(f"{path}/{ref.BrowseName.Name}", node, self.client.get_node(ref.TypeDefinition))
+                await self.check(
+                    f"{path}/{ref.BrowseName.Name}", node, self.client.get_node(ref.TypeDefinition)
+                )
 
     async def check_member(self, path: str, own: dict, ref: ua.ReferenceDescription) -> None:
         """What an instance has of what its type has."""
@@ -227,7 +239,10 @@ class Types:
         if rule == MANDATORY:
             check(f"{path}: it exists", name_of(ref) in own)
         elif rule == PLACEHOLDER and ref.TypeDefinition.NamespaceIndex == self.robotics:
-            check(f"{path}: there is one", any(it.TypeDefinition == ref.TypeDefinition for it in own.values()))
+            check(
+                f"{path}: there is one",
+                any(it.TypeDefinition == ref.TypeDefinition for it in own.values()),
+            )
         if name_of(ref) not in own or rule is None:
             return
         mine = own[name_of(ref)]
@@ -281,7 +296,11 @@ def motion(expected: dict, joint: int, at: datetime.datetime) -> tuple[float, fl
     amplitude, w = expected["amplitude_rad"], expected["rad_per_s"]
     seconds = at.replace(tzinfo=datetime.UTC).timestamp() - expected["since"]
     phase = w * seconds + joint
-    return amplitude * math.sin(phase), amplitude * w * math.cos(phase), -amplitude * w * w * math.sin(phase)
+    return (
+        amplitude * math.sin(phase),
+        amplitude * w * math.cos(phase),
+        -amplitude * w * w * math.sin(phase),
+    )
 
 
 async def check_axes(system: System, expected: dict) -> None:
@@ -313,14 +332,22 @@ async def check_states(system: System, expected: dict) -> None:
         check(f"{expected['name']}: {path} is {value!r}", given == value, given)
     for path, status in expected["statuses"].items():
         found = await system.read(path)
-        check(f"{expected['name']}: {path} is {status}", found.StatusCode.name == status, found.StatusCode.name)
+        check(
+            f"{expected['name']}: {path} is {status}",
+            found.StatusCode.name == status,
+            found.StatusCode.name,
+        )
     load = await system.value("MotionDevices/I:Arm/FlangeLoad/CenterOfMass")
     where = load.CartesianCoordinates
     found = [where.X, where.Y, where.Z]
     check("centre of mass", found == expected["center_m"], found)
     state = await system.value(f"{MACHINE}/B:CurrentState/B:Id")
     name = (await system.types.client.get_node(state).read_browse_name()).Name
-    check("the state is one of the type", name == expected["values"][f"{MACHINE}/B:CurrentState"], name)
+    check(
+        "the state is one of the type",
+        name == expected["values"][f"{MACHINE}/B:CurrentState"],
+        name,
+    )
 
 
 class Listener:
@@ -381,8 +408,13 @@ async def check_only_read(client: Client, system: System) -> None:
         value = (await node.read_data_value(raise_on_bad_status=False)).Value
         await refused(f"writing {path}", lambda node=node, value=value: node.write_value(value))
     reason = client.get_node(ua.NodeId(6097, system.types.robotics))
-    await refused("writing to a type", lambda: reason.write_value(ua.Variant(1, ua.VariantType.Int16)))
-    await refused("adding a node", lambda: client.nodes.objects.add_folder(system.root.nodeid.NamespaceIndex, "mine"))
+    await refused(
+        "writing to a type", lambda: reason.write_value(ua.Variant(1, ua.VariantType.Int16))
+    )
+    await refused(
+        "adding a node",
+        lambda: client.nodes.objects.add_folder(system.root.nodeid.NamespaceIndex, "mine"),
+    )
     _, statuses = await client.delete_nodes([system.root])
     check("deleting a node: refused", not any(status.is_good() for status in statuses), statuses)
     axis = await system.at(AXIS.format(1, "ActualPosition"))
@@ -410,7 +442,8 @@ async def check_stop(system: System, expected: dict) -> None:
     check("it is answered when the arm is at rest", time.time() - began >= expected["stop_takes_s"])
     await refused("a stop in a mode that there is not", lambda: stop(7))
     await refused(
-        "a method of a type", lambda: machine.call_method(ua.NodeId(7009, space), ua.Variant(0, ua.VariantType.Int64))
+        "a method of a type",
+        lambda: machine.call_method(ua.NodeId(7009, space), ua.Variant(0, ua.VariantType.Int64)),
     )
 
 

@@ -90,7 +90,9 @@ def read_mcap(tally: Tally, path: Path, expected: dict) -> dict:
 
         summary = reader.get_summary()
         channels = {channel.topic: channel for channel in summary.channels.values()}
-        types = {topic: summary.schemas[channel.schema_id].name for topic, channel in channels.items()}
+        types = {
+            topic: summary.schemas[channel.schema_id].name for topic, channel in channels.items()
+        }
         tally.equal("topics and types", types, expected)
         tally.equal("one channel a topic", len(summary.channels), len(channels))
         for topic, channel in channels.items():
@@ -99,7 +101,9 @@ def read_mcap(tally: Tally, path: Path, expected: dict) -> dict:
             tally.equal(f"{topic} schema encoding", schema.encoding, "ros2msg")
             qos = channel.metadata.get("offered_qos_profiles")
             durability = f"durability: {1 if topic in LATCHED else 2}"
-            tally.check(f"{topic} offers {durability}", durability in (qos or "").split("\n  "), qos)
+            tally.check(
+                f"{topic} offers {durability}", durability in (qos or "").split("\n  "), qos
+            )
         compressions = {index.compression for index in summary.chunk_indexes}
         tally.equal("chunk compression", compressions, {"zstd"})
 
@@ -117,7 +121,9 @@ def read_mcap(tally: Tally, path: Path, expected: dict) -> dict:
         name = attachment.name
         tally.equal(f"attachment {name} log time", attachment.log_time, stamps["/joint_states"][0])
         tally.equal(f"attachment {name} create time", attachment.create_time, attachment.log_time)
-    print(f"mcap: {count} messages, {len(attachments)} attachments, {len(metadata)} metadata records")
+    print(
+        f"mcap: {count} messages, {len(attachments)} attachments, {len(metadata)} metadata records"
+    )
     return {"stamps": stamps, "metadata": metadata, "attachments": attachments}
 
 
@@ -125,7 +131,9 @@ def decode_mcap_ros2(tally: Tally, path: Path) -> dict:
     """Every message of every topic, decoded by the schema in the file."""
     messages = defaultdict(list)
     with path.open("rb") as stream:
-        reader = mcap.reader.make_reader(stream, validate_crcs=True, decoder_factories=[DecoderFactory()])
+        reader = mcap.reader.make_reader(
+            stream, validate_crcs=True, decoder_factories=[DecoderFactory()]
+        )
         for _, channel, message, decoded in reader.iter_decoded_messages():
             topic = channel.topic
             messages[topic].append((message.log_time, decoded))
@@ -199,7 +207,9 @@ def check_time(tally: Tally, stamps: dict, cycle_time_s: float) -> None:
 def check_poses(tally: Tally, stamps: dict) -> None:
     """The stamps of a recording: poses for some of the joint states."""
     tally.check("/tf has the stamps of /tcp_pose", stamps["/tf"] == stamps["/tcp_pose"])
-    tally.check("/tf has stamps of /joint_states", set(stamps["/tf"]) <= set(stamps["/joint_states"]))
+    tally.check(
+        "/tf has stamps of /joint_states", set(stamps["/tf"]) <= set(stamps["/joint_states"])
+    )
     tally.check("/tf begins with /joint_states", stamps["/tf"][:1] == stamps["/joint_states"][:1])
 
 
@@ -228,14 +238,25 @@ def check_messages(tally: Tally, reader: str, messages: dict) -> None:
     every("velocities", "/joint_states", lambda m: finite(m.velocity, 7))
     # Torques: of a plan always, of a recording where they were measured.
     is_plan = "/joint_trajectory" in messages
-    every("effort", "/joint_states", lambda m: finite(m.effort, 7) or (not is_plan and len(m.effort) == 0))
+    every(
+        "effort",
+        "/joint_states",
+        lambda m: finite(m.effort, 7) or (not is_plan and len(m.effort) == 0),
+    )
 
-    every("unit quaternions", "/tf", lambda m: all(unit(t.transform.rotation) for t in m.transforms))
-    trees = {tuple((t.header.frame_id, t.child_frame_id) for t in message.transforms) for _, message in messages["/tf"]}
+    every(
+        "unit quaternions", "/tf", lambda m: all(unit(t.transform.rotation) for t in m.transforms)
+    )
+    trees = {
+        tuple((t.header.frame_id, t.child_frame_id) for t in message.transforms)
+        for _, message in messages["/tf"]
+    }
     if tally.equal(f"{reader}: /tf trees", len(trees), 1):
         tree = trees.pop()
         children = [child for _, child in tree]
-        tally.check(f"{reader}: /tf: every link once", len(set(children)) == len(children), children)
+        tally.check(
+            f"{reader}: /tf: every link once", len(set(children)) == len(children), children
+        )
         roots = {parent for parent, _ in tree} - set(children)
         tally.equal(f"{reader}: /tf roots", len(roots), 1)
 
@@ -271,12 +292,17 @@ def check_plan(tally: Tally, reader: str, messages: dict, cycle_time_s: float) -
         bool(indices) and indices[0] >= 1 and indices == sorted(indices),
         indices,
     )
-    every("kind", "/motion", lambda m: m.kind in ("line", "lin", "circ", "spline", "blend", "settle", "wait"))
+    every(
+        "kind",
+        "/motion",
+        lambda m: m.kind in ("line", "lin", "circ", "spline", "blend", "settle", "wait"),
+    )
     every(
         "a limiting joint has a kind of limit, and so has the TCP",
         "/motion",
         lambda m: (
-            0 <= m.limiting_joint <= 7 and (m.limiting_joint > 0 or "_" in m.limiting_kind) == bool(m.limiting_kind)
+            0 <= m.limiting_joint <= 7
+            and (m.limiting_joint > 0 or "_" in m.limiting_kind) == bool(m.limiting_kind)
         ),
     )
 
@@ -286,7 +312,9 @@ def check_plan(tally: Tally, reader: str, messages: dict, cycle_time_s: float) -
     tally.check(
         f"{reader}: /joint_trajectory: seven values each",
         all(
-            finite(point.positions, 7) and finite(point.velocities, 7) and finite(point.accelerations, 7)
+            finite(point.positions, 7)
+            and finite(point.velocities, 7)
+            and finite(point.accelerations, 7)
             for point in points
         ),
     )
@@ -296,7 +324,9 @@ def check_plan(tally: Tally, reader: str, messages: dict, cycle_time_s: float) -
         times[:1] == [0] and all(a < b for a, b in zip(times, times[1:])),
     )
     tally.check(
-        f"{reader}: /joint_trajectory: within the cycle time", times[-1] <= round(cycle_time_s * NS) + 1, times[-1]
+        f"{reader}: /joint_trajectory: within the cycle time",
+        times[-1] <= round(cycle_time_s * NS) + 1,
+        times[-1],
     )
     # Both ends are samples and nodes at once: no interpolation comes in between.
     states = messages["/joint_states"]
@@ -308,7 +338,10 @@ def check_plan(tally: Tally, reader: str, messages: dict, cycle_time_s: float) -
 
 def values(messages: dict) -> list:
     """The numbers in the joint states and the trajectory, to compare two decoders by."""
-    states = [(t, nanoseconds(m.header.stamp), *m.position, *m.velocity) for t, m in messages["/joint_states"]]
+    states = [
+        (t, nanoseconds(m.header.stamp), *m.position, *m.velocity)
+        for t, m in messages["/joint_states"]
+    ]
     points = [
         (nanoseconds(p.time_from_start), *p.positions, *p.velocities, *p.accelerations)
         for _, m in messages["/joint_trajectory"]
@@ -336,7 +369,9 @@ def check_figures(tally: Tally, record: dict, figures: dict) -> None:
 def has_topic(path: Path, topic: str) -> bool:
     with path.open("rb") as stream:
         summary = mcap.reader.make_reader(stream).get_summary()
-    return summary is not None and any(channel.topic == topic for channel in summary.channels.values())
+    return summary is not None and any(
+        channel.topic == topic for channel in summary.channels.values()
+    )
 
 
 def main() -> int:

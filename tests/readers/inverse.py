@@ -67,7 +67,9 @@ def main() -> int:
     worst = worst_pose = 0.0
     compared = 0
     for name, arm in ROBOTS.items():
-        urdf = subprocess.run([options.iiwasim, "robot", name, "--urdf"], check=True, capture_output=True).stdout
+        urdf = subprocess.run(
+            [options.iiwasim, "robot", name, "--urdf"], check=True, capture_output=True
+        ).stdout
         with tempfile.TemporaryDirectory() as folder:
             path = Path(folder, "robot.urdf")
             path.write_bytes(urdf)
@@ -76,7 +78,9 @@ def main() -> int:
             joints = np.radians([numbers.uniform(-limit, limit) for limit in LIMITS])
             pose = np.asarray(foreign.fk(joints))
             answers = [np.asarray(solution.q) for solution in foreign.solve(pose)]
-            answers = [q for q in answers if inside(q) and min(map(abs, measures(q, arm))) > LEAST_MEASURE]
+            answers = [
+                q for q in answers if inside(q) and min(map(abs, measures(q, arm))) > LEAST_MEASURE
+            ]
             if not answers:
                 continue
             q = numbers.choice(answers)

@@ -22,13 +22,22 @@ import numpy as np
 import pinocchio
 
 ROBOTS = ("lbr_iiwa_7_r800", "lbr_iiwa_14_r820")
-LOAD = {"mass_kg": 4.5, "center_mm": [20, -30, 90], "inertia_kg_m2": [0.03, 0.04, 0.02], "abc_deg": [10, 20, 30]}
+LOAD = {
+    "mass_kg": 4.5,
+    "center_mm": [20, -30, 90],
+    "inertia_kg_m2": [0.03, 0.04, 0.02],
+    "abc_deg": [10, 20, 30],
+}
 TOLERANCE_NM = 1e-9
 
 
 def program(robot: str, loaded: bool) -> dict:
     """Three motions with a blend, without a load or with one."""
-    turns = ([20, 60, -40, -70, 50, 30, 90], [-60, 30, 20, -90, -30, 60, -45], [0, 10, 0, -40, 0, 20, 0])
+    turns = (
+        [20, 60, -40, -70, 50, 30, 90],
+        [-60, 30, 20, -90, -30, 60, -45],
+        [0, 10, 0, -40, 0, 20, 0],
+    )
     motions = [{"type": "ptp", "joints_deg": turn} for turn in turns]
     motions[0]["blend"] = {"fraction": 0.3}
     whole = {"version": 1, "robot": robot, "start": {"joints_deg": [0, 10, 0, -40, 0, 20, 0]}}
@@ -48,7 +57,9 @@ def add_load(model: pinocchio.Model) -> None:
     model.appendBodyToJoint(flange.parentJoint, body, flange.placement)
 
 
-def largest_difference_nm(iiwasim: str, folder: Path, robot: str, loaded: bool) -> tuple[float, int]:
+def largest_difference_nm(
+    iiwasim: str, folder: Path, robot: str, loaded: bool
+) -> tuple[float, int]:
     """The largest difference of a torque, and how many states were compared."""
     (folder / "program.json").write_text(json.dumps(program(robot, loaded)))
     subprocess.run(
@@ -57,7 +68,9 @@ def largest_difference_nm(iiwasim: str, folder: Path, robot: str, loaded: bool) 
         check=True,
         stdout=subprocess.DEVNULL,
     )
-    urdf = subprocess.run([iiwasim, "robot", robot, "--urdf"], check=True, capture_output=True, text=True).stdout
+    urdf = subprocess.run(
+        [iiwasim, "robot", robot, "--urdf"], check=True, capture_output=True, text=True
+    ).stdout
     model = pinocchio.buildModelFromXML(urdf)
     if loaded:
         add_load(model)
@@ -68,7 +81,12 @@ def largest_difference_nm(iiwasim: str, folder: Path, robot: str, loaded: bool) 
         for row in csv.DictReader(file):
             q, v, a, torques = (
                 np.array([float(row[f"{name}_{j}_{unit}"]) for j in range(1, 8)])
-                for name, unit in (("joint", "rad"), ("joint", "rad_s"), ("joint", "rad_s2"), ("torque", "nm"))
+                for name, unit in (
+                    ("joint", "rad"),
+                    ("joint", "rad_s"),
+                    ("joint", "rad_s2"),
+                    ("torque", "nm"),
+                )
             )
             worst = max(worst, np.abs(pinocchio.rnea(model, data, q, v, a) - torques).max())
             states += 1
@@ -76,7 +94,9 @@ def largest_difference_nm(iiwasim: str, folder: Path, robot: str, loaded: bool) 
 
 
 def main() -> int:
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("iiwasim")
     iiwasim = str(Path(parser.parse_args().iiwasim).resolve())
     worst, states = 0.0, 0
@@ -84,7 +104,9 @@ def main() -> int:
         for robot in ROBOTS:
             for loaded in (False, True):
                 difference, count = largest_difference_nm(iiwasim, Path(folder), robot, loaded)
-                print(f"{robot}, {'with a load at the ceiling' if loaded else 'alone'}: {difference:.1e} Nm")
+                print(
+                    f"{robot}, {'with a load at the ceiling' if loaded else 'alone'}: {difference:.1e} Nm"
+                )
                 worst, states = max(worst, difference), states + count
     print(f"torques: {states} states, at most {worst:.1e} Nm off Pinocchio {pinocchio.__version__}")
     return 0 if worst < TOLERANCE_NM and states > 1000 else 1

@@ -83,9 +83,14 @@ def check_topics(robot: Robot) -> None:
     joints = [joint.get("name") for joint in tree.iter("joint") if joint.get("type") == "revolute"]
     check("joints of the description", joints == robot.joints, joints)
     frames = {
-        (each.header.frame_id, each.child_frame_id) for message in robot.transforms for each in message.transforms
+        (each.header.frame_id, each.child_frame_id)
+        for message in robot.transforms
+        for each in message.transforms
     }
-    links = {(joint.find("parent").get("link"), joint.find("child").get("link")) for joint in tree.iter("joint")}
+    links = {
+        (joint.find("parent").get("link"), joint.find("child").get("link"))
+        for joint in tree.iter("joint")
+    }
     check("frames are those of the description", frames <= links and len(frames) == 8, frames)
 
 
@@ -124,7 +129,11 @@ def check_cancel(robot: Robot) -> None:
     robot.spin(0.3)
     check("it stands still", far(robot.position, at) < 1e-4, robot.position)
     again = robot.result(handle.cancel_goal_async())
-    check("it is cancelled once", again.return_code == CancelGoal.Response.ERROR_GOAL_TERMINATED, again)
+    check(
+        "it is cancelled once",
+        again.return_code == CancelGoal.Response.ERROR_GOAL_TERMINATED,
+        again,
+    )
     # At once after the goal, perhaps before it runs.
     handle = robot.send(robot.trajectory([(2, ZERO)]))
     robot.result(handle.cancel_goal_async())
@@ -224,7 +233,9 @@ def latencies_ms(robot: Robot) -> dict[str, float]:
 
 
 def bridge(rig: Rig, domain: int, *options: str) -> subprocess.Popen:
-    return rig.start("bridge", "--ros2", "--ros2-domain", str(domain), *options, *rig.drive_at, *rig.stream_at)
+    return rig.start(
+        "bridge", "--ros2", "--ros2-domain", str(domain), *options, *rig.drive_at, *rig.stream_at
+    )
 
 
 def check_end(rig: Rig, robot: Robot, process: subprocess.Popen) -> None:
@@ -250,7 +261,10 @@ def check_other_robot(rig: Rig, domain: int) -> None:
     at = list(robot.position)
     done = robot.follow(robot.trajectory([(0, at), (3, ZERO)]))
     check("aborted: another robot", done.status == GoalStatus.STATUS_ABORTED, done)
-    for named in ("lbr_iiwa_14_r820 with a flange of 152 mm", "lbr_iiwa_7_r800 with a flange of 152 mm"):
+    for named in (
+        "lbr_iiwa_14_r820 with a flange of 152 mm",
+        "lbr_iiwa_7_r800 with a flange of 152 mm",
+    ):
         check("both robots are named", named in done.result.error_string, done.result)
     robot.spin(0.2)
     check("another robot's goal moved nothing", far(robot.position, at) < 1e-4, robot.position)
@@ -269,9 +283,15 @@ def check_several(rig: Rig, domain: int) -> None:
     for robot in robots:
         robot.wait("joint states", lambda robot=robot: len(robot.states) > 10)
         robot.wait("description", lambda robot=robot: len(robot.descriptions) > 0)
-        check("names in a namespace", list(robot.states[-1].name) == robot.joints, robot.states[-1].name)
+        check(
+            "names in a namespace",
+            list(robot.states[-1].name) == robot.joints,
+            robot.states[-1].name,
+        )
         check("no action without --allow-commands", not robot.action.wait_for_server(0.5))
-    frames = {each.child_frame_id for message in robots[0].transforms for each in message.transforms}
+    frames = {
+        each.child_frame_id for message in robots[0].transforms for each in message.transforms
+    }
     check("frames of both", {"left_1_link_7", "right_link_7"} <= frames, frames)
     node.destroy_node()
     process.send_signal(signal.SIGINT)

@@ -42,7 +42,9 @@ class Robot:
         node.create_subscription(TFMessage, "/tf", self.transforms.append, 100)
         heard = lambda text: self.descriptions.append(text.data)
         node.create_subscription(String, at("robot_description"), heard, LATCHED)
-        node.create_subscription(JointTrajectory, at("timed_joint_path"), self.timed.append, LATCHED)
+        node.create_subscription(
+            JointTrajectory, at("timed_joint_path"), self.timed.append, LATCHED
+        )
         self.path = node.create_publisher(JointTrajectory, at("joint_path"), 10)
         self.action = ActionClient(node, FollowJointTrajectory, at(ACTION))
         self.times = node.create_client(TimeJointPath, at("time_joint_path"))

@@ -57,7 +57,9 @@ def classes(folder: Path) -> Program:
             "Bath/Above": Frame(Pose(30, 40, 260, 3.07, 0.01, 3.135), -0.2, 2, "Driver/Bit"),
             "Bath/In": Frame(Pose(31, 41, 150, 3.07, 0.01, 3.135), -0.2, 2, "Driver/Bit"),
         },
-        tools={"Driver": Tool({"Bit": Pose(0, 0, 210)}, Load(1.1, (0, 0, 80), (0.003, 0.003, 0.001)))},
+        tools={
+            "Driver": Tool({"Bit": Pose(0, 0, 210)}, Load(1.1, (0, 0, 80), (0.003, 0.003, 0.001)))
+        },
     )
     p = Program(folder, station, "ScrewStation", "Driver")
     ready = [radians(angle) for angle in [0, 35, 0, -80, 0, 65, 0]]
@@ -145,7 +147,10 @@ def compliance(folder: Path) -> Program:
 
 
 def cell(folder: Path) -> Program:
-    cups, carton = Load(1.6, (0, 0, 54), (0.006, 0.005, 0.002)), Load(2.4, (0, 0, 60), (0.009, 0.008, 0.007))
+    cups, carton = (
+        Load(1.6, (0, 0, 54), (0.006, 0.005, 0.002)),
+        Load(2.4, (0, 0, 60), (0.009, 0.008, 0.007)),
+    )
     tcp = "SuctionCups/Centre"
     station = Station(
         frames={
@@ -173,7 +178,10 @@ def cell(folder: Path) -> Program:
         kept = station.redundancy(lane)
         above = placed(lanes.then(raised(station.frames[lane].pose)), kept)
         p.ptp(
-            above, "ptp(above).setJointVelocityRel(velocity).setBlendingCart", velocity_rel=0.6, blend={"cart_mm": 40}
+            above,
+            "ptp(above).setJointVelocityRel(velocity).setBlendingCart",
+            velocity_rel=0.6,
+            blend={"cart_mm": 40},
         )
         p.lin(lane, "lin(carrier)", cart_velocity_mm_s=250)
         p.load(cups.with_one(carton.moved(120)), "carton.attachTo")
@@ -182,7 +190,9 @@ def cell(folder: Path) -> Program:
 
         kept = station.redundancy("Pallet/Corner")
         corner = station.frames["Pallet/Corner"].pose
-        place = replace(corner, x=corner.x + placed_before % 2 * 90, y=corner.y + placed_before // 2 * 90)
+        place = replace(
+            corner, x=corner.x + placed_before % 2 * 90, y=corner.y + placed_before // 2 * 90
+        )
         over = placed(pallet.then(raised(place)), kept)
         p.ptp(over, "velocity).setBlendingRel(0.2)", velocity_rel=0.6, blend={"sunrise_rel": 0.2})
         limits = {"cart_velocity_mm_s": 150, "cart_acceleration_mm_s2": 1000}

@@ -40,13 +40,18 @@ PROJECTS = {
 
 
 def files(folder: Path, program: Program) -> dict[Path, str]:
-    return {folder / "RoboticsAPI.data.xml": program.station.xml(), folder / "expected.json": program.text()}
+    return {
+        folder / "RoboticsAPI.data.xml": program.station.xml(),
+        folder / "expected.json": program.text(),
+    }
 
 
 def is_same(found: object, stated: object) -> bool:
     """Whether two documents are alike, but for the last bits of numbers: sines are not the same on all machines."""
     if isinstance(found, dict) and isinstance(stated, dict):
-        return list(found) == list(stated) and all(is_same(found[key], stated[key]) for key in found)
+        return list(found) == list(stated) and all(
+            is_same(found[key], stated[key]) for key in found
+        )
     if isinstance(found, list) and isinstance(stated, list):
         return len(found) == len(stated) and all(map(is_same, found, stated))
     if isinstance(found, float) and isinstance(stated, float):

@@ -47,7 +47,11 @@ def frames(folder: Path) -> Program:
         p.ptp("Table/Above", "ptp(aboveTable)")
         p.lin(part, "getFrame(path)", cart_velocity_mm_s=120)
         p.wait(0.3, "milliSleep(300)")
-        limits = {"cart_velocity_mm_s": 250, "cart_acceleration_mm_s2": 1500, "cart_jerk_mm_s3": 20000}
+        limits = {
+            "cart_velocity_mm_s": 250,
+            "cart_acceleration_mm_s2": 1500,
+            "cart_jerk_mm_s3": 20000,
+        }
         p.lin("Table/Above", "lin(aboveTable)", **limits)
         p.ptp("Lathe/Door", "ptp(door)", velocity_rel=0.5, acceleration_rel=0.8)
         turning = {
@@ -78,7 +82,11 @@ def computed_frames(folder: Path) -> Program:
     p.ptp(placed(plate.then(tilted), kept), "ptp(tilted)", velocity_rel=0.3)
     tilted = tilted.then(Pose(0, 25, -10).then(Pose(a=0.2)))
     p.lin(placed(plate.then(tilted), kept), "lin(tilted)")
-    p.lin(placed(plate.then(Pose(90, 70, 140, 2.7, 0.05, radians(178)))), "lin(middle)", cart_velocity_mm_s=80)
+    p.lin(
+        placed(plate.then(Pose(90, 70, 140, 2.7, 0.05, radians(178)))),
+        "lin(middle)",
+        cart_velocity_mm_s=80,
+    )
     p.lin(placed(Pose(500, -120, 420, 2.85, -0.02, 3.1)), "lin(aside)")
     p.ptp("Plate/Corner", "ptp(corner));")
     return p
@@ -92,11 +100,17 @@ def tools(folder: Path) -> Program:
         frames={
             "Crate": Frame(deg(400, 150, 60, -15, 0, 0)),
             "Crate/Above": Frame(Pose(110, 60, 420, 2.8118, 0.0042, 3.1385), 0.02, 2),
-            "Crate/Pick": Frame(Pose(105.3, 62.2, 90.7, 2.8124, 0.0051, 3.1391), 0.1, 2, "DoubleGripper/Tip"),
-            "Scale": Frame(Pose(420.0, -250.0, 170.5, 2.13, -0.0073, -3.1377), -0.15, 2, "DoubleGripper/Tip"),
+            "Crate/Pick": Frame(
+                Pose(105.3, 62.2, 90.7, 2.8124, 0.0051, 3.1391), 0.1, 2, "DoubleGripper/Tip"
+            ),
+            "Scale": Frame(
+                Pose(420.0, -250.0, 170.5, 2.13, -0.0073, -3.1377), -0.15, 2, "DoubleGripper/Tip"
+            ),
         },
         tools={
-            "DoubleGripper": Tool({"Tip": Pose(0, 0, 190), "Side": Pose(60, 0, 150, 0, 0.7, 0)}, gripper),
+            "DoubleGripper": Tool(
+                {"Tip": Pose(0, 0, 190), "Side": Pose(60, 0, 150, 0, 0.7, 0)}, gripper
+            ),
             "Probe": Tool({"Ball": Pose(0, 0, 142.5)}, probe),
             "Brush": Tool({"Bristles": Pose(0, 0, 80)}, Load(0.2)),
         },
@@ -130,19 +144,32 @@ def paths(folder: Path) -> Program:
         "Round1": (Pose(124, 52, 60, -2.523, 0.003, 3.136), 0.12),
         "Round2": (Pose(92, 78, 60, -2.533, 0.002, 3.137), 0.11),
     }
-    lid = {f"Lid/{name}": Frame(pose, e1, 2, "Nozzle/Outlet") for name, (pose, e1) in taught.items()}
+    lid = {
+        f"Lid/{name}": Frame(pose, e1, 2, "Nozzle/Outlet") for name, (pose, e1) in taught.items()
+    }
     station = Station({"Lid": Frame(deg(540, 40, 160, -70, 0.2, 0.1)), **lid}, {"Nozzle": nozzle})
     p = Program(folder, station, "Sealing", "Nozzle")
     p.ptp("Lid/Start", 'ptp(lid("/Start"))')
     p.lin_rel(Pose(z=20), "linRel(0, 0, 20)", cart_velocity_mm_s=40)
-    p.lin_rel(Pose(x=30), "linRel(30, 0, 0, lid)", cart_velocity_mm_s=80, **{"in": {**Pose().keys(), "base": "Lid"}})
+    p.lin_rel(
+        Pose(x=30),
+        "linRel(30, 0, 0, lid)",
+        cart_velocity_mm_s=80,
+        **{"in": {**Pose().keys(), "base": "Lid"}},
+    )
     p.lin_rel(deg(0, 0, -20, 0, 10, 0), "Transformation.ofDeg(0, 0, -20")
     p.lin_rel(Pose(z=15), "getRootFrame()", **{"in": {**Pose().keys(), "base": "robot"}})
     p.lin("Lid/Start", 'lin(lid("/Start")).setOrientationType', orientation="constant")
     arc = {"aux": "Lid/Via", "frame": "Lid/End", "orientation_reference": "path"}
     p.path("circ", 'circ(lid("/Via"), lid("/End"))', **arc, cart_velocity_mm_s=60)
     arc = {"aux": "Lid/Via", "frame": "Lid/Start"}
-    p.path("circ", 'circ(lid("/Via"), lid("/Start")).set', **arc, velocity_rel=0.5, cart_velocity_mm_s=60)
+    p.path(
+        "circ",
+        'circ(lid("/Via"), lid("/Start")).set',
+        **arc,
+        velocity_rel=0.5,
+        cart_velocity_mm_s=60,
+    )
     p.path("spl", 'spl(lid("/Via"))', frame="Lid/Via", cart_velocity_mm_s=100)
     edge = [
         {"type": "lin", "frame": "Lid/End"},
@@ -150,7 +177,13 @@ def paths(folder: Path) -> Program:
         {"type": "spl", "frame": "Lid/Round2", "cart_velocity_mm_s": 45},
         {"type": "circ", "frame": "Lid/Start", "aux": "Lid/Via"},
     ]
-    p.path("spline", "nozzle.move(edge)", segments=edge, cart_velocity_mm_s=90, cart_acceleration_mm_s2=800)
+    p.path(
+        "spline",
+        "nozzle.move(edge)",
+        segments=edge,
+        cart_velocity_mm_s=90,
+        cart_acceleration_mm_s2=800,
+    )
     p.lin_rel(Pose(z=-40), "linRel(0, 0, -40)", orientation_velocity_deg_s=exact_deg(radians(20)))
     return p
 
@@ -162,7 +195,11 @@ def batches(folder: Path) -> Program:
             "Vice/Near": Frame(Pose(12.5, -35, 70, 2.2, 0.006, 3.133), -0.05, 2, "Spindle/Bit"),
             "Vice/Far": Frame(Pose(14, 65, 71, 2.21, 0.005, 3.134), -0.09, 2, "Spindle/Bit"),
         },
-        tools={"Spindle": Tool({"Bit": deg(0, 0, 165, 15, 0, 0)}, Load(1.75, (0, 0, 71), (0.004, 0.004, 0.0015)))},
+        tools={
+            "Spindle": Tool(
+                {"Bit": deg(0, 0, 165, 15, 0, 0)}, Load(1.75, (0, 0, 71), (0.004, 0.004, 0.0015))
+            )
+        },
     )
     p = Program(folder, station, "Deburring", "Spindle")
     ready = [0, 0.4, 0, -1.5, 0, 1.2, 0]
@@ -175,9 +212,13 @@ def batches(folder: Path) -> Program:
     p.lin_rel(Pose(y=50), inner, blend={"cart_mm": 5})
     p.lin_rel(Pose(z=30), inner)
     polish = "spindle.move(polish)"
-    for number, (frame, velocity) in enumerate([("Near", 70), ("Far", None), ("Near", 90), ("Far", None)], 1):
+    for number, (frame, velocity) in enumerate(
+        [("Near", 70), ("Far", None), ("Near", 90), ("Far", None)], 1
+    ):
         blend = {"cart_mm": 2} if number < 4 else None
-        p.lin(f"Vice/{frame}", polish, acceleration_rel=0.75, cart_velocity_mm_s=velocity, blend=blend)
+        p.lin(
+            f"Vice/{frame}", polish, acceleration_rel=0.75, cart_velocity_mm_s=velocity, blend=blend
+        )
     p.lin("Vice/Near", "moveAsync(new MotionBatch", blend={"cart_mm": 8})
     p.lin("Vice/Far", "moveAsync(new MotionBatch", blend={"cart_mm": 8})
     p.ptp(ready, "spindle.move(ptp(0", velocity_rel=0.5)

@@ -79,9 +79,16 @@ def joints(flange: Pose, e1: float, status: int) -> list[float]:
     """The joints that bring the flange to a pose, with A3 at `e1`: in closed form, see docs/cartesian.md."""
     s0, s4, s6 = (-1 if status & bit else 1 for bit in [1, 2, 4])
     r = flange.rotation
-    wx, wy, wz = (p - FLANGE * row[2] - foot for p, row, foot in zip([flange.x, flange.y, flange.z], r, [0, 0, FOOT]))
+    wx, wy, wz = (
+        p - FLANGE * row[2] - foot
+        for p, row, foot in zip([flange.x, flange.y, flange.z], r, [0, 0, FOOT])
+    )
     a4 = s4 * math.acos((wx * wx + wy * wy + wz * wz - UPPER**2 - FORE**2) / (2 * UPPER * FORE))
-    v = [-FORE * math.sin(a4) * math.cos(e1), -FORE * math.sin(a4) * math.sin(e1), UPPER + FORE * math.cos(a4)]
+    v = [
+        -FORE * math.sin(a4) * math.cos(e1),
+        -FORE * math.sin(a4) * math.sin(e1),
+        UPPER + FORE * math.cos(a4),
+    ]
     ahead = s0 * math.sqrt(wx * wx + wy * wy - v[1] ** 2)
     a1 = math.atan2(wy * ahead - wx * v[1], wx * ahead + wy * v[1])
     a2 = math.atan2(ahead * v[2] - wz * v[0], wz * v[2] + ahead * v[0])
@@ -92,7 +99,9 @@ def joints(flange: Pose, e1: float, status: int) -> list[float]:
     a7 = math.atan2(s6 * m[2][1], -s6 * m[2][0])
     found = [a1, a2, e1, a4, a5, a6, a7]
     for number, (angle, limit) in enumerate(zip(found, LIMITS_DEG), 1):
-        assert abs(math.degrees(angle)) < limit, f"A{number} would be at {math.degrees(angle):.1f} deg"
+        assert abs(math.degrees(angle)) < limit, (
+            f"A{number} would be at {math.degrees(angle):.1f} deg"
+        )
     return found
 
 

@@ -19,11 +19,27 @@ def exact_deg(rad: float) -> float:
 
 # The keys of motions in the order in which programs are written.
 ORDER = [
-    *["type", "joints_rad", "offset", "in", "aux", "frame", "circ_angle_deg", "orientation_reference", "segments"],
+    *[
+        "type",
+        "joints_rad",
+        "offset",
+        "in",
+        "aux",
+        "frame",
+        "circ_angle_deg",
+        "orientation_reference",
+        "segments",
+    ],
     *["seconds", "overlap", "overlap_motions", "load", "tool", "orientation"],
     *["velocity_rel", "acceleration_rel", "jerk_rel"],
     *["cart_velocity_mm_s", "cart_acceleration_mm_s2", "cart_jerk_mm_s3"],
-    *["orientation_velocity_deg_s", "orientation_acceleration_deg_s2", "blend", "blocking", "source"],
+    *[
+        "orientation_velocity_deg_s",
+        "orientation_acceleration_deg_s2",
+        "blend",
+        "blocking",
+        "source",
+    ],
 ]
 
 
@@ -54,7 +70,9 @@ class Program:
         motion = {"type": kind, **given, "source": self.source(place)}
         self.motions.append({key: motion[key] for key in sorted(motion, key=ORDER.index)})
 
-    def ptp(self, to: list[float] | str | dict, place: str | tuple[str, str], **keys: object) -> None:
+    def ptp(
+        self, to: list[float] | str | dict, place: str | tuple[str, str], **keys: object
+    ) -> None:
         if isinstance(to, list):
             self.add("ptp", place, joints_rad=[float(value) for value in to], **keys)
         else:
@@ -66,7 +84,9 @@ class Program:
     def lin_rel(self, offset: Pose, place: str | tuple[str, str], **keys: object) -> None:
         self.path("lin_rel", place, offset=offset.keys(), **keys)
 
-    def path(self, kind: str, place: str | tuple[str, str], tool: str | None = None, **keys: object) -> None:
+    def path(
+        self, kind: str, place: str | tuple[str, str], tool: str | None = None, **keys: object
+    ) -> None:
         """A motion of a TCP: `tool` if that is not the program's."""
         self.use_tool(tool)
         for target in [keys.get("frame"), keys.get("aux"), keys.get("in")]:
@@ -116,7 +136,10 @@ class Program:
         ]
         for key, entries in named.items():
             if entries:
-                lines = [f"    {json.dumps(name)}: {json.dumps(entry)}" for name, entry in entries.items()]
+                lines = [
+                    f"    {json.dumps(name)}: {json.dumps(entry)}"
+                    for name, entry in entries.items()
+                ]
                 parts.append(f'  "{key}": {{\n' + ",\n".join(lines) + "\n  }")
         if self.tool:
             parts.append(f'  "tool": {json.dumps(self.tool)}')

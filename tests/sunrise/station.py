@@ -19,7 +19,11 @@ class Load:
     inertia: tuple[float, float, float] = (0, 0, 0)
 
     def keys(self) -> dict:
-        return {"mass_kg": self.mass, "center_mm": list(self.center), "inertia_kg_m2": list(self.inertia)}
+        return {
+            "mass_kg": self.mass,
+            "center_mm": list(self.center),
+            "inertia_kg_m2": list(self.inertia),
+        }
 
     def moved(self, z: float) -> Load:
         """Carried with its root at z of another."""
@@ -34,7 +38,9 @@ class Load:
         arms = [(load.mass, 1e-3 * (load.center[2] - z)) for load in (self, other)]
         by_distance = sum(m * arm * arm for m, arm in arms)
         inertia = [own + its for own, its in zip(self.inertia, other.inertia)]
-        return Load(mass, (0, 0, z), (inertia[0] + by_distance, inertia[1] + by_distance, inertia[2]))
+        return Load(
+            mass, (0, 0, z), (inertia[0] + by_distance, inertia[1] + by_distance, inertia[2])
+        )
 
 
 @dataclass(frozen=True)
@@ -129,7 +135,11 @@ class Station:
 
     def xml(self) -> str:
         """The data file."""
-        lines = ['<?xml version="1.0" encoding="UTF-8" standalone="no"?>', '<RoboticsAPIData version="3">', "  <world>"]
+        lines = [
+            '<?xml version="1.0" encoding="UTF-8" standalone="no"?>',
+            '<RoboticsAPIData version="3">',
+            "  <world>",
+        ]
         lines.append('    <gravitation x="0.0" y="0.0" z="9.81"/>')
         for path in self.children(""):
             lines += self.frame_lines(path, "    ")
@@ -137,22 +147,31 @@ class Station:
         for name, tool in self.tools.items():
             lines += tool_lines(name, tool)
         for name, load in self.workpieces.items():
-            lines.append(f'    <workpieceTemplate class="{PACKAGE}.geometricModel.Workpiece" name="{name}">')
+            lines.append(
+                f'    <workpieceTemplate class="{PACKAGE}.geometricModel.Workpiece" name="{name}">'
+            )
             lines += [load_line(load), "    </workpieceTemplate>"]
         lines += ["  </objectTemplates>"]
         if self.data:
             lines.append("  <processDataContainer>")
             for name, entry in self.data.items():
                 optional = {"value": entry.value, "min": entry.least, "max": entry.most}
-                given = "".join(f' {key}="{value}"' for key, value in optional.items() if value is not None)
+                given = "".join(
+                    f' {key}="{value}"' for key, value in optional.items() if value is not None
+                )
                 kind = f"java.lang.{entry.kind}"
-                lines.append(f'    <processData dataType="{kind}" defaultValue="{entry.default}" id="{name}"{given}/>')
+                lines.append(
+                    f'    <processData dataType="{kind}" defaultValue="{entry.default}" id="{name}"{given}/>'
+                )
             lines.append("  </processDataContainer>")
         return "\n".join([*lines, "</RoboticsAPIData>", ""])
 
     def frame_lines(self, path: str, indent: str) -> list[str]:
         frame = self.frames[path]
-        lines = [f'{indent}<frame name="{path.rpartition("/")[2]}">', f"{indent}  {pose_line(frame.pose)}"]
+        lines = [
+            f'{indent}<frame name="{path.rpartition("/")[2]}">',
+            f"{indent}  {pose_line(frame.pose)}",
+        ]
         if frame.status is not None:
             lines += [f"{indent}  {line}" for line in self.taught_lines(path)]
         for child in self.children(path):
@@ -201,9 +220,16 @@ def load_line(load: Load) -> str:
 
 def tool_lines(name: str, tool: Tool) -> list[str]:
     moves = f' defaultMotionFrameRef="/{next(iter(tool.tcps))}"' if tool.tcps else ""
-    lines = [f'    <toolTemplate class="{PACKAGE}.geometricModel.Tool"{moves} name="{name}">', "      <frames>"]
+    lines = [
+        f'    <toolTemplate class="{PACKAGE}.geometricModel.Tool"{moves} name="{name}">',
+        "      <frames>",
+    ]
     for tip, pose in tool.tcps.items():
-        lines += [f'        <frame name="{tip}">', f"          {pose_line(pose)}", "        </frame>"]
+        lines += [
+            f'        <frame name="{tip}">',
+            f"          {pose_line(pose)}",
+            "        </frame>",
+        ]
     lines.append("      </frames>")
     if tool.load:
         lines.append(load_line(tool.load))

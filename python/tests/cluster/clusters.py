@@ -50,7 +50,11 @@ def dask_cluster(workers: int = 2) -> Iterator[distributed.Client]:
     """So many processes of one thread."""
     with (
         distributed.LocalCluster(
-            n_workers=workers, threads_per_worker=1, host="127.0.0.1", dashboard_address="127.0.0.1:0", memory_limit=0
+            n_workers=workers,
+            threads_per_worker=1,
+            host="127.0.0.1",
+            dashboard_address="127.0.0.1:0",
+            memory_limit=0,
         ) as cluster,
         distributed.Client(cluster) as client,
     ):

@@ -20,7 +20,9 @@ def random_programs(count: int, seed: int = 1) -> list[str]:
     def program() -> iw.Program:
         motions = [
             iw.ptp(
-                deg=joints(), velocity_rel=round(chance.uniform(0.2, 1.0), 2), blend_cart_mm=chance.choice([None, 50])
+                deg=joints(),
+                velocity_rel=round(chance.uniform(0.2, 1.0), 2),
+                blend_cart_mm=chance.choice([None, 50]),
             )
             for _ in range(chance.randint(2, 4))
         ]

@@ -29,7 +29,9 @@ def test_figures_are_those_of_plans(programs: list[str], on_one_core: pa.Table) 
     rows = on_one_core.slice(0, 5).to_pylist()
     for plan, row in zip(plans, rows):
         assert isinstance(plan, iw.Plan)
-        assert [row[name] for name in ("cycle_time_s", "motion_time_s", "settle_time_s", "wait_time_s")] == [
+        assert [
+            row[name] for name in ("cycle_time_s", "motion_time_s", "settle_time_s", "wait_time_s")
+        ] == [
             plan.cycle_time_s,
             plan.motion_time_s,
             plan.settle_time_s,
@@ -46,11 +48,17 @@ def test_limits_and_clearance() -> None:
     programs = [iw.Program.load(FIXTURES / f"{name}.json") for name in names]
     rows = batches.figures(programs, scene=scene).to_pylist()
     # As `iiwasim plan fixtures` prints them.
-    assert [(row["limited_joint"], row["limited_by"]) for row in rows] == [(4, "velocity"), (None, "cart_velocity")]
+    assert [(row["limited_joint"], row["limited_by"]) for row in rows] == [
+        (4, "velocity"),
+        (None, "cart_velocity"),
+    ]
     for program, row in zip(programs, rows):
         clearance = iw.plan(program).clearance(scene)
         assert clearance is not None
-        assert (row["clearance_m"], row["clearance_obstacle"]) == (clearance.distance_m, clearance.obstacle)
+        assert (row["clearance_m"], row["clearance_obstacle"]) == (
+            clearance.distance_m,
+            clearance.obstacle,
+        )
 
 
 def test_bad_rows_stop_nothing(programs: list[str], on_one_core: pa.Table) -> None:
@@ -67,7 +75,11 @@ def test_bad_rows_stop_nothing(programs: list[str], on_one_core: pa.Table) -> No
 def test_lines(source: Path, on_one_core: pa.Table, tmp_path: Path, jobs: int) -> None:
     told: list[tuple[int, int]] = []
     planned = batches.plan(
-        source, tmp_path / "figures", chunk=CHUNK, jobs=jobs, progress=lambda *done: told.append(done)
+        source,
+        tmp_path / "figures",
+        chunk=CHUNK,
+        jobs=jobs,
+        progress=lambda *done: told.append(done),
     )
     assert planned == (tmp_path / "figures", COUNT, COUNT)
     assert told == [(done, COUNT) for done in range(CHUNK, COUNT + 1, CHUNK)]
@@ -78,7 +90,9 @@ def test_lines(source: Path, on_one_core: pa.Table, tmp_path: Path, jobs: int) -
 
 def test_bytes_that_are_no_text(tmp_path: Path, programs: list[str]) -> None:
     good = programs[0].encode()
-    (tmp_path / "programs.jsonl").write_bytes(good + b"\n" + good.replace(b"ptp", b"pt\xff") + b"\r\n\n" + good)
+    (tmp_path / "programs.jsonl").write_bytes(
+        good + b"\n" + good.replace(b"ptp", b"pt\xff") + b"\r\n\n" + good
+    )
     batches.plan(tmp_path / "programs.jsonl", tmp_path / "figures")
     errors = batches.read(tmp_path / "figures")["error"].to_pylist()
     assert [error is None for error in errors] == [True, False, True]
@@ -86,7 +100,9 @@ def test_bytes_that_are_no_text(tmp_path: Path, programs: list[str]) -> None:
 
 @pytest.mark.parametrize("files", [1, 3])
 @pytest.mark.parametrize("kind", [pa.string(), pa.large_string()])
-def test_parquet(programs: list[str], on_one_core: pa.Table, tmp_path: Path, files: int, kind: pa.DataType) -> None:
+def test_parquet(
+    programs: list[str], on_one_core: pa.Table, tmp_path: Path, files: int, kind: pa.DataType
+) -> None:
     texts: list[str | None] = [*programs]
     names = [f"program {place}" for place in range(COUNT)]
     table = pa.table({"name": names, "json": pa.array(texts, kind), "weight": [0.5] * COUNT})
@@ -95,7 +111,9 @@ def test_parquet(programs: list[str], on_one_core: pa.Table, tmp_path: Path, fil
     share = COUNT // files
     for place in range(files):
         # Groups of rows that are no multiple of chunks.
-        pq.write_table(table.slice(place * share, share), folder / f"{place}.parquet", row_group_size=37)
+        pq.write_table(
+            table.slice(place * share, share), folder / f"{place}.parquet", row_group_size=37
+        )
     source = folder if files > 1 else folder / "0.parquet"
     planned = batches.plan(source, tmp_path / "figures", column="json", chunk=CHUNK)
     figures = batches.read(planned.folder)
@@ -106,10 +124,15 @@ def test_parquet(programs: list[str], on_one_core: pa.Table, tmp_path: Path, fil
 def test_missing_programs_are_errors(tmp_path: Path, programs: list[str]) -> None:
     pq.write_table(pa.table({"program": [None, programs[0]]}), tmp_path / "programs.parquet")
     batches.plan(tmp_path / "programs.parquet", tmp_path / "figures")
-    assert batches.read(tmp_path / "figures")["error"].to_pylist() == ["there is no program in this row", None]
+    assert batches.read(tmp_path / "figures")["error"].to_pylist() == [
+        "there is no program in this row",
+        None,
+    ]
 
 
-def test_an_interrupted_run_is_taken_up(source: Path, on_one_core: pa.Table, tmp_path: Path) -> None:
+def test_an_interrupted_run_is_taken_up(
+    source: Path, on_one_core: pa.Table, tmp_path: Path
+) -> None:
     def stop(done: int, _: int) -> None:
         if done >= 3 * CHUNK:
             raise Interrupted
@@ -133,7 +156,9 @@ def test_an_interrupted_run_is_taken_up(source: Path, on_one_core: pa.Table, tmp
 
 def test_a_killed_run_is_taken_up(source: Path, on_one_core: pa.Table, tmp_path: Path) -> None:
     target = tmp_path / "figures"
-    script = f"from iiwasim import batches; batches.plan({str(source)!r}, {str(target)!r}, chunk=10)"
+    script = (
+        f"from iiwasim import batches; batches.plan({str(source)!r}, {str(target)!r}, chunk=10)"
+    )
     run = subprocess.Popen([sys.executable, "-c", script])
     until = time.monotonic() + 300
     while len(list(target.glob("part-*.parquet"))) < 3:
@@ -202,7 +227,9 @@ def test_bad_sources(programs: list[str], tmp_path: Path) -> None:
     assert "neither Parquet" in refused(tmp_path / "programs.csv")
     assert "has no column 'program'; it has id, json" in refused(parquet(id=[1], json=["{}"]))
     assert "has int64; programs are JSON texts" in refused(parquet(program=[1]))
-    assert "a column 'cycle_time_s', as figures have" in refused(parquet(program=["{}"], cycle_time_s=[1.0]))
+    assert "a column 'cycle_time_s', as figures have" in refused(
+        parquet(program=["{}"], cycle_time_s=[1.0])
+    )
     (tmp_path / "bad.parquet").write_text("no Parquet")
     assert "cannot read" in refused(tmp_path / "bad.parquet")
     assert not (tmp_path / "figures").exists()

@@ -49,7 +49,9 @@ def a_worker_is_killed(module: ModuleType, folder: Path) -> Iterator[None]:
         killed.result()
 
 
-def test_a_worker_is_killed(cluster: Cluster, source: Path, on_one_core: pa.Table, tmp_path: Path) -> None:
+def test_a_worker_is_killed(
+    cluster: Cluster, source: Path, on_one_core: pa.Table, tmp_path: Path
+) -> None:
     target = tmp_path / "figures"
     with a_worker_is_killed(cluster.module, tmp_path):
         assert cluster.plan(source, target, chunk=CHUNK) == (target, COUNT, COUNT)
@@ -107,7 +109,9 @@ def test_no_programs(of_ray: Cluster, of_dask: Cluster, tmp_path: Path) -> None:
         assert figures.drop_columns(["name"]).equals(batches.figures([]))
 
 
-def test_ray_data(of_ray: Cluster, programs: list[str], on_one_core: pa.Table, tmp_path: Path) -> None:
+def test_ray_data(
+    of_ray: Cluster, programs: list[str], on_one_core: pa.Table, tmp_path: Path
+) -> None:
     names = [f"program {place}" for place in range(COUNT)]
     table = pa.table({"name": names, "program": programs})
     dataset = ray.data.from_arrow([table.slice(place, 70) for place in range(0, COUNT, 70)])
@@ -126,9 +130,13 @@ def test_ray_data(of_ray: Cluster, programs: list[str], on_one_core: pa.Table, t
         iiwasim.ray.mapped(dataset, column="json")
 
 
-def test_data_frame_of_dask(of_dask: Cluster, programs: list[str], on_one_core: pa.Table, tmp_path: Path) -> None:
+def test_data_frame_of_dask(
+    of_dask: Cluster, programs: list[str], on_one_core: pa.Table, tmp_path: Path
+) -> None:
     names = [f"program {place}" for place in range(COUNT)]
-    rows = pd.DataFrame({"name": names, "program": programs}, index=pd.RangeIndex(1000, 1000 + COUNT))
+    rows = pd.DataFrame(
+        {"name": names, "program": programs}, index=pd.RangeIndex(1000, 1000 + COUNT)
+    )
     frame = dd.from_pandas(rows, npartitions=7)
     with a_worker_is_killed(iiwasim.dask, tmp_path):
         mapped = iiwasim.dask.mapped(frame)

@@ -29,11 +29,19 @@ def run(*command: str, cwd: Path | None = None) -> subprocess.CompletedProcess[s
     # Ray would report usage, and listen on all interfaces.
     env = {**os.environ, "RAY_USAGE_STATS_ENABLED": "0", "RAY_ENABLE_WINDOWS_OR_OSX_CLUSTER": "0"}
     return subprocess.run(
-        [sys.executable, *command], check=False, capture_output=True, text=True, timeout=600, cwd=cwd, env=env
+        [sys.executable, *command],
+        check=False,
+        capture_output=True,
+        text=True,
+        timeout=600,
+        cwd=cwd,
+        env=env,
     )
 
 
-@pytest.mark.parametrize(("module", "name"), [*NAMES, (batches, "")], ids=lambda part: getattr(part, "__name__", part))
+@pytest.mark.parametrize(
+    ("module", "name"), [*NAMES, (batches, "")], ids=lambda part: getattr(part, "__name__", part)
+)
 def test_docstring(
     module: ModuleType,
     name: str,
@@ -78,7 +86,9 @@ def test_without_a_cluster_of_dask(tmp_path: Path) -> None:
     (tmp_path / "programs.jsonl").write_text("{}")
     script = "import iiwasim.dask; iiwasim.dask.plan('programs.jsonl', 'figures')"
     done = run("-c", script, cwd=tmp_path)
-    assert done.stderr.splitlines()[-1].endswith("make a `distributed.Client`, or give one as `client`")
+    assert done.stderr.splitlines()[-1].endswith(
+        "make a `distributed.Client`, or give one as `client`"
+    )
 
 
 @pytest.mark.parametrize(

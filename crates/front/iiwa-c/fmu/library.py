@@ -47,7 +47,12 @@ class Failure(Exception):
 
     def __init__(self, error):
         super().__init__(error.message.decode())
-        self.status, self.line, self.column, self.motion = error.status, error.line, error.column, error.motion
+        self.status, self.line, self.column, self.motion = (
+            error.status,
+            error.line,
+            error.column,
+            error.motion,
+        )
 
 
 class Library:

@@ -17,7 +17,11 @@ from pathlib import Path
 from library import Failure, Library
 
 # As FMI 3.0 names systems, with the endings of their libraries.
-SYSTEMS = {"Linux": ("linux", ".so"), "Windows": ("windows", ".dll"), "Darwin": ("darwin", ".dylib")}
+SYSTEMS = {
+    "Linux": ("linux", ".so"),
+    "Windows": ("windows", ".dll"),
+    "Darwin": ("darwin", ".dylib"),
+}
 MACHINES = {"x86_64": "x86_64", "AMD64": "x86_64", "aarch64": "aarch64", "arm64": "aarch64"}
 ROOT = Path(__file__).resolve().parents[4]
 
@@ -28,7 +32,9 @@ def own_platform():
 
 
 def built_library():
-    name = {"Windows": "iiwasim.dll", "Darwin": "libiiwasim.dylib"}.get(platform.system(), "libiiwasim.so")
+    name = {"Windows": "iiwasim.dll", "Darwin": "libiiwasim.dylib"}.get(
+        platform.system(), "libiiwasim.so"
+    )
     return ROOT / "target/release" / name
 
 
@@ -48,12 +54,16 @@ def pack(fmu, program, library, also=(), **options):
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("program", type=Path)
     parser.add_argument("-o", "--output", type=Path)
     parser.add_argument("--library", type=Path, default=built_library())
     parser.add_argument("--also", action="append", default=[], metavar="PLATFORM=LIBRARY")
-    parser.add_argument("--robot", help="a built-in robot, or the file of a profile; else the program's")
+    parser.add_argument(
+        "--robot", help="a built-in robot, or the file of a profile; else the program's"
+    )
     parser.add_argument("--timing", choices=["sunrise", "jerk", "acceleration"], default="sunrise")
     options = parser.parse_args()
     fmu = options.output or Path(options.program.with_suffix(".fmu").name)
@@ -61,7 +71,9 @@ def main():
     known = [system for system, _ in SYSTEMS.values()]
     for entry in also:
         if len(entry) != 2 or entry[0].split("-")[-1] not in known:
-            parser.error(f"--also {'='.join(entry)}: it has to be PLATFORM=LIBRARY, as x86_64-windows=iiwasim.dll")
+            parser.error(
+                f"--also {'='.join(entry)}: it has to be PLATFORM=LIBRARY, as x86_64-windows=iiwasim.dll"
+            )
     robot = options.robot
     try:
         if robot and Path(robot).is_file():

@@ -19,7 +19,9 @@ BAD_AT = (3, 45)
 
 
 def run(*command, code=0, **options):
-    done = subprocess.run([str(part) for part in command], capture_output=True, text=True, check=False, **options)
+    done = subprocess.run(
+        [str(part) for part in command], capture_output=True, text=True, check=False, **options
+    )
     if done.returncode != code:
         raise SystemExit(
             f"{' '.join(map(str, command))}: exit code {done.returncode}, expected {code}\n{done.stdout}{done.stderr}"
@@ -68,9 +70,21 @@ def check(library, program, loaded, folder):
     archive = library.with_suffix(".a")
     if archive.is_file():
         source = CRATE / "examples/cmake/plan.c"
-        private = re.search(r"^Libs.private: (.*)$", (CRATE / "iiwasim.pc").read_text(), re.MULTILINE)[1].split()
+        private = re.search(
+            r"^Libs.private: (.*)$", (CRATE / "iiwasim.pc").read_text(), re.MULTILINE
+        )[1].split()
         static = folder / "plan_static"
-        run("gcc", "-std=c11", *STRICT, f"-I{header.parent}", source, archive, *private, "-o", static)
+        run(
+            "gcc",
+            "-std=c11",
+            *STRICT,
+            f"-I{header.parent}",
+            source,
+            archive,
+            *private,
+            "-o",
+            static,
+        )
         assert run(static, program).stdout.splitlines() == printed
         print("linked with the archive, it prints the same")
 
@@ -78,7 +92,12 @@ def check(library, program, loaded, folder):
     check_fmu_memory(library, program, loaded, folder)
 
 
-VALGRIND = "valgrind", "--error-exitcode=99", "--leak-check=full", "--show-leak-kinds=definite,indirect,possible"
+VALGRIND = (
+    "valgrind",
+    "--error-exitcode=99",
+    "--leak-check=full",
+    "--show-leak-kinds=definite,indirect,possible",
+)
 
 
 def check_memory(plan_c, program, folder):
@@ -89,7 +108,9 @@ def check_memory(plan_c, program, folder):
         assert "ERROR SUMMARY: 0 errors" in done.stderr, done.stderr
         if file == bad:
             line, column = BAD_AT
-            assert f"{bad}:{line}:{column}: motion 2: joint A4 is at 130 deg" in done.stderr, done.stderr
+            assert f"{bad}:{line}:{column}: motion 2: joint A4 is at 130 deg" in done.stderr, (
+                done.stderr
+            )
     print("valgrind: no error and no leak, of a plan, a refused program and a missing file")
 
 
@@ -108,5 +129,7 @@ def check_fmu_memory(library, program, loaded, folder):
     done = run(*VALGRIND, fmu, token, folder / "resources", 80, env=environment)
     assert "ERROR SUMMARY: 0 errors" in done.stderr, done.stderr
     one, other, again = map(float, done.stdout.split())
-    assert abs(one - planned[0]) <= 1e-12 and abs(other - planned[1]) <= 1e-12 and again == other, done.stdout
+    assert abs(one - planned[0]) <= 1e-12 and abs(other - planned[1]) <= 1e-12 and again == other, (
+        done.stdout
+    )
     print("valgrind: no error and no leak, of two instances of an FMU")

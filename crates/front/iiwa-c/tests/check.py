@@ -33,15 +33,24 @@ WITH_FILES = """{ "version": 1, "robot": "own.json", "include": "cell.json", "to
 
 
 def main():
-    binary = Path(sys.argv[1] if len(sys.argv) > 1 else ROOT / "target/release/libiiwasim.so").resolve()
+    binary = Path(
+        sys.argv[1] if len(sys.argv) > 1 else ROOT / "target/release/libiiwasim.so"
+    ).resolve()
     began = time.monotonic()
     library = Library(binary)
-    fixtures = [ROOT / "fixtures" / f"{name}.json" for name in ("appendix-b", "waits-and-stops", "pick-and-place")]
+    fixtures = [
+        ROOT / "fixtures" / f"{name}.json"
+        for name in ("appendix-b", "waits-and-stops", "pick-and-place")
+    ]
     with tempfile.TemporaryDirectory(prefix="iiwa-c-") as name:
         folder = Path(name)
         c_programs.check(binary, fixtures[0], library, folder)
         refusals.check(library, folder)
-        for file, text in [("cell.json", CELL), ("own.json", PROFILE), ("with-files.json", WITH_FILES)]:
+        for file, text in [
+            ("cell.json", CELL),
+            ("own.json", PROFILE),
+            ("with-files.json", WITH_FILES),
+        ]:
             (folder / file).write_text(text)
         for number, program in enumerate([*fixtures, folder / "with-files.json"]):
             own = folder / str(number)

@@ -5,7 +5,12 @@ import zipfile
 import numpy as np
 from fmpy import extract, read_model_description, simulate_fmu
 from fmpy.fmi1 import FMICallException
-from fmpy.fmi3 import FMU3Slave, fmi3IntermediateUpdateCallback, fmi3LogMessageCallback, fmi3ValueReference
+from fmpy.fmi3 import (
+    FMU3Slave,
+    fmi3IntermediateUpdateCallback,
+    fmi3LogMessageCallback,
+    fmi3ValueReference,
+)
 from fmpy.validation import validate_fmu
 from pack import pack
 
@@ -67,7 +72,9 @@ def check(library, binary, program, folder):
     largest = max(results.values())
     assert largest <= TOLERANCE, results
     megabytes = fmu.stat().st_size / 1e6
-    print(f"{fmu.name}: {megabytes:.1f} MB, FMPy has found no problem; outputs differ by at most {largest:.1e}")
+    print(
+        f"{fmu.name}: {megabytes:.1f} MB, FMPy has found no problem; outputs differ by at most {largest:.1e}"
+    )
 
 
 def at_full_speed(library, plan, fmu, cycle_s, start_s):
@@ -82,8 +89,12 @@ def at_full_speed(library, plan, fmu, cycle_s, start_s):
 def at_half_speed(library, plan, fmu, cycle_s):
     result = simulate(fmu, [(0.0, True, 0.5)], 2 * cycle_s + 0.2)
     done_s = result["time"][np.argmax(result["done"])]
-    assert 0.0 <= done_s - 2 * cycle_s < STEP_S + 1e-9, f"done at {done_s} s, the cycle time is {cycle_s} s"
-    return difference(library, plan, result, np.clip(0.5 * result["time"], 0, cycle_s), np.full(len(result), 0.5))
+    assert 0.0 <= done_s - 2 * cycle_s < STEP_S + 1e-9, (
+        f"done at {done_s} s, the cycle time is {cycle_s} s"
+    )
+    return difference(
+        library, plan, result, np.clip(0.5 * result["time"], 0, cycle_s), np.full(len(result), 0.5)
+    )
 
 
 def overrides(library, plan, fmu, cycle_s):
@@ -100,7 +111,13 @@ def overrides(library, plan, fmu, cycle_s):
 def begun_again(library, plan, fmu, cycle_s):
     """What rises while the program runs is ignored; after its end it begins anew."""
     again_s = round(cycle_s + 0.5, 3)
-    inputs = [(0.0, True, 1.0), (0.2, False, 1.0), (0.3, True, 1.0), (cycle_s + 0.1, False, 1.0), (again_s, True, 1.0)]
+    inputs = [
+        (0.0, True, 1.0),
+        (0.2, False, 1.0),
+        (0.3, True, 1.0),
+        (cycle_s + 0.1, False, 1.0),
+        (again_s, True, 1.0),
+    ]
     result = simulate(fmu, inputs, again_s + cycle_s + 0.1)
     t = result["time"]
     # At the instant itself the outputs are those of the step before.
@@ -116,7 +133,9 @@ class ByHand:
     def __init__(self, fmu, folder, begins=True):
         self.folder = extract(str(fmu), unzipdir=str(folder))
         self.description = read_model_description(self.folder)
-        self.reference = {variable.name: variable.valueReference for variable in self.description.modelVariables}
+        self.reference = {
+            variable.name: variable.valueReference for variable in self.description.modelVariables
+        }
         self.messages = []
         self.slave = FMU3Slave(
             guid=self.description.instantiationToken,
@@ -209,7 +228,11 @@ def refusals(one):
     slave, reference = one.slave, one.reference
     discard, error = 2, 3
     for value in (-0.1, 1.5, float("nan"), float("inf")):
-        one.refused("override is", discard, lambda value=value: slave.setFloat64([reference["override"]], [value]))
+        one.refused(
+            "override is",
+            discard,
+            lambda value=value: slave.setFloat64([reference["override"]], [value]),
+        )
     q1 = reference["q[1]"]
     one.refused("q[1] is no input", error, lambda: slave.setFloat64([q1], [0.0]))
     one.refused("q[1] is of another type", error, lambda: slave.getBoolean([q1]))
@@ -242,7 +265,9 @@ def check_two_programs(library, binary, programs, folder):
         largest = max(largest, np.abs(instance.q() - planned).max())
         instance.close()
     assert largest <= TOLERANCE, largest
-    print(f"{len(programs)} FMUs of different programs in one process differ by at most {largest:.1e}")
+    print(
+        f"{len(programs)} FMUs of different programs in one process differ by at most {largest:.1e}"
+    )
 
 
 def check_altered(binary, program, folder):
@@ -260,7 +285,15 @@ def check_altered(binary, program, folder):
     resources = f"{altered.folder}/resources/".encode()
     none = (fmi3ValueReference * 0)()
     made = altered.slave.fmi3InstantiateCoSimulation(
-        b"altered", token, resources, *[False] * 4, none, 0, None, altered.callback(), fmi3IntermediateUpdateCallback()
+        b"altered",
+        token,
+        resources,
+        *[False] * 4,
+        none,
+        0,
+        None,
+        altered.callback(),
+        fmi3IntermediateUpdateCallback(),
     )
     assert made is None and "make the FMU anew" in altered.messages[0][1], altered.messages
     print("an FMU with other resources is refused")

@@ -35,7 +35,11 @@ def check(library: Library, folder):
     cases = 0
     for arguments in [
         (ARGUMENT, "json is NULL", lambda: library.call("iiwasim_program_from_json", None, place)),
-        (ARGUMENT, "program is NULL", lambda: library.call("iiwasim_program_from_json", GOOD, None)),
+        (
+            ARGUMENT,
+            "program is NULL",
+            lambda: library.call("iiwasim_program_from_json", GOOD, None),
+        ),
         (ARGUMENT, "json is no text in UTF-8", plan(b"\xff")),
         (ARGUMENT, "path is NULL", lambda: library.call("iiwasim_program_load", None, place)),
         (ARGUMENT, "program is NULL", lambda: library.call("iiwasim_plan", None, None, place)),
@@ -58,8 +62,16 @@ def check(library: Library, folder):
             (ARGUMENT, "rate_hz is inf", lambda: sample(library, loaded, math.inf, state, 1)),
             (ARGUMENT, "room for 1", lambda: sample(library, loaded, 100.0, state, 1)),
             (ARGUMENT, "states is NULL", lambda: sample(library, loaded, 100.0, None, 9)),
-            (ARGUMENT, "json is NULL", lambda: library.call("iiwasim_plan_figures_json", loaded, None)),
-            (ARGUMENT, "the model's name", lambda: library.text("iiwasim_plan_fmu_json", loaded, b"a\nb")),
+            (
+                ARGUMENT,
+                "json is NULL",
+                lambda: library.call("iiwasim_plan_figures_json", loaded, None),
+            ),
+            (
+                ARGUMENT,
+                "the model's name",
+                lambda: library.text("iiwasim_plan_fmu_json", loaded, b"a\nb"),
+            ),
         ]:
             refused(*arguments)
             cases += 1

@@ -65,7 +65,9 @@ function linkPoses(q) {
   let j = 0;
   for (const joint of model.joints) {
     const turn = joint.moves ? q[j++] : 0;
-    poses.push(product(product(poses[poses.length - 1], joint.origin), placed([0, 0, 0], [0, 0, turn])));
+    poses.push(
+      product(product(poses[poses.length - 1], joint.origin), placed([0, 0, 0], [0, 0, turn])),
+    );
   }
   return poses;
 }
@@ -224,7 +226,10 @@ function cuboid(size) {
         shape.normals.push(normal);
       }
       shape.triangles.push(...[0, 1, 2, 0, 2, 3].map((k) => first + k));
-      shape.edges.push([at(axis, -1, side, -1), at(axis, 1, side, -1)], [at(axis, -1, side, 1), at(axis, 1, side, 1)]);
+      shape.edges.push(
+        [at(axis, -1, side, -1), at(axis, 1, side, -1)],
+        [at(axis, -1, side, 1), at(axis, 1, side, 1)],
+      );
     }
   }
   return shape;
@@ -236,7 +241,9 @@ function polyhedron(corners, triangles) {
   for (const triangle of triangles) {
     const [a, b, c] = triangle.map((corner) => corners[corner]);
     const [u, v] = [b, c].map((it) => it.map((value, i) => value - a[i]));
-    const across = [0, 1, 2].map((i) => u[(i + 1) % 3] * v[(i + 2) % 3] - u[(i + 2) % 3] * v[(i + 1) % 3]);
+    const across = [0, 1, 2].map(
+      (i) => u[(i + 1) % 3] * v[(i + 2) % 3] - u[(i + 2) % 3] * v[(i + 1) % 3],
+    );
     const length = Math.hypot(...across) || 1;
     for (const corner of [a, b, c]) {
       shape.triangles.push(shape.positions.length);

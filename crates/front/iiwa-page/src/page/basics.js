@@ -41,7 +41,9 @@ function number(value, decimals) {
 /** A length or an angle that is not negative: what the decimals do not show is said to be below them. */
 function atLeast(value, decimals, unit) {
   const least = 10 ** -decimals;
-  return value > 0 && value < least ? `below ${least} ${unit}` : `${number(value, decimals)} ${unit}`;
+  return value > 0 && value < least
+    ? `below ${least} ${unit}`
+    : `${number(value, decimals)} ${unit}`;
 }
 
 /** The page's colours: as CSS has them for canvases, or as three numbers for the 3D view. */

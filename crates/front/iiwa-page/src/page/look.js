@@ -23,7 +23,9 @@ function unpackLook({ links, is_closed }) {
       link,
       positions: new Uint16Array(unpack(it.positions)),
       normals: new Uint16Array(unpack(it.normals)),
-      triangles: it.is_large ? new Uint32Array(unpack(it.triangles)) : new Uint16Array(unpack(it.triangles)),
+      triangles: it.is_large
+        ? new Uint32Array(unpack(it.triangles))
+        : new Uint16Array(unpack(it.triangles)),
     })),
   );
   // The largest come first: they are what throws a shadow that can be seen.
@@ -33,12 +35,23 @@ function unpackLook({ links, is_closed }) {
   const floats = new Float32Array(10 * sum((part) => part.positions.length / 3));
   const triangles = new Uint32Array(sum((part) => part.triangles.length));
   let [first, next, casting] = [0, 0, 0];
-  for (const { link, paint, low_m: low, size_m: size, positions, normals, triangles: corners } of parts) {
+  for (const {
+    link,
+    paint,
+    low_m: low,
+    size_m: size,
+    positions,
+    normals,
+    triangles: corners,
+  } of parts) {
     const count = positions.length / 3;
     for (let i = 0; i < count; i++) {
       const at = 10 * (first + i);
       for (let k = 0; k < 3; k++) floats[at + k] = low[k] + (size[k] * positions[3 * i + k]) / FULL;
-      floats.set(folded((2 * normals[2 * i]) / FULL - 1, (2 * normals[2 * i + 1]) / FULL - 1), at + 3);
+      floats.set(
+        folded((2 * normals[2 * i]) / FULL - 1, (2 * normals[2 * i + 1]) / FULL - 1),
+        at + 3,
+      );
       for (let k = 0; k < 3; k++) floats[at + 6 + k] = lightOf(paint[k] / 255);
       floats[at + 9] = link;
     }

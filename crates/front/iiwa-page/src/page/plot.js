@@ -176,7 +176,8 @@ function drawCurves(canvas, curves, window_, theme, options = {}) {
   const range = fromZero ? [0, high + room * span || 1] : [low - room * span, high + room * span];
   const axis = axes(context, size, window_, range, theme, withTimes);
   clipped(context, axis);
-  for (const { value, text, colour = "blend" } of levels) levelLine(context, axis, value, text, theme[colour]);
+  for (const { value, text, colour = "blend" } of levels)
+    levelLine(context, axis, value, text, theme[colour]);
   context.lineJoin = "round";
   for (const { t_s, low, high, of = 1, at = 0, colour, factor = 1, under = false } of curves) {
     context.globalAlpha = under ? 0.4 : 1;

@@ -111,22 +111,35 @@ function makeScene(canvas) {
     // A cross of axes each: x red, y green, z blue.
     const AXIS_M = 0.05;
     const crosses = contents.frames.flatMap(({ position_m: at, rotation }) =>
-      AXES.map((colour, axis) => [at, at.map((v, i) => v + AXIS_M * rotation[i][axis]), [...colour, 1]]),
+      AXES.map((colour, axis) => [
+        at,
+        at.map((v, i) => v + AXIS_M * rotation[i][axis]),
+        [...colour, 1],
+      ]),
     );
     frames = crosses.length ? strip(crosses) : null;
     ways = contents.ways.map(({ places, kinds, width }) => ({
       width,
       mesh: strip(
-        places.slice(1).flatMap((to, i) => (kinds[i + 1] ? [[places[i], to, [...theme[kinds[i + 1]], 1]]] : [])),
+        places
+          .slice(1)
+          .flatMap((to, i) => (kinds[i + 1] ? [[places[i], to, [...theme[kinds[i + 1]], 1]]] : [])),
       ),
     }));
     obstacles = contents.obstacles.map(({ shape, origin }) => ({
       mesh: solid([{ shape, origin, colour: theme.soft }]),
-      edges: strip(shape.edges.map((ends) => [...ends.map((end) => transformed(origin, end)), [...theme.soft, 0.9]])),
+      edges: strip(
+        shape.edges.map((ends) => [
+          ...ends.map((end) => transformed(origin, end)),
+          [...theme.soft, 0.9],
+        ]),
+      ),
       alpha: shape.endless ? 0.07 : 0.24,
     }));
     const flange = model.joints.length;
-    carried = contents.tool.map(({ shape, origin }) => solid([{ shape, origin, colour: theme.settle, link: flange }]));
+    carried = contents.tool.map(({ shape, origin }) =>
+      solid([{ shape, origin, colour: theme.settle, link: flange }]),
+    );
   }
 
   const drawArm = (poses, count) => {
@@ -152,7 +165,8 @@ function makeScene(canvas) {
   const fillWith = (colour, alpha) => {
     gl.uniform4f(use(flats).colour, ...colour, alpha);
   };
-  const place = (matrix) => gl.uniformMatrix4fv(painter.program.uniforms["links[0]"], false, matrix);
+  const place = (matrix) =>
+    gl.uniformMatrix4fv(painter.program.uniforms["links[0]"], false, matrix);
   const beadAt = (p, radius, mesh = bead) => {
     place(new Float32Array([radius, 0, 0, 0, 0, radius, 0, 0, 0, 0, radius, 0, ...p, 1]));
     draw(mesh);
@@ -164,7 +178,8 @@ function makeScene(canvas) {
     const ratio = Math.min(window.devicePixelRatio || 1, 2) * sharpness;
     const width = Math.max(1, Math.round(canvas.clientWidth * ratio));
     const height = Math.max(1, Math.round(canvas.clientHeight * ratio));
-    if (canvas.width !== width || canvas.height !== height) [canvas.width, canvas.height] = [width, height];
+    if (canvas.width !== width || canvas.height !== height)
+      [canvas.width, canvas.height] = [width, height];
     const all = arms.map(({ q, ghost, tool }) => ({ poses: linkPoses(q), ghost, tool }));
     const solidOnes = all.filter(({ ghost }) => !ghost);
     if (!standing.length && all.length) {
@@ -182,7 +197,8 @@ function makeScene(canvas) {
     gl.enable(gl.BLEND);
     gl.blendFunc(gl.ONE, gl.ONE_MINUS_SRC_ALPHA);
 
-    for (const each of [solids, flats, lines, floors]) gl.uniformMatrix4fv(use(each).camera, false, matrix);
+    for (const each of [solids, flats, lines, floors])
+      gl.uniformMatrix4fv(use(each).camera, false, matrix);
     gl.uniform2f(use(lines).pixels, width / 2, height / 2);
     const drawLines = (mesh, px) => {
       gl.uniform1f(use(lines).width, (px * ratio) / 2);
@@ -249,7 +265,8 @@ function makeScene(canvas) {
     }
     for (const { edges } of obstacles) drawLines(edges, 1.5);
     shade(theme.blend, 1, 0.2);
-    for (const corner of contents.corners) if (corner.radius_m) beadAt(corner.target_m, corner.radius_m, ball);
+    for (const corner of contents.corners)
+      if (corner.radius_m) beadAt(corner.target_m, corner.radius_m, ball);
     gl.depthMask(true);
     // Where both arms are in one place, the solid one is seen: ghosts are a little thinner.
     const swell = (m) => {
@@ -280,10 +297,17 @@ function makeScene(canvas) {
     const REST_MS = 250;
     const rounded = gap?.map((end) => end.map((v) => Math.round(v * 5000)));
     const size = [canvas.clientWidth, canvas.clientHeight, window.devicePixelRatio];
-    const text = JSON.stringify([arms.map(({ ghost, tool }) => [ghost, tool]), rounded, size, sight.state(), changes]);
+    const text = JSON.stringify([
+      arms.map(({ ghost, tool }) => [ghost, tool]),
+      rounded,
+      size,
+      sight.state(),
+      changes,
+    ]);
     const q = arms.map((each) => Array.from(each.q));
     const stands =
-      text === last.text && q.every((joints, i) => joints.every((v, j) => Math.abs(v - last.q[i][j]) < STILL_RAD));
+      text === last.text &&
+      q.every((joints, i) => joints.every((v, j) => Math.abs(v - last.q[i][j]) < STILL_RAD));
     if (!stands) {
       last = { text, q, since: now, isSharp: sharpness === 1 };
       show(arms, gap);

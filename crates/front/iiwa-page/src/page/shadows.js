@@ -17,7 +17,9 @@ function makeShadows(painter, drawArm) {
   const blur = compiled(BLUR_VERTEX, BLUR_FRAGMENT);
   const square = painter.upload([["corner", 2]], QUAD);
   const depths = painter.picture(768, true);
-  const [cast, between, near, far] = [256, 128, 128, 128].map((size) => painter.picture(size, false));
+  const [cast, between, near, far] = [256, 128, 128, 128].map((size) =>
+    painter.picture(size, false),
+  );
   const made = { depths, near, far, sun: new Float32Array(16), patch: [0, 0, 1] };
   let before = "";
   let isLate = false;
@@ -25,7 +27,9 @@ function makeShadows(painter, drawArm) {
   /** As the light sees the arms: to a box of so much around a middle. */
   const seenFrom = (middle, reach) => {
     const side = [-KEY[1], KEY[0], 0].map((v) => v / Math.hypot(KEY[0], KEY[1]));
-    const up = [0, 1, 2].map((i) => KEY[(i + 1) % 3] * side[(i + 2) % 3] - KEY[(i + 2) % 3] * side[(i + 1) % 3]);
+    const up = [0, 1, 2].map(
+      (i) => KEY[(i + 1) % 3] * side[(i + 2) % 3] - KEY[(i + 2) % 3] * side[(i + 1) % 3],
+    );
     const matrix = new Float32Array(16);
     [side, up, KEY.map((v) => -v)].forEach((axis, row) => {
       axis.forEach((v, column) => {
@@ -68,7 +72,9 @@ function makeShadows(painter, drawArm) {
   const castOnFloor = (arms, places) => {
     // On the floor, that of each joint is where its own is.
     const cast_ = places.map((place) => [0, 1].map((i) => place[i] - (KEY[i] / KEY[2]) * place[2]));
-    const [x, y] = [0, 1].map((i) => cast_.map((place) => place[i])).map((all) => [Math.min(...all), Math.max(...all)]);
+    const [x, y] = [0, 1]
+      .map((i) => cast_.map((place) => place[i]))
+      .map((all) => [Math.min(...all), Math.max(...all)]);
     const half = Math.max(x[1] - x[0], y[1] - y[0]) / 2 + 0.45;
     made.patch = [(x[0] + x[1]) / 2, (y[0] + y[1]) / 2, half];
 
@@ -94,7 +100,11 @@ function makeShadows(painter, drawArm) {
       on the floor change every other time. */
   made.cast = (arms, changes, isQuick) => {
     const places = arms.flatMap(({ poses }) => poses.map((pose) => Array.from(pose.slice(12, 15))));
-    const now = [changes, isQuick, ...arms.map(({ poses }) => poses.map((pose) => pose.join()).join())].join(";");
+    const now = [
+      changes,
+      isQuick,
+      ...arms.map(({ poses }) => poses.map((pose) => pose.join()).join()),
+    ].join(";");
     if (now === before) return;
     before = now;
     const ROOM_M = 0.2;

@@ -36,7 +36,8 @@ function makeSight(canvas) {
     const MOST = 400;
     const thinned = (all) => all.filter((_, i) => i % Math.ceil(all.length / MOST) === 0);
     points = [[0, 0, 0.05], ...standing];
-    for (const { places, joints } of contents.ways) points.push(...thinned(places), ...thinned(joints));
+    for (const { places, joints } of contents.ways)
+      points.push(...thinned(places), ...thinned(joints));
     // Without a way, the arm may go anywhere near.
     const REACH_M = 0.4;
     const around = [-REACH_M, REACH_M].flatMap((v) => [
@@ -51,7 +52,9 @@ function makeSight(canvas) {
     for (const { shape, origin } of contents.obstacles) {
       if (shape.endless) continue;
       for (const corner of shape.positions) {
-        points.push(transformed(origin, corner).map((v, i) => Math.min(Math.max(v, box[i][0]), box[i][1])));
+        points.push(
+          transformed(origin, corner).map((v, i) => Math.min(Math.max(v, box[i][0]), box[i][1])),
+        );
       }
     }
     fitted = null;
@@ -73,10 +76,15 @@ function makeSight(canvas) {
     const spans = axes.map((axis) => points.map((p) => along(axis, p)));
     const ROOM_M = 0.13;
     const middles = spans.map((all) => (Math.min(...all) + Math.max(...all)) / 2);
-    const middle = [0, 1, 2].map((i) => axes.reduce((sum, axis, k) => sum + axis[i] * middles[k], 0));
+    const middle = [0, 1, 2].map((i) =>
+      axes.reduce((sum, axis, k) => sum + axis[i] * middles[k], 0),
+    );
     const needed = points.map((_, k) => {
       const [x, y, z] = spans.map((all, i) => all[k] - middles[i]);
-      return z + Math.max((Math.abs(x) + ROOM_M) / (LENS * aspect), (Math.abs(y) + ROOM_M) / (LENS * across));
+      return (
+        z +
+        Math.max((Math.abs(x) + ROOM_M) / (LENS * aspect), (Math.abs(y) + ROOM_M) / (LENS * across))
+      );
     });
     return { middle, far: Math.max(...needed), aspect, share };
   }
@@ -84,7 +92,8 @@ function makeSight(canvas) {
   /** What fits, for the canvas as it is now. */
   function fitting() {
     const now = frame();
-    const isSame = fitted && ["aspect", "share"].every((name) => Math.abs(fitted[name] - now[name]) < 1e-6);
+    const isSame =
+      fitted && ["aspect", "share"].every((name) => Math.abs(fitted[name] - now[name]) < 1e-6);
     if (!isSame) fitted = fit(view.fitted, now);
     return { ...fitted, far: fitted.far / view.nearer };
   }

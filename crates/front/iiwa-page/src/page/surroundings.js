@@ -7,7 +7,24 @@ function posed([x, y, z], rows) {
     [0, 1, 0],
     [0, 0, 1],
   ];
-  return new Float32Array([a[0], b[0], c[0], 0, a[1], b[1], c[1], 0, a[2], b[2], c[2], 0, x, y, z, 1]);
+  return new Float32Array([
+    a[0],
+    b[0],
+    c[0],
+    0,
+    a[1],
+    b[1],
+    c[1],
+    0,
+    a[2],
+    b[2],
+    c[2],
+    0,
+    x,
+    y,
+    z,
+    1,
+  ]);
 }
 
 /** The obstacles of a scene in the frame of the base, its tool's shapes in that of the flange. */
@@ -21,7 +38,10 @@ function surroundings(scene) {
     // The part of a plane that is nearest to the base.
     const n = it.normal;
     const away = n.reduce((sum, v, i) => sum + v * it.point_m[i], 0);
-    const turn = placed([0, 0, 0], [0, Math.acos(Math.min(Math.max(n[2], -1), 1)), Math.atan2(n[1], n[0])]);
+    const turn = placed(
+      [0, 0, 0],
+      [0, Math.acos(Math.min(Math.max(n[2], -1), 1)), Math.atan2(n[1], n[0])],
+    );
     return { shape: sheet(2.4), origin: product(posed(n.map((v) => v * away)), turn) };
   };
   return { obstacles: (scene?.obstacles || []).map(shaped), tool: (scene?.tool || []).map(shaped) };

@@ -56,7 +56,8 @@ function makeTurnable(canvas, scene, changed) {
   );
 
   const view = canvas.parentElement;
-  const fill = () => (document.fullscreenElement ? document.exitFullscreen() : view.requestFullscreen());
+  const fill = () =>
+    document.fullscreenElement ? document.exitFullscreen() : view.requestFullscreen();
   if (!view.requestFullscreen) $("look-full").hidden = true;
   document.addEventListener("fullscreenchange", () => {
     const isFull = document.fullscreenElement === view;

@@ -18,7 +18,8 @@ function ownLimits(key) {
     if (!shares || shares.every((share) => share === 1)) continue;
     const last = runs[runs.length - 1];
     // Neighbours with the same limits have one band.
-    if (last && last.to === start_s && last.shares.every((share, j) => share === shares[j])) last.to = end_s;
+    if (last && last.to === start_s && last.shares.every((share, j) => share === shares[j]))
+      last.to = end_s;
     else runs.push({ from: start_s, to: end_s, shares });
   }
   return runs;
@@ -65,7 +66,10 @@ function drawQuantity(canvas, quantity, state, theme, withTimes) {
     for (const j of shown) {
       const [factor, shift] = [scale(j), offset(j)];
       for (let i = from; i < to; i++) {
-        const [low, high] = [curve.low[7 * i + j] * factor + shift, curve.high[7 * i + j] * factor + shift];
+        const [low, high] = [
+          curve.low[7 * i + j] * factor + shift,
+          curve.high[7 * i + j] * factor + shift,
+        ];
         const value = Math.max(Math.abs(low), Math.abs(high));
         if (value * 1.06 > most) most = value * 1.06;
       }
@@ -127,7 +131,9 @@ function drawQuantity(canvas, quantity, state, theme, withTimes) {
     const curve = arm[quantity.key];
     for (const j of shown) {
       context.strokeStyle = theme.joints[j];
-      trace(context, curve.t_s, curve.low, curve.high, 7, j, state.window, x, (v) => y(v * scale(j) + offset(j)));
+      trace(context, curve.t_s, curve.low, curve.high, 7, j, state.window, x, (v) =>
+        y(v * scale(j) + offset(j)),
+      );
     }
   });
   context.globalAlpha = 1;
@@ -170,7 +176,8 @@ function drawTimeline(canvas, state, theme) {
   const size = cleared(canvas);
   const { context } = size;
   const [left, right] = [LEFT, size.width - RIGHT];
-  const x = (t) => left + ((t - state.window.from) / (state.window.to - state.window.from)) * (right - left);
+  const x = (t) =>
+    left + ((t - state.window.from) / (state.window.to - state.window.from)) * (right - left);
   const [top, bottom] = [4, size.height - 18];
   context.save();
   context.beginPath();

@@ -8,10 +8,12 @@ for (const arm of report.arms) {
   for (const name of ["position", "velocity", "acceleration", "jerk", "snap", "torque"])
     arm[name] = unpackCurve(arm[name]);
   if (arm.speed) arm.speed = unpackCurve(arm.speed);
-  for (const it of [arm.clearance, arm.self_clearance]) if (it) it.distance = unpackCurve(it.distance);
+  for (const it of [arm.clearance, arm.self_clearance])
+    if (it) it.distance = unpackCurve(it.distance);
 }
 const { compared } = report;
-for (const name of ["tcp_mm", "joints_mrad"]) if (compared) compared[name] = unpackCurve(compared[name]);
+for (const name of ["tcp_mm", "joints_mrad"])
+  if (compared) compared[name] = unpackCurve(compared[name]);
 
 const startS = Math.min(...report.arms.map((arm) => arm.start_s));
 const endS = Math.max(...report.arms.map((arm) => arm.end_s), startS + 1e-3);
@@ -47,7 +49,8 @@ function pieceAt(t) {
 const [first, second] = report.arms;
 const isPlan = first.role === "plan";
 /** What an arm is called where both are shown. */
-const called = (arm) => (arm.role === "recording" ? "measured" : arm === second ? "other plan" : "plan");
+const called = (arm) =>
+  arm.role === "recording" ? "measured" : arm === second ? "other plan" : "plan";
 /** At first the page shows the plan, or everything there is. */
 const whole = isPlan
   ? { from: first.start_s, to: Math.max(first.end_s, first.start_s + 1e-3) }

@@ -3,9 +3,17 @@
 /** The torque of some motions that is the largest share of its limit. */
 function largestTorque(motions) {
   const all = motions.flatMap(({ index, torque }) =>
-    (torque?.peak_percent || []).map((percent, j) => ({ motion: index, joint: j + 1, percent, nm: torque.peak_nm[j] })),
+    (torque?.peak_percent || []).map((percent, j) => ({
+      motion: index,
+      joint: j + 1,
+      percent,
+      nm: torque.peak_nm[j],
+    })),
   );
-  return all.reduce((most, next) => (next.percent > most.percent ? next : most), all[0] || { percent: Number.NaN });
+  return all.reduce(
+    (most, next) => (next.percent > most.percent ? next : most),
+    all[0] || { percent: Number.NaN },
+  );
 }
 
 function writeHead() {
@@ -20,7 +28,8 @@ function writeHead() {
   const beside = second ? `; ${called(second)}: ${arm(second)}` : "";
   $("summary").textContent = summary[first.role] + beside;
   const list = $("figures");
-  if (figures.cycle_time_s !== undefined) figure(list, "Cycle time", seconds(Number(figures.cycle_time_s)));
+  if (figures.cycle_time_s !== undefined)
+    figure(list, "Cycle time", seconds(Number(figures.cycle_time_s)));
   else figure(list, "Duration", seconds(first.end_s - first.start_s));
   if (isPlan && figures.motion_time_s !== undefined) {
     figure(list, "in motion", seconds(figures.motion_time_s));
@@ -32,7 +41,11 @@ function writeHead() {
     const { joint, percent, motion } = largestTorque(report.figures.motions);
     const sum = (work) => number(Math.abs(work.reduce((a, b) => a + b, 0)), 0);
     figure(list, `largest torque: A${joint} in motion ${motion}`, `${number(percent, 0)} %`);
-    figure(list, "work of the joints, and back", `${sum(energy.positive)} J, ${sum(energy.negative)} J`);
+    figure(
+      list,
+      "work of the joints, and back",
+      `${sum(energy.positive)} J, ${sum(energy.negative)} J`,
+    );
     figure(list, `peak power, at ${number(power.at_s, 3)} s`, `${number(power.peak_w, 0)} W`);
   }
   const cycle = report.compared?.report.cycle_time;
@@ -49,14 +62,20 @@ function writeHead() {
       if (!clearance) continue;
       const { nearest } = clearance;
       const pair = `${pairText(nearest.link, nearest.other)} at ${number(nearest.at_s, 3)} s`;
-      figure(list, `${title}${of}: ${pair}`, nearest.distance_mm ? `${number(nearest.distance_mm, 1)} mm` : "touching");
+      figure(
+        list,
+        `${title}${of}: ${pair}`,
+        nearest.distance_mm ? `${number(nearest.distance_mm, 1)} mm` : "touching",
+      );
     }
   }
   for (const note of report.notes) $("notes").append(element("li", note));
   const methods = report.arms.map((it) => {
     const columns = Math.max(it.position.samples_a_column, it.velocity.samples_a_column);
     const thinned =
-      columns > 1 ? `; thinned out: each column spans from the lowest to the highest of ${columns} samples` : "";
+      columns > 1
+        ? `; thinned out: each column spans from the lowest to the highest of ${columns} samples`
+        : "";
     return `${it.file}: ${it.method}${thinned}.`;
   });
   if (second) methods.unshift(`Broad and pale: ${first.file}; thin: ${second.file}.`);
@@ -85,7 +104,10 @@ function writeLegends() {
   if (tcps.length) parts.push(["ink", "tool, from the flange to its TCP"]);
   if (frames.length) parts.push(["soft", "crosses of axes: frames; x red, y green, z blue"]);
   if (around.obstacles.length)
-    parts.push(["soft", "what stands around"], ["blend", "thick line: where the arm comes nearest to it"]);
+    parts.push(
+      ["soft", "what stands around"],
+      ["blend", "thick line: where the arm comes nearest to it"],
+    );
   if (around.tool.length) parts.push(["settle", "shapes of the tool"]);
   if (second)
     parts.push(
@@ -109,7 +131,8 @@ function writeLegends() {
   );
   document.querySelector(".track").hidden = report.pieces.length === 0;
   const bands = [["beyond", "beyond the robot's limits"]];
-  if (Object.keys(report.shares).length) bands.push(["own", "beyond the motion's own limits, if narrower"]);
+  if (Object.keys(report.shares).length)
+    bands.push(["own", "beyond the motion's own limits, if narrower"]);
   legend($("bands"), bands);
   $("torques").hidden = report.arms.every((arm) => !arm.torque.columns);
 }

@@ -21,7 +21,11 @@ if (!scene) {
   document
     .querySelector(".view")
     .replaceChildren(
-      element("p", "The 3D view needs WebGL 2, which this browser does not have. Everything else works.", "notes"),
+      element(
+        "p",
+        "The 3D view needs WebGL 2, which this browser does not have. Everything else works.",
+        "notes",
+      ),
     );
 }
 

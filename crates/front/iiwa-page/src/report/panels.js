@@ -36,7 +36,9 @@ function listChart(canvas, label, draw, readings = () => []) {
 
 /** Values of the arms with a curve, one text for all of them. */
 function valuesAt(of, decimals, unit) {
-  const texts = report.arms.map((arm) => number(of(arm), decimals)).filter((text) => text !== "\u2013");
+  const texts = report.arms
+    .map((arm) => number(of(arm), decimals))
+    .filter((text) => text !== "\u2013");
   return texts.length ? `${texts.join(" | ")} ${unit}` : "";
 }
 
@@ -55,7 +57,9 @@ function addQuantities() {
         const percent = asShare(quantity);
         const largest = drawQuantity(canvas, quantity, state, colours, last);
         const beyond =
-          percent && largest > MOST_PERCENT ? `, up to ${number(largest, 0)}, drawn up to ${MOST_PERCENT}` : "";
+          percent && largest > MOST_PERCENT
+            ? `, up to ${number(largest, 0)}, drawn up to ${MOST_PERCENT}`
+            : "";
         title.textContent = `${quantity.title}, ${percent ? "% of the limit" : quantity.unit}${beyond}`;
       },
       readings: (t) => {
@@ -97,13 +101,17 @@ function addDeviations() {
   ]) {
     const curve = { ...report.compared[key], colour: "measured" };
     const most = curve.high.reduce((a, b) => Math.max(a, b || 0), 0);
-    const title = most < LEAST_DEVIATION ? `${what}: below ${LEAST_DEVIATION} ${unit}` : `${what}, ${unit}`;
+    const title =
+      most < LEAST_DEVIATION ? `${what}: below ${LEAST_DEVIATION} ${unit}` : `${what}, ${unit}`;
     addChart($("deviations"), {
       title: element("h3", title),
       label: `${what} over time`,
       height: last ? 126 : 110,
       draw: (canvas, colours) =>
-        drawCurves(canvas, [curve], state.window, colours, { least: LEAST_DEVIATION, withTimes: last }),
+        drawCurves(canvas, [curve], state.window, colours, {
+          least: LEAST_DEVIATION,
+          withTimes: last,
+        }),
       readings: (t) => [["measured", "off by", atLeast(readingAt(curve, t, 0), 3, unit)]],
     });
   }
@@ -136,7 +144,11 @@ function addClearance(key, title, label) {
     readings: (t) => {
       const pair = pairAt(last, t);
       return [
-        ...curves.map((curve, i) => [curve.colour, called(arms[i]), `${number(1000 * readingAt(curve, t, 0), 1)} mm`]),
+        ...curves.map((curve, i) => [
+          curve.colour,
+          called(arms[i]),
+          `${number(1000 * readingAt(curve, t, 0), 1)} mm`,
+        ]),
         ["soft", "", pairText(pair.link, pair.other)],
       ];
     },
@@ -154,7 +166,11 @@ listChart(
   },
 );
 if (report.compared) addDeviations();
-addClearance("clearance", "Smallest distance of the arm from obstacles, mm", "Clearance of the arm over time");
+addClearance(
+  "clearance",
+  "Smallest distance of the arm from obstacles, mm",
+  "Clearance of the arm over time",
+);
 addClearance(
   "self_clearance",
   "Smallest distance of the arm from itself, mm",

@@ -45,7 +45,8 @@ function placesOver(arm, window_) {
     const isGap = Number.isNaN(readingAt(arm.position, t, 0, 7));
     const row = isGap ? gap : placeOf(arm, t);
     const before = rows.at(-1) || gap;
-    for (let k = 3; k < 6; k++) if (!Number.isNaN(before[k])) row[k] += 360 * Math.round((before[k] - row[k]) / 360);
+    for (let k = 3; k < 6; k++)
+      if (!Number.isNaN(before[k])) row[k] += 360 * Math.round((before[k] - row[k]) / 360);
     times.push(t);
     rows.push(row);
   }
@@ -114,7 +115,11 @@ function addPoint() {
             under: isUnder(i),
           })),
         );
-        drawCurves(canvas, curves, state.window, colours, { fromZero: false, least, withTimes: last });
+        drawCurves(canvas, curves, state.window, colours, {
+          fromZero: false,
+          least,
+          withTimes: last,
+        });
       },
       readings: (t) =>
         names.map((name, axis) => {

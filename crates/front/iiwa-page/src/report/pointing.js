@@ -84,7 +84,9 @@ function listenToChart(chart) {
     if (finger && (isTimeline || event.pointerType === "touch")) seek(t);
     else if (finger && drags(finger)) {
       const box = canvas.getBoundingClientRect();
-      const ends = [finger.from, finger.now].map((at) => Math.min(Math.max(at - box.left, LEFT), box.width - RIGHT));
+      const ends = [finger.from, finger.now].map((at) =>
+        Math.min(Math.max(at - box.left, LEFT), box.width - RIGHT),
+      );
       select.hidden = false;
       select.style.left = `${Math.min(...ends)}px`;
       select.style.width = `${Math.abs(ends[1] - ends[0])}px`;

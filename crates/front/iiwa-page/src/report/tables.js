@@ -63,7 +63,8 @@ function writeNow() {
     $("pair").textContent =
       `At ${number(t, 3)} s: ${mm > 0 ? `${number(mm, 1)} mm` : "touching"}, ${pairText(pair.link, pair.other)}`;
   }
-  for (const { row, motion } of cells.rows) row.classList.toggle("current", Boolean(piece) && piece.motion === motion);
+  for (const { row, motion } of cells.rows)
+    row.classList.toggle("current", Boolean(piece) && piece.motion === motion);
 }
 
 // ---- the table of motions
@@ -72,7 +73,9 @@ let sources = null;
 
 /** What a motion was made from, in parentheses, if that is known. */
 function sourceOf(motion) {
-  sources ??= new Map(motionRows().flatMap(({ index, source }) => (source ? [[index, source]] : [])));
+  sources ??= new Map(
+    motionRows().flatMap(({ index, source }) => (source ? [[index, source]] : [])),
+  );
   const source = sources.get(motion);
   return source ? ` (${source.file}:${source.line})` : "";
 }
@@ -89,7 +92,12 @@ function motionRows() {
   for (const piece of report.pieces) {
     let row = rows[rows.length - 1];
     if (!row || row.index !== piece.motion) {
-      row = { index: piece.motion, type: piece.kind === "wait" ? "wait" : "ptp", start_s: piece.start_s, limits: [] };
+      row = {
+        index: piece.motion,
+        type: piece.kind === "wait" ? "wait" : "ptp",
+        start_s: piece.start_s,
+        limits: [],
+      };
       row.limited_by = piece.limit ? { joint: piece.joint, kind: piece.limit } : null;
       rows.push(row);
     }
@@ -103,7 +111,9 @@ function writeMotions() {
   const rows = motionRows();
   if (!rows.length) return;
   $("motions").hidden = false;
-  const measured = report.compared ? new Map(report.compared.report.motions.map((row) => [row.index, row])) : null;
+  const measured = report.compared
+    ? new Map(report.compared.report.motions.map((row) => [row.index, row]))
+    : null;
   const head = element("tr");
   const names = ["motion", "type", "start s", "end s", "duration s", "top speed %"];
   const hasTcp = rows.some((row) => row.tcp_speed_peak_mm_s !== undefined);
@@ -129,7 +139,8 @@ function writeMotions() {
     };
     add(motion.index);
     add(motion.type, "word");
-    for (const value of [motion.start_s, motion.end_s, motion.end_s - motion.start_s]) add(number(value, 3));
+    for (const value of [motion.start_s, motion.end_s, motion.end_s - motion.start_s])
+      add(number(value, 3));
     add(motion.peak_velocity_rel === undefined ? "" : number(100 * motion.peak_velocity_rel, 1));
     if (hasTcp) {
       const { tcp_speed_peak_mm_s: speed, singularity } = motion;
@@ -152,7 +163,8 @@ function writeMotions() {
       .filter(({ share }) => share >= 0.005)
       .slice(0, 4)
       .map(({ joint, kind, share }) => `${limitName(joint, kind)} ${number(100 * share, 0)} %`);
-    if (!shares.length && motion.limited_by) shares.push(limitName(motion.limited_by.joint, motion.limited_by.kind));
+    if (!shares.length && motion.limited_by)
+      shares.push(limitName(motion.limited_by.joint, motion.limited_by.kind));
     add(shares.join(", "), "word");
     row.addEventListener("click", () => {
       seek(motion.start_s);
@@ -170,11 +182,20 @@ function writeMotions() {
 function writeCompared() {
   if (!report.compared) return;
   $("compared").hidden = false;
-  const { cycle_time: cycle, tcp_deviation: tcp, joint_deviation: joint, ...rest } = report.compared.report;
+  const {
+    cycle_time: cycle,
+    tcp_deviation: tcp,
+    joint_deviation: joint,
+    ...rest
+  } = report.compared.report;
   const list = $("errors");
   figure(list, "simulated", `${number(cycle.simulated_s, 3)} s`);
   figure(list, "real", `${number(cycle.real_s, 3)} s`);
-  figure(list, "error of the cycle time", `${number(cycle.error_s, 4)} s, ${number(cycle.error_percent, 2)} %`);
+  figure(
+    list,
+    "error of the cycle time",
+    `${number(cycle.error_s, 4)} s, ${number(cycle.error_percent, 2)} %`,
+  );
   figure(list, `flange off its path, at most (motion ${tcp.motion})`, atLeast(tcp.max_mm, 3, "mm"));
   figure(list, "on average", atLeast(tcp.mean_mm, 3, "mm"));
   figure(list, `joints, at most (motion ${joint.motion})`, atLeast(1e3 * joint.max_rad, 3, "mrad"));
@@ -186,6 +207,7 @@ function writeCompared() {
     notes.push(
       `The program is in the recording again, from ${number(rest.again_s, 3)} s of it on: the first time counts.`,
     );
-  const sentence = (text) => text[0].toUpperCase() + text.slice(1) + (text.endsWith(".") ? "" : ".");
+  const sentence = (text) =>
+    text[0].toUpperCase() + text.slice(1) + (text.endsWith(".") ? "" : ".");
   $("compared-notes").textContent = notes.map(sentence).join(" ");
 }

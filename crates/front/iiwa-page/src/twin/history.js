@@ -55,7 +55,8 @@ function remember({ t_s: t, joints_rad: q, torque_nm: torques }) {
 }
 
 /** The speed now, in m/s; not a number where it is unknown. */
-const speedNow = () => (history_.count ? history_.rows[NUMBERS * (history_.count - 1) + SPEED] : Number.NaN);
+const speedNow = () =>
+  history_.count ? history_.rows[NUMBERS * (history_.count - 1) + SPEED] : Number.NaN;
 
 /** Draws the last seconds; the newest is at 0. */
 function drawHistory() {
@@ -66,10 +67,25 @@ function drawHistory() {
   const rows = past.rows.subarray(NUMBERS * first, NUMBERS * past.count);
   const colours = theme().flat;
   const window_ = { from: -past.span, to: 0 };
-  const curve = (at, colour, factor) => ({ t_s, low: rows, high: rows, of: NUMBERS, at, colour, factor });
+  const curve = (at, colour, factor) => ({
+    t_s,
+    low: rows,
+    high: rows,
+    of: NUMBERS,
+    at,
+    colour,
+    factor,
+  });
   const joints = Array.from({ length: 7 }, (_, j) => curve(j, `a${j + 1}`, DEG));
-  drawCurves($("history-joints"), joints, window_, colours, { fromZero: false, least: 1, withTimes: false });
-  drawCurves($("history-speed"), [curve(SPEED, "accent", 1000)], window_, colours, { least: 10, withTimes: false });
+  drawCurves($("history-joints"), joints, window_, colours, {
+    fromZero: false,
+    least: 1,
+    withTimes: false,
+  });
+  drawCurves($("history-speed"), [curve(SPEED, "accent", 1000)], window_, colours, {
+    least: 10,
+    withTimes: false,
+  });
   const shares = (at, under) =>
     robot.torque_nm.map((limit, j) => ({ ...curve(at + j, `a${j + 1}`, 100 / limit), under }));
   const torques = [...shares(PLANNED, true), ...shares(MEASURED, false)];
@@ -97,7 +113,8 @@ for (const [id, span] of [
 ]) {
   $(id).addEventListener("click", () => {
     history_.span = span;
-    for (const it of ["history-30", "history-120"]) $(it).setAttribute("aria-pressed", String(it === id));
+    for (const it of ["history-30", "history-120"])
+      $(it).setAttribute("aria-pressed", String(it === id));
     drawHistory();
   });
 }

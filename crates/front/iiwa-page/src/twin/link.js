@@ -25,7 +25,8 @@ function connect() {
   });
   socket.addEventListener("close", () => {
     link.open = false;
-    for (const { refuse } of link.orders.values()) refuse(new Error("the twin went away before its answer"));
+    for (const { refuse } of link.orders.values())
+      refuse(new Error("the twin went away before its answer"));
     link.orders.clear();
     setTimeout(connect, 500);
   });

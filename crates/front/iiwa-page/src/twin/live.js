@@ -13,7 +13,8 @@ const clockMs = () => performance.timeOrigin + performance.now() - live.apart_ms
 function compareClocks(at_ms) {
   const SAME_MS = 200;
   const apart = clockMs() + live.apart_ms - at_ms;
-  if (live.newest === null || apart < live.apart_ms) live.apart_ms = apart < 0 || apart > SAME_MS ? apart : 0;
+  if (live.newest === null || apart < live.apart_ms)
+    live.apart_ms = apart < 0 || apart > SAME_MS ? apart : 0;
 }
 
 link.takes.live = (where) => {
@@ -100,21 +101,29 @@ function writeNearest() {
 function writeHealth() {
   const { status, caution, sensors, io } = live.health;
   $("state").replaceChildren();
-  const known = (value) => (value === undefined || value === null ? "\u2013" : String(value).replaceAll("_", " "));
+  const known = (value) =>
+    value === undefined || value === null ? "\u2013" : String(value).replaceAll("_", " ");
   const fri = status ? status.fri : {};
   const stopped = fri.safety_stop || status?.conditions?.safety_stop;
-  figure($("state"), "robot", stopped ? `${known(status.state)}, safety stop` : known(status?.state));
+  figure(
+    $("state"),
+    "robot",
+    stopped ? `${known(status.state)}, safety stop` : known(status?.state),
+  );
   figure($("state"), "FRI session", known(fri.session));
   figure($("state"), "FRI quality", known(fri.quality));
   figure($("state"), "messages lost, late", status ? `${fri.lost}, ${fri.late}` : "\u2013");
   figure($("state"), "robot program", known(status?.robot_program));
   if (caution) figure($("state"), "note", caution);
   jointCells.forEach(({ temperature, torque }, j) => {
-    temperature.textContent = sensors?.joint_temperature_c ? number(sensors.joint_temperature_c[j], 1) : "";
+    temperature.textContent = sensors?.joint_temperature_c
+      ? number(sensors.joint_temperature_c[j], 1)
+      : "";
     torque.textContent = sensors ? number(sensors.external_torque_nm[j], 1) : "";
   });
   document.body.classList.toggle("simulated", Boolean(status?.simulated));
-  for (const button of document.querySelectorAll("td.jog button")) button.disabled = status?.state !== "idle";
+  for (const button of document.querySelectorAll("td.jog button"))
+    button.disabled = status?.state !== "idle";
   writeIo(io || []);
   for (const part of ["io", "joints"]) $(part).classList.toggle("old", Boolean(live.health.is_old));
   // Its place stays: nothing moves under the mouse when a motion begins or ends.
@@ -141,7 +150,8 @@ function writeIo(io) {
   }
   io.forEach(({ direction, value, error }, i) => {
     const row = body.children[i];
-    row.children[1].textContent = error || (value === true ? "on" : value === false ? "off" : String(value));
+    row.children[1].textContent =
+      error || (value === true ? "on" : value === false ? "off" : String(value));
     row.querySelector("button").hidden = typeof value !== "boolean" || direction === "input";
   });
 }
@@ -164,7 +174,8 @@ function trouble() {
   if (live.health.error) return `Retrying: ${live.health.error}`;
   if (live.health.status && live.health.status.fri.session === "silent")
     return "The drive receives nothing from the controller; retrying.";
-  if (isStale() && live.health.status) return "Nothing is received from the stream of the drive; retrying.";
+  if (isStale() && live.health.status)
+    return "Nothing is received from the stream of the drive; retrying.";
   return "";
 }
 
@@ -176,5 +187,6 @@ function writeLink() {
   $("link").textContent = wrong ? "not live" : isStale() ? "connecting" : "live";
   $("link").classList.toggle("bad", Boolean(wrong));
   $("link").classList.toggle("waiting", !wrong && isStale());
-  $("pace").textContent = wrong || !frames ? "" : `${frames} frames/s, ${number(late, 0)} ms late at most`;
+  $("pace").textContent =
+    wrong || !frames ? "" : `${frames} frames/s, ${number(late, 0)} ms late at most`;
 }

@@ -21,7 +21,11 @@ if (scene) {
   document
     .querySelector(".view")
     .replaceChildren(
-      element("p", "The 3D view needs WebGL 2, which this browser does not have. Everything else works.", "notes"),
+      element(
+        "p",
+        "The 3D view needs WebGL 2, which this browser does not have. Everything else works.",
+        "notes",
+      ),
     );
 }
 
@@ -56,7 +60,8 @@ function show(mode) {
     shown.time = 0;
   }
   shown.mode = mode;
-  for (const name of ["live", "simulation", "replay"]) $(name).setAttribute("aria-pressed", String(name === mode));
+  for (const name of ["live", "simulation", "replay"])
+    $(name).setAttribute("aria-pressed", String(name === mode));
   $("simulation").disabled = !desk.plan;
   $("replay").disabled = !canReplay();
   const arms = played(mode);
@@ -65,7 +70,8 @@ function show(mode) {
   writeMode();
   const parts = [];
   if (mode === "simulation") parts.push(["accent", "see-through arm: the plan"]);
-  if (mode === "replay") parts.push(["accent", "see-through arm: the plan"], ["measured", "solid arm: the recording"]);
+  if (mode === "replay")
+    parts.push(["accent", "see-through arm: the plan"], ["measured", "solid arm: the recording"]);
   if (desk.plan) {
     const what = desk.plan.sketch.workcell.tcps.length ? "TCP" : "flange";
     parts.push(["line", `planned way of the ${what}`], ["blend", "its blends"]);
@@ -78,7 +84,11 @@ function show(mode) {
 
 /** Whether what is shown is where the arm is. */
 function writeMode() {
-  const texts = { live: "Live", simulation: "Live, with the plan's simulation", replay: "Replay: not live" };
+  const texts = {
+    live: "Live",
+    simulation: "Live, with the plan's simulation",
+    replay: "Replay: not live",
+  };
   const isReplay = shown.mode === "replay";
   const isLost = !isReplay && (Boolean(trouble()) || (live.newest !== null && isStale()));
   const isAwaited = !isReplay && !isLost && live.newest === null;
@@ -134,7 +144,8 @@ function drawArms(now = null) {
   const drawn = poses.map((q, i) => ({ q, ghost: isReplay && i === 1 ? null : "accent" }));
   const where = live.newest;
   if (where && !isReplay) drawn.push({ q: where.joints_rad, ghost: isStale() ? "settle" : null });
-  const nearest = shown.mode === "live" ? where?.nearest : shown.mode === "simulation" ? desk.plan.nearest : null;
+  const nearest =
+    shown.mode === "live" ? where?.nearest : shown.mode === "simulation" ? desk.plan.nearest : null;
   const gap = nearest ? [nearest.on_link_m, nearest.on_other_m] : null;
   if (now === null) scene?.show(drawn, gap);
   else scene?.follow(drawn, gap, now);

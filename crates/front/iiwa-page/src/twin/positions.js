@@ -30,10 +30,18 @@ link.takes.positions = (positions) => {
       rename.title = "Rename";
       rename.setAttribute("aria-label", `Rename ${name}`);
       rename.addEventListener("click", () => askForName(id, name));
-      const up = positionButton("\u2191", `Move ${name} up`, "move_position", { position: id, by: -1 });
-      const down = positionButton("\u2193", `Move ${name} down`, "move_position", { position: id, by: 1 });
+      const up = positionButton("\u2191", `Move ${name} up`, "move_position", {
+        position: id,
+        by: -1,
+      });
+      const down = positionButton("\u2193", `Move ${name} down`, "move_position", {
+        position: id,
+        by: 1,
+      });
       [up.disabled, down.disabled] = [i === 0, i === last];
-      const remove = positionButton("Remove", `Remove ${name}`, "remove_position", { position: id });
+      const remove = positionButton("Remove", `Remove ${name}`, "remove_position", {
+        position: id,
+      });
       row.append(
         element("td", "", "word"),
         element("td", q.map((v) => number(v * DEG, 1)).join(", "), "word small"),
@@ -61,7 +69,8 @@ async function askForName(id, name) {
   const isSure = await new Promise((done) => {
     dialog.addEventListener("close", () => done(dialog.returnValue === "yes"), { once: true });
   });
-  if (isSure) await ask("positions-said", "rename_position", { position: id, name: $("new-name").value });
+  if (isSure)
+    await ask("positions-said", "rename_position", { position: id, name: $("new-name").value });
 }
 
 $("save").addEventListener("submit", async (event) => {

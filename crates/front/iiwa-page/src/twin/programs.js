@@ -4,7 +4,11 @@ const desk = { positions: [], plan: null, run: null };
 
 /** A plan's or a run's arms, as they are drawn. */
 const unpackArms = (sketch) =>
-  sketch.arms.map((arm) => ({ ...arm, poses: unpackPoses(arm.poses), torque: unpackCurve(arm.torque) }));
+  sketch.arms.map((arm) => ({
+    ...arm,
+    poses: unpackPoses(arm.poses),
+    torque: unpackCurve(arm.torque),
+  }));
 
 link.takes.plan = (plan) => {
   const isNew = plan && (!desk.plan || desk.plan.id !== plan.id);
@@ -30,7 +34,8 @@ link.takes.run = (run) => {
   else show(shown.mode);
 };
 
-const isRunning = () => Boolean(desk.run) && (desk.run.phase === "running" || desk.run.phase === "to_start");
+const isRunning = () =>
+  Boolean(desk.run) && (desk.run.phase === "running" || desk.run.phase === "to_start");
 const canReplay = () => Boolean(desk.run?.arms && desk.run.arms.length > 1);
 
 /** How near the arm comes to obstacles and to itself. */
@@ -53,8 +58,11 @@ function writePlan() {
     ? clearanceTexts(plan).join(" ")
     : "There is no scene (--scene): obstacles around the arm are unknown.";
   $("plan-refused").hidden = plan.refused === null;
-  $("plan-refused").textContent = plan.refused === null ? "" : `It cannot be sent: ${plan.refused}.`;
-  $("plan-warnings").replaceChildren(...plan.warnings.map((text) => element("li", `Warning: ${text}`)));
+  $("plan-refused").textContent =
+    plan.refused === null ? "" : `It cannot be sent: ${plan.refused}.`;
+  $("plan-warnings").replaceChildren(
+    ...plan.warnings.map((text) => element("li", `Warning: ${text}`)),
+  );
   writeRun();
 }
 
@@ -79,7 +87,9 @@ function writeRun() {
   if (run?.sketch) {
     const { compared } = run.sketch;
     if (compared)
-      notes.push(`The flange was off its path by ${atLeast(compared.tcp_deviation.max_mm, 2, "mm")} at most.`);
+      notes.push(
+        `The flange was off its path by ${atLeast(compared.tcp_deviation.max_mm, 2, "mm")} at most.`,
+      );
     notes.push(...run.sketch.notes);
   }
   $("run-notes").textContent = notes.join(" ");
@@ -127,7 +137,9 @@ async function send() {
   const { plan } = desk;
   const lines = [
     `${plan.name}: ${plan.motions} motion${plan.motions === 1 ? "" : "s"}, ${number(plan.cycle_time_s, 3)} s.`,
-    ...(setup.scene ? clearanceTexts(plan) : ["There is no scene: the program has not been checked for collisions."]),
+    ...(setup.scene
+      ? clearanceTexts(plan)
+      : ["There is no scene: the program has not been checked for collisions."]),
     ...plan.warnings.map((text) => `Warning: ${text}.`),
     "The robot will move. Keep everyone out of its reach, and the emergency stop at hand.",
   ];

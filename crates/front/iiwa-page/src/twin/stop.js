@@ -9,7 +9,8 @@ async function stopRobot() {
   if (!isStopped && document.fullscreenElement) document.exitFullscreen();
 }
 
-for (const button of document.querySelectorAll(".stop")) button.addEventListener("click", stopRobot);
+for (const button of document.querySelectorAll(".stop"))
+  button.addEventListener("click", stopRobot);
 
 // Escape first leaves a dialog, the full screen or a text field. A second press stops the robot.
 document.addEventListener("keydown", (event) => {
