@@ -1,4 +1,4 @@
-//! Tells the solver whether it is optimised: see `dispatch` in `src/lanes.rs`.
+//! Sets the cfg `unoptimised` in builds without optimisation: see `dispatch` in `src/lanes.rs`.
 
 use std::env;
 

@@ -1,7 +1,7 @@
-//! Excerpts of foreign text in messages.
+//! Excerpts of untrusted text in messages.
 
-/// The beginning of a foreign text, for a message: shortened, its control characters escaped, so that it
-/// cannot steer a terminal.
+/// The beginning of an untrusted text for a message: shortened, with control characters escaped so
+/// that it cannot control a terminal.
 #[must_use]
 pub fn excerpt(text: &str) -> String {
     let mut shown = String::with_capacity(text.len().min(4 * MAX_SHOWN));

@@ -1,5 +1,5 @@
-//! JSON that people write: errors that say where in the text and what to change, documents with a
-//! version, lists of numbers and of tagged objects. It knows no robot.
+//! JSON written by people: errors with their place in the text and a correction, documents with a
+//! version, lists of numbers and of tagged objects. Independent of robots.
 //!
 //! ```
 //! use iiwa_json::{Object, Place, problem};

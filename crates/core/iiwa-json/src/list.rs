@@ -7,8 +7,8 @@ use serde::{
     de::{Error as _, IgnoredAny, SeqAccess, Visitor},
 };
 
-/// Reads exactly `N` numbers; the text says what they should have been, as in "three numbers, for x, y
-/// and z".
+/// Reads exactly `N` numbers; `expected` describes them for errors, such as "three numbers, for x,
+/// y and z".
 ///
 /// ```
 /// use iiwa_json::numbers;
@@ -20,7 +20,7 @@ use serde::{
 ///
 /// # Errors
 ///
-/// If it is no list of numbers, or one of another length.
+/// If the value is not a list of numbers, or has another length.
 pub fn numbers<'de, const N: usize, D: Deserializer<'de>>(
     reader: D,
     expected: &'static str,
@@ -31,7 +31,7 @@ pub fn numbers<'de, const N: usize, D: Deserializer<'de>>(
 /// The visitor of [`numbers`], for fields that may be something else as well.
 #[derive(Clone, Copy, Debug)]
 pub struct Numbers<const N: usize>(
-    /// What the numbers should have been.
+    /// Description of the expected numbers.
     pub &'static str,
 );
 

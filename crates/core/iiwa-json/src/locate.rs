@@ -1,4 +1,4 @@
-//! From keys and indices to places.
+//! Places of values, by keys and indices.
 
 use std::collections::BTreeMap;
 
@@ -18,9 +18,9 @@ pub enum Step<'a> {
     Index(usize),
 }
 
-/// The place of the value that `path` leads to, or of the last value on the way that is there.
+/// Place of the value at `path`, or of the last existing value along the path.
 ///
-/// Reads the text again from the start: it is meant for error messages, not for hot paths.
+/// Parses the text again from the start: for error messages, not for hot paths.
 #[must_use]
 pub fn locate(text: &str, path: &[Step<'_>]) -> Place {
     let mut part = text.trim();
@@ -42,8 +42,8 @@ pub fn locate(text: &str, path: &[Step<'_>]) -> Place {
     Place::of_span(text, start..start + part.len())
 }
 
-/// Which element, from 0, of the list under the key `list` of the outermost object `byte` is in,
-/// also when the text is no JSON.
+/// Index, from 0, of the element that contains `byte` in the list under the key `list` of the
+/// outermost object. The text may be invalid JSON.
 #[must_use]
 pub fn element_at(text: &str, list: &str, byte: usize) -> Option<usize> {
     let (mut depth, mut index, mut in_list) = (0_usize, 0, false);

@@ -4,8 +4,8 @@ use strsim::damerau_levenshtein;
 
 use crate::excerpt::excerpt;
 
-/// The one of `known` that is most like `found`, if a slip of the pen, a capital letter or a missing ending may be the
-/// difference.
+/// Word of `known` most similar to `found`, if a typing error, a capital letter or a missing ending
+/// explains the difference.
 ///
 /// ```
 /// let keys = ["velocity_rel", "acceleration_rel", "blend"];
@@ -15,7 +15,7 @@ use crate::excerpt::excerpt;
 /// ```
 #[must_use]
 pub fn meant<'a>(found: &str, known: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
-    // What is longer than any word is none, and takes long to compare.
+    // A text longer than any word is not a word, and takes long to compare.
     if found.len() > MAX_WORD {
         return None;
     }
@@ -31,12 +31,12 @@ pub fn meant<'a>(found: &str, known: impl IntoIterator<Item = &'a str>) -> Optio
     nearest.map(|(_, word)| word).or_else(begun)
 }
 
-/// In bytes.
+/// Longest word, in bytes.
 const MAX_WORD: usize = 64;
-/// The beginning of a word is enough if it has so many letters and no other word begins with it.
+/// Smallest number of letters for which a unique beginning of a word is sufficient.
 const MIN_BEGINNING: usize = 4;
 
-/// The error message for an unknown word: it suggests the likely one, or lists all.
+/// Error message for an unknown word, with the likely word or a list of all.
 ///
 /// ```
 /// let message = iiwa_json::unknown("type", "PTP", &["ptp", "lin", "wait"]);
@@ -53,7 +53,7 @@ pub fn unknown(what: &str, found: &str, known: &[&str]) -> String {
     }
 }
 
-/// All words that are known, in a sentence.
+/// Lists all known words in a sentence.
 #[must_use]
 pub fn are_known(known: &[&str]) -> String {
     match known {

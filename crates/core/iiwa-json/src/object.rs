@@ -1,4 +1,4 @@
-//! Structures that are written as objects.
+//! Structures written as objects.
 
 use std::{fmt, marker::PhantomData};
 
@@ -7,13 +7,13 @@ use serde::{
     de::{MapAccess, Visitor, value::MapAccessDeserializer},
 };
 
-/// A structure that is written as a JSON object. Left to itself, serde takes a list for one too,
-/// with the values in the order of the structure's fields.
+/// A structure written as a JSON object. By default, serde also accepts a list with the values in
+/// the order of the fields.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 #[serde(transparent)]
 pub struct Object<T>(pub T);
 
-/// Reads a `T` from an object only; what it says to expect is `like`.
+/// Visitor that reads a `T` from an object only; `like` describes it for errors.
 struct OfMap<T> {
     like: &'static str,
     of: PhantomData<T>,
@@ -43,16 +43,16 @@ impl<'de, T: Deserialize<'de>> Deserialize<'de> for Object<T> {
     }
 }
 
-/// For `deserialize_with`: a field that is an object.
+/// Reads a field that is an object, for `deserialize_with`.
 ///
 /// # Errors
 ///
-/// If it is something else, or not the object that is asked for.
+/// If the value is something else, or not the expected object.
 pub fn object<'de, T: Deserialize<'de>, D: Deserializer<'de>>(reader: D) -> Result<T, D::Error> {
     Object::deserialize(reader).map(|object| object.0)
 }
 
-/// For `deserialize_with`: a field that is an object or null.
+/// Reads a field that is an object or null, for `deserialize_with`.
 ///
 /// # Errors
 ///
@@ -64,7 +64,8 @@ pub fn object_or_null<'de, T: Deserialize<'de>, D: Deserializer<'de>>(
     Ok(object.map(|object| object.0))
 }
 
-/// The same, with words for what is expected, such as an example of it.
+/// Reads an object or null; `like` describes the expected value for errors, for example by an
+/// example.
 ///
 /// # Errors
 ///

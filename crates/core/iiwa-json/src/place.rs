@@ -13,7 +13,7 @@ pub struct Place {
     pub line: usize,
     /// Column in characters, from 1.
     pub column: usize,
-    /// Bytes of the text.
+    /// Byte range in the text.
     pub span: Range<usize>,
 }
 
@@ -24,13 +24,13 @@ impl fmt::Display for Place {
 }
 
 impl Place {
-    /// A message that ends with `, at` and this place, without both.
+    /// Removes the suffix `, at` with this place from a message.
     #[must_use]
     pub fn cut_from(&self, message: &str) -> String {
         message.strip_suffix(&format!(", at {self}")).unwrap_or(message).to_owned()
     }
 
-    /// The place of the bytes `span` of `text`; a span past the end is moved to the end.
+    /// Place of the bytes `span` of `text`; a span beyond the end is moved to the end.
     #[must_use]
     pub fn of_span(text: &str, span: Range<usize>) -> Self {
         let floor = |byte: usize| {
@@ -47,15 +47,15 @@ impl Place {
         }
     }
 
-    /// Where `error` struck when `part`, a slice of `text`, was read.
+    /// Place of `error`, which occurred while reading `part`, a slice of `text`.
     ///
-    /// The word that is wrong, from its first letter on; of an object or a list the bracket that
-    /// opens it; where the text ends too early, its end.
+    /// The place is the wrong word from its first letter on, the opening bracket of an object or a
+    /// list, or the end of a text that ends too early.
     #[must_use]
     pub fn of_error(text: &str, part: &str, error: &serde_json::Error) -> Self {
         let line_start: usize =
             part.split_inclusive('\n').take(error.line().saturating_sub(1)).map(str::len).sum();
-        // serde_json counts the bytes of the line that it has read.
+        // serde_json reports the number of bytes read in the line.
         let read = (line_start + error.column()).min(part.len());
         let span = match error.classify() {
             Category::Eof | Category::Io => {
@@ -63,11 +63,11 @@ impl Place {
                 end..end
             }
             Category::Syntax => {
-                // A word like `tru` is found wrong at what follows it.
+                // A word such as `tru` is only found to be wrong at the character after it.
                 let behind = if error.to_string().starts_with("expected ident") { 2 } else { 1 };
                 let at = read.saturating_sub(behind);
                 match token_at(part, at) {
-                    // Within a string it is one character that is wrong.
+                    // Within a string, a single character is wrong.
                     Some(token) if !part[token.clone()].starts_with('"') => token,
                     _ => at..read,
                 }
@@ -79,10 +79,11 @@ impl Place {
     }
 }
 
-/// The value that is wrong, given how much of `part` had been read when that was noticed.
+/// Byte range of the wrong value, from the number of bytes of `part` read when the error was
+/// detected.
 fn wrong_value(part: &str, read: usize) -> Range<usize> {
     let last = part.as_bytes()[..read].last();
-    // Lists and objects are refused before their first bracket is read.
+    // Lists and objects are rejected before their first bracket is read.
     if last.is_none_or(|byte| byte.is_ascii_whitespace() || b":,[".contains(byte)) {
         return token_at(part, read).unwrap_or(read..read);
     }
@@ -93,10 +94,10 @@ fn wrong_value(part: &str, read: usize) -> Range<usize> {
     }
 }
 
-/// The bracket that `closing` closes.
+/// Byte range of the bracket that `closing` closes.
 fn opening(part: &str, closing: Range<usize>) -> Range<usize> {
-    // Brackets and how deep each one is. It goes through the text twice rather than keep a stack,
-    // which a text of brackets would make long.
+    // Brackets with their depths. Two passes over the text avoid a stack, which would be long for a
+    // text of brackets.
     let brackets = || {
         let mut depth = 0_usize;
         Tokens { text: part, at: 0 }.take_while(|token| token.start <= closing.start).filter_map(
@@ -120,7 +121,7 @@ fn opening(part: &str, closing: Range<usize>) -> Range<usize> {
         .map_or(closing.clone(), |(token, ..)| token)
 }
 
-/// Offset of `part` in `text`, when it is a slice of it.
+/// Offset of `part` in `text`, if `part` is a slice of it.
 pub(crate) fn offset_in(text: &str, part: &str) -> Option<usize> {
     let offset = part.as_ptr().addr().checked_sub(text.as_ptr().addr())?;
     (offset + part.len() <= text.len()).then_some(offset)

@@ -1,6 +1,6 @@
-//! Text from elsewhere on a terminal.
+//! Untrusted text on a terminal.
 
-/// The text with control characters spelled out: a terminal would obey them.
+/// Escapes control characters, which a terminal would execute.
 #[must_use]
 pub fn printable(text: &str) -> String {
     let mut shown = String::with_capacity(text.len());

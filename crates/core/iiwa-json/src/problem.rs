@@ -2,7 +2,7 @@
 
 use crate::{excerpt::excerpt, meant::meant};
 
-/// The message of `error` for the author of the JSON, without the place.
+/// Message of `error` for the author of the JSON, without the place.
 #[must_use]
 pub fn problem(error: &serde_json::Error) -> String {
     let message = error.to_string();
@@ -56,7 +56,7 @@ pub fn problem(error: &serde_json::Error) -> String {
     .to_owned()
 }
 
-/// A value as serde names it, in plainer words and not too long.
+/// A value as named by serde, in plainer words and shortened.
 fn shown(found: &str) -> String {
     let plain = match found {
         "sequence" => "a list",

@@ -1,16 +1,16 @@
-//! Records in lines: a table with commas, or one JSON object per line.
+//! Records in lines: a comma-separated table, or one JSON object per line.
 
 use std::io::{self, BufRead};
 
 use serde_json::{Map, Value};
 
-/// The records of a stream, each with the number of its line, or the reason why the line is invalid. The column names of a table
-/// are the keys.
+/// Records of a stream, each with its line number, or the reason why the line is invalid. The
+/// column names of a table are the keys.
 #[derive(Debug)]
 pub struct Records<R> {
     lines: io::Lines<R>,
     number: usize,
-    /// The column names of a table.
+    /// Column names of a table.
     header: Option<Vec<String>>,
 }
 
@@ -34,7 +34,7 @@ impl<R: BufRead> Records<R> {
             return Err(format!("{found} fields, and {expected} columns"));
         }
         let value = |(name, field): (&String, &str)| match field {
-            // Not given.
+            // Empty fields are left out.
             "" => None,
             field => Some(
                 serde_json::from_str::<serde_json::Number>(field)
@@ -60,7 +60,7 @@ impl<R: BufRead> Iterator for Records<R> {
             if line.is_empty() {
                 continue;
             }
-            // No line of such a table can be read.
+            // Without column names, no line of the table is readable.
             let is_number = |name: &str| name.trim().parse::<f64>().is_ok();
             if self.header.is_none() && !line.starts_with('{') && line.split(',').any(is_number) {
                 let message =

@@ -1,4 +1,4 @@
-//! Lists of objects that say in their key `type` what they are.
+//! Lists of objects whose key `type` gives their type.
 
 use std::borrow::Cow;
 
@@ -6,8 +6,8 @@ use serde::Deserialize;
 
 use crate::object::Object;
 
-/// The value of an object's key `type`; none if it has none. With it, the reader knows what to read the
-/// object as, and its errors keep their places, which those of serde's own tagged enumerations lose.
+/// Value of an object's key `type`; `None` if absent. The reader can then choose the type to read,
+/// and its errors keep their places, which serde's own tagged enumerations lose.
 ///
 /// ```
 /// let tag = iiwa_json::tag(r#"{ "type": "wait", "seconds": 0.5 }"#)?;
@@ -17,7 +17,7 @@ use crate::object::Object;
 ///
 /// # Errors
 ///
-/// If the text is no object, or its `type` no string.
+/// If the text is not an object, or its `type` is not a string.
 pub fn tag(text: &str) -> Result<Option<Cow<'_, str>>, serde_json::Error> {
     #[derive(Deserialize)]
     struct Tag<'a> {

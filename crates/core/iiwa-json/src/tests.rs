@@ -43,7 +43,7 @@ fn shows_keys_without_what_would_steer_a_terminal() {
     assert_eq!(what, format!("unknown key `{}..., expected `x`", "ü".repeat(59)));
 }
 
-/// The first letter of what is wrong, whatever `serde_json` had read when it noticed.
+/// The place is the first letter of the wrong part, regardless of how far `serde_json` had read.
 #[test]
 fn places_the_first_letter_of_what_is_wrong() {
     type Points = Vec<Object<Point>>;

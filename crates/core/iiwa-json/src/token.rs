@@ -1,13 +1,13 @@
-//! The words of a text, be it JSON or not.
+//! Tokens of a text, valid JSON or not.
 
 use std::ops::Range;
 
-/// The token that `byte` is in, or else the next one.
+/// Token that contains `byte`, otherwise the next token.
 pub(crate) fn token_at(text: &str, byte: usize) -> Option<Range<usize>> {
     Tokens { text, at: 0 }.find(|token| token.end > byte)
 }
 
-/// The tokens of a text, be it JSON or not: strings, single punctuation marks, other words.
+/// Tokens of a text, valid JSON or not: strings, single punctuation marks, other words.
 pub(crate) struct Tokens<'a> {
     pub(crate) text: &'a str,
     pub(crate) at: usize,

@@ -8,22 +8,23 @@ use crate::{
     place::Place,
 };
 
-/// Why a text of a format with versions was not read.
+/// Error: a text of a versioned format was not read.
 #[derive(Debug)]
 pub enum Unread {
-    /// It is of another version.
+    /// The text has another version.
     Version {
-        /// The version found.
+        /// Version found.
         found: u64,
-        /// Where.
+        /// Place in the text.
         place: Place,
     },
-    /// It is not JSON, or not the JSON that is asked for.
+    /// The text is not JSON, or not the expected JSON.
     Json(serde_json::Error),
 }
 
-/// Reads an object that has to be of a `version`, which is the value of its key `version`; `of` gets it from
-/// what was read. Another version may have other keys: that is then the thing to say.
+/// Reads an object of a `version`, given by its key `version`; `of` gets the version from the
+/// result. Because another version may have other keys, a wrong version takes precedence over other
+/// errors.
 ///
 /// # Errors
 ///

@@ -17,8 +17,8 @@ use crate::{
 const LANES: usize = 8;
 
 impl Robot {
-    /// Poses of the TCP for each of `joints_rad`, written to `poses`; the same numbers as
-    /// [`Robot::flange_pose`], bit for bit, at a fraction of its time. Uses AVX-512 or AVX2 where the machine has them.
+    /// Computes the flange pose for each of `joints_rad` into `poses`: bit-identical to
+    /// [`Robot::flange_pose`], in a fraction of its time. Uses AVX-512 or AVX2 where available.
     ///
     /// ```
     /// use iiwa_kin::{Pose, Robot};
@@ -39,8 +39,8 @@ impl Robot {
     }
 }
 
-/// Not a closure: those reach the function with vector instructions by way of a shim that is not
-/// inlined into it, and so stays without them.
+/// Kernel as a struct instead of a closure: a closure reaches the vectorised function through a
+/// shim that is not inlined, and so is compiled without vector instructions.
 struct Batch<'a> {
     d: [f64; 4],
     joints: &'a [Joints],
@@ -54,7 +54,8 @@ impl pulp::NullaryFnOnce for Batch<'_> {
     fn call(self) {
         let (blocks, rest) = self.joints.as_chunks::<LANES>();
         let (pose_blocks, pose_rest) = self.poses.as_chunks_mut::<LANES>();
-        // Loops over lanes become vector code. The arrays are out here to be cleared only once.
+        // The loops over lanes become vector code. The arrays are declared outside the loop so that
+        // they are cleared only once.
         let (mut s, mut c) = ([[0.0; LANES]; 7], [[0.0; LANES]; 7]);
         let mut frames = [[0.0; LANES]; 12];
         for (block, poses) in blocks.iter().zip(pose_blocks) {

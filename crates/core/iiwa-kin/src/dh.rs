@@ -14,8 +14,8 @@ pub struct DhRow {
 }
 
 impl DhRow {
-    /// Transform from this link's frame to the previous one's at joint angle `theta_rad`
-    /// (Larsen 2019, Eq. 8; the factor `Rot_x` there has a shifted row, the product is right).
+    /// Transform from this link's frame to the previous link's frame at joint angle `theta_rad`
+    /// (Larsen 2019, Eq. 8; the factor `Rot_x` there has a shifted row, but the product is right).
     #[must_use]
     pub fn transform(&self, theta_rad: f64) -> Matrix4<f64> {
         let (st, ct) = theta_rad.sin_cos();

@@ -1,4 +1,4 @@
-//! Torques, energies and the mass matrix of an arm with its load.
+//! Joint torques, energies and mass matrix of a robot with its payload.
 
 use crate::{
     Friction, Joints, Load, Mount, RigidBody, Robot,
@@ -9,21 +9,23 @@ use crate::{
     vector,
 };
 
-/// The equations of motion of an arm, `torque = M(q) q'' + C(q, q') q' + g(q)`: what its joints exert.
+/// Equations of motion of a robot, `torque = M(q) q'' + C(q, q') q' + g(q)`, for the torques that
+/// the joints exert.
 ///
-/// A torque is positive if it turns its joint the positive way. It is that behind the gear, where the iiwa has its
-/// sensors: neither rotors nor friction of the motors are in it. Friction is apart, as far as the robot has any.
+/// A torque is positive if it turns its joint in the positive direction. Torques are on the output
+/// side of the gears, where the iiwa has its torque sensors, and exclude rotor inertia and motor
+/// friction. Joint friction is kept separately in [`Dynamics::friction`].
 ///
 /// ```
 /// use iiwa_kin::{Load, Robot};
 ///
-/// // Stretched out to the side, A2 holds the whole arm.
+/// // Stretched sideways, so that A2 holds the whole arm.
 /// let robot = Robot::lbr_iiwa_7_r800();
 /// let aside = [0.0, std::f64::consts::FRAC_PI_2, 0.0, 0.0, 0.0, 0.0, 0.0];
 /// let empty = robot.dynamics();
 /// assert!((empty.gravity_torques(&aside)[1] + 65.3).abs() < 0.05);
 ///
-/// // One kg more, 100 mm beyond the flange and 1.052 m from the shoulder.
+/// // A payload of 1 kg, 100 mm beyond the flange and 1.052 m from the shoulder.
 /// let load = Load { mass_kg: 1.0, center_mm: [0.0, 0.0, 100.0], ..Load::default() };
 /// let more = empty.with_load(&load).gravity_torques(&aside)[1] - empty.gravity_torques(&aside)[1];
 /// assert!((more + 9.81 * 1.052).abs() < 1e-9);
@@ -34,20 +36,21 @@ pub struct Dynamics {
     friction: Friction,
 }
 
-/// What a joint torque is made of along a path q(s): `acceleration * s'' + speed * s'^2 + gravity`, each a torque of
-/// seven joints in Nm (for s in whatever unit and its derivatives by time in s).
+/// Components of the joint torques along a path q(s):
+/// `acceleration * s'' + speed * s'^2 + gravity`, each the torques of the seven joints in Nm (s in
+/// any unit, its time derivatives per s and s^2).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct PathTorques {
-    /// `M(q) dq/ds`, by the acceleration along the path.
+    /// `M(q) dq/ds`, the factor of the path acceleration.
     pub acceleration: Joints,
-    /// `M(q) d2q/ds2 + C(q, dq/ds) dq/ds`, by the square of the speed.
+    /// `M(q) d2q/ds2 + C(q, dq/ds) dq/ds`, the factor of the squared path speed.
     pub speed: Joints,
-    /// `g(q)`, at any speed.
+    /// `g(q)`, independent of the path speed.
     pub gravity: Joints,
 }
 
 impl PathTorques {
-    /// The torques, in Nm, at a speed s' with an acceleration s''.
+    /// Joint torques, in Nm, at path speed s' and path acceleration s''.
     #[must_use]
     pub fn at(&self, speed: f64, acceleration: f64) -> Joints {
         std::array::from_fn(|j| {
@@ -57,7 +60,7 @@ impl PathTorques {
 }
 
 impl Robot {
-    /// The equations of motion of this robot on the floor, without a load.
+    /// Equations of motion of this robot, mounted on the floor, without payload.
     #[must_use]
     pub fn dynamics(&self) -> Dynamics {
         let links = self.carried_links();
@@ -71,14 +74,15 @@ impl Robot {
 }
 
 impl Dynamics {
-    /// The same arm with a load, on top of those that it has. The load becomes part of the last link: no torque takes
-    /// longer to compute with it.
+    /// Adds a payload to those already attached. The payload is merged into the last link, so it
+    /// does not add to the computing time of a torque.
     #[must_use]
     pub fn with_load(self, load: &Load) -> Self {
         self.with_body(&load.body())
     }
 
-    /// The same for a body that is given in the flange's frame.
+    /// Adds a rigid body given in the flange frame, as [`with_load`](Self::with_load) does with a
+    /// payload.
     #[must_use]
     pub fn with_body(mut self, body: &RigidBody) -> Self {
         let [.., flange] = self.arm.offsets;
@@ -87,35 +91,36 @@ impl Dynamics {
         self
     }
 
-    /// The same arm with its foot on a wall, at the ceiling or at any slope.
+    /// Sets the mounting: floor, wall, ceiling or any slope.
     #[must_use]
     pub fn with_mount(self, mount: &Mount) -> Self {
         self.with_gravity_m_s2(mount.gravity_m_s2())
     }
 
-    /// The same arm where gravity has this direction and size in the frame of its foot, in m/s^2.
+    /// Sets the gravity vector in the base frame, in m/s^2.
     #[must_use]
     pub fn with_gravity_m_s2(mut self, gravity_m_s2: [f64; 3]) -> Self {
         self.arm.rest = gravity_m_s2.map(|g| -g);
         self
     }
 
-    /// Gravity in the frame of the foot, in m/s^2.
+    /// Gravity vector in the base frame, in m/s^2.
     #[must_use]
     pub fn gravity_m_s2(&self) -> [f64; 3] {
         self.arm.rest.map(|g| -g)
     }
 
-    /// The friction of the joints, which is in no torque of this type.
+    /// Joint friction, which is not part of any torque of this type.
     #[must_use]
     pub fn friction(&self) -> &Friction {
         &self.friction
     }
 
-    /// Torques, in Nm, that move the arm: joints in rad, velocities in rad/s, accelerations in rad/s^2; without friction.
+    /// Inverse dynamics: joint torques, in Nm, at joint positions in rad, velocities in rad/s and
+    /// accelerations in rad/s^2; without friction.
     ///
-    /// The recursive Newton-Euler algorithm (Luh, Walker and Paul 1980).
-    /// Cross-validated against Pinocchio 4.1.0 within 1e-9 Nm.
+    /// Recursive Newton-Euler algorithm (Luh, Walker and Paul 1980). Cross-validated against
+    /// Pinocchio 4.1.0 within 1e-9 Nm.
     #[must_use]
     pub fn torques(
         &self,
@@ -127,14 +132,14 @@ impl Dynamics {
         inverse_dynamics::<true>(&self.arm, [&s, &c], velocity_rad_s, acceleration_rad_s2)
     }
 
-    /// Torques, in Nm, that hold the arm still: `g(q)`.
+    /// Joint torques, in Nm, that hold the robot at rest against gravity: `g(q)`.
     #[must_use]
     pub fn gravity_torques(&self, joints_rad: &Joints) -> Joints {
         let (s, c) = sin_cos_of_joints(joints_rad);
         holding(&self.arm, [&s, &c])
     }
 
-    /// What the torques at a place of a path q(s) are made of: its joints, dq/ds and d2q/ds2.
+    /// Torque components at a point of a path q(s), from the joint positions, dq/ds and d2q/ds2.
     ///
     /// ```
     /// let dynamics = iiwa_kin::Robot::default().dynamics();
@@ -164,14 +169,14 @@ impl Dynamics {
         mass_matrix(&self.arm, [&s, &c])
     }
 
-    /// Kinetic energy, in J, of the links and the load; rotors are not in it.
+    /// Kinetic energy, in J, of the links and the payload, without the rotors.
     #[must_use]
     pub fn kinetic_energy_j(&self, joints_rad: &Joints, velocity_rad_s: &Joints) -> f64 {
         let momenta = self.mass_matrix(joints_rad).map(|row| vector::dot(&row, velocity_rad_s));
         0.5 * vector::dot(&momenta, velocity_rad_s)
     }
 
-    /// Potential energy, in J: 0 if all masses were in the origin of the foot.
+    /// Potential energy, in J; 0 if all masses were at the origin of the base frame.
     #[must_use]
     pub fn potential_energy_j(&self, joints_rad: &Joints) -> f64 {
         let Linkage { links, offsets, rest } = &self.arm;

@@ -1,4 +1,4 @@
-//! Torques at many places at once.
+//! Torques at many joint positions at once.
 
 #![expect(
     clippy::inline_always,
@@ -14,15 +14,16 @@ use crate::{
     trig::{reduced, reducible},
 };
 
-/// Places computed side by side: two vector registers of four numbers.
+/// Number of joint positions computed side by side: two vector registers of four numbers.
 const LANES: usize = 8;
 
-/// One number a joint, and of each as many as there are lanes.
+/// One number per joint and lane.
 type JointLanes = [[f64; LANES]; 7];
 
 impl Dynamics {
-    /// Torques for each of `joints_rad` with its velocity and acceleration, written to `torques_nm`; the same numbers as
-    /// [`Dynamics::torques`], bit for bit, at a fraction of its time. Uses AVX-512 or AVX2 where the machine has them.
+    /// Computes the torques for each of `joints_rad` with its velocity and acceleration into
+    /// `torques_nm`: bit-identical to [`Dynamics::torques`], in a fraction of its time. Uses
+    /// AVX-512 or AVX2 where available.
     ///
     /// ```
     /// let dynamics = iiwa_kin::Robot::default().dynamics();
@@ -50,7 +51,8 @@ impl Dynamics {
         pulp::Arch::new().dispatch(Torques { arm: &self.arm, places, out: torques_nm });
     }
 
-    /// [`Dynamics::path_torques`] for each of `joints_rad` with its derivatives, written to `parts`, bit for bit the same.
+    /// Computes [`Dynamics::path_torques`] for each of `joints_rad` with its derivatives into
+    /// `parts`, bit-identically.
     ///
     /// # Panics
     ///
@@ -70,7 +72,8 @@ impl Dynamics {
     }
 }
 
-/// Joints and two derivatives.
+/// Joint positions and two derivatives: velocities and accelerations, or derivatives by the path
+/// parameter.
 #[derive(Clone, Copy)]
 struct Places<'a> {
     joints: &'a [Joints],
@@ -78,7 +81,7 @@ struct Places<'a> {
     second: &'a [Joints],
 }
 
-/// The places of one block, lane by lane.
+/// Joint positions and derivatives of one block, lane by lane.
 struct Block {
     sin: JointLanes,
     cos: JointLanes,
@@ -92,7 +95,8 @@ impl Block {
         Self { sin: zeros, cos: zeros, first: zeros, second: zeros }
     };
 
-    /// False where the angles are not those that lanes can do.
+    /// Loads a block from `start`. Returns false if an angle is outside the range of the vectorised
+    /// sine and cosine.
     #[inline(always)]
     fn read(&mut self, places: &Places<'_>, start: usize) -> bool {
         let range = start..start + LANES;
@@ -111,7 +115,7 @@ impl Block {
         true
     }
 
-    /// The torques that `RISES` and the rest say, lane by lane.
+    /// Computes the inverse dynamics of the block, lane by lane; with gravity if `RISES`.
     #[inline(always)]
     fn torques<const RISES: bool>(&self, arm: &Linkage, out: &mut JointLanes) {
         for l in 0..LANES {

@@ -1,7 +1,7 @@
 //! Forward kinematics (Larsen 2019, Eq. 5 and 9).
 //!
-//! All link lengths `a` of the LBR iiwa are zero and all twists are quarter turns, so that a link's
-//! transform is a rotation in a plane, an exchange of two axes and a shift along one.
+//! All link lengths `a` of the LBR iiwa are zero and all twists are quarter turns, so a link
+//! transform is a rotation in a plane, an exchange of two axes and a shift along one axis.
 
 #![expect(
     clippy::inline_always,
@@ -13,7 +13,7 @@ use nalgebra::SMatrix;
 use crate::rotation::Vec3;
 use crate::{Joints, Pose, Robot, robot::TWIST_QUARTERS, trig::sin_cos};
 
-/// The axes of a frame and where it is: columns of a homogeneous transform.
+/// Axes and origin of a frame: the columns of a homogeneous transform.
 #[derive(Clone, Copy)]
 pub(crate) struct Frame {
     pub(crate) x: Vec3<f64>,
@@ -26,7 +26,7 @@ impl Frame {
     pub(crate) const BASE: Self =
         Self { x: [1.0, 0.0, 0.0], y: [0.0, 1.0, 0.0], z: [0.0, 0.0, 1.0], p: [0.0; 3] };
 
-    /// Turns the frame about its own z axis.
+    /// Rotates the frame about its own z axis.
     #[inline(always)]
     pub(crate) fn turn(&mut self, sin: f64, cos: f64) {
         for i in 0..3 {
@@ -36,7 +36,7 @@ impl Frame {
         }
     }
 
-    /// Moves the frame along its own z axis.
+    /// Translates the frame along its own z axis.
     #[inline(always)]
     pub(crate) fn advance(&mut self, d: f64) {
         for i in 0..3 {
@@ -44,7 +44,7 @@ impl Frame {
         }
     }
 
-    /// Turns the frame about its own x axis by quarter turns (-1, 0 or 1).
+    /// Rotates the frame about its own x axis by quarter turns (-1, 0 or 1).
     #[inline(always)]
     pub(crate) fn twist(&mut self, quarters: i8) {
         let (y, z) = (self.y, self.z);
@@ -55,7 +55,8 @@ impl Frame {
         }
     }
 
-    /// From link `j` + 1, turned, to the frame of the next one before its turn.
+    /// Moves on from the frame of link `j` + 1, after its joint rotation, to the next link's frame
+    /// before its joint rotation.
     #[inline(always)]
     pub(crate) fn step(&mut self, j: usize, d: &[f64; 4]) {
         if j.is_multiple_of(2) {
@@ -73,9 +74,10 @@ impl Frame {
     }
 }
 
-/// The flange's frame from the sines and cosines of the seven joints.
+/// Flange frame from the sines and cosines of the seven joints.
 ///
-/// The first two links are written out: they start from the base's axes, which are zeros and ones.
+/// The first two links are written out because they start from the base axes, whose components are
+/// zeros and ones.
 #[inline(always)]
 pub(crate) fn chain(d: &[f64; 4], s: &Joints, c: &Joints) -> Frame {
     let mut frame = Frame {
@@ -100,7 +102,7 @@ pub(crate) fn tcp(d: &[f64; 4], joints_rad: &Joints) -> Pose {
     chain(d, &s, &c).pose()
 }
 
-/// One link backwards: a vector in the frame after joint `j`, given in the frame before it.
+/// Rotates `v`, given in the frame after joint `j`, into the frame before that joint.
 #[inline(always)]
 fn rotate_back(j: usize, v: Vec3<f64>, s: f64, c: f64) -> Vec3<f64> {
     let [x, y, z] = v;
@@ -113,15 +115,15 @@ fn rotate_back(j: usize, v: Vec3<f64>, s: f64, c: f64) -> Vec3<f64> {
 }
 
 impl Robot {
-    /// The lengths d1, d3, d5, d7 in m.
+    /// Lengths d1, d3, d5, d7, in m.
     #[inline]
     pub(crate) fn offsets(&self) -> [f64; 4] {
         let l = &self.lengths;
         [l.base_m, l.upper_arm_m, l.forearm_m, l.flange_m]
     }
 
-    /// Pose of the TCP in the base frame, at `joints_rad` (Larsen 2019, Eq. 9). There is no tool: the
-    /// TCP is the flange's face.
+    /// Flange pose in the base frame at `joints_rad` (Larsen 2019, Eq. 9). There is no tool: the
+    /// TCP is the centre of the flange face.
     ///
     /// ```
     /// let robot = iiwa_kin::Robot::lbr_iiwa_7_r800();
@@ -133,7 +135,7 @@ impl Robot {
         tcp(&self.offsets(), joints_rad)
     }
 
-    /// Position of the TCP in the base frame, in m. Joint 7 has no part in it.
+    /// Flange position in the base frame, in m. It does not depend on joint 7.
     ///
     /// ```
     /// let robot = iiwa_kin::Robot::lbr_iiwa_7_r800();
@@ -155,12 +157,12 @@ impl Robot {
         p
     }
 
-    /// Position (m) and velocity (m per unit of `rate`) of the TCP when the joints change at
-    /// `rate`, in rad per unit of whatever it is counted in (seconds, or the path parameter s).
+    /// Position (m) and velocity (m per unit of `rate`) of the flange when the joints change at
+    /// `rate`, in rad per unit of the independent variable (time in s, or the path parameter s).
     ///
     /// ```
     /// let robot = iiwa_kin::Robot::lbr_iiwa_7_r800();
-    /// // Stretched out to the side, joint 1 at 1 rad/s moves the flange at its distance from the axis.
+    /// // Stretched sideways: joint 1 at 1 rad/s moves the flange at its distance from the axis.
     /// let q = [0.0, std::f64::consts::FRAC_PI_2, 0.0, 0.0, 0.0, 0.0, 0.0];
     /// let (position_m, velocity_m_s) = robot.flange_motion(&q, &[1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]);
     /// assert!((velocity_m_s[1] - position_m[0]).abs() < 1e-12);
@@ -172,10 +174,11 @@ impl Robot {
         motion_in_base(&d, [&s, &c], rate, [0.0, 0.0, d[3]], [0.0; 3])
     }
 
-    /// The same of a TCP, whose position is given in the flange's frame, in m.
+    /// Position and velocity, as in [`flange_motion`](Self::flange_motion), of a TCP given in the
+    /// flange frame, in m.
     ///
     /// ```
-    /// // A TCP 0.1 m beside the flange, which turns about its own axis.
+    /// // A TCP 0.1 m beside the flange, which rotates about its own axis.
     /// let turns = [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 2.0];
     /// let robot = iiwa_kin::Robot::default();
     /// let (_, velocity_m_s) = robot.tcp_motion(&[0.1, 0.0, 0.0], &[0.0; 7], &turns);
@@ -198,8 +201,9 @@ impl Robot {
     /// Poses of all links in the base frame: `iiwa_link_0` to `iiwa_link_7`, then the flange
     /// `iiwa_link_ee`.
     ///
-    /// Link j turns with joint j about its own z axis, as in the URDF of [`Robot::to_urdf`]: it is
-    /// frame j of the Denavit-Hartenberg table before the shift `d_j` and the twist `alpha_j`.
+    /// Link j rotates with joint j about its own z axis, as in the URDF of [`Robot::to_urdf`]: its
+    /// frame is frame j of the Denavit-Hartenberg table before the shift `d_j` and the twist
+    /// `alpha_j`.
     ///
     /// ```
     /// let poses = iiwa_kin::Robot::lbr_iiwa_7_r800().link_poses(&[0.0; 7]);
@@ -221,13 +225,13 @@ impl Robot {
         poses
     }
 
-    /// Geometric Jacobian of the TCP in the base frame: three rows of linear velocity (m/rad) over
-    /// three of angular velocity (rad/rad), one column a joint.
+    /// Geometric Jacobian of the flange in the base frame, one column per joint: three rows of
+    /// linear velocity (m/rad) above three rows of angular velocity (rad/rad).
     ///
     /// ```
     /// let robot = iiwa_kin::Robot::lbr_iiwa_7_r800();
     /// let jacobian = robot.jacobian(&[0.0, 0.5, 0.0, -1.0, 0.0, 0.7, 0.0]);
-    /// // Joint 1 turns everything about the base's z axis.
+    /// // Joint 1 rotates everything about the z axis of the base.
     /// assert_eq!(jacobian[(5, 0)], 1.0);
     /// ```
     #[must_use]
@@ -251,13 +255,13 @@ impl Robot {
         jacobian
     }
 
-    /// How fast a TCP goes, in m/s, that is given in the flange's frame, at joint positions in rad and velocities in
-    /// rad/s.
+    /// TCP speed, in m/s, at joint positions in rad and joint velocities in rad/s; `tcp` is the TCP
+    /// in the flange frame.
     ///
     /// ```
     /// use iiwa_kin::{Pose, Robot};
     ///
-    /// // A TCP 0.1 m beside the flange, which turns about its own axis.
+    /// // A TCP 0.1 m beside the flange, which rotates about its own axis.
     /// let tcp = Pose::from_xyz_abc([0.1, 0.0, 0.0], [0.0; 3]);
     /// let turns = [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 2.0];
     /// let speed = Robot::default().tcp_speed_m_s(&tcp, &[0.3; 7], &turns);
@@ -270,7 +274,8 @@ impl Robot {
     }
 }
 
-/// Position and velocity in the base frame of a point that is given, with what joint 7 makes it move, beyond that joint.
+/// Position and velocity in the base frame of a point given beyond joint 7, with the velocity that
+/// joint 7 gives it.
 #[inline(always)]
 fn motion_in_base(
     d: &[f64; 4],
@@ -291,7 +296,8 @@ fn motion_in_base(
     (p, v)
 }
 
-/// Sines and cosines of seven joints, computed as eight: an even number fills vector registers.
+/// Sines and cosines of seven joints, computed as eight because an even number fills vector
+/// registers.
 #[inline(always)]
 pub(crate) fn sin_cos_of_joints(q: &Joints) -> (Joints, Joints) {
     let (s, c) = sin_cos(&[q[0], q[1], q[2], q[3], q[4], q[5], q[6], 0.0]);

@@ -1,15 +1,15 @@
-//! Forward kinematics of joints that move.
+//! Forward kinematics of moving joints.
 
 use crate::{MovingPose, Pose, Robot, Taylor, number::Number};
 
 impl Robot {
-    /// The flange's pose in the base while the joints move, with its first three derivatives.
+    /// Flange pose in the base frame, with its first three derivatives, for moving joints.
     ///
     /// ```
     /// use iiwa_kin::{Robot, Taylor};
     ///
     /// let robot = Robot::lbr_iiwa_7_r800();
-    /// // A1 turns by 1 rad a unit, with the arm stretched out sideways.
+    /// // A1 rotates by 1 rad per unit, with the arm stretched sideways.
     /// let mut joints = [Taylor::constant(0.0); 7];
     /// joints[0] = Taylor::variable(0.0);
     /// joints[1] = Taylor::constant(std::f64::consts::FRAC_PI_2);
@@ -36,11 +36,11 @@ impl Robot {
     }
 }
 
-/// The two axes that a turn about a third moves into each other, in the order in which it does.
+/// Pairs of axes that a rotation about z or y turns into each other, in order of rotation.
 const Z: [usize; 2] = [0, 1];
 const Y: [usize; 2] = [2, 0];
 
-/// Turns a frame about one of its own axes.
+/// Rotates a frame about one of its own axes.
 fn turn(frame: &mut MovingPose, [first, second]: [usize; 2], angle: Taylor) {
     let (sin, cos) = angle.sin_cos();
     for row in &mut frame.rotation {
@@ -49,7 +49,7 @@ fn turn(frame: &mut MovingPose, [first, second]: [usize; 2], angle: Taylor) {
     }
 }
 
-/// Moves a frame along its own z axis.
+/// Translates a frame along its own z axis.
 fn advance(frame: &mut MovingPose, by_m: f64) {
     for (position, row) in std::iter::zip(&mut frame.position_m, &frame.rotation) {
         *position = *position + row[2] * by_m;

@@ -1,18 +1,18 @@
-//! Friction of the joints.
+//! Joint friction.
 
 use crate::Joints;
 
-/// Friction of the joints as their torque sensors see it, behind the gears.
+/// Joint friction on the output side of the gears, where the torque sensors are.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Friction {
-    /// What grows with the speed, in Nm s/rad.
+    /// Viscous friction coefficients, in Nm s/rad.
     pub viscous_nm_s_rad: Joints,
-    /// What is there at any speed, in Nm.
+    /// Coulomb friction, independent of the speed, in Nm.
     pub coulomb_nm: Joints,
 }
 
 impl Friction {
-    /// Torques, in Nm, that it takes to move at velocities in rad/s; 0 of a joint that stands.
+    /// Friction torques, in Nm, at joint velocities in rad/s; 0 for a joint at rest.
     ///
     /// ```
     /// use iiwa_kin::Friction;

@@ -1,4 +1,5 @@
-//! Polynomials that meet values and derivatives at both ends, over a share from 0 to 1, the lowest power first.
+//! Hermite polynomials: cubics and quintics over a share from 0 to 1, with given values and
+//! derivatives at both ends. Coefficients start at the lowest power.
 //!
 //! ```
 //! use iiwa_kin::hermite;
@@ -8,7 +9,7 @@
 //! assert_eq!(hermite::value(&from_rest_to_rest, 0.5), 0.5);
 //! ```
 
-/// The cubic with these values and slopes.
+/// Cubic with the given end values and slopes.
 #[must_use]
 #[inline]
 pub fn cubic([start, start_slope]: [f64; 2], [end, end_slope]: [f64; 2]) -> [f64; 4] {
@@ -21,7 +22,7 @@ pub fn cubic([start, start_slope]: [f64; 2], [end, end_slope]: [f64; 2]) -> [f64
     ]
 }
 
-/// The quintic with these values, slopes and second derivatives.
+/// Quintic with the given end values, slopes and second derivatives.
 #[must_use]
 #[inline]
 pub fn quintic([p0, v0, a0]: [f64; 3], [p1, v1, a1]: [f64; 3]) -> [f64; 6] {
@@ -36,7 +37,7 @@ pub fn quintic([p0, v0, a0]: [f64; 3], [p1, v1, a1]: [f64; 3]) -> [f64; 6] {
     ]
 }
 
-/// The value of a polynomial.
+/// Value of a polynomial at `share`.
 #[must_use]
 #[inline]
 pub fn value<const N: usize>(coefficients: &[f64; N], share: f64) -> f64 {
@@ -44,7 +45,7 @@ pub fn value<const N: usize>(coefficients: &[f64; N], share: f64) -> f64 {
     rest.iter().rev().fold(*highest, |sum, c| sum * share + c)
 }
 
-/// The first derivative of a polynomial by the share.
+/// First derivative of a polynomial at `share`.
 #[must_use]
 #[inline]
 pub fn slope<const N: usize>(coefficients: &[f64; N], share: f64) -> f64 {
@@ -56,12 +57,13 @@ pub fn slope<const N: usize>(coefficients: &[f64; N], share: f64) -> f64 {
 mod tests {
     use super::*;
 
-    /// What is met at both ends is found again, by values and differences.
+    /// The given end values and derivatives are reproduced, by evaluation and by finite
+    /// differences.
     #[test]
     fn ends_are_met() {
         let (a, b) = ([0.3, -1.2, 4.0], [2.0, 0.7, -3.0]);
-        let [cubic, quintic] = [cubic([a[0], a[1]], [b[0], b[1]]).to_vec(), quintic(a, b).to_vec()];
-        for polynomial in [cubic, quintic] {
+        let polynomials = [cubic([a[0], a[1]], [b[0], b[1]]).to_vec(), quintic(a, b).to_vec()];
+        for polynomial in polynomials {
             let mut c = [0.0; 6];
             c[..polynomial.len()].copy_from_slice(&polynomial);
             for (x, end) in [(0.0, a), (1.0, b)] {

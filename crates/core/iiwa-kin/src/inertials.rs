@@ -1,13 +1,14 @@
-//! Masses, centres and inertias of the built-in robots' links.
+//! Masses, centres of mass and inertias of the built-in robots' links.
 
 use crate::RigidBody;
 
-/// What is known of links 1 to 7.
+/// Known inertial properties of links 1 to 7.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Links {
-    /// All.
+    /// Mass, centre of mass and inertia of each link.
     Known(Box<[RigidBody; 7]>),
-    /// Their masses, in kg; the rest is that of [`link_shapes`](crate::Robot::link_shapes) at uniform density.
+    /// Masses only, in kg; centres and inertias follow from
+    /// [`link_shapes`](crate::Robot::link_shapes) at uniform density.
     Masses([f64; 7]),
 }
 
@@ -15,11 +16,12 @@ const fn link(mass_kg: f64, center_m: [f64; 3], inertia_kg_m2: [f64; 6]) -> Rigi
     RigidBody { mass_kg, center_m, inertia_kg_m2 }
 }
 
-/// Mass of link 0, in kg, in the CAD model of the public `lbr_description` (`lbr_fri_ros2_stack`, Apache-2.0): 23.9 kg with
-/// [`IIWA_7`].
+/// Mass of link 0, in kg, from the CAD model of the public `lbr_description` (`lbr_fri_ros2_stack`,
+/// Apache-2.0): 23.9 kg with [`IIWA_7`].
 pub(crate) const IIWA_7_BASE_KG: f64 = 4.856;
 
-/// Links of the LBR iiwa 7 R800 in the same model (`iiwa7_description.xacro` at 218d723), in our frames.
+/// Links of the LBR iiwa 7 R800 from the same model (`iiwa7_description.xacro` at 218d723),
+/// converted to the frames of [`link_poses`](crate::Robot::link_poses).
 #[rustfmt::skip]
 pub(crate) const IIWA_7: [RigidBody; 7] = [
     link(3.394_011, [0.0, -0.034_819, 0.270_799], [0.021_383, 0.0, 0.0, 0.020_403, 0.003_797, 0.007_563]),
@@ -31,10 +33,11 @@ pub(crate) const IIWA_7: [RigidBody; 7] = [
     link(0.259_474, [0.000_003, -0.000_002, 0.104_782], [0.000_171, 0.0, 0.0, 0.000_171, 0.0, 0.000_299]),
 ];
 
-/// Mass of link 0, in kg, in the same description: 29.9 kg with [`IIWA_14`].
+/// Mass of link 0, in kg, from the same description: 29.9 kg with [`IIWA_14`].
 pub(crate) const IIWA_14_BASE_KG: f64 = 7.05;
 
-/// Links of the LBR iiwa 14 R820 in a CAD model of its own (`iiwa14_description.xacro` at 218d723).
+/// Links of the LBR iiwa 14 R820, from a separate CAD model (`iiwa14_description.xacro` at
+/// 218d723).
 #[rustfmt::skip]
 pub(crate) const IIWA_14: [RigidBody; 7] = [
     link(5.289_529, [0.0, -0.033_795, 0.279_904], [0.042_462, 0.0, 0.0, 0.042_838, 0.006_341, 0.015_87]),

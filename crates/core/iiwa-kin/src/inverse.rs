@@ -1,11 +1,12 @@
-//! Inverse kinematics: the joints that reach a pose, in closed form.
+//! Closed-form inverse kinematics: the joint positions that reach a pose.
 //!
-//! With the position of joint A3 given (Sunrise's E1) the arm has six joints left. The wrist's distance from
-//! the shoulder gives A4; its height and its way round the vertical axis give A1 and A2; what is left of the
-//! orientation gives A5 to A7. Each step leaves two choices, which the three bits of [`Status`] make.
+//! With the position of joint A3 given (Sunrise's E1), six joints are left. The distance of the
+//! wrist from the shoulder gives A4; its height and its azimuth about the vertical axis give A1 and
+//! A2; the remaining orientation gives A5 to A7. Each step has two solutions, which the three bits
+//! of [`Status`] select.
 //!
-//! One function serves numbers and their derivatives. It carries sines and cosines along, each a quotient of
-//! lengths at hand, and takes all angles at its end.
+//! One generic function serves plain numbers and Taylor series. It computes with sines and cosines,
+//! each a quotient of known lengths, and takes all angles at the end.
 
 #![expect(
     clippy::inline_always,
@@ -20,20 +21,20 @@ use crate::{
     unreachable::Unreachable,
 };
 
-/// How far out of reach a wrist may be, in m. A millionth of a millimetre: poses at the border of what is
-/// within reach must not fail by the rounding of a text.
+/// Distance beyond the reach, in m, that is still accepted. A millionth of a millimetre: poses at
+/// the border of the reach must not fail because their text form is rounded.
 const ROUNDING_M: f64 = 1e-9;
 
-/// Where two axes are in line up to this (in m, or as a sine), only the sum of their joints counts. The first
-/// of them stays at 0.
+/// Threshold (in m, or as a sine) below which two axes count as aligned. Only the sum of their
+/// joint positions is then defined; the first of the two joints is set to 0.
 const IN_LINE: f64 = 1e-12;
 
 impl Robot {
-    /// The joints, in rad, that bring the flange to a pose in the base frame with joint A3 at `e1_rad`, in the
-    /// way that `status` chooses. Limits of the joints are not checked; A1, A2 and A4 to A7 are between -pi
-    /// and pi.
+    /// Joint positions, in rad, that bring the flange to a pose in the base frame, with joint A3 at
+    /// `e1_rad` and the configuration selected by `status`. Joint ranges are not checked; A1, A2
+    /// and A4 to A7 are between -pi and pi.
     ///
-    /// Where A6 is 0 (to 1e-12) A5 is taken as 0, and where the wrist is above the base A1 is.
+    /// If A6 is 0 (to 1e-12), A5 is set to 0; if the wrist is above the base, A1 is set to 0.
     ///
     /// ```
     /// use iiwa_kin::Robot;
@@ -49,7 +50,7 @@ impl Robot {
     ///
     /// # Errors
     ///
-    /// If no joints reach the pose, or none with this E1.
+    /// If no joint positions reach the pose, or none with this E1.
     pub fn inverse(
         &self,
         flange: &Pose,
@@ -59,14 +60,14 @@ impl Robot {
         solve(&self.offsets(), &flange.position_m, &flange.rotation, e1_rad, status)
     }
 
-    /// The joints, in rad, and their first three derivatives while flange and E1 move: the same as
-    /// [`inverse`](Self::inverse) at every value of the parameter.
+    /// Joint positions, in rad, and their first three derivatives for a moving flange and E1. The
+    /// values equal those of [`inverse`](Self::inverse) at every value of the parameter.
     ///
-    /// In a singularity ([`Robot::singularity`]) derivatives are not finite.
+    /// At a singularity ([`Robot::singularity`]) the derivatives are not finite.
     ///
     /// # Errors
     ///
-    /// If no joints reach the pose, or none with this E1.
+    /// If no joint positions reach the pose, or none with this E1.
     pub fn inverse_moving(
         &self,
         flange: &MovingPose,
@@ -77,8 +78,8 @@ impl Robot {
     }
 }
 
-/// The wrist as seen from the shoulder, in the base's directions; and the squares of its distances from the
-/// vertical axis and from the shoulder.
+/// Wrist position relative to the shoulder, in base directions, with the squares of its distances
+/// from the vertical axis and from the shoulder.
 #[inline(always)]
 fn wrist<T: Number>(d: &[f64; 4], position: &[T; 3], rotation: &[[T; 3]; 3]) -> ([T; 3], T, T) {
     let w = [
@@ -90,8 +91,9 @@ fn wrist<T: Number>(d: &[f64; 4], position: &[T; 3], rotation: &[[T; 3]; 3]) -> 
     (w, aside, aside + w[2] * w[2])
 }
 
-/// Sine (above 0) and cosine of A4 from the square of the wrist's distance from the shoulder, by the law of
-/// cosines. Square roots of sums and differences, for `acos` would lose half of the digits near 0.
+/// Sine (above 0) and cosine of A4 from the squared distance between wrist and shoulder, by the law
+/// of cosines. Uses square roots of sums and differences because `acos` would lose half of the
+/// digits near 0.
 #[inline(always)]
 fn elbow<T: Number>([_, d3, d5, _]: &[f64; 4], distance: T) -> Result<(T, T), Unreachable> {
     let (longest, shortest) = (d3 + d5, d3 - d5);
@@ -119,26 +121,27 @@ fn check_distance(distance: f64, longest: f64, shortest: f64) -> Result<(), Unre
     Ok(())
 }
 
-/// What a pose says of the arm before E1 is known.
+/// Arm geometry that a pose fixes before E1 is chosen.
 pub(crate) struct Arm {
-    /// The wrist as seen from the shoulder.
+    /// Wrist position relative to the shoulder.
     pub(crate) wrist_m: [f64; 3],
-    /// Without the sign that the status chooses.
+    /// |sin A4|; the status selects its sign.
     pub(crate) sin_a4: f64,
     pub(crate) cos_a4: f64,
-    /// d5 |sin A4|: how far the wrist can be from the plane of A1 and A2.
+    /// d5 |sin A4|: the largest distance of the wrist from the plane of A1 and A2.
     lever_m: f64,
 }
 
 impl Arm {
-    /// How far E1 may be from 0 or from half a turn, in rad; a quarter turn for every E1.
+    /// Largest deviation of E1 from 0 or from half a turn, in rad; a quarter turn if every E1 is
+    /// possible.
     pub(crate) fn within_rad(&self) -> f64 {
         let [x, y, _] = self.wrist_m;
         x.hypot(y).atan2((self.lever_m * self.lever_m - x * x - y * y).max(0.0).sqrt())
     }
 }
 
-/// The arm at a pose of the flange; an error if it does not reach so far.
+/// Arm geometry at a flange pose; an error if the pose is out of reach.
 pub(crate) fn arm_at(d: &[f64; 4], flange: &Pose) -> Result<Arm, Unreachable> {
     let (wrist_m, _, distance) = wrist(d, &flange.position_m, &flange.rotation);
     let (sin_a4, cos_a4) = elbow(d, distance)?;
@@ -161,7 +164,8 @@ fn solve<T: Number>(
     let (sin4, cos4) = elbow(d, distance)?;
     let sin4 = sin4 * a4_sign;
 
-    // The wrist in the frame that A1 and A2 turn, v, and in the one that A1 turns: (ahead, v[1], w[2]).
+    // The wrist in the frame rotated by A1 and A2 is v; in the frame rotated by A1 alone, (ahead,
+    // v[1], w[2]).
     let (sin3, cos3) = e1.sin_cos();
     let lever = sin4 * -d5;
     let mut v = [lever * cos3, lever * sin3, cos4 * d5 + d3];
@@ -192,14 +196,14 @@ fn solve<T: Number>(
         (zero, one)
     };
 
-    // The frame of the forearm: z along it, y along the axis of A4.
+    // Frame of the forearm: z along the forearm, y along the axis of A4.
     let upper_arm = [cos1 * sin2, sin1 * sin2, cos2];
     let z: [T; 3] = std::array::from_fn(|i| (w[i] - upper_arm[i] * d3) * d5.recip());
     let turned = sin3 * cos2;
     let y = [-(turned * cos1 + cos3 * sin1), cos3 * cos1 - turned * sin1, sin3 * sin2];
     let x = cross(&y, &z);
 
-    // The flange in it is a turn about z, y and z again.
+    // The flange orientation relative to that frame is a rotation about z, y and z.
     let axis = |k: usize| [rotation[0][k], rotation[1][k], rotation[2][k]];
     let flange_z = axis(2);
     let (along_x, along_y) = (dot(&x, &flange_z), dot(&y, &flange_z));
@@ -212,7 +216,8 @@ fn solve<T: Number>(
     } else {
         (zero, zero, one)
     };
-    // The axis of A6 says what A7 has left to do, also where A5 is uncertain: next to A6 = 0 only their sum counts.
+    // A7 is measured from the axis of A6. This holds even near A6 = 0, where A5 is ill-conditioned
+    // and only the sum of A5 and A7 is defined.
     let axis6 = std::array::from_fn(|i| y[i] * cos5 - x[i] * sin5);
     let (sin7, cos7) = (dot(&axis6, &axis(0)), dot(&axis6, &axis(1)));
 

@@ -1,15 +1,16 @@
-//! Inverse kinematics of a point: joints A1, A2 and A4 that bring a point of the flange to a place, while A3 and the
-//! wrist's joints A5 to A7 are given.
+//! Inverse kinematics of a point: joints A1, A2 and A4 that bring a point of the flange to a
+//! position, with A3 and the wrist joints A5 to A7 given.
 //!
-//! Seen from the elbow the point is at a fixed distance, so that A4 follows from its distance from the shoulder; its height
-//! and its way round the vertical axis give A1 and A2, as those of the wrist do in [`inverse`](mod@crate::inverse).
+//! The point is at a fixed distance from the elbow, so A4 follows from its distance from the
+//! shoulder; its height and its azimuth about the vertical axis give A1 and A2, as the wrist
+//! position does in [`inverse`](mod@crate::inverse).
 
 use crate::{Joints, Robot, number::Number, unreachable::Unreachable};
 
-/// How far out of reach a point may be, in m: what rounding is.
+/// Distance beyond the reach, in m, that is still attributed to rounding.
 const ROUNDING_M: f64 = 1e-9;
 
-/// A point of the flange, and on which side of it shoulder and elbow are.
+/// A point fixed to the flange, with the side of shoulder and elbow on which the arm keeps it.
 ///
 /// ```
 /// use iiwa_kin::{FlangePoint, Robot};
@@ -28,14 +29,15 @@ const ROUNDING_M: f64 = 1e-9;
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FlangePoint {
-    /// Where it is in the flange's frame, in m.
+    /// Position in the flange frame, in m.
     point_m: [f64; 3],
-    /// 1 or -1: the side of the upper arm to which the elbow bends, and the side of A1 on which the point is.
+    /// Signs, 1 or -1: the side of the upper arm to which the elbow bends, and the side of A1 on
+    /// which the point is.
     elbow: f64,
     ahead: f64,
 }
 
-/// The point as seen from the elbow, in the directions of the forearm.
+/// Position of the point relative to the elbow, in forearm directions.
 fn from_elbow<T: Number>([_, _, d5, d7]: &[f64; 4], point_m: &[f64; 3], wrist: [T; 3]) -> [T; 3] {
     let [a5, a6, a7] = wrist.map(T::sin_cos);
     let [x, y, z] = *point_m;
@@ -47,7 +49,7 @@ fn from_elbow<T: Number>([_, _, d5, d7]: &[f64; 4], point_m: &[f64; 3], wrist: [
 }
 
 impl FlangePoint {
-    /// The point, on the side of shoulder and elbow on which it is at these joints.
+    /// Creates the point with the shoulder and elbow sides that it has at these joint positions.
     #[must_use]
     pub fn new(robot: &Robot, point_m: [f64; 3], joints_rad: &Joints) -> Self {
         let [_, a2, a3, a4, a5, a6, a7] = *joints_rad;
@@ -62,15 +64,15 @@ impl FlangePoint {
         Self { point_m, elbow: sign(across), ahead: sign(ahead) }
     }
 
-    /// The joints, in rad, that bring it to a place in the base frame, in m, with joint A3 and the wrist's joints A5 to A7
-    /// at these positions. Limits of the joints are not checked.
+    /// Joint positions, in rad, that bring the point to a position in the base frame, in m, with
+    /// joint A3 and the wrist joints A5 to A7 given. Joint ranges are not checked.
     ///
-    /// Derivatives are not finite where the point is as far from the shoulder as can be, or on the border of what is within
-    /// reach with this position of A3.
+    /// Derivatives are not finite at the largest distance from the shoulder, or at the border of
+    /// the reach for this position of A3.
     ///
     /// # Errors
     ///
-    /// If the point does not reach there.
+    /// If the position is out of reach.
     pub fn joints_at<T: Number>(
         &self,
         robot: &Robot,
@@ -84,7 +86,7 @@ impl FlangePoint {
         let place = [place_m[0], place_m[1], place_m[2] + -d1];
         let aside = place[0] * place[0] + place[1] * place[1];
         let distance = aside + place[2] * place[2];
-        // Along the upper arm from the elbow, and across it.
+        // Components of the point position along and across the upper arm, from the elbow.
         let lever = x * x + z * z;
         let along = (distance - lever - y * y + -(d3 * d3)) * (0.5 / d3);
         let across_square = lever - along * along;

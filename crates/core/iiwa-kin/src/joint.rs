@@ -1,10 +1,10 @@
-//! The name of a joint.
+//! Joint names.
 
 use std::fmt;
 
 /// One of the seven joints, named as on the robot: A1 at the base to A7 at the flange.
 ///
-/// Arrays of joints count from 0 and people count from 1; this type keeps the two apart.
+/// Array indices start at 0 and joint numbers at 1; this type keeps the two apart.
 ///
 /// ```
 /// use iiwa_kin::Joint;
@@ -16,19 +16,19 @@ use std::fmt;
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Joint {
-    /// The first joint: turns the arm about the vertical axis of its base.
+    /// First joint: rotates the arm about the vertical axis of its base.
     A1,
-    /// The second joint.
+    /// Second joint.
     A2,
-    /// The third joint.
+    /// Third joint.
     A3,
-    /// The fourth joint, the elbow.
+    /// Fourth joint, the elbow.
     A4,
-    /// The fifth joint.
+    /// Fifth joint.
     A5,
-    /// The sixth joint.
+    /// Sixth joint.
     A6,
-    /// The seventh joint: turns the flange.
+    /// Seventh joint: rotates the flange.
     A7,
 }
 
@@ -37,25 +37,25 @@ impl Joint {
     pub const ALL: [Self; 7] =
         [Self::A1, Self::A2, Self::A3, Self::A4, Self::A5, Self::A6, Self::A7];
 
-    /// Its place in an array of joints, 0 to 6.
+    /// Index in an array of joints, 0 to 6.
     #[must_use]
     pub fn index(self) -> usize {
         self as usize
     }
 
-    /// Its number, 1 to 7.
+    /// Number, 1 to 7.
     #[must_use]
     pub fn number(self) -> usize {
         self.index() + 1
     }
 
-    /// The joint at a place in an array of joints; `None` from 7 on.
+    /// Joint at an array index; `None` from 7 on.
     #[must_use]
     pub fn from_index(index: usize) -> Option<Self> {
         Self::ALL.get(index).copied()
     }
 
-    /// The joint of a number from 1 to 7; `None` for any other.
+    /// Joint with a number from 1 to 7; `None` for any other number.
     #[must_use]
     pub fn from_number(number: usize) -> Option<Self> {
         Self::from_index(number.checked_sub(1)?)

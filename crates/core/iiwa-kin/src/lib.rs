@@ -1,5 +1,5 @@
-//! Kinematics and dynamics of the KUKA LBR iiwa: robot models, forward and inverse kinematics, Jacobian, joint torques,
-//! URDF in and out. It knows nothing of motion.
+//! Kinematics and dynamics of the KUKA LBR iiwa: robot models, forward and inverse kinematics,
+//! Jacobian, joint torques, URDF import and export. The crate does not deal with trajectories.
 //!
 //! ```
 //! use iiwa_kin::Robot;
@@ -9,11 +9,12 @@
 //! assert!((stretched_out.position_m[2] - 1.292).abs() < 1e-12);
 //! ```
 //!
-//! Units are SI and radians. Joints are plain arrays of seven; joint 1 is index 0 and carries the
-//! others. Poses are given in `iiwa_link_0`, the base: z up, origin in the middle of its foot.
+//! Units are SI and radians. Joint vectors are plain arrays of seven; joint 1 is index 0 and
+//! carries the others. Poses are given in `iiwa_link_0`, the base: z up, origin in the centre of
+//! its mounting face.
 //!
-//! Features, both on by default: `profile` for robot profiles in JSON, `urdf` for robot descriptions of
-//! ROS. Without them, kinematics alone needs neither a JSON nor an XML library.
+//! Features, both on by default: `profile` for robot profiles in JSON, `urdf` for ROS robot
+//! descriptions. Without them, the crate needs neither a JSON nor an XML library.
 //!
 //! Source: C. Larsen, *Including a Collaborative Robot in Digital Twin Manufacturing Systems*,
 //! Chalmers 2019, chapter 2.3, cited as "Larsen 2019".
@@ -91,5 +92,5 @@ pub use urdf::{
     UrdfMesh, UrdfReport,
 };
 
-/// Positions, or any other quantity, of the seven joints; rad unless the name says otherwise.
+/// A quantity of the seven joints, such as positions; in rad unless the name says otherwise.
 pub type Joints = [f64; 7];

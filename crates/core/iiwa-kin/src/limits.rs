@@ -1,26 +1,27 @@
-//! What each joint may do.
+//! Joint limits.
 
 use crate::{Joint, Joints};
 
-/// Limits of the seven joints. Those of velocity, acceleration, jerk and torque hold in both directions.
+/// Limits of the seven joints. Velocity, acceleration, jerk and torque limits apply in both
+/// directions.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Limits {
-    /// The least position, in rad.
+    /// Lower position limit, in rad.
     pub lower_rad: Joints,
-    /// The greatest position, in rad.
+    /// Upper position limit, in rad.
     pub upper_rad: Joints,
-    /// Speed, in rad/s.
+    /// Speed limit, in rad/s.
     pub velocity_rad_s: Joints,
-    /// Acceleration, in rad/s^2.
+    /// Acceleration limit, in rad/s^2.
     pub acceleration_rad_s2: Joints,
-    /// Jerk, in rad/s^3.
+    /// Jerk limit, in rad/s^3.
     pub jerk_rad_s3: Joints,
-    /// Torque, in Nm.
+    /// Torque limit, in Nm.
     pub torque_nm: Joints,
 }
 
-/// A joint outside its range.
+/// Error: a joint is outside its range.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[error(
     "joint {joint} is at {} deg; its range is {} to {} deg",
@@ -30,18 +31,18 @@ pub struct Limits {
 pub struct OutsideRange {
     /// The joint.
     pub joint: Joint,
-    /// Its position, in rad; maybe not a number.
+    /// Position found, in rad; may be NaN.
     pub found_rad: f64,
-    /// Its least and its greatest position, in rad.
+    /// Lower and upper position limit, in rad.
     pub range_rad: [f64; 2],
 }
 
-/// How far outside its range a joint may be, in rad. A thousandth of an arc second: a limit typed in degrees
-/// must not fail by rounding.
+/// Tolerance by which a joint may exceed its range, in rad. A thousandth of an arc second: a limit
+/// typed in degrees must not fail by rounding.
 const ROUNDING_RAD: f64 = 5e-9;
 
 impl Limits {
-    /// The least and the greatest position of a joint, in rad.
+    /// Lower and upper position limit of a joint, in rad.
     #[must_use]
     pub fn range_rad(&self, joint: Joint) -> [f64; 2] {
         [self.lower_rad[joint.index()], self.upper_rad[joint.index()]]
@@ -51,7 +52,7 @@ impl Limits {
     ///
     /// # Errors
     ///
-    /// The first joint that is outside, or not a number.
+    /// If a joint is outside its range or not a number; reports the first such joint.
     ///
     /// ```
     /// use iiwa_kin::{Joint, Robot};
@@ -72,19 +73,20 @@ impl Limits {
         Ok(())
     }
 
-    /// That `joint` is at `found_rad`, outside its range.
+    /// Error that reports `joint` at `found_rad`, outside its range.
     #[must_use]
     pub fn outside(&self, joint: Joint, found_rad: f64) -> OutsideRange {
         OutsideRange { joint, found_rad, range_rad: self.range_rad(joint) }
     }
 
-    /// The position within the ranges that is nearest in each joint, in rad.
+    /// Nearest positions within the joint ranges, joint by joint, in rad.
     #[must_use]
     pub fn clamp(&self, joints_rad: &Joints) -> Joints {
         std::array::from_fn(|j| joints_rad[j].clamp(self.lower_rad[j], self.upper_rad[j]))
     }
 
-    /// The positions at shares of the ranges: -1 is the lower limit of a joint, 1 the upper.
+    /// Positions at relative places within the joint ranges: -1 is the lower limit of a joint, 1
+    /// its upper limit.
     #[must_use]
     pub fn at_shares(&self, shares: &Joints) -> Joints {
         std::array::from_fn(|j| {
@@ -94,7 +96,7 @@ impl Limits {
     }
 }
 
-/// Degrees with as many places as tell a value from its limit, and no more.
+/// Angle in degrees, rounded to the decimals that distinguish a value from its limit.
 fn degrees(rad: f64) -> f64 {
     let degrees = rad.to_degrees();
     let rounded = (degrees * 1e7).round() / 1e7;

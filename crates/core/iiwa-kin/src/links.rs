@@ -1,12 +1,12 @@
-//! The links of a robot as bodies.
+//! Robot links as rigid bodies.
 
 use crate::{RigidBody, Robot, inertials::Links, shape_inertia};
 
-/// How far the centre of a media flange is behind the flange's face, in m: half of what "Touch" is longer than the plain
-/// flange (152 mm and 126 mm from the wrist).
+/// Distance of a media flange's centre behind the flange face, in m: half of the length by which
+/// "Touch" exceeds the plain flange (152 mm and 126 mm from the wrist).
 const FLANGE_CENTER_M: f64 = 0.013;
 
-/// The name of a part of the arm for people: of link 8 `the tool`, of any other one `link 5`.
+/// Display name of a part of the arm: `the tool` for link 8, otherwise for example `link 5`.
 ///
 /// ```
 /// assert_eq!(iiwa_kin::part_name(8), "the tool");
@@ -17,12 +17,12 @@ pub fn part_name(link: usize) -> String {
 }
 
 impl Robot {
-    /// Links 1 to 7 in the frames of [`Robot::link_poses`]; without a mass of the flange of its own.
+    /// Links 1 to 7 in the frames of [`Robot::link_poses`], without the separate flange mass.
     ///
     /// ```
     /// let links = iiwa_kin::Robot::lbr_iiwa_14_r820().links();
     /// let sum: f64 = links.iter().map(|link| link.mass_kg).sum();
-    /// // With its foot, the arm weighs 29.9 kg.
+    /// // With its base, the arm weighs 29.9 kg.
     /// assert!((sum - 22.85).abs() < 0.005);
     /// ```
     #[must_use]
@@ -36,7 +36,7 @@ impl Robot {
         }
     }
 
-    /// The same, the last one with the mass of the flange.
+    /// Links 1 to 7, with the flange mass added to link 7.
     pub(crate) fn carried_links(&self) -> [RigidBody; 7] {
         let mut links = self.links();
         let at_m = [0.0, 0.0, self.lengths.flange_m - FLANGE_CENTER_M];
@@ -44,7 +44,7 @@ impl Robot {
         links
     }
 
-    /// Masses of link 0 (the base) to link 7, in kg; without a mass of the flange of its own.
+    /// Masses of link 0 (the base) to link 7, in kg, without the separate flange mass.
     #[must_use]
     pub fn link_mass_kg(&self) -> [f64; 8] {
         let masses = match &self.links {

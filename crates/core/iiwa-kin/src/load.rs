@@ -1,4 +1,4 @@
-//! What hangs on the flange.
+//! Payload at the flange.
 
 use std::str::FromStr;
 
@@ -7,20 +7,20 @@ use crate::{
     rotation::{product, transposed},
 };
 
-/// A load at the flange.
+/// A payload at the flange.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Load {
     /// Mass, in kg.
     pub mass_kg: f64,
-    /// Centre of mass in the flange's frame, in mm.
+    /// Centre of mass in the flange frame, in mm.
     pub center_mm: [f64; 3],
-    /// Principal moments of inertia about the centre, in kg m^2.
+    /// Principal moments of inertia about the centre of mass, in kg m^2.
     pub inertia_kg_m2: [f64; 3],
-    /// Orientation of the principal axes in the flange's frame: a, b, c in rad.
+    /// Orientation of the principal axes in the flange frame: a, b, c in rad.
     pub abc_rad: [f64; 3],
 }
 
-/// Of `KG` or `KG,X,Y,Z`: the mass, and where its centre is, in mm.
+/// Parses `KG` or `KG,X,Y,Z`: the mass and its centre, in mm.
 impl FromStr for Load {
     type Err = String;
 
@@ -41,7 +41,7 @@ impl FromStr for Load {
     }
 }
 
-/// Finite numbers with commas between them.
+/// Parses finite numbers separated by commas.
 pub(crate) fn numbers(text: &str) -> Result<Vec<f64>, String> {
     let number = |field: &str| {
         let value = field.trim().parse().ok().filter(|value: &f64| value.is_finite());
@@ -51,7 +51,7 @@ pub(crate) fn numbers(text: &str) -> Result<Vec<f64>, String> {
 }
 
 impl Load {
-    /// The load as a body in the flange's frame.
+    /// The payload as a rigid body in the flange frame.
     ///
     /// ```
     /// use iiwa_kin::Load;
@@ -86,7 +86,7 @@ mod tests {
         assert_eq!((body.mass_kg, body.center_m), (4.2, [0.01, -0.02, 0.0905]));
     }
 
-    /// A mass 100 mm in front of a flange that points forwards, of an arm that reaches forwards.
+    /// A mass 100 mm in front of a flange that points forwards, on an arm stretched forwards.
     #[test]
     fn gravity_acts_at_the_centre() {
         use crate::Robot;

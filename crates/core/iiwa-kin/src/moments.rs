@@ -1,17 +1,18 @@
-//! What the equations of motion need to know of a body.
+//! Mass moments of bodies, as the equations of motion use them.
 
 use crate::{
     RigidBody,
     rotation::{Mat3, Vec3},
 };
 
-/// Moments of a body's mass about the origin of its frame. Those of bodies that move together add up.
+/// Moments of a body's mass about the origin of its frame. The moments of bodies that move together
+/// add up.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Moments {
     pub(crate) mass_kg: f64,
-    /// The sum of m x.
+    /// Sum of m x.
     pub(crate) first_kg_m: Vec3<f64>,
-    /// The sum of m x x^T: xx, xy, xz, yy, yz, zz.
+    /// Sum of m x x^T: xx, xy, xz, yy, yz, zz.
     pub(crate) second_kg_m2: [f64; 6],
 }
 
@@ -37,7 +38,7 @@ impl From<&RigidBody> for Moments {
 }
 
 impl Moments {
-    /// Of both together.
+    /// Moments of both bodies together.
     pub(crate) fn plus(&self, other: &Self) -> Self {
         Self {
             mass_kg: self.mass_kg + other.mass_kg,
@@ -46,7 +47,7 @@ impl Moments {
         }
     }
 
-    /// In a frame in which the axes of this one are `axes`.
+    /// Moments in another frame, in which the axes of this frame are `axes`.
     pub(crate) fn turned(&self, axes: &[Vec3<f64>; 3]) -> Self {
         let [xx, xy, xz, yy, yz, zz] = self.second_kg_m2;
         let second = [[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]];
@@ -67,7 +68,8 @@ impl Moments {
         }
     }
 
-    /// About a point `d` behind the origin on the z axis: the body is `d` further along it.
+    /// Moments about a point `d` behind the origin on the z axis, so that the body is `d` further
+    /// along that axis.
     pub(crate) fn shifted(&self, d: f64) -> Self {
         let [hx, hy, hz] = self.first_kg_m;
         let [xx, xy, xz, yy, yz, zz] = self.second_kg_m2;

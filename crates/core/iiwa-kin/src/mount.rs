@@ -1,20 +1,20 @@
-//! How the robot's foot stands.
+//! Mounting of the robot.
 
 use std::str::FromStr;
 
 use crate::{load::numbers, trig};
 
-/// Acceleration of gravity, in m/s^2, as controllers count with it.
+/// Acceleration of gravity, in m/s^2, as robot controllers use it.
 const GRAVITY_M_S2: f64 = 9.81;
 
-/// The orientation of the robot's foot in the world, whose z axis points up: on the floor unless it says otherwise.
+/// Orientation of the robot base in the world, whose z axis points up; on the floor by default.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Mount {
     /// Roll, pitch and yaw, in rad: R = Rz(yaw) Ry(pitch) Rx(roll), as in a URDF.
     pub rpy_rad: [f64; 3],
 }
 
-/// Of `ROLL,PITCH,YAW` in degrees.
+/// Parses `ROLL,PITCH,YAW` in degrees.
 impl FromStr for Mount {
     type Err = String;
 
@@ -26,12 +26,12 @@ impl FromStr for Mount {
 }
 
 impl Mount {
-    /// The mount at roll, pitch and yaw in degrees.
+    /// Mounting at roll, pitch and yaw in degrees.
     ///
     /// ```
     /// use iiwa_kin::Mount;
     ///
-    /// // At the ceiling, and at a wall that the foot's x axis looks down along.
+    /// // On the ceiling, and on a wall with the base x axis pointing down.
     /// assert!((Mount::from_rpy_deg([180.0, 0.0, 0.0]).gravity_m_s2()[2] - 9.81).abs() < 1e-12);
     /// assert!((Mount::from_rpy_deg([0.0, 90.0, 0.0]).gravity_m_s2()[0] - 9.81).abs() < 1e-12);
     /// ```
@@ -40,7 +40,7 @@ impl Mount {
         Self { rpy_rad: rpy_deg.map(f64::to_radians) }
     }
 
-    /// Gravity in the frame of the foot, in m/s^2.
+    /// Gravity vector in the base frame, in m/s^2.
     #[must_use]
     pub fn gravity_m_s2(&self) -> [f64; 3] {
         let ([roll_sin, pitch_sin, _], [roll_cos, pitch_cos, _]) = trig::sin_cos(&self.rpy_rad);

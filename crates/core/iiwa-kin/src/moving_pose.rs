@@ -1,4 +1,4 @@
-//! Where a frame is while it moves.
+//! Pose of a moving frame.
 
 use crate::{Pose, taylor::Taylor};
 
@@ -7,12 +7,12 @@ use crate::{Pose, taylor::Taylor};
 pub struct MovingPose {
     /// Origin, in m.
     pub position_m: [Taylor; 3],
-    /// Rotation matrix, row-major: its columns are the frame's axes.
+    /// Rotation matrix, row-major; its columns are the axes of the frame.
     pub rotation: [[Taylor; 3]; 3],
 }
 
 impl MovingPose {
-    /// A pose that stands still.
+    /// A pose at rest.
     #[must_use]
     pub fn constant(pose: &Pose) -> Self {
         Self {
@@ -21,7 +21,7 @@ impl MovingPose {
         }
     }
 
-    /// The pose itself, without derivatives.
+    /// The pose without its derivatives.
     #[must_use]
     pub fn pose(&self) -> Pose {
         Pose {
@@ -30,9 +30,9 @@ impl MovingPose {
         }
     }
 
-    /// The pose of a frame that this one carries: `carried` is given in this frame.
+    /// Pose of a frame `carried` that is fixed to this frame and given in it.
     ///
-    /// The flange from the TCP, say, with the inverse of the tool.
+    /// For example the flange pose from the TCP pose, with the inverse of the tool.
     #[must_use]
     #[inline]
     pub fn then_fixed(&self, carried: &Pose) -> Self {
@@ -49,9 +49,10 @@ impl MovingPose {
         }
     }
 
-    /// This pose as seen from what `carrier` is given in: `carrier` carries what this pose is given in.
+    /// This pose expressed in the frame in which `carrier` is given; `carrier` is the pose of the
+    /// frame in which this pose is given.
     ///
-    /// A motion in a base that stands, say, as one in the robot's.
+    /// For example a motion given in a fixed base, expressed in the robot base.
     #[must_use]
     #[inline]
     pub fn carried_by(&self, carrier: &Pose) -> Self {

@@ -1,8 +1,9 @@
-//! The recursive Newton-Euler algorithm, written out for this arm.
+//! Recursive Newton-Euler algorithm, written out for the LBR iiwa.
 //!
-//! All vectors are given in link frames: z is the joint's axis, the origins are in base, shoulder, elbow and wrist. From
-//! one frame to the next lead a quarter turn about x and a turn about z; only elbow and wrist are away from the origin
-//! before, along z. So the shoulder does not move, and no force is needed where no lever follows.
+//! All vectors are given in link frames: z is the joint axis, the origins are in base, shoulder,
+//! elbow and wrist. Successive frames differ by a quarter turn about x and a turn about z; only the
+//! elbow and the wrist are offset from the preceding origin, along z. So the shoulder does not
+//! move, and no force is computed where no lever arm follows.
 
 #![expect(
     clippy::inline_always,
@@ -11,18 +12,18 @@
 
 use crate::{Joints, moments::Moments, robot::TWIST_QUARTERS, rotation::Vec3};
 
-/// What moves, and where its axes are.
+/// Moving masses and geometry of the arm.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Linkage {
-    /// Links 1 to 7, each in its frame; the last one with all that it carries.
+    /// Links 1 to 7, each in its own frame; the last one includes all that it carries.
     pub(crate) links: [Moments; 7],
-    /// From base to shoulder, to elbow, to wrist, to the flange, in m.
+    /// Distances base to shoulder, shoulder to elbow, elbow to wrist and wrist to flange, in m.
     pub(crate) offsets: [f64; 4],
-    /// The acceleration, in m/s^2, that a base at rest feels: against gravity.
+    /// Apparent acceleration, in m/s^2, of the base at rest: the negative of gravity.
     pub(crate) rest: Vec3<f64>,
 }
 
-/// How a link moves, in its frame.
+/// Motion of a link, in its own frame.
 #[derive(Clone, Copy)]
 struct Movement {
     /// Angular velocity, in rad/s.
@@ -33,14 +34,14 @@ struct Movement {
     rise: Vec3<f64>,
 }
 
-/// `v` in the axes of the next link, of which `j` is the place from 0.
+/// Rotates `v` from the axes of link `j` - 1 into the axes of link `j` (index from 0).
 #[inline(always)]
 fn outwards(j: usize, [x, y, z]: Vec3<f64>, s: f64, c: f64) -> Vec3<f64> {
     let (y, z) = if TWIST_QUARTERS[j - 1] > 0 { (z, -y) } else { (-z, y) };
     [c * x + s * y, c * y - s * x, z]
 }
 
-/// `v`, given in the axes of link `j`, in those of the link before.
+/// Rotates `v` from the axes of link `j` into the axes of the link before.
 #[inline(always)]
 fn inwards(j: usize, [x, y, z]: Vec3<f64>, s: f64, c: f64) -> Vec3<f64> {
     let (x, y) = (c * x - s * y, s * x + c * y);
@@ -53,7 +54,7 @@ fn sum(a: Vec3<f64>, b: Vec3<f64>) -> Vec3<f64> {
 }
 
 impl Movement {
-    /// Of link `j` from that of the link before.
+    /// Motion of link `j`, from the motion of the link before.
     #[inline(always)]
     fn next(self, j: usize, s: f64, c: f64, rate: f64, rate_change: f64) -> Self {
         let spin = outwards(j, self.spin, s, c);
@@ -65,7 +66,7 @@ impl Movement {
         }
     }
 
-    /// Of the point at `d` on the link's axis.
+    /// Motion of the point at `d` on the link's z axis.
     #[inline(always)]
     fn at(self, d: f64) -> Self {
         let ([p, q, r], [dp, dq, _], [x, y, z]) = (self.spin, self.turn, self.rise);
@@ -74,19 +75,20 @@ impl Movement {
     }
 }
 
-/// Moment about the origin, in Nm, and force, in N, that make a link move so; no force where none is needed.
+/// Moment about the origin, in Nm, and force, in N, that produce this motion of a link; the force
+/// is zero unless `FORCE`.
 #[inline(always)]
 fn wrench<const FORCE: bool>(link: &Moments, movement: &Movement) -> [Vec3<f64>; 2] {
     let ([p, q, r], [dp, dq, dr], [ax, ay, az]) = (movement.spin, movement.turn, movement.rise);
     let (pp, qq, rr) = (p * p, q * q, r * r);
     let (pq, pr, qr) = (p * q, p * r, q * r);
-    // The point x of the link accelerates by W x more than the origin: W = [turn] + [spin]^2.
+    // A point x of the link accelerates by W x relative to the origin, with W = [turn] + [spin]^2.
     let (w_xy, w_yx) = (pq - dr, pq + dr);
     let (w_zx, w_xz) = (pr - dq, pr + dq);
     let (w_yz, w_zy) = (qr - dp, qr + dp);
     let [hx, hy, hz] = link.first_kg_m;
     let [xx, xy, xz, yy, yz, zz] = link.second_kg_m2;
-    // The sum of x times (rise + W x), and that of rise + W x.
+    // Moment: mass-weighted sum of x times (rise + W x). Force: mass-weighted sum of rise + W x.
     let moment = [
         (yy * w_zy - zz * w_yz) + (xy * w_zx - xz * w_yx) + yz * (rr - qq) + (hy * az - hz * ay),
         (zz * w_xz - xx * w_zx) + (yz * w_xy - xy * w_zy) + xz * (pp - rr) + (hz * ax - hx * az),
@@ -104,7 +106,7 @@ fn wrench<const FORCE: bool>(link: &Moments, movement: &Movement) -> [Vec3<f64>;
     [moment, force]
 }
 
-/// Torques, in Nm, that the joints exert: `M(q) q'' + C(q, q') q'`, and what it takes against gravity if `RISES`.
+/// Joint torques, in Nm: `M(q) q'' + C(q, q') q'`, plus the gravity torques if `RISES`.
 #[inline(always)]
 pub(crate) fn inverse_dynamics<const RISES: bool>(
     arm: &Linkage,
@@ -115,10 +117,10 @@ pub(crate) fn inverse_dynamics<const RISES: bool>(
     let links = &arm.links;
     let [_, elbow, wrist, _] = arm.offsets;
 
-    // Outwards: how the links move.
+    // Outward recursion: motion of the links.
     let [x, y, z] = if RISES { arm.rest } else { [0.0; 3] };
     let rise = [c[0] * x + s[0] * y, c[0] * y - s[0] * x, z];
-    // The first link turns about one axis only.
+    // The first link rotates about one axis only.
     let foot = links[0].second_kg_m2[0] + links[0].second_kg_m2[3];
     let [hx, hy, _] = links[0].first_kg_m;
     let first = foot * rate_change[0] + (hx * rise[1] - hy * rise[0]);
@@ -137,7 +139,7 @@ pub(crate) fn inverse_dynamics<const RISES: bool>(
     let sixth = fifth.at(wrist).next(5, s[5], c[5], rate[5], rate_change[5]);
     let seventh = sixth.next(6, s[6], c[6], rate[6], rate_change[6]);
 
-    // Inwards: what it takes to move them so.
+    // Inward recursion: moments and forces.
     let [n7, f7] = wrench::<true>(&links[6], &seventh);
     let [n6, f6] = wrench::<true>(&links[5], &sixth);
     let n6 = sum(n6, inwards(6, n7, s[6], c[6]));
@@ -157,13 +159,13 @@ pub(crate) fn inverse_dynamics<const RISES: bool>(
     [n1, n2[2], n3[2], n4[2], n5[2], n6[2], n7[2]]
 }
 
-/// The moment, and that of a force at `d` on the z axis.
+/// Adds to a moment the moment of a force at `d` on the z axis.
 #[inline(always)]
 fn lever(moment: Vec3<f64>, d: f64, force: &Vec3<f64>) -> Vec3<f64> {
     [moment[0] - d * force[1], moment[1] + d * force[0], moment[2]]
 }
 
-/// Torques, in Nm, that hold the arm against gravity.
+/// Joint torques, in Nm, that hold the arm at rest against gravity.
 #[inline(always)]
 pub(crate) fn holding(arm: &Linkage, [s, c]: [&Joints; 2]) -> Joints {
     let links = &arm.links;
@@ -176,7 +178,7 @@ pub(crate) fn holding(arm: &Linkage, [s, c]: [&Joints; 2]) -> Joints {
     let r5 = outwards(4, r4, s[4], c[4]);
     let r6 = outwards(5, r5, s[5], c[5]);
     let r7 = outwards(6, r6, s[6], c[6]);
-    // First moments of all that a joint carries, about the origin of its link.
+    // First moments of everything that a joint carries, about the origin of its link.
     let beyond_wrist = links[5].mass_kg + links[6].mass_kg;
     let beyond_elbow = beyond_wrist + links[3].mass_kg + links[4].mass_kg;
     let h7 = links[6].first_kg_m;
@@ -200,14 +202,14 @@ pub(crate) fn holding(arm: &Linkage, [s, c]: [&Joints; 2]) -> Joints {
     ]
 }
 
-/// The mass matrix, in kg m^2: of each joint what all that it carries weighs as one body (the composite rigid body
-/// algorithm).
+/// Mass matrix, in kg m^2, by the composite rigid body algorithm: for each joint, all that it
+/// carries is treated as one body.
 pub(crate) fn mass_matrix(arm: &Linkage, [s, c]: [&Joints; 2]) -> [Joints; 7] {
     let mut matrix = [[0.0; 7]; 7];
     let mut carried = Moments::default();
     for j in (0..7).rev() {
         carried = carried.plus(&arm.links[j]);
-        // Moment and force that turn it about its axis, at 1 rad/s^2.
+        // Moment and force that accelerate the composite body about its joint axis at 1 rad/s^2.
         let [hx, hy, _] = carried.first_kg_m;
         let [xx, _, xz, yy, yz, _] = carried.second_kg_m2;
         let (mut moment, mut force) = ([-xz, -yz, xx + yy], [-hy, hx, 0.0]);
@@ -229,7 +231,7 @@ pub(crate) fn mass_matrix(arm: &Linkage, [s, c]: [&Joints; 2]) -> [Joints; 7] {
 }
 
 impl Linkage {
-    /// From the origin of link `j` to that of the next, along z, in m.
+    /// Offset of the next link's origin from that of link `j`, along z, in m.
     fn lever_of(&self, j: usize) -> f64 {
         match j {
             2 => self.offsets[1],

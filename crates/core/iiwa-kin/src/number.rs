@@ -1,12 +1,12 @@
-//! What a formula needs of its numbers.
+//! Number types over which formulas are generic.
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
 use crate::trig;
 
-/// A real number, or a function of one parameter known by its first derivatives
-/// ([`Taylor`](crate::Taylor)): a formula written for it gives values with the one and values with
-/// their derivatives with the other.
+/// A real number, or a function of one parameter given by its first derivatives
+/// ([`Taylor`](crate::Taylor)). A formula generic over this trait computes values with `f64`, and
+/// values with their derivatives with `Taylor`.
 ///
 /// ```
 /// use iiwa_kin::{Number, Taylor};
@@ -15,7 +15,7 @@ use crate::trig;
 ///     radius * radius * std::f64::consts::PI
 /// }
 /// assert!((area(2.0) - 12.566).abs() < 1e-3);
-/// // The area grows by the circumference.
+/// // The derivative of the area is the circumference.
 /// let [_, circumference, ..] = area(Taylor::variable(2.0)).derivatives();
 /// assert!((circumference - 12.566).abs() < 1e-3);
 /// ```
@@ -29,15 +29,15 @@ pub trait Number:
     + Add<f64, Output = Self>
     + Mul<f64, Output = Self>
 {
-    /// A number that does not change.
+    /// A constant.
     #[must_use]
     fn constant(value: f64) -> Self;
 
-    /// The number itself, without derivatives.
+    /// The value without derivatives.
     #[must_use]
     fn value(self) -> f64;
 
-    /// The square root. Derivatives at 0 are not finite.
+    /// Square root. Derivatives at 0 are not finite.
     #[must_use]
     fn sqrt(self) -> Self;
 
@@ -45,12 +45,12 @@ pub trait Number:
     #[must_use]
     fn sin_cos(self) -> (Self, Self);
 
-    /// The angle of the point (`x`, `y`), from -pi to pi rad. Derivatives at the origin are not finite.
+    /// Angle of the point (`x`, `y`), from -pi to pi rad. Derivatives at the origin are not finite.
     #[must_use]
     fn atan2(y: Self, x: Self) -> Self;
 
-    /// The angles of points on the unit circle, in rad, from their sines and cosines: cheaper than
-    /// [`atan2`](Self::atan2) of each.
+    /// Angles of points on the unit circle, in rad, from their sines and cosines; cheaper than one
+    /// [`atan2`](Self::atan2) each.
     #[must_use]
     fn angles<const N: usize>(sin: &[Self; N], cos: &[Self; N]) -> [Self; N];
 }

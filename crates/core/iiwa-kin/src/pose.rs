@@ -1,9 +1,9 @@
-//! Where a frame is.
+//! Pose of a frame.
 
 use crate::trig;
 use nalgebra::{Isometry3, Matrix3, Rotation3, Translation3, UnitQuaternion};
 
-/// Cosine of B up to which A and C cannot be told apart.
+/// Cosine of B below which A and C cannot be distinguished (gimbal lock).
 const GIMBAL: f64 = 1e-12;
 
 /// Position and orientation of a frame, as plain arrays.
@@ -11,19 +11,19 @@ const GIMBAL: f64 = 1e-12;
 pub struct Pose {
     /// Origin, in m.
     pub position_m: [f64; 3],
-    /// Rotation matrix, row-major: its columns are the frame's axes (Larsen 2019, Eq. 2).
+    /// Rotation matrix, row-major; its columns are the axes of the frame (Larsen 2019, Eq. 2).
     pub rotation: [[f64; 3]; 3],
 }
 
 impl Pose {
-    /// The frame that everything else is given in.
+    /// The reference frame itself.
     pub const IDENTITY: Self = Self {
         position_m: [0.0; 3],
         rotation: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
     };
 
-    /// The pose at `position_m` whose orientation is KUKA's A, B, C in rad: turned about z by A, then about
-    /// its own y by B, then about its own x by C.
+    /// Pose at `position_m` with orientation A, B, C in rad as on KUKA controllers: a rotation
+    /// about z by A, then about the new y by B, then about the new x by C.
     ///
     /// ```
     /// use iiwa_kin::Pose;
@@ -45,9 +45,9 @@ impl Pose {
         }
     }
 
-    /// KUKA's A, B, C of the orientation, in rad; B from -pi/2 to pi/2.
+    /// KUKA's orientation angles A, B, C, in rad; B from -pi/2 to pi/2.
     ///
-    /// With B at a quarter turn only the sum or the difference of A and C counts; A is 0 then.
+    /// If B is a quarter turn, only the sum or the difference of A and C is defined; A is then 0.
     ///
     /// ```
     /// use iiwa_kin::Pose;
@@ -61,12 +61,13 @@ impl Pose {
         let cos_b = r[0][0].hypot(r[1][0]);
         let (sin_a, cos_a) =
             if cos_b > GIMBAL { (r[1][0] / cos_b, r[0][0] / cos_b) } else { (0.0, 1.0) };
-        // What is left for C, by the A that is given: next to a quarter turn both are uncertain, their sum is not.
+        // C follows from the chosen A. Near B = a quarter turn, A and C are each ill-conditioned
+        // but their combination is not.
         let (sin_c, cos_c) = (sin_a * r[0][2] - cos_a * r[1][2], cos_a * r[1][1] - sin_a * r[0][1]);
         [trig::atan2(sin_a, cos_a), trig::atan2(-r[2][0], cos_b), trig::atan2(sin_c, cos_c)]
     }
 
-    /// The pose of a frame that this one carries: `carried` is given in this frame.
+    /// Pose of a frame `carried` that is fixed to this frame and given in it.
     ///
     /// ```
     /// use iiwa_kin::Pose;
@@ -89,7 +90,7 @@ impl Pose {
         }
     }
 
-    /// The pose of what this one is given in, as seen from this one.
+    /// Inverse pose: the reference frame expressed in this frame.
     ///
     /// ```
     /// use iiwa_kin::Pose;
@@ -134,7 +135,7 @@ impl Pose {
         Matrix3::from_row_slice(self.rotation.as_flattened())
     }
 
-    /// Orientation as a unit quaternion `[x, y, z, w]` with `w >= 0`.
+    /// Unit quaternion `[x, y, z, w]` of the orientation, with `w >= 0`.
     ///
     /// ```
     /// assert_eq!(iiwa_kin::Pose::IDENTITY.quaternion_xyzw(), [0.0, 0.0, 0.0, 1.0]);

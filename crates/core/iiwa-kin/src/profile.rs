@@ -1,4 +1,4 @@
-//! The robot profile: a JSON file that overrides parts of a built-in model.
+//! Robot profile: a JSON file that overrides parts of a built-in model.
 
 mod bounds;
 mod error;
@@ -27,12 +27,12 @@ use self::{
 };
 use crate::{Joint, Joints, Lengths, Limits, Robot, robot::MAX_LENGTH_M};
 
-/// A robot model for iiwasim: a built-in model and what is different from it.
+/// A robot model for iiwasim: a built-in model and the differences from it.
 #[derive(Default, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 #[schemars(title = "iiwasim robot profile", rename = "RobotProfile")]
 struct Wire {
-    /// Where the JSON Schema of this format is, for editors; nothing else uses it.
+    /// URL or path of the JSON Schema of this format, for editors; otherwise unused.
     #[serde(default, rename = "$schema", deserialize_with = "given", skip_serializing)]
     #[schemars(with = "String")]
     #[expect(dead_code, reason = "it is for editors")]
@@ -47,7 +47,7 @@ struct Wire {
         extend("enum" = Robot::BUILT_IN, "default" = Robot::BUILT_IN[0])
     )]
     base: Option<String>,
-    /// The robot's name; the built-in model's when left out.
+    /// Robot name; the built-in model's name by default.
     #[serde(default, deserialize_with = "given", skip_serializing_if = "Option::is_none")]
     #[schemars(with = "String", length(min = 1, max = MAX_NAME))]
     name: Option<String>,
@@ -55,76 +55,80 @@ struct Wire {
     #[serde(default, deserialize_with = "given_object", skip_serializing_if = "Option::is_none")]
     #[schemars(with = "LengthsWire")]
     lengths_mm: Option<LengthsWire>,
-    /// Largest distance of joints A1 to A7 from zero, in degrees.
+    /// Position limits of joints A1 to A7, symmetric about zero, in degrees.
     #[serde(default, deserialize_with = "given", skip_serializing_if = "Option::is_none")]
     #[schemars(with = "Vec<f64>", length(equal = 7), extend("items" = positive(MAX_POSITION_DEG)))]
     position_limit_deg: Option<Vec<f64>>,
-    /// Least and greatest positions of joints A1 to A7, in degrees, in place of `position_limit_deg` where the two
-    /// differ by more than the sign.
+    /// Lower and upper position limits of joints A1 to A7, in degrees. Replaces
+    /// `position_limit_deg` if the limits are not symmetric.
     #[serde(default, deserialize_with = "given", skip_serializing_if = "Option::is_none")]
     #[schemars(with = "Vec<[f64; 2]>", length(equal = 7), extend("items" = position_range()))]
     position_range_deg: Option<Vec<[f64; 2]>>,
-    /// Largest speeds, in degrees/s.
+    /// Speed limits, in degrees/s.
     #[serde(default, deserialize_with = "given", skip_serializing_if = "Option::is_none")]
     #[schemars(with = "Vec<f64>", length(equal = 7), extend("items" = positive(MAX_NUMBER)))]
     velocity_limit_deg_s: Option<Vec<f64>>,
-    /// Largest accelerations, in degrees/s^2.
+    /// Acceleration limits, in degrees/s^2.
     #[serde(default, deserialize_with = "given", skip_serializing_if = "Option::is_none")]
     #[schemars(with = "Vec<f64>", length(equal = 7), extend("items" = positive(MAX_NUMBER)))]
     acceleration_limit_deg_s2: Option<Vec<f64>>,
-    /// Largest jerks, in degrees/s^3.
+    /// Jerk limits, in degrees/s^3.
     #[serde(default, deserialize_with = "given", skip_serializing_if = "Option::is_none")]
     #[schemars(with = "Vec<f64>", length(equal = 7), extend("items" = positive(MAX_NUMBER)))]
     jerk_limit_deg_s3: Option<Vec<f64>>,
-    /// Largest torques, in Nm.
+    /// Torque limits, in Nm.
     #[serde(default, deserialize_with = "given", skip_serializing_if = "Option::is_none")]
     #[schemars(with = "Vec<f64>", length(equal = 7), extend("items" = positive(MAX_NUMBER)))]
     torque_limit_nm: Option<Vec<f64>>,
-    /// Masses of link 0 (the base) to link 7, in kg. Without `links`, the links are simple shapes of these masses.
+    /// Masses of link 0 (the base) to link 7, in kg. Without `links`, the links are simple shapes
+    /// with these masses.
     #[serde(default, deserialize_with = "given", skip_serializing_if = "Option::is_none")]
     #[schemars(with = "Vec<f64>", length(equal = 8), extend("items" = positive(MAX_NUMBER)))]
     link_mass_kg: Option<Vec<f64>>,
-    /// Links 1 to 7 as bodies, each in the frame that the URDF has for it: z is the joint's axis, the origin is in the base,
-    /// twice in the shoulder, twice in the elbow and twice in the wrist.
+    /// Links 1 to 7 as rigid bodies, each in its URDF frame: z is the joint axis; the origins are
+    /// in the base, twice in the shoulder, twice in the elbow and twice in the wrist.
     #[serde(default, deserialize_with = "given", skip_serializing_if = "Option::is_none")]
     #[schemars(with = "Vec<LinkWire>", length(equal = 7))]
     links: Option<Vec<Object<LinkWire>>>,
-    /// What the flange weighs beyond link 7, as a media flange does, in kg: a point on axis 7, 13 mm behind its face.
+    /// Flange mass in addition to link 7, in kg, for example of a media flange: a point mass on
+    /// axis 7, 13 mm behind the flange face.
     #[serde(default, deserialize_with = "given", skip_serializing_if = "Option::is_none")]
     #[schemars(with = "f64", extend("minimum" = 0, "maximum" = MAX_NUMBER))]
     flange_mass_kg: Option<f64>,
-    /// Friction of the joints behind their gears; none when left out.
+    /// Joint friction on the output side of the gears; zero by default.
     #[serde(default, deserialize_with = "given_object", skip_serializing_if = "Option::is_none")]
     #[schemars(with = "FrictionWire")]
     friction: Option<FrictionWire>,
-    /// kappa of the blends as a polynomial of the angle gamma in degrees: the constant, the factors of
-    /// gamma and of gamma^2.
+    /// Blend coefficient kappa as a polynomial of the angle gamma in degrees: the constant, then
+    /// the factors of gamma and gamma^2.
     #[serde(default, deserialize_with = "given", skip_serializing_if = "Option::is_none")]
     #[schemars(with = "Vec<f64>", length(equal = 3), extend("items" = range(KAPPA_RANGE)))]
     blend_kappa: Option<Vec<f64>>,
-    /// The same of blends between two paths of the TCP, in Cartesian space; `blend_kappa` when left out.
+    /// Polynomial as in `blend_kappa`, for blends between two Cartesian TCP paths; equal to
+    /// `blend_kappa` by default.
     #[serde(default, deserialize_with = "given", skip_serializing_if = "Option::is_none")]
     #[schemars(with = "Vec<f64>", length(equal = 3), extend("items" = range(KAPPA_RANGE)))]
     tcp_blend_kappa: Option<Vec<f64>>,
-    /// How long the arm stands after a motion without a blend, in s.
+    /// Settling time at rest after a motion without a blend, in s.
     #[serde(default, deserialize_with = "given", skip_serializing_if = "Option::is_none")]
     #[schemars(with = "f64", extend("minimum" = SETTLE_RANGE_S[0], "maximum" = SETTLE_RANGE_S[1]))]
     settle_time_s: Option<f64>,
-    /// How long it stands after a motion whose end the program waits for, in s.
+    /// Pause at rest after a blocking motion, whose end the program waits for, in s.
     #[serde(default, deserialize_with = "given", skip_serializing_if = "Option::is_none")]
     #[schemars(with = "f64", extend("minimum" = SETTLE_RANGE_S[0], "maximum" = SETTLE_RANGE_S[1]))]
     blocking_pause_s: Option<f64>,
-    /// The speed of TCP and flange in the operating mode T1, in mm/s.
+    /// Speed limit of TCP and flange in operating mode T1, in mm/s.
     #[serde(default, deserialize_with = "given", skip_serializing_if = "Option::is_none")]
     #[schemars(with = "f64", extend("minimum" = T1_SPEED_RANGE_MM_S[0], "maximum" = T1_SPEED_RANGE_MM_S[1]))]
     t1_speed_mm_s: Option<f64>,
-    /// Ramps at the start and the end of PTP motions, and speed along splines, for the timing `sunrise`.
+    /// Ramps at the start and end of PTP motions, and speed along splines, for the timing
+    /// `sunrise`.
     #[serde(default, deserialize_with = "given_object", skip_serializing_if = "Option::is_none")]
     #[schemars(with = "RampsWire")]
     ramps: Option<RampsWire>,
 }
 
-/// Lengths in mm; those left out are the built-in model's.
+/// Lengths in mm; the built-in model's lengths by default.
 #[derive(Default, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 #[schemars(rename = "Lengths")]
@@ -147,7 +151,7 @@ struct LengthsWire {
     flange: Option<f64>,
 }
 
-/// A key that is there has a value: null is not one.
+/// Reads the value of a key that is present; null is an error.
 fn given<'de, T: Deserialize<'de>, D: Deserializer<'de>>(reader: D) -> Result<Option<T>, D::Error> {
     T::deserialize(reader).map(Some)
 }
@@ -175,7 +179,7 @@ fn range([min, max]: [f64; 2]) -> serde_json::Value {
 }
 
 impl Robot {
-    /// Reads a robot profile (version 1): a built-in model, and what is different from it.
+    /// Reads a robot profile (version 1): a built-in model and the differences from it.
     ///
     /// ```
     /// use iiwa_kin::Robot;
@@ -185,12 +189,12 @@ impl Robot {
     /// # Ok::<(), iiwa_kin::ProfileError>(())
     /// ```
     ///
-    /// A figure that the profile gives is no [assumption](Robot::assumptions) any more.
+    /// A quantity that the profile gives is no longer an [assumption](Robot::assumptions).
     ///
     /// # Errors
     ///
-    /// If the text is not a profile, or has a number that no robot can have; the error says where
-    /// in the text.
+    /// If the text is not a profile, or has a number that no robot can have; the error gives the
+    /// place in the text.
     pub fn from_profile(text: &str) -> Result<Self, ProfileError> {
         if text.len() > MAX_BYTES {
             let at = Place::of_span(text, 0..0);
@@ -209,11 +213,11 @@ impl Robot {
         wire.robot(text)
     }
 
-    /// The robot as a profile (version 1, pretty-printed JSON), for [`Robot::from_profile`].
+    /// Writes the robot as a profile (version 1, pretty-printed JSON) for [`Robot::from_profile`].
     ///
-    /// Holds what differs from the built-in model that is most alike. Numbers read back as they
-    /// are, but for the last bit of one that no number of degrees (or mm) stands for; a robot that
-    /// was itself read from a profile reads back exactly.
+    /// Contains the differences from the most similar built-in model. Numbers read back exactly,
+    /// except for the last bit of a number that no decimal number of degrees (or mm) represents; a
+    /// robot that was read from a profile reads back exactly.
     ///
     /// ```
     /// use iiwa_kin::Robot;
@@ -228,28 +232,30 @@ impl Robot {
             .iter()
             .filter_map(|name| Self::built_in(name))
             .map(|base| Wire::of(self, &base, differ))
-            // Rather some more numbers than a wrong word about where they come from.
+            // Prefer a model that preserves the assumptions, even if the profile then has more
+            // keys.
             .min_by_key(|wire| {
                 let read_back = wire.robot("");
                 let same = read_back.is_ok_and(|robot| robot.assumptions == self.assumptions);
                 (!same, wire.overrides())
             })
             .unwrap_or_default();
-        // Only a map with keys that are no strings could fail.
+        // Serialisation can only fail for a map whose keys are not strings.
         serde_json::to_string_pretty(&wire).unwrap_or_default()
     }
 
-    /// This robot as a profile with all its figures, those of the built-in model, too.
+    /// Writes the robot as a profile with all its quantities, including those of the built-in
+    /// model.
     ///
-    /// Who reads it back has a robot whose figures are all taken for known: what is in a profile is not
-    /// [assumed](Robot::assumptions).
+    /// A robot read back from this profile has no [assumptions](Robot::assumptions), because
+    /// quantities given in a profile count as known.
     #[must_use]
     pub fn to_full_profile(&self) -> String {
         let wire = Wire::of(self, &Self::default(), |_, _| true);
         serde_json::to_string_pretty(&wire).unwrap_or_default()
     }
 
-    /// The JSON Schema of a robot profile (draft 2020-12).
+    /// JSON Schema of a robot profile (draft 2020-12).
     #[must_use]
     pub fn profile_schema() -> serde_json::Value {
         schemars::schema_for!(Wire).to_value()
@@ -257,7 +263,8 @@ impl Robot {
 }
 
 impl Wire {
-    /// The robot that this profile describes; `text` is what it was read from.
+    /// Builds the robot that this profile describes; `text` is the text of the profile, for error
+    /// places.
     fn robot(&self, text: &str) -> Result<Robot, ProfileError> {
         let mut robot = match &self.base {
             None => Robot::default(),
@@ -267,7 +274,7 @@ impl Wire {
             })?,
         };
         if let Some(name) = &self.name {
-            // Names end up in XML, which has no way to write control characters.
+            // Names are also written to XML, which cannot represent control characters.
             let printable = |c: char| !c.is_control() && !matches!(c, '\u{fffe}' | '\u{ffff}');
             if name.is_empty() || name.chars().count() > MAX_NAME || !name.chars().all(printable) {
                 let at = locate(text, &[Key("name")]);
@@ -342,7 +349,7 @@ impl Wire {
         Ok(robot)
     }
 
-    /// Takes over what is given of links, flange and friction.
+    /// Applies the given links, flange mass and friction.
     fn set_links(&self, text: &str, mut robot: Robot) -> Result<Robot, ProfileError> {
         let masses = self.link_mass_kg.as_deref();
         let masses = masses.map(|masses| list(text, MASSES, masses, MAX_NUMBER, SAME));
@@ -364,7 +371,7 @@ impl Wire {
         Ok(robot)
     }
 
-    /// Takes over the ranges of positions.
+    /// Applies the given position ranges.
     fn set_ranges(
         &self,
         text: &str,
@@ -396,7 +403,7 @@ impl Wire {
         Ok(())
     }
 
-    /// What `robot` has that `base` has not, where `differ` says so of two lists of figures.
+    /// Differences of `robot` from `base`, where `differ` reports them for two lists of numbers.
     fn of(robot: &Robot, base: &Robot, differ: fn(&[f64], &[f64]) -> bool) -> Self {
         let deg = |values: &Joints, of_base: &Joints, what: &str| {
             let known = base.assumes(what) && !robot.assumes(what);
@@ -455,7 +462,7 @@ impl Wire {
         }
     }
 
-    /// How many keys override the built-in model.
+    /// Number of keys that override the built-in model.
     fn overrides(&self) -> usize {
         let lengths = self.lengths_mm.as_ref().map_or(0, |lengths| {
             lengths.entries().into_iter().filter(|(_, length)| length.is_some()).count()

@@ -1,74 +1,78 @@
-//! Limits of snap and jerk of a motion that starts or stops under Sunrise.
+//! Snap and jerk limits of motions that start or stop under Sunrise.
 
 use crate::{Joints, SplineSpeed};
 
-/// Limits of snap and jerk of a PTP near a pose at rest, as measured on one LBR iiwa 7 R800: KUKA publishes none of them.
+/// Snap and jerk limits of a PTP motion near a pose at rest, as measured on one LBR iiwa 7 R800;
+/// KUKA publishes none of them.
 ///
-/// `u` is the direction of the line, a unit vector in joint space that points away from the pose; a ramp to a stop is that of
-/// a start backwards. The way along the line is in rad.
+/// `u` is the direction of the line, a unit vector in joint space that points away from the pose; a
+/// ramp to a stop is a start ramp in reverse. Distance along the line is in rad.
 ///
-/// - Snap at the beginning: the second derivative of the joints' torques, `M(q) u` times the snap, is at most
-///   [`torque_snap_nm_s2`](Self::torque_snap_nm_s2). Exact over 17 directions from one pose, to 1e-5.
-/// - Jerk J and acceleration a at the end of the phase of constant snap: `J + damping a <= R / |B u + M(q) u|` of each joint.
-///   A fitted form, to 1.1 % (rms).
-/// - Phases are as wide as [`width_rad_s`](Self::width_rad_s) in speed.
+/// - Snap at the beginning: the second derivative of the joint torques, `M(q) u` times the snap, is
+///   at most [`torque_snap_nm_s2`](Self::torque_snap_nm_s2). Exact over 17 directions from one
+///   pose, to 1e-5.
+/// - Jerk J and acceleration a at the end of the constant-snap phase:
+///   `J + damping a <= R / |B u + M(q) u|` for each joint. A fitted form, to 1.1 % (rms).
+/// - Each phase spans [`width_rad_s`](Self::width_rad_s) in speed.
 ///
-/// Source: commanded positions of three KUKA `DataRecorder` logs (2020 and 2021; 46 ramps), in a public repository,
+/// Source: commanded positions of three KUKA `DataRecorder` logs (2020 and 2021; 46 ramps), in a
+/// public repository,
 /// `dheeraj9932/Automated-spline-trajectory-planning-for-offline-robot-programming` at 2edb0b6.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct RampLaw {
-    /// Largest second derivative of each joint's torque, in Nm/s^2.
+    /// Limit of the second time derivative of each joint torque, in Nm/s^2.
     pub torque_snap_nm_s2: Joints,
-    /// Inertia of each joint beyond that of the arm, as of its motor, in kg m^2: B.
+    /// Inertia of each joint in addition to the arm, such as motor inertia, in kg m^2: B.
     pub motor_inertia_kg_m2: Joints,
-    /// R of ramps that start, in Nm/s; 1e9 of joints that were never seen to limit.
+    /// R of start ramps, in Nm/s; 1e9 for joints that were never seen to limit the jerk.
     pub start_nm_s: Joints,
-    /// R of ramps that stop, in Nm/s.
+    /// R of stop ramps, in Nm/s.
     pub stop_nm_s: Joints,
-    /// Jerk per acceleration, in 1/s: c.
+    /// Jerk reduction per acceleration, in 1/s: c.
     pub damping_per_s: f64,
-    /// Width of a phase, in rad/s along the line.
+    /// Width of a ramp phase, in rad/s along the line.
     pub width_rad_s: f64,
-    /// Least length of a line or a spline over its top speed, in s.
+    /// Lower bound of the length of a line or a spline divided by its top speed, in s.
     pub least_cruise_s: f64,
-    /// Speed along splines: a model.
+    /// Model of the speed along splines.
     pub spline: SplineSpeed,
 }
 
-/// Largest snap and jerk at one end of a line, in rad along it.
+/// Snap and jerk limits at one end of a line, in rad along the line.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RampLimits {
-    /// Largest snap, in rad/s^4.
+    /// Snap limit, in rad/s^4.
     pub snap: f64,
-    /// Largest `J + damping a`, in rad/s^3.
+    /// Limit of `J + damping a`, in rad/s^3.
     pub jerk: f64,
-    /// c, in 1/s.
+    /// Factor c, in 1/s.
     pub damping_per_s: f64,
 }
 
-/// The end of a line at which a ramp is.
+/// End of a line at which a ramp is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum RampEnd {
     /// At the start of a line.
     Start,
-    /// At its end.
+    /// At the end of a line.
     Stop,
 }
 
 impl RampEnd {
-    /// Both, in order.
+    /// Both ends, in order.
     pub const BOTH: [Self; 2] = [Self::Start, Self::Stop];
 }
 
-/// R of a joint that was never seen to limit.
+/// R of a joint that was never seen to limit the jerk.
 const NEVER: f64 = 1e9;
 
-/// Torques' second derivatives over the torque limits, in 1/s^2, with the inertias of the built-in models.
+/// Ratio of the second torque derivative limit to the torque limit, in 1/s^2, with the inertias of
+/// the built-in models.
 const SNAP_PER_TORQUE: f64 = 38.87;
 
 impl RampLaw {
-    /// The law of the iiwa 7, which has these torque limits.
+    /// Law of the iiwa 7, for its torque limits.
     pub(crate) fn iiwa_7(torque_nm: &Joints) -> Self {
         Self {
             torque_snap_nm_s2: torque_nm.map(|limit| SNAP_PER_TORQUE * limit),
@@ -82,7 +86,7 @@ impl RampLaw {
         }
     }
 
-    /// The law of another arm: limits of torque rates grow with the limits of torque.
+    /// Law of another robot: torque rate limits scale with the torque limits.
     pub(crate) fn scaled(self, from_nm: &Joints, to_nm: &Joints) -> Self {
         let scaled = |values: Joints| {
             let scaled = |j: usize| (values[j] * to_nm[j] / from_nm[j]).min(NEVER);
@@ -96,7 +100,7 @@ impl RampLaw {
         }
     }
 
-    /// The law at an override: the time of a motion, divided by `share`.
+    /// Law at an override of `share`: the duration of a motion is divided by `share`.
     #[must_use]
     pub fn slowed_down(&self, share: f64) -> Self {
         let (third, fourth) = (share.powi(3), share.powi(4));
@@ -112,8 +116,9 @@ impl RampLaw {
         }
     }
 
-    /// The limits at one end of a line, whose unit vector there leads `away` from rest; `torques` are what an acceleration of
-    /// 1 rad/s^2 that way takes, `M(q) u` in Nm; `shares` are those of the limits of jerk that a motion may use.
+    /// Limits at one end of a line whose unit vector there points `away` from rest. `torques` are
+    /// the torques for an acceleration of 1 rad/s^2 in that direction, `M(q) u` in Nm; `shares` are
+    /// the shares of the jerk limits that a motion may use.
     #[must_use]
     pub fn limits(
         &self,

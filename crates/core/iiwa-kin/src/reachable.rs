@@ -1,4 +1,4 @@
-//! Which positions of joint A3 a pose leaves.
+//! Reachable positions of joint A3 for a pose.
 
 use std::f64::consts::PI;
 
@@ -9,17 +9,18 @@ use crate::{
     unreachable::{Unreachable, e1_ranges},
 };
 
-/// Steps in a turn of E1 between which no joint is looked at. Ranges and gaps narrower than a step, half a
-/// degree, are only found where A1 or A2 bounds them.
+/// Steps per turn of E1 at which the joint ranges are sampled. Ranges and gaps narrower than a
+/// step, half a degree, are found only if A1 or A2 bounds them.
 const STEPS: u32 = 720;
 
-/// How exactly ends of ranges are found, in rad. What holds at them holds within the rounding of a limit.
+/// Resolution of the ends of ranges, in rad. A condition that holds there holds within the rounding
+/// of a limit.
 const RESOLUTION_RAD: f64 = 1e-10;
 
 impl Robot {
-    /// Ranges of E1, in rad from -pi to pi, in which the pose is within reach; of the joints' limits none is
-    /// looked at. The whole turn, or what is near 0 and near half a turn:
-    /// |sin E1| <= rho / (d5 |sin A4|), with rho the distance of the wrist from the base's axis.
+    /// Ranges of E1, in rad from -pi to pi, in which the pose is within reach, regardless of the
+    /// joint ranges. Either the whole turn, or neighbourhoods of 0 and of half a turn: |sin E1| <=
+    /// rho / (d5 |sin A4|), with rho the distance of the wrist from the base axis.
     ///
     /// ```
     /// use iiwa_kin::Robot;
@@ -33,21 +34,21 @@ impl Robot {
     ///
     /// # Errors
     ///
-    /// If no joints reach the pose.
+    /// If the pose is out of reach.
     pub fn reachable_e1(&self, flange: &Pose) -> Result<Vec<[f64; 2]>, Unreachable> {
         let arm = arm_at(&self.offsets(), flange)?;
         Ok(e1_ranges(arm.within_rad()))
     }
 
-    /// Ranges of E1, in rad, in which the pose is within reach in the way that `status` chooses and all
-    /// joints are within their limits. Empty if there are none.
+    /// Ranges of E1, in rad, in which the pose is within reach with the configuration `status` and
+    /// all joints are within their ranges. Empty if no such range exists.
     ///
-    /// Ends that A1, A2, A3 or the reach set are found however near to each other; between them, joints are
-    /// looked at every half degree.
+    /// Range ends set by A1, A2, A3 or the reach are found however close together; for the
+    /// other joints, E1 is sampled every half degree.
     ///
     /// # Errors
     ///
-    /// If no joints reach the pose, whatever their limits.
+    /// If the pose is out of reach regardless of the joint ranges.
     pub fn allowed_e1(&self, flange: &Pose, status: Status) -> Result<Vec<[f64; 2]>, Unreachable> {
         let arm = arm_at(&self.offsets(), flange)?;
         let allowed = |e1: f64| {
@@ -64,7 +65,8 @@ impl Robot {
         candidates.sort_by(f64::total_cmp);
         candidates.dedup();
 
-        // A candidate may be the end of a range by rounding only, so that the middle between two decides.
+        // A candidate may be the end of a range only up to rounding, so the midpoint between two
+        // candidates decides.
         let mut ranges: Vec<[f64; 2]> = Vec::new();
         let mut open: Option<[f64; 2]> = None;
         for pair in candidates.windows(2) {
@@ -90,7 +92,7 @@ impl Robot {
         Ok(ranges)
     }
 
-    /// Where A1 and A2 may pass their limits, in closed form.
+    /// E1 at which A1 or A2 may cross a limit, in closed form.
     fn ends(&self, wrist_m: &[f64; 3], sin_a4: f64, cos_a4: f64) -> Vec<f64> {
         let [_, upper_arm, forearm, _] = self.offsets();
         let [x, y, z] = *wrist_m;
@@ -106,14 +108,14 @@ impl Robot {
             let e1 = ((z - (upper_arm + forearm * cos_a4) * cos) / (lever * sin)).acos();
             ends.extend([e1, -e1]);
         }
-        // Not a number where the limit is passed nowhere.
+        // The result is NaN if the limit is never crossed.
         ends.retain(|e1| e1.is_finite());
         ends
     }
 }
 
-/// The last place from `inside` towards `end` where `holds` does, by bisection: `end` itself, or within
-/// [`RESOLUTION_RAD`].
+/// Last value from `inside` towards `end` for which `holds` is true, by bisection: `end` itself, or
+/// within [`RESOLUTION_RAD`].
 fn border(holds: &impl Fn(f64) -> bool, inside: f64, end: f64) -> f64 {
     if holds(end) {
         return end;

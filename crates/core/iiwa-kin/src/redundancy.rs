@@ -1,21 +1,21 @@
-//! What a pose leaves open.
+//! Redundancy parameters of a pose.
 
 use crate::{Joints, Robot, status::Status, turn::Turn};
 
-/// What Sunrise keeps of a taught frame beside its pose (`LBRE1Redundancy`), so that there is one set of
-/// joints that reaches it.
+/// Redundancy parameters that Sunrise stores with the pose of a taught frame (`LBRE1Redundancy`),
+/// so that a unique set of joint positions reaches the frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Redundancy {
-    /// E1: the position of joint A3, in rad.
+    /// E1: position of joint A3, in rad.
     pub e1_rad: f64,
-    /// Which of the eight ways of the arm.
+    /// Arm configuration, one of eight.
     pub status: Status,
-    /// The signs of the joints.
+    /// Signs of the joint positions.
     pub turn: Turn,
 }
 
 impl Robot {
-    /// E1, status and turn of the arm at `joints_rad`.
+    /// E1, status and turn at `joints_rad`.
     ///
     /// ```
     /// let robot = iiwa_kin::Robot::lbr_iiwa_7_r800();

@@ -1,24 +1,25 @@
 //! Rigid bodies.
 
-/// A rigid body, as a robot's link or a load: what a URDF's `inertial` says, with no turn.
+/// A rigid body, such as a robot link or a payload: the content of a URDF `inertial` element
+/// without rotation.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct RigidBody {
     /// Mass, in kg.
     pub mass_kg: f64,
     /// Centre of mass, in m.
     pub center_m: [f64; 3],
-    /// Inertia about the centre, in kg m^2: xx, xy, xz, yy, yz, zz of the tensor.
+    /// Inertia tensor about the centre of mass, in kg m^2: xx, xy, xz, yy, yz, zz.
     pub inertia_kg_m2: [f64; 6],
 }
 
 impl RigidBody {
-    /// All mass in one point.
+    /// Point mass.
     #[must_use]
     pub fn point(mass_kg: f64, at_m: [f64; 3]) -> Self {
         Self { mass_kg, center_m: at_m, inertia_kg_m2: [0.0; 6] }
     }
 
-    /// Both bodies as one.
+    /// Combines two bodies into one.
     ///
     /// ```
     /// use iiwa_kin::RigidBody;
@@ -48,12 +49,13 @@ impl RigidBody {
         }
     }
 
-    /// Whether the numbers are those of a mass: none below 0, and inertia against turning about any axis. Inertias
-    /// that were identified often are of no body with a shape; that is allowed.
+    /// Returns true if the mass is finite and not negative, and the inertia tensor is positive
+    /// semidefinite. The triangle inequality of the principal moments is not required, because
+    /// identified inertias often violate it.
     #[must_use]
     pub fn is_possible(&self) -> bool {
         let [xx, xy, xz, yy, yz, zz] = self.inertia_kg_m2;
-        // What rounding takes away.
+        // Tolerance for rounding.
         let small = 1e-9 * (xx.abs() + yy.abs() + zz.abs());
         let minors =
             [(xx, yy, xy), (xx, zz, xz), (yy, zz, yz)].map(|(a, b, off)| a * b - off * off);

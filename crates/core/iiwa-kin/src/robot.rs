@@ -10,7 +10,7 @@ use crate::{
 /// Twists `alpha_1` to `alpha_7` of the LBR iiwa, in quarter turns (Larsen 2019, Table 1).
 pub(crate) const TWIST_QUARTERS: [i8; 7] = [-1, 1, 1, -1, -1, 1, 0];
 
-/// The four lengths that tell one LBR iiwa from another, in m.
+/// The four lengths that distinguish one LBR iiwa from another, in m.
 ///
 /// All other Denavit-Hartenberg lengths are zero: the axes of shoulder, elbow and wrist meet.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -22,17 +22,17 @@ pub struct Lengths {
     pub upper_arm_m: f64,
     /// d5: elbow to wrist.
     pub forearm_m: f64,
-    /// d7: wrist to the flange's face. 126 mm for the plain flange (35 mm), 152 mm for the "Touch"
-    /// media flange (61 mm) of Larsen 2019, Table 1.
+    /// d7: wrist to flange face. 126 mm for the plain flange (35 mm), 152 mm for the "Touch" media
+    /// flange (61 mm) of Larsen 2019, Table 1.
     pub flange_m: f64,
 }
 
-/// A figure of a model that no source states.
+/// An assumed quantity of a model, for which no source gives a value.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Assumption {
-    /// What is assumed, as the field is named: `acceleration`, `jerk`, `masses`.
+    /// Name of the assumed quantity: `acceleration`, `jerk`, `masses`, `ramps`.
     pub what: String,
-    /// Where the figure comes from instead.
+    /// Basis of the assumption.
     pub basis: String,
 }
 
@@ -55,7 +55,7 @@ pub struct Robot {
     pub(crate) flange_mass_kg: f64,
     pub(crate) friction: Friction,
     pub(crate) blend_kappa: [f64; 3],
-    /// None if it is `blend_kappa`.
+    /// `None` if equal to `blend_kappa`.
     tcp_blend_kappa: Option<[f64; 3]>,
     pub(crate) settle_time_s: f64,
     pub(crate) blocking_pause_s: f64,
@@ -64,14 +64,14 @@ pub struct Robot {
     pub(crate) assumptions: Vec<Assumption>,
 }
 
-/// Longest length of a model, in m.
+/// Largest accepted length of a model, in m.
 pub(crate) const MAX_LENGTH_M: f64 = 10.0;
 
-/// A length that no robot can have.
+/// Error: a length outside the accepted range.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[error("a length of {found_m} m; it must be above 0 and at most {MAX_LENGTH_M} m")]
 pub struct BadLength {
-    /// The length asked for, in m.
+    /// Length found, in m.
     pub found_m: f64,
 }
 
@@ -88,8 +88,9 @@ impl Robot {
 
     /// LBR iiwa 7 R800 with the media flange "Touch".
     ///
-    /// Lengths and speeds: Larsen 2019, Tables 1 and 2; accelerations: Table 2; jerks: the means of
-    /// Table 5; positions and torques: KUKA data sheet; links: the CAD model of `lbr_description`.
+    /// Sources: lengths and speeds: Larsen 2019, Tables 1 and 2; accelerations: Table 2; jerks: the
+    /// means of Table 5; positions and torques: KUKA data sheet; links: the CAD model of
+    /// `lbr_description`.
     #[must_use]
     pub fn lbr_iiwa_7_r800() -> Self {
         Self {
@@ -127,8 +128,9 @@ impl Robot {
 
     /// LBR iiwa 14 R820 with the media flange "Touch".
     ///
-    /// Lengths, positions, speeds and torques: KUKA data sheet; links: the CAD model of `lbr_description`. Accelerations,
-    /// jerks, masses and ramps are assumptions, see [`Robot::assumptions`].
+    /// Sources: lengths, positions, speeds and torques: KUKA data sheet; links: the CAD model of
+    /// `lbr_description`. Accelerations, jerks, masses and ramps are assumptions, see
+    /// [`Robot::assumptions`].
     #[must_use]
     pub fn lbr_iiwa_14_r820() -> Self {
         let velocity_deg_s = [85.0, 85.0, 100.0, 75.0, 130.0, 135.0, 135.0];
@@ -178,7 +180,7 @@ impl Robot {
         }
     }
 
-    /// The built-in model called `name`, one of [`Robot::BUILT_IN`].
+    /// Built-in model with this name, one of [`Robot::BUILT_IN`].
     #[must_use]
     pub fn built_in(name: &str) -> Option<Self> {
         match Self::BUILT_IN.iter().position(|known| *known == name)? {
@@ -187,7 +189,7 @@ impl Robot {
         }
     }
 
-    /// The same robot with another flange: d7 is `flange_m`, wrist to the flange's face in m.
+    /// Sets the flange length d7, from the wrist to the flange face, in m.
     ///
     /// ```
     /// use iiwa_kin::Robot;
@@ -208,15 +210,15 @@ impl Robot {
         Ok(self)
     }
 
-    /// The same robot under another name.
+    /// Sets the name.
     #[must_use]
     pub fn with_name(mut self, name: impl Into<String>) -> Self {
         self.name = name.into();
         self
     }
 
-    /// The same robot with other limits: numbers above 0. Those of acceleration and jerk that differ are
-    /// no assumptions any more.
+    /// Sets the limits, which must be above 0. Acceleration and jerk limits that change are no
+    /// longer assumptions.
     #[must_use]
     pub fn with_limits(mut self, limits: Limits) -> Self {
         if limits.acceleration_rad_s2 != self.limits.acceleration_rad_s2 {
@@ -229,21 +231,21 @@ impl Robot {
         self
     }
 
-    /// The same robot with another [`kappa`](Self::blend_kappa).
+    /// Sets the coefficients of [`kappa`](Self::blend_kappa).
     #[must_use]
     pub fn with_blend_kappa(mut self, blend_kappa: [f64; 3]) -> Self {
         self.blend_kappa = blend_kappa;
         self
     }
 
-    /// The same robot with another [`tcp_kappa`](Self::tcp_kappa).
+    /// Sets the coefficients of [`tcp_kappa`](Self::tcp_kappa).
     #[must_use]
     pub fn with_tcp_blend_kappa(mut self, tcp_blend_kappa: [f64; 3]) -> Self {
         self.tcp_blend_kappa = (tcp_blend_kappa != self.blend_kappa).then_some(tcp_blend_kappa);
         self
     }
 
-    /// The same robot that settles for so many seconds, above 0.
+    /// Sets the settling time, in s, above 0.
     #[must_use]
     pub fn with_settle_time_s(mut self, settle_time_s: f64) -> Self {
         self.settle_time_s = settle_time_s;
@@ -258,8 +260,8 @@ impl Robot {
         self
     }
 
-    /// The same robot with other links 1 to 7, in the frames of [`Robot::link_poses`]; their masses are no assumption any
-    /// more.
+    /// Sets links 1 to 7, given in the frames of [`Robot::link_poses`]; their masses are no longer
+    /// an assumption.
     #[must_use]
     pub fn with_links(mut self, links: [RigidBody; 7]) -> Self {
         self.links = Links::Known(Box::new(links));
@@ -267,8 +269,8 @@ impl Robot {
         self
     }
 
-    /// The same robot with these masses of link 0 (the base) to link 7, in kg, above 0, and the inertia of simple shapes.
-    /// They are no assumption any more.
+    /// Sets the masses of link 0 (the base) to link 7, in kg, above 0, with the inertias of simple
+    /// shapes. The masses are no longer an assumption.
     #[must_use]
     pub fn with_link_mass_kg(mut self, link_mass_kg: [f64; 8]) -> Self {
         let [foot, links @ ..] = link_mass_kg;
@@ -278,53 +280,53 @@ impl Robot {
         self
     }
 
-    /// The same robot with another [mass of the flange](Self::flange_mass_kg), in kg.
+    /// Sets the [flange mass](Self::flange_mass_kg), in kg.
     #[must_use]
     pub fn with_flange_mass_kg(mut self, flange_mass_kg: f64) -> Self {
         self.flange_mass_kg = flange_mass_kg;
         self
     }
 
-    /// The same robot with other friction.
+    /// Sets the joint friction.
     #[must_use]
     pub fn with_friction(mut self, friction: Friction) -> Self {
         self.friction = friction;
         self
     }
 
-    /// The model's name.
+    /// Model name.
     #[must_use]
     pub fn name(&self) -> &str {
         &self.name
     }
 
-    /// The model's lengths.
+    /// Link lengths.
     #[must_use]
     pub fn lengths(&self) -> &Lengths {
         &self.lengths
     }
 
-    /// The joints' limits.
+    /// Joint limits.
     #[must_use]
     pub fn limits(&self) -> &Limits {
         &self.limits
     }
 
-    /// What the flange weighs beyond link 7, in kg, as a media flange does: 0 unless a profile says so. It counts as a
-    /// point on axis 7, 13 mm behind the flange's face.
+    /// Flange mass in addition to link 7, in kg, for example of a media flange; 0 unless a profile
+    /// gives one. It is modelled as a point mass on axis 7, 13 mm behind the flange face.
     #[must_use]
     pub fn flange_mass_kg(&self) -> f64 {
         self.flange_mass_kg
     }
 
-    /// Friction of the joints: none unless a profile has some.
+    /// Joint friction; zero unless a profile gives it.
     #[must_use]
     pub fn friction(&self) -> &Friction {
         &self.friction
     }
 
-    /// kappa of the robot's blends (Larsen 2019, Eq. 39) at the angle gamma between the two directions,
-    /// in degrees: 0 straight on, 180 turned back.
+    /// Blend coefficient kappa (Larsen 2019, Eq. 39) at the angle gamma between the two directions,
+    /// in degrees: 0 straight on, 180 reversed.
     ///
     /// ```
     /// let robot = iiwa_kin::Robot::lbr_iiwa_7_r800();
@@ -335,15 +337,16 @@ impl Robot {
         parabola(&self.blend_kappa, gamma_deg)
     }
 
-    /// Coefficients of [`kappa`](Self::kappa) as a polynomial of gamma in degrees, lowest power first.
+    /// Coefficients of [`kappa`](Self::kappa) as a polynomial of gamma in degrees, lowest power
+    /// first.
     #[must_use]
     pub fn blend_kappa(&self) -> &[f64; 3] {
         &self.blend_kappa
     }
 
-    /// kappa of blends between two paths of the TCP, in Cartesian space, at the angle gamma between the TCP's
-    /// directions, in degrees. Nobody has measured it: it is taken to be that of [`kappa`](Self::kappa), unless the
-    /// robot was given one of its own.
+    /// Blend coefficient kappa of blends between two Cartesian TCP paths, at the angle gamma
+    /// between the TCP directions, in degrees. No measurement exists: [`kappa`](Self::kappa) is
+    /// used unless the robot has a separate value.
     ///
     /// ```
     /// let robot = iiwa_kin::Robot::lbr_iiwa_7_r800();
@@ -356,38 +359,41 @@ impl Robot {
         parabola(self.tcp_blend_kappa(), gamma_deg)
     }
 
-    /// Coefficients of [`tcp_kappa`](Self::tcp_kappa) as a polynomial of gamma in degrees, lowest power first.
+    /// Coefficients of [`tcp_kappa`](Self::tcp_kappa) as a polynomial of gamma in degrees, lowest
+    /// power first.
     #[must_use]
     pub fn tcp_blend_kappa(&self) -> &[f64; 3] {
         self.tcp_blend_kappa.as_ref().unwrap_or(&self.blend_kappa)
     }
 
-    /// How long the arm stands at the end of a motion without a blend, if the next one is known by then, in s.
+    /// Settling time at rest after a motion without a blend, if the next motion is known by then,
+    /// in s.
     #[must_use]
     pub fn settle_time_s(&self) -> f64 {
         self.settle_time_s
     }
 
-    /// How long the arm stands after a motion whose end the program waits for, in s: the mean. Motions start on a clock of
-    /// 12 ms, at the first tick at least 87.2 ms after that end: between 87 and 99 ms.
+    /// Mean pause at rest after a blocking motion, whose end the program waits for, in s. Motions
+    /// start on a 12 ms clock, at the first tick at least 87.2 ms after that end: between 87 and 99
+    /// ms.
     #[must_use]
     pub fn blocking_pause_s(&self) -> f64 {
         self.blocking_pause_s
     }
 
-    /// The speed of TCP and flange in the operating mode T1, in m/s.
+    /// Speed limit of TCP and flange in operating mode T1, in m/s.
     #[must_use]
     pub fn t1_speed_m_s(&self) -> f64 {
         self.t1_speed_m_s
     }
 
-    /// The law of the acceleration ramps at the start and the end of PTP motions.
+    /// Law of the acceleration ramps at the start and end of PTP motions.
     #[must_use]
     pub fn ramp_law(&self) -> &RampLaw {
         &self.ramp_law
     }
 
-    /// Figures of this model that no source states.
+    /// Assumed quantities of this model, for which no source gives a value.
     ///
     /// ```
     /// let robot = iiwa_kin::Robot::lbr_iiwa_14_r820();
@@ -399,18 +405,18 @@ impl Robot {
         &self.assumptions
     }
 
-    /// A figure has a source now.
+    /// Removes an assumption, once the quantity has a source.
     pub(crate) fn drop_assumption(&mut self, what: &str) {
         self.assumptions.retain(|assumption| assumption.what != what);
     }
 
-    /// Whether the figures called `what` (say, `acceleration`) are an assumption.
+    /// Returns true if the quantity `what` (for example `acceleration`) is an assumption.
     #[must_use]
     pub fn assumes(&self, what: &str) -> bool {
         self.assumptions.iter().any(|a| a.what == what)
     }
 
-    /// The Denavit-Hartenberg table (Larsen 2019, Table 1).
+    /// Denavit-Hartenberg table (Larsen 2019, Table 1).
     #[must_use]
     pub fn dh(&self) -> [DhRow; 7] {
         let l = &self.lengths;
@@ -422,11 +428,12 @@ impl Robot {
         })
     }
 
-    /// For each joint, how far the TCP can be from its axis at most, in m.
+    /// Largest distance of the flange from each joint axis, in m.
     ///
-    /// It is the joint's largest share in the TCP's speed: `|dp/dq_j| <= axis_reach_m()[j]`. The
-    /// axes of joints 1 and 2 meet in the shoulder, those of 3 and 4 in the elbow (and 3 runs
-    /// through it), those of 5 and 6 in the wrist; joint 7's axis runs through the TCP.
+    /// This bounds the contribution of each joint to the flange speed:
+    /// `|dp/dq_j| <= axis_reach_m()[j]`. The axes of joints 1 and 2 meet in the shoulder, those of
+    /// 3 and 4 in the elbow (through which axis 3 passes), those of 5 and 6 in the wrist; the axis
+    /// of joint 7 passes through the flange centre.
     ///
     /// ```
     /// let reach_m = iiwa_kin::Robot::lbr_iiwa_7_r800().axis_reach_m();
@@ -442,30 +449,31 @@ impl Robot {
     }
 }
 
-/// Larsen 2019, Eq. 38, for gamma in degrees.
+/// Coefficients of Larsen 2019, Eq. 38, for gamma in degrees.
 const KAPPA: [f64; 3] = [-3.974_264_71, 0.006_260_16, 0.000_284_72];
 
-/// Larsen 2019, section 2.4.2; Table 6 of Appendix C has a mean of 0.0496 s.
+/// Settling time of Larsen 2019, section 2.4.2; Table 6 of Appendix C has a mean of 0.0496 s.
 const SETTLE_TIME_S: f64 = 0.05;
 
-/// Half a tick of 12 ms more than the least of 87.2 ms, rounded: the pauses of 65 of 69 motions on an LBR iiwa 7 (source: see
-/// [`RampLaw`]) are within that tick.
+/// Minimum of 87.2 ms plus half a tick of 12 ms, rounded: the pauses of 65 of 69 motions on an LBR
+/// iiwa 7 (source: see [`RampLaw`]) are within that tick.
 const BLOCKING_PAUSE_S: f64 = 0.093;
 
-/// Measured on an LBR iiwa 7, at an override of 50 % (source: see [`RampLaw`]). KUKA states 250 mm/s as the most.
+/// Measured on an LBR iiwa 7, at an override of 50 % (source: see [`RampLaw`]). KUKA specifies 250
+/// mm/s as the maximum.
 const T1_SPEED_M_S: f64 = 0.225;
 
-/// Positions at which both models end, to either side.
+/// Position limits of both models, in either direction, in degrees.
 const POSITION_DEG: Joints = [170.0, 120.0, 170.0, 120.0, 170.0, 120.0, 175.0];
 
-/// KUKA data sheet.
+/// Torque limits of the KUKA data sheet.
 const IIWA_7_TORQUE_NM: Joints = [176.0, 176.0, 110.0, 110.0, 110.0, 40.0, 40.0];
 
-/// Means of Larsen 2019, Table 5.
+/// Jerks: means of Larsen 2019, Table 5.
 const IIWA_7_JERK_DEG_S3: Joints =
     [10_384.86, 7_757.85, 9_986.65, 9_700.18, 19_406.08, 32_260.39, 33_028.15];
 
-/// Where the masses are from.
+/// Basis of the masses.
 const MASSES_BASIS: &str = "a CAD estimate; published models differ by tens of percent";
 
 /// Ratio of measured acceleration to catalogue speed on every joint of the LBR iiwa 7, in 1/s
@@ -492,7 +500,7 @@ mod tests {
         assert!((robot.kappa(180.0) - 6.378).abs() < 1e-3);
     }
 
-    /// KUKA's data sheets: speeds in deg/s, torques in Nm.
+    /// KUKA data sheets: speeds in deg/s, torques in Nm.
     #[test]
     fn built_in_robots_have_the_limits_of_their_data_sheets() {
         let cases = [

@@ -1,4 +1,4 @@
-//! Rotations in space by rotation vectors: their exponential and its inverse, on Taylor series too.
+//! Rotations in space by rotation vectors: exponential map and its inverse, also for Taylor series.
 //!
 //! ```
 //! use iiwa_kin::rotation::{apply, exp, log};
@@ -16,70 +16,70 @@ pub type Vec3<T> = [T; 3];
 /// A matrix, row by row.
 pub type Mat3<T> = [[T; 3]; 3];
 
-/// `a b`.
+/// Matrix product `a b`.
 #[must_use]
 pub fn product<T: Number>(a: &Mat3<T>, b: &Mat3<T>) -> Mat3<T> {
     a.map(|row| std::array::from_fn(|j| row[0] * b[0][j] + row[1] * b[1][j] + row[2] * b[2][j]))
 }
 
-/// The transpose: of a rotation, its inverse.
+/// Transpose; for a rotation, its inverse.
 #[must_use]
 pub fn transposed<T: Copy>(a: &Mat3<T>) -> Mat3<T> {
     std::array::from_fn(|i| std::array::from_fn(|j| a[j][i]))
 }
 
-/// `a v`.
+/// Matrix-vector product `a v`.
 #[must_use]
 pub fn apply<T: Number>(a: &Mat3<T>, v: &Vec3<T>) -> Vec3<T> {
     a.map(|row| dot(&row, v))
 }
 
-/// `a . b`.
+/// Dot product `a . b`.
 #[must_use]
 #[inline]
 pub fn dot<T: Number>(a: &Vec3<T>, b: &Vec3<T>) -> T {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
-/// `a x b`.
+/// Cross product `a x b`.
 #[must_use]
 #[inline]
 pub fn cross<T: Number>(a: &Vec3<T>, b: &Vec3<T>) -> Vec3<T> {
     [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
 
-/// The length of a vector.
+/// Length of a vector.
 #[must_use]
 #[inline]
 pub fn norm(a: &Vec3<f64>) -> f64 {
     dot(a, a).sqrt()
 }
 
-/// `a - b`.
+/// Difference `a - b`.
 #[must_use]
 #[inline]
 pub fn sub(a: &Vec3<f64>, b: &Vec3<f64>) -> Vec3<f64> {
     std::array::from_fn(|i| a[i] - b[i])
 }
 
-/// `k a`.
+/// Product `k a`.
 #[must_use]
 #[inline]
 pub fn scaled(k: f64, a: &Vec3<f64>) -> Vec3<f64> {
     a.map(|v| k * v)
 }
 
-/// A constant matrix among Taylor series.
+/// Converts a constant matrix to Taylor series.
 #[must_use]
 #[inline]
 pub fn constant(a: &Mat3<f64>) -> Mat3<Taylor> {
     a.map(|row| row.map(Taylor::constant))
 }
 
-/// `exp [r]`: the turn about r by its length.
+/// Exponential map `exp [r]`: the rotation about r by the length of r.
 ///
-/// By Rodrigues' formula, `1 + sin(t)/t [r] + (1 - cos t)/t^2 [r]^2` with t = |r|. Both factors are smooth functions of
-/// t^2; t itself is not, at 0.
+/// Rodrigues' formula, `1 + sin(t)/t [r] + (1 - cos t)/t^2 [r]^2` with t = |r|. Both factors are
+/// smooth functions of t^2, whereas t itself is not smooth at 0.
 #[must_use]
 pub fn exp<T: Number>(r: &Vec3<T>) -> Mat3<T> {
     let square = dot(r, r);
@@ -102,7 +102,7 @@ pub fn exp<T: Number>(r: &Vec3<T>) -> Mat3<T> {
     ]
 }
 
-/// The rotation vector of a turn by less than half a turn: the inverse of [`exp`].
+/// Rotation vector of a rotation by less than half a turn: the inverse of [`exp`].
 #[must_use]
 pub fn log<T: Number>(a: &Mat3<T>) -> Vec3<T> {
     let half = T::constant(0.5);
@@ -119,26 +119,26 @@ pub fn log<T: Number>(a: &Mat3<T>) -> Vec3<T> {
     v.map(|v| factor * v)
 }
 
-/// The rotation vector of a turn; none where the way round is not defined, because it is half a turn.
+/// Rotation vector; `None` for a rotation by half a turn, whose direction is not defined.
 #[must_use]
 pub fn log_or_half_turn(a: &Mat3<f64>) -> Option<Vec3<f64>> {
-    /// How near to half a turn counts as one, in rad: 0.0001 deg.
+    /// Margin below half a turn, in rad, that counts as half a turn: 0.0001 deg.
     const MARGIN_RAD: f64 = 1.8e-6;
     let r = log(a);
     let angle = norm(&r);
     (angle.is_finite() && angle < std::f64::consts::PI - MARGIN_RAD).then_some(r)
 }
 
-/// Squares of angles, in rad^2, up to which the series are taken.
+/// Largest squared angle, in rad^2, for which the series are used.
 const SERIES: f64 = 0.25;
-/// The same for the arc sine, whose series converges more slowly.
+/// Largest squared sine for which the arc sine series is used; that series converges more slowly.
 const SERIES_OF_ARCSINE: f64 = 0.01;
 
-/// sin(t)/t and (1 - cos t)/t^2 as series in t^2.
+/// Series of sin(t)/t and (1 - cos t)/t^2 in t^2.
 const SINC: [f64; 9] = alternating_factorials(1);
 const VERSINE: [f64; 9] = alternating_factorials(2);
 
-/// (-1)^k / (2k + first)!
+/// Coefficients (-1)^k / (2k + first)!
 const fn alternating_factorials(first: usize) -> [f64; 9] {
     let mut terms = [0.0; 9];
     let (mut k, mut term) = (0, if first == 1 { 1.0 } else { 0.5 });
@@ -151,7 +151,7 @@ const fn alternating_factorials(first: usize) -> [f64; 9] {
     terms
 }
 
-/// asin(x)/x as a series in x^2.
+/// Series of asin(x)/x in x^2.
 const ARCSINE: [f64; 9] = {
     let mut terms = [0.0; 9];
     // binomial(2k, k) / 4^k
@@ -195,7 +195,7 @@ mod tests {
             prop_assert!(norm(&sub(&log(&turn), &r)) < tolerance.max(1e-14));
         }
 
-        /// The derivatives of the series match those of the turn.
+        /// The derivatives of the series match those of the rotation.
         #[test]
         fn a_turning_frame_comes_back(
             from in prop::array::uniform3(-0.8..0.8_f64),

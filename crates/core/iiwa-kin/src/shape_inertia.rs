@@ -7,7 +7,7 @@ use nalgebra::{Matrix3, Vector3};
 use crate::{Along, RigidBody, Shape, Solid};
 
 impl Shape {
-    /// Volume in m^3.
+    /// Volume, in m^3.
     fn volume(&self) -> f64 {
         match self.solid {
             Solid::Cylinder { radius_m, length_m, .. } => PI * radius_m * radius_m * length_m,
@@ -15,7 +15,7 @@ impl Shape {
         }
     }
 
-    /// Moments of inertia about its own centre, divided by the mass, in m^2.
+    /// Moments of inertia about the shape's centre, divided by the mass, in m^2.
     fn inertia_per_kg(&self) -> [f64; 3] {
         match self.solid {
             Solid::Cylinder { along, radius_m, length_m } => {
@@ -31,7 +31,7 @@ impl Shape {
     }
 }
 
-/// A body of `shapes` at uniform density; where two of them overlap, both count.
+/// Rigid body of `shapes` at uniform density; overlapping volumes count twice.
 pub(crate) fn body(shapes: &[Shape], mass_kg: f64) -> RigidBody {
     let volume: f64 = shapes.iter().map(Shape::volume).sum();
     let share = |shape: &Shape| shape.volume() / volume;

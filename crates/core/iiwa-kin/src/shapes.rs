@@ -1,12 +1,12 @@
-//! What the arm looks like: cylinders and spheres, so that its URDF needs no mesh files.
+//! Visual shapes of the arm: cylinders and spheres, so that its URDF needs no mesh files.
 
 use crate::Robot;
 
 impl Robot {
-    /// What the arm looks like: shapes of link 0 to link 7, each in its link's frame, in m.
+    /// Shapes of link 0 to link 7, each in its link frame, in m.
     ///
-    /// They are those of [`Robot::to_urdf`], in the frames of [`Robot::link_poses`]. Neighbouring shapes
-    /// of a limb overlap. There is no tool: link 7 ends at the flange's face.
+    /// The shapes of [`Robot::to_urdf`], in the frames of [`Robot::link_poses`]. Neighbouring
+    /// shapes of a limb overlap. There is no tool: link 7 ends at the flange face.
     ///
     /// ```
     /// use iiwa_kin::{Robot, Solid};
@@ -21,11 +21,11 @@ impl Robot {
     }
 }
 
-/// Shapes of link 0 to link 7, each in its link's frame.
+/// Shapes of link 0 to link 7, each in its link frame.
 ///
-/// A limb is cut in two where the iiwa's joint 1, 3, 5 or 7 cuts it. The frames lie at both ends of
-/// the limbs, d1, d3, d5 and d7 (links 0 and 1: foot; 2 and 3: shoulder; 4 and 5: elbow; 6 and 7:
-/// wrist); the z axis of an odd link runs up its limb, that of an even link across it.
+/// A limb is split in two where joint 1, 3, 5 or 7 of the iiwa splits it. The frames are at both
+/// ends of the limbs, d1, d3, d5 and d7 (links 0 and 1: base; 2 and 3: shoulder; 4 and 5: elbow; 6
+/// and 7: wrist); the z axis of an odd link points along its limb, that of an even link across it.
 fn of_links([base, upper_arm, forearm, flange]: [f64; 4]) -> [Vec<Shape>; 8] {
     let (base_cut, upper_cut) = (0.45 * base, 0.5 * upper_arm);
     let (fore_cut, flange_cut) = (0.5 * forearm, 0.55 * flange);
@@ -54,7 +54,7 @@ fn of_links([base, upper_arm, forearm, flange]: [f64; 4]) -> [Vec<Shape>; 8] {
         // The forearm runs along +y.
         vec![hub(0.07, 0.09), half_limb(0.07, fore_cut)],
         vec![ring(0.075, fore_cut, 0.02), limb(0.058, fore_cut, forearm), ball(0.064, forearm)],
-        // The flange lies along -y.
+        // The flange extends along -y.
         vec![hub(0.058, 0.075), half_limb(0.054, -flange_cut)],
         vec![
             ring(0.051, flange_cut, 0.01),
@@ -63,12 +63,12 @@ fn of_links([base, upper_arm, forearm, flange]: [f64; 4]) -> [Vec<Shape>; 8] {
     ]
 }
 
-/// A primitive shape in its link's frame.
+/// A primitive shape in its link frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Shape {
-    /// What it is.
+    /// Geometry.
     pub solid: Solid,
-    /// Its centre, in m.
+    /// Centre, in m.
     pub center_m: [f64; 3],
     pub(crate) paint: Paint,
 }
@@ -78,26 +78,26 @@ pub struct Shape {
 pub enum Solid {
     /// A cylinder with flat ends.
     Cylinder {
-        /// Which way its axis runs.
+        /// Axis of the cylinder.
         along: Along,
-        /// In m.
+        /// Radius, in m.
         radius_m: f64,
-        /// From end to end, in m.
+        /// Length from end to end, in m.
         length_m: f64,
     },
     /// A sphere.
     Sphere {
-        /// In m.
+        /// Radius, in m.
         radius_m: f64,
     },
 }
 
-/// An axis of a link's frame.
+/// An axis of a link frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Along {
     /// The y axis.
     Y,
-    /// The z axis, about which the link turns.
+    /// The z axis, about which the link rotates.
     Z,
 }
 

@@ -1,36 +1,36 @@
-//! How near the arm is to a singularity.
+//! Distance of the arm from singularities.
 
 use std::fmt;
 
 use crate::{Joints, Robot, forward::sin_cos_of_joints};
 
-/// How far the arm is from the three singularities that it has while joint A3 keeps to a law of its own;
-/// each is 0 in the singularity and 1 at most. The Jacobian's determinant without the column of A3 is
-/// their product, times lengths.
+/// Distances from the three singularities that the arm has while joint A3 follows a separate law;
+/// each is 0 at the singularity and at most 1. Their product, times lengths, is the determinant of
+/// the Jacobian without the A3 column.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Singularity {
-    /// Distance of the wrist from the plane through the axes of A1 and A2, as a share of the arm's length
-    /// d3 + d5. At 0 another E1 would be out of reach.
+    /// Distance of the wrist from the plane through the axes of A1 and A2, as a share of the arm
+    /// length d3 + d5. At 0, any other E1 would be out of reach.
     pub shoulder: f64,
-    /// |sin A4|: 0 where the arm is stretched.
+    /// |sin A4|: 0 if the arm is stretched.
     pub elbow: f64,
-    /// |sin A6|: 0 where the flange is in line with the forearm.
+    /// |sin A6|: 0 if the flange is in line with the forearm.
     pub wrist: f64,
 }
 
-/// Where the arm is singular.
+/// Singular part of the arm.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum SingularPart {
-    /// The wrist in the plane through the axes of A1 and A2.
+    /// The wrist is in the plane through the axes of A1 and A2.
     Shoulder,
-    /// A4 at 0.
+    /// A4 is 0.
     Elbow,
-    /// A6 at 0.
+    /// A6 is 0.
     Wrist,
 }
 
 impl Singularity {
-    /// The least of the three, and which it is.
+    /// Smallest of the three distances, and the part that it belongs to.
     #[must_use]
     pub fn least(&self) -> (f64, SingularPart) {
         let mut least = (self.shoulder, SingularPart::Shoulder);
@@ -54,7 +54,7 @@ impl fmt::Display for SingularPart {
 }
 
 impl Robot {
-    /// How near the arm is to a singularity at `joints_rad`.
+    /// Distances from the singularities at `joints_rad`.
     ///
     /// ```
     /// use iiwa_kin::{Robot, SingularPart};
@@ -75,7 +75,7 @@ impl Robot {
         }
     }
 
-    /// The wrist's x in the frame that joint A1 turns, in m.
+    /// The wrist's x coordinate in the frame rotated by joint A1, in m.
     #[must_use]
     pub(crate) fn wrist_ahead_m(&self, joints_rad: &Joints) -> f64 {
         let (s, c) = sin_cos_of_joints(joints_rad);

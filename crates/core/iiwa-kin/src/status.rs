@@ -1,11 +1,11 @@
-//! Which of the eight ways of the arm to one pose.
+//! Arm configuration among the eight that reach one pose.
 
 use std::fmt;
 
 use crate::{Joints, Robot};
 
-/// Sunrise's status: which of the up to eight sets of joints that reach a pose with one position of joint
-/// A3 is meant. Three bits, 0 to 7; zero counts as not negative.
+/// Sunrise's status: selects one of the up to eight sets of joint positions that reach a pose with
+/// a given position of joint A3. Three bits, 0 to 7; zero counts as not negative.
 ///
 /// | bit | set where |
 /// |---|---|
@@ -13,8 +13,8 @@ use crate::{Joints, Robot};
 /// | 1 | A4 is negative |
 /// | 2 | A6 is negative |
 ///
-/// Bit 0 is KUKA's rule for its robots; that it is Sunrise's, too, is inferred from 1472 frames taught on
-/// Sunrise controllers, in all of which it holds.
+/// Bit 0 is KUKA's rule for its robots. That it applies to Sunrise, too, is inferred from 1472
+/// frames taught on Sunrise controllers, for all of which it holds.
 ///
 /// ```
 /// use iiwa_kin::{Robot, Status};
@@ -27,13 +27,13 @@ use crate::{Joints, Robot};
 pub struct Status(u8);
 
 impl Status {
-    /// The status of three bits; `None` above 7.
+    /// Status with these bits; `None` above 7.
     #[must_use]
     pub const fn new(bits: u8) -> Option<Self> {
         if bits < 8 { Some(Self(bits)) } else { None }
     }
 
-    /// All eight.
+    /// All eight statuses.
     pub fn all() -> impl Iterator<Item = Self> {
         (0..8).map(Self)
     }
@@ -44,7 +44,7 @@ impl Status {
         self.0
     }
 
-    /// The status of the arm at `joints_rad`.
+    /// Status at `joints_rad`.
     #[must_use]
     pub fn of(robot: &Robot, joints_rad: &Joints) -> Self {
         let behind = robot.wrist_ahead_m(joints_rad) < 0.0;
@@ -52,7 +52,7 @@ impl Status {
         Self(u8::from(behind) | u8::from(a4 < 0.0) << 1 | u8::from(a6 < 0.0) << 2)
     }
 
-    /// The signs, 1 or -1, of the wrist's x, of A4 and of A6.
+    /// Signs, 1 or -1, of the wrist's x coordinate, of A4 and of A6.
     #[inline]
     pub(crate) fn signs(self) -> [f64; 3] {
         [0, 1, 2].map(|bit| f64::from(1 - 2 * i8::from(self.0 >> bit & 1 == 1)))

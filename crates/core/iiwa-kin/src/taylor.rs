@@ -4,8 +4,8 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 
 use crate::{number::Number, trig};
 
-/// A function of one parameter near one of its values: the coefficients c0 to c3 of its power series
-/// there, which are the value, f', f''/2 and f'''/6. Arithmetic drops all higher powers.
+/// A function of one parameter near one parameter value: the coefficients c0 to c3 of its power
+/// series, which are the value, f', f''/2 and f'''/6. Arithmetic drops all higher powers.
 ///
 /// ```
 /// use iiwa_kin::{Number, Taylor};
@@ -20,21 +20,21 @@ use crate::{number::Number, trig};
 pub struct Taylor(pub [f64; 4]);
 
 impl Taylor {
-    /// A number that does not change.
+    /// A constant.
     #[must_use]
     #[inline]
     pub const fn constant(value: f64) -> Self {
         Self([value, 0.0, 0.0, 0.0])
     }
 
-    /// The parameter itself, at a value of it.
+    /// The parameter itself, at this value.
     #[must_use]
     #[inline]
     pub const fn variable(at: f64) -> Self {
         Self([at, 1.0, 0.0, 0.0])
     }
 
-    /// The value and the first, second and third derivative.
+    /// The value and the first, second and third derivatives.
     #[must_use]
     #[inline]
     pub const fn derivatives(self) -> [f64; 4] {
@@ -42,13 +42,13 @@ impl Taylor {
         [c0, c1, 2.0 * c2, 6.0 * c3]
     }
 
-    /// The integral, from `start` on, of `[c0, c1, c2]`: a derivative's series.
+    /// Integral of the derivative series `[c0, c1, c2]`, with the value `start`.
     #[inline]
     fn integral(start: f64, [c0, c1, c2]: [f64; 3]) -> Self {
         Self([start, c0, 0.5 * c1, c2 / 3.0])
     }
 
-    /// `x y' - y x'`, the series of a derivative.
+    /// `x y' - y x'`, as the series of a derivative.
     #[inline]
     fn sweep(y: Self, x: Self) -> [f64; 3] {
         let ([y0, y1, y2, y3], [x0, x1, x2, x3]) = (y.0, x.0);
@@ -162,7 +162,7 @@ impl Number for Taylor {
 
     #[inline]
     fn sin_cos(self) -> (Self, Self) {
-        // From sin' = cos a' and cos' = -sin a', one coefficient after the other.
+        // Coefficient by coefficient from sin' = cos a' and cos' = -sin a'.
         let [a0, a1, a2, a3] = self.0;
         let ([s0], [c0]) = trig::sin_cos(&[a0]);
         let (s1, c1) = (c0 * a1, -s0 * a1);

@@ -1,8 +1,8 @@
 //! Sine and cosine of several angles at once.
 //!
-//! Kinematics spends most of its time here. The routine is free of branches, so that the compiler
-//! turns it into vector instructions, and it uses only additions, multiplications and bit
-//! operations, so that every machine gets the same bits.
+//! Kinematics spends most of its time here. The routine has no branches, so that the compiler
+//! vectorises it, and uses only additions, multiplications and bit operations, so that every
+//! machine produces the same bits.
 
 #![expect(
     clippy::inline_always,
@@ -39,7 +39,7 @@ const COS: [f64; 6] = [
     -1.135_964_755_778_819_5e-11,
 ];
 
-/// Whether [`reduced`] is right for all of `angles`; false also if one is not a number.
+/// Returns true if [`reduced`] is accurate for all of `angles`; false if one is NaN.
 #[inline(always)]
 pub(crate) fn reducible(angles: &[f64]) -> bool {
     angles.iter().fold(true, |all, x| all & (x.abs() <= MAX_REDUCED_RAD))
@@ -56,7 +56,7 @@ pub(crate) fn reduced(x: f64) -> (f64, f64) {
     let sin = r + r * z * series(&SIN, z);
     let cos = (1.0 - 0.5 * z) + z * z * series(&COS, z);
 
-    // Odd quarter turns swap the two; two bits of the count give the signs.
+    // Odd quarter turns swap sine and cosine; two bits of the count give the signs.
     let swap = (quarter_turns & 1).wrapping_neg();
     let (sin, cos) = (sin.to_bits(), cos.to_bits());
     let exchange = (sin ^ cos) & swap;
@@ -65,7 +65,7 @@ pub(crate) fn reduced(x: f64) -> (f64, f64) {
     (f64::from_bits(sin ^ exchange ^ sin_sign), f64::from_bits(cos ^ exchange ^ cos_sign))
 }
 
-/// The polynomial in `z` (Estrin's scheme: a short chain of steps that wait for each other).
+/// Polynomial in `z` by Estrin's scheme, which keeps the chain of dependent operations short.
 #[inline(always)]
 fn series(c: &[f64; 6], z: f64) -> f64 {
     let z2 = z * z;
@@ -100,10 +100,12 @@ const ATAN: [f64; 11] = [
     1.628_582_011_536_578_2e-2,
 ];
 
-/// Angle of the point (`x`, `y`), in rad, from -pi to pi; error below 2 ulp of pi. 0 at the origin, and never -0.
+/// Angle of the point (`x`, `y`), in rad, from -pi to pi; error below 2 ulp of pi. 0 at the origin,
+/// and never -0.
 #[inline(always)]
 pub(crate) fn atan2(y: f64, x: f64) -> f64 {
-    /// tan(pi/8): up to it the quotient is small enough, beyond it that of the point turned by pi/4 is.
+    /// tan(pi/8): largest quotient for the series. A point beyond is first rotated by pi/4, which
+    /// makes its quotient small enough.
     const EIGHTH: f64 = 0.414_213_562_373_095_03;
     let (flat, steep) = (x.abs(), y.abs());
     let swap = steep > flat;

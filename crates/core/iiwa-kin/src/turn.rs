@@ -1,13 +1,13 @@
-//! The signs of the joints.
+//! Signs of the joint positions.
 
 use std::fmt;
 
 use crate::Joints;
 
-/// Sunrise's turn: bit i - 1 is set where joint Ai is negative, 0 to 127.
+/// Sunrise's turn: bit i - 1 is set if joint Ai is negative, 0 to 127.
 ///
-/// No joint of the LBR iiwa turns as far as 180 deg, so that position of A3 and status say all; the turn
-/// is a check of them.
+/// No joint of the LBR iiwa reaches 180 deg, so the position of A3 and the status are sufficient;
+/// the turn serves as a check.
 ///
 /// ```
 /// use iiwa_kin::Turn;
@@ -18,7 +18,7 @@ use crate::Joints;
 pub struct Turn(u8);
 
 impl Turn {
-    /// The turn of seven bits; `None` above 127.
+    /// Turn with these bits; `None` above 127.
     #[must_use]
     pub const fn new(bits: u8) -> Option<Self> {
         if bits < 128 { Some(Self(bits)) } else { None }
@@ -30,14 +30,15 @@ impl Turn {
         self.0
     }
 
-    /// The turn of the arm at `joints_rad`.
+    /// Turn at `joints_rad`.
     #[must_use]
     pub fn of(joints_rad: &Joints) -> Self {
         Self(joints_rad.iter().rev().fold(0, |bits, q| bits << 1 | u8::from(*q < 0.0)))
     }
 
-    /// Whether it matches the signs of `joints_rad`. Joints within 0.0001 rad of zero match either sign: theirs depends on
-    /// rounding and on how the frame was taught.
+    /// Returns true if the turn matches the signs of `joints_rad`. Joints within 0.0001 rad of zero
+    /// match either sign, because the sign then depends on rounding and on how the frame was
+    /// taught.
     ///
     /// ```
     /// use iiwa_kin::Turn;

@@ -1,47 +1,47 @@
-//! Why no joints reach a pose.
+//! Reasons why a pose is out of reach.
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
-/// No joints reach a pose, whatever their limits.
+/// A pose is out of reach, regardless of the joint ranges.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Unreachable {
     /// The arm is too short.
     #[error("out of reach: the arm is {by_mm:.3} mm too short")]
     TooFar {
-        /// How much farther from the shoulder the wrist is than the stretched arm reaches, in mm.
+        /// Distance of the wrist beyond the reach of the stretched arm, in mm.
         by_mm: f64,
     },
-    /// The pose is too near to the shoulder.
+    /// The pose is too close to the shoulder.
     #[error("out of reach: the wrist is {by_mm:.3} mm too near to the shoulder")]
     TooNear {
-        /// How much nearer to the shoulder the wrist is than the folded arm, in mm.
+        /// Distance by which the wrist is closer to the shoulder than the folded arm allows, in mm.
         by_mm: f64,
     },
-    /// A point can be reached, but not with this position of joint A3.
+    /// A point is reachable, but not with this position of joint A3.
     #[error(
         "out of reach with E1 at {:.3} deg: it is {by_mm:.3} mm too near to the axis of A1", .e1_rad.to_degrees()
     )]
     NearAxis {
-        /// E1 as asked for, in rad.
+        /// Requested E1, in rad.
         e1_rad: f64,
-        /// How much nearer to the axis of A1 the point is than the arm can bring it, in mm.
+        /// Distance by which the point is closer to the axis of A1 than the arm allows, in mm.
         by_mm: f64,
     },
-    /// The pose can be reached, but not with this position of joint A3.
+    /// The pose is reachable, but not with this position of joint A3.
     #[error(
         "out of reach with E1 at {:.3} deg; within reach is E1 from {}",
         .e1_rad.to_degrees(), listed(&e1_ranges(*.within_rad))
     )]
     E1 {
-        /// E1 as asked for, in rad.
+        /// Requested E1, in rad.
         e1_rad: f64,
-        /// How far E1 may be from 0 or from 180 deg, in rad.
+        /// Largest reachable deviation of E1 from 0 or from 180 deg, in rad.
         within_rad: f64,
     },
 }
 
-/// What is within `within_rad` of 0 or of half a turn, between half a turn back and half a turn ahead.
+/// Ranges within `within_rad` of 0 or of half a turn, between -pi and pi.
 pub(crate) fn e1_ranges(within_rad: f64) -> Vec<[f64; 2]> {
     if within_rad >= FRAC_PI_2 {
         return vec![[-PI, PI]];

@@ -1,4 +1,5 @@
-//! URDF, the robot description of ROS: a model written as one, and a user's held against a model.
+//! URDF, the ROS robot description: export of a model, and comparison of a user's URDF with a
+//! model.
 
 mod chain;
 mod check;
@@ -15,11 +16,11 @@ pub use error::{Listed, UrdfError};
 pub use meshes::{UrdfLink, UrdfMesh};
 pub use ros_names::{BadRosPrefix, RosNames, RosPrefix, RosStack};
 
-/// Attributes of a joint's limit: rad, rad, Nm, rad/s.
+/// Attributes of a joint limit: rad, rad, Nm, rad/s.
 const LIMITS: [&str; 4] = ["lower", "upper", "effort", "velocity"];
 
 impl crate::Limits {
-    /// The figures of joint `j` (from 0), in the order of [`LIMITS`].
+    /// Limits of joint `j` (from 0), in the order of [`LIMITS`].
     fn of_urdf(&self, j: usize) -> [f64; 4] {
         [self.lower_rad[j], self.upper_rad[j], self.torque_nm[j], self.velocity_rad_s[j]]
     }

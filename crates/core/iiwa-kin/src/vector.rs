@@ -11,63 +11,63 @@
 
 use crate::Joints;
 
-/// `a - b`.
+/// Difference `a - b`.
 #[must_use]
 #[inline]
 pub fn sub(a: &Joints, b: &Joints) -> Joints {
     std::array::from_fn(|j| a[j] - b[j])
 }
 
-/// `a + k b`.
+/// Sum `a + k b`.
 #[must_use]
 #[inline]
 pub fn add_scaled(a: &Joints, k: f64, b: &Joints) -> Joints {
     std::array::from_fn(|j| a[j] + k * b[j])
 }
 
-/// `k a`.
+/// Product `k a`.
 #[must_use]
 #[inline]
 pub fn scale(k: f64, a: &Joints) -> Joints {
     a.map(|v| k * v)
 }
 
-/// The scalar product.
+/// Scalar product.
 #[must_use]
 #[inline]
 pub fn dot(a: &Joints, b: &Joints) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
-/// The Euclidean length.
+/// Euclidean length.
 #[must_use]
 pub fn norm(a: &Joints) -> f64 {
     dot(a, a).sqrt()
 }
 
-/// The Euclidean distance of two positions, in rad.
+/// Euclidean distance between two positions, in rad.
 #[must_use]
 pub fn distance(a: &Joints, b: &Joints) -> f64 {
     norm(&sub(a, b))
 }
 
-/// The direction of a vector that is not zero.
+/// Unit vector of a nonzero vector.
 #[must_use]
 pub fn unit(a: &Joints) -> Joints {
     scale(norm(a).recip(), a)
 }
 
-/// Largest multiple of `direction` that keeps the limits of every joint: all move in proportion, and the smallest
-/// quotient decides. `f64::MAX` for a direction of zeros.
+/// Largest multiple of `direction` within the limits of every joint; the smallest quotient decides.
+/// `f64::MAX` for a zero direction.
 #[must_use]
 pub fn largest_multiple(direction: &Joints, limits: &Joints) -> f64 {
     direction.iter().zip(limits).map(|(d, limit)| limit / d.abs()).fold(f64::MAX, f64::min)
 }
 
-/// Angle between two unit vectors, in rad: 0 straight on, pi turned back (Larsen 2019, Eq. 28).
+/// Angle between two unit vectors, in rad: 0 straight on, pi reversed (Larsen 2019, Eq. 28).
 ///
-/// Half the angle from the lengths of sum and difference is exact near 0 and pi, where the inverse
-/// cosine loses half of the digits.
+/// Computing half the angle from the lengths of sum and difference is exact near 0 and pi, where
+/// the arc cosine loses half of the digits.
 #[must_use]
 pub fn angle(a: &Joints, b: &Joints) -> f64 {
     let sum = add_scaled(a, 1.0, b);

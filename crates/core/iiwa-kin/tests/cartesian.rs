@@ -1,5 +1,5 @@
-//! Joints and their derivatives along Cartesian motions, against figures of 40-digit arithmetic in
-//! `fixtures/reference/cartesian.json`.
+//! Joint positions and their derivatives along Cartesian motions, compared with 40-digit reference
+//! values in `fixtures/reference/cartesian.json`.
 
 #![expect(clippy::unwrap_used, reason = "a test fails by it")]
 
@@ -22,7 +22,7 @@ fn numbers<const N: usize>(value: &Value) -> [f64; N] {
     std::array::from_fn(|i| value[i].as_f64().unwrap())
 }
 
-/// A pose of a case; the identity where there is none.
+/// Pose of a case; the identity if absent.
 fn pose(value: &Value) -> Pose {
     let read = |key: &str| value[key].as_f64().unwrap_or(0.0);
     Pose::from_xyz_abc(
@@ -59,7 +59,7 @@ fn fixed(matrix: &Matrix3<f64>) -> Turning {
     std::array::from_fn(|i| std::array::from_fn(|k| Taylor::constant(matrix[(i, k)])))
 }
 
-/// One turn about a fixed axis, evenly in s.
+/// A uniform rotation about a fixed axis, over s.
 fn even_turn(from: &Matrix3<f64>, to: &Matrix3<f64>, s: Taylor) -> Turning {
     let difference = Rotation3::from_matrix_unchecked(from.transpose() * to);
     match UnitQuaternion::from_rotation_matrix(&difference).axis_angle() {
@@ -68,7 +68,7 @@ fn even_turn(from: &Matrix3<f64>, to: &Matrix3<f64>, s: Taylor) -> Turning {
     }
 }
 
-/// The TCP in the base frame at s.
+/// TCP pose in the base frame at s.
 fn tcp(case: &Value, start: &Pose, s: Taylor) -> MovingPose {
     let motion = &case["motion"];
     let end = pose(&motion["frame"]);
@@ -83,7 +83,7 @@ fn tcp(case: &Value, start: &Pose, s: Taylor) -> MovingPose {
         return MovingPose { position_m: std::array::from_fn(|i| s * (b - a)[i] + a[i]), rotation };
     }
 
-    // The circle through three points; its centre is where the planes of symmetry meet.
+    // Circle through three points; its centre is the intersection of the bisecting planes.
     let via = Vector3::from(pose(&motion["aux"]).position_m);
     let (u, v) = (via - a, b - a);
     let normal = Unit::new_normalize(u.cross(&v));
@@ -107,7 +107,7 @@ fn tcp(case: &Value, start: &Pose, s: Taylor) -> MovingPose {
     MovingPose { position_m, rotation }
 }
 
-/// Flange pose, E1 and status of a point give its joints.
+/// Flange pose, E1 and status of a point determine its joint positions.
 #[test]
 fn joints_at_the_points() {
     let mut worst = 0.0_f64;
@@ -142,7 +142,7 @@ fn joints_at_the_points() {
     assert!(worst < 1e-11, "off by up to {worst:e} rad");
 }
 
-/// The motions as defined, from start and target alone.
+/// The motions are recomputed from start and target alone.
 #[test]
 fn derivatives_along_the_motions() {
     for case in cases() {

@@ -1,6 +1,7 @@
-//! Torques, energies and the mass matrix, against an independent implementation and against each other.
+//! Torques, energies and mass matrix, compared with an independent implementation and with each
+//! other.
 
-// Helpers of tests may fail.
+// Test helpers may panic.
 #![allow(clippy::unwrap_used)]
 
 use std::path::Path;
@@ -36,7 +37,7 @@ fn body(value: &Value) -> RigidBody {
     }
 }
 
-/// The arm of a case.
+/// Dynamics of a case.
 fn arm(case: &Value) -> Dynamics {
     let links: Vec<_> = case["links"].as_array().unwrap().iter().map(body).collect();
     let robot = Robot::built_in(case["robot"].as_str().unwrap()).unwrap();
@@ -78,7 +79,7 @@ fn agrees_with_pinocchio() {
     assert!(worst < 1e-9, "off by {worst}");
 }
 
-/// The built-in tables are those that the cases have.
+/// The built-in tables equal those of the reference cases.
 #[test]
 fn built_in_links_are_those_of_lbr_description() {
     let mut compared = 0;
@@ -103,7 +104,7 @@ fn built_in_links_are_those_of_lbr_description() {
     assert!((weights[0] - 23.9).abs() < 0.001 && (weights[1] - 29.9).abs() < 0.03, "{weights:?}");
 }
 
-/// Figures that a table of poses and published models has for A2 and A4, in Nm.
+/// Holding torques of A2 and A4, in Nm, of a table of poses and published models.
 #[test]
 fn holds_what_it_weighs() {
     let at = |name: &str, degrees: Joints| {
@@ -165,7 +166,7 @@ fn motion(start: &Joints, speed: &Joints, swing: &Joints, t: f64) -> [Joints; 3]
 }
 
 proptest! {
-    /// What the joints do is what the energy grows by.
+    /// The work of the joint torques equals the increase in energy.
     #[test]
     fn work_is_the_change_of_energy(
         dynamics in any_arm(), start in joints(2.0), speed in joints(1.5), swing in joints(0.5),
@@ -203,7 +204,7 @@ proptest! {
         prop_assert!(largest_difference(&torques, &still) < 1e-11);
     }
 
-    /// The mass matrix is what Newton and Euler's equations say of unit accelerations.
+    /// The mass matrix equals the Newton-Euler torques of unit accelerations.
     #[test]
     fn mass_matrices_are_those_of_bodies(dynamics in any_arm(), q in joints(3.0)) {
         let matrix = dynamics.mass_matrix(&q);
@@ -231,7 +232,7 @@ proptest! {
         prop_assert!(largest_difference(&whole, &parts) < 1e-10);
     }
 
-    /// Bit for bit, whatever the length, and for angles that lanes cannot do.
+    /// Bit-identical for any length, and for angles outside the range of the vectorised kernels.
     #[test]
     fn batches_are_as_one_by_one(
         dynamics in any_arm(),
@@ -254,7 +255,7 @@ proptest! {
         }
     }
 
-    /// A robot with its foot at the ceiling holds as much, the other way round.
+    /// A robot on the ceiling needs the opposite holding torques.
     #[test]
     fn upside_down_gravity_is_the_other_way_round(load in any_load(), q in joints(3.0)) {
         let floor = Robot::default().dynamics().with_load(&load);
@@ -277,14 +278,14 @@ proptest! {
         let [a, b] = [heavier, loaded].map(|arm| arm.torques(&q, &qd, &qdd));
         prop_assert!(largest_difference(&a, &b) < 1e-11);
         prop_assert!((heavier.kinetic_energy_j(&q, &qd) - loaded.kinetic_energy_j(&q, &qd)).abs() < 1e-11);
-        // In parts as well as in one.
+        // Split payloads give the same torques as the whole payload.
         let half = Load { mass_kg: 0.5 * load.mass_kg, inertia_kg_m2: load.inertia_kg_m2.map(|i| 0.5 * i), ..load };
         let twice = robot.dynamics().with_load(&half).with_load(&half);
         prop_assert!(largest_difference(&twice.torques(&q, &qd, &qdd), &b) < 1e-11);
     }
 }
 
-/// The flange's own mass is a point behind its face.
+/// The flange mass is a point mass behind the flange face.
 #[test]
 fn a_flange_may_have_a_mass() {
     let robot = Robot::default();
@@ -312,7 +313,8 @@ fn bodies_are_told_from_numbers() {
     let body = |inertia_kg_m2| RigidBody { mass_kg: 1.0, center_m: [0.0; 3], inertia_kg_m2 };
     assert!(RigidBody::point(1.0, [0.1; 3]).is_possible());
     assert!(body([1.0, 0.0, 0.0, 1.0, 0.0, 1.0]).is_possible());
-    // Identified, and of no body with a shape: the greatest moment is above the sum of the others.
+    // An identified inertia that no real body has: the largest moment exceeds the sum of the
+    // others.
     assert!(body([1.0, 0.0, 0.0, 1.0, 0.0, 3.0]).is_possible());
     assert!(!body([-1.0, 0.0, 0.0, 1.0, 0.0, 1.0]).is_possible());
     assert!(!body([1.0, 1.1, 0.0, 1.0, 0.0, 1.0]).is_possible());

@@ -1,6 +1,7 @@
-//! Forward kinematics against published figures, the plain matrix product and itself.
+//! Forward kinematics, compared with published values, with the plain matrix product and between
+//! code paths.
 
-// Of two ways to the same number, the same number is asked for.
+// Two code paths to one number must give identical bits.
 #![allow(clippy::float_cmp)]
 
 use iiwa_kin::{Joints, Pose, Robot};
@@ -15,7 +16,7 @@ fn product(robot: &Robot, q: &Joints) -> Matrix4<f64> {
     robot.dh().iter().zip(q).fold(Matrix4::identity(), |t, (row, q)| t * row.transform(*q))
 }
 
-/// Cross-validated: figures of the public `lbr_description` chain.
+/// Cross-validated: values of the public `lbr_description` chain.
 #[test]
 fn published_poses() {
     let robot = Robot::lbr_iiwa_7_r800();

@@ -1,4 +1,4 @@
-//! Inverse kinematics against forward kinematics, the Jacobian and differences.
+//! Inverse kinematics, compared with forward kinematics, the Jacobian and finite differences.
 
 #![expect(clippy::unwrap_used, reason = "a test fails by it")]
 
@@ -23,13 +23,13 @@ fn any_robot() -> impl Strategy<Value = Robot> {
     prop::sample::select(robots().to_vec())
 }
 
-/// Joints anywhere within their limits.
+/// Any joint positions within the joint ranges.
 fn any_joints() -> impl Strategy<Value = Joints> {
     let limits = *Robot::default().limits();
     prop::array::uniform7(-1.0..1.0_f64).prop_map(move |shares| limits.at_shares(&shares))
 }
 
-/// The largest difference of two poses' numbers.
+/// Largest difference between the numbers of two poses.
 fn apart(a: &Pose, b: &Pose) -> f64 {
     let numbers = |pose: &Pose| {
         let mut all = pose.position_m.to_vec();
@@ -53,7 +53,8 @@ fn turn_about(axis: &[f64; 3], angle: Taylor) -> [[Taylor; 3]; 3] {
     })
 }
 
-/// A flange that runs along a parabola from `start` while it turns about an axis; both unevenly.
+/// A flange that moves along a parabola from `start` while rotating about an axis, both
+/// non-uniformly.
 fn swing(
     start: &Pose,
     velocity: &[f64; 3],
@@ -75,7 +76,8 @@ fn swing(
     }
 }
 
-/// Distance from singularities, so that rounding and steps of differences do not matter.
+/// True if the joint positions are far enough from singularities that rounding and
+/// finite-difference steps do not matter.
 fn regular(robot: &Robot, joints: &Joints) -> bool {
     robot.singularity(joints).least().0 > 0.2
 }
@@ -137,7 +139,7 @@ proptest! {
             let found = robot.inverse(&flange, e1, status);
             found.is_ok_and(|found| robot.limits().check(&found).is_ok())
         };
-        // A joint that only just touches its limit, or only just leaves it, may do so between the places that are looked at.
+        // A joint that barely touches or leaves its limit may do so between the sampled values.
         let narrow = |e1: f64| {
             [-1.0, 1.0].iter().any(|side| {
                 let near = fits_at(e1 + side * 0.5_f64.to_radians());
@@ -185,7 +187,8 @@ proptest! {
         prop_assert!((twist.fixed_rows::<3>(0) - Vector3::from(velocity)).norm() < 1e-10);
         prop_assert!((twist.fixed_rows::<3>(3) - Vector3::from(axis) * 0.7).norm() < 1e-10);
 
-        // Each derivative is that of the one before it, of differences with an error of h^4.
+        // Each derivative is compared with central differences of the preceding one, with an error
+        // of h^4.
         let h = 1e-4;
         let near = [at(-2.0 * h)?.1, at(-h)?.1, at(h)?.1, at(2.0 * h)?.1];
         for j in 0..7 {
@@ -229,7 +232,7 @@ proptest! {
     }
 }
 
-/// In singularities there are many answers, and one of them is given.
+/// At singularities many solutions exist, and one of them is returned.
 #[test]
 fn singular_poses_are_reached() {
     for robot in robots() {
@@ -262,7 +265,7 @@ fn says_by_how_much_a_pose_is_out_of_reach() {
     let far = robot.inverse(&upright(0.0, 0.34 + 0.8 + 0.152 + 0.0125), 0.0, status).unwrap_err();
     assert!(matches!(far, Unreachable::TooFar { by_mm } if (by_mm - 12.5).abs() < 1e-9), "{far}");
 
-    // The big robot's elbow halves differ by 20 mm.
+    // Upper arm and forearm of the iiwa 14 differ by 20 mm.
     let big = Robot::lbr_iiwa_14_r820();
     let near = big.inverse(&upright(0.005, 0.36 + 0.152), 0.0, status).unwrap_err();
     assert!(
@@ -279,7 +282,7 @@ fn says_by_how_much_a_pose_is_out_of_reach() {
     assert!(e1.to_string().contains(&format!("{:.3} deg", within_rad.to_degrees())), "{e1}");
 }
 
-/// The definition, by joints at which the signs are plain to see.
+/// The definition, checked at joint positions with obvious signs.
 #[test]
 fn status_and_turn_are_signs() {
     let robot = Robot::lbr_iiwa_7_r800();
@@ -288,14 +291,14 @@ fn status_and_turn_are_signs() {
     assert_eq!(of([0.0; 7]).turn.bits(), 0);
     let overhead = of([0.0, -60.0, 0.0, 0.0, 0.0, 0.0, 0.0]);
     assert_eq!((overhead.status.bits(), overhead.turn.bits()), (1, 2));
-    // The upper arm leans back, and the wrist is ahead all the same.
+    // The upper arm leans back, but the wrist is still ahead.
     assert_eq!(of([0.0, -10.0, 0.0, -90.0, 0.0, 0.0, 0.0]).status.bits(), 2);
     let all = of([-1.0, -1.0, -1.0, 1.0, -1.0, -1.0, -1.0]);
     assert_eq!((all.status.bits(), all.turn.bits()), (5, 0b111_0111));
     assert_eq!((Status::new(8), Turn::new(128)), (None, None));
 }
 
-/// The three measures are the zeros of the Jacobian without the column of A3.
+/// The three distances are zero where the Jacobian without the A3 column is singular.
 #[test]
 fn singularity_is_the_determinant() {
     for robot in robots() {
@@ -319,7 +322,7 @@ fn singularity_is_the_determinant() {
 proptest! {
     #![proptest_config(Config::with_cases(20_000))]
 
-    /// A point of the flange comes back to where it was, with the wrist's joints as they were.
+    /// A flange point returns to its position with unchanged wrist joints.
     #[test]
     fn joints_of_a_point_come_back(
         robot in any_robot(), joints in any_joints(), point in prop::array::uniform3(-0.3..0.3_f64)

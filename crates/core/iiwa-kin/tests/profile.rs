@@ -1,6 +1,6 @@
-//! Robot profiles: what is read, what is refused and where, and what is written.
+//! Robot profiles: accepted input, rejected input with its error places, and output.
 
-// Figures are compared to the last bit on purpose; helpers of tests may fail.
+// Numbers are compared to the last bit on purpose; test helpers may panic.
 #![allow(clippy::float_cmp, clippy::unwrap_used)]
 
 use iiwa_kin::{BadLength, Joint, ProfileError, Robot};
@@ -61,7 +61,7 @@ fn every_part_can_be_overridden() {
     assert_eq!(Robot::from_profile(&robot.to_profile()).unwrap(), robot);
 }
 
-/// kappa of the TCP's blends is that of the joints', until it is given.
+/// kappa of TCP blends equals kappa of joint blends unless given.
 #[test]
 fn blends_of_the_tcp_may_have_a_kappa_of_their_own() {
     let read = |keys: &str| {
@@ -76,7 +76,7 @@ fn blends_of_the_tcp_may_have_a_kappa_of_their_own() {
     let own = read(", \"tcp_blend_kappa\": [-1, 0, 0]");
     assert_eq!((own.kappa(0.0), own.tcp_kappa(0.0)), (-3.0, -1.0));
     assert!(own.to_profile().contains("tcp_blend_kappa"));
-    // What the joints' blends are does not change what was measured of the TCP's.
+    // Changing kappa of joint blends does not change the measured kappa of TCP blends.
     let again = own.with_blend_kappa([1.0, 0.0, 0.0]);
     assert_eq!((again.kappa(0.0), again.tcp_kappa(0.0)), (1.0, -1.0));
 }
@@ -99,7 +99,7 @@ fn ranges_need_not_be_symmetric() {
         let found = limits.at_shares(&[share; 7]);
         assert!((0..7).all(|j| (found[j] - expected[j]).abs() < 1e-15), "{found:?}");
     }
-    // The URDF has them, too.
+    // The URDF has the limits, too.
     assert!(robot.to_urdf().contains(&format!("lower=\"{}\"", 10_f64.to_radians())));
 
     let symmetric = ranges.replace("[-170, 170]", "[170, -170]");
@@ -122,7 +122,7 @@ fn ranges_need_not_be_symmetric() {
     }
 }
 
-/// Seven links of a profile; those of the built-in model, with other numbers in the first.
+/// Seven links of a profile: those of the built-in model, with other numbers for the first.
 fn links(first: &str) -> String {
     let body = |mass: f64| {
         format!(
@@ -147,7 +147,7 @@ fn links_are_bodies() {
     assert_eq!(Robot::from_profile(&robot.to_profile()).unwrap(), robot);
     assert_eq!(Robot::from_profile(&robot.to_full_profile()).unwrap(), robot);
 
-    // With the mass of the foot.
+    // With the mass of the base.
     let both = format!(r#""link_mass_kg": [9, 1, 2.001, 3, 4, 5, 6, 7], "links": {given}"#);
     let heavy = Robot::from_profile(&text(&both)).unwrap();
     assert_eq!(heavy.link_mass_kg(), [9.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0]);
@@ -188,7 +188,7 @@ fn links_are_bodies() {
     }
 }
 
-/// Profiles that are older than `links` keep their meaning.
+/// Profiles that predate `links` keep their meaning.
 #[test]
 fn masses_alone_are_those_of_shapes() {
     let masses = r#"{ "version": 1, "link_mass_kg": [4.856, 3.394, 4.032, 3.394, 4.032, 1.529, 2.404, 0.259] }"#;
@@ -196,7 +196,7 @@ fn masses_alone_are_those_of_shapes() {
     let [first, ..] = robot.links();
     assert!((first.center_m[2] - 0.272_699_876).abs() < 1e-9);
     assert!((first.inertia_kg_m2[0] - 0.022_793_768_053).abs() < 1e-12);
-    // They follow the lengths.
+    // The shapes follow the lengths.
     let short = robot.clone().with_flange_m(0.126).unwrap();
     assert_ne!(short.links()[6], robot.links()[6]);
     assert_eq!(Robot::from_profile(&robot.to_profile()).unwrap(), robot);
@@ -214,7 +214,7 @@ fn what_is_given_is_no_assumption() {
         ("acceleration", "acceleration_limit_deg_s2", "1, 2, 3, 4, 5, 6, 7"),
         ("jerk", "jerk_limit_deg_s3", "1, 2, 3, 4, 5, 6, 7"),
         ("masses", "link_mass_kg", "1, 2, 3, 4, 5, 6, 7, 8"),
-        // The very figures that are assumed are known when they are given.
+        // Giving the assumed values makes them known.
         ("acceleration", "acceleration_limit_deg_s2", "425, 425, 500, 375, 650, 675, 675"),
     ] {
         let robot = read(key, numbers);
@@ -225,7 +225,7 @@ fn what_is_given_is_no_assumption() {
     assert_eq!(read("torque_limit_nm", "1, 2, 3, 4, 5, 6, 7").assumptions().len(), 4);
 }
 
-/// A faulty text; line, column and text of the fault; part of the message.
+/// A rejected text; line, column and text of the error; part of the message.
 type Refused = (&'static str, usize, usize, &'static str, &'static str);
 
 fn assert_refused(cases: &[Refused]) {
@@ -356,7 +356,7 @@ fn says_what_is_wrong_and_where() {
     ]);
 }
 
-/// With work that grows with the square of a text, this test would take hours.
+/// If the time were quadratic in the text length, this test would take hours.
 #[test]
 fn long_and_deep_texts_are_refused() {
     let deep = "[".repeat(200_000_000);
@@ -458,7 +458,7 @@ prop_compose! {
             "links": links.map(|links| links.chunks(10).map(|l| serde_json::json!({
                 "mass_kg": l[0],
                 "center_mm": [l[1] * 1e3, l[2] * -1e3, l[3] * 1e2],
-                // A third of each of the others off the diagonal at most.
+                // Off-diagonal moments are at most a third of the diagonal ones.
                 "inertia_kg_m2": [1.0 + l[4], 0.3 * l[5], -0.3 * l[6], 1.0 + l[7], 0.3 * l[8], 1.0 + l[9]],
             })).collect::<Vec<_>>()),
             "flange_mass_kg": flange_mass,
@@ -484,7 +484,7 @@ proptest! {
         prop_assert_eq!(again.to_profile(), text);
     }
 
-    /// A length that no decimal number of mm stands for.
+    /// A length that no decimal number of mm represents exactly.
     #[test]
     fn any_length_reads_back_to_the_last_bit(flange_m in 1e-3..10.0_f64) {
         let robot = Robot::default().with_flange_m(flange_m).unwrap();

@@ -1,6 +1,7 @@
-//! URDF: written files, and files compared with a model. Independent readers are in `tests/peers`.
+//! URDF export, and comparison of URDF files with a model. Independent readers are in
+//! `tests/peers`.
 
-// Texts are put together plainly; helpers of tests may fail.
+// Texts are assembled by plain string operations; test helpers may panic.
 #![allow(
     clippy::float_cmp,
     clippy::format_collect,
@@ -66,7 +67,8 @@ fn the_own_urdf_is_the_model() {
     }
 }
 
-/// An LBR iiwa 7 R800 whose frames lie along the axes where its links are bolted together.
+/// An LBR iiwa 7 R800 whose link frames are on the joint axes at the bolted interfaces between
+/// links.
 fn other_frames() -> String {
     let mut text =
         String::from("<?xml version=\"1.0\"?>\n<!-- seven joints -->\n<robot name='lbr'>\n");
@@ -141,7 +143,7 @@ fn another_model_is_told_by_its_first_joint() {
 fn a_millimetre_is_told_by_its_joint() {
     let robot = Robot::default();
     let own = robot.to_urdf();
-    // The upper arm ends in joint 4.
+    // The upper arm ends at joint 4.
     let error = robot.check_urdf(&own.replace("0 0 0.4\"", "0 0 0.401\""), None).unwrap_err();
     let message = error.to_string();
     assert!(message.contains("axis of joint 4 (\"iiwa_joint_4\") is 1.000 mm"), "{message}");
@@ -149,11 +151,11 @@ fn a_millimetre_is_told_by_its_joint() {
     assert_eq!(error.place().line, line);
     assert!(message.ends_with(&format!("at line {line}, column 3")), "{message}");
     assert!(message.starts_with(&error.what()) && !error.what().contains("line"));
-    // A wrong sense of turning.
+    // A wrong direction of rotation.
     let text = other_frames().replace("0 1 0", "0 -1 0");
     let error = robot.check_urdf(&text, None).unwrap_err();
     assert!(matches!(error, UrdfError::Axis { number: 6, .. }), "{error}");
-    // A turned zero of joint 3 is seen at joint 4, one of joint 7 at the flange.
+    // A rotated zero of joint 3 is detected at joint 4, that of joint 7 at the flange.
     let text =
         other_frames().replace("0 0.0105 0.1925' rpy='0 0 0", "0 0.0105 0.1925' rpy='0 0 0.01");
     let error = robot.check_urdf(&text, None).unwrap_err();
@@ -186,7 +188,7 @@ fn the_tip_can_be_named() {
     robot.check_urdf(&longer, Some("link_ee")).unwrap();
     let error = robot.check_urdf(&longer, Some("flange")).unwrap_err();
     assert!(error.to_string().contains("link_7, link_ee, tool"), "{error}");
-    // A finger that moves is behind the tip.
+    // A moving finger is beyond the tip.
     let finger = tool.replace("fixed", "prismatic");
     let gripper = other_frames().replace("</robot>", &format!("{finger}</robot>"));
     assert_eq!(robot.check_urdf(&gripper, None).unwrap().tip, "link_ee");
@@ -272,7 +274,7 @@ fn a_circle_is_told() {
     assert!(matches!(error, UrdfError::Cycle { .. }), "{error}");
 }
 
-/// With work that grows with the square of a file, this test would take hours.
+/// If the time were quadratic in the file length, this test would take hours.
 #[test]
 fn huge_files_are_refused() {
     let open = "<a>".repeat(3_500_000);
@@ -296,7 +298,7 @@ fn huge_files_are_refused() {
     }
 }
 
-/// Elements far inside others are skipped; without that, this test would take minutes.
+/// Deeply nested elements are skipped; otherwise this test would take minutes.
 #[test]
 fn meshes_are_found_beside_deep_elements() {
     let mesh = "<visual><geometry><mesh filename='a.stl'/></geometry></visual>";
@@ -316,7 +318,8 @@ fn meshes_are_found_beside_deep_elements() {
     assert_eq!(files, expected);
 }
 
-/// Lines are counted on from mesh to mesh; from the start of the file each time, this test would take minutes.
+/// Lines are counted on from mesh to mesh; counting from the start of the file each time would take
+/// minutes.
 #[test]
 fn meshes_have_their_places() {
     let pair = "<visual><geometry><mesh filename='\u{e4}'/></geometry></visual>\t\u{fc}\
@@ -342,7 +345,7 @@ fn meshes_have_their_places() {
 }
 
 proptest! {
-    /// Any change of a good file is either no change or an error; never a panic.
+    /// Any change to a valid file is either harmless or an error, never a panic.
     #[test]
     fn never_panics(from in 0_usize..3000, length in 0_usize..40, with in "[<>/a='\" &;!\\[\\]?\\-0e9]{0,8}", own in any::<bool>()) {
         let robot = Robot::default();

@@ -1,10 +1,10 @@
-//! Robots that are written as URDF, also for the readers in `tests/peers`.
+//! Robots exported as URDF, also for the readers in `tests/peers`.
 
 #![expect(clippy::unwrap_used, reason = "a failed test panics")]
 
 use iiwa_kin::{Robot, RosNames, RosStack};
 
-/// Every model and flange that is written as a URDF here.
+/// Every model and flange exported as a URDF here.
 pub(crate) fn robots() -> Vec<Robot> {
     [Robot::lbr_iiwa_7_r800(), Robot::lbr_iiwa_14_r820()]
         .into_iter()
@@ -12,7 +12,7 @@ pub(crate) fn robots() -> Vec<Robot> {
         .collect()
 }
 
-/// Names of ROS packages, with their own prefix and with another.
+/// Naming conventions of ROS packages, with their default prefix and with another.
 pub(crate) fn namings() -> [(RosNames, [&'static str; 4]); 4] {
     let of = |stack, prefix: &str| RosNames::new(stack, Some(prefix.parse().unwrap()));
     [
@@ -29,7 +29,7 @@ pub(crate) fn namings() -> [(RosNames, [&'static str; 4]); 4] {
     ]
 }
 
-/// A robot whose name has all that XML reserves.
+/// A robot whose name contains all characters that XML reserves.
 pub(crate) fn odd_name() -> Robot {
     Robot::from_profile(r#"{ "version": 1, "name": "a \"<b>\" & 'c' ü" }"#).unwrap()
 }

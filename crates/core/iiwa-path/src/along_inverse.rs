@@ -1,4 +1,4 @@
-//! The inverse of `s + alpha(s)`, the parameter along a blend: one function for each order of continuity.
+//! Inverse of `s + alpha(s)`, the parameter along a blend, for each order of continuity.
 
 use std::sync::OnceLock;
 
@@ -6,20 +6,20 @@ use iiwa_kin::hermite;
 
 use crate::continuity::{Continuity, Polynomial};
 
-/// Intervals of the table. With cubics in between, a start is 1e-8 off at most: one step of Newton's method
-/// then leaves rounding.
+/// Number of intervals of the table. With cubic interpolation the first guess has an error of at
+/// most 1e-8, which one Newton step reduces to rounding.
 const INTERVALS: usize = 512;
 
 /// s and ds/dsigma at evenly spaced sigma from 0 to 2.
 type Table = [[f64; 2]; INTERVALS + 1];
 
-/// The s in [0, 1] at which `s + alpha(s)` is `sigma`, in [0, 2].
+/// Returns the s in [0, 1] at which `s + alpha(s)` is `sigma`, in [0, 2].
 pub(crate) fn s_at(continuity: Continuity, sigma: f64) -> f64 {
     let [s] = each_s_at(continuity, [sigma]);
     s
 }
 
-/// The same at several places: only to look them up in the table goes one by one.
+/// Returns s at several values of sigma. Only the table look-up is not vectorised.
 #[inline(always)]
 pub(crate) fn each_s_at<const N: usize>(continuity: Continuity, sigma: [f64; N]) -> [f64; N] {
     static TABLES: [OnceLock<Box<Table>>; 3] = [const { OnceLock::new() }; 3];
@@ -32,7 +32,7 @@ pub(crate) fn each_s_at<const N: usize>(continuity: Continuity, sigma: [f64; N])
     s
 }
 
-/// s by the table.
+/// s by interpolation in the table.
 #[inline(always)]
 fn interpolated(table: &Table, sigma: f64) -> f64 {
     let place = (sigma * (INTERVALS as f64 / 2.0)).clamp(0.0, INTERVALS as f64);
@@ -48,7 +48,7 @@ fn interpolated(table: &Table, sigma: f64) -> f64 {
     hermite::value(&hermite::cubic([a, da * h], [b, db * h]), f)
 }
 
-/// One step of Newton's method.
+/// One Newton step.
 #[inline(always)]
 fn newton(along: &Polynomial, sigma: f64, s: f64) -> f64 {
     let (mut value, mut slope) = (0.0, 0.0);
@@ -71,7 +71,7 @@ fn table(along: &Polynomial) -> Box<Table> {
     let mut s = 0.0;
     for (i, row) in table.iter_mut().enumerate() {
         let sigma = 2.0 * i as f64 / INTERVALS as f64;
-        // From the one before, which is near.
+        // The value before is a close first guess.
         for _ in 0..8 {
             s = newton(along, sigma, s);
         }

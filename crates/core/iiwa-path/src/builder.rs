@@ -1,4 +1,4 @@
-//! From the motions of a program to the steps of its path.
+//! Path steps from the motions of a program.
 
 use std::{ops::Range, sync::Arc};
 
@@ -24,11 +24,11 @@ use crate::{
 };
 use iiwa_program::{Blend, Fault, Motion, MotionIndex, OperatingMode, PathBlend, Program};
 
-/// Shorter than this, in rad, is rounding and not motion: a tenth of a micrometre at the flange
+/// Joint distance, in rad, below which a motion is rounding: a tenth of a micrometre at the flange
 /// is about a hundred times as much.
 const NO_MOTION_RAD: f64 = 1e-9;
 
-/// The steps of the path of `program`, which has been checked: those of the motions in `range`.
+/// Returns the path steps of the motions in `range` of `program`, which has been checked.
 pub(crate) fn steps(
     program: &Program,
     robot: &Arc<Robot>,
@@ -42,14 +42,15 @@ pub(crate) fn steps(
     let supervised = tcps.clone().filter(|_| is_t1);
     let corners = Corners { program, robot, options, legs: &legs, tcps };
     let mut steps = Builder { robot, supervised, steps: Vec::with_capacity(2 * range.len()) };
-    // What the blend before has left of the motion.
+    // The part of the motion that the preceding blend leaves.
     let mut rest = match range.start.checked_sub(1) {
         Some(before) => corners.at_end_of(before)?.map(RoundedCorner::after),
         None => None,
     };
     for (motion, entry) in program.entries().take(range.end).skip(range.start) {
         let rest_s = match entry {
-            // Whether the arm stops before the blend, and for how long it stands, is for who knows its time.
+            // Before a blend, an overlapping wait is not a step: any stop, and its duration, depend
+            // on the time stamps.
             Motion::Wait { overlap: 1.., .. } if steps.end_in_blend() => continue,
             Motion::Wait { overlap: 1.., .. } | Motion::Load(_) => Some(0.0),
             Motion::Wait { overlap: 0, seconds } => Some(*seconds),
@@ -80,7 +81,7 @@ pub(crate) fn steps(
                 });
             }
             None => {
-                // What a blend has left of a motion may be nothing, too.
+                // A preceding blend may also leave nothing of a motion that moves.
                 let still = rest.is_none() && steps.steps.len() == before;
                 steps.push(Step::Settle { motion, blocking: entry.is_blocking(), still });
             }
@@ -90,7 +91,7 @@ pub(crate) fn steps(
     Ok(steps.steps)
 }
 
-/// The motions of a program on one robot. Programs without frames need no list of them.
+/// The motions of a program on one robot. Programs without frames need no list.
 enum Legs<'a> {
     InJoints { program: &'a Program, start_rad: Joints },
     Listed(Vec<Option<Leg>>),
@@ -106,7 +107,7 @@ impl<'a> Legs<'a> {
         }
     }
 
-    /// The motion at `index`; none if it is a wait, or there is none.
+    /// Returns the motion at `index`, or `None` for a wait, a load, or an index out of range.
     fn get(&self, index: usize) -> Option<Leg> {
         match self {
             Self::Listed(legs) => legs.get(index)?.clone(),
@@ -123,33 +124,33 @@ impl<'a> Legs<'a> {
     }
 }
 
-/// What is left of a motion when the blend before it ends.
+/// The part of a motion that the preceding blend leaves.
 enum Rest {
-    /// A line from here, in rad.
+    /// A line from these joint positions, in rad.
     Line(Joints),
-    /// The path of the TCP, from this share of its first segment on.
+    /// The TCP path from this share of its first segment on.
     Path(f64),
 }
 
-/// Finds the corners of a program that are rounded off.
+/// Finder of the corners of a program that are rounded off.
 struct Corners<'a> {
     program: &'a Program,
     robot: &'a Arc<Robot>,
     options: PathOptions,
     legs: &'a Legs<'a>,
-    /// The TCPs of the motions; none if all move the flange.
+    /// TCPs of the motions; `None` if all motions move the flange.
     tcps: Option<Vec<Pose>>,
 }
 
 /// A corner that is rounded off.
 enum RoundedCorner {
     InJoints(JointCorner),
-    /// And where the blend ends.
+    /// A corner with a TCP path on at least one side, and the remainder of the next motion.
     Curved(CurvedCorner, Rest),
 }
 
 impl RoundedCorner {
-    /// What it leaves of the motion after it.
+    /// The part that the blend leaves of the motion after it.
     fn after(self) -> Rest {
         match self {
             Self::InJoints(corner) => Rest::Line(corner.end()),
@@ -159,14 +160,14 @@ impl RoundedCorner {
 }
 
 impl Corners<'_> {
-    /// What follows a motion: a wait that overlaps it does not.
+    /// Returns the entry after a motion, skipping waits that overlap it.
     fn next(&self, motion: MotionIndex) -> MotionIndex {
         let after = self.program.motions.iter().skip(motion.index() + 1);
         let waits = after.take_while(|entry| entry.is_overlapping_wait()).count();
         MotionIndex::new(motion.index() + 1 + waits)
     }
 
-    /// The corner at the target of a motion; none if the arm stops there.
+    /// Returns the corner at the target of a motion, or `None` if the robot stops there.
     fn at_end_of(&self, index: usize) -> Result<Option<RoundedCorner>, Fault> {
         let motion = MotionIndex::new(index);
         let Some(leg) = self.legs.get(index) else { return Ok(None) };
@@ -178,7 +179,7 @@ impl Corners<'_> {
         let (Some(size), Some(next)) = (size, self.legs.get(self.next(motion).index())) else {
             return Ok(None);
         };
-        // The TCP that is blended away is that which the first of both moves.
+        // The blend at a target refers to the TCP of the motion that ends there.
         let tcp_m = self.tcps.as_ref().map_or([0.0; 3], |tcps| tcps[index].position_m);
         if leg.paths.is_empty() && next.paths.is_empty() {
             let ends = [leg.ends_rad[0], leg.ends_rad[1], next.ends_rad[1]];
@@ -213,10 +214,10 @@ impl Corners<'_> {
     }
 }
 
-/// The steps of a path so far.
+/// Steps of a path, built in order.
 struct Builder<'a> {
     robot: &'a Arc<Robot>,
-    /// The TCPs of the motions, if their speeds are supervised.
+    /// TCPs of the motions, if their speeds are supervised.
     supervised: Option<Vec<Pose>>,
     steps: Vec<Step>,
 }
@@ -238,7 +239,7 @@ impl Builder<'_> {
         });
     }
 
-    /// Adds what blends leave of a motion.
+    /// Adds the part of a motion that blends leave.
     fn push_leg(
         &mut self,
         motion: MotionIndex,
@@ -281,7 +282,7 @@ impl Builder<'_> {
         Ok(())
     }
 
-    /// Adds the path of the TCP between two shares of it.
+    /// Adds the TCP path between two of its shares.
     fn push_path(
         &mut self,
         motion: MotionIndex,
@@ -308,7 +309,7 @@ impl Builder<'_> {
         Ok(())
     }
 
-    /// Finds the joint that leaves its position limits on a blend.
+    /// Checks a blend for joints outside their range.
     fn check_image(&self, motion: MotionIndex, image: &JointSpline) -> Result<(), Fault> {
         let limits = self.robot.limits();
         match image.outside(limits) {
@@ -350,7 +351,7 @@ impl Builder<'_> {
             Arc::new(blend)
         };
         if segment.tangent_lengths_rad()[0] <= NO_MOTION_RAD {
-            // A circle that turns back has no radius: it stops where it starts.
+            // A circular arc that turns back has radius zero: the robot stops at its start.
             self.push(Step::Corner { motion });
             return Ok(());
         }
@@ -359,7 +360,7 @@ impl Builder<'_> {
         Ok(())
     }
 
-    /// A blend may overshoot its ends: finds the joint that leaves its position limits.
+    /// Checks for joints outside their range in a blend, which may overshoot its ends.
     fn check_position_limits(
         &self,
         motion: MotionIndex,
@@ -397,11 +398,11 @@ impl Builder<'_> {
     }
 }
 
-/// Samples of a blend that may overshoot. Its curve is a polynomial of degree 6 or 8, so
-/// that its peak is missed by less than 1e-5 of the overshoot.
+/// Samples of a blend that may overshoot. Its curve is a polynomial of degree 6 or 8, so that the
+/// error of the peak is less than 1e-5 of the overshoot.
 const OVERSHOOT_SAMPLES: u32 = 1024;
 
-/// A corner that is to be rounded off, and how far on either side.
+/// A corner to round off in joint space, with the distance on either side.
 struct JointCorner {
     target: Joints,
     /// Unit vector of the motion into the corner (Larsen 2019, Eq. 27).
@@ -413,8 +414,8 @@ struct JointCorner {
 }
 
 impl JointCorner {
-    /// The corner at the second of three targets; none if the arm stops there, because the blend is too small to
-    /// count, or because one of the two motions does not move.
+    /// Returns the corner at the second of three targets, or `None` if the robot stops there: the
+    /// blend is too small, or one of the two motions does not move.
     fn new(
         robot: &Robot,
         search: BlendSearch,
@@ -438,12 +439,12 @@ impl JointCorner {
         })
     }
 
-    /// `theta_i0` of Larsen 2019.
+    /// Start of the blend, `theta_i0` of Larsen 2019.
     fn start(&self) -> Joints {
         vector::add_scaled(&self.target, -self.reach, &self.y0)
     }
 
-    /// `theta_i1` of Larsen 2019.
+    /// End of the blend, `theta_i1` of Larsen 2019.
     fn end(&self) -> Joints {
         vector::add_scaled(&self.target, self.reach, &self.y1)
     }
@@ -452,7 +453,7 @@ impl JointCorner {
         vector::angle(&self.y0, &self.y1)
     }
 
-    /// Whether the corner is none, but for rounding.
+    /// True if the motion goes straight on, up to rounding.
     fn is_straight(&self) -> bool {
         self.gamma_rad() <= 1e-8
     }

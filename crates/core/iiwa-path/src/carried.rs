@@ -1,14 +1,15 @@
-//! What a path keeps of loads, of how the robot stands, of what its joints may exert, of waits that overlap its
-//! motions, and of where these come from.
+//! Data of the program that a path keeps beside its geometry: payloads, mounting, torque limit,
+//! override, overlapping waits, and origins.
 
 use iiwa_kin::{Load, Mount};
 use iiwa_program::{Motion, MotionIndex, OverlappingWait, Program, Sources, Workcell};
 
-/// The load of each motion, the mount, the limit of torques, the waits that overlap motions, and
-/// where motions come from.
+/// The payload of each motion, the mount, the torque limit, the override, the waits that overlap
+/// motions, and the origins of motions.
 #[derive(Debug, Default)]
 pub(crate) struct Carried {
-    /// None at all if no motion has one, so that a long program without loads takes no room.
+    /// Empty if no motion has a payload, so that a long program without payloads needs no memory
+    /// for them.
     loads: Vec<Option<Load>>,
     mount: Mount,
     torque_limit_rel: Option<f64>,

@@ -1,4 +1,4 @@
-//! Paths of the TCP, and the curves that they are in joint space.
+//! TCP paths and their images in joint space.
 
 mod channel;
 mod chord_curve;

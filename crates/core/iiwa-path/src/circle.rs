@@ -4,11 +4,12 @@ use iiwa_kin::{Joints, vector};
 
 use crate::segment::{Derivatives, Segment};
 
-/// An arc that touches both neighbours of a blend.
+/// An arc that is tangent to both neighbours of a blend.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CircularBlend {
     centre: Joints,
-    /// From the centre to the start, and along the incoming direction: each as long as the radius.
+    /// Vectors from the centre to the start, and along the incoming direction, each with the length
+    /// of the radius.
     x: Joints,
     y: Joints,
     gamma: f64,
@@ -16,12 +17,12 @@ pub struct CircularBlend {
 }
 
 impl CircularBlend {
-    /// The arc about `target_rad` between unit directions `y0` and `y1`, which it leaves and meets
+    /// Creates the arc at `target_rad` between the unit directions `y0` and `y1`, with both ends
     /// `reach_rad` from the target.
     pub(crate) fn new(target_rad: &Joints, y0: &Joints, y1: &Joints, reach_rad: f64) -> Self {
         let gamma = vector::angle(y0, y1);
         let radius = reach_rad / (gamma / 2.0).tan();
-        // From the target to the centre, along the bisector of the corner.
+        // The centre is on the bisector of the corner.
         let inwards = vector::sub(y1, y0);
         let distance = reach_rad / (gamma / 2.0).sin();
         let centre = vector::add_scaled(target_rad, distance / vector::norm(&inwards), &inwards);

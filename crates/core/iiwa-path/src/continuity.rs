@@ -1,18 +1,18 @@
-//! The polynomials that blends are made of, one set for each order of continuity.
+//! Polynomials of blends, one set for each order of continuity.
 
-/// Up to which derivative a blend continues its neighbours: N of Larsen 2019, Eq. 14.
+/// Order of the derivative up to which a blend continues its neighbours: N of Larsen 2019, Eq. 14.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Continuity {
-    /// N = 1: the direction.
+    /// N = 1: continuous direction.
     First,
-    /// N = 2: the curvature too. k = 15/2 and kappa(gamma) of Larsen 2019 go with it.
+    /// N = 2: continuous curvature. k = 15/2 and kappa(gamma) of Larsen 2019 apply to this order.
     #[default]
     Second,
-    /// N = 3: its rate of change too.
+    /// N = 3: continuous rate of change of curvature.
     Third,
 }
 
-/// Polynomials in s up to degree 8, lowest power first.
+/// Polynomial in s up to degree 8, lowest power first.
 pub(crate) type Polynomial = [f64; 9];
 
 impl Continuity {
@@ -38,7 +38,7 @@ impl Continuity {
         std::array::from_fn(|i| if i == 0 { 0.0 } else { alpha[i - 1] - kappa * beta[i] })
     }
 
-    /// beta of Larsen 2019, Eq. 21 with k = 1. The sign of N = 2 differs from the other two.
+    /// beta of Larsen 2019, Eq. 21 with k = 1. Its sign for N = 2 differs from the other two.
     pub(crate) const fn beta(self) -> Polynomial {
         match self {
             Self::First => [0.0, 0.0, 1.0, -2.0, 1.0, 0.0, 0.0, 0.0, 0.0],
@@ -56,7 +56,8 @@ impl Continuity {
         }
     }
 
-    /// Bounds of the second derivatives of `s + alpha`, `s alpha` and `beta` on [0, 1], rounded up.
+    /// Upper bounds of the second derivatives of `s + alpha`, `s alpha` and `beta` on [0, 1],
+    /// rounded up.
     pub(crate) const fn bend_peaks(self) -> [f64; 3] {
         match self {
             Self::First => [6.0, 6.0, 2.0],
@@ -66,11 +67,11 @@ impl Continuity {
     }
 }
 
-/// Value and first three derivatives of a polynomial.
+/// Evaluates a polynomial and its first three derivatives.
 #[inline(always)]
 pub(crate) fn evaluate(polynomial: &Polynomial, s: f64) -> [f64; 4] {
-    // Horner's scheme on the value and, one step behind each, on the derivatives (over their
-    // factorials).
+    // Horner's scheme for the value and, one step behind each, for the derivatives over their
+    // factorials.
     let [mut p, mut p1, mut p2, mut p3] = [0.0; 4];
     for c in polynomial.iter().rev() {
         p3 = p3 * s + p2;
@@ -81,8 +82,8 @@ pub(crate) fn evaluate(polynomial: &Polynomial, s: f64) -> [f64; 4] {
     [p, p1, 2.0 * p2, 6.0 * p3]
 }
 
-/// The parts of a blend that do not depend on its size and angle, at one s: value and derivatives
-/// of `s + alpha`, `s alpha` and `beta`.
+/// Parts of a blend that do not depend on its size and angle, at one s: value and derivatives of
+/// `s + alpha`, `s alpha` and `beta`.
 #[derive(Clone, Copy, Debug)]
 pub struct BlendBasis {
     /// s + alpha.
@@ -94,7 +95,7 @@ pub struct BlendBasis {
 }
 
 impl BlendBasis {
-    /// The polynomials of this order at `s`.
+    /// Evaluates the polynomials of this order at `s`.
     #[must_use]
     pub fn at(continuity: Continuity, s: f64) -> Self {
         Self {

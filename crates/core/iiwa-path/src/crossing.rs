@@ -1,17 +1,17 @@
-//! Where a segment leaves the sphere about the point that is blended away.
+//! Search for the place where a segment leaves the sphere about a target that is blended away.
 //!
-//! All three searches walk from that point back along a segment, in u: 0 at the point, 1 at the
-//! segment's other end (Larsen 2019 counts s = 1 - u), and look no further than the half,
-//! u = 1/2, so that the blends at the two ends of a segment never overlap.
+//! All three searches run from the target along the segment, in u: 0 at the target, 1 at the other
+//! end of the segment (Larsen 2019 uses s = 1 - u). They end half-way, at u = 1/2, so that the
+//! blends at the two ends of a segment never overlap.
 
 use iiwa_kin::{Joints, Robot, rotation, vector};
 use iiwa_program::Blend;
 
-/// How the crossing is searched for.
+/// Algorithm that searches for the crossing.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum BlendSearch {
-    /// The crossing nearest to the blended point, provably.
+    /// The crossing nearest to the target, provably.
     #[default]
     FirstCrossing,
     /// Bisection (Larsen 2019, Algorithm 1): may find another crossing than the nearest.
@@ -21,13 +21,13 @@ pub enum BlendSearch {
     Algorithm2,
 }
 
-/// A blend reaches at most half-way into a segment.
+/// Largest share of a segment that a blend takes.
 pub(crate) const HALF: f64 = 0.5;
 
 impl BlendSearch {
-    /// Where the segment from `point_rad` to `other_end_rad` first leaves the sphere of `radius_m`
-    /// about the TCP at `point_rad`, in u; none if it does not within the first half. `tcp_m` is the TCP's position in
-    /// the flange's frame, in m.
+    /// Returns the u at which the segment from `point_rad` to `other_end_rad` first leaves the
+    /// sphere of `radius_m` about the TCP at `point_rad`, or `None` if it stays inside in its first
+    /// half. `tcp_m` is the position of the TCP in the flange frame, in m.
     ///
     /// ```
     /// use iiwa_kin::Robot;
@@ -50,7 +50,7 @@ impl BlendSearch {
     ) -> Option<f64> {
         let tcp = (*tcp_m != [0.0; 3]).then_some(tcp_m);
         let length_m = tcp.map_or(0.0, rotation::norm);
-        // Nothing is out of reach of a sphere twice as large as the arm; its square must be finite.
+        // The robot never leaves a sphere of this size, and the squared radius must be finite.
         let radius_m = radius_m.min(4.0 * (robot.axis_reach_m()[0] + length_m));
         let mut walk = Walk {
             robot,
@@ -67,9 +67,10 @@ impl BlendSearch {
         }
     }
 
-    /// The share of the segment from `target_rad` to `other_end_rad` that `blend` cuts off (Larsen 2019,
-    /// section 4.1), by the TCP at `tcp_m` in the flange's frame, before Algorithm 3 makes both sides of the target reach equally far; none if the blend
-    /// is too small to have an effect.
+    /// Share of the segment from `target_rad` to `other_end_rad` that `blend` cuts off (Larsen
+    /// 2019, section 4.1), before Algorithm 3 makes the distances on both sides of the target
+    /// equal. `tcp_m` is the TCP in the flange frame. Returns `None` if the blend is too small to
+    /// have an effect.
     #[must_use]
     pub fn share(
         self,
@@ -92,7 +93,7 @@ impl BlendSearch {
 
 struct Walk<'a> {
     robot: &'a Robot,
-    /// In the flange's frame; none if it is the flange itself.
+    /// TCP in the flange frame; `None` for the flange itself.
     tcp: Option<&'a [f64; 3]>,
     point: &'a Joints,
     way: Joints,
@@ -112,7 +113,7 @@ impl Walk<'_> {
         (0..3).map(|i| (p[i] - self.centre[i]).powi(2)).sum::<f64>().sqrt()
     }
 
-    /// Squared distance from the sphere's centre, and half its derivative by u.
+    /// Squared distance from the centre of the sphere, and half its derivative by u.
     fn squared_distance(&self, u: f64) -> (f64, f64) {
         let q = vector::add_scaled(self.point, u, &self.way);
         let (p, v) = match self.tcp {
@@ -125,12 +126,12 @@ impl Walk<'_> {
         })
     }
 
-    /// Bounds that hold everywhere on the segment: of the TCP's speed |dp/du| (m), and of its
-    /// acceleration |d2p/du2| (m).
+    /// Upper bounds on the whole segment: of the TCP speed |dp/du| (m), and of the TCP acceleration
+    /// |d2p/du2| (m).
     ///
-    /// Joint j moves the TCP by at most its distance from the joint's axis, `r_j`, a unit of angle.
-    /// The second derivative by joints i <= j is the axis of i across that motion, so it is no
-    /// longer than `r_j` either.
+    /// Per unit of angle, joint j moves the TCP by at most its distance `r_j` from the joint axis.
+    /// The second derivative by joints i <= j is the cross product of the axis of i with that
+    /// motion, so it is at most `r_j` as well.
     fn bounds(&self) -> (f64, f64) {
         let reach = self.reach_m();
         let mut before = 0.0;
@@ -144,7 +145,7 @@ impl Walk<'_> {
         (speed, acceleration)
     }
 
-    /// For each joint, how far the TCP can be from its axis at most, in m.
+    /// Upper bound of the distance of the TCP from each joint axis, in m.
     fn reach_m(&self) -> Joints {
         let mut reach = self.robot.axis_reach_m();
         if let Some(tcp) = self.tcp {
@@ -157,12 +158,12 @@ impl Walk<'_> {
         reach
     }
 
-    /// Walks by steps that cannot reach the sphere, and ends on it.
+    /// Advances by steps that cannot cross the sphere, and ends on it.
     ///
-    /// With f the squared distance from the centre, f'' = 2 |p'|^2 + 2 (p - c) p'' is at most
-    /// K = 2 (L^2 + r A) inside the sphere, L and A the bounds of speed and acceleration. So
-    /// f(u + h) <= f + f' h + K/2 h^2, and the h that brings the right side to r^2 is a step on
-    /// which the sphere is not crossed. Near a crossing the steps turn into Newton's, from inside.
+    /// With f the squared distance from the centre, `f'' = 2 |p'|^2 + 2 (p - c) p''` is at most
+    /// `K = 2 (L^2 + r A)` inside the sphere, with L and A the bounds of speed and acceleration. So
+    /// `f(u + h) <= f + f' h + K/2 h^2`, and the h for which the right side is r^2 is a step that
+    /// does not cross the sphere. Near a crossing, the steps turn into Newton steps from inside.
     fn first_crossing(&self, radius: f64) -> Option<f64> {
         let (speed, acceleration) = self.bounds();
         let half_k = speed * speed + radius * acceleration;
@@ -175,7 +176,7 @@ impl Walk<'_> {
                 return Some(u);
             }
             let root = (half_rate * half_rate + half_k * gap).sqrt();
-            // The same solution in the two forms that do not cancel.
+            // The same root, in the two forms without cancellation.
             u += if half_rate >= 0.0 {
                 gap / (half_rate + root)
             } else {
@@ -191,7 +192,7 @@ impl Walk<'_> {
         let mut s = 1.0;
         let mut step = 1.0;
         let mut distance: f64 = 0.0;
-        // Out of reach, the bisection runs into the far end and would never stop.
+        // Without a crossing, the bisection converges to the far end and would never stop.
         while (distance - radius).abs() > ALGORITHM_1_TOLERANCE_M && step > f64::EPSILON {
             step /= 2.0;
             s += if distance >= radius { step } else { -step };
@@ -202,14 +203,15 @@ impl Walk<'_> {
     }
 
     fn algorithm_2(&self, radius: f64) -> Option<f64> {
-        // Counting the steps keeps s a multiple of the step; the thesis subtracts it repeatedly.
+        // Counting the steps keeps s an exact multiple of the step; the thesis subtracts the step
+        // repeatedly.
         (1..=ALGORITHM_2_STEPS)
             .map(|step| f64::from(step) * (HALF / f64::from(ALGORITHM_2_STEPS)))
             .find(|&u| self.distance(u) >= radius)
     }
 }
 
-/// Share of the squared radius that counts as having reached the sphere.
+/// Relative distance to the squared radius at which the sphere counts as reached.
 const REACHED: f64 = 1e-13;
 /// epsilon of Larsen 2019, Algorithm 1.
 const ALGORITHM_1_TOLERANCE_M: f64 = 1e-9;

@@ -1,52 +1,54 @@
-//! Whether the steps of a path follow from each other.
+//! Check that the steps of a path join.
 
 use iiwa_kin::{Joints, vector};
 
 use crate::step::Step;
 use iiwa_program::MotionIndex;
 
-/// How far the end of a segment may be from the start of the next, in rad.
+/// Largest distance between the end of a segment and the start of the next, in rad.
 const GAP_RAD: f64 = 1e-9;
 
-/// By how much the directions of two segments may differ where they meet, as the distance of unit vectors.
+/// Largest difference between the directions of two segments where they meet, as the distance of
+/// unit vectors.
 const KINK: f64 = 1e-6;
 
-/// Why steps are no path.
+/// An error in the steps of a path.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum JoinError {
-    /// A step names a motion that has no limits.
+    /// A step refers to a motion without limits.
     #[error("step {step} names motion {motion}, which has no limits")]
     NoLimits {
-        /// The step, from 0.
+        /// Index of the step, from 0.
         step: usize,
         /// The motion.
         motion: MotionIndex,
     },
-    /// A segment does not start where the arm is.
+    /// A segment does not start at the end of the step before.
     #[error("step {step} starts {gap_rad} rad from the end of the step before")]
     Gap {
-        /// The step, from 0.
+        /// Index of the step, from 0.
         step: usize,
         /// The distance in joint space, in rad.
         gap_rad: f64,
     },
-    /// A segment starts in another direction than the one before ends, without a stop in between.
+    /// A segment starts in another direction than that at the end of the segment before, without a
+    /// stop in between.
     #[error("step {step} starts in another direction than the step before ends; stop in between")]
     Kink {
-        /// The step, from 0.
+        /// Index of the step, from 0.
         step: usize,
     },
 }
 
-/// Checks that `steps` from `start_rad` join, and name motions below `motions`.
+/// Checks that `steps` from `start_rad` join, and refer to motions below `motions`.
 pub(crate) fn check_joins(
     start_rad: &Joints,
     steps: &[Step],
     motions: usize,
 ) -> Result<(), JoinError> {
     let mut at = *start_rad;
-    // The direction in which the arm moves; none at rest.
+    // Direction of motion; `None` at rest.
     let mut direction: Option<Joints> = None;
     for (step, entry) in steps.iter().enumerate() {
         let Step::Move { motion, segment, .. } = entry else {

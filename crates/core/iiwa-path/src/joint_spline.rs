@@ -10,61 +10,62 @@ use crate::{
     tool_way::ToolWay,
 };
 
-/// A curve in joint space as polynomials of degree 7 that meet with three derivatives: what timing, sampling, checks of
-/// joint limits and clearance work with.
+/// A curve in joint space as polynomials of degree 7 with three continuous derivatives: the form
+/// for timing, sampling, clearance and checks of joint ranges.
 #[derive(Clone, Debug)]
 pub(crate) struct JointSpline {
-    /// Where pieces begin, in s, and 1.
+    /// Starts of the pieces in s, followed by 1.
     breaks: Vec<f64>,
     pieces: Vec<Piece>,
     sigma: Sigma,
-    /// How the TCP moves along, where its limits hold.
+    /// Source of the TCP motion, for TCP limits.
     curve: Arc<dyn JointCurve>,
 }
 
-/// The coefficients of all joints, the lowest power of the share of the piece first.
+/// Coefficients of all joints, lowest power of the share of the piece first.
 type Piece = [Joints; 8];
 
-/// How far the polynomials may be off the curve, in rad.
+/// Largest distance between the polynomials and the curve, in rad.
 const TOLERANCE_RAD: f64 = 1e-9;
 
-/// Most halvings of a piece. Next to a singular pose joints go with the root of the distance from it: pieces become
-/// shorter and shorter, by as much as the distance does.
+/// Maximum number of halvings of a piece. Near a singular pose, joints vary with the square root of
+/// the distance from it: the length of pieces decreases in proportion to that distance.
 const MOST_HALVINGS: u32 = 32;
 
-/// Most pieces.
+/// Maximum number of pieces.
 const MOST_PIECES: usize = 1 << 12;
 
-/// Where the curve cannot be followed, and why.
+/// A place at which the curve cannot be followed, and the cause.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct CurveFaultAt {
     pub(crate) s: f64,
     pub(crate) fault: CurveFault,
 }
 
-/// The path parameter: `s + alpha` of a blend, with other rates at both ends.
+/// The path parameter: `s + alpha` of a blend, with different rates at both ends.
 ///
-/// Both ends' neighbours set the rates: with sigma as the parameter, q' and q'' go on from segment to segment.
+/// The neighbours set the rates at the ends: with sigma as the parameter, q' and q'' are continuous
+/// from segment to segment.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Sigma {
     /// dsigma/ds at the start and at the end, in rad.
     rates: [f64; 2],
-    /// What alpha adds, in rad.
+    /// Weight of alpha, in rad.
     middle: f64,
 }
 
 impl Sigma {
-    /// Even along the curve, of this length in rad.
+    /// Linear along the curve, with this length in rad.
     pub(crate) fn even(length_rad: f64) -> Self {
         Self { rates: [length_rad; 2], middle: 0.0 }
     }
 
-    /// Of a blend between curves whose rates are these.
+    /// Parameter of a blend between curves with these rates.
     pub(crate) fn of_blend(rates: [f64; 2]) -> Self {
         Self { rates, middle: f64::midpoint(rates[0], rates[1]) }
     }
 
-    /// Value and three derivatives.
+    /// Value and first three derivatives.
     fn at(&self, s: f64) -> [f64; 4] {
         let [from, to] = self.rates;
         let alpha = s * s * s * (10.0 + s * (6.0 * s - 15.0));
@@ -83,7 +84,7 @@ impl Sigma {
 }
 
 impl JointSpline {
-    /// The image of `curve`.
+    /// Approximates the image of `curve`.
     pub(crate) fn of(curve: Arc<dyn JointCurve>) -> Result<Self, CurveFaultAt> {
         let mut spline =
             Self { breaks: vec![0.0], pieces: Vec::new(), sigma: Sigma::even(1.0), curve };
@@ -94,7 +95,7 @@ impl JointSpline {
         Ok(spline)
     }
 
-    /// The same with another path parameter.
+    /// Returns the curve with another path parameter.
     pub(crate) fn with_sigma(self, sigma: Sigma) -> Self {
         Self { sigma, ..self }
     }
@@ -103,7 +104,7 @@ impl JointSpline {
         self.curve.at(Taylor::variable(s)).map_err(|fault| CurveFaultAt { s, fault })
     }
 
-    /// Adds the pieces of a range, whose ends and middle are known.
+    /// Adds the pieces of a range, given its ends and its middle.
     fn halve(
         &mut self,
         [from, to]: [f64; 2],
@@ -132,14 +133,15 @@ impl JointSpline {
         self.halve([half, to], &[*middle, ends[1]], &three, halvings + 1)
     }
 
-    /// The piece at `s`, the share of it, and its length in s.
+    /// Returns the piece at `s`, the share of the piece, and its length in s.
     fn piece(&self, s: f64) -> (&Piece, f64, f64) {
         let index = self.breaks[1..self.pieces.len()].partition_point(|end| *end <= s);
         let [from, to] = [self.breaks[index], self.breaks[index + 1]];
         (&self.pieces[index], (s - from) / (to - from), to - from)
     }
 
-    /// The joint that is farthest outside its range: where, in s, and at which position.
+    /// Returns the joint that is farthest outside its range, with the place in s and the position
+    /// there.
     pub(crate) fn outside(&self, limits: &Limits) -> Option<(Joint, f64, f64)> {
         let mut worst: Option<(f64, Joint, f64, f64)> = None;
         for (piece, ends) in self.pieces.iter().zip(self.breaks.windows(2)) {
@@ -151,7 +153,8 @@ impl JointSpline {
                 if control.iter().all(|q| excess(*q) <= 0.0) {
                     continue;
                 }
-                // The curve is within the hull of its control points, which close in on it.
+                // The curve is within the hull of its control points, which converge to it by
+                // subdivision.
                 let mut parts = vec![(control, ends[0], ends[1])];
                 while let Some((control, from, to)) = parts.pop() {
                     let known = |worst: &Option<(f64, _, _, _)>| {
@@ -174,7 +177,7 @@ impl JointSpline {
         worst.map(|(_, joint, s, q)| (joint, s, q))
     }
 
-    /// The mean of |dq/ds|, in rad.
+    /// Mean of |dq/ds|, in rad.
     pub(crate) fn mean_rate_rad(&self) -> f64 {
         let ends = self.breaks.windows(2);
         let lengths = ends.map(|ends| {
@@ -192,13 +195,14 @@ impl JointSpline {
     }
 }
 
-/// How far outside its range a joint may be, in rad: as in [`Limits::check`].
+/// Tolerance of joint ranges, in rad: as in [`Limits::check`].
 const ROUNDING_RAD: f64 = 5e-9;
 
 impl Segment for JointSpline {
     fn at(&self, s: f64) -> Derivatives {
         let (piece, share, length) = self.piece(s);
-        // Horner's scheme on the value and, one step behind each, on the derivatives over their factorials.
+        // Horner's scheme for the value and, one step behind each, for the derivatives over their
+        // factorials.
         let [mut q, mut dq, mut ddq, mut dddq] = [[0.0; 7]; 4];
         for power in piece.iter().rev() {
             for j in 0..7 {
@@ -254,14 +258,16 @@ impl Segment for JointSpline {
     }
 }
 
-/// The polynomials that meet value and three derivatives at both ends of a piece of this length in s.
+/// Returns the polynomials with the given values and three derivatives at both ends of a piece of
+/// this length in s.
 fn hermite(ends: &[MovingJoints; 2], length: f64) -> Piece {
     let mut piece = [[0.0; 7]; 8];
     for j in 0..7 {
         let powers = [1.0, length, length * length, length * length * length];
         let [a, b]: [[f64; 4]; 2] =
             ends.each_ref().map(|end| std::array::from_fn(|k| end[j].0[k] * powers[k]));
-        // What the first four powers leave of value and derivatives, over their factorials, at the end.
+        // Residuals of the value and of the derivatives over their factorials at the end, after the
+        // first four powers.
         let rest = [
             b[0] - (a[0] + a[1] + a[2] + a[3]),
             b[1] - (a[1] + 2.0 * a[2] + 3.0 * a[3]),
@@ -278,7 +284,7 @@ fn hermite(ends: &[MovingJoints; 2], length: f64) -> Piece {
     piece
 }
 
-/// From what is left at the end to the coefficients of the fourth to the seventh power.
+/// Matrix from the residuals at the end to the coefficients of the fourth to the seventh power.
 const HERMITE: [[f64; 4]; 4] = [
     [35.0, -15.0, 5.0, -1.0],
     [-84.0, 39.0, -14.0, 3.0],
@@ -291,7 +297,7 @@ fn value(piece: &Piece, share: f64) -> Joints {
     rest.iter().rev().fold(*last, |q, power| std::array::from_fn(|j| q[j] * share + power[j]))
 }
 
-/// The control points of a polynomial of degree 7 on 0 to 1 (Bernstein's form).
+/// Returns the control points of a polynomial of degree 7 on [0, 1] (Bernstein form).
 fn bernstein(powers: &[f64; 8]) -> [f64; 8] {
     let mut control = [0.0; 8];
     for (i, control) in control.iter_mut().enumerate() {
@@ -305,7 +311,7 @@ fn bernstein(powers: &[f64; 8]) -> [f64; 8] {
     control
 }
 
-/// The control points of both halves (de Casteljau's algorithm).
+/// Returns the control points of both halves (de Casteljau's algorithm).
 fn split(control: &[f64; 8]) -> [[f64; 8]; 2] {
     let (mut left, mut right, mut points) = ([0.0; 8], [0.0; 8], *control);
     for k in 0..8 {

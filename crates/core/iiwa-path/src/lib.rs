@@ -1,5 +1,5 @@
-//! The geometric path that the KUKA LBR iiwa takes through a motion program: lines in joint space, lines, circles and
-//! splines of the TCP, and blends that round off their corners. It knows nothing of time.
+//! Geometric path of a KUKA LBR iiwa motion program: lines in joint space, TCP lines, circles and
+//! splines, and blends that round off their corners. The crate has no notion of time.
 //!
 //! ```
 //! use iiwa_kin::Robot;
@@ -20,9 +20,9 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! A [`JointPath`] is a list of [`Step`]s. Those that move hold a [`Segment`], which gives the joint
-//! positions and their first three derivatives at any s in [0, 1]: a trait, so that a new shape is one
-//! new type.
+//! A [`JointPath`] is a list of [`Step`]s. A step with motion holds a [`Segment`], which gives the
+//! joint positions and their first three derivatives at any s in [0, 1]. `Segment` is a trait, so
+//! that a new shape is one new type.
 //!
 //! Source: C. Larsen, *Including a Collaborative Robot in Digital Twin Manufacturing Systems*,
 //! Chalmers 2019, chapters 2.3 and 4, cited as "Larsen 2019".

@@ -21,14 +21,14 @@ pub struct Line {
 }
 
 impl Line {
-    /// The line from `start_rad` to `end_rad`.
+    /// Creates the line from `start_rad` to `end_rad`.
     #[must_use]
     pub fn new(start_rad: Joints, end_rad: Joints) -> Self {
         let direction = vector::sub(&end_rad, &start_rad);
         Self { start: start_rad, direction, length: vector::norm(&direction) }
     }
 
-    /// From one end to the other, in rad: dq/ds.
+    /// Difference between both ends, in rad: dq/ds.
     #[must_use]
     pub fn direction_rad(&self) -> &Joints {
         &self.direction

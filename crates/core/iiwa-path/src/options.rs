@@ -1,15 +1,15 @@
-//! How blends are made.
+//! Options of blends.
 
 use iiwa_kin::Robot;
 
 use crate::{continuity::Continuity, crossing::BlendSearch, polynomial::KAPPA_MIN_ACCELERATION};
 
-/// The curve of a blend.
+/// Shape of a blend.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum BlendShape {
-    /// Larsen 2019, Eq. 39 with the robot's kappa(gamma), by default that of Eq. 38: what the LBR iiwa
-    /// does.
+    /// Larsen 2019, Eq. 39 with the kappa(gamma) of the robot, by default that of Eq. 38: the shape
+    /// that the LBR iiwa uses.
     Iiwa,
     /// Larsen 2019, Eq. 13.
     Alpha(Continuity),
@@ -20,7 +20,7 @@ pub enum BlendShape {
 }
 
 impl BlendShape {
-    /// The weight of beta in a blend of this shape, at a corner of `gamma_deg`.
+    /// Weight of beta in a blend of this shape, at a corner of `gamma_deg`.
     pub(crate) fn kappa(self, robot: &Robot, gamma_deg: f64) -> f64 {
         match self {
             Self::Iiwa => robot.kappa(gamma_deg),
@@ -29,7 +29,7 @@ impl BlendShape {
         }
     }
 
-    /// The same between two paths of the TCP.
+    /// Weight of beta in a blend of this shape between two TCP paths.
     pub(crate) fn tcp_kappa(self, robot: &Robot, gamma_deg: f64) -> f64 {
         match self {
             Self::Iiwa => robot.tcp_kappa(gamma_deg),
@@ -38,7 +38,7 @@ impl BlendShape {
     }
 }
 
-/// How blends are made.
+/// Options of the blends of a path.
 ///
 /// ```
 /// use iiwa_kin::Robot;
@@ -58,9 +58,9 @@ impl BlendShape {
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PathOptions {
-    /// Their curve.
+    /// Shape of blends.
     pub blend_shape: BlendShape,
-    /// How Cartesian blends find their start and end.
+    /// Search for the start and the end of Cartesian blends.
     pub blend_search: BlendSearch,
 }
 

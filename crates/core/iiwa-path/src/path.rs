@@ -1,4 +1,4 @@
-//! The path of a motion program.
+//! Path of a motion program.
 
 mod least_cruise;
 mod update;
@@ -22,7 +22,7 @@ use iiwa_program::{
 
 pub use update::ReplacedSteps;
 
-/// The path of a motion program: what the arm does, in order, without time.
+/// The path of a motion program: the steps of the robot, in order, without time.
 ///
 /// ```
 /// use iiwa_kin::Robot;
@@ -41,21 +41,21 @@ pub use update::ReplacedSteps;
 /// # Ok::<(), iiwa_program::Fault>(())
 /// ```
 ///
-/// A clone shares the steps: it costs next to nothing.
+/// A clone shares the steps and is cheap.
 #[derive(Clone, Debug)]
 pub struct JointPath {
     robot: Arc<Robot>,
     start: Joints,
     steps: Arc<Vec<Step>>,
     limits: Arc<Vec<MotionLimits>>,
-    /// None if there are neither tools nor frames.
+    /// The motions; empty if the program has neither tools nor frames.
     motions: Arc<Vec<PathMotion>>,
     has_tools: bool,
     carried: Arc<Carried>,
 }
 
 impl JointPath {
-    /// The path of `program` on `robot`, with blends as the LBR iiwa makes them.
+    /// Builds the path of `program` on `robot`, with blends of the shape that the LBR iiwa uses.
     ///
     /// ```
     /// use iiwa_kin::Robot;
@@ -71,16 +71,17 @@ impl JointPath {
     ///
     /// # Errors
     ///
-    /// If the program names another robot or states another flange, or asks for something that this robot cannot do.
+    /// If the program names another robot or another flange, or requires something that this robot
+    /// cannot do.
     pub fn new(program: &Program, robot: &Robot) -> Result<Self, Fault> {
         Self::with_options(program, robot, PathOptions::default())
     }
 
-    /// The path of `program` on `robot`, with blends as `options` say.
+    /// Builds the path of `program` on `robot`, with blends according to `options`.
     ///
     /// # Errors
     ///
-    /// As of [`new`](Self::new).
+    /// See [`new`](Self::new).
     pub fn with_options(
         program: &Program,
         robot: &Robot,
@@ -90,11 +91,11 @@ impl JointPath {
         Self::on_other_robot(program, robot, options)
     }
 
-    /// The path of `program` on `robot` in place of the robot that it names.
+    /// Builds the path of `program` on `robot`, in place of the robot that the program names.
     ///
     /// # Errors
     ///
-    /// If the program asks for something that this robot cannot do.
+    /// If the program requires something that this robot cannot do.
     pub fn on_other_robot(
         program: &Program,
         robot: &Robot,
@@ -122,10 +123,11 @@ impl JointPath {
         })
     }
 
-    /// A path of steps that were made otherwise than from a program, with segments of any shape.
+    /// Builds a path from steps that do not come from a program, with segments of any shape.
     ///
-    /// `limits` are those of the motions that the steps name. Segments that follow each other without a
-    /// stop have to join: the end of one is the start of the next, and dq/ds points the same way there.
+    /// `limits` are those of the motions to which the steps refer. Consecutive segments without a
+    /// stop have to join: the end of one is the start of the next, and dq/ds has the same direction
+    /// there.
     ///
     /// ```
     /// use std::sync::Arc;
@@ -145,7 +147,7 @@ impl JointPath {
     ///
     /// # Errors
     ///
-    /// If a step names a motion without limits, or if segments do not join.
+    /// If a step refers to a motion without limits, or if segments do not join.
     pub fn from_steps(
         robot: &Robot,
         start_rad: Joints,
@@ -170,13 +172,13 @@ impl JointPath {
         &self.robot
     }
 
-    /// Where the arm stands at first, in rad.
+    /// Joint positions at the start, in rad.
     #[must_use]
     pub fn start_rad(&self) -> &Joints {
         &self.start
     }
 
-    /// What the arm does, in order.
+    /// The steps of the robot, in order.
     ///
     /// ```
     /// use iiwa_kin::Robot;
@@ -196,17 +198,17 @@ impl JointPath {
         &self.steps
     }
 
-    /// The limits of each entry of the program's list of motions.
+    /// Limits of each entry of the list of motions in the program.
     #[must_use]
     pub fn limits(&self) -> &[MotionLimits] {
         &self.limits
     }
 
-    /// The limits of a step: those of its motion, or the spline segment's own.
+    /// Limits of a step: the limits of its motion, or those of the spline segment itself.
     ///
     /// # Panics
     ///
-    /// If there is no such step.
+    /// If `step` is out of range.
     #[must_use]
     pub fn limits_of(&self, step: usize) -> &MotionLimits {
         match &self.steps[step] {
@@ -218,9 +220,9 @@ impl JointPath {
         }
     }
 
-    /// The TCP that a motion moves, in the flange's frame: that of its tool, and of the program's where it has none of
-    /// its own; during a wait that of the motion before. The flange itself is [`Pose::IDENTITY`], also of paths that
-    /// were not made from a program.
+    /// TCP of a motion in the flange frame: that of the tool of the motion, or else of the program.
+    /// A wait has the TCP of the motion before. The flange itself is [`Pose::IDENTITY`], also for
+    /// paths that were not built from a program.
     ///
     /// ```
     /// use iiwa_kin::{Pose, Robot};
@@ -243,19 +245,19 @@ impl JointPath {
         self.motions.get(motion.index()).map_or(&Pose::IDENTITY, |motion| &motion.tcp)
     }
 
-    /// What hangs on the flange during a motion, if anything does: [`Program::loads`].
+    /// Payload during a motion, if any: [`Program::loads`].
     #[must_use]
     pub fn load(&self, motion: MotionIndex) -> Option<&Load> {
         self.carried.load(motion)
     }
 
-    /// How the robot's foot stands.
+    /// Mounting orientation of the robot base.
     #[must_use]
     pub fn mount(&self) -> &Mount {
         self.carried.mount()
     }
 
-    /// The robot as it stands, with what hangs on its flange during a motion.
+    /// Dynamics of the mounted robot with its payload during a motion.
     ///
     /// ```
     /// use iiwa_kin::Robot;
@@ -283,45 +285,46 @@ impl JointPath {
         self.load(motion).map_or(empty, |load| empty.with_load(load))
     }
 
-    /// The program's waits that overlap motions, in order. Where the arm stops anyway, each of them is a [`Step::Wait`] of 0 s; before
-    /// a blend it is no step. How long the arm stands for them depends on the time stamps.
+    /// Waits of the program that overlap motions, in order. Where the robot stops in any case, each
+    /// of them is a [`Step::Wait`] of 0 s; before a blend it is not a step. The time that the robot
+    /// is at rest for them depends on the time stamps.
     #[must_use]
     pub fn overlapping_waits(&self) -> &[OverlappingWait] {
         self.carried.overlapping_waits()
     }
 
-    /// Where the motions of the program come from, as far as that is known.
+    /// Origins of the motions of the program, as far as they are known.
     #[must_use]
     pub fn sources(&self) -> &Sources {
         self.carried.sources()
     }
 
-    /// The limit of torques, as a share of the robot's, if the program limits them.
+    /// Torque limit as a share of that of the robot, if the program limits torques.
     #[must_use]
     pub fn torque_limit_rel(&self) -> Option<f64> {
         self.carried.torque_limit_rel()
     }
 
-    /// The controller's override, as a share: 1 if the program says none.
+    /// Override of the controller, as a share; 1 if the program sets none.
     #[must_use]
     pub fn speed_override(&self) -> f64 {
         self.carried.speed_override()
     }
 
-    /// The robot's law of ramps, at the override.
+    /// Ramp law of the robot, at the override.
     #[must_use]
     pub fn ramp_law(&self) -> RampLaw {
         self.robot.ramp_law().slowed_down(self.speed_override())
     }
 
-    /// All that the robot can do, at the override.
+    /// Full limits of the robot, at the override.
     #[must_use]
     pub fn full_limits(&self) -> MotionLimits {
         MotionLimits::full(&self.robot).slowed_down(self.speed_override())
     }
 
-    /// The path without the speed at which the operating mode T1 holds TCP and flange, and that speed in m/s; none in other
-    /// modes.
+    /// Returns the path without the speed limit of TCP and flange that the operating mode T1
+    /// supervises, and that limit in m/s; `None` in other modes.
     #[must_use]
     pub fn unsupervised(&self) -> Option<(Self, f64)> {
         let speed_m_s = self.limits.first()?.supervised_m_s()?;
@@ -339,27 +342,28 @@ impl JointPath {
         Some((Self { limits: Arc::new(limits), steps, ..self.clone() }, speed_m_s))
     }
 
-    /// The largest torque of each joint, either way, in Nm, if the program limits torques.
+    /// Largest torque of each joint, either way, in Nm, if the program limits torques.
     #[must_use]
     pub fn torque_limits_nm(&self) -> Option<Joints> {
         let share = self.torque_limit_rel()?;
         Some(self.robot.limits().torque_nm.map(|limit| share * limit))
     }
 
-    /// Whether any motion moves another TCP than the flange.
+    /// True if any motion moves a TCP other than the flange.
     #[must_use]
     pub fn has_tools(&self) -> bool {
         self.has_tools
     }
 
-    /// The type of a motion, if the path knows it: that of programs without tools and frames follows from its steps.
+    /// Type of a motion; `None` for programs without tools and frames, where it follows from the
+    /// steps.
     #[must_use]
     pub fn motion_type(&self, motion: MotionIndex) -> Option<MotionType> {
         self.motions.get(motion.index()).map(|motion| motion.motion_type)
     }
 
-    /// The splines within which the TCP stops, and how often: where it turns back, at a repeated point, and between lines or circles
-    /// that do not go on smoothly.
+    /// Splines with TCP stops, and the number of stops in each: at reversals, at repeated points,
+    /// and between lines or circles that do not join smoothly.
     #[must_use]
     pub fn stops_in_splines(&self) -> Vec<(MotionIndex, usize)> {
         let mut stops: Vec<(MotionIndex, usize)> = Vec::new();

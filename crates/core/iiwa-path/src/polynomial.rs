@@ -1,4 +1,4 @@
-//! Blends by polynomials (Larsen 2019, Eq. 13 to 26, 38 and 39).
+//! Polynomial blends (Larsen 2019, Eq. 13 to 26, 38 and 39).
 
 use iiwa_kin::{Joints, vector};
 use pulp::Simd;
@@ -15,10 +15,10 @@ use crate::{
 /// Eq. 22 to 26).
 pub const KAPPA_MIN_ACCELERATION: f64 = 7.5;
 
-/// A blend that mixes its two neighbours by polynomials.
+/// A blend that combines its two neighbours by polynomials.
 ///
-/// With d0 and d1 the ways from the blend's start to the target that is blended away, and from
-/// there to its end, Larsen 2019's Eq. 39 (of which Eq. 13 and 26 are special cases) reads
+/// With d0 the difference from the start of the blend to the target, and d1 that from the target to
+/// the end of the blend, Larsen 2019, Eq. 39 (of which Eq. 13 and 26 are special cases) reads
 /// `q(s) = start + (s + alpha) d0 + (s alpha - kappa beta) (d1 - d0)`.
 ///
 /// ```
@@ -46,10 +46,10 @@ pub struct PolynomialBlend {
 }
 
 impl PolynomialBlend {
-    /// The blend that arrives by `d0_rad` at `target_rad` and leaves by `d1_rad`. Both have to be
-    /// equally long: where they are not, dq/ds jumps at one end.
+    /// Creates the blend that arrives at `target_rad` by `d0_rad` and departs by `d1_rad`. Both
+    /// must have the same length; otherwise dq/ds jumps at one end.
     ///
-    /// Taking the ways rather than the points keeps all digits of blends that are tiny.
+    /// The arguments are differences instead of points, which keeps the precision of tiny blends.
     #[must_use]
     pub fn new(
         target_rad: &Joints,
@@ -68,21 +68,22 @@ impl PolynomialBlend {
         }
     }
 
-    /// Distance in joint space from the target to the blend's start and to its end, in rad.
+    /// Distance in joint space from the target to the start and to the end of the blend, in rad.
     #[must_use]
     pub fn reach_rad(&self) -> f64 {
         self.reach
     }
 
-    /// Up to which derivative it continues its neighbours.
+    /// Order of continuity with the neighbours.
     #[must_use]
     pub fn continuity(&self) -> Continuity {
         self.continuity
     }
 
-    /// How far the blend may go beyond the box about start, target and end, at most, in rad.
+    /// Upper bound of the distance by which the blend leaves the box about start, target and end,
+    /// in rad.
     ///
-    /// Its alpha part mixes points of its two neighbours and stays inside the box.
+    /// Its alpha part combines points of its two neighbours and stays inside the box.
     pub(crate) fn overshoot_bound(&self, joint: usize) -> f64 {
         self.kappa.abs() * self.continuity.beta_peak() * self.turn[joint].abs()
     }
@@ -103,7 +104,7 @@ impl PolynomialBlend {
     }
 }
 
-/// With sigma = reach (s + alpha), q(sigma) = start + sigma / reach d0 + A turn.
+/// Graph form: with sigma = reach (s + alpha), q(sigma) = start + sigma / reach d0 + A turn.
 impl PlanarGraph for PolynomialBlend {
     fn ahead(&self) -> Joints {
         vector::scale(1.0 / self.reach, &self.d0)
@@ -127,7 +128,8 @@ impl PlanarGraph for PolynomialBlend {
     }
 }
 
-/// The derivatives of A at some places, by the widest vector instructions that the machine has.
+/// Computation of the derivatives of A at eight places, with the widest vector instructions of the
+/// machine.
 struct DerivativesAcross<'a> {
     blend: &'a PolynomialBlend,
     sigma_rad: &'a [f64; PLACES],
@@ -175,10 +177,12 @@ impl Segment for PolynomialBlend {
         self.continuity != Continuity::First
     }
 
-    /// `s + alpha(s)`, which rises from 0 to 2 along the blend, and its first three derivatives by s.
+    /// `s + alpha(s)`, which increases from 0 to 2 along the blend, and its first three derivatives
+    /// by s.
     ///
-    /// At both ends, the path's third derivative by s jumps along its direction and across. Taken as
-    /// the parameter instead of s, this leaves only the jump across, which is what the arm feels.
+    /// At both ends, the third derivative of the path by s jumps along and across its direction.
+    /// With this parameter instead of s, only the jump across remains, which is a physical jump in
+    /// jerk.
     fn sigma(&self, s: f64) -> [f64; 4] {
         evaluate(&self.continuity.along(), s)
     }
@@ -196,7 +200,7 @@ impl Segment for PolynomialBlend {
         ]
     }
 
-    /// p is half of s + alpha.
+    /// p is (s + alpha) / 2.
     fn at_share(&self, p: f64) -> Derivatives {
         let [across, first, second, third] = self.across(self.s_at(2.0 * p), 0.5);
         let mix = |along: f64, across: f64| {

@@ -1,6 +1,7 @@
-//! The change of the path parameter from s to sigma.
+//! Change of the path parameter from s to sigma.
 
-/// First to third derivative of s by sigma in rad, from sigma and its derivatives by s in units of `unit_rad`.
+/// First to third derivative of s by sigma in rad, from sigma and its derivatives by s in units of
+/// `unit_rad`.
 pub(crate) fn by_sigma([_, p, r, w]: [f64; 4], unit_rad: f64) -> [f64; 3] {
     let one = 1.0 / (p * unit_rad);
     let two = -r * one * one / p;
@@ -8,10 +9,11 @@ pub(crate) fn by_sigma([_, p, r, w]: [f64; 4], unit_rad: f64) -> [f64; 3] {
     [one, two, three]
 }
 
-/// The s in [0, 1] at which `sigma`, which rises, has a value, starting from `s`.
+/// Returns the s in [0, 1] at which the increasing function `sigma` has a value, with the start
+/// `s`.
 ///
-/// Where sigma hardly rises, next to a neighbour that is much shorter, Newton's step leads far beyond the place: what is
-/// known of where it is not keeps the step within bounds, and halves them if it leaves them.
+/// Next to a much shorter neighbour, sigma is nearly flat and a Newton step overshoots far. The
+/// bracket of the root bounds the steps; a step that leaves the bracket is replaced by bisection.
 pub(crate) fn newton(sigma: impl Fn(f64) -> [f64; 4], value: f64, mut s: f64) -> f64 {
     let [mut low, mut high] = [0.0, 1.0];
     for _ in 0..NEWTON_STEPS {
@@ -32,14 +34,14 @@ pub(crate) fn newton(sigma: impl Fn(f64) -> [f64; 4], value: f64, mut s: f64) ->
     s
 }
 
-/// Blends take two to four; more where bounds have to be halved.
+/// Maximum number of steps. Blends take two to four; more if bisection is needed.
 const NEWTON_STEPS: usize = 60;
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    /// Between neighbours of lengths that differ a thousandfold, too.
+    /// Also between neighbours whose lengths differ a thousandfold and more.
     #[test]
     fn every_sigma_has_its_s() {
         // The integral of 1 + (ratio - 1) (3 s^2 - 2 s^3).

@@ -1,57 +1,58 @@
-//! What a path consists of.
+//! Steps of a path.
 
 use std::sync::Arc;
 
 use crate::segment::Segment;
 use iiwa_program::{MotionIndex, MotionLimits};
 
-/// One thing that the arm does.
+/// One step of the robot.
 #[derive(Clone, Debug)]
 #[non_exhaustive]
 pub enum Step {
-    /// It moves, within the limits of `motion`.
+    /// Motion along a segment, within the limits of `motion`.
     Move {
-        /// The motion whose limits hold, if there are no others. In a blend it is the following one: measured for speed
-        /// (Larsen 2019, Appendix B), assumed for acceleration and jerk.
+        /// The motion whose limits apply, unless the step has its own. In a blend it is the
+        /// following motion: measured for velocity (Larsen 2019, Appendix B), assumed for
+        /// acceleration and jerk.
         motion: MotionIndex,
-        /// Where it moves.
+        /// The curve.
         segment: Arc<dyn Segment>,
-        /// The corner, if this is a blend.
+        /// The corner, if the segment is a blend.
         blend: Option<Corner>,
-        /// Other limits than the motion's: those of a spline's segment that has its own.
+        /// Limits in place of those of the motion: those of a spline segment with its own limits.
         limits: Option<Arc<MotionLimits>>,
     },
-    /// It stops and goes on at once: a corner that no blend rounds.
+    /// Stop without a dwell, at a corner without a blend.
     Corner {
         /// The motion that has ended.
         motion: MotionIndex,
     },
-    /// It stands until it has settled, at the end of `motion` (Larsen 2019, Appendix C).
+    /// Standstill until the robot has settled, at the end of `motion` (Larsen 2019, Appendix C).
     Settle {
         /// The motion that has ended.
         motion: MotionIndex,
-        /// Whether the program waits for that end before it sends the next motion.
+        /// `true` if the program waits for the end of the motion before it sends the next one.
         blocking: bool,
-        /// Whether the motion goes nowhere.
+        /// `true` if the motion has zero length.
         still: bool,
     },
-    /// It waits.
+    /// Wait at rest.
     Wait {
-        /// The wait's place in the program.
+        /// The index of the wait in the program.
         motion: MotionIndex,
-        /// For how long, in s.
+        /// Duration, in s.
         seconds: f64,
     },
 }
 
 impl Step {
-    /// Whether the arm moves.
+    /// True if the robot moves.
     #[must_use]
     pub fn moves(&self) -> bool {
         matches!(self, Self::Move { .. })
     }
 
-    /// The motion that it belongs to: in a blend the following one.
+    /// The motion of the step: in a blend the following one.
     #[must_use]
     pub fn motion(&self) -> MotionIndex {
         match self {
@@ -63,7 +64,7 @@ impl Step {
     }
 }
 
-/// What a blend rounds off.
+/// A corner that a blend rounds off.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Corner {
     /// The motion whose target is blended away.

@@ -1,4 +1,4 @@
-//! Segments on which the speed of the flange is supervised, too.
+//! Segments with supervised speed of both TCP and flange.
 
 use std::sync::Arc;
 
@@ -10,13 +10,13 @@ use crate::{
     tool_way::ToolWay,
 };
 
-/// A segment whose way, where limits of the TCP hold, is that of the TCP or that of the flange, whichever goes faster: so
-/// the controller supervises speed in the operating mode T1.
+/// A segment whose TCP limits apply to the TCP or to the flange, whichever is faster, as the
+/// controller supervises speed in the operating mode T1.
 #[derive(Clone, Debug)]
 pub(crate) struct Supervised {
     pub(crate) inner: Arc<dyn Segment>,
     pub(crate) robot: Arc<Robot>,
-    /// The TCP in the flange's frame.
+    /// TCP in the flange frame.
     pub(crate) tcp: Pose,
 }
 
@@ -33,7 +33,7 @@ impl Segment for Supervised {
         self.inner.tangent_lengths_rad()
     }
 
-    /// Never: the limit of the TCP changes along it.
+    /// Always `false`, because the TCP limit changes along the segment.
     fn is_straight(&self) -> bool {
         false
     }
@@ -83,7 +83,7 @@ mod tests {
         let leaving = [-0.2, 0.3, 0.4, 0.1, 0.2, -0.3, -0.6];
         let blend = PolynomialBlend::new(&target, arrival, &leaving, 0.5, Continuity::Second);
         let robot = Arc::new(Robot::default());
-        // The TCP goes faster than the flange, or at rest in it.
+        // The TCP is faster than the flange, or the same point.
         for tcp in [Pose::from_xyz_abc([0.3, 0.0, 0.2], [0.0; 3]), Pose::IDENTITY] {
             let inner = Arc::new(blend.clone());
             let supervised = Supervised { inner, robot: Arc::clone(&robot), tcp };

@@ -1,25 +1,26 @@
-//! One coordinate for how the TCP goes and turns.
+//! A coordinate for the translation and rotation of the TCP.
 
 use crate::{segment::Segment, sigma::by_sigma, tool_way::ToolWay};
 use iiwa_program::{ByKind, LimitKind, ToolLimits};
 
-/// The coordinate of the tool along one segment, w: planners limit it as they limit the joints.
+/// Tool coordinate w along one segment, which planners limit in the same way as the joints.
 ///
-/// It is
-/// - s, where the tool's way is [even](Segment::has_even_tool_way): its limits are those of way and turn over
-///   their rates, whichever is less;
-/// - the way or the angle of the turn, where only one of them is limited, or the other stays;
-/// - else what rises at the rate `(l'^8 + (r theta')^8)^(1/8)`, l the way, theta the angle and r the ratio of
-///   their limits of speed. It bounds both speeds, and is more than the larger by at most 9 %. Acceleration and jerk
-///   are those of this sum: where the larger of both rates gives way to the other, the one of them that is
-///   smaller may speed up faster than its limit says.
+/// It is one of
+/// - s, if the tool moves [evenly](Segment::has_even_tool_way): its limits are those of path length
+///   and angle over their rates, whichever is less;
+/// - the path length or the angle, if only one of them is limited, or the other is constant;
+/// - otherwise an integral of the rate `(l'^8 + (r theta')^8)^(1/8)`, with l the path length,
+///   theta the angle and r the ratio of their limits, of velocity if both are limited. The rate
+///   bounds both speeds, and exceeds the larger by at most 9 %. Its derivatives bound acceleration
+///   and jerk only approximately: where one rate overtakes the other, the smaller one may exceed
+///   its acceleration limit.
 ///
 /// ```
 /// use iiwa_kin::Joints;
 /// use iiwa_path::{Derivatives, Line, Segment, ToolCoordinate, ToolWay};
 /// use iiwa_program::{LimitKind, ToolLimits};
 ///
-/// /// A line on which the TCP goes 0.5 m.
+/// /// A line over which the TCP moves by 0.5 m.
 /// #[derive(Debug)]
 /// struct Straight(Line);
 ///
@@ -52,25 +53,25 @@ pub struct ToolCoordinate {
     of_turn: ByKind<bool>,
 }
 
-/// What it is.
+/// Definition of the coordinate on a segment.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Form {
     /// s.
     Even,
     Way,
     Turn,
-    /// Way and turn, of which a rad counts as this many m.
+    /// Path length plus angle, in which a rad counts as this many m.
     Both(f64),
 }
 
-/// The power p of `(l'^p + (r theta')^p)^(1/p)`.
+/// Power p of `(l'^p + (r theta')^p)^(1/p)`.
 const POWER: i32 = 8;
 
-/// Places along a segment that tell whether the tool goes or turns at all.
+/// Number of intervals at whose ends the segment is checked for translation and rotation.
 const PLACES: u32 = 16;
 
 impl ToolCoordinate {
-    /// That of `segment` under `limits`. None if none of them limits it.
+    /// Creates the coordinate of `segment` under `limits`. Returns `None` if no limit applies.
     #[must_use]
     pub fn new(segment: &dyn Segment, limits: &ToolLimits) -> Option<Self> {
         let is_limited = |limits: &ByKind<f64>| limits.values().any(|limit| limit.is_finite());
@@ -100,7 +101,8 @@ impl ToolCoordinate {
                 (true, false) => (Form::Way, limits.way),
                 (false, true) => (Form::Turn, limits.turn),
                 (true, true) => {
-                    // Limits of different kinds have no ratio: then what the segment does on the whole.
+                    // Without a kind in which both are limited, the ratio is that of the largest
+                    // rates on the segment.
                     let ratio = LimitKind::ALL
                         .map(|kind| limits.way[kind] / limits.turn[kind])
                         .into_iter()
@@ -122,20 +124,21 @@ impl ToolCoordinate {
         Some(Self { form, limits: own, of_turn })
     }
 
-    /// Its limits, in its unit over s to the power of the kind's [order](LimitKind::order); infinite where there is
-    /// none. At least one is finite.
+    /// Limits, in the unit of the coordinate over s to the power of the [order](LimitKind::order)
+    /// of the kind; infinite without a limit. At least one is finite.
     #[must_use]
     pub fn limits(&self) -> &ByKind<f64> {
         &self.limits
     }
 
-    /// Whether the limit of a kind is one of the turn, not of the way: on the whole, where it stands for both.
+    /// True if the limit of a kind is one of the angle, not of the path length; for the sum of
+    /// both, the one that is more restrictive at the largest rates.
     #[must_use]
     pub fn is_of_turn(&self, kind: LimitKind) -> bool {
         self.of_turn[kind]
     }
 
-    /// Its first to third derivative by s, on the `segment` that it was made for.
+    /// First to third derivative by s, on the `segment` for which the coordinate was created.
     #[must_use]
     pub fn derivatives(&self, segment: &dyn Segment, s: f64) -> [f64; 3] {
         match self.form {
@@ -162,14 +165,15 @@ impl ToolCoordinate {
     }
 }
 
-/// First to third derivative of the coordinate for both, from those of the way and of the turn in the same unit.
+/// First to third derivative of the sum, from those of the path length and of the angle in the same
+/// unit.
 fn both(way: [f64; 3], turn: [f64; 3]) -> [f64; 3] {
     let largest = way[0].max(turn[0]);
     if largest <= 0.0 {
-        // Nothing moves: the larger of what begins to.
+        // At rest: the larger of the derivatives.
         return std::array::from_fn(|k| way[k].abs().max(turn[k].abs()));
     }
-    // The sum of powers, in units of the larger, and its first two derivatives.
+    // The sum of powers, in units of the larger rate, and its first two derivatives.
     let (p, mut sum) = (f64::from(POWER), [0.0; 3]);
     for [rate, first, second] in [way, turn].map(|rates| rates.map(|rate| rate / largest)) {
         let power = rate.powi(POWER - 2);
@@ -190,7 +194,7 @@ mod tests {
 
     use crate::segment::Derivatives;
 
-    /// The tool goes as `s + s^2` and turns as `2 s - s^2`.
+    /// A segment with the path length `s + s^2` and the angle `2 s - s^2`.
     #[derive(Debug)]
     struct Uneven;
 
@@ -208,7 +212,7 @@ mod tests {
             ToolWay { way_m: [1.0 + 2.0 * s, 2.0, 0.0], turn_rad: [2.0 - 2.0 * s, -2.0, 0.0] }
         }
 
-        /// Not s, so that there is something to change.
+        /// Differs from s, so that the change of parameter is tested.
         fn sigma(&self, s: f64) -> [f64; 4] {
             [s + 0.5 * s * s, 1.0 + s, 1.0, 0.0]
         }

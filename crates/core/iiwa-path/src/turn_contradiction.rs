@@ -1,4 +1,4 @@
-//! Targets that were not meant for this arm, or not in this place.
+//! Targets whose turn contradicts the joints there.
 
 use std::{fmt, sync::Arc};
 
@@ -10,15 +10,15 @@ use iiwa_program::{
     Start, TargetRef,
 };
 
-/// A target whose turn is not that of the joints with which the arm arrives there: the frame has been moved since it was
-/// taught, or it was taught with another robot, another tool or another status.
+/// A target whose turn differs from that of the joints with which the robot arrives there: the
+/// frame was moved after teaching, or taught with another robot, another tool or another status.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct TurnContradiction {
-    /// The motion, or none for the start pose.
+    /// The motion; `None` for the start pose.
     pub motion: Option<MotionIndex>,
     /// The turn that the target states.
     pub stated: Turn,
-    /// That of the joints.
+    /// The turn of the joints.
     pub found: Turn,
 }
 
@@ -34,8 +34,9 @@ impl fmt::Display for TurnContradiction {
 }
 
 impl TurnContradiction {
-    /// The targets of a program whose turn is not that of the joints with which the arm arrives, in order. Nothing depends on
-    /// the turn: the other numbers settle the joints.
+    /// Returns the targets of a program whose turn contradicts the joints with which the robot
+    /// arrives, in order. The path does not depend on the turn: the other redundancy values
+    /// determine the joints.
     ///
     /// ```
     /// use iiwa_kin::Robot;
@@ -55,7 +56,7 @@ impl TurnContradiction {
     ///
     /// # Errors
     ///
-    /// If the program asks for something that this robot cannot do.
+    /// If the program requires something that this robot cannot do.
     pub fn all(program: &Program, robot: &Robot) -> Result<Vec<Self>, Fault> {
         let at_start = match &program.start {
             Start::Frame(target) => stated_turn(program, target),
@@ -106,7 +107,7 @@ fn cartesian(motion: &Motion) -> Option<&CartesianMotion> {
 /// The target at which a motion ends.
 fn destination(motion: &CartesianMotion) -> Option<&TargetRef> {
     match &motion.course {
-        // With an angle, it ends elsewhere.
+        // A circle with an angle does not end at its frame.
         Course::Circ(circ) if circ.angle_rad.is_some() => None,
         Course::Spline(segments) => {
             let last = segments.last()?;
@@ -116,7 +117,7 @@ fn destination(motion: &CartesianMotion) -> Option<&TargetRef> {
             };
             (law == OrientationType::Variable).then_some(to)
         }
-        // It arrives turned otherwise.
+        // The TCP arrives with another orientation.
         _ if motion.orientation == OrientationType::Constant => None,
         _ => motion.target(),
     }

@@ -1,4 +1,4 @@
-//! Random programs, also for the JSON Schema in `tests/peers`.
+//! Random programs, also used to test the JSON Schema in `tests/peers`.
 
 use iiwa_kin::Joints;
 use iiwa_program::{Blend, Motion, Program, Ptp, Sources, Start, Workcell};
@@ -45,7 +45,7 @@ fn any_motion() -> impl Strategy<Value = Motion> {
     ]
 }
 
-/// Programs of motions to joints and waits.
+/// Programs of joint motions and waits.
 pub(crate) fn any_program() -> impl Strategy<Value = Program> {
     let motions = prop::collection::vec(any_motion(), 1..10);
     (prop::option::of(".{0,20}"), any_joints(), motions).prop_map(

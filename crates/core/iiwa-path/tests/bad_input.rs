@@ -1,6 +1,6 @@
-//! Bad programs: each is refused, with a message that names the place.
+//! Invalid programs: each is rejected with a message that includes the place.
 
-// Helpers of tests may fail.
+// Test helpers may panic.
 #![allow(clippy::unwrap_used, clippy::panic)]
 
 use std::time::{Duration, Instant};
@@ -22,7 +22,7 @@ const GOOD: &str = r#"{
 }
 "#;
 
-/// What is wrong with `text` (its message without the place), and where.
+/// Returns the error message of `text`, without the place, and the place.
 fn refused(text: &str) -> (String, Place) {
     let (what, place, whole) = match Program::from_json(text) {
         Err(error) => (error.what(), error.place().clone(), error.to_string()),
@@ -37,8 +37,8 @@ fn refused(text: &str) -> (String, Place) {
     (what, place)
 }
 
-/// Replaces `old` by `new` in the good program and expects it to be refused with the message
-/// `what`, at a place where the text starts with `found`.
+/// Replaces `old` by `new` in the valid program and expects the error message `what`, at a place
+/// where the text starts with `found`.
 fn check(old: &str, new: &str, (line, column): (usize, usize), found: &str, what: &str) {
     assert!(GOOD.contains(old), "{old}");
     let text = GOOD.replacen(old, new, 1);
@@ -103,7 +103,7 @@ fn cut_off_anywhere() {
     assert_eq!(error.to_string(), "motion 2: the text ends too early, at line 6, column 79");
 }
 
-/// Whatever one slip of the finger does, there is no panic, and errors have a place.
+/// A single typing error causes no panic, and each error has a place.
 #[test]
 fn a_byte_too_many_or_too_few() {
     let text = GOOD.replace("wait", "wäit");
@@ -212,7 +212,7 @@ fn joints_that_are_not_seven_numbers() {
     );
 }
 
-/// serde's derive would take the values of an object's keys in a list.
+/// The serde derive would also accept a list of the values of an object.
 #[test]
 fn lists_for_objects() {
     let what = "expected an object, found a list";
@@ -265,7 +265,7 @@ fn a_joint_outside_its_limits() {
     check("[0, 0,", "[0, -120.001,", (3, 32), "-120.001", what);
     let what = "motion 2: joint A4 is at -171.8873385 deg; its range is -120 to 120 deg";
     check("0.5, 0, -1,", "0.5, 0, -3,", (6, 48), "-3", what);
-    // A million and more is no reason to print nonsense.
+    // A message prints a large number correctly as well.
     let what = "motion 1: joint A1 is at 100000000000000000000 deg; its range is -170 to 170 deg";
     check("[0, 30,", "[1e20, 30,", (5, 37), "1e20", what);
 }
@@ -278,7 +278,7 @@ fn a_limit_typed_in_rad() {
         let program = Program::from_json(&text(rad)).unwrap();
         JointPath::new(&program, &Robot::lbr_iiwa_7_r800()).unwrap();
     }
-    // One that is barely outside is not said to be at its limit.
+    // The message for a joint barely outside its range does not round to the limit.
     let (what, _) = refused(&text(limit + 6e-9));
     assert_eq!(what, "motion 2: joint A1 is at 170.0000003 deg; its range is -170 to 170 deg");
 }
@@ -306,8 +306,8 @@ fn not_a_number_in_a_program_made_in_code() {
     }
 }
 
-/// Along joint 1 with joint 2 at its limit: at small angles the LBR iiwa swings out before it
-/// turns in (Larsen 2019, Eq. 38 is negative there).
+/// Joint 1 moves with joint 2 at its limit: at small angles, the blends of the LBR iiwa swing out
+/// before they turn in (kappa of Larsen 2019, Eq. 38 is negative there).
 #[test]
 fn a_blend_that_swings_out_of_the_limits() {
     let text = r#"{
@@ -327,7 +327,7 @@ fn a_blend_that_swings_out_of_the_limits() {
     assert!(found > 120.001 && found < 121.0, "{what}");
     assert_eq!((place.line, place.column, &text[place.span]), (6, 71, "{ \"fraction\": 0.5 }"));
 
-    // A blend that stays inside is fine, although its bulge might leave the limits elsewhere.
+    // A blend inside the limits is accepted, although the overshoot bound leaves them.
     let inside = text.replace("120, 0, 0, 0, 0, 0]", "119, 0, 0, 0, 0, 0]");
     JointPath::new(&Program::from_json(&inside).unwrap(), &Robot::lbr_iiwa_7_r800()).unwrap();
 }
@@ -422,7 +422,7 @@ fn a_blend_into_nothing() {
     let blend = "0.75, \"blend\": { \"fraction\": 0.25 }";
     let what = format!("motion 2 is followed by a wait and {remove}");
     check("0.75", blend, (6, 95), "{", &what);
-    // What comes after the last motion is not known.
+    // A program may be continued, so a blend at its last target is accepted.
     for blend in ["\"sunrise_rel\": 0.05", "\"cart_mm\": 4", "\"fraction\": 0.5"] {
         let text = GOOD.replace("90, 0] }\n", &format!("90, 0], \"blend\": {{ {blend} }} }}\n"));
         let [with, without] = [&*text, GOOD].map(|text| Program::from_json(text).unwrap());
@@ -433,7 +433,7 @@ fn a_blend_into_nothing() {
         };
         assert_eq!(blends(&with), blends(&without));
     }
-    // A blend that is a stop has no need of anything to blend into.
+    // A blend of negligible size is a stop and needs no next motion.
     for stop in ["\"sunrise_rel\": 0.049", "\"cart_mm\": 3.9", "\"fraction\": 0"] {
         let text = GOOD.replace("0.75", &format!("0.75, \"blend\": {{ {stop} }}"));
         JointPath::new(&Program::from_json(&text).unwrap(), &Robot::lbr_iiwa_7_r800()).unwrap();
@@ -476,7 +476,7 @@ fn brackets_without_end() {
         assert!(error.what().ends_with(what), "{before}{bracket}: {error}");
         assert!(error.to_string().len() < 200, "{before}{bracket}");
     }
-    // Brackets that are closed again.
+    // Balanced brackets.
     for (open, close) in [("[", "]"), ("{\"type\":", "}")] {
         let deep = open.repeat(N / 20) + "1" + &close.repeat(N / 20);
         let text = format!("{start}[{deep}] }}");

@@ -1,4 +1,4 @@
-//! Motions to frames in programs: what is read is written, and what cannot be is refused with its place.
+//! Motions to frames in programs: JSON round trip, and errors with their places.
 
 #![expect(clippy::unwrap_used, reason = "a test fails by it")]
 
@@ -7,7 +7,7 @@ use iiwa_path::JointPath;
 use iiwa_program::Program;
 use serde_json::{Value, json};
 
-/// A program with every kind of motion, which can be planned.
+/// A feasible program with every kind of motion.
 fn good() -> Value {
     serde_json::from_str(include_str!("every_motion.json")).unwrap()
 }
@@ -24,7 +24,7 @@ fn it_reads_back_as_it_is() {
     let program = Program::from_json(&good().to_string()).unwrap();
     assert_eq!(program.motions.len(), 6);
     let again = Program::from_json(&program.to_json()).unwrap();
-    // Limits are in m inside and in mm outside, the numbers of frames as they were written.
+    // Limits are converted between m and mm; the numbers of frames are kept as written.
     assert_eq!(again.workcell.frames, program.workcell.frames);
     assert_eq!(again.workcell.bases, program.workcell.bases);
     assert_eq!(again.motions.len(), program.motions.len());
@@ -57,13 +57,9 @@ fn what_cannot_be_is_refused_with_its_place() {
     };
     let lin = |frame: Value| json!({ "type": "lin", "frame": frame });
     let cases = [
-        ("/tool", json!("hammer"), vec!["there is no tool `hammer`", "`gripper/left`"]),
-        ("/base", json!("floor"), vec!["there is no base `floor`", "`table`, `tray`"]),
-        (
-            "/motions/0/frame",
-            json!("place"),
-            vec!["motion 1", "there is no frame `place`", "`pick`"],
-        ),
+        ("/tool", json!("hammer"), vec!["unknown tool `hammer`", "`gripper/left`"]),
+        ("/base", json!("floor"), vec!["unknown base `floor`", "`table`, `tray`"]),
+        ("/motions/0/frame", json!("place"), vec!["motion 1", "unknown frame `place`", "`pick`"]),
         ("/bases/table/base", json!("tray"), vec!["given in itself"]),
         ("/motions/0/frame", to(2000.0, 300.0, &json!({})), vec!["motion 1", "mm too short"]),
         (
@@ -133,7 +129,7 @@ fn what_cannot_be_is_refused_with_its_place() {
     }
 }
 
-/// From the candle pose nothing can go straight: the arm is singular there.
+/// No straight motion is possible from the candle pose, which is singular.
 #[test]
 fn singular_poses_are_refused_with_a_way_out() {
     let program = json!({
@@ -153,8 +149,8 @@ fn names_are_there_once() {
     assert!(refused.contains("the name `table` is there twice"), "{refused}");
 }
 
-/// The orientation of an auxiliary frame that is that of the start, or of the end, changes next to nothing; rounding in it
-/// even less.
+/// The orientation of an auxiliary frame that equals that of the start or the end changes the path
+/// by next to nothing, also with rounding errors.
 #[test]
 fn auxiliary_orientations_at_an_end_do_not_turn_the_path() {
     let frame = |y: f64, x: f64, a: f64| json!({ "x_mm": x, "y_mm": y, "z_mm": 400, "a_deg": a, "b_deg": 180, "c_deg": 0 });

@@ -1,6 +1,6 @@
-//! Where the path runs: derivatives, joins, and the search for the start of Cartesian blends.
+//! Geometry of paths: derivatives, joins, and the search for the start of Cartesian blends.
 
-// Helpers of tests may fail.
+// Test helpers may panic.
 #![allow(clippy::unwrap_used, clippy::panic)]
 
 use iiwa_kin::{Joints, Pose, Robot};
@@ -17,7 +17,7 @@ const SHAPES: [BlendShape; 6] = [
     BlendShape::Circle,
 ];
 
-/// How many derivatives by arc length are continuous where a blend meets a line.
+/// Number of continuous derivatives by arc length where a blend meets a line.
 fn smoothness(shape: BlendShape) -> usize {
     match shape {
         BlendShape::Alpha(Continuity::First) | BlendShape::Circle => 1,
@@ -62,7 +62,7 @@ fn shape() -> impl Strategy<Value = BlendShape> {
     prop::sample::select(&SHAPES[..])
 }
 
-/// Well inside the limits, so that no blend leaves them.
+/// Poses well inside the joint ranges, so that blends stay inside.
 fn pose() -> impl Strategy<Value = Joints> {
     prop::array::uniform7(-1.2..1.2_f64)
 }
@@ -84,7 +84,7 @@ proptest! {
         let path = path(shape, a, vec![Ptp::to(b).blend(Blend::Fraction(fraction)), Ptp::to(c)]);
         for segment in segments(&path) {
             const H: f64 = 1e-3;
-            // Five-point differences: exact but for h^4 / 30 times the fifth derivative.
+            // Five-point differences have an error of h^4 / 30 times the fifth derivative.
             let difference = |of: fn(&dyn Segment, f64) -> Joints| -> Joints {
                 let at = |k: f64| of(segment, s + k * H);
                 let [m2, m1, p1, p2] = [at(-2.0), at(-1.0), at(1.0), at(2.0)];
@@ -100,7 +100,7 @@ proptest! {
         }
     }
 
-    /// By arc length, since s runs at another pace in each piece.
+    /// Derivatives are by arc length, because ds/dt differs from segment to segment.
     #[test]
     fn pieces_join_smoothly(
         shape in shape(), poses in prop::array::uniform5(pose()),
@@ -121,7 +121,7 @@ proptest! {
             prop_assert!((norm(&before.dq) / t0 - 1.0).abs() < 1e-9);
             prop_assert!((norm(&after.dq) / t1 - 1.0).abs() < 1e-9);
             prop_assert!(norm(&minus(&before.q, &after.q)) < 1e-9);
-            // Slivers of lines have their direction from a difference of 1e-16.
+            // The direction of a tiny line is a difference of 1e-16.
             if t0.min(t1) < 1e-6 {
                 continue;
             }
@@ -139,7 +139,7 @@ proptest! {
         }
     }
 
-    /// Larsen 2019, Algorithm 3, and Eq. 28 for the angle.
+    /// The reach follows Larsen 2019, Algorithm 3, and the angle Eq. 28.
     #[test]
     fn blends_reach_equally_far_on_both_sides(
         shape in shape(), poses in prop::array::uniform3(pose()), size in 4.0..1000.0_f64,
@@ -157,7 +157,7 @@ proptest! {
         let gamma = (cosine / (lengths[0] * lengths[1])).acos().to_degrees();
         prop_assert!((corner.gamma_deg - gamma).abs() < 1e-6);
 
-        // One of the two ends is on the sphere, unless the half of a segment comes first.
+        // One of the two ends is on the sphere, unless half of a segment is reached first.
         let robot = path.robot();
         let crossing = |other: &Joints, length: f64| {
             BlendSearch::FirstCrossing.crossing(robot, &[0.0; 3], &b, other, size * 1e-3).unwrap_or(0.5) * length
@@ -167,7 +167,7 @@ proptest! {
     }
 }
 
-/// Distance of the TCP from where it is at `point`, in m.
+/// Distance of the TCP at `u` from its position at `point`, in m.
 fn distance(robot: &Robot, tcp: &[f64; 3], point: &Joints, other: &Joints, u: f64) -> f64 {
     let tcp = Pose { position_m: *tcp, ..Pose::IDENTITY };
     let at = |q: &Joints| robot.flange_pose(q).then(&tcp).position_m;
@@ -175,7 +175,7 @@ fn distance(robot: &Robot, tcp: &[f64; 3], point: &Joints, other: &Joints, u: f6
     (0..3).map(|i| (a[i] - b[i]).powi(2)).sum::<f64>().sqrt()
 }
 
-/// The flange, or a TCP beside it and before it.
+/// The flange, or a TCP with an offset in any direction.
 fn any_tcp() -> impl Strategy<Value = [f64; 3]> {
     prop_oneof![Just([0.0; 3]), prop::array::uniform3(-0.3..=0.3_f64)]
 }
@@ -189,7 +189,7 @@ fn anywhere() -> impl Strategy<Value = Joints> {
 proptest! {
     #![proptest_config(ProptestConfig { cases: 2000, ..ProptestConfig::default() })]
 
-    /// Against brute force.
+    /// Comparison with a brute-force search.
     #[test]
     fn the_first_crossing_is_the_first(
         point in anywhere(), other in anywhere(), radius in prop_oneof![1e-3..0.1_f64, 0.1..1.5_f64],
@@ -208,7 +208,8 @@ proptest! {
             prop_assert!(distance(&robot, &tcp, &point, &other, u) < radius + 1e-12, "already at {u}");
         }
 
-        // Algorithm 2 is never earlier, and late by a step at most unless the arm comes back.
+        // Algorithm 2 is never earlier, and late by at most one step unless the robot returns into
+        // the sphere.
         let late = BlendSearch::Algorithm2.crossing(&robot, &tcp, &point, &other, radius);
         let Some(u) = found else {
             prop_assert!(late.is_none_or(|late| late == 0.5));
@@ -222,13 +223,13 @@ proptest! {
             prop_assert!(late.unwrap() <= u + 0.001 + 1e-9);
         }
 
-        // Algorithm 1 finds some crossing or none.
+        // Algorithm 1 finds an arbitrary crossing or none.
         if let Some(u) = BlendSearch::Algorithm1.crossing(&robot, &tcp, &point, &other, radius) {
             prop_assert!((distance(&robot, &tcp, &point, &other, u) - radius).abs() <= 1e-9);
         }
     }
 
-    /// All three come to an end out of reach, and where nothing moves.
+    /// All three searches terminate if the sphere is out of reach, and without motion.
     #[test]
     fn no_search_hangs(
         point in anywhere(), other in anywhere(), still in any::<bool>(), radius in prop_oneof![3.0..10.0_f64, 3.0..1e100_f64],
@@ -241,8 +242,7 @@ proptest! {
     }
 }
 
-/// Only joint 7 turns: the TCP is on its axis and does not move.
-/// A segment that knows no more than it must.
+/// A segment with only the required methods and sigma.
 #[derive(Debug)]
 struct Plain<'a>(&'a dyn Segment);
 
@@ -284,6 +284,7 @@ fn shorter_ways_lead_to_the_same_derivatives() {
     }
 }
 
+/// Only joint 7 turns: the TCP is on its axis and does not move.
 #[test]
 fn a_tcp_that_does_not_move_crosses_no_sphere() {
     let robot = Robot::lbr_iiwa_7_r800();
@@ -294,7 +295,7 @@ fn a_tcp_that_does_not_move_crosses_no_sphere() {
     }
 }
 
-/// The TCP moves away to 332.564 mm and comes back, and is outside of 332.563 mm for less than one
+/// The TCP moves away to 332.564 mm and returns, and is outside of 332.563 mm for less than one
 /// step of Algorithm 2, which steps over both crossings. Found by a search among random poses.
 #[test]
 fn a_sphere_that_is_crossed_twice_within_one_step() {
@@ -312,10 +313,11 @@ fn a_sphere_that_is_crossed_twice_within_one_step() {
     assert!(first > 0.217 && first < 0.2175, "{first}");
     assert!((distance(first) - radius).abs() < 1e-9);
 
-    // Algorithm 2 sees neither, and the sphere is not reached again before the half.
+    // Algorithm 2 misses both crossings, and the sphere is not reached again in the first half.
     assert_eq!(BlendSearch::Algorithm2.crossing(&robot, &[0.0; 3], &point, &other, radius), None);
 
-    // To the point and back: the arm leaves its line where it should, or more than twice too early.
+    // From the other end to the point and back: the blend starts at the first crossing, or more
+    // than twice too early.
     let reach = |blend_search| {
         let ptp = Ptp::to(point).blend(Blend::CartMm(1e3 * radius));
         let motions = vec![Motion::Ptp(ptp), Motion::Ptp(Ptp::to(other))];
@@ -335,7 +337,7 @@ fn a_sphere_that_is_crossed_twice_within_one_step() {
     assert!((reach(BlendSearch::Algorithm2) / length - 0.5).abs() < 1e-12);
 }
 
-/// Algorithm 1 halves the segment, and may end at another crossing than the nearest.
+/// Algorithm 1 bisects the segment, and may end at another crossing than the nearest.
 #[test]
 fn algorithm_1_may_find_another_crossing() {
     let robot = Robot::lbr_iiwa_7_r800();

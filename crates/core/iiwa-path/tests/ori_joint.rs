@@ -1,4 +1,4 @@
-//! Paths on which the wrist's joints go evenly: through where A6 is 0.
+//! Paths with linear wrist joints, through poses with A6 = 0.
 
 #![expect(clippy::unwrap_used, reason = "a test fails by it")]
 
@@ -28,7 +28,7 @@ fn tcp() -> Pose {
     Pose::from_xyz_abc([0.015, 0.0, 0.12], [0.0, 20_f64.to_radians(), 0.0])
 }
 
-/// Where the TCP is at some joints, in degrees, as a target.
+/// Target at joint positions in degrees.
 fn target(joints_deg: [f64; 7]) -> Value {
     let joints = joints_deg.map(f64::to_radians);
     let robot = Robot::default();
@@ -50,7 +50,8 @@ fn only_move(path: &JointPath) -> &dyn Segment {
     moves.unwrap()
 }
 
-/// A6 goes from 30 to -25 degrees: with the orientation along a turn of the TCP the arm would be singular.
+/// A6 changes from 30 to -25 degrees: with the orientation law `variable`, the path would be
+/// singular.
 #[test]
 fn a_line_passes_the_wrist_singularity() {
     let end = [16.0, 45.0, 20.0, -62.0, 5.0, -25.0, 60.0];
@@ -77,7 +78,7 @@ fn a_line_passes_the_wrist_singularity() {
     assert!(least < 0.01, "{least}");
     let off = (0..7).map(|j| (way.at(1.0).q[j] - end[j].to_radians()).abs()).fold(0.0, f64::max);
     assert!(off < 1e-9, "{off}");
-    // The usual law keeps the status of the start, and does not end there.
+    // The default law keeps the status of the start, and does not end in that of the target.
     let usual = plan(&program(&lin("variable")));
     assert!(usual.is_err() || (only_move(&usual.unwrap()).at(1.0).q[5] > 0.0));
 }
@@ -129,7 +130,7 @@ fn it_reads_back_and_is_refused_where_it_cannot_be() {
     }
 }
 
-/// A blend by the turn that is left: the wrist's joints tell.
+/// A blend by the remaining rotation, which the wrist joints determine.
 #[test]
 fn blends_by_orientation_are_small() {
     let end = [16.0, 45.0, 20.0, -62.0, 5.0, -25.0, 60.0];

@@ -1,6 +1,6 @@
-//! What a program says: the JSON form, and what its words mean.
+//! Programs: their JSON form and its meaning.
 
-// Numbers come back to the last bit on purpose; helpers of tests may fail.
+// Numbers are compared to the last bit on purpose; test helpers may panic.
 #![allow(clippy::float_cmp, clippy::unwrap_used)]
 
 use std::f64::consts::PI;
@@ -42,7 +42,8 @@ fn reach(path: &JointPath) -> f64 {
     path.blends().next().unwrap().1.tangent_lengths_rad()[0]
 }
 
-/// Steps with all their numbers, to be compared: segments of any shape cannot be.
+/// Formats steps with all their numbers for comparison, because segments of any shape cannot be
+/// compared.
 fn shown(steps: &[Step]) -> Vec<String> {
     steps.iter().map(|step| format!("{step:?}")).collect()
 }
@@ -104,7 +105,7 @@ fn a_fraction_is_of_the_shorter_neighbour() {
     }
 }
 
-/// Sunrise's 1 is half of a motion.
+/// `sunrise_rel` 1 is half of a motion.
 #[test]
 fn sunrise_rel_is_twice_the_fraction() {
     for x in [0.05, 0.3, 1.0] {
@@ -137,7 +138,7 @@ fn small_blends_are_stops() {
     }
 }
 
-/// A blend rounds a corner between two motions that move: beside one that does not, the arm stops.
+/// A blend requires motion on both sides of a corner: otherwise the robot stops.
 #[test]
 fn a_repeated_target_only_settles() {
     let (a, b) = ([0.5; 7], [0.2; 7]);
@@ -197,7 +198,7 @@ fn a_wait_stands_after_settling() {
     );
 }
 
-/// A change of the load is a wait of no time, after which the arm carries something else.
+/// A change of payload is a wait of zero duration, with another payload afterwards.
 #[test]
 fn a_change_of_the_load_takes_no_time() {
     let motions = |between: &str| {
@@ -245,7 +246,8 @@ fn a_list_of_motions_stands_alone_and_reads_back() {
     assert!(error.to_string().contains("`motions`"), "{error}");
 }
 
-/// A blend that swings beyond its targets leaves the range of joint 2 at either end of it by as much.
+/// A blend that overshoots its targets leaves the range of joint 2 at either end by the same
+/// amount.
 #[test]
 fn blends_beyond_either_end_of_the_range_are_refused() {
     let outside = |sign: f64, at_deg: f64| {

@@ -1,4 +1,4 @@
-//! Splines of the TCP: they go through their frames, smoothly, and along their lines and circles.
+//! TCP splines: they pass through their frames smoothly, and follow their lines and circles.
 
 #![expect(clippy::unwrap_used, reason = "a test fails by it")]
 
@@ -7,7 +7,7 @@ use iiwa_path::{JointPath, Segment, Step};
 use iiwa_program::{LimitKind, MotionIndex, Program};
 use serde_json::{Value, json};
 
-/// Where the programs start: the wrist is away from all singular poses.
+/// Start of the programs, with the wrist away from all singular poses.
 const START_DEG: [f64; 7] = [0.0, 20.0, 0.0, -110.0, 0.0, -40.0, 90.0];
 
 fn program(motions: &Value) -> Value {
@@ -21,7 +21,8 @@ fn plan(program: &Value) -> Result<JointPath, String> {
         .map_err(|fault| format!("{fault}, at {}", fault.place_in(&text)))
 }
 
-/// A frame next to the start: `y` and `z` in mm from it, turned by `turn_deg` about the vertical axis.
+/// A frame near the start: `y` and `z` in mm from it, rotated by `turn_deg` about the vertical
+/// axis.
 fn frame(y: f64, z: f64, turn_deg: f64) -> Value {
     let start = Robot::default().flange_pose(&START_DEG.map(f64::to_radians));
     let [x_mm, y_mm, z_mm] = start.position_m.map(|m| 1e3 * m);
@@ -38,7 +39,7 @@ fn spline(segments: &[Value]) -> Value {
     json!({ "type": "spline", "segments": segments })
 }
 
-/// What moves, in order, up to the first stop.
+/// Segments of motion, in order, up to the first stop.
 fn moves(path: &JointPath) -> Vec<&dyn Segment> {
     let steps = path.steps().iter();
     let moves = steps.map_while(|step| match step {
@@ -56,7 +57,7 @@ fn off(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
 }
 
-/// By how much the path jumps where segments meet: q, and its first two derivatives by sigma.
+/// Largest jumps of the path where segments meet: of q, and of its first two derivatives by sigma.
 fn jumps(moves: &[&dyn Segment]) -> [f64; 3] {
     let mut worst = [0.0_f64; 3];
     for ends in moves.windows(2) {
@@ -71,7 +72,7 @@ fn jumps(moves: &[&dyn Segment]) -> [f64; 3] {
     worst
 }
 
-/// The figure of eight of the robot's examples, and a turn along it.
+/// The figure of eight of the robot examples, with a rotation along it.
 fn eight() -> Vec<Value> {
     [(50, 50), (100, 0), (50, -50), (0, 0), (-50, 50), (-100, 0), (-50, -50), (0, 0)]
         .map(|(y, z)| segment("spl", frame(f64::from(y), f64::from(z), 0.1 * f64::from(y))))
@@ -96,7 +97,7 @@ fn it_goes_through_its_frames_without_a_stop() {
     assert!(q < 2e-9 && dq < 1e-7 && ddq < 1e-5, "{q} {dq} {ddq}");
 }
 
-/// All frames are in one plane: so is the path.
+/// All frames are in one plane, and so is the path.
 #[test]
 fn it_stays_in_the_plane_of_its_frames() {
     let path = plan(&program(&json!([spline(&eight())]))).unwrap();
@@ -109,7 +110,7 @@ fn it_stays_in_the_plane_of_its_frames() {
     }
 }
 
-/// Backwards through the same frames it goes the same way.
+/// The same frames in reverse give the same path.
 #[test]
 fn backwards_it_goes_the_same_way() {
     let places = [[60.0, 40.0], [90.0, -20.0], [20.0, -60.0], [-40.0, -10.0], [0.0, 0.0]];
@@ -119,7 +120,7 @@ fn backwards_it_goes_the_same_way() {
     back.extend(places[..4].iter().rev().copied().map(spl));
     back.push(spl([0.0, 0.0]));
     let forth = plan(&program(&json!([spline(&forth)]))).unwrap();
-    // Its first segment goes nowhere, and is left out.
+    // The first segment in reverse has zero length and is omitted.
     let back = plan(&program(&json!([spline(&back)]))).unwrap();
     let (forth, back) = (moves(&forth), moves(&back));
     assert_eq!(forth.len(), back.len());
@@ -152,7 +153,7 @@ fn of_one_segment_it_is_a_line() {
     }
 }
 
-/// Next to a line or a circle, a spline takes its direction and curvature.
+/// Next to a line or a circle, a spline continues its direction and curvature.
 #[test]
 fn its_neighbours_bend_to_lines_and_circles() {
     let mut circ = segment("circ", frame(-100.0, 0.0, 0.0));
@@ -183,7 +184,7 @@ fn its_neighbours_bend_to_lines_and_circles() {
     }
 }
 
-/// The centre of the circle through three points of a plane of constant x: y and z in m.
+/// Centre of the circle through three points in a plane of constant x: y and z in m.
 fn circle(frames: [Value; 3]) -> [f64; 2] {
     let [[ay, az], [by, bz], [cy, cz]] =
         frames.map(|frame| ["y_mm", "z_mm"].map(|key| 1e-3 * frame[key].as_f64().unwrap()));
@@ -238,14 +239,15 @@ fn orientations_are_kept_or_ignored() {
         let turned = pose(&way.at(1.0).q);
         (turned.abc_rad()[0] - pose(path.start_rad()).abc_rad()[0]).to_degrees()
     };
-    // In between, by the chords: 50 of 110 mm.
+    // In between, in proportion to chord length: 50 of 110 mm.
     assert!((turn_deg(moves[2]) - 20.0 * 50.0 / 110.0).abs() < 1e-6, "{}", turn_deg(moves[2]));
     assert!((turn_deg(moves[3]) - 20.0).abs() < 1e-6);
     let [q, dq, ddq] = jumps(&moves);
     assert!(q < 2e-9 && dq < 1e-7 && ddq < 1e-5, "{q} {dq} {ddq}");
 }
 
-/// The same pose with another E1 is a motion of the elbow with the TCP at rest, in a spline too: it stops before and after.
+/// The same pose with another E1 is a motion of the elbow with the TCP at rest, also in a spline,
+/// with a stop before and after.
 #[test]
 fn the_elbow_may_move_alone() {
     let mut elbow = frame(60.0, 0.0, 0.0);
@@ -276,7 +278,7 @@ fn the_elbow_may_move_alone() {
     }
 }
 
-/// To a frame, back, and on: stops where the TCP turns back, and where it turned back to.
+/// To a frame, back, and on: stops where the TCP reverses, and at the repeated frame.
 #[test]
 fn it_stops_at_reversals_and_repeated_points() {
     let stops = |places: &[[f64; 2]]| {
@@ -313,7 +315,8 @@ fn a_spline_can_be_blended() {
     assert_eq!(moves.len(), 7);
     let [q, dq, ddq] = jumps(&moves);
     assert!(q < 3e-9 && dq < 1e-6 && ddq < 1e-4, "{q} {dq} {ddq}");
-    // The first blend leaves the first line 15 mm before its end, or less: both sides are as long.
+    // The first blend starts at most 15 mm before the end of the first line: both sides have equal
+    // length.
     let left = pose(&moves[1].at(0.0).q).position_m[2] - pose(path.start_rad()).position_m[2];
     assert!((left - 0.045).abs() < 1e-8, "{left}");
 }
@@ -361,7 +364,7 @@ fn what_cannot_be_is_refused_with_its_place() {
             vec!["segment 2", "`aux` is for segments of type `circ`"],
         ),
         (spline(&[spl(), segment("spl", far)]), vec!["motion 1", "segment 2", "mm too short"]),
-        (spline(&[segment("lin", json!("home"))]), vec!["segment 1", "there is no frame `home`"]),
+        (spline(&[segment("lin", json!("home"))]), vec!["segment 1", "unknown frame `home`"]),
         (spline(&[segment("ptp", to())]), vec!["motion 1", "`ptp`"]),
         (spline(&[json!([1, 2])]), vec!["motion 1", "expected"]),
         (
@@ -383,7 +386,7 @@ fn what_cannot_be_is_refused_with_its_place() {
     }
 }
 
-/// A turn by a frame that was taught a little beside is a short segment.
+/// A rotation to a frame taught slightly beside the last one is a short segment.
 #[test]
 fn turns_in_place_may_be_a_little_off() {
     for (off_mm, stops) in [(0.0, 2), (1e-4, 2), (0.05, 0), (1.0, 0)] {
@@ -404,14 +407,14 @@ fn turns_in_place_may_be_a_little_off() {
     }
 }
 
-/// A single SPL has no list of segments.
+/// A single SPL is not a list of segments.
 #[test]
 fn a_single_spl_is_refused_at_its_frame() {
     let refused = plan(&program(&json!([{ "type": "spl", "frame": "home" }]))).unwrap_err();
-    assert!(refused.starts_with("motion 1: there is no frame `home`"), "{refused}");
+    assert!(refused.starts_with("motion 1: unknown frame `home`"), "{refused}");
 }
 
-/// A segment has its own limits where it says so, and else those of the spline.
+/// A segment has its own limits if they are given, otherwise those of the spline.
 #[test]
 fn segments_have_limits_of_their_own() {
     let with = |mut segment: Value, limits: &Value| {
@@ -436,7 +439,7 @@ fn segments_have_limits_of_their_own() {
             (limits.acceleration_rad_s2()[0] - 0.4 * full.acceleration_rad_s2[0]).abs() < 1e-15
         );
     }
-    // Written and read, it is the same.
+    // Writing and reading keeps the program.
     let text = serde_json::to_string(&program(&json!([spline(&segments)]))).unwrap();
     let read = Program::from_json(&text).unwrap();
     assert_eq!(Program::from_json(&read.to_json()).unwrap(), read);

@@ -1,4 +1,4 @@
-//! A path knows which TCP each motion of its program moves.
+//! TCP of each motion of a program, as the path reports it.
 
 #![expect(clippy::unwrap_used, reason = "a test fails by it")]
 
@@ -22,7 +22,7 @@ fn a_motion_moves_the_tcp_of_its_tool() {
     let mut program = Program::from_json(TEXT).unwrap();
     let [tool, left] = [[0.0, 0.0, 120.0], [0.0, 40.0, 120.0]];
     let mut expected = vec![tool; program.motions.len()];
-    // The next one, to joint positions, has the program's tool again.
+    // The next motion, to joint positions, has the tool of the program again.
     expected[6] = left;
     let of = path(&program);
     assert!(of.has_tools());
@@ -82,10 +82,10 @@ fn a_tool_that_is_not_there_is_a_fault() {
         Program::from_json(include_str!("../../../../fixtures/ten-motions.json")).unwrap();
     program.workcell.tool = Some("gripper".to_owned());
     let fault = JointPath::new(&program, &Robot::default()).unwrap_err();
-    assert!(fault.to_string().contains("no tool `gripper`"), "{fault}");
+    assert!(fault.to_string().contains("unknown tool `gripper`"), "{fault}");
 }
 
-/// A distance from the target is that of the TCP, between point-to-point motions, too.
+/// A blend radius is a distance of the TCP, also between point-to-point motions.
 #[test]
 fn blends_are_as_large_as_the_tcp_says() {
     const RADIUS_MM: f64 = 60.0;
@@ -106,6 +106,6 @@ fn blends_are_as_large_as_the_tcp_says() {
         let end = at(&blend.at(s).q);
         std::iter::zip(end, target).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt()
     });
-    // Both sides are as long as the shorter one in joint space; that one ends on the sphere.
+    // Both sides have the joint-space length of the shorter one, whose end is on the sphere.
     assert!(off.iter().any(|mm| (mm - RADIUS_MM).abs() < 1e-6), "{off:?}");
 }

@@ -1,4 +1,4 @@
-//! Targets whose turn is not that of the joints there.
+//! Targets whose turn contradicts the joints there.
 
 #![expect(clippy::unwrap_used, reason = "a test fails by it")]
 
@@ -9,7 +9,7 @@ use serde_json::{Value, json};
 
 const JOINTS_DEG: [f64; 7] = [10.0, 40.0, -15.0, -70.0, 20.0, 60.0, -30.0];
 
-/// The frame of the flange at `joints_deg`, with all that a controller writes of it.
+/// The frame of the flange at `joints_deg`, with all redundancy values that a controller writes.
 fn taught(joints_deg: [f64; 7], turn: u8) -> Value {
     let robot = Robot::default();
     let joints_rad = joints_deg.map(f64::to_radians);
@@ -64,7 +64,7 @@ fn signs_of_joints_at_zero_do_not_count() {
             "motions": [{ "type": "ptp", "frame": taught(joints_deg, turn) }]
         })
     };
-    // Of A1, A3, A5 and A7.
+    // Bits of A1, A3, A5 and A7.
     for bits in [0b000_1000, 0b000_1001, 0b000_1100, 0b001_1000, 0b101_1101] {
         assert_eq!(found(&to(bits)), [], "{bits}");
     }

@@ -1,6 +1,6 @@
-//! A path that is updated is the path of its program.
+//! An updated path equals the path of its program.
 
-// Helpers of tests may fail.
+// Test helpers may panic.
 #![allow(clippy::unwrap_used)]
 
 use iiwa_kin::Robot;
@@ -11,7 +11,7 @@ use proptest::prelude::*;
 fn motion() -> impl Strategy<Value = Motion> {
     let target = prop_oneof![
         4 => prop::array::uniform7(-1.0..1.0_f64),
-        // Twice the same target, or one straight on, leaves something out.
+        // A repeated target, or one straight on, makes the path omit steps.
         1 => (0..3_i32).prop_map(|place| [0.2 * f64::from(place), 0.0, 0.0, -0.5, 0.0, 0.0, 0.0]),
     ];
     let blend = prop_oneof![
@@ -30,7 +30,7 @@ fn motion() -> impl Strategy<Value = Motion> {
     ]
 }
 
-/// Without blends that lead nowhere.
+/// Removes blends without a motion after them.
 fn cleaned(motions: Vec<Motion>) -> Vec<Motion> {
     let leads_on: Vec<_> =
         motions.iter().skip(1).map(|next| matches!(next, Motion::Ptp(_))).chain([false]).collect();
@@ -101,14 +101,14 @@ fn replaces_little_of_a_long_path() {
     let Motion::Ptp(ptp) = &mut program.motions[50] else { panic!() };
     ptp.target_rad[0] += 0.1;
     let target = path.update(&program, PathOptions::default(), MotionIndex::new(50)).unwrap();
-    // Three blends, the two lines between them and one on either side.
+    // Three blends, the two lines in between, and one line on either side.
     assert_eq!(target.after.len(), 7);
     assert_eq!(target.before, target.after);
 
     let Motion::Ptp(ptp) = &mut program.motions[50] else { panic!() };
     ptp.velocity_rel = [0.5; 7];
     let speed = path.update(&program, PathOptions::default(), MotionIndex::new(50)).unwrap();
-    // Its line, and the blend that leads into it.
+    // The line of the motion, and the blend that leads into it.
     assert_eq!(speed.after.len(), 2);
     let nothing = path.update(&program, PathOptions::default(), MotionIndex::new(50)).unwrap();
     assert!(nothing.after.is_empty() && nothing.before.is_empty());

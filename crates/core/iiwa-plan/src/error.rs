@@ -5,64 +5,64 @@ use iiwa_kin::{ProfileError, Robot};
 use iiwa_program::{MotionIndex, ProgramError, Sources};
 use iiwa_traj::{PlanError, TimingError};
 
-/// Reason why a program cannot be read or planned. The message of [`Display`](std::fmt::Display) ends with the place in the
-/// program's text, where there is one.
+/// Error: a program cannot be read or planned. The message of [`Display`](std::fmt::Display) ends
+/// with the place in the program's text, if known.
 #[derive(Clone, Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
     /// A file cannot be read.
     #[error("cannot read {file}: {reason}")]
     File {
-        /// The path of the file.
+        /// Path of the file.
         file: String,
-        /// The reason, as the system reports it.
+        /// Reason reported by the operating system.
         reason: String,
     },
     /// The text is not a valid program.
     #[error(transparent)]
     Program(#[from] ProgramError),
-    /// The program names a robot that is neither built in nor a profile that can be read.
+    /// The program names a robot that is neither built in nor a readable profile.
     #[error("{}, at {place}", unknown_robot(.name, .reason))]
     UnknownRobot {
-        /// The name in the program.
+        /// Robot name in the program.
         name: String,
-        /// The reason why it is not read as a profile.
+        /// Reason why the name is not read as a profile.
         reason: String,
-        /// The place at which the program names it.
+        /// Place of the robot name in the program.
         place: Place,
     },
-    /// The profile of the robot that the program names is not valid.
+    /// The profile of the robot named by the program is not valid.
     #[error("the robot's profile {file}: {error}")]
     Profile {
-        /// The path of the profile.
+        /// Path of the profile.
         file: String,
-        /// Its text.
+        /// Text of the profile.
         text: String,
-        /// The fault, with its place in that text.
+        /// Error, with its place in the profile's text.
         error: Box<ProfileError>,
     },
-    /// The program is valid, and has no plan for the robot.
+    /// The program is valid but cannot be planned for the robot.
     #[error("{message}{}", .place.as_ref().map_or(String::new(), |place| format!(", at {place}")))]
     Plan {
-        /// The fault, with the sources of the motions that it names.
+        /// Message, with the sources of the motions that it names.
         message: String,
-        /// The place in the text of the program; none if no motion of it is at fault.
+        /// Place in the text of the program; `None` if no motion is at fault.
         place: Option<Place>,
-        /// The motion at fault.
+        /// Motion at fault.
         motion: Option<MotionIndex>,
-        /// The error of the planner.
+        /// Planner error.
         error: Box<PlanError>,
     },
 }
 
 impl Error {
-    /// The error of a robot that a program, read from `text`, names in vain.
+    /// Error of a program, read from `text`, that names an unknown robot.
     pub(crate) fn unknown_robot(name: &str, reason: impl Into<String>, text: &str) -> Self {
         let place = locate(text, &[Step::Key("robot")]);
         Self::UnknownRobot { name: name.to_owned(), reason: reason.into(), place }
     }
 
-    /// The error of a program that was read from `text` and cannot be planned.
+    /// Error of a program, read from `text`, that cannot be planned.
     #[must_use]
     pub fn plan(error: PlanError, sources: &Sources, text: &str) -> Self {
         let message = sources.in_message(&error.to_string());
@@ -75,7 +75,7 @@ impl Error {
         Self::Plan { message, place, motion, error: Box::new(error) }
     }
 
-    /// The message without the place.
+    /// Error message without the place.
     #[must_use]
     pub fn what(&self) -> String {
         match self {
@@ -86,7 +86,8 @@ impl Error {
         }
     }
 
-    /// The place in the program's text; none of a file that cannot be read, and of a fault in the profile of the robot.
+    /// Place in the program's text; `None` for an unreadable file or an error in the robot's
+    /// profile.
     #[must_use]
     pub fn place(&self) -> Option<&Place> {
         match self {
@@ -97,7 +98,7 @@ impl Error {
         }
     }
 
-    /// The motion at fault, if it is one.
+    /// Motion at fault, if any.
     #[must_use]
     pub fn motion(&self) -> Option<MotionIndex> {
         match self {
@@ -107,7 +108,7 @@ impl Error {
         }
     }
 
-    /// True if the planning was interrupted.
+    /// Returns true if the planning was interrupted.
     #[must_use]
     pub fn is_interrupt(&self) -> bool {
         let Self::Plan { error, .. } = self else { return false };

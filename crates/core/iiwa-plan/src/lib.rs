@@ -1,8 +1,9 @@
 //! Plans of motion programs: from a text or a file to the trajectory, its figures and its warnings.
 //!
-//! A [`ProgramSource`] is a program with the files that it names. A [`PlanRequest`] says for which robot and how it is
-//! planned: [`PlanRequest::plan`] gives the whole [`Plan`], [`PlanRequest::begin`] a [`Planning`], which plans section by section
-//! in bounded memory. All failures are an [`Error`] with its place in the program's text.
+//! A [`ProgramSource`] is a program with the files that it names. A [`PlanRequest`] selects robot,
+//! limits and planning options: [`PlanRequest::plan`] returns the whole [`Plan`],
+//! [`PlanRequest::begin`] a [`Planning`], which plans section by section in bounded memory. All
+//! failures are reported as an [`Error`] with its place in the program's text.
 //!
 //! ```
 //! use iiwa_plan::{PlanRequest, ProgramSource};

@@ -1,4 +1,4 @@
-//! The plan of a whole program.
+//! Plan of a whole program.
 
 use std::sync::Arc;
 
@@ -8,31 +8,31 @@ use iiwa_traj::Trajectory;
 
 use crate::{PlanFigures, PlanOptions, warnings::warnings};
 
-/// The plan of a whole program.
+/// Plan of a whole program.
 #[derive(Clone, Debug)]
 pub struct Plan {
-    /// The program with the limits of the request.
+    /// Program with the limits of the request.
     pub program: Arc<Program>,
-    /// Its trajectory.
+    /// Trajectory of the program.
     pub trajectory: Trajectory,
     /// Options of path and timing.
     pub options: PlanOptions,
 }
 
 impl Plan {
-    /// The robot that it was planned for.
+    /// Robot for which the program was planned.
     #[must_use]
     pub fn robot(&self) -> &Robot {
         self.trajectory.path().robot()
     }
 
-    /// The figures.
+    /// Figures of the plan.
     #[must_use]
     pub fn figures(&self) -> PlanFigures {
         PlanFigures::of(&self.trajectory, &self.options)
     }
 
-    /// Warnings about the program and its torques, for people.
+    /// Warnings about the program and its torques, as messages for the user.
     #[must_use]
     pub fn warnings(&self, figures: &PlanFigures) -> Vec<String> {
         let mut all = warnings(&self.program, self.trajectory.path());

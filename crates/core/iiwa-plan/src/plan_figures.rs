@@ -1,4 +1,4 @@
-//! The figures of a plan: its times, its motions and its blends.
+//! Figures of a plan: times, motions and blends.
 
 use std::borrow::Cow;
 use std::fmt;
@@ -18,77 +18,78 @@ use crate::{
     rests_on::{self, AssumptionRecord},
 };
 
-/// The figures of a plan. As JSON, this is the object of `iiwasim plan --json`; in a file, each key is an
-/// entry of the metadata record `iiwasim`.
+/// Figures of a plan. As JSON, this is the object of `iiwasim plan --json`; in a file, each key is
+/// an entry of the metadata record `iiwasim`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct PlanFigures {
-    /// From the start to the end of the last settling or waiting, in s.
+    /// Time from the start to the end of the last settling or waiting, in s.
     pub cycle_time_s: f64,
-    /// The part of it in motion, in s.
+    /// Part of the cycle time in motion, in s.
     pub motion_time_s: f64,
-    /// The part of it in which the arm settles, in s.
+    /// Part of the cycle time in which the robot settles, in s.
     pub settle_time_s: f64,
-    /// The part of it in which the program waits, in s.
+    /// Part of the cycle time in which the program waits, in s.
     pub wait_time_s: f64,
-    /// How it was timed: `sunrise`, `jerk` or `acceleration`.
+    /// Timing method: `sunrise`, `jerk` or `acceleration`.
     pub timing: Cow<'static, str>,
-    /// The robot's name.
+    /// Robot name.
     pub robot: String,
-    /// Samples per blend of the sweep under limits of acceleration.
+    /// Number of samples per blend in the sweep under acceleration limits.
     pub samples: u32,
-    /// The limit of torques, in per cent of the robot's, if they were limited.
+    /// Torque limit, in per cent of the robot's torque limits, if any.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub limit_torque_percent: Option<f64>,
-    /// The controller's override, in per cent, if it is not 100.
+    /// Override of the controller, in per cent, if not 100.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub override_percent: Option<f64>,
-    /// Limits of the robot that the figures rest on and no source states.
+    /// Assumed robot limits that the figures depend on, for which no source gives a value.
     pub assumptions: Vec<String>,
-    /// What is assumed of the controller, as far as the time rests on it.
+    /// Assumptions about the controller that the cycle time depends on.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub rests_on: Vec<AssumptionRecord>,
-    /// How near the arm comes to the scene, if there is one with obstacles.
+    /// Smallest distance between the arm and the scene, if there is a scene with obstacles.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub clearance: Option<ClearanceRecord>,
-    /// How near the arm comes to itself, if there is a scene.
+    /// Smallest distance of the arm from itself, if there is a scene.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub self_clearance: Option<SelfClearanceRecord>,
-    /// The work of the joints, behind the gears; none of a plan without motions, or of an earlier version.
+    /// Work of the joints on the output side of the gears; absent for a plan without motions, or of
+    /// an earlier version.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub energy_j: Option<EnergyRecord>,
-    /// The most that the joints give at once, likewise.
+    /// Largest total power of the joints; absent in the same cases.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub power: Option<PowerRecord>,
-    /// The motions of the program, in order.
+    /// Motions of the program, in order.
     pub motions: Vec<MotionRecord>,
-    /// The blends between them, in order.
+    /// Blends between the motions, in order.
     pub blends: Vec<BlendRecord>,
-    /// Those before which the arm stops, since the motions after them are not known in time.
+    /// Blends before which the robot stops because the next motion is not known in time.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub blends_too_late: Vec<LateBlendRecord>,
 }
 
-/// A blend into a motion that is not known in time: the arm stops where it begins.
+/// A blend into a motion that is not known in time: the robot stops at the start of the blend.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct LateBlendRecord {
-    /// The motion whose target it blends away, from 1.
+    /// Motion whose target is blended, from 1.
     pub after_motion: usize,
-    /// When the waits before the next motion are over, and it is known, in s.
+    /// Time at which the next motion is known, after the preceding waits, in s.
     pub known_s: f64,
-    /// By when it would have to be known for the arm not to stop, in s.
+    /// Latest time at which the next motion would have to be known to avoid the stop, in s.
     pub needed_s: f64,
 }
 
-/// What a motion was made from.
+/// Source line of a motion.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct SourceRecord {
-    /// The file's name.
+    /// File name.
     pub file: String,
-    /// The line, from 1.
+    /// Line number, from 1.
     pub line: u32,
 }
 
-/// As compilers write it: `Welding.java:84`.
+/// Writes `Welding.java:84`, as compilers do.
 impl fmt::Display for SourceRecord {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { file, line } = self;
@@ -96,127 +97,127 @@ impl fmt::Display for SourceRecord {
     }
 }
 
-/// Where the arm comes nearest to the scene.
+/// Smallest distance between the arm and the scene.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ClearanceRecord {
     /// Distance in mm; 0 if the arm touches the obstacle.
     pub distance_mm: f64,
-    /// The arm's link, 2 to 7, or 8 for the tool.
+    /// Link of the arm, 2 to 7, or 8 for the tool.
     pub link: usize,
-    /// The obstacle's name.
+    /// Obstacle name.
     pub obstacle: String,
-    /// When, in s.
+    /// Time, in s.
     pub at_s: f64,
 }
 
-/// Where the arm comes nearest to itself.
+/// Smallest distance of the arm from itself.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SelfClearanceRecord {
     /// Distance in mm; 0 if the two links touch.
     pub distance_mm: f64,
-    /// The link that comes near, 3 to 7, or 8 for the tool.
+    /// First link, 3 to 7, or 8 for the tool.
     pub link: usize,
-    /// The link that it comes near to, 0 to 5.
+    /// Second link, 0 to 5.
     pub other_link: usize,
-    /// When, in s.
+    /// Time, in s.
     pub at_s: f64,
 }
 
 /// A motion of the program, or a wait.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct MotionRecord {
-    /// The place in the program, from 1.
+    /// Number in the program, from 1.
     pub index: usize,
-    /// `ptp`, `lin`, `lin_rel`, `circ`, `spline`, `spl` or `wait`.
+    /// Type: `ptp`, `lin`, `lin_rel`, `circ`, `spline`, `spl` or `wait`.
     pub r#type: Cow<'static, str>,
-    /// When it starts, in s.
+    /// Start time, in s.
     pub start_s: f64,
-    /// When it ends, in s.
+    /// End time, in s.
     pub end_s: f64,
-    /// The largest share of its velocity limit that any joint reaches, 0 to 1.
+    /// Largest share of its velocity limit that any joint reaches, 0 to 1.
     pub peak_velocity_rel: f64,
-    /// The limit that binds for the longest time, if any does.
+    /// Limit that is active for the longest time, if any.
     pub limited_by: Option<LimitRecord>,
-    /// All limits that bind, with their shares of the time.
+    /// Active limits, with their shares of the time.
     pub limits: Vec<LimitShareRecord>,
-    /// What there is to say of the TCP of a motion to a frame, or of a program with a tool.
+    /// TCP figures of a motion to a frame, or of a program with a tool.
     #[serde(flatten, default, skip_serializing_if = "Option::is_none")]
     pub cartesian: Option<CartesianRecord>,
-    /// Its torques, behind the gears; none in a plan of an earlier version.
+    /// Torques on the output side of the gears; absent in a plan of an earlier version.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub torque: Option<TorqueRecord>,
-    /// What it was made from, if that is known.
+    /// Source line, if known.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub source: Option<SourceRecord>,
 }
 
-/// What there is to say of the TCP of a motion to a frame.
+/// TCP figures of a motion to a frame.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct CartesianRecord {
-    /// Its top speed, in mm/s.
+    /// Top TCP speed, in mm/s.
     pub tcp_speed_peak_mm_s: f64,
-    /// Where the arm is nearest to a singularity.
+    /// Smallest distance from a singularity.
     pub singularity: SingularityRecord,
-    /// The status at the motion's end, 0 to 7.
+    /// Status at the end of the motion, 0 to 7.
     pub status: u8,
-    /// E1, the position of A3, at its start and at its end, in deg.
+    /// E1, the position of A3, at the start and at the end of the motion, in deg.
     pub e1_deg: [f64; 2],
 }
 
-/// Where the arm is nearest to a singularity.
+/// Smallest distance of the arm from a singularity.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SingularityRecord {
-    /// How near: 0 in the singularity, 1 at most.
+    /// Distance: 0 at the singularity, 1 at most.
     pub least: f64,
-    /// When, in s.
+    /// Time, in s.
     pub at_s: f64,
-    /// `shoulder`, `elbow` or `wrist`.
+    /// Singular part: `shoulder`, `elbow` or `wrist`.
     pub axis: Cow<'static, str>,
 }
 
-/// A limit and the share of a motion's time for which it binds.
+/// A limit with the share of a motion's time for which it is active.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct LimitShareRecord {
-    /// The limit.
+    /// Limit.
     #[serde(flatten)]
     pub limit: LimitRecord,
     /// Share of the time, 0 to 1.
     pub share: f64,
 }
 
-/// A limit of a joint or of the TCP.
+/// A joint limit or a TCP limit.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct LimitRecord {
-    /// The joint, 1 to 7; none if the TCP is limited.
+    /// Joint, 1 to 7; `None` for a TCP limit.
     pub joint: Option<usize>,
-    /// `velocity`, `acceleration` or `jerk`; of the TCP the same after `cart_` (along its way) or `orientation_` (as it
-    /// turns).
+    /// Kind: `velocity`, `acceleration` or `jerk`; for a TCP limit with the prefix `cart_` (along
+    /// the path) or `orientation_` (angular).
     pub kind: Cow<'static, str>,
 }
 
 /// A blend between two motions.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct BlendRecord {
-    /// The motion whose target it blends away, from 1.
+    /// Motion whose target is blended, from 1.
     pub after_motion: usize,
-    /// The angle between the two motions in joint space, in deg.
+    /// Angle between the two motions in joint space, in deg.
     pub gamma_deg: f64,
-    /// Joint positions where it starts, in rad.
+    /// Joint positions at the start of the blend, in rad.
     pub start_rad: [f64; 7],
-    /// Joint positions where it ends, in rad.
+    /// Joint positions at the end of the blend, in rad.
     pub end_rad: [f64; 7],
-    /// Joint positions half-way, in rad.
+    /// Joint positions at the middle of the blend, in rad.
     pub mid_rad: [f64; 7],
-    /// The flange's position there, in m.
+    /// Flange position at the middle of the blend, in m.
     pub mid_tcp_m: [f64; 3],
-    /// When it starts, in s.
+    /// Start time, in s.
     pub start_s: f64,
-    /// When it ends, in s.
+    /// End time, in s.
     pub end_s: f64,
 }
 
 impl MotionRecord {
-    /// Adds what it does after a stop on its way.
+    /// Appends the part of the motion after an intermediate stop.
     fn go_on(&mut self, next: Self) {
         let times = [self.end_s - self.start_s, next.end_s - next.start_s];
         let of_all = |share: f64, part: usize| share * times[part] / (times[0] + times[1]);
@@ -255,8 +256,8 @@ impl MotionRecord {
 }
 
 impl PlanFigures {
-    /// The figures of a plan without any section yet. `samples` are those per blend of the sweep, as they
-    /// were asked for.
+    /// Figures of a plan without sections. `samples` is the requested number of samples per blend
+    /// in the sweep.
     #[must_use]
     pub fn new(timing: Timing, robot: &Robot, samples: u32) -> Self {
         let used = |what: &str| match timing {
@@ -291,7 +292,7 @@ impl PlanFigures {
         }
     }
 
-    /// The figures of a whole trajectory, which was planned with `options`.
+    /// Figures of a whole trajectory planned with `options`.
     #[must_use]
     pub fn of(trajectory: &Trajectory, options: &PlanOptions) -> Self {
         let mut figures = Self::new(options.timing, trajectory.path().robot(), options.samples);
@@ -307,7 +308,7 @@ impl PlanFigures {
             wait_time_s: self.wait_time_s,
         };
         totals.add(section);
-        // What was given in per cent is not to be off by a bit.
+        // Rounded so that a value given in per cent is reproduced exactly.
         let percent = |share: f64| (1e11 * share).round() / 1e9;
         self.limit_torque_percent = section.path().torque_limit_rel().map(percent);
         let speed_override = section.path().speed_override();
@@ -320,14 +321,15 @@ impl PlanFigures {
         torques.add(section);
         self.energy_j.get_or_insert_default().add(&torques);
         self.power.get_or_insert_default().add(&torques);
-        // Both have the motions of the section, in order.
+        // Both contain the motions of the section, in order.
         let sources = section.path().sources();
         for (motion, torques) in zip(&section.motions(), &torques.motions) {
             let torque = Some(TorqueRecord::from(torques));
             let source = sources.of(motion.motion).map(SourceRecord::from);
             let motion = MotionRecord { torque, source, ..MotionRecord::from(motion) };
             match self.motions.last_mut().filter(|last| last.index == motion.index) {
-                // It stopped on its way, as a spline does where its segments do not join smoothly.
+                // The motion stopped on its way, as a spline does where segments do not join
+                // smoothly.
                 Some(last) => last.go_on(motion),
                 None => self.motions.push(motion),
             }
@@ -337,7 +339,7 @@ impl PlanFigures {
         self.blends_too_late.extend(section.late_blend().map(LateBlendRecord::from));
     }
 
-    /// Adds a clearance; the first of the smallest ones is kept.
+    /// Adds a clearance; the smallest is kept, the first of equal ones.
     pub fn add_clearance(&mut self, clearance: ClearanceRecord) {
         let nearest = self.clearance.as_ref().map(|nearest| nearest.distance_mm);
         if nearest.is_none_or(|distance_mm| clearance.distance_mm < distance_mm) {
@@ -345,7 +347,7 @@ impl PlanFigures {
         }
     }
 
-    /// Adds a clearance of the arm from itself; the first of the smallest ones is kept.
+    /// Adds a clearance of the arm from itself; the smallest is kept, the first of equal ones.
     pub fn add_self_clearance(&mut self, clearance: SelfClearanceRecord) {
         let nearest = self.self_clearance.as_ref().map(|nearest| nearest.distance_mm);
         if nearest.is_none_or(|distance_mm| clearance.distance_mm < distance_mm) {
@@ -353,7 +355,7 @@ impl PlanFigures {
         }
     }
 
-    /// The torque that is the largest share of its limit; none of figures without torques.
+    /// Torque with the largest share of its limit; `None` for figures without torques.
     ///
     /// ```
     /// use iiwa_kin::Joint;
@@ -371,14 +373,14 @@ impl PlanFigures {
     pub fn largest_torque(&self) -> Option<LargestTorque> {
         let torques =
             self.motions.iter().filter_map(|it| Some(it.torque.as_ref()?.largest(it.index)));
-        // Of the same share, the first one.
+        // Of equal shares, the first one is kept.
         torques.reduce(|most, next| if next.percent > most.percent { next } else { most })
     }
 
-    /// What is to be said of torques above their limits: a line for each motion, of its worst joint.
+    /// Warnings about torques above their limits: one line per motion, for its worst joint.
     #[must_use]
     pub fn torque_warnings(&self) -> Vec<String> {
-        /// Motions that are named, at most.
+        /// Largest number of motions that are named.
         const NAMED: usize = 10;
         let warning = |motion: &MotionRecord| {
             let what = motion.torque.as_ref()?.warning()?;
@@ -400,7 +402,7 @@ impl From<Limit> for LimitRecord {
     }
 }
 
-/// As it is shown: `A4 velocity`, or `cart velocity`.
+/// Writes `A4 velocity`, or `cart velocity`.
 impl fmt::Display for LimitRecord {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         if let Some(joint) = self.joint {

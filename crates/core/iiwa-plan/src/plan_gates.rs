@@ -1,34 +1,36 @@
-//! Gates of a plan: how long it may take, how near the arm may come to obstacles, what its joints may exert.
+//! Acceptance limits of a plan: cycle time, clearance and torque.
 
 use iiwa_json::printable;
 use iiwa_kin::part_name;
 
 use crate::{ClearanceRecord, LargestTorque, PlanFigures, SelfClearanceRecord};
 
-/// What a plan may take at most, how near the arm may come to obstacles, and what its joints may exert.
+/// Acceptance limits of a plan: cycle time, clearance and torque.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct PlanGates {
-    /// Longest cycle time, in s.
+    /// Largest cycle time, in s.
     pub max_cycle_time_s: Option<f64>,
-    /// Smallest clearance, in mm. An arm that touches an obstacle or itself does not meet any.
+    /// Smallest clearance, in mm. Contact with an obstacle or of the arm with itself fails any
+    /// limit.
     pub min_clearance_mm: Option<f64>,
-    /// Largest torque of any joint, behind its gear, in per cent of the robot's limit.
+    /// Largest torque of any joint on the output side of its gear, in per cent of the robot's
+    /// limit.
     pub max_torque_percent: Option<f64>,
 }
 
-/// Which gates a plan does not meet, and how.
+/// Acceptance limits that a plan violates, with messages.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct UnmetGates {
-    /// How it takes too long.
+    /// Message of an exceeded cycle time.
     pub too_long: Option<String>,
-    /// How the arm comes too near to an obstacle, or touches itself.
+    /// Message of a clearance that is too small, or of a self-collision.
     pub too_near: Option<String>,
-    /// How a joint exerts too much.
+    /// Message of an exceeded torque.
     pub overloaded: Option<String>,
 }
 
 impl PlanGates {
-    /// Judges a plan by its figures.
+    /// Checks a plan by its figures.
     #[must_use]
     pub fn judge(&self, figures: &PlanFigures) -> UnmetGates {
         let cycle_time_s = figures.cycle_time_s;
@@ -53,7 +55,7 @@ impl PlanGates {
 }
 
 impl UnmetGates {
-    /// All that is not met, if anything.
+    /// Message of all violated limits, if any.
     #[must_use]
     pub fn complaint(&self) -> Option<String> {
         let Self { too_long, too_near, overloaded } = self;
@@ -63,7 +65,7 @@ impl UnmetGates {
     }
 }
 
-/// How the arm comes too near to an obstacle, if it does. What touches is too near for any gate.
+/// Message of a clearance below the limit, if it is. Contact fails any limit, including 0.
 fn too_near(limit_mm: f64, nearest: &ClearanceRecord) -> Option<String> {
     let ClearanceRecord { distance_mm, link, obstacle, at_s } = nearest;
     let obstacle = printable(obstacle);
@@ -79,7 +81,8 @@ fn too_near(limit_mm: f64, nearest: &ClearanceRecord) -> Option<String> {
     }
 }
 
-/// How the arm touches itself, if it does. Its links are always near each other: no other distance of theirs is a fault.
+/// Message of a self-collision, if any. Adjacent links are always close to each other, so no
+/// positive distance is a fault.
 fn touches_itself(nearest: &SelfClearanceRecord) -> Option<String> {
     let SelfClearanceRecord { distance_mm, link, other_link, at_s } = nearest;
     let [part, other] = [*link, *other_link].map(part_name);

@@ -1,33 +1,34 @@
-//! How a program is planned.
+//! Options of path and timing.
 
 use iiwa_kin::Robot;
 use iiwa_path::{JointPath, PathOptions};
 use iiwa_program::Program;
 use iiwa_traj::{PlanError, Timing, Trajectory};
 
-/// How a program is planned.
+/// Options for planning a program.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct PlanOptions {
-    /// How its path is made.
+    /// Path options.
     pub path: PathOptions,
-    /// Which limits are kept.
+    /// Timing method, which determines the limits that apply.
     pub timing: Timing,
-    /// Samples per blend of the sweep under limits of acceleration, as the figures state them.
+    /// Number of samples per blend in the sweep under acceleration limits, as stated in the
+    /// figures.
     pub samples: u32,
 }
 
 impl PlanOptions {
-    /// The default path with this timing.
+    /// Default path options with this timing.
     #[must_use]
     pub fn with_timing(timing: Timing) -> Self {
         Self { timing, ..Self::default() }
     }
 
-    /// Plans a whole program for `robot`, whichever robot it names.
+    /// Plans a whole program for `robot`, regardless of the robot that the program names.
     ///
     /// # Errors
     ///
-    /// [`PlanError::Fault`] if the program asks for something that the robot cannot do,
+    /// [`PlanError::Fault`] if the program requires something that the robot cannot do,
     /// [`PlanError::Timing`] if no trajectory was found.
     pub fn plan(&self, program: &Program, robot: &Robot) -> Result<Trajectory, PlanError> {
         let path = JointPath::with_options(program, robot, self.path)?;

@@ -1,4 +1,4 @@
-//! Requests for plans: the robot, its limits, and how a program is planned.
+//! Plan requests: robot, limits and planning options.
 
 use std::sync::{Arc, atomic::AtomicBool};
 
@@ -9,29 +9,31 @@ use iiwa_traj::{Planner, Trajectory};
 
 use crate::{Error, Plan, PlanOptions, Planning, ProgramSource, warnings::warnings};
 
-/// Robot, limits and options for the plan of a program.
+/// Robot, limits and options for planning a program.
 ///
-/// A program is planned for the robot that it names, unless the request has another one.
+/// A program is planned for the robot that it names, unless the request overrides the robot.
 #[derive(Clone, Debug, Default)]
 pub struct PlanRequest {
-    /// Robot in place of the program's. A built-in model has the flange that the program states.
+    /// Robot that overrides the program's. A built-in model gets the flange length that the program
+    /// states.
     pub robot: Option<Robot>,
-    /// Robot of programs that name none, with the flange that they state.
+    /// Robot for programs that name none, with the flange length that they state.
     pub default_robot: Robot,
-    /// Limit of torques in place of the program's, as a share of the robot's limits.
+    /// Torque limit that overrides the program's, as a share of the robot's torque limits.
     pub torque_limit_rel: Option<f64>,
-    /// Override of the controller in place of the program's, as a share.
+    /// Override of the controller that replaces the program's, as a share.
     pub speed_override: Option<f64>,
     /// Options of path and timing.
     pub options: PlanOptions,
 }
 
 impl PlanRequest {
-    /// The robot that a program is planned for.
+    /// Robot for which a program is planned.
     ///
     /// # Errors
     ///
-    /// [`Error::UnknownRobot`] and [`Error::Profile`] if the program names a robot that cannot be read, and the request has none.
+    /// [`Error::UnknownRobot`] and [`Error::Profile`] if the program names a robot that cannot be
+    /// read, and the request does not override the robot.
     pub fn robot(&self, source: &ProgramSource) -> Result<Robot, Error> {
         match &self.robot {
             Some(robot) => Ok(requested(robot, &source.program)),
@@ -41,7 +43,7 @@ impl PlanRequest {
         }
     }
 
-    /// A program with the limits of the request.
+    /// Program with the limits of the request.
     fn limited(&self, source: &ProgramSource) -> Arc<Program> {
         let mut program = Arc::clone(&source.program);
         if self.torque_limit_rel.is_some() || self.speed_override.is_some() {
@@ -58,11 +60,11 @@ impl PlanRequest {
             .map_err(|fault| Error::plan(fault.into(), &program.sources, source.text.as_read()))
     }
 
-    /// Begins to plan a program section by section.
+    /// Starts planning a program section by section.
     ///
     /// # Errors
     ///
-    /// Any [`Error`] but [`Error::File`] and [`Error::Program`].
+    /// Any [`Error`] except [`Error::File`] and [`Error::Program`].
     pub fn begin(&self, source: &ProgramSource) -> Result<Planning, Error> {
         let program = self.limited(source);
         let path = self.path(source, &program)?;
@@ -75,16 +77,17 @@ impl PlanRequest {
     ///
     /// # Errors
     ///
-    /// As of [`begin`](Self::begin).
+    /// As for [`begin`](Self::begin).
     pub fn plan(&self, source: &ProgramSource) -> Result<Plan, Error> {
         self.plan_with(&mut None, source, &Arc::default())
     }
 
-    /// Plans a whole program with the memory of a planner that has planned others, until `stop` is set.
+    /// Plans a whole program, reusing the memory of a planner that has planned others, until `stop`
+    /// is set.
     ///
     /// # Errors
     ///
-    /// As of [`plan`](Self::plan).
+    /// As for [`plan`](Self::plan).
     pub fn plan_with(
         &self,
         planner: &mut Option<Planner>,
@@ -103,7 +106,8 @@ impl PlanRequest {
     }
 }
 
-/// The robot of a request. A profile says all of a robot, a built-in model nothing about its flange.
+/// Robot of a request. A profile describes the whole robot, whereas a built-in model leaves the
+/// flange length to the program.
 fn requested(robot: &Robot, program: &Program) -> Robot {
     if Robot::built_in(robot.name()).as_ref() == Some(robot) {
         program.with_flange(robot.clone())

@@ -9,8 +9,8 @@ use iiwa_traj::{Planner, Section};
 
 use crate::{Error, PlanFigures, PlanOptions, ProgramText};
 
-/// The planning of a program section by section: an iterator that keeps the figures up to date. It needs memory for one
-/// section, the figures and the path.
+/// Iterator that plans a program section by section and keeps the figures up to date. Its memory is
+/// limited to one section, the figures and the path.
 ///
 /// ```
 /// use iiwa_plan::{PlanRequest, ProgramSource};
@@ -19,7 +19,7 @@ use crate::{Error, PlanFigures, PlanOptions, ProgramText};
 ///     "motions": [{ "type": "ptp", "joints_deg": [20, 0, 0, 0, 0, 0, 0] }] }"#;
 /// let mut planning = PlanRequest::default().begin(&ProgramSource::from_json(text)?)?;
 /// while let Some(section) = planning.next() {
-///     // Written, sent or dropped before the next one is planned.
+///     // Write, send or drop the section before the next one is planned.
 ///     section?;
 /// }
 /// assert!((planning.figures().cycle_time_s - 0.798).abs() < 1e-3);
@@ -52,42 +52,42 @@ impl Planning {
         }
     }
 
-    /// Ends in an [interrupt](Error::is_interrupt) soon after `stop` is set.
+    /// Makes the planning end with an [interrupt](Error::is_interrupt) soon after `stop` is set.
     #[must_use]
     pub fn interrupted_by(self, stop: Arc<AtomicBool>) -> Self {
         Self { planner: self.planner.interrupted_by(stop), ..self }
     }
 
-    /// The path of the program.
+    /// Path of the program.
     #[must_use]
     pub fn path(&self) -> &JointPath {
         self.planner.path()
     }
 
-    /// The robot that the program is planned for.
+    /// Robot for which the program is planned.
     #[must_use]
     pub fn robot(&self) -> &Robot {
         self.path().robot()
     }
 
-    /// The text of the program.
+    /// Text of the program.
     #[must_use]
     pub fn text(&self) -> &ProgramText {
         &self.text
     }
 
-    /// The figures so far.
+    /// Figures so far.
     #[must_use]
     pub fn figures(&self) -> &PlanFigures {
         &self.figures
     }
 
-    /// The figures so far, to add what only the caller knows, such as clearances.
+    /// Figures so far, for additions that only the caller knows, such as clearances.
     pub fn figures_mut(&mut self) -> &mut PlanFigures {
         &mut self.figures
     }
 
-    /// The figures at the end, and warnings about the program and its torques, for people.
+    /// Final figures, with warnings about the program and its torques as messages for the user.
     #[must_use]
     pub fn finish(self) -> (PlanFigures, Vec<String>) {
         let mut warnings = self.warnings;
@@ -95,7 +95,7 @@ impl Planning {
         (self.figures, warnings)
     }
 
-    /// The share of the program that is planned, 0 to 1.
+    /// Planned share of the program, 0 to 1.
     #[must_use]
     pub fn progress(&self) -> f64 {
         self.planner.progress()

@@ -1,4 +1,4 @@
-//! Programs as they are read: from a text, or from a file with the files that it names.
+//! Reading of programs from a text, or from a file with the files that it names.
 
 use std::{fs, path::Path, sync::Arc};
 
@@ -8,21 +8,22 @@ use iiwa_program::Program;
 
 use crate::{Error, ProgramText};
 
-/// A program with its text, and with the file and the robot that it names.
+/// A program with its text, its included file and its robot.
 #[derive(Clone, Debug)]
 pub struct ProgramSource {
-    /// The program.
+    /// Program.
     pub program: Arc<Program>,
-    /// Its text.
+    /// Text of the program.
     pub text: ProgramText,
-    /// The robot that it names, without its flange. A fault counts only if no other robot is asked for.
+    /// Robot named by the program, before its flange length is set. An error is reported only if
+    /// the request does not override the robot.
     robot: Result<Option<Robot>, Error>,
 }
 
-/// The reason why a program that is not in a file names none.
+/// Reason why a program that is not in a file cannot name other files.
 const TEXT_ALONE: &str = "only the text of the program is at hand, and no other file";
 
-/// A file that a program names.
+/// A file named by a program.
 struct NamedFile {
     path: String,
     text: String,
@@ -38,7 +39,7 @@ impl ProgramSource {
         Self::with_files(text, |_| Err(TEXT_ALONE.to_owned()))
     }
 
-    /// Reads the program in a file, with the files beside it that it names.
+    /// Reads a program from a file, with the files beside it that the program names.
     ///
     /// # Errors
     ///
@@ -49,19 +50,20 @@ impl ProgramSource {
         Self::beside(path, &text)
     }
 
-    /// Reads a program whose text is that of the file at `path`, with the files beside it that it names: tools, bases and frames,
-    /// and the profile of its robot.
+    /// Reads a program whose text is that of the file at `path`, with the files beside it that the
+    /// program names: tools, bases and frames, and the robot profile.
     ///
     /// # Errors
     ///
-    /// [`Error::Program`] if the text is not a valid program, or the file that it includes cannot be read. A profile that cannot
-    /// be read is an error of [`PlanRequest::robot`](crate::PlanRequest::robot).
+    /// [`Error::Program`] if the text is not a valid program, or the included file cannot be read.
+    /// An unreadable profile is reported by [`PlanRequest::robot`](crate::PlanRequest::robot).
     pub fn beside(path: &Path, text: &str) -> Result<Self, Error> {
         Self::with_files(text, |name| {
             let file = beside(path, name, &["json"]).map_err(|reason| reason.to_string())?;
             let text = read(&file)
                 .map_err(|reason| format!("cannot read {}: {reason}", file.display()))?;
-            // Errors show lines of such files, which must not be those of any other kind.
+            // Error messages quote lines of these files, and must not reveal lines of other kinds
+            // of files.
             if text.trim_start().starts_with('{') {
                 Ok(NamedFile { path: file.display().to_string(), text })
             } else {
@@ -84,7 +86,8 @@ impl ProgramSource {
         Ok(Self { program: Arc::new(program), text, robot })
     }
 
-    /// The robot that the program names, with the flange that it states; none if it names none.
+    /// Robot named by the program, with the flange length that the program states; `None` if the
+    /// program names no robot.
     ///
     /// # Errors
     ///
@@ -95,8 +98,8 @@ impl ProgramSource {
     }
 }
 
-/// A program that was made in code, with its text as [`Program::to_json`] writes it. The profile of a robot that it names is
-/// not read.
+/// Converts a program built in code, with its text as written by [`Program::to_json`]. The profile
+/// of a robot that it names is not read.
 impl From<Program> for ProgramSource {
     fn from(program: Program) -> Self {
         let text = program.to_json();
@@ -110,14 +113,14 @@ impl From<Program> for ProgramSource {
     }
 }
 
-/// The text of a file, or the reason why it cannot be read.
+/// Reads the text of a file; the error gives the reason.
 fn read(path: &Path) -> Result<String, String> {
     let bytes = fs::read(path).map_err(|error| error.to_string())?;
     let text = String::from_utf8(bytes).map_err(|_| "it is not text in UTF-8".to_owned())?;
     Ok(text.trim_start_matches('\u{feff}').to_owned())
 }
 
-/// The robot that the program in `text` names: a built-in model, or a profile.
+/// Reads the robot named by the program in `text`: a built-in model, or a profile.
 fn named(
     name: &str,
     text: &str,

@@ -1,18 +1,18 @@
-//! What of a plan's time is assumed, and not measured on a robot.
+//! Assumptions about the controller that a plan's time depends on, as opposed to measurements.
 
 use iiwa_program::{LimitKind, MotionIndex};
 use iiwa_traj::{Limit, PieceKind, Section};
 use serde::{Deserialize, Serialize};
 
-/// An assumption about the controller that a program's time rests on.
+/// An assumption about the controller that a program's time depends on.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[non_exhaustive]
 pub struct AssumptionRecord {
-    /// What is assumed.
+    /// Text of the assumption.
     pub what: String,
-    /// How many motions rest on it.
+    /// Number of motions that depend on it.
     pub motions: usize,
-    /// The first of them, counted from 1.
+    /// First of these motions, from 1.
     pub first: usize,
 }
 
@@ -30,7 +30,7 @@ const JERK: &str = "stops: within limits of jerk; a real robot's PTP motions tak
 const OVERRIDE: &str =
     "override: scales the time of blends and paths of the TCP; recorded for PTP and splines";
 
-/// What the motions of a section rest on, under a timing of this name.
+/// Assumptions that the motions of a section depend on, for the timing method `timing`.
 fn of_section(section: &Section, timing: &str) -> Vec<(&'static str, MotionIndex)> {
     let mut found = Vec::new();
     if timing != "sunrise" {
@@ -85,13 +85,13 @@ fn is_of(limit: Limit, wanted: LimitKind) -> bool {
     matches!(limit, Limit::Motion { kind, .. } if kind == wanted)
 }
 
-/// Adds what a section rests on.
+/// Adds the assumptions of a section.
 pub(crate) fn add(records: &mut Vec<AssumptionRecord>, section: &Section, timing: &str) {
     let mut last = None;
     for now in of_section(section, timing) {
         let (what, motion) = now;
         match records.iter_mut().find(|record| record.what == what) {
-            // A motion of several pieces counts once.
+            // A motion with several pieces counts once.
             Some(record) if last != Some(now) => record.motions += 1,
             Some(_) => {}
             None => records.push(AssumptionRecord {

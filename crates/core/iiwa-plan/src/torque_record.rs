@@ -1,4 +1,4 @@
-//! Torques, work and power in the figures of a plan: those of the link side, behind the gears.
+//! Torques, work and power in the figures of a plan, all on the output side of the gears.
 
 use std::fmt;
 
@@ -9,47 +9,48 @@ use serde::{Deserialize, Serialize};
 /// Torques of a motion.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct TorqueRecord {
-    /// The largest torque of each joint, with its sign, in Nm.
+    /// Largest torque of each joint, with its sign, in Nm.
     pub peak_nm: Joints,
-    /// Its size in per cent of the robot's limit.
+    /// Absolute value of the largest torque, in per cent of the robot's limit.
     pub peak_percent: Joints,
-    /// When it is reached, in s.
+    /// Time of the largest torque, in s.
     pub peak_at_s: Joints,
-    /// The largest torque that each joint would need to stand still somewhere on the way, with its sign, in Nm.
+    /// Largest torque that each joint would need to hold the robot at rest somewhere on the path,
+    /// with its sign, in Nm.
     pub static_nm: Joints,
 }
 
 /// Work of the joints over the whole program, in J.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct EnergyRecord {
-    /// What each joint does.
+    /// Work done by each joint.
     pub positive: Joints,
-    /// What is done on each joint: 0 or less.
+    /// Work done on each joint: 0 or less.
     pub negative: Joints,
 }
 
-/// The most that the joints give at once.
+/// Largest total power of the joints.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct PowerRecord {
-    /// How much, in W; what other joints take back at the time is not counted against it.
+    /// Peak power, in W; power absorbed by other joints at the same time is not subtracted.
     pub peak_w: f64,
-    /// When, in s.
+    /// Time of the peak, in s.
     pub at_s: f64,
 }
 
-/// The torque of a plan that is nearest to its limit, or farthest above it. As text, for people:
+/// The torque of a plan with the largest share of its limit. Displayed for example as
 /// `61 % of A2's, -107.3 Nm in motion 1 at 0.214 s`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LargestTorque {
-    /// The motion, from 1.
+    /// Motion number, from 1.
     pub motion: usize,
-    /// The joint.
+    /// Joint.
     pub joint: Joint,
-    /// The torque, in per cent of the limit.
+    /// Torque, in per cent of the limit.
     pub percent: f64,
-    /// The torque, in Nm.
+    /// Torque, in Nm.
     pub torque_nm: f64,
-    /// When, in s.
+    /// Time, in s.
     pub at_s: f64,
 }
 
@@ -63,16 +64,16 @@ impl fmt::Display for LargestTorque {
     }
 }
 
-/// Plans with limits of torque keep them within 1 %: what is above by less is not warned of, in per cent of the limit.
+/// Threshold of warnings, in per cent of the limit: plans with torque limits keep them within 1 %.
 const KEPT_PERCENT: f64 = 101.0;
 
 impl TorqueRecord {
-    /// The limit of a joint, in Nm; not a number if it exerts nothing.
+    /// Torque limit of a joint, in Nm; NaN if the joint exerts no torque.
     fn limit_nm(&self, j: usize) -> f64 {
         100.0 * self.peak_nm[j].abs() / self.peak_percent[j]
     }
 
-    /// The largest share of all joints; of the same share, the first joint's.
+    /// Largest share of all joints; the first joint's for equal shares.
     pub(crate) fn largest(&self, motion: usize) -> LargestTorque {
         let most = |a: Joint, b: Joint| {
             let is_larger = self.peak_percent[b.index()] > self.peak_percent[a.index()];
@@ -89,12 +90,12 @@ impl TorqueRecord {
         }
     }
 
-    /// What is to be said of torques above the limits, if any is.
+    /// Warning about torques above the limits, if any.
     pub(crate) fn warning(&self) -> Option<String> {
         let is_too_heavy = |j: &usize| self.static_nm[*j].abs() > self.limit_nm(*j);
         if let Some(j) = (0..7).find(is_too_heavy) {
             return Some(format!(
-                "{} cannot hold the arm and its load on this way: to stand still takes {:.0} Nm of its {:.0}",
+                "{} cannot hold the arm and its payload at rest on this path: holding takes {:.0} Nm of its {:.0}",
                 Joint::ALL[j],
                 self.static_nm[j].abs(),
                 self.limit_nm(j)
@@ -110,7 +111,7 @@ impl TorqueRecord {
         })
     }
 
-    /// Adds what comes after a stop on the motion's way.
+    /// Appends the part of the motion after an intermediate stop.
     pub(crate) fn go_on(&mut self, next: &Self) {
         for j in 0..7 {
             if next.peak_percent[j] > self.peak_percent[j] {
@@ -143,7 +144,7 @@ impl EnergyRecord {
 }
 
 impl PowerRecord {
-    /// Takes in the next section.
+    /// Updates the peak with the next section.
     pub(crate) fn add(&mut self, torques: &TorqueFigures) {
         if torques.peak_power_w > self.peak_w {
             *self = Self { peak_w: torques.peak_power_w, at_s: torques.peak_power_at_s };

@@ -1,10 +1,11 @@
-//! What is odd about a program that can be planned.
+//! Warnings about programs that can be planned.
 
 use iiwa_path::{JointPath, TurnContradiction};
 use iiwa_program::{Program, Start};
 
-/// What is odd about a program with this path, in sentences for people: a start that leaves open how the arm stands, targets
-/// whose turn is not that of the joints there, splines in which the TCP stops, and a blend into nothing.
+/// Warnings about a program with this path, as messages for the user: a start frame without E1 or
+/// status, targets whose turn contradicts the joint positions, splines with TCP stops, and a final
+/// blend without a following motion.
 #[must_use]
 pub fn warnings(program: &Program, path: &JointPath) -> Vec<String> {
     let turns = TurnContradiction::all(program, path.robot()).unwrap_or_default();
@@ -22,7 +23,7 @@ pub fn warnings(program: &Program, path: &JointPath) -> Vec<String> {
     open_start(program).into_iter().chain(turns).chain(stops).chain(end).collect()
 }
 
-/// What the frame that a program starts at does not say.
+/// Warning about the redundancy parameters that a start frame leaves open.
 fn open_start(program: &Program) -> Option<String> {
     let Start::Frame(target) = &program.start else { return None };
     let (target, _) = program.workcell.target(target, None).ok()?;
@@ -31,7 +32,7 @@ fn open_start(program: &Program) -> Option<String> {
         open.iter().filter(|(_, is_open)| *is_open).map(|(key, _)| format!("`{key}`")).collect();
     (!open.is_empty()).then(|| {
         format!(
-            "the start is a frame without {}: E1 is taken as 0, the status as 2; the arm may stand another way",
+            "the start is a frame without {}: E1 is taken as 0, the status as 2; the robot may be in another configuration",
             open.join(" and ")
         )
     })

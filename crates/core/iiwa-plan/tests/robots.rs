@@ -1,4 +1,4 @@
-//! The robot that a program is planned for.
+//! Choice of the robot for which a program is planned.
 
 #![expect(clippy::unwrap_used, reason = "a test fails by it")]
 
@@ -28,7 +28,7 @@ fn time_s(request: &PlanRequest, robot: &str) -> f64 {
 #[test]
 fn a_program_is_planned_for_the_robot_that_it_names() {
     let request = PlanRequest::default();
-    // The R820 turns A1 more slowly: 85 deg/s in place of 98.
+    // The R820 rotates A1 more slowly: 85 deg/s instead of 98.
     assert!(time_s(&request, R820) > time_s(&request, "") + 0.05);
     let other = PlanRequest { robot: Some(Robot::lbr_iiwa_7_r800()), ..PlanRequest::default() };
     assert_eq!(time_s(&other, R820), time_s(&request, ""));
@@ -48,7 +48,7 @@ fn a_path_of_another_robot_says_which_two_disagree() {
     let fault = JointPath::new(&program, &Robot::lbr_iiwa_7_r800()).unwrap_err();
     assert!(matches!(fault, Fault::OtherFlange { .. }), "{fault}");
     JointPath::new(&program, &program.with_flange(Robot::lbr_iiwa_7_r800())).unwrap();
-    // A profile cannot be told from the file that the program names, a built-in model can.
+    // A profile may be the file that the program names, a built-in model is not.
     let program = Program::from_json(&text(r#""robot": "cell-robot.json","#)).unwrap();
     JointPath::new(&program, &Robot::default().with_name("cell")).unwrap();
     let fault = JointPath::new(&program, &Robot::default()).unwrap_err();
@@ -76,7 +76,7 @@ fn profiles_are_read_beside_the_program() {
     let error = PlanRequest::default().plan(&load()).unwrap_err();
     assert!(error.to_string().starts_with("no robot is called `arm.json`:"), "{error}");
     assert_eq!(error.place().unwrap().to_string(), "line 1, column 26");
-    // What is not used is not in the way.
+    // A missing profile does not matter if it is not used.
     let request = PlanRequest { robot: Some(Robot::default()), ..PlanRequest::default() };
     request.plan(&load()).unwrap();
 

@@ -1,4 +1,4 @@
-//! Programs with the files that they include, limits of requests, and planning that is interrupted.
+//! Included files, limits of requests, and interrupted planning.
 
 use std::{fs, path::Path, sync::Arc, sync::atomic::AtomicBool};
 

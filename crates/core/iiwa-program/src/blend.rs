@@ -1,6 +1,6 @@
-//! How large a blend is.
+//! Blend sizes.
 
-/// Where the arm may leave the straight line to the target and cut the corner.
+/// Size of the zone in which the path may leave the straight line to the target and cut the corner.
 ///
 /// ```
 /// use iiwa_program::{Blend, Ptp};
@@ -12,19 +12,20 @@
 pub enum Blend {
     /// b_% of Larsen 2019, Eq. 36: a share of each neighbouring segment, 0 to 0.5.
     Fraction(f64),
-    /// Sunrise's `setBlendingRel`, 0 to 1, where 1 is half of a segment; below 0.05 it is a stop.
+    /// Sunrise's `setBlendingRel`, 0 to 1, with 1 for half of a segment; below 0.05 the motion
+    /// stops.
     SunriseRel(f64),
-    /// `b_r` of Larsen 2019: a radius about the target, in mm; below 4 mm it is a stop.
+    /// `b_r` of Larsen 2019: a radius about the target, in mm; below 4 mm the motion stops.
     CartMm(f64),
 }
 
-/// Sunrise takes a relative blend below this as an exact stop.
+/// Relative blend below which Sunrise makes an exact stop.
 pub const SUNRISE_REL_MIN: f64 = 0.05;
-/// Sunrise takes a Cartesian blend below this as an exact stop, in mm.
+/// Cartesian blend, in mm, below which Sunrise makes an exact stop.
 pub const CART_MM_MIN: f64 = 4.0;
 
 impl Blend {
-    /// Whether it is large enough not to be a stop.
+    /// Returns true if the blend is large enough not to become a stop.
     #[must_use]
     pub fn has_effect(self) -> bool {
         match self {

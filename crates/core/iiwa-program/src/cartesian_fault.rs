@@ -1,120 +1,121 @@
-//! What can be wrong with a motion to a frame.
+//! Faults of motions to frames.
 
 use iiwa_kin::{OutsideRange, SingularPart, Unreachable};
 
 use crate::{limit_kind::percent, workcell::NameFault};
 
-/// Something in a motion to a frame that cannot be planned.
+/// Fault: a motion to a frame cannot be planned.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum CartesianFault {
-    /// A name leads nowhere.
+    /// A tool, base or frame name is unknown.
     #[error(transparent)]
     Name(#[from] NameFault),
-    /// No joints reach the frame.
+    /// The frame is out of reach.
     #[error("the frame is {0}")]
     Unreachable(#[from] Unreachable),
-    /// The joints that reach the frame are outside their ranges.
+    /// The joint positions at the frame are outside the joint ranges.
     #[error("at the frame, {0}")]
     Outside(OutsideRange),
-    /// There is no such line or circle.
+    /// The course is not defined, see [`CourseFault`].
     #[error(transparent)]
     Course(#[from] CourseFault),
-    /// The arm does not reach the path everywhere.
+    /// The path is out of reach somewhere.
     #[error("at {:.1} % of the way, the path is {reason}", 100.0 * .s)]
     UnreachableOnTheWay {
-        /// Where, as a share of the way.
+        /// Position of the fault, as a share of the path length.
         s: f64,
-        /// Why.
+        /// Reason.
         reason: Unreachable,
     },
-    /// A joint leaves its range on the way.
+    /// A joint leaves its range along the path.
     #[error("at {:.1} % of the way, {outside}{}", 100.0 * .s, hint(*.other_e1_deg))]
     OutsideOnTheWay {
-        /// Where it is farthest outside, as a share of the way.
+        /// Position of the largest excess, as a share of the path length.
         s: f64,
-        /// Which joint, and its range.
+        /// Joint found outside, and its range.
         outside: OutsideRange,
-        /// E1 at the target, in degrees, with which the motion can be done; if one was found.
+        /// E1 at the target, in degrees, with which the motion is feasible, if one was found.
         other_e1_deg: Option<f64>,
     },
-    /// The path comes too near to a singular pose.
+    /// The path comes too close to a singular pose.
     #[error(
         "at {:.1} % of the way, the arm is singular: {}{}", 100.0 * .s, what(*.part), hint(*.other_e1_deg)
     )]
     Singular {
-        /// Where, as a share of the way.
+        /// Position of the fault, as a share of the path length.
         s: f64,
-        /// Which part of the arm; none where the joints turn too abruptly to tell.
+        /// Singular part of the arm; `None` if the joints turn too abruptly to identify the part.
         part: Option<SingularPart>,
-        /// E1 at the target, in degrees, with which the motion stays away from it; if one was found.
+        /// E1 at the target, in degrees, with which the motion avoids the singularity, if one was
+        /// found.
         other_e1_deg: Option<f64>,
     },
-    /// A limit of the TCP is next to nothing, or less.
+    /// A TCP limit is below its minimum.
     #[error("{key} is {found}; it must be at least {min}")]
     Limit {
-        /// The limit's key in programs.
+        /// Key of the limit in programs.
         key: &'static str,
-        /// What it is.
+        /// Value found.
         found: f64,
-        /// What it has to be at least.
+        /// Smallest accepted value.
         min: f64,
     },
-    /// A share of the joints' limits is not in (0, 1], or next to nothing.
+    /// A share of the joint limits is not in (0, 1], or below its minimum.
     #[error("{key} is {found}; it must be at least {min} and at most 1{}", percent(*.found))]
     Share {
-        /// The share's key in programs.
+        /// Key of the share in programs.
         key: &'static str,
-        /// What it is.
+        /// Value found.
         found: f64,
-        /// What it has to be at least.
+        /// Smallest accepted value.
         min: f64,
     },
-    /// A circle's angle is zero or beyond a full turn.
+    /// The angle of a circle is zero or beyond a full turn.
     #[error("circ_angle_deg is {found_deg}; it must be from -360 to 360, and not 0")]
     CircAngle {
-        /// What it is, in degrees.
+        /// Angle found, in degrees.
         found_deg: f64,
     },
-    /// The auxiliary orientation is to be reached at the auxiliary frame, on a circle with an angle.
+    /// `interpolate` for the auxiliary orientation is combined with a circle angle.
     #[error("aux_orientation cannot be `interpolate` on a circle with circ_angle_deg")]
     AuxWithAngle,
-    /// A spline has no segments, or more than a controller takes.
+    /// A spline has no segments, or more than a controller accepts.
     #[error("the spline has {found} segments; it must have from 1 to {max}")]
     Segments {
-        /// How many it has.
+        /// Number of segments found.
         found: usize,
-        /// How many it may have.
+        /// Largest accepted number of segments.
         max: usize,
     },
-    /// The orientation is ignored on a motion that is no segment of a spline.
+    /// The orientation is ignored on a motion that is not a spline segment.
     #[error("orientation `ignore` is for the segments of a spline; give `variable` or `constant`")]
     IgnoredOrientation,
-    /// The wrist is to turn by itself on a spline.
+    /// Interpolation of the wrist joints is requested on a spline.
     #[error("orientation `ori_joint` is for lin, lin_rel and circ, not for splines")]
     WristInSpline,
-    /// The wrist turns by itself, and shoulder or elbow would have to change sides on the way.
+    /// With interpolated wrist joints, the shoulder or the elbow would have to change sides.
     #[error(
         "with orientation `ori_joint` the arm stays on its side of shoulder and elbow, and at the target it would be on \
          another; of the status, only bit 4 may change"
     )]
     OtherSide,
-    /// A segment of a spline cannot be planned.
+    /// A spline segment cannot be planned.
     #[error("segment {}: {fault}", .index + 1)]
     Segment {
-        /// Its place among the segments, from 0.
+        /// Index among the segments, from 0.
         index: usize,
-        /// The key of the segment at which it is.
+        /// Key of the segment at which the fault is.
         key: &'static str,
-        /// What is wrong.
+        /// Fault of the segment.
         fault: Box<CartesianFault>,
     },
-    /// A blend of a path has a size that is for other motions.
+    /// A blend has a size that is only for other types of motions.
     #[error("{0}")]
     Blend(&'static str),
 }
 
-/// What a circle and the frames on it cannot be.
+/// Fault: a circle, or the frames on it, is not defined.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum CourseFault {
@@ -124,13 +125,13 @@ pub enum CourseFault {
          little less"
     )]
     HalfTurn,
-    /// Start, auxiliary frame and end are on a line, or two of them are the same.
-    #[error("start, auxiliary frame and end are on one line: no circle goes through them")]
+    /// Start, auxiliary frame and end are collinear, or two of them coincide.
+    #[error("start, auxiliary frame and end are on one line: no circle passes through them")]
     NoCircle,
 }
 
 impl CartesianFault {
-    /// Whether the motion is well formed and the arm cannot do it.
+    /// Returns true if the motion is well formed but infeasible for the robot.
     pub(crate) fn is_of_the_arm(&self) -> bool {
         match self {
             Self::Unreachable(_)
@@ -153,7 +154,8 @@ impl CartesianFault {
         }
     }
 
-    /// The same without another E1: on a spline that would change the segments around, too.
+    /// Removes the suggestion of another E1, which on a spline would change the neighbouring
+    /// segments, too.
     #[must_use]
     pub fn without_hint(self) -> Self {
         match self {

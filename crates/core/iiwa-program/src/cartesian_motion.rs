@@ -1,4 +1,4 @@
-//! Motions to frames, and along paths of the TCP.
+//! Motions to frames and along TCP paths.
 
 use iiwa_kin::Joints;
 
@@ -7,7 +7,7 @@ use crate::{
     segment_limits::SegmentLimits, target::TargetRef, tool_limits::ToolLimits,
 };
 
-/// A motion whose end is given as a frame of the TCP.
+/// A motion whose end is given as a TCP frame.
 ///
 /// ```
 /// use iiwa_program::{CartesianMotion, Course, Frame};
@@ -18,78 +18,78 @@ use crate::{
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct CartesianMotion {
-    /// On which course it goes where.
+    /// Course, with its targets.
     pub course: Course,
-    /// The TCP that moves, `TOOL` or `TOOL/TIP`, or `flange`; the program's if absent.
+    /// Moved TCP, `TOOL` or `TOOL/TIP`, or `flange`; the program's by default.
     pub tool: Option<String>,
-    /// The base of frames that are given in the motion and name no other; the program's if absent.
+    /// Base of frames in this motion that name no base; the program's by default.
     pub base: Option<String>,
     /// Share of each joint's limit of each kind, in (0, 1].
     pub shares: ByKind<Joints>,
-    /// Limits of the TCP.
+    /// TCP limits.
     pub tool_limits: ToolLimits,
-    /// How the orientation goes along; it counts on paths of the TCP only.
+    /// Orientation interpolation; used on TCP paths only.
     pub orientation: OrientationType,
-    /// How the target is blended away; without it the arm stops there and settles.
+    /// Blend at the target; without a blend the robot stops there and settles.
     pub blend: Option<PathBlend>,
-    /// Whether the program waits for its end before it sends the next motion: then the arm stands longer. A motion with a
-    /// blend cannot have it.
+    /// `true` if the program waits for the end of the motion before it sends the next one, which
+    /// lengthens the pause. Not allowed together with a blend.
     pub blocking: bool,
 }
 
-/// The course of a motion to a frame.
+/// Course of a motion to a frame.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Course {
-    /// Point to point: straight in joint space.
+    /// Point to point: a straight line in joint space.
     Ptp {
-        /// The frame.
+        /// Target frame.
         to: TargetRef,
     },
-    /// The TCP goes straight.
+    /// Straight TCP line.
     Lin {
-        /// The frame.
+        /// Target frame.
         to: TargetRef,
     },
-    /// The TCP goes straight, by an offset.
+    /// Straight TCP line by an offset.
     LinRel {
-        /// The offset, in the orientation of `within`.
+        /// Offset, in the orientation of `within`.
         offset: Frame,
-        /// The position of A3 at the end, in rad; as at the start if absent.
+        /// Position of A3 at the end, in rad; as at the start by default.
         e1_rad: Option<f64>,
-        /// In whose orientation the offset is given; that of the TCP at the start if absent.
+        /// Frame in whose orientation the offset is given; that of the TCP at the start by default.
         within: Option<TargetRef>,
     },
-    /// The TCP goes on a circle.
+    /// TCP circle.
     Circ(Circ),
-    /// The TCP goes through the ends of segments without a stop, at most [`MAX_SEGMENTS`].
+    /// Path through the ends of segments without a stop; at most [`MAX_SEGMENTS`] segments.
     Spline(Vec<SplineSegment>),
 }
 
-/// The most segments of a spline, as on the robot's controller.
+/// Largest number of spline segments, as on the robot controller.
 pub const MAX_SEGMENTS: usize = 20;
 
-/// A segment of a spline.
+/// A spline segment.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SplineSegment {
-    /// On which course it goes where.
+    /// Course, with its targets.
     pub course: SegmentCourse,
-    /// How the orientation goes along; as the spline says if absent.
+    /// Orientation interpolation; the spline's by default.
     pub orientation: Option<OrientationType>,
-    /// Limits of its own.
+    /// Limits of the segment.
     pub limits: SegmentLimits,
 }
 
-/// The course of a segment of a spline.
+/// Course of a spline segment.
 #[derive(Clone, Debug, PartialEq)]
 pub enum SegmentCourse {
-    /// A curve that the frames of the spline define.
+    /// A curve defined by the frames of the spline.
     Spl {
-        /// The frame that it goes to.
+        /// Target frame.
         to: TargetRef,
     },
     /// A straight line.
     Lin {
-        /// The frame that it goes to.
+        /// Target frame.
         to: TargetRef,
     },
     /// A circle.
@@ -97,7 +97,7 @@ pub enum SegmentCourse {
 }
 
 impl SegmentCourse {
-    /// The frame that it goes to.
+    /// Target frame.
     #[must_use]
     pub fn target(&self) -> &TargetRef {
         match self {
@@ -107,69 +107,71 @@ impl SegmentCourse {
     }
 }
 
-/// A circle through where the motion starts, an auxiliary frame and another.
+/// A circle through the start of the motion, an auxiliary frame and an end frame.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Circ {
-    /// The auxiliary frame, on the way.
+    /// Auxiliary frame, between start and end frame.
     pub aux: TargetRef,
-    /// The frame that the circle goes to.
+    /// End frame of the circle.
     pub to: TargetRef,
-    /// The angle by which it goes on, in rad: from the start by way of the auxiliary frame, and beyond the end frame
-    /// or not as far; negative the other way round. To the end frame if absent.
+    /// Angle of the arc, in rad, from the start through the auxiliary frame: the arc may end beyond
+    /// or before the end frame; negative in the opposite direction. The arc ends at the end frame
+    /// by default.
     pub angle_rad: Option<f64>,
-    /// Whether the orientation turns with the path; else it is given in the base.
+    /// `true` if the orientation turns with the path; otherwise it is given in the base.
     pub turns_with_path: bool,
-    /// What the orientation of the auxiliary frame is for.
+    /// Use of the auxiliary frame's orientation.
     pub aux_orientation: AuxOrientation,
-    /// Whether the orientation of the end frame is reached there and goes on beyond; else it is reached where the motion
-    /// ends.
+    /// `true` if the orientation of the end frame is reached there and extrapolated beyond;
+    /// otherwise it is reached at the end of the motion.
     pub extrapolates: bool,
 }
 
-/// How the orientation of the TCP goes along a path.
+/// Interpolation of the TCP orientation along a path.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum OrientationType {
-    /// One turn about a fixed axis, evenly along the path.
+    /// One rotation about a fixed axis, uniform along the path.
     #[default]
     Variable,
     /// As at the start.
     Constant,
-    /// Joints A5 to A7 go evenly from their positions at the start to those at the target. It passes where A6 is 0; not for
-    /// splines.
+    /// Joints A5 to A7 move uniformly from their start to their target positions. Passes through A6
+    /// = 0; not for splines.
     Joints,
-    /// On a segment of a spline: the orientation at its end is that between its neighbours'.
+    /// Only on a spline segment: the orientation at its end is interpolated between its neighbours.
     Ignore,
 }
 
-/// What the orientation of a circle's auxiliary frame is for.
+/// Use of the orientation of a circle's auxiliary frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum AuxOrientation {
-    /// It is reached somewhere on the way.
+    /// Reached somewhere on the path.
     #[default]
     Consider,
-    /// It is reached at the auxiliary frame.
+    /// Reached at the auxiliary frame.
     Interpolate,
-    /// It does not count.
+    /// Ignored.
     Ignore,
 }
 
-/// How large a blend of a motion to a frame is. Where several sizes are given, the smallest zone counts.
+/// Blend size of a motion to a frame. Of several sizes, the smallest zone applies.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct PathBlend {
-    /// The distance from the target, in mm; below 4 the arm stops.
+    /// Distance from the target, in mm; below 4 the robot stops.
     pub cart_mm: Option<f64>,
-    /// By how much the orientation may differ from the target's, in rad; not for point-to-point motions.
+    /// Largest deviation of the orientation from the target's, in rad; not for point-to-point
+    /// motions.
     pub orientation_rad: Option<f64>,
-    /// Sunrise's `setBlendingRel`, 0 to 1. On paths of the TCP it counts for the redundancy only, and the blend is as
-    /// small as can be.
+    /// Sunrise's `setBlendingRel`, 0 to 1. On TCP paths it applies to the redundancy only, and the
+    /// blend is as small as possible.
     pub sunrise_rel: Option<f64>,
-    /// A share of both motions, 0 to 0.5; for point-to-point motions only.
+    /// Share of both motions, 0 to 0.5; for point-to-point motions only.
     pub fraction: Option<f64>,
 }
 
 impl CartesianMotion {
-    /// At full speed, to a stop.
+    /// Motion at full speed that ends in a stop.
     #[must_use]
     pub fn new(course: Course) -> Self {
         Self {
@@ -184,8 +186,8 @@ impl CartesianMotion {
         }
     }
 
-    /// Checks that a spline has as many segments as one can have, with limits that can be kept, and that no other motion has
-    /// an orientation that is for them.
+    /// Checks the number and the limits of spline segments, and that a motion other than a spline
+    /// has no orientation that is only for segments.
     pub(crate) fn check_segments(&self) -> Result<(), (&'static str, CartesianFault)> {
         match &self.course {
             Course::Spline(segments) if !(1..=MAX_SEGMENTS).contains(&segments.len()) => Err((
@@ -211,7 +213,8 @@ impl CartesianMotion {
         }
     }
 
-    /// Whether it is written as a motion of its own, `spl`, and not as a spline of one segment.
+    /// Returns true if the motion is written as a single `spl` motion instead of a spline of one
+    /// segment.
     #[must_use]
     pub fn is_single_spl(&self) -> bool {
         let Course::Spline(segments) = &self.course else { return false };
@@ -223,19 +226,19 @@ impl CartesianMotion {
         segments.len() == 1 && segments.iter().all(single)
     }
 
-    /// The key of a program that says where it ends.
+    /// Program key of the end of the motion.
     #[must_use]
     pub fn end_key(&self) -> &'static str {
         if matches!(self.course, Course::LinRel { .. }) { "offset" } else { "frame" }
     }
 
-    /// Whether it is straight in joint space.
+    /// Returns true if the path is straight in joint space.
     #[must_use]
     pub fn is_ptp(&self) -> bool {
         matches!(self.course, Course::Ptp { .. })
     }
 
-    /// The frame that it goes to; none if it goes by an offset.
+    /// Target frame; `None` for a motion by an offset.
     #[must_use]
     pub fn target(&self) -> Option<&TargetRef> {
         match &self.course {
@@ -246,7 +249,7 @@ impl CartesianMotion {
         }
     }
 
-    /// Its name in programs: `ptp`, `lin`, `lin_rel`, `circ`, `spline` or `spl`.
+    /// Name in programs: `ptp`, `lin`, `lin_rel`, `circ`, `spline` or `spl`.
     #[must_use]
     pub fn name(&self) -> &'static str {
         match self.course {
@@ -261,13 +264,13 @@ impl CartesianMotion {
 }
 
 impl PathBlend {
-    /// A blend within a distance of the target, in mm.
+    /// Blend within a distance of the target, in mm.
     #[must_use]
     pub fn cart_mm(radius_mm: f64) -> Self {
         Self { cart_mm: Some(radius_mm), ..Self::default() }
     }
 
-    /// Checks that it is one that a point-to-point motion, or a path of the TCP, can have.
+    /// Checks that the sizes are allowed for a point-to-point motion, or for a TCP path.
     pub(crate) fn check(&self, is_ptp: bool) -> Result<(), CartesianFault> {
         let wrong = |what| Err(CartesianFault::Blend(what));
         if is_ptp {
@@ -298,7 +301,7 @@ impl PathBlend {
         sizes.into_iter().flatten()
     }
 
-    /// As a blend of a point-to-point motion.
+    /// Converts to the blend of a point-to-point motion.
     #[must_use]
     pub fn in_joints(&self) -> Option<Blend> {
         self.sizes().next()

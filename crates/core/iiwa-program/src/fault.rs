@@ -1,4 +1,4 @@
-//! What can be wrong with a program.
+//! Faults of programs.
 
 use iiwa_json::{Place, Step, locate};
 use iiwa_kin::{Joint, OutsideRange};
@@ -11,22 +11,22 @@ use crate::{
     workcell::{MAX_FLANGE_M, MAX_TORQUE_LIMIT, MIN_OVERRIDE, MIN_TORQUE_LIMIT},
 };
 
-/// Something in a motion program that cannot be planned.
+/// Fault: a motion program cannot be planned.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Fault {
-    /// The list of motions is empty.
+    /// The motion list is empty.
     #[error("the program has no motions; add at least one")]
     NoMotions,
     /// A joint is outside its range, or not a number.
     #[error("{}: {outside}", place_name(*.motion))]
     JointOutside {
-        /// The motion, or none for the start pose.
+        /// Motion index; `None` for the start pose.
         motion: Option<MotionIndex>,
-        /// Which joint, and its range.
+        /// Joint found outside, and its range.
         outside: OutsideRange,
     },
-    /// A relative speed, acceleration or jerk is not in (0, 1], or next to nothing.
+    /// A relative speed, acceleration or jerk is not in (0, 1], or below its minimum.
     #[error(
         "motion {motion}: {}{} is {found}; it must be {} and at most 1{}",
         .kind.share_key(),
@@ -35,56 +35,56 @@ pub enum Fault {
         percent(*.found)
     )]
     Share {
-        /// The motion.
+        /// Motion index.
         motion: MotionIndex,
-        /// Of which limits.
+        /// Limit kind.
         kind: LimitKind,
-        /// The joint; none if it is the same for all.
+        /// Joint; `None` if the share is the same for all joints.
         joint: Option<Joint>,
-        /// What it is.
+        /// Value found.
         found: f64,
-        /// What it has to be at least.
+        /// Smallest accepted value.
         min: f64,
     },
     /// A wait is negative, longer than a day, or not a number.
     #[error("motion {motion}: a wait of {found} s; it must be from 0 to {max_s} s")]
     Wait {
-        /// The motion.
+        /// Motion index.
         motion: MotionIndex,
-        /// What it is, in s.
+        /// Duration found, in s.
         found: f64,
-        /// What it may be, in s.
+        /// Largest accepted duration, in s.
         max_s: f64,
     },
-    /// A wait overlaps more motions than it may.
+    /// A wait overlaps too many motions.
     #[error("motion {motion}: a wait that overlaps {found} motions; it may overlap at most {max}")]
     Overlap {
-        /// The wait.
+        /// Motion index of the wait.
         motion: MotionIndex,
-        /// How many motions it is to overlap.
+        /// Number of motions to overlap.
         found: usize,
-        /// How many it may overlap.
+        /// Largest accepted number.
         max: usize,
     },
-    /// A wait overlaps more motions than there are since the arm was to stand.
+    /// A wait overlaps more motions than precede it since the last stop.
     #[error(
         "motion {motion}: the wait is to overlap {}, and {} before it; a plain wait or a change of the load \
          before it stops the arm", motions(*.found), there_are(*.before)
     )]
     NothingToOverlap {
-        /// The wait.
+        /// Motion index of the wait.
         motion: MotionIndex,
-        /// How many motions it is to overlap.
+        /// Number of motions to overlap.
         found: usize,
-        /// How many there are.
+        /// Number of motions available.
         before: usize,
     },
     /// A blend's size is out of range.
     #[error("motion {motion}: {}", blend_range(*.blend))]
     Blend {
-        /// The motion.
+        /// Motion index.
         motion: MotionIndex,
-        /// What it is.
+        /// Blend found.
         blend: Blend,
     },
     /// A motion before a wait has a blend.
@@ -92,91 +92,91 @@ pub enum Fault {
         "motion {motion} is followed by a wait and has nothing to blend into; remove its blend"
     )]
     BlendBeforeWait {
-        /// The motion.
+        /// Motion index.
         motion: MotionIndex,
     },
-    /// A motion before a change of the load has a blend.
+    /// A motion before a payload change has a blend.
     #[error(
-        "motion {motion} is followed by a change of the load, for which the arm stands; remove its blend"
+        "motion {motion} is followed by a change of the load, for which the arm stops; remove its blend"
     )]
     BlendBeforeLoad {
-        /// The motion.
+        /// Motion index.
         motion: MotionIndex,
     },
-    /// A load is that of no body.
+    /// The inertia of a payload is not physically possible.
     #[error(
         "motion {motion}: the load is that of no body; mass and moments of inertia must be 0 or more"
     )]
     Load {
-        /// The motion.
+        /// Motion index.
         motion: MotionIndex,
     },
-    /// A limit of torques is next to nothing, far beyond what a robot bears, or not a number.
+    /// A torque limit is out of range or not a number.
     #[error(
         "a limit of {} % of the robot's torques; it must be from {} to {} %",
         1e2 * .found, 1e2 * MIN_TORQUE_LIMIT, 1e2 * MAX_TORQUE_LIMIT
     )]
     TorqueLimit {
-        /// What it is, as a share of the robot's limits.
+        /// Value found, as a share of the robot's limits.
         found: f64,
     },
     /// The override is out of range.
     #[error("an override of {} %; it must be from {} to 100 %", 1e2 * .found, 1e2 * MIN_OVERRIDE)]
     Override {
-        /// What it is, as a share.
+        /// Value found, as a share.
         found: f64,
     },
-    /// The length of the flange is out of range.
+    /// The flange length is out of range.
     #[error("a flange of {} mm; it must be above 0 and at most {} mm", 1e3 * .found_m, 1e3 * MAX_FLANGE_M)]
     Flange {
-        /// What it is, in m.
+        /// Length found, in m.
         found_m: f64,
     },
-    /// The program names another robot than the one that it is planned for.
+    /// The program names a robot other than the given one.
     #[error("the program is for the robot `{named}`; `{given}` was given")]
     OtherRobot {
-        /// The robot that the program names.
+        /// Robot named in the program.
         named: String,
-        /// The robot that was given.
+        /// Robot given.
         given: String,
     },
-    /// The program states another flange than that of the robot that it is planned for.
+    /// The program states a flange length other than that of the given robot.
     #[error("the program is for a flange of {} mm; a robot with one of {} mm was given", 1e3 * .stated_m, 1e3 * .given_m)]
     OtherFlange {
-        /// The length that the program states, in m.
+        /// Length stated in the program, in m.
         stated_m: f64,
-        /// The length of the robot's flange, in m.
+        /// Flange length of the robot, in m.
         given_m: f64,
     },
-    /// A motion whose end the program waits for has a blend.
+    /// A blocking motion, whose end the program waits for, has a blend.
     #[error("motion {motion} is blocking and cannot be blended: remove its blend, or `blocking`")]
     BlockingBlend {
-        /// The motion.
+        /// Motion index.
         motion: MotionIndex,
     },
-    /// A motion to a frame, or the start at one, cannot be planned.
+    /// A motion to a frame, or a start at a frame, cannot be planned.
     #[error("{}: {fault}", place_name(*.motion))]
     Cartesian {
-        /// The motion, or none for the start pose.
+        /// Motion index; `None` for the start pose.
         motion: Option<MotionIndex>,
-        /// The key of the motion at which it is.
+        /// Key of the motion at which the fault is.
         key: &'static str,
-        /// What is wrong.
+        /// Fault of the motion.
         fault: Box<CartesianFault>,
     },
     /// A blend carries the path outside the joint ranges.
     #[error("motion {motion}: on its blend, {outside}; choose a smaller blend or move the target")]
     BlendOutside {
-        /// The motion that is blended away.
+        /// Motion that has the blend.
         motion: MotionIndex,
-        /// Which joint, where it is farthest outside, and its range.
+        /// Joint farthest outside, and its range.
         outside: OutsideRange,
     },
 }
 
 impl Fault {
-    /// Whether the motions are well formed and the arm cannot do them: joints out of range, frames out of reach, singular
-    /// poses. All other faults are in what is written.
+    /// Returns true if the motions are well formed but infeasible for the robot: joints out of
+    /// range, frames out of reach, singular poses. All other faults are in the text of the program.
     #[must_use]
     pub fn is_of_the_arm(&self) -> bool {
         match self {
@@ -200,7 +200,7 @@ impl Fault {
         }
     }
 
-    /// The motion at fault, if it is one.
+    /// Motion at fault, if any.
     #[must_use]
     pub fn motion(&self) -> Option<MotionIndex> {
         match self {
@@ -224,7 +224,7 @@ impl Fault {
         }
     }
 
-    /// The place of the fault in the program's JSON text.
+    /// Place of the fault in the program's JSON text.
     #[must_use]
     pub fn place_in(&self, text: &str) -> Place {
         use Step::{Index, Key};
@@ -250,7 +250,7 @@ impl Fault {
                     None => vec![Key("start")],
                     Some(motion) => vec![motions, Index(motion.index())],
                 };
-                // The joints are under one of two keys: the longer way down is the right one.
+                // The joints are under one of two keys: the deeper match is the right one.
                 ["joints_rad", "joints_deg"]
                     .map(|key| {
                         [owner.as_slice(), &[Key(key), Index(outside.joint.index())]].concat()
@@ -270,7 +270,7 @@ impl Fault {
             }
             Self::Overlap { motion, .. } | Self::NothingToOverlap { motion, .. } => {
                 let owner = [motions, Index(motion.index())];
-                // It is under one of two keys: the longer way down is the right one.
+                // The number is under one of two keys: the deeper match is the right one.
                 ["overlap", "overlap_motions"]
                     .map(|key| locate(text, &[owner.as_slice(), &[Key(key)]].concat()))
                     .into_iter()

@@ -1,10 +1,10 @@
-//! Frames as people write them.
+//! Frames as written by users.
 
 use iiwa_kin::Pose;
 
-/// A frame: where its origin is, and its orientation `R = Rz(a) Ry(b) Rx(c)`, as on KUKA's panels.
+/// A frame: origin and orientation `R = Rz(a) Ry(b) Rx(c)`, as on KUKA's panels.
 ///
-/// Lengths stay in mm and angles in rad, as they were written, so that a program reads back as it is.
+/// Lengths stay in mm and angles in rad, as written, so that a program reads back exactly.
 ///
 /// ```
 /// use iiwa_program::Frame;
@@ -23,14 +23,14 @@ pub struct Frame {
 }
 
 impl Frame {
-    /// The pose of this frame in the one that it is given in.
+    /// Pose of this frame in the frame in which it is given.
     #[must_use]
     pub fn pose(&self) -> Pose {
         Pose::from_xyz_abc(self.xyz_mm.map(|mm| mm * 1e-3), self.abc_rad)
     }
 }
 
-/// The frame of a pose.
+/// Converts a pose to a frame.
 impl From<&Pose> for Frame {
     fn from(pose: &Pose) -> Self {
         Self { xyz_mm: pose.position_m.map(|m| m * 1e3), abc_rad: pose.abc_rad() }

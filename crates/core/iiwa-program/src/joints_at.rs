@@ -1,4 +1,4 @@
-//! Where the arm stands at the targets of a program.
+//! Joint positions at the targets of a program.
 
 use iiwa_kin::{Joints, Robot, Status};
 
@@ -10,7 +10,7 @@ use crate::{
 };
 
 impl Program {
-    /// Where the arm stands before the first motion, in rad.
+    /// Joint positions before the first motion, in rad.
     ///
     /// # Errors
     ///
@@ -26,12 +26,13 @@ impl Program {
         }
     }
 
-    /// The joints at a target, with E1 and status of the joints `before` where it has none of its own; `tool` and `base` are
-    /// the motion's names, or the program's if absent.
+    /// Joint positions at a target. E1 and status default to those of the joints `before`; `tool`
+    /// and `base` are the motion's names, by default the program's.
     ///
     /// # Errors
     ///
-    /// What is wrong, and the key of the motion at which it is: an unknown name, or a frame that the robot cannot reach.
+    /// If a name is unknown or the robot cannot reach the frame; returns the fault with the key of
+    /// the motion at which it is.
     pub fn joints_at(
         &self,
         robot: &Robot,

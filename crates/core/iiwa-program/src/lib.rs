@@ -1,5 +1,5 @@
-//! Motion programs of the KUKA LBR iiwa: motions, tools, bases and frames, and their JSON form. Planning is done
-//! elsewhere.
+//! Motion programs of the KUKA LBR iiwa: motions, tools, bases and frames, and their JSON form. The
+//! crate does not plan trajectories.
 //!
 //! ```
 //! use iiwa_program::{Motion, Program};
@@ -19,8 +19,9 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! A [`Program`] has a start, [`Motion`]s and a [`Workcell`] of tools, bases and frames. It is read by
-//! [`Program::from_json`], which says where in the text a [`Fault`] is, or made in code with [`Program::from_deg`].
+//! A [`Program`] has a start, [`Motion`]s and a [`Workcell`] of tools, bases and frames.
+//! [`Program::from_json`] reads a program and reports the place of a [`Fault`] in the text;
+//! [`Program::from_deg`] builds a program in code.
 
 mod blend;
 mod cartesian_fault;

@@ -1,18 +1,18 @@
-//! The kinds of limits.
+//! Limit kinds.
 
 use std::fmt;
 
 use enum_map::{Enum, EnumMap};
 
-/// The least share of a limit: at a millionth of its speed the arm takes weeks for half a turn.
+/// Smallest share of a limit: at a millionth of its speed the robot takes weeks for half a turn.
 pub(crate) const MIN_SHARE: f64 = 1e-6;
 
-/// Whether a number may be a share of a limit.
+/// Returns true if a number is a valid share of a limit.
 pub(crate) fn is_share(number: f64) -> bool {
     (MIN_SHARE..=1.0).contains(&number)
 }
 
-/// What a share is that was given in per cent.
+/// Hint for a share that was probably given in per cent.
 pub(crate) fn percent(found: f64) -> String {
     if (2.0..=100.0).contains(&found) {
         format!(" ({found} % is {})", (1e4 * found).round() / 1e6)
@@ -21,7 +21,7 @@ pub(crate) fn percent(found: f64) -> String {
     }
 }
 
-/// A kind of limit of a joint, or of the TCP.
+/// Kind of a joint limit or a TCP limit.
 ///
 /// ```
 /// use iiwa_program::LimitKind;
@@ -41,10 +41,10 @@ pub enum LimitKind {
 }
 
 impl LimitKind {
-    /// All kinds, by their order.
+    /// All kinds, by order of derivative.
     pub const ALL: [Self; 3] = [Self::Velocity, Self::Acceleration, Self::Jerk];
 
-    /// Its name in files: `velocity`, `acceleration` or `jerk`.
+    /// Name in files: `velocity`, `acceleration` or `jerk`.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -54,8 +54,8 @@ impl LimitKind {
         }
     }
 
-    /// The derivative of the position by time that it limits: 1 for velocity, 2, 3. Its unit is rad, or m, over s
-    /// to this power.
+    /// Order of the limited time derivative of the position: 1 for velocity, 2, 3. The unit is rad,
+    /// or m, over s to this power.
     #[must_use]
     pub fn order(self) -> u8 {
         match self {
@@ -65,7 +65,8 @@ impl LimitKind {
         }
     }
 
-    /// The key of a motion's share of it in programs: `velocity_rel`, `acceleration_rel` or `jerk_rel`.
+    /// Key of a motion's share of this limit in programs: `velocity_rel`, `acceleration_rel` or
+    /// `jerk_rel`.
     pub(crate) fn share_key(self) -> &'static str {
         match self {
             Self::Velocity => "velocity_rel",

@@ -1,4 +1,4 @@
-//! What hangs on the flange during the motions.
+//! Payloads during the motions.
 
 use iiwa_kin::Load;
 
@@ -8,7 +8,8 @@ use crate::{
 };
 
 impl Workcell {
-    /// The load of a tool, by its name `TOOL` or `TOOL/TIP`; of the tool in use if there is none, or if that one has none.
+    /// Payload of a tool, by its name `TOOL` or `TOOL/TIP`. Falls back to the tool in use if no
+    /// name is given or the named tool has no payload.
     #[must_use]
     pub fn load(&self, name: Option<&str>) -> Option<&Load> {
         let of = |name: &str| {
@@ -20,10 +21,10 @@ impl Workcell {
 }
 
 impl Program {
-    /// All that hangs on the flange during each motion, in order.
+    /// Total payload during each motion, in order.
     ///
-    /// After a change of the load that is what was picked up; else the load of the motion's tool or, where it has none, of
-    /// the tool in use. During a wait it is what it was before.
+    /// After a payload change, the payload picked up applies; otherwise the payload of the motion's
+    /// tool or, by default, of the tool in use. A wait keeps the payload of the entry before.
     ///
     /// ```
     /// use iiwa_program::Program;

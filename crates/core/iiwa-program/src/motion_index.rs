@@ -1,10 +1,11 @@
-//! A motion's place in a program.
+//! Index of a motion in a program.
 
 use std::fmt;
 
-/// The place of a motion in a program's list.
+/// Index of a motion in a program's motion list.
 ///
-/// Lists count from 0 and people count from 1; this type keeps the two apart. It is displayed as people count.
+/// Indices start at 0 and motion numbers at 1; this type keeps the two apart. It is displayed as a
+/// number.
 ///
 /// ```
 /// use iiwa_program::MotionIndex;
@@ -17,31 +18,31 @@ use std::fmt;
 pub struct MotionIndex(usize);
 
 impl MotionIndex {
-    /// The motion at a place that counts from 0.
+    /// Index from a number that starts at 0.
     #[must_use]
     pub const fn new(index: usize) -> Self {
         Self(index)
     }
 
-    /// The motion of a number that counts from 1; `None` for 0.
+    /// Index from a motion number that starts at 1; `None` for 0.
     #[must_use]
     pub fn from_number(number: usize) -> Option<Self> {
         number.checked_sub(1).map(Self)
     }
 
-    /// Its place in a list, from 0.
+    /// Index in a list, from 0.
     #[must_use]
     pub fn index(self) -> usize {
         self.0
     }
 
-    /// Its number, from 1.
+    /// Motion number, from 1.
     #[must_use]
     pub fn number(self) -> usize {
         self.0 + 1
     }
 
-    /// The motion after it.
+    /// Index of the following motion.
     #[must_use]
     pub fn next(self) -> Self {
         Self(self.0 + 1)

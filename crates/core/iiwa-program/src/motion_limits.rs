@@ -1,4 +1,4 @@
-//! The limits of one motion.
+//! Limits of one motion.
 
 use enum_map::enum_map;
 use iiwa_kin::{Joints, Robot};
@@ -12,8 +12,8 @@ use crate::{
     workcell::{OperatingMode, Workcell},
 };
 
-/// A motion's limits of its joints, of each kind: the robot's, times the motion's shares (Larsen 2019,
-/// Eq. 33, and 35 for the share of speed); and those of the TCP.
+/// Joint limits of a motion, of each kind: the robot's limits times the motion's shares (Larsen
+/// 2019, Eq. 33, and 35 for the share of speed); with the TCP limits.
 ///
 /// ```
 /// use iiwa_kin::Robot;
@@ -29,16 +29,16 @@ pub struct MotionLimits {
     supervised: Option<Supervised>,
 }
 
-/// What the operating mode T1 changes.
+/// Effect of the operating mode T1.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Supervised {
     speed_m_s: f64,
-    /// The limit of the TCP's speed in other modes.
+    /// TCP speed limit in other modes.
     own_m_s: f64,
 }
 
 impl MotionLimits {
-    /// All that `robot` can do.
+    /// Full limits of `robot`.
     #[must_use]
     pub fn full(robot: &Robot) -> Self {
         let limits = robot.limits();
@@ -50,7 +50,7 @@ impl MotionLimits {
         Self { joints, tool: ToolLimits::NONE, supervised: None }
     }
 
-    /// Those of `motion` on `robot`.
+    /// Limits of `motion` on `robot`.
     #[must_use]
     pub fn of_motion(robot: &Robot, motion: &Motion, workcell: &Workcell) -> Self {
         match motion {
@@ -66,7 +66,8 @@ impl MotionLimits {
         }
     }
 
-    /// Those of a segment of `spline` on `robot`: its own, and the spline's where it has none.
+    /// Limits of a segment of `spline` on `robot`: the segment's limits, by default those of the
+    /// spline.
     #[must_use]
     pub fn of_segment(
         robot: &Robot,
@@ -102,7 +103,7 @@ impl MotionLimits {
         limits
     }
 
-    /// Those at an override: with them, a motion takes as long as with these, divided by `share`.
+    /// Limits at an override of `share`: the duration of a motion is divided by `share`.
     #[must_use]
     pub fn slowed_down(mut self, share: f64) -> Self {
         for (kind, limits) in &mut self.joints {
@@ -114,19 +115,19 @@ impl MotionLimits {
         self
     }
 
-    /// The shares of the joints' jerk limits of `full` that these are.
+    /// Ratio of these joint jerk limits to those of `full`.
     #[must_use]
     pub fn jerk_shares(&self, full: &Self) -> Joints {
         std::array::from_fn(|j| self.jerk_rad_s3()[j] / full.jerk_rad_s3()[j])
     }
 
-    /// The speed at which the operating mode T1 holds TCP and flange, in m/s, if that is one of these limits.
+    /// Speed to which operating mode T1 limits TCP and flange, in m/s; `None` in other modes.
     #[must_use]
     pub fn supervised_m_s(&self) -> Option<f64> {
         self.supervised.map(|supervised| supervised.speed_m_s)
     }
 
-    /// Those in other operating modes than T1.
+    /// Limits in operating modes other than T1.
     #[must_use]
     pub fn unsupervised(&self) -> Self {
         let mut limits = Self { supervised: None, ..*self };
@@ -136,43 +137,44 @@ impl MotionLimits {
         limits
     }
 
-    /// Limits of `joints`, in rad/s, rad/s^2 and rad/s^3, and of the TCP; infinite where there are none.
+    /// Limits from `joints`, in rad/s, rad/s^2 and rad/s^3, and TCP limits; infinite for no limit.
     #[must_use]
     pub fn of_joints(joints: ByKind<Joints>, tool: ToolLimits) -> Self {
         Self { joints, tool, supervised: None }
     }
 
-    /// The same, with these limits of the TCP.
+    /// Replaces the TCP limits.
     #[must_use]
     pub fn with_tool(self, tool: ToolLimits) -> Self {
         Self { tool, ..self }
     }
 
-    /// Those of the TCP.
+    /// TCP limits.
     #[must_use]
     pub fn tool(&self) -> &ToolLimits {
         &self.tool
     }
 
-    /// Those of the joints of a kind; in rad/s, rad/s^2 or rad/s^3, by the kind's [order](LimitKind::order).
+    /// Joint limits of a kind, in rad/s, rad/s^2 or rad/s^3 by the kind's
+    /// [order](LimitKind::order).
     #[must_use]
     pub fn of(&self, kind: LimitKind) -> &Joints {
         &self.joints[kind]
     }
 
-    /// Those of the joints' velocity, in rad/s.
+    /// Joint velocity limits, in rad/s.
     #[must_use]
     pub fn velocity_rad_s(&self) -> &Joints {
         self.of(LimitKind::Velocity)
     }
 
-    /// Those of the joints' acceleration, in rad/s^2.
+    /// Joint acceleration limits, in rad/s^2.
     #[must_use]
     pub fn acceleration_rad_s2(&self) -> &Joints {
         self.of(LimitKind::Acceleration)
     }
 
-    /// Those of the joints' jerk, in rad/s^3.
+    /// Joint jerk limits, in rad/s^3.
     #[must_use]
     pub fn jerk_rad_s3(&self) -> &Joints {
         self.of(LimitKind::Jerk)

@@ -1,4 +1,4 @@
-//! Motions without a start.
+//! Motion lists without a start.
 
 use iiwa_kin::Joints;
 
@@ -8,8 +8,8 @@ use crate::{
     workcell::Workcell,
 };
 
-/// Motions, and the tools, bases and frames that they use: a program without its start, for an arm to run from where it
-/// is.
+/// Motions, with the tools, bases and frames that they use: a program without its start, to be run
+/// from the robot's current position.
 ///
 /// ```
 /// use iiwa_program::{Motion, MotionList, Program, Ptp};
@@ -21,16 +21,16 @@ use crate::{
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct MotionList {
-    /// What the arm does, in order.
+    /// Motions in order.
     pub motions: Vec<Motion>,
-    /// Tools, bases and frames that the motions name.
+    /// Tools, bases and frames named by the motions.
     pub workcell: Workcell,
-    /// Where they come from, as far as that is known.
+    /// Known sources of the motions.
     pub sources: Sources,
 }
 
 impl MotionList {
-    /// The program of these motions, for the default robot, from where the arm has these joints, in rad.
+    /// Program of these motions for the default robot, starting at these joint positions, in rad.
     #[must_use]
     pub fn starting_at(self, start_rad: Joints) -> Program {
         let Self { motions, workcell, sources } = self;
@@ -38,14 +38,14 @@ impl MotionList {
     }
 }
 
-/// What it does, without where it starts and on which robot.
+/// Keeps the motions of a program and drops its start and robot.
 impl From<Program> for MotionList {
     fn from(Program { motions, workcell, sources, .. }: Program) -> Self {
         Self { motions, workcell, sources }
     }
 }
 
-/// Motions that use no tool, no base and no frame by its name.
+/// Creates a list of motions that name no tool, base or frame.
 impl From<Vec<Motion>> for MotionList {
     fn from(motions: Vec<Motion>) -> Self {
         Self { motions, workcell: Workcell::default(), sources: Sources::default() }

@@ -1,8 +1,8 @@
-//! The types of motions.
+//! Motion types.
 
 use crate::{cartesian_motion::Course, program::Motion};
 
-/// The types of motions.
+/// Type of a motion.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum MotionType {
@@ -11,24 +11,24 @@ pub enum MotionType {
     Ptp,
     /// Point to point, to a frame.
     PtpToFrame,
-    /// The TCP goes straight to a frame.
+    /// Straight TCP line to a frame.
     Lin,
-    /// The TCP goes straight, by an offset.
+    /// Straight TCP line by an offset.
     LinRel,
-    /// The TCP goes on a circle.
+    /// TCP circle.
     Circ,
-    /// The TCP goes through frames on segments of a spline.
+    /// TCP spline of several segments.
     Spline,
-    /// The TCP goes on a spline of one segment.
+    /// TCP spline of one segment.
     Spl,
-    /// A wait.
+    /// Wait.
     Wait,
-    /// A change of the load.
+    /// Payload change.
     Load,
 }
 
 impl MotionType {
-    /// Its name in programs: `ptp`, `lin`, `lin_rel`, `circ`, `spline`, `spl`, `wait` or `load`.
+    /// Name in programs: `ptp`, `lin`, `lin_rel`, `circ`, `spline`, `spl`, `wait` or `load`.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -43,7 +43,7 @@ impl MotionType {
         }
     }
 
-    /// The type of a name; of `ptp`, that to joint positions.
+    /// Motion type with a name; `ptp` gives the type to joint positions.
     #[must_use]
     pub fn from_name(name: &str) -> Option<Self> {
         let tcp = [Self::Lin, Self::LinRel, Self::Circ, Self::Spline, Self::Spl];
@@ -51,7 +51,7 @@ impl MotionType {
         all.find(|motion| motion.name() == name)
     }
 
-    /// Whether its target is a frame of the TCP.
+    /// Returns true if the target is a TCP frame.
     #[must_use]
     pub fn is_cartesian(self) -> bool {
         !matches!(self, Self::Ptp | Self::Wait | Self::Load)
@@ -59,7 +59,7 @@ impl MotionType {
 }
 
 impl Motion {
-    /// Its type.
+    /// Type of the motion.
     #[must_use]
     pub fn motion_type(&self) -> MotionType {
         match self {

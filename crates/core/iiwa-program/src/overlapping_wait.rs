@@ -1,23 +1,23 @@
-//! Waits during which the arm may move.
+//! Waits that overlap motions.
 
 use crate::{
     motion_index::MotionIndex,
     program::{Motion, Program},
 };
 
-/// A wait whose time runs while the arm moves.
+/// A wait whose time runs while the robot moves.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct OverlappingWait {
-    /// The wait's place in the program.
+    /// Motion index of the wait.
     pub motion: MotionIndex,
-    /// Its duration, in s.
+    /// Duration, in s.
     pub seconds: f64,
-    /// The motion with whose begin its time begins, at the earliest.
+    /// Motion at whose start the time of the wait starts, at the earliest.
     pub since: MotionIndex,
 }
 
 impl Program {
-    /// The waits that overlap motions, in order, of a program that has been checked.
+    /// Waits that overlap motions, in order, of a program that has been checked.
     ///
     /// ```
     /// use iiwa_program::{Blend, Motion, MotionIndex, Program};

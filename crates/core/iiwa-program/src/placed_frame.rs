@@ -1,4 +1,4 @@
-//! Where the frames of a program are.
+//! Poses of the frames of a program.
 
 use iiwa_kin::Pose;
 
@@ -9,17 +9,18 @@ use crate::{
     workcell::NameFault,
 };
 
-/// A frame of a program.
+/// A frame of a program, with its pose.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PlacedFrame {
-    /// Its name; none if it is given where it is used.
+    /// Name; `None` if the frame is given inline.
     pub name: Option<String>,
-    /// Where it is in the robot's foot.
+    /// Pose in the robot base.
     pub pose: Pose,
 }
 
 impl Program {
-    /// The frames of the program: those with a name, then those that the start and the motions give, in order.
+    /// Frames of the program: named frames first, then the inline frames of start and motions, in
+    /// order.
     ///
     /// ```
     /// use iiwa_program::Program;
@@ -40,7 +41,7 @@ impl Program {
     ///
     /// # Errors
     ///
-    /// If a base is not there.
+    /// If a base is unknown.
     pub fn placed_frames(&self) -> Result<Vec<PlacedFrame>, NameFault> {
         let placed = |name: Option<&String>, target: &TargetRef, base: Option<&str>| {
             let (_, pose) = self.workcell.target(target, base)?;

@@ -1,4 +1,4 @@
-//! The motion program: what the robot is told to do.
+//! Motion programs.
 
 use std::ops::Range;
 
@@ -15,32 +15,33 @@ use crate::{
     workcell::{MAX_FLANGE_M, MAX_TORQUE_LIMIT, MIN_OVERRIDE, MIN_TORQUE_LIMIT, Workcell},
 };
 
-/// Difference of two flanges of the same length, in m: a length in mm is not exact in m.
+/// Tolerance for equal flange lengths, in m, because a length in mm is not exact in m.
 const FLANGE_TOLERANCE_M: f64 = 1e-9;
 
 /// A motion program (version 1).
 ///
-/// [`Program::from_json`] reads one; a program made in code is checked when its path is made.
+/// [`Program::from_json`] reads and checks a program; a program built in code is checked when its
+/// path is planned.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Program {
-    /// Name of a built-in model or of a robot profile file; the LBR iiwa 7 R800 if absent.
+    /// Name of a built-in model or of a robot profile file; the LBR iiwa 7 R800 by default.
     pub robot: Option<String>,
-    /// Where the arm stands before the first motion.
+    /// Start pose before the first motion.
     pub start: Start,
-    /// What it does, in order.
+    /// Motions in order.
     pub motions: Vec<Motion>,
-    /// Tools, bases and frames that the motions name.
+    /// Tools, bases and frames named by the motions.
     pub workcell: Workcell,
-    /// Where the motions come from, as far as that is known.
+    /// Known sources of the motions.
     pub sources: Sources,
 }
 
-/// Where the arm stands before the first motion.
+/// Start pose before the first motion.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Start {
-    /// With its joints there, in rad.
+    /// Joint positions, in rad.
     Joints(Joints),
-    /// With its TCP at a frame, which has to say E1 and status unless they are 0 and 2.
+    /// TCP frame; E1 and status default to 0 and 2.
     Frame(TargetRef),
 }
 
@@ -51,7 +52,7 @@ impl From<Joints> for Start {
 }
 
 impl Start {
-    /// The joints, in rad, unless they are given by a frame.
+    /// Joint positions, in rad, unless the start is given by a frame.
     #[must_use]
     pub fn joints_rad(&self) -> Option<&Joints> {
         match self {
@@ -61,36 +62,37 @@ impl Start {
     }
 }
 
-/// One entry of a program's list of motions.
+/// An entry of a program's motion list.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Motion {
     /// A point-to-point motion: a straight line in joint space.
     Ptp(Ptp),
-    /// A motion to a frame: from point to point, or along a path of the TCP.
+    /// A motion to a frame: point to point, or along a TCP path.
     Cartesian(Box<CartesianMotion>),
-    /// The program waits.
+    /// A wait of the program.
     Wait {
-        /// For how long, in s.
+        /// Duration, in s.
         seconds: f64,
-        /// How many motions before it the wait overlaps. 0: the arm stands for so long. From 1 on, the time runs from the
-        /// instant at which the motion that is so many before begins, motions that move being counted, or from the end of
-        /// the wait before this one if that is later. What comes after the wait is not known before its end: until then it
-        /// neither begins nor is blended into.
+        /// Number of preceding motions that the wait overlaps. With 0, the robot rests for the
+        /// duration. From 1 on, the time runs from the start of the motion that many motions
+        /// before, counting only entries that move, or from the end of the preceding wait if that
+        /// is later. The entries after the wait are not known before its end: until then they
+        /// neither start nor are blended into.
         overlap: usize,
     },
-    /// Where the arm stands, what hangs on its flange changes: all of it from here on, the tool with what it holds, or
-    /// again the tool's own load. It takes no time.
+    /// A payload change at rest: the total payload from here on, tool included, or `None` to return
+    /// to the tool's payload. It takes no time.
     Load(Option<Load>),
 }
 
 impl Motion {
-    /// Whether the arm moves.
+    /// Returns true if the robot moves.
     #[must_use]
     pub fn moves(&self) -> bool {
         matches!(self, Self::Ptp(_) | Self::Cartesian(_))
     }
 
-    /// Whether the program waits for its end before it sends the next motion.
+    /// Returns true if the program waits for the end of the motion before it sends the next one.
     #[must_use]
     pub fn is_blocking(&self) -> bool {
         match self {
@@ -100,7 +102,7 @@ impl Motion {
         }
     }
 
-    /// Whether it is a wait during which the arm may move.
+    /// Returns true for a wait during which the robot may move.
     #[must_use]
     pub fn is_overlapping_wait(&self) -> bool {
         matches!(self, Self::Wait { overlap: 1.., .. })
@@ -110,7 +112,7 @@ impl Motion {
 /// A point-to-point motion.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Ptp {
-    /// Where it ends, or would end if it were not blended away, in rad.
+    /// Target position, which the motion only passes near if it is blended, in rad.
     pub target_rad: Joints,
     /// Share of each joint's speed limit, in (0, 1] (Larsen 2019, Eq. 35).
     pub velocity_rel: Joints,
@@ -118,15 +120,15 @@ pub struct Ptp {
     pub acceleration_rel: Joints,
     /// Share of each joint's jerk limit, in (0, 1].
     pub jerk_rel: Joints,
-    /// How the target is blended away; without it the arm stops there and settles.
+    /// Blend at the target; without a blend the robot stops there and settles.
     pub blend: Option<Blend>,
-    /// Whether the program waits for its end before it sends the next motion: then the arm stands longer. A motion with a
-    /// blend cannot have it.
+    /// `true` if the program waits for the end of the motion before it sends the next one, which
+    /// lengthens the pause. Not allowed together with a blend.
     pub blocking: bool,
 }
 
 impl Ptp {
-    /// A motion to `target_rad` at full speed that ends in a stop.
+    /// Motion to `target_rad` at full speed that ends in a stop.
     #[must_use]
     pub fn to(target_rad: Joints) -> Self {
         Self {
@@ -149,7 +151,7 @@ impl Ptp {
         }
     }
 
-    /// The same, to be changed.
+    /// Mutable share of each joint's limit of a kind.
     pub fn share_mut(&mut self, kind: LimitKind) -> &mut Joints {
         match kind {
             LimitKind::Velocity => &mut self.velocity_rel,
@@ -158,19 +160,19 @@ impl Ptp {
         }
     }
 
-    /// The same motion at a share of every joint's speed limit, in (0, 1].
+    /// Sets the share of every joint's speed limit, in (0, 1].
     #[must_use]
     pub fn velocity(self, velocity_rel: f64) -> Self {
         Self { velocity_rel: [velocity_rel; 7], ..self }
     }
 
-    /// The same motion, blended into the next one.
+    /// Sets the blend into the next motion.
     #[must_use]
     pub fn blend(self, blend: Blend) -> Self {
         Self { blend: Some(blend), ..self }
     }
 
-    /// The same motion, whose end the program waits for.
+    /// Makes the motion blocking: the program waits for its end.
     #[must_use]
     pub fn blocking(self) -> Self {
         Self { blocking: true, ..self }
@@ -178,7 +180,7 @@ impl Ptp {
 }
 
 impl Program {
-    /// Finds the first thing in the program that no robot with these `limits` could do.
+    /// Checks the program against joint `limits`.
     ///
     /// ```
     /// use iiwa_kin::Robot;
@@ -192,7 +194,7 @@ impl Program {
     ///
     /// # Errors
     ///
-    /// A [`Fault`] that says what is wrong in which motion.
+    /// The first [`Fault`], with the motion that has it.
     pub fn check(&self, limits: &Limits) -> Result<(), Fault> {
         self.check_numbers()?;
         if let Start::Joints(start_rad) = &self.start {
@@ -206,7 +208,7 @@ impl Program {
         Ok(())
     }
 
-    /// The robot with the flange that the program states; as it is if the program states none.
+    /// Sets the flange length that the program states; unchanged if the program states none.
     ///
     /// ```
     /// use iiwa_kin::Robot;
@@ -220,12 +222,13 @@ impl Program {
     #[must_use]
     pub fn with_flange(&self, robot: Robot) -> Robot {
         let Some(flange_m) = self.workcell.flange_m else { return robot };
-        // A length that is out of range is a fault of the program.
+        // An out-of-range length is reported as a fault of the program.
         robot.clone().with_flange_m(flange_m).unwrap_or(robot)
     }
 
-    /// Checks that a robot is the one that the program names, with the flange that it states. The profile that a program names is
-    /// not read: any robot that is not a built-in model is taken for it.
+    /// Checks that a robot is the one that the program names, with the flange length that the
+    /// program states. A named profile is not read: any robot that is not a built-in model is
+    /// accepted for it.
     ///
     /// # Errors
     ///
@@ -247,11 +250,11 @@ impl Program {
         }
     }
 
-    /// Checks all that can be checked without a robot.
+    /// Checks everything that can be checked without a robot.
     ///
     /// # Errors
     ///
-    /// A [`Fault`] that says what is wrong in which motion.
+    /// The first [`Fault`], with the motion that has it.
     pub fn check_numbers(&self) -> Result<(), Fault> {
         if self.motions.is_empty() {
             return Err(Fault::NoMotions);
@@ -287,7 +290,7 @@ impl Program {
         }
     }
 
-    /// That there are so many motions before a wait, from which on the arm does not have to stand.
+    /// Checks that enough motions precede a wait since the last stop.
     fn check_overlap(&self, motion: MotionIndex, found: usize) -> Result<(), Fault> {
         if found > MAX_OVERLAP {
             return Err(Fault::Overlap { motion, found, max: MAX_OVERLAP });
@@ -303,11 +306,11 @@ impl Program {
         Ok(())
     }
 
-    /// What [`check`](Self::check) says of the motions in `range`.
+    /// Checks the motions in `range` as [`check`](Self::check) does.
     ///
     /// # Errors
     ///
-    /// A [`Fault`] that says what is wrong in which motion.
+    /// The first [`Fault`], with the motion that has it.
     pub fn check_motions(&self, range: Range<usize>, limits: &Limits) -> Result<(), Fault> {
         for (motion, entry) in self.entries().take(range.end).skip(range.start) {
             self.check_entry(motion, entry)?;
@@ -318,14 +321,15 @@ impl Program {
         Ok(())
     }
 
-    /// Whether the start or a motion is given by a frame, so that where the arm goes depends on the robot.
+    /// Returns true if the start or a motion is given by a frame, so that the joint positions
+    /// depend on the robot.
     #[must_use]
     pub fn has_frames(&self) -> bool {
         self.start.joints_rad().is_none()
             || self.motions.iter().any(|motion| matches!(motion, Motion::Cartesian(_)))
     }
 
-    /// The motions with their places.
+    /// Motions with their indices.
     pub fn entries(&self) -> impl Iterator<Item = (MotionIndex, &Motion)> {
         (0..).map(MotionIndex::new).zip(&self.motions)
     }
@@ -351,7 +355,7 @@ impl Program {
         blend.check(own.is_ptp()).map_err(|problem| fault("blend", problem))?;
         match blend.in_joints() {
             Some(size) => self.check_blend(motion, size),
-            // Of the orientation alone.
+            // A blend given by orientation alone has no size to check.
             None => self.check_what_follows(motion),
         }
     }
@@ -368,9 +372,10 @@ impl Program {
         if blend.has_effect() { self.check_what_follows(motion) } else { Ok(()) }
     }
 
-    /// That nothing is to be blended into which needs a stop. What is after the last motion is not known: there, the arm stops.
+    /// Checks that the next entry does not require a stop. Entries after the last motion are
+    /// unknown: the robot stops there.
     fn check_what_follows(&self, motion: MotionIndex) -> Result<(), Fault> {
-        // A wait that overlaps the motion does not ask it to stop.
+        // A wait that overlaps the motion does not require a stop.
         let mut next = self.motions.iter().skip(motion.index() + 1);
         match next.find(|entry| !entry.is_overlapping_wait()) {
             Some(Motion::Wait { .. }) => Err(Fault::BlendBeforeWait { motion }),
@@ -379,7 +384,7 @@ impl Program {
         }
     }
 
-    /// The last motion, if it has a blend, which has nothing to blend into: the arm stops there.
+    /// Last motion, if it has a blend: with nothing to blend into, the robot stops there.
     #[must_use]
     pub fn blend_at_the_end(&self) -> Option<MotionIndex> {
         let last = self.motions.iter().rposition(|entry| !entry.is_overlapping_wait())?;
@@ -392,7 +397,7 @@ impl Program {
     }
 }
 
-/// That all shares of limits are above 0 and at most 1.
+/// Checks that all shares of limits are above 0 and at most 1.
 fn check_shares<'a>(
     motion: MotionIndex,
     of: impl Fn(LimitKind) -> &'a Joints,
@@ -408,10 +413,11 @@ fn check_shares<'a>(
     Ok(())
 }
 
-/// A wait above a day is a slip of the pen, and would fill a disk with samples.
+/// Longest accepted wait: more than a day is assumed to be a typing error, and would fill a disk
+/// with samples.
 const MAX_WAIT_S: f64 = 24.0 * 3600.0;
 
-/// How many motions a wait may overlap at most.
+/// Largest number of motions that a wait may overlap.
 pub const MAX_OVERLAP: usize = 1000;
 
 fn check_joints(
@@ -422,7 +428,7 @@ fn check_joints(
     limits.check(joints).map_err(|outside| Fault::JointOutside { motion, outside })
 }
 
-/// True of a built-in model with a flange of any length.
+/// Returns true for a built-in model with any flange length.
 fn is_built_in(robot: &Robot) -> bool {
     Robot::built_in(robot.name()).is_some_and(|model| {
         let flange_m = model.lengths().flange_m;

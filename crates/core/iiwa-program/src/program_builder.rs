@@ -1,4 +1,4 @@
-//! Programs that are made in code.
+//! Builder of programs in code.
 
 use iiwa_kin::Joints;
 
@@ -9,7 +9,7 @@ use crate::{
     workcell::Workcell,
 };
 
-/// Puts a program together, with angles in degrees as on the robot's panel.
+/// Builder of a program, with angles in degrees as on the robot's panel.
 ///
 /// ```
 /// use iiwa_kin::Robot;
@@ -33,12 +33,12 @@ pub struct ProgramBuilder {
 }
 
 impl Program {
-    /// A program that starts at these joint angles, in degrees, and has no motions yet.
+    /// Starts a program at these joint angles, in degrees, without motions.
     pub fn from_deg(start_deg: Joints) -> ProgramBuilder {
         Self::from_rad(start_deg.map(f64::to_radians))
     }
 
-    /// A program that starts at these joint angles, in rad, and has no motions yet.
+    /// Starts a program at these joint angles, in rad, without motions.
     pub fn from_rad(start_rad: Joints) -> ProgramBuilder {
         ProgramBuilder {
             program: Self {
@@ -53,18 +53,18 @@ impl Program {
 }
 
 impl ProgramBuilder {
-    /// Names the robot: a built-in model or a profile file.
+    /// Sets the robot: a built-in model or a profile file.
     pub fn robot(mut self, name: impl Into<String>) -> Self {
         self.program.robot = Some(name.into());
         self
     }
 
-    /// Adds a point-to-point motion, its target in degrees.
+    /// Adds a point-to-point motion with its target in degrees.
     pub fn ptp_deg(self, target_deg: Joints) -> Self {
         self.ptp_rad(target_deg.map(f64::to_radians))
     }
 
-    /// Adds a point-to-point motion, its target in rad.
+    /// Adds a point-to-point motion with its target in rad.
     pub fn ptp_rad(self, target_rad: Joints) -> Self {
         self.motion(Motion::Ptp(Ptp::to(target_rad)))
     }
@@ -80,33 +80,33 @@ impl ProgramBuilder {
         self
     }
 
-    /// The last motion keeps to this share of every joint's velocity limit, in (0, 1].
+    /// Limits the last motion to this share of every joint's velocity limit, in (0, 1].
     pub fn velocity(self, share: f64) -> Self {
         self.last_ptp(|ptp| ptp.velocity_rel = [share; 7])
     }
 
-    /// The last motion keeps to this share of every joint's acceleration limit, in (0, 1].
+    /// Limits the last motion to this share of every joint's acceleration limit, in (0, 1].
     pub fn acceleration(self, share: f64) -> Self {
         self.last_ptp(|ptp| ptp.acceleration_rel = [share; 7])
     }
 
-    /// The last motion keeps to this share of every joint's jerk limit, in (0, 1].
+    /// Limits the last motion to this share of every joint's jerk limit, in (0, 1].
     pub fn jerk(self, share: f64) -> Self {
         self.last_ptp(|ptp| ptp.jerk_rel = [share; 7])
     }
 
-    /// The last motion is blended into the next one.
+    /// Blends the last motion into the next one.
     pub fn blend(self, blend: Blend) -> Self {
         self.last_ptp(|ptp| ptp.blend = Some(blend))
     }
 
-    /// The program. It is checked when its path is made.
+    /// Finished program, which is checked when its path is planned.
     #[must_use]
     pub fn build(self) -> Program {
         self.program
     }
 
-    /// Changes the last motion, if it is one from point to point; a wait has nothing to change.
+    /// Changes the last motion if it is a point-to-point motion.
     fn last_ptp(mut self, change: impl FnOnce(&mut Ptp)) -> Self {
         if let Some(Motion::Ptp(ptp)) = self.program.motions.last_mut() {
             change(ptp);

@@ -1,4 +1,4 @@
-//! Limits of a single segment of a spline.
+//! Limits of a single spline segment.
 
 use iiwa_kin::Joints;
 
@@ -8,17 +8,17 @@ use crate::{
     tool_limits::ToolLimits,
 };
 
-/// The limits that a segment of a spline has of its own; where it has none, those of the spline hold.
+/// Limits of a spline segment; the spline's limits by default.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct SegmentLimits {
-    /// Shares of each joint's limits, in (0, 1].
+    /// Share of each joint's limit, in (0, 1].
     pub shares: ByKind<Option<Joints>>,
-    /// Limits of the TCP; infinite where the spline's hold.
+    /// TCP limits; infinite if the spline's limits apply.
     pub tool: ToolLimits,
 }
 
 impl SegmentLimits {
-    /// Finds the first limit that cannot be kept.
+    /// Checks the limits; returns the first that is too small or out of range.
     pub(crate) fn check(&self) -> Result<(), (&'static str, CartesianFault)> {
         for (kind, shares) in &self.shares {
             if let Some(&found) = shares.iter().flatten().find(|share| !is_share(**share)) {

@@ -1,4 +1,4 @@
-//! Where the motions of a program come from.
+//! Sources of a program's motions.
 
 use std::{
     collections::BTreeMap,
@@ -7,16 +7,17 @@ use std::{
 
 use crate::motion_index::MotionIndex;
 
-/// The line that a motion was made from, where a program was made from another one, such as a robot application in Java.
+/// Source line of a motion, for a program generated from another program such as a Java robot
+/// application.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Source {
-    /// The file's name, as people know it.
+    /// File name, as shown to the user.
     pub file: String,
-    /// The line, from 1.
+    /// Line number, from 1.
     pub line: u32,
 }
 
-/// As compilers write it: `Welding.java:84`.
+/// Writes `Welding.java:84`, as compilers do.
 impl fmt::Display for Source {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { file, line } = self;
@@ -24,7 +25,7 @@ impl fmt::Display for Source {
     }
 }
 
-/// The sources of a program's motions, as far as they are known.
+/// Known sources of a program's motions.
 ///
 /// ```
 /// use iiwa_program::{MotionIndex, Source, Sources};
@@ -40,7 +41,7 @@ impl fmt::Display for Source {
 pub struct Sources(BTreeMap<MotionIndex, Source>);
 
 impl Sources {
-    /// The source of a motion, if it is known.
+    /// Source of a motion, if known.
     #[must_use]
     pub fn of(&self, motion: MotionIndex) -> Option<&Source> {
         self.0.get(&motion)
@@ -51,18 +52,18 @@ impl Sources {
         self.0.insert(motion, source);
     }
 
-    /// Whether no source is known.
+    /// Returns true if no source is known.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.0.is_empty()
     }
 
-    /// The known sources, in the order of the motions.
+    /// Known sources, in the order of the motions.
     pub fn iter(&self) -> impl Iterator<Item = (MotionIndex, &Source)> {
         self.0.iter().map(|(motion, source)| (*motion, source))
     }
 
-    /// A message with the source behind each motion that it names by its number: `motion 4 (Welding.java:84)`.
+    /// Adds the source after each motion number in a message: `motion 4 (Welding.java:84)`.
     #[must_use]
     pub fn in_message(&self, message: &str) -> String {
         const WORD: &str = "motion ";
@@ -76,7 +77,7 @@ impl Sources {
             told.push_str(before);
             let motion = number[..digits].parse().ok().and_then(MotionIndex::from_number);
             if let Some(source) = motion.and_then(|motion| self.of(motion)) {
-                // A text takes whatever is written to it.
+                // Writing to a string does not fail.
                 let _ = write!(told, " ({source})");
             }
             rest = after;

@@ -1,10 +1,10 @@
-//! Where a Cartesian motion goes.
+//! Targets of Cartesian motions.
 
 use iiwa_kin::Status;
 
 use crate::frame::Frame;
 
-/// A frame to which the TCP goes, with what settles the arm's redundancy there.
+/// A target frame of the TCP, with the redundancy parameters that make the joint positions unique.
 ///
 /// ```
 /// use iiwa_program::{Frame, Target};
@@ -15,33 +15,34 @@ use crate::frame::Frame;
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Target {
-    /// Where it is in its base.
+    /// Frame in its base.
     pub frame: Frame,
-    /// The base; that of the motion or of the program if absent.
+    /// Base of the frame; that of the motion or of the program by default.
     pub base: Option<String>,
-    /// The position of A3 there, in rad; as where the motion starts if absent.
+    /// Position of A3 at the target, in rad; as at the start of the motion by default.
     pub e1_rad: Option<f64>,
-    /// On which side of shoulder, elbow and wrist the arm is; as where the motion starts if absent. It counts in
-    /// point-to-point motions only: along a path it cannot change.
+    /// Arm configuration (sides of shoulder, elbow and wrist); as at the start of the motion by
+    /// default. Used in point-to-point motions only, because it cannot change along a path.
     pub status: Option<Status>,
-    /// The signs of all joints, from bit 0 for A1. The other numbers settle them: they are held against these.
+    /// Signs of all joint positions, from bit 0 for A1. The other parameters determine them, so
+    /// this is only a check.
     pub turn: Option<u8>,
 }
 
 impl Target {
-    /// A frame in the motion's base, with the redundancy of where the motion starts.
+    /// Target in the motion's base, with the redundancy of the start of the motion.
     #[must_use]
     pub fn at(frame: Frame) -> Self {
         Self { frame, base: None, e1_rad: None, status: None, turn: None }
     }
 }
 
-/// A target that is given where it is used, or by its name among the program's frames.
+/// A target given inline, or by its name among the program's frames.
 #[derive(Clone, Debug, PartialEq)]
 pub enum TargetRef {
-    /// One of [`Workcell::frames`](crate::Workcell::frames).
+    /// Name of one of [`Workcell::frames`](crate::Workcell::frames).
     Named(String),
-    /// This one.
+    /// Inline target.
     Given(Target),
 }
 

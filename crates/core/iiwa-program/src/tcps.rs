@@ -1,4 +1,4 @@
-//! The TCPs of the motions.
+//! TCPs of the motions.
 
 use iiwa_kin::Pose;
 
@@ -9,12 +9,12 @@ use crate::{
 };
 
 impl Program {
-    /// The TCP that each motion moves, in the flange's frame: that of its tool, and the program's where it has none of
-    /// its own; of a wait or a change of the load that of the motion before.
+    /// TCP that each motion moves, in the flange frame: that of the motion's tool, by default of
+    /// the program's tool; for a wait or a payload change, the TCP of the entry before.
     ///
     /// # Errors
     ///
-    /// [`Fault::Cartesian`] if there is no such tool.
+    /// [`Fault::Cartesian`] if a tool is unknown.
     pub fn tcps(&self) -> Result<Vec<Pose>, Fault> {
         let mut before = None;
         let tcps = self.entries().map(|(motion, entry)| {

@@ -1,8 +1,8 @@
-//! The limits of the TCP.
+//! TCP limits.
 
 use crate::{cartesian_fault::CartesianFault, limit_kind::ByKind};
 
-/// A motion's limits of the TCP, of each kind: of its way along the path, and of its turn.
+/// TCP limits of a motion, of each kind, for the path and for the orientation.
 ///
 /// ```
 /// use iiwa_program::{LimitKind, ToolLimits};
@@ -13,21 +13,21 @@ use crate::{cartesian_fault::CartesianFault, limit_kind::ByKind};
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ToolLimits {
-    /// Of the way: speed, acceleration and jerk along the path, in m over s to the power of the kind's
-    /// [order](crate::LimitKind::order). Infinite if unlimited, else positive.
+    /// Path limits: speed, acceleration and jerk along the path, in m over s to the power of the
+    /// kind's [order](crate::LimitKind::order). Infinite if unlimited, otherwise positive.
     pub way: ByKind<f64>,
-    /// Of the angle by which it turns, in rad over s to the same power.
+    /// Orientation limits, in rad over s to the same power.
     pub turn: ByKind<f64>,
 }
 
 impl ToolLimits {
-    /// No limit.
+    /// Unlimited.
     pub const NONE: Self = Self {
         way: ByKind::from_array([f64::INFINITY; 3]),
         turn: ByKind::from_array([f64::INFINITY; 3]),
     };
 
-    /// The limits by their keys in programs, in the keys' units.
+    /// Limits by their program keys, in the units of the keys.
     pub(crate) fn by_key(&self) -> [(&'static str, f64); 6] {
         let way = self.way.into_array().map(|limit| 1e3 * limit);
         let turn = self.turn.into_array().map(f64::to_degrees);
@@ -41,10 +41,10 @@ impl ToolLimits {
         ]
     }
 
-    /// Finds the first limit that is next to nothing, or less.
+    /// Checks the limits; returns the first that is too small.
     pub(crate) fn check(&self) -> Result<(), (&'static str, CartesianFault)> {
         for ((key, found), min) in self.by_key().into_iter().zip(LEAST) {
-            // Units are converted to and fro.
+            // The tolerance covers unit conversions in both directions.
             if found.is_nan() || found < min * (1.0 - 1e-9) {
                 return Err((key, CartesianFault::Limit { key, found, min }));
             }
@@ -52,7 +52,7 @@ impl ToolLimits {
         Ok(())
     }
 
-    /// These, and those of `other` where there are none.
+    /// These limits; limits of `other` for those that are infinite.
     pub(crate) fn or(&self, other: &Self) -> Self {
         let or = |own: &ByKind<f64>, other: &ByKind<f64>| {
             ByKind::from_fn(|kind| if own[kind].is_finite() { own[kind] } else { other[kind] })
@@ -61,8 +61,9 @@ impl ToolLimits {
     }
 }
 
-/// The least limits, in the order and the units of the keys. Below them a motion takes hours; and where acceleration is so low
-/// and jerk is not, a millionth of the motion is spent on building it up, which no solver tells from none.
+/// Smallest accepted limits, in the order and the units of the keys. Below them a motion takes
+/// hours; and if acceleration is that low but jerk is not, only a millionth of the motion is spent
+/// on building up the acceleration, which no solver can distinguish from zero.
 const LEAST: [f64; 6] = [1e-3, 1.0, 1e-3, 1e-3, 0.1, 1e-3];
 
 impl Default for ToolLimits {

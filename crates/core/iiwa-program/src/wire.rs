@@ -1,5 +1,4 @@
-//! The program's JSON form. The types here are the ones that are read, written and described by
-//! the JSON Schema.
+//! JSON form of programs. The types here are read, written and described by the JSON Schema.
 
 mod by_name;
 mod cartesian;
@@ -43,7 +42,8 @@ use workcell::{ModeWire, MountWire, WorkcellOut, WorkcellWire};
 pub use error::ProgramError;
 
 impl Program {
-    /// Reads a motion program (version 1) and checks all that can be checked without a robot.
+    /// Reads a motion program (version 1) and checks everything that can be checked without a
+    /// robot.
     ///
     /// ```
     /// use iiwa_program::Program;
@@ -55,15 +55,15 @@ impl Program {
     ///
     /// # Errors
     ///
-    /// If the text is not a program, or asks for something that no robot can do; the error says
-    /// where in the text.
+    /// If the text is not a program, or requires something that no robot can do; the error gives
+    /// the place in the text.
     pub fn from_json(text: &str) -> Result<Self, ProgramError> {
         Self::from_json_with(text, no_files)
     }
 
-    /// Reads a motion program that may include a file of tools, bases and frames: `read` gives the text of the
-    /// file that its key `include` names, or returns why it cannot. The program's own names win over those of
-    /// the file.
+    /// Reads a motion program that may include a file of tools, bases and frames. `read` returns
+    /// the text of the file named by the key `include`, or the reason why the file cannot be read.
+    /// Names of the program take precedence over names of the file.
     ///
     /// ```
     /// use iiwa_program::Program;
@@ -82,7 +82,7 @@ impl Program {
     ///
     /// # Errors
     ///
-    /// As [`from_json`](Self::from_json); [`ProgramError::Included`] if something is wrong within the file.
+    /// As [`from_json`](Self::from_json); [`ProgramError::Included`] for an error within the file.
     pub fn from_json_with(
         text: &str,
         read: impl FnOnce(&str) -> Result<String, String>,
@@ -116,7 +116,7 @@ impl Program {
         checked(text, program, &wire.motions)
     }
 
-    /// The program as JSON (version 1), joints in rad, so that it reads back as it is.
+    /// Writes the program as JSON (version 1), with joints in rad, so that it reads back exactly.
     ///
     /// ```
     /// use iiwa_program::Program;
@@ -137,11 +137,11 @@ impl Program {
             override_percent: self.workcell.speed_override.map(exact_percent),
             motions: motions_out(&self.motions, &self.sources),
         };
-        // Only a map with keys that are no strings could fail.
+        // Serialisation can only fail for a map whose keys are not strings.
         serde_json::to_string_pretty(&wire).unwrap_or_default()
     }
 
-    /// The JSON Schema of a motion program (draft 2020-12).
+    /// JSON Schema of a motion program (draft 2020-12).
     #[must_use]
     pub fn schema() -> serde_json::Value {
         schemars::schema_for!(ProgramWire<'_>).to_value()
@@ -153,7 +153,7 @@ impl Program {
 #[serde(deny_unknown_fields)]
 #[schemars(title = "iiwasim motion program", rename = "Program")]
 struct ProgramWire<'a> {
-    /// Where the JSON Schema of this format is, for editors; nothing else uses it.
+    /// URL or path of the JSON Schema of this format, for editors; otherwise unused.
     #[serde(default, rename = "$schema")]
     #[expect(dead_code, reason = "it is for editors")]
     schema: Option<String>,
@@ -163,47 +163,49 @@ struct ProgramWire<'a> {
     /// A built-in model (`lbr_iiwa_7_r800`, `lbr_iiwa_14_r820`) or a robot profile file.
     #[serde(default)]
     robot: Option<String>,
-    /// The length of the robot's flange, from the wrist to its face, in mm, where it is not that of the model: 152 with a media
-    /// flange "Touch", 126 with others.
+    /// Flange length, from the wrist to the flange face, in mm: 152 with a media flange "Touch",
+    /// 126 with others; the model's by default.
     #[serde(default)]
     #[schemars(extend("exclusiveMinimum" = 0, "maximum" = 1e3 * MAX_FLANGE_M))]
     flange_mm: Option<f64>,
-    /// A file with more `tools`, `bases` and `frames`, `*.json` beside the program or in a folder below it.
+    /// A file with further `tools`, `bases` and `frames`: `*.json` in the program's folder or in a
+    /// folder below it.
     #[serde(default)]
     include: Option<String>,
-    /// Where the arm stands before the first motion.
+    /// Start pose before the first motion.
     #[serde(deserialize_with = "object")]
     start: StartWire,
     /// Tools by name.
     #[serde(default, deserialize_with = "by_name")]
     tools: BTreeMap<String, ToolWire>,
-    /// Frames that others are given in, by name.
+    /// Reference frames for other frames, by name.
     #[serde(default, deserialize_with = "by_name")]
     bases: BTreeMap<String, BaseWire>,
-    /// Frames to go to, by name.
+    /// Target frames, by name.
     #[serde(default, deserialize_with = "by_name")]
     frames: BTreeMap<String, TargetWire>,
-    /// The tool in use, `TOOL` or `TOOL/TIP`; `flange` is none.
+    /// Tool in use, `TOOL` or `TOOL/TIP`; `flange` for the bare flange.
     #[serde(default)]
     tool: Option<String>,
-    /// The base in use; `robot` is the robot's foot.
+    /// Base in use; `robot` for the robot base.
     #[serde(default)]
     base: Option<String>,
-    /// The operating mode of the controller.
+    /// Operating mode of the controller.
     #[serde(default, deserialize_with = "word_or_null")]
     mode: Option<ModeWire>,
-    /// How the robot's foot stands.
+    /// Mounting of the robot.
     #[serde(default, deserialize_with = "object_or_null")]
     mount: Option<MountWire>,
-    /// Limits the torques of the joints to this percentage of the robot's, and so the speed where they need more.
+    /// Torque limit of the joints as a percentage of the robot's torque limits; reduces the speed
+    /// where necessary.
     #[serde(default)]
     #[schemars(range(min = 1.0, max = 1000.0))]
     limit_torque_percent: Option<f64>,
-    /// The override of the controller: slows all motions down, but neither pauses nor waits.
+    /// Override of the controller: slows down all motions, but neither pauses nor waits.
     #[serde(default)]
     #[schemars(range(min = 0.1, max = 100.0))]
     override_percent: Option<f64>,
-    /// What it does, in order.
+    /// Motions in order.
     #[serde(borrow)]
     #[schemars(with = "Vec<MotionWire>", length(min = 1))]
     motions: Vec<&'a RawValue>,
@@ -226,7 +228,7 @@ struct ProgramOut<'a> {
     motions: Vec<MotionWire>,
 }
 
-/// The start pose: `joints_deg`, `joints_rad` or a `frame`.
+/// Start pose: `joints_deg`, `joints_rad` or a `frame`.
 #[derive(Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 #[schemars(
@@ -244,7 +246,7 @@ struct StartWire {
     #[serde(default, deserialize_with = "seven", skip_serializing_if = "Option::is_none")]
     #[schemars(with = "[f64; 7]")]
     joints_deg: Option<Joints>,
-    /// A frame for the TCP, with `e1_deg` and `status`.
+    /// TCP frame, with `e1_deg` and `status`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     frame: Option<TargetRefWire>,
 }

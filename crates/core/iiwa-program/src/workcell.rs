@@ -1,4 +1,4 @@
-//! What a program knows by name: tools, bases and frames.
+//! Named tools, bases and frames of a program.
 
 use std::collections::BTreeMap;
 
@@ -10,101 +10,102 @@ use crate::{
     target::{Target, TargetRef},
 };
 
-/// Tools, bases and frames of a program, and which of them its motions use unless they say otherwise.
+/// Tools, bases and frames of a program, with the tool and base that motions use by default.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Workcell {
-    /// The tools by name.
+    /// Tools by name.
     pub tools: BTreeMap<String, Tool>,
-    /// The bases by name.
+    /// Bases by name.
     pub bases: BTreeMap<String, Base>,
-    /// The frames by name.
+    /// Frames by name.
     pub frames: BTreeMap<String, Target>,
-    /// The tool in use; the bare flange if absent.
+    /// Tool in use; the bare flange by default.
     pub tool: Option<String>,
-    /// The base in use; the robot's foot if absent.
+    /// Base in use; the robot base by default.
     pub base: Option<String>,
-    /// The controller's operating mode.
+    /// Operating mode of the controller.
     pub mode: OperatingMode,
-    /// How the robot's foot stands.
+    /// Mounting of the robot.
     pub mount: Mount,
-    /// The length of the robot's flange, from the wrist to its face, in m, above 0 and at most [`MAX_FLANGE_M`]; that of the
-    /// robot's model if absent.
+    /// Flange length, from the wrist to the flange face, in m, above 0 and at most
+    /// [`MAX_FLANGE_M`]; the model's by default.
     pub flange_m: Option<f64>,
-    /// The largest torque of the joints, either way, as a share of the robot's limits; torques limit nothing if absent.
-    /// From [`MIN_TORQUE_LIMIT`] to [`MAX_TORQUE_LIMIT`].
+    /// Joint torque limit in either direction, as a share of the robot's torque limits; unlimited
+    /// by default. From [`MIN_TORQUE_LIMIT`] to [`MAX_TORQUE_LIMIT`].
     pub torque_limit_rel: Option<f64>,
-    /// The controller's override, as a share: the time of motions passes slower by it, not that of pauses and waits. 1 if
-    /// absent. From [`MIN_OVERRIDE`] to 1.
+    /// Override of the controller, as a share: slows down motions, but neither pauses nor waits. 1
+    /// by default. From [`MIN_OVERRIDE`] to 1.
     pub speed_override: Option<f64>,
 }
 
-/// The longest flange, in m.
+/// Largest flange length, in m.
 pub const MAX_FLANGE_M: f64 = 10.0;
 
-/// The least override.
+/// Smallest override.
 pub const MIN_OVERRIDE: f64 = 0.001;
 
-/// The least share of the robot's torques that may be a limit.
+/// Smallest torque limit, as a share of the robot's torque limits.
 pub const MIN_TORQUE_LIMIT: f64 = 0.01;
 
-/// The largest share of the robot's torques that may be a limit: catalogues state less than gears bear for moments.
+/// Largest torque limit, as a share of the robot's torque limits: catalogues state less than gears
+/// bear for moments.
 pub const MAX_TORQUE_LIMIT: f64 = 10.0;
 
-/// The operating mode of the robot's controller, as far as it changes motions.
+/// Operating mode of the robot controller, as far as it affects motions.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum OperatingMode {
-    /// As programmed.
+    /// Automatic mode: motions run as programmed.
     #[default]
     Automatic,
-    /// Manual reduced speed: TCP and flange keep [`iiwa_kin::Robot::t1_speed_m_s`].
+    /// Manual reduced speed: TCP and flange stay below [`iiwa_kin::Robot::t1_speed_m_s`].
     T1,
 }
 
 /// A tool at the flange.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Tool {
-    /// Its TCP, in the flange's frame.
+    /// TCP, in the flange frame.
     pub tcp: Frame,
-    /// Further TCPs by name, in the flange's frame.
+    /// Further TCPs by name, in the flange frame.
     pub tips: BTreeMap<String, Frame>,
-    /// What hangs on the flange with it, if that is known.
+    /// Payload with this tool, if known.
     pub load: Option<Load>,
 }
 
-/// A frame in which others are given.
+/// A reference frame for other frames.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Base {
-    /// Where it is in the base that it is given in.
+    /// Frame in the base in which it is given.
     pub frame: Frame,
-    /// That base; the robot's foot if absent.
+    /// Base of the frame; the robot base by default.
     pub base: Option<String>,
 }
 
-/// A name that leads nowhere.
+/// Error: a name cannot be resolved.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum NameFault {
-    /// There is no such tool, TCP, base or frame.
-    #[error("there is no {kind} `{}`{}", excerpt(.name), instead(.name, .known))]
+    /// The tool, TCP, base or frame is unknown.
+    #[error("unknown {kind} `{}`{}", excerpt(.name), instead(.name, .known))]
     Unknown {
-        /// What it should have been: `tool`, `base` or `frame`.
+        /// Kind of the name: `tool`, `base` or `frame`.
         kind: &'static str,
-        /// The name.
+        /// Name found.
         name: String,
-        /// Those that there are.
+        /// Known names.
         known: Vec<String>,
     },
-    /// A base is given in itself, by way of others or not.
+    /// A base is given in itself, directly or through other bases.
     #[error("the base `{}` is given in itself, by way of its own base", excerpt(.name))]
     Cycle {
-        /// The base.
+        /// Name of the base.
         name: String,
     },
 }
 
-/// What may be meant in place of `name`: the one that is like it, or all.
+/// Suggestion for `name`: the most similar name, or all names.
 fn instead(name: &str, names: &[String]) -> String {
-    /// No slip of the pen lengthens a name by more.
+    /// Longest name compared: a typing error does not lengthen a name by more.
     const MOST_LETTERS: usize = 100;
     let short = names.iter().map(String::as_str).filter(|name| name.len() <= MOST_LETTERS);
     match meant(name, short) {
@@ -114,7 +115,7 @@ fn instead(name: &str, names: &[String]) -> String {
 }
 
 fn listed(names: &[String]) -> String {
-    /// More, or longer ones, would hide the message.
+    /// Largest number of listed names; more, or longer ones, would hide the message.
     const MOST: usize = 8;
     const MOST_BYTES: usize = 200;
     if names.is_empty() {
@@ -136,17 +137,18 @@ fn listed(names: &[String]) -> String {
     format!("; there {verb} {}{more}", shown.join(", "))
 }
 
-/// The name of the bare flange among tools.
+/// Name of the bare flange among tools.
 pub(crate) const FLANGE: &str = "flange";
-/// The name of the robot's foot among bases.
+/// Name of the robot base among bases.
 pub(crate) const ROBOT: &str = "robot";
 
 impl Workcell {
-    /// The TCP of a tool in the flange's frame, by its name `TOOL` or `TOOL/TIP`; of the tool in use if there is none.
+    /// TCP of a tool in the flange frame, by its name `TOOL` or `TOOL/TIP`; of the tool in use by
+    /// default.
     ///
     /// # Errors
     ///
-    /// If there is no such tool.
+    /// If the tool is unknown.
     pub fn tcp(&self, name: Option<&str>) -> Result<Pose, NameFault> {
         let name = name.or(self.tool.as_deref()).unwrap_or(FLANGE);
         if name == FLANGE {
@@ -166,11 +168,11 @@ impl Workcell {
         })
     }
 
-    /// A base in the robot's foot, by its name; the base in use if there is none.
+    /// Pose of a base in the robot base, by its name; the base in use by default.
     ///
     /// # Errors
     ///
-    /// If there is no such base, or if it is given in itself.
+    /// If the base is unknown, or given in itself.
     pub fn base(&self, name: Option<&str>) -> Result<Pose, NameFault> {
         let mut name = name.or(self.base.as_deref()).unwrap_or(ROBOT);
         let mut pose = Pose::IDENTITY;
@@ -189,12 +191,13 @@ impl Workcell {
         Err(NameFault::Cycle { name: name.to_owned() })
     }
 
-    /// A target, and where it is in the robot's foot. A target that is given where it is used is in `base` unless it
-    /// names another; one with a name is in the program's, so that it is the same place for all motions.
+    /// A target, with its pose in the robot base. An inline target is in `base` unless it names
+    /// another base; a named target is in the program's base, so that it is the same pose for all
+    /// motions.
     ///
     /// # Errors
     ///
-    /// If it, or a base, is not there.
+    /// If the target or a base is unknown.
     pub fn target<'a>(
         &'a self,
         target: &'a TargetRef,
@@ -215,8 +218,8 @@ impl Workcell {
         Ok((target, base.then(&target.frame.pose())))
     }
 
-    /// All of this, and of `own`, which wins where both have a name; `own` says which tool and base are in use, and how the
-    /// robot stands.
+    /// Merges `own` into these tools, bases and frames. Names of `own` take precedence; tool and
+    /// base in use, mode, mounting and the other settings are those of `own`.
     #[must_use]
     pub fn updated_with(mut self, own: Self) -> Self {
         self.tools.extend(own.tools);
@@ -234,7 +237,8 @@ impl Workcell {
         }
     }
 
-    /// Whether nothing is named, and the mode is the usual one.
+    /// Returns true if nothing is named and the operating mode is the default; mounting, flange,
+    /// torque limit and override are ignored.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         let Self { mount, flange_m, torque_limit_rel, speed_override, .. } = *self;

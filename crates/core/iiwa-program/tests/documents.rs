@@ -1,4 +1,5 @@
-//! Programs and frames that are taken, and ones that are refused: for the reader here, and for the JSON Schema in `tests/peers`.
+//! Accepted and rejected programs and frames, for the reader here and for the JSON Schema in
+//! `tests/peers`.
 
 #![expect(clippy::unwrap_used, clippy::panic, reason = "a failed test panics")]
 
@@ -17,7 +18,7 @@ pub(crate) const CELL: &str = r#"{
   }
 }"#;
 
-/// A program that includes it.
+/// A program that includes [`CELL`].
 pub(crate) const PROGRAM: &str = r#"{
   "version": 1,
   "include": "cell.json",
@@ -32,12 +33,12 @@ pub(crate) const PROGRAM: &str = r#"{
   ]
 }"#;
 
-/// Documents of one kind.
+/// Test documents of one kind.
 pub(crate) struct Documents {
     pub(crate) good: Value,
-    /// The good one with a change each.
+    /// Rejected variants of the valid document, with one change each.
     pub(crate) bad: Vec<Value>,
-    /// The same, taken although they may look odd.
+    /// Accepted variants that may look odd.
     pub(crate) odd: Vec<Value>,
 }
 
@@ -57,7 +58,7 @@ pub(crate) fn fixtures() -> Vec<Value> {
         let file = entry.unwrap().path();
         if file.extension().is_some_and(|extension| extension == "json") {
             let json = read(&file);
-            // A scene is none.
+            // Scenes are not programs.
             if json.get("obstacles").is_none() {
                 programs.push(json);
             }
@@ -66,14 +67,14 @@ pub(crate) fn fixtures() -> Vec<Value> {
     programs
 }
 
-/// A program and a file of frames that name their schema, as editors have it.
+/// A program and a file of frames that name their schema for editors.
 pub(crate) fn with_schema_key() -> [Value; 2] {
     let program = json!({ "$schema": "program.schema.json", "version": 1,
         "start": { "joints_deg": [0, 0, 0, 0, 0, 0, 0] }, "motions": [{ "type": "wait", "seconds": 1 }] });
     [program, json!({ "$schema": "frames.schema.json", "version": 1 })]
 }
 
-/// A program with another value at a pointer.
+/// The program with another value at a pointer.
 fn with(program: &Value, pointer: &str, value: Value) -> Value {
     let mut program = program.clone();
     let (owner, key) = pointer.rsplit_once('/').unwrap();
@@ -87,7 +88,7 @@ fn with(program: &Value, pointer: &str, value: Value) -> Value {
     program
 }
 
-/// A program without what is at a pointer.
+/// The program without the value at a pointer.
 fn without(program: &Value, pointer: &str) -> Value {
     let mut program = program.clone();
     let (owner, key) = pointer.rsplit_once('/').unwrap();
@@ -95,7 +96,7 @@ fn without(program: &Value, pointer: &str) -> Value {
     program
 }
 
-/// Motions to joints.
+/// Motions to joint positions.
 pub(crate) fn joint_programs() -> Documents {
     let good = json!({
         "version": 1,
@@ -205,7 +206,7 @@ pub(crate) fn frame_programs() -> Documents {
     Documents { good, bad, odd: Vec::new() }
 }
 
-/// Loads and a mount.
+/// Payloads and a mounting.
 pub(crate) fn load_programs() -> Documents {
     let load =
         json!({ "mass_kg": 3, "center_mm": [0, 0, 60], "inertia_kg_m2": [0.01, 0.01, 0.01] });
@@ -231,7 +232,7 @@ pub(crate) fn load_programs() -> Documents {
     Documents { good, bad, odd: Vec::new() }
 }
 
-/// Files of frames that are refused.
+/// Rejected files of frames.
 pub(crate) fn bad_cells() -> Vec<Value> {
     vec![
         json!({}),

@@ -17,12 +17,12 @@ fn the_names_of_the_file_are_the_programs_and_its_own_win() {
     let cell = Workcell::from_json(CELL).unwrap();
     let own = &program.workcell;
     assert_eq!(own.tools["gripper"].tcp.xyz_mm[2], 130.0);
-    // All of a tool, its load too.
+    // A tool is replaced as a whole, payload included.
     assert_eq!(own.tools["gripper"].load, None);
     assert_eq!(own.tools["probe"], cell.tools["probe"]);
     assert_eq!((own.tool.as_deref(), own.base.as_deref()), (Some("gripper"), Some("tray")));
     assert_eq!(own.frames, cell.frames);
-    // What is given in a base goes along with the program's own.
+    // Included frames follow the program's base of the same name.
     let table = own.base(Some("table")).unwrap();
     let tray = own.base(None).unwrap();
     assert_eq!(table.position_m, [0.48, 0.0, 0.0]);
@@ -82,7 +82,7 @@ fn errors_within_the_file_have_their_places_there() {
 fn one_text_of_both_needs_no_file() {
     let merged = Program::merged_json(PROGRAM, CELL).unwrap();
     assert_eq!(Program::from_json(&merged).unwrap(), read(PROGRAM, CELL).unwrap());
-    // What the program says of its motions stays as it is written.
+    // The motions keep their original text.
     for written in ["0.30", "250.0", "\"e1_deg\": 5"] {
         assert!(merged.contains(written), "{merged}");
     }

@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use iiwa_program::Program;
 
-/// Every limit is written with the digits that give the same limit when it is read.
+/// Every limit is written with digits that read back to the same limit.
 #[test]
 fn limits_are_written_as_they_are_read() {
     let mut motions = String::new();

@@ -1,6 +1,6 @@
-//! Changes of the load, and how the robot stands: in JSON and out, and what is refused.
+//! Payload changes and mounting: reading and writing JSON, and rejected programs.
 
-// Helpers of tests may fail.
+// Test helpers may panic.
 #![allow(clippy::unwrap_used)]
 
 use iiwa_program::{
@@ -44,7 +44,7 @@ fn loads_and_mounts_read_back() {
     let text = serde_json::to_string(&list).unwrap();
     assert_eq!(MotionList::from_json(&text).unwrap(), list);
 
-    // On the floor, nothing is said of it.
+    // The default mounting on the floor is not written.
     let floor = Program::from_json(&program(r#""mount": { "rpy_deg": [0, 0, 0] },"#, PTP)).unwrap();
     assert!(!floor.to_json().contains("mount"));
     let null = Program::from_json(&program(r#""mount": null,"#, PTP)).unwrap();
@@ -82,14 +82,14 @@ fn what_is_no_load_is_refused() {
     }
 }
 
-/// The arm stands where its load changes.
+/// The robot is at rest during a payload change.
 #[test]
 fn nothing_is_blended_into_a_change_of_the_load() {
     let blended = PTP.replace(" }", r#", "blend": { "cart_mm": 30 } }"#);
     let found = refused(&program("", &[&blended, LOAD, PTP].join(", ")));
     assert_eq!(
         found,
-        r#"motion 1 is followed by a change of the load, for which the arm stands; remove its blend | { "cart_mm": 30 }"#
+        r#"motion 1 is followed by a change of the load, for which the arm stops; remove its blend | { "cart_mm": 30 }"#
     );
     let none = PTP.replace(" }", r#", "blend": { "cart_mm": 0 } }"#);
     Program::from_json(&program("", &[&none, LOAD, PTP].join(", "))).unwrap();
@@ -110,7 +110,8 @@ fn loads_are_those_of_tools_until_something_is_picked_up() {
     assert_eq!(masses(&program("", &all)), [0.0, 3.5, 3.5, 3.5, 0.0, 0.0]);
     assert_eq!(masses(&program(GRIPPER, &all)), [1.2, 3.5, 3.5, 3.5, 1.2, 1.2]);
 
-    // A motion of another tool has that one's load, and of a tool without one that of the tool in use.
+    // A motion with another tool has that tool's payload; a motion with a tool without a payload
+    // has that of the tool in use.
     let more = r#""tools": { "gripper": { "tcp": { "z_mm": 120 }, "load": { "mass_kg": 1.2 } },
         "camera": { "tcp": { "x_mm": 80 }, "tips": { "left": { "x_mm": 90 } }, "load": { "mass_kg": 0.8 } },
         "pen": { "tcp": { "z_mm": 10 } } }, "tool": "gripper","#;

@@ -1,4 +1,4 @@
-//! Motion programs: JSON, includes, loads and waits.
+//! Motion programs: JSON, includes, payloads and waits.
 
 mod documents;
 mod include;

@@ -93,7 +93,7 @@ fn a_wait_that_overlaps_nothing_is_refused() {
         "{what}"
     );
     assert_eq!((line, at.as_str()), (1, "true"));
-    // A plain wait and a change of the load stop the arm.
+    // A plain wait and a payload change stop the robot.
     let plain = r#"{ "type": "wait", "seconds": 1 }"#;
     let load = r#"{ "type": "load", "load": null }"#;
     assert!(error(&[NEXT, plain, wait]).0.starts_with("motion 3: the wait is to overlap a motion"));

@@ -1,7 +1,8 @@
-//! An attempt to solve the problem of a window.
+//! One attempt to solve the problem of a window.
 //!
-//! What the solver finds keeps all limits at some places of each cell. Where it exceeds them in between, the
-//! limits of that cell are lowered and it is solved again, for the cells around only: the optimum is local.
+//! A solution satisfies all limits at a few places of each cell. Where it exceeds a limit in
+//! between, the limits of that cell are tightened and the cells around it are solved again: the
+//! optimum is local.
 
 use std::{ops::Range, sync::atomic::AtomicBool};
 
@@ -25,34 +26,35 @@ use crate::{
 const REFINEMENT: RefinementSettings = SETTINGS.refinement;
 const GAP: f64 = SETTINGS.interior_point.gap;
 
-/// Where an attempt has come to.
+/// State of an attempt.
 pub(crate) struct Attempt {
     pub(crate) mesh: Mesh,
     pub(crate) solver: Solver,
-    /// Share of all times by which it is slowed down.
+    /// Factor on all times by which the solution is slowed down to satisfy the limits.
     pub(crate) time_scale: f64,
-    /// Largest duality gap with which cells were solved for, relative to their duration.
+    /// Largest duality gap of the cells at their last solution, relative to the duration.
     gap: f64,
 }
 
-/// The cells whose limits were lowered, in order, and the largest share of a limit found there; 0 if there are none.
+/// Cells whose limits were tightened, in order, and the largest share of a limit found in them; 0
+/// if there are no such cells.
 #[derive(Default)]
 struct Lowered {
     cells: Vec<usize>,
     excess: f64,
 }
 
-/// The largest shares of the limits in a cell.
+/// Largest shares of the limits in a cell.
 #[derive(Clone, Copy, Debug, Default)]
 struct CellShares {
     of: ByKind<f64>,
-    /// Of a further limit.
+    /// Largest share of a further limit.
     row: f64,
-    /// The largest share of what the offset of a further limit leaves of it.
+    /// Largest share of the room that the offset of a further limit leaves.
     of_room: f64,
 }
 
-/// The shares of the limits that a cell may reach.
+/// Shares of the limits that a cell may reach.
 #[derive(Clone, Copy)]
 struct Allowed {
     of: ByKind<f64>,
@@ -69,7 +71,7 @@ impl Lowered {
 }
 
 impl Attempt {
-    /// Solves for `window`. None if it has no mesh.
+    /// Solves for `window`. Returns `None` if it has no mesh.
     pub(crate) fn run(
         window: &Window<'_, '_>,
         settings: AttemptSettings,
@@ -83,23 +85,25 @@ impl Attempt {
         };
         let solver = Solver::new(segments, &mesh, [entry, exit], is_cautious);
         let mut attempt = Self { mesh, solver, time_scale: 1.0, gap: f64::INFINITY };
+        // x is the square of a speed, so a time scale divides it by the square of the scale.
         let scale = if is_safe { attempt.time_scale(segments).powi(-2) } else { REFINEMENT.start };
         attempt.solver.start(scale);
         match attempt.refine(segments, is_cautious, stop) {
             Ok(()) => {}
-            // Whatever was found is good, as slow as it takes to keep the limits.
+            // The iterate is still usable, slowed down until it satisfies the limits.
             Err(SolveError::NotConverged) => attempt.time_scale = attempt.time_scale(segments),
             Err(SolveError::Interrupted) => return Err(SolveError::Interrupted),
         }
         Ok(Some(attempt))
     }
 
-    /// By which share it may take longer than the best, if it is as far from it as the solver fears.
+    /// Upper bound on the duration over that of the optimum, by the duality gap.
     pub(crate) fn longer(&self) -> f64 {
         self.time_scale * (1.0 + self.gap)
     }
 
-    /// Speed, acceleration and jerk of sigma at the share `f` of an inner cell, if it is not slowed down.
+    /// Speed, acceleration and jerk of sigma at the share `f` of an inner cell, without the time
+    /// scale.
     #[inline(always)]
     pub(crate) fn rates(&self, cell: usize, f: f64) -> [f64; 3] {
         let [x, dx, ddx] = self.solver.at(cell, f);
@@ -107,19 +111,20 @@ impl Attempt {
         [speed, 0.5 * dx, 0.5 * ddx * speed]
     }
 
-    /// How slow an inner cell is: above 1, very much so.
+    /// Duration of an inner cell, relative to that of a slow one: a cell above 1 needs a finer
+    /// check.
     pub(crate) fn slowness(&self, segment: &LimitedSegment<'_>, cell: usize) -> f64 {
         let duration_s = mean(|f| 1.0 / self.solver.at(cell, f)[0].sqrt());
         duration_s * self.mesh.cells[cell].length / (REFINEMENT.slow * segment.least_build_up_s)
     }
 
-    /// Time from the share `from` to the share `to` of an inner cell, if it is not slowed down.
+    /// Time from the share `from` to the share `to` of an inner cell, in s, without the time scale.
     ///
-    /// In the polynomial in time that meets both ends, an error of the time becomes one of jerk, 60 times as large and
-    /// over the third power of the time. So quadrature is for what jerk adds to constant acceleration only, and for
-    /// parts in which the speed changes by little.
+    /// A polynomial in time between both ends turns a time error into a jerk error: 60 times as
+    /// large, over the third power of the time. Quadrature is therefore used only for what jerk
+    /// adds to constant acceleration, and only on parts in which the speed changes by little.
     pub(crate) fn duration_s(&self, cell: usize, from: f64, to: f64) -> f64 {
-        /// Largest change of the speed in a part, as a share of both speeds together.
+        /// Largest change of speed in a part, as a share of the sum of both speeds.
         const CHANGE: f64 = 0.1;
         let x = |f: f64| self.solver.at(cell, f)[0];
         let [start, end] = [x(from), x(to)];
@@ -135,7 +140,7 @@ impl Attempt {
         (2.0 / (slow + fast) + by_jerk) * (to - from) * self.mesh.cells[cell].length
     }
 
-    /// Solves and lowers limits until all are kept everywhere.
+    /// Solves and tightens limits until all of them are satisfied everywhere.
     fn refine(
         &mut self,
         segments: &[LimitedSegment<'_>],
@@ -145,15 +150,15 @@ impl Attempt {
         let whole = 0..self.mesh.cells.len();
         match self.solve(SETTINGS.interior_point.first_gap, stop) {
             Ok(()) => {
-                // Where limits will be exceeded is seen long before the end.
+                // Excesses show long before convergence.
                 let allowed = Allowed { of: REFINEMENT.early, row: REFINEMENT.rows.early };
                 let early = self.lower(segments, allowed, whole.clone(), &[]);
                 if early.excess > REFINEMENT.abrupt {
                     self.solver.restart(REFINEMENT.far);
                 }
             }
-            // Where a segment takes next to none of the time, x may not settle until the gap is below that. What
-            // exceeds a limit before says nothing.
+            // If a segment takes a tiny share of the time, x in it may not settle until the gap is
+            // below that share. Excesses found before are meaningless.
             Err(SolveError::NotConverged) => {}
             Err(error) => return Err(error),
         }
@@ -201,7 +206,7 @@ impl Attempt {
         result
     }
 
-    /// Solves for the cells of one window after the other, for limits that have been lowered.
+    /// Solves the windows one after the other, after their limits have been tightened.
     fn solve_again(
         &mut self,
         windows: &[Range<usize>],
@@ -215,15 +220,15 @@ impl Attempt {
             self.solver.restart(start);
             let result = self.solve(GAP, stop);
             if *window != whole {
-                // The rest is as near to the optimum as it was.
+                // The other cells are as near to the optimum as they were.
                 self.gap = self.gap.max(before);
             }
             result
         })
     }
 
-    /// The windows that are to be solved for anew where the limits of `cells` were lowered: the optimum changes
-    /// there, and on the segments around.
+    /// Windows to solve again after the limits of the `lowered` cells were tightened: the optimum
+    /// changes in them and on the segments around.
     fn windows_around(
         &self,
         segments: &[LimitedSegment<'_>],
@@ -235,7 +240,7 @@ impl Attempt {
         for &cell in lowered {
             let segment = cells[cell].segment;
             let far = stops * segments[segment].stop_rad(None);
-            // How many of the cells on one side are part of the window.
+            // Number of cells on one side that belong to the window.
             let count = |side: &mut dyn Iterator<Item = &Cell>| {
                 let mut way = 0.0;
                 side.take_while(|cell| {
@@ -258,14 +263,15 @@ impl Attempt {
         windows
     }
 
-    /// The share of all times that keeps the limits.
+    /// Factor on all times that makes the solution satisfy the limits.
     fn time_scale(&self, segments: &[LimitedSegment<'_>]) -> f64 {
         let mut largest = ByKind::from_fn(|_| 1.0);
         largest[LimitKind::Jerk] = self.solver.rest_jerk();
         let mut row = 1.0;
         for shares in self.largest_shares(segments, 0..self.mesh.cells.len()) {
             raise(&mut largest, &shares.of);
-            // What goes with speed and acceleration goes with the square of the time scale.
+            // The share of the room depends on speed^2 and acceleration: it scales with the inverse
+            // square of time.
             row = larger(row, if shares.row > TOLERANCE.row { shares.of_room } else { 1.0 });
         }
         let slower = |(kind, share): (LimitKind, f64)| {
@@ -275,8 +281,9 @@ impl Attempt {
         largest.into_iter().map(slower).fold(larger(1.0, others), larger)
     }
 
-    /// Lowers the limits of the cells in `window` that exceed them by more than the shares `allowed`. Of those that
-    /// were lowered `before`, in vain, the end was not: it is the start of the next cell, which is lowered, too.
+    /// Tightens the limits of the cells in `window` that exceed them by more than the shares
+    /// `allowed`. A cell that was tightened `before` in vain exceeds its limit at its end, where it
+    /// has no row: the row is at the start of the next cell, which is tightened as well.
     fn lower(
         &mut self,
         segments: &[LimitedSegment<'_>],
@@ -325,7 +332,7 @@ impl Attempt {
         lowered
     }
 
-    /// The largest shares of the limits in each cell of `window`.
+    /// Largest shares of the limits in each cell of `window`.
     fn largest_shares(
         &self,
         segments: &[LimitedSegment<'_>],
@@ -334,8 +341,9 @@ impl Attempt {
         dispatch(Check { attempt: self, segments, window })
     }
 
-    /// The same in one cell, stretch by stretch if it is slow, or if the speed changes much: then most of the time is
-    /// spent next to one end.
+    /// Largest shares of the limits in cell `k`. A slow cell is checked in several stretches, and
+    /// so is a cell with a large change of speed, because most of its time is spent next to one
+    /// end.
     #[inline(always)]
     fn largest_shares_in(&self, k: usize, segments: &[LimitedSegment<'_>]) -> CellShares {
         let cell = &self.mesh.cells[k];
@@ -370,8 +378,9 @@ impl Attempt {
         largest
     }
 
-    /// The largest share of a further limit in the stretch between two shares of a cell, and the largest share of what the offset
-    /// of one leaves of it; 0 without further limits. With the rates of sigma at [`SHARES`] of the stretch.
+    /// Largest share of a further limit in the stretch between two shares of cell `k`, and largest
+    /// share of the room that an offset leaves; both are 0 without further limits. `rates` are
+    /// those of sigma at [`SHARES`] of the stretch.
     #[inline(always)]
     fn largest_rows(&self, k: usize, [from, to]: [f64; 2], rates: &[Places; 3]) -> [f64; 2] {
         let near = self.mesh.rows.near(k);
@@ -399,7 +408,7 @@ impl Attempt {
         [row.get(), of_room.get()]
     }
 
-    /// The shares of further limits at the share `f` of a cell, if all is `time_scale` times slower.
+    /// Shares of further limits at the share `f` of cell `k`, slowed down by `time_scale`.
     pub(crate) fn row_shares(
         &self,
         k: usize,
@@ -415,7 +424,8 @@ impl Attempt {
         })
     }
 
-    /// Speed, acceleration and jerk of sigma at [`SHARES`] of the stretch between two shares of a cell.
+    /// Speed, acceleration and jerk of sigma at [`SHARES`] of the stretch between two shares of
+    /// cell `k`.
     #[inline(always)]
     fn rates_along(&self, k: usize, [from, to]: [f64; 2]) -> [Places; 3] {
         let mut rates = [Places::default(); 3];
@@ -427,8 +437,9 @@ impl Attempt {
     }
 }
 
-/// Number of stretches in which a cell on a curve is checked whose largest shares of the limits are `found`, but for these
-/// `errors`: 1 where no limit is exceeded either way. Errors fall with the third power of a stretch's length.
+/// Number of stretches in which to check a cell on a curve, from the largest shares of the limits
+/// `found` and their `errors`: 1 if no limit is exceeded either way. Errors are proportional to the
+/// third power of the stretch length.
 fn of_uneven_curve(found: &ByKind<f64>, errors: &ByKind<f64>) -> f64 {
     let stretches = LimitKind::ALL.map(|kind| {
         let is_near = found[kind] + errors[kind] > REFINEMENT.early[kind];
@@ -437,7 +448,7 @@ fn of_uneven_curve(found: &ByKind<f64>, errors: &ByKind<f64>) -> f64 {
     stretches.into_iter().fold(1.0, f64::max).min(REFINEMENT.stretches)
 }
 
-/// Raises what is `largest` of each kind to the `shares`, where these are larger.
+/// Raises the `largest` share of each kind to that in `shares`, if larger.
 #[inline(always)]
 fn raise(largest: &mut ByKind<f64>, shares: &ByKind<f64>) {
     for (kind, share) in shares {
@@ -445,14 +456,14 @@ fn raise(largest: &mut ByKind<f64>, shares: &ByKind<f64>) {
     }
 }
 
-/// The mean of a function over 0 to 1, by Gauss's quadrature.
+/// Mean of a function over [0, 1], by three-point Gauss quadrature.
 #[inline(always)]
 fn mean(at: impl Fn(f64) -> f64) -> f64 {
     const HALF_WIDTH: f64 = 0.387_298_334_620_741_7;
     (5.0 * (at(0.5 - HALF_WIDTH) + at(0.5 + HALF_WIDTH)) + 8.0 * at(0.5)) / 18.0
 }
 
-/// The check of the cells of a window, by the widest vector instructions that the machine has.
+/// Check of the cells of a window, run with the widest vector instructions of the machine.
 struct Check<'a, 'b> {
     attempt: &'a Attempt,
     segments: &'a [LimitedSegment<'b>],

@@ -1,4 +1,4 @@
-//! The cells of a section in blocks of eight, by how many rows they need.
+//! Cells of a section in blocks of eight, sorted by the number of rows that they need.
 
 use std::{cell::RefCell, ops::Range};
 
@@ -9,7 +9,7 @@ use crate::{
     mesh::Mesh,
 };
 
-/// Blocks of cells: with one row of each kind at a place on lines, with two to eight in curves.
+/// Blocks of cells, with one row of each kind at a place on lines and two to eight in curves.
 #[derive(Default)]
 pub(crate) struct Blocks {
     pub(crate) lines: Vec<CellBlock<1>>,
@@ -19,16 +19,16 @@ pub(crate) struct Blocks {
     pub(crate) five: Vec<CellBlock<5>>,
     pub(crate) seven: Vec<CellBlock<7>>,
     pub(crate) eight: Vec<CellBlock<8>>,
-    /// True if any cell has rows of further limits.
+    /// `true` if any cell has rows of further limits.
     pub(crate) has_others: bool,
 }
 
 thread_local! {
-    /// Blocks that are no longer needed.
+    /// Released blocks, whose memory is reused.
     static SPARE: RefCell<Blocks> = RefCell::default();
 }
 
-/// Does the same with every block of some [`Blocks`] that has a cell in the window.
+/// Runs an expression for each block of some [`Blocks`] that has a cell in the window.
 macro_rules! for_each_block {
     ($blocks:expr, $window:expr, $block:ident => $do:expr) => {{
         let (blocks, window) = ($blocks, $window);
@@ -51,7 +51,7 @@ macro_rules! for_each_block {
 pub(crate) use for_each_block;
 
 impl Blocks {
-    /// Blocks of the cells in `list`.
+    /// Builds blocks of the cells in `list`.
     pub(crate) fn new(segments: &[LimitedSegment<'_>], mesh: &Mesh, list: &[usize]) -> Self {
         let mut of_rows: [Vec<usize>; 7] = Default::default();
         for &k in list {
@@ -66,7 +66,7 @@ impl Blocks {
             };
             of_rows[place].push(k);
         }
-        // A block that is not full takes those that need fewer rows, but lines.
+        // A partly filled block takes cells that need fewer rows, except those on lines.
         for place in (2..7).rev() {
             let room = of_rows[place].len().next_multiple_of(8) - of_rows[place].len();
             let fewer = &mut of_rows[place - 1];
@@ -86,14 +86,14 @@ impl Blocks {
         new
     }
 
-    /// Leaves its memory to the next blocks of this thread. Allocators that keep no free places by alignment take new memory for
-    /// nearly every one of them.
+    /// Releases the memory to the next blocks of this thread. Allocators that keep no free lists by
+    /// alignment would allocate new memory for nearly every block.
     pub(crate) fn spare(self) {
-        // While a thread ends, nothing is kept.
+        // While a thread ends, the memory is not kept.
         let _ = SPARE.try_with(|spare| spare.replace(self));
     }
 
-    /// How many sides the limits have in the blocks that have a cell in the window.
+    /// Number of sides of the limits in blocks that have a cell in the window.
     pub(crate) fn sides(&self, window: &Range<usize>) -> usize {
         fn of<const J: usize>(blocks: &[CellBlock<J>], window: &Range<usize>) -> usize {
             blocks.iter().filter(|block| block.is_in(window)).map(CellBlock::sides).sum()
@@ -108,14 +108,14 @@ impl Blocks {
     }
 }
 
-/// Makes `blocks` those of the cells in `list`.
+/// Replaces `blocks` by those of the cells in `list`.
 fn set<const J: usize>(
     blocks: &mut Vec<CellBlock<J>>,
     segments: &[LimitedSegment<'_>],
     mesh: &Mesh,
     list: &[usize],
 ) {
-    // Set where they stay: a block is some kilobytes.
+    // Set in place: a block has some kilobytes.
     let count = list.len().div_ceil(LANES);
     blocks.truncate(count);
     blocks.iter_mut().for_each(CellBlock::clear);

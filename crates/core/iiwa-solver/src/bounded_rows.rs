@@ -1,7 +1,7 @@
-//! Two-sided rows: `lower <= b x + a V / (2 h) <= upper`, h the length of a cell.
+//! Two-sided rows: `lower <= b x + a V / (2 h) <= upper`, with h the length of the cell.
 //!
-//! A limit of acceleration is the case `-1 <= (q''_j x + q'_j V / (2 h)) / a_j <= 1`. Rows with an offset c, such as a torque limit with
-//! its gravity, have the bounds `-1 - c` and `1 - c`.
+//! An acceleration limit is the case `-1 <= (q''_j x + q'_j V / (2 h)) / a_j <= 1`. Rows with an
+//! offset c, such as the gravity part of a torque limit, have the bounds `-1 - c` and `1 - c`.
 
 use iiwa_path::Coordinates;
 use pulp::Simd;
@@ -16,8 +16,9 @@ use crate::{
     slack_pair::{Contribution, Decreases, InteriorStart, InteriorSteps, Sides},
 };
 
-/// One row at one place of eight cells. Functions take all rows of the place. With `LINE`, rows are those of acceleration, and the cells
-/// are on lines: all joints move in proportion, and the row is that of the first joint at its limit.
+/// One row at one place of eight cells. Functions take all rows of the place. With `LINE`, rows
+/// limit acceleration and the cells are on lines: all joints move in proportion, and the single row
+/// is that of the first joint to reach its limit.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct BoundedRow {
     x: Lanes,
@@ -31,14 +32,15 @@ impl BoundedRow {
     /// Number of sides of the limit.
     pub(crate) const SIDES: usize = Sides::COUNT;
 
-    /// Sets the bounds to -1 and 1: until a row gets coefficients, nothing reaches them.
+    /// Sets the bounds to -1 and 1: a row without coefficients is always feasible.
     pub(crate) fn set_bounds(rows: &mut [Self]) {
         for row in rows {
             (row.lower, row.upper) = (Lanes([-1.0; LANES]), Lanes([1.0; LANES]));
         }
     }
 
-    /// Sets the acceleration rows of a cell of this `length` for some `coordinates`, from one over the limits (s^2/rad).
+    /// Sets the acceleration rows of a cell of this `length` for some `coordinates`, from the
+    /// reciprocals of the limits (s^2/rad).
     pub(crate) fn set_accelerations(
         rows: &mut [Self],
         lane: usize,
@@ -67,7 +69,7 @@ impl BoundedRow {
         self.upper.0[lane] = 1.0 - row.offset;
     }
 
-    /// Lowers the limits of a cell, less its offset, by the factor `by`.
+    /// Tightens the limits of a cell, less the offset, by the factor `by`.
     pub(crate) fn scale(&mut self, lane: usize, by: f64) {
         for coefficient in [&mut self.x, &mut self.v] {
             coefficient.0[lane] /= by;
@@ -82,7 +84,7 @@ impl BoundedRow {
         [x, v]: [Vector<S>; 2],
     ) -> Vector<S> {
         let along = self.v.load(simd, r) * v;
-        // Lines do not bend.
+        // q'' is zero on lines.
         if LINE { along } else { self.x.load(simd, r).mul_add(x, along) }
     }
 
@@ -145,7 +147,7 @@ impl BoundedRow {
         }
     }
 
-    /// `y` is the state after a full step.
+    /// Finds the steps of slacks and duals, where `y` is the state after a full step.
     #[inline(always)]
     pub(crate) fn find_steps<const LINE: bool, X: Functional, V: Functional, S: Simd>(
         rows: &mut [Self],
@@ -191,7 +193,7 @@ mod tests {
                     row.scale(lane, 0.8);
                     assert_near(value::<false>(row, lane, place), share / 0.8, "lowered");
                 }
-                // Along a line with this direction.
+                // On a line with this direction.
                 BoundedRow::set_accelerations(&mut line, lane, &[0], &curve, length, &INVERSE);
                 let u = 0.5 * place[1] / length;
                 let shares = (0..8).map(|j| (dq[j] * u * INVERSE[j]).abs()).fold(0.0, f64::max);
@@ -200,7 +202,7 @@ mod tests {
         }
     }
 
-    /// A torque of inertia, a velocity product and gravity.
+    /// Torque with parts from inertia, a velocity product and gravity.
     #[test]
     fn torque_rows_are_those_of_the_motion() {
         let (inertia, product, gravity, inverse) = (1.7, -0.6, 0.35, 0.4);
@@ -222,7 +224,7 @@ mod tests {
             assert_near(found + row.offset, share, &format!("{t_s} s"));
             let u = 0.5 * place[1] / length;
             assert_near(row.at(place[0].sqrt(), u), share, "share");
-            // The room up to both bounds is that of the torque.
+            // The distances from both bounds equal those of the torque.
             let [lower, upper] = bounded.bounds(Scalar::new(), lane).map(Vector::largest);
             assert_near(upper - found, 1.0 - share, "upper");
             assert_near(found - lower, 1.0 + share, "lower");

@@ -8,27 +8,27 @@ use crate::{geometry::Geometry, limited_segment::LimitedSegment, peaks::SHARES};
 #[derive(Clone, Copy, Debug)]
 #[non_exhaustive]
 pub struct Cell {
-    /// Which segment it belongs to.
+    /// Index of the segment that contains the cell.
     pub segment: usize,
-    /// sigma within the segment at its start, in rad.
+    /// sigma at the start of the cell, from the start of the segment, in rad.
     pub from: f64,
-    /// Its length, in rad.
+    /// Length, in rad.
     pub length: f64,
-    /// x = (dsigma/dt)^2 of the acceleration-limited stamps at its start.
+    /// x = (dsigma/dt)^2 of the acceleration-limited stamps at the start of the cell.
     pub(crate) x: f64,
-    /// The share of the segment's limits of jerk that holds in it.
+    /// Share of the jerk limits of the segment that applies in the cell.
     pub(crate) jerk_rel: f64,
 }
 
 impl Cell {
-    /// Shares of the limits that hold in it, from shares of its segment's.
+    /// Converts shares of the limits of the segment into shares of those of the cell.
     #[inline(always)]
     pub(crate) fn shares(&self, mut of: ByKind<f64>) -> ByKind<f64> {
         of[LimitKind::Jerk] /= self.jerk_rel;
         of
     }
 
-    /// The curve at [`SHARES`] of the cell's stretch between two shares of it.
+    /// The curve at [`SHARES`] of the stretch between two shares of the cell.
     #[inline(always)]
     pub(crate) fn geometry(
         &self,

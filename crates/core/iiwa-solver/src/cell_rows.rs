@@ -1,31 +1,32 @@
-//! The rows of further limits in the cells of a mesh.
+//! Rows of further limits in the cells of a mesh.
 
 use crate::{cell::Cell, geometry::Geometry, limited_segment::LimitedSegment, row_limit::PathRow};
 
-/// The rows in the cells of segments that have some.
+/// Rows in the cells of segments with further limits.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct CellRows {
-    /// At the start and in the middle of each cell, and at the end of the last one of a segment.
+    /// Rows at the start and in the middle of each cell, and at the end of the last cell of a
+    /// segment.
     rows: Vec<PathRow>,
-    /// For each row of each cell, if it can come near to its limit in it.
+    /// `true` for each row of each cell that can come near its limit there.
     near: Vec<bool>,
-    /// The rows of each cell; empty if no segment has any.
+    /// Location of the rows of each cell; empty if no segment has further limits.
     cells: Vec<RowsOfCell>,
 }
 
-/// The place of a cell's rows.
+/// Location of the rows of a cell.
 #[derive(Clone, Copy, Debug)]
 struct RowsOfCell {
-    /// The number of rows at a place.
+    /// Number of rows at a place.
     count: usize,
-    /// The first row at its start.
+    /// Index of the first row at the start of the cell.
     first: usize,
-    /// The entry of the first row in `near`.
+    /// Index of the mark of the first row in `near`.
     near: usize,
 }
 
 impl CellRows {
-    /// The rows in `cells`, whose curves are `geometry`.
+    /// Computes the rows in `cells`, whose curves are `geometry`.
     pub(crate) fn new(
         segments: &[LimitedSegment<'_>],
         cells: &[Cell],
@@ -38,7 +39,7 @@ impl CellRows {
         for cells in cells.chunk_by(|a, b| a.segment == b.segment) {
             let segment = &segments[cells[0].segment];
             let geometry = &geometry[found.cells.len()..];
-            // The end of a cell is the start of the next.
+            // The end of a cell is the start of the next one.
             let sigma = |cell: &Cell| [cell.from, cell.from + 0.5 * cell.length];
             let last = cells.last().map(|cell| cell.from + cell.length);
             let sigma: Vec<_> = cells.iter().flat_map(sigma).chain(last).collect();
@@ -48,7 +49,7 @@ impl CellRows {
                 let cell =
                     RowsOfCell { count, first: before + 2 * k * count, near: found.near.len() };
                 found.near.resize(cell.near + count, false);
-                // The start, the middle and the end among the places of a geometry.
+                // Indices of the start, the middle and the end among the places of a geometry.
                 for (rows, place) in cell.places(&found.rows).into_iter().zip([0, 3, 6]) {
                     let derivatives = segment.derivatives_at(geometry, place);
                     let near = &mut found.near[cell.near..];
@@ -60,12 +61,12 @@ impl CellRows {
         found
     }
 
-    /// The rows at the start, in the middle and at the end of a cell.
+    /// Rows at the start, in the middle and at the end of a cell.
     pub(crate) fn of(&self, cell: usize) -> [&[PathRow]; 3] {
         self.cells.get(cell).map_or_else(Default::default, |cell| cell.places(&self.rows))
     }
 
-    /// Marks of the rows that can come near to their limit in a cell.
+    /// Marks of the rows that can come near their limit in a cell.
     pub(crate) fn near(&self, cell: usize) -> &[bool] {
         let of = |cell: &RowsOfCell| &self.near[cell.near..cell.near + cell.count];
         self.cells.get(cell).map_or(&[], of)
@@ -79,7 +80,8 @@ impl RowsOfCell {
     }
 }
 
-/// The parabola through three values in a cell, by its share: a cell is short against the way on which coefficients change.
+/// Parabola through three values in a cell, as a function of its share: the coefficients change
+/// little along a cell.
 pub(crate) struct Parabola {
     start: f64,
     slope: f64,
@@ -87,7 +89,7 @@ pub(crate) struct Parabola {
 }
 
 impl Parabola {
-    /// The parabola through the values at the start, in the middle and at the end.
+    /// Returns the parabola through the values at the start, in the middle and at the end.
     #[inline(always)]
     pub(crate) fn through([start, middle, end]: [f64; 3]) -> Self {
         Self {
@@ -97,14 +99,14 @@ impl Parabola {
         }
     }
 
-    /// Its value at the share `f` of the cell.
+    /// Value at the share `f` of the cell.
     #[inline(always)]
     pub(crate) fn at(&self, f: f64) -> f64 {
         self.start + f * (self.slope + f * self.bend)
     }
 }
 
-/// The parabolas through the coefficients of a row.
+/// Parabolas through the coefficients of a row.
 pub(crate) struct RowParabolas {
     pub(crate) acceleration: Parabola,
     pub(crate) square: Parabola,
@@ -112,7 +114,8 @@ pub(crate) struct RowParabolas {
 }
 
 impl RowParabolas {
-    /// The parabolas of the row `j` from those at the start, in the middle and at the end of a cell.
+    /// Returns the parabolas of the row `j` from the rows at the start, in the middle and at the
+    /// end of a cell.
     #[inline(always)]
     pub(crate) fn new(places: &[&[PathRow]; 3], j: usize) -> Self {
         let rows = places.map(|rows| rows[j]);

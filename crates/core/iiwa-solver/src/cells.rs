@@ -1,16 +1,18 @@
-//! The limits in eight cells at once, and what they contribute to a step of the solver.
+//! Limits in blocks of eight cells, and their contributions to a Newton step.
 //!
-//! In a cell x is a cubic of the share f of its length, with V = dx/df and W = d2x/df2, of which W
-//! changes linearly from W0 to W1:
+//! In a cell x is a cubic of the share f of its length, with V = dx/df and W = d2x/df2; W is linear
+//! from W0 to W1:
 //! `x(f) = x + V f + W0 (f^2/2 - f^3/6) + W1 f^3/6`.
-//! The four numbers (x, V, W0, W1) at its start are its state. Limits are kept
-//! - in velocity, at three of the four control points of that cubic (the fourth is the next cell's first): x stays
-//!   in their hull (where q' varies, what is between is checked afterwards);
-//! - in acceleration, at the start and in the middle, or on lines at the middle control point of V;
-//! - in jerk, at both ends and in the middle;
-//! - further limits, such as torques, at the start and in the middle.
+//! The state of a cell is (x, V, W0, W1) at its start. Limits apply
+//! - to velocity at three of the four control points of the cubic (the fourth is the first one of
+//!   the next cell): x stays in their hull (where q' varies, places in between are checked
+//!   afterwards);
+//! - to acceleration at the start and in the middle, or on lines at the middle control point of V;
+//! - to jerk at both ends and in the middle;
+//! - to further quantities, such as torques, at the start and in the middle.
 //!
-//! Every limit is a row, divided by the limit so that the bound is 1, with a slack s and a dual z on either side.
+//! Each limit is a row, divided by the limit so that the bound is 1, with a slack s and a dual z on
+//! either side.
 
 use std::ops::Range;
 
@@ -39,31 +41,31 @@ use crate::{
 
 const SETTINGS: InteriorPointSettings = crate::settings::SETTINGS.interior_point;
 
-/// What is summed up over all limits.
+/// Sums over all limits.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Sums {
-    /// Slacks times duals.
+    /// Sum of the products of slacks and duals.
     pub(crate) gap: f64,
-    /// Largest share of a bound by which a limit is not met.
+    /// Largest residual of a row, as a share of its bound.
     pub(crate) residual: f64,
 }
 
-/// The factors by which the limits of a cell are lowered: 1 leaves them as they are.
+/// Factors by which the limits of a cell are tightened; 1 keeps a limit.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Lowering {
     pub(crate) of: ByKind<f64>,
-    /// Of what the offsets of further limits leave of them.
+    /// Factor on the room that the offsets of further limits leave.
     pub(crate) rows: f64,
 }
 
 impl Lowering {
-    /// True if it changes nothing.
+    /// True if all limits are kept.
     pub(crate) fn is_none(&self) -> bool {
         self.rows == 1.0 && self.of.values().all(|by| *by == 1.0)
     }
 }
 
-/// The largest relative decreases of slacks, duals and x in a full step.
+/// Largest relative decreases of slacks, duals and x in a full step.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct LargestDecreases {
     pub(crate) slack: f64,
@@ -71,22 +73,24 @@ pub(crate) struct LargestDecreases {
     pub(crate) x: f64,
 }
 
-/// Eight cells with at most `J` rows of each kind at a place; with one, they are on lines.
+/// Eight cells with at most `J` rows of each kind at a place; with one row, they are on lines.
 #[derive(Clone, Debug)]
 pub(crate) struct CellBlock<const J: usize> {
-    /// Which cells. In the last block some may be there twice, which changes nothing.
+    /// Indices of the cells. The last block may repeat a cell, which has no effect.
     cells: [usize; LANES],
     /// Half the length: the weight of `x^(-1/2)` at both ends in the duration.
     weight: Lanes,
     velocities: [VelocityRows; 3],
     accelerations: [[BoundedRow; J]; 2],
     jerks: [[JerkRow; J]; 3],
-    /// The rows of further limits at the start and in the middle: those that can come near to their limit in one of the cells.
+    /// Rows of further limits at the start and in the middle that can be active in any of the
+    /// cells.
     others: [Vec<BoundedRow>; 2],
 }
 
-/// A block with any number of rows: its functions are compiled once for lines and once for curves, not once per number. Each of them
-/// is a function of its own for the registers of `S`.
+/// A block with any number of rows: its functions are compiled once for lines and once for curves,
+/// instead of once per number of rows. Each of them is compiled separately for the registers of
+/// `S`.
 struct AnyBlock<'a> {
     cells: &'a [usize; LANES],
     weight: &'a mut Lanes,
@@ -96,23 +100,24 @@ struct AnyBlock<'a> {
     others: [&'a mut Vec<BoundedRow>; 2],
 }
 
-/// The place of the tool among the coordinates.
+/// Index of the tool coordinate.
 const TOOL: usize = 7;
 
-/// Kinds that have a row where a cell starts, and none where it ends: there the lower limits of both segments hold.
+/// Kinds with a row at the start of a cell but not at its end. Where two segments meet, the lower
+/// limits of both apply.
 const AT_STARTS: [LimitKind; 2] = [LimitKind::Velocity, LimitKind::Acceleration];
 
-/// Whether limits of this kind have a row where a cell ends.
+/// True if limits of this kind have a row at the end of a cell.
 pub(crate) fn has_row_at_end(kind: LimitKind) -> bool {
     !AT_STARTS.contains(&kind)
 }
 
-/// A cell with the limits that hold where it starts and along it.
+/// A cell with the limits at its start and along it.
 pub(crate) struct LimitedCell<'a, 'b> {
     pub(crate) cell: &'a Cell,
     pub(crate) segment: &'a LimitedSegment<'b>,
     geometry: &'a Geometry,
-    /// The segment that ends where the cell starts.
+    /// The segment that ends at the start of the cell.
     before: Option<&'a LimitedSegment<'b>>,
 }
 
@@ -128,8 +133,9 @@ impl<'a, 'b> LimitedCell<'a, 'b> {
         Self { cell, segment: &segments[cell.segment], geometry: &mesh.geometry[k], before }
     }
 
-    /// One over the limits of velocity and acceleration at the start, the lower ones of both segments. With them come the
-    /// derivatives by sigma for which they hold, where these are not the segment's own alone.
+    /// Reciprocals of the velocity and acceleration limits at the start: the lower limits of both
+    /// segments. Also returns the derivatives by sigma to which they apply, if these differ from
+    /// those of the segment alone.
     fn at_start(&self) -> ([Coordinates; 2], Option<SigmaDerivatives>) {
         let own = AT_STARTS.map(|kind| self.segment.inverse[kind]);
         let Some(before) = self.before else { return (own, None) };
@@ -139,8 +145,8 @@ impl<'a, 'b> LimitedCell<'a, 'b> {
         if !before.has_tool() {
             return (lower, None);
         }
-        // Each segment has a coordinate of its own for the tool: the one that goes on here takes the lower limits of both,
-        // in its own unit.
+        // The tool coordinate differs from segment to segment: that of this segment gets the lower
+        // limits of both, in its own unit.
         let mut derivatives = self.segment.derivatives_at(self.geometry, 0);
         let at_end = before.derivatives(1.0);
         let [rate, rate_before] = [derivatives[0][TOOL], at_end[0][TOOL]];
@@ -156,7 +162,8 @@ impl<'a, 'b> LimitedCell<'a, 'b> {
         (lower, Some(derivatives))
     }
 
-    /// The coordinates that can be at a limit of acceleration at the start, and along the cell, and of jerk.
+    /// Coordinates that can be at a limit: of acceleration at the start and along the cell, and of
+    /// jerk.
     fn limiting(&self) -> [LimitingJoints; 3] {
         let [acceleration, jerk] =
             [LimitKind::Acceleration, LimitKind::Jerk].map(|kind| self.segment.limiting[kind]);
@@ -172,7 +179,7 @@ impl<'a, 'b> LimitedCell<'a, 'b> {
         [at_start, acceleration, jerk]
     }
 
-    /// How many rows of each kind it needs at a place.
+    /// Number of rows of each kind that the cell needs at a place.
     pub(crate) fn rows(&self) -> usize {
         if self.segment.is_line() {
             return 1;
@@ -195,17 +202,17 @@ impl<const J: usize> Default for CellBlock<J> {
 }
 
 impl<const J: usize> CellBlock<J> {
-    /// The number of sides of the limits of velocity, acceleration and jerk in a block.
+    /// Number of sides of the velocity, acceleration and jerk limits in a block.
     const SIDES: usize =
         LANES * (3 * VelocityRows::SIDES + J * (2 * BoundedRow::SIDES + 3 * JerkRow::SIDES));
 
-    /// The number of sides of all limits.
+    /// Number of sides of all limits.
     pub(crate) fn sides(&self) -> usize {
         let others: usize = self.others.iter().map(Vec::len).sum();
         Self::SIDES + LANES * BoundedRow::SIDES * others
     }
 
-    /// Sets the rows of at most eight cells in a block that is clear.
+    /// Sets the rows of at most eight cells in a cleared block.
     pub(crate) fn set(&mut self, segments: &[LimitedSegment<'_>], mesh: &Mesh, cells: &[usize]) {
         self.cells = std::array::from_fn(|l| cells[l.min(cells.len() - 1)]);
         for rows in &mut self.accelerations {
@@ -218,7 +225,8 @@ impl<const J: usize> CellBlock<J> {
         block.set_others(mesh);
     }
 
-    /// Clears all rows of a block that was in use. In place: a copy of an empty block is some kilobytes.
+    /// Clears all rows of a used block. This happens in place, because copying an empty block moves
+    /// some kilobytes.
     pub(crate) fn clear(&mut self) {
         let Self { velocities, accelerations, jerks, others, .. } = self;
         velocities.fill(VelocityRows::default());
@@ -227,13 +235,13 @@ impl<const J: usize> CellBlock<J> {
         others.iter_mut().for_each(Vec::clear);
     }
 
-    /// Whether it has a cell in `window`.
+    /// True if a cell of the block is in `window`.
     #[inline(always)]
     pub(crate) fn is_in(&self, window: &Range<usize>) -> bool {
         self.cells.iter().any(|cell| window.contains(cell))
     }
 
-    /// Lowers the limits in the cells from `first` on.
+    /// Tightens the limits in the cells from `first` on.
     pub(crate) fn lower(&mut self, first: usize, by: &[Lowering]) {
         self.any().lower(first, by);
     }
@@ -250,7 +258,7 @@ impl<const J: usize> CellBlock<J> {
         }
     }
 
-    /// Sets the slacks to the distances from the limits, and the duals to match.
+    /// Sets the slacks to the distances from the limits, and the duals accordingly.
     pub(crate) fn start<S: Simd>(&mut self, simd: S, states: &[CellState], start: Start) {
         let block = self.any();
         if J == 1 {
@@ -260,8 +268,8 @@ impl<const J: usize> CellBlock<J> {
         }
     }
 
-    /// Applies the last step to slacks and duals, then writes the contributions of the cells' duration and limits
-    /// to the quadratic function that the next step minimises.
+    /// Applies the last step to slacks and duals, then writes the contributions of the duration and
+    /// the limits to the quadratic function that the next step minimises.
     pub(crate) fn assemble<S: Simd>(
         &mut self,
         simd: S,
@@ -278,7 +286,7 @@ impl<const J: usize> CellBlock<J> {
         }
     }
 
-    /// Finds the steps of slacks that go with the steps `state_steps` of the states.
+    /// Finds the steps of the slacks that correspond to the steps `state_steps` of the states.
     pub(crate) fn find_slack_steps<S: Simd>(
         &mut self,
         simd: S,
@@ -302,7 +310,7 @@ impl AnyBlock<'_> {
     fn set_cell(&mut self, lane: usize, limited: &LimitedCell<'_, '_>) {
         let segment = limited.segment;
         let length = limited.cell.length;
-        // At the start, a third, half, two thirds and the end.
+        // At the start, one third, the middle, two thirds and the end.
         let [start, third, middle, two_thirds, end] =
             [0, 2, 3, 4, 6].map(|place| segment.derivatives_at(limited.geometry, place));
         let ([start_velocity, start_acceleration], both) = &limited.at_start();
@@ -329,6 +337,7 @@ impl AnyBlock<'_> {
         let along = acceleration_limiting.get();
         BoundedRow::set_accelerations(in_middle, lane, along, &middle, length, acceleration);
 
+        // On curves, jerk within its limit at both ends may overshoot a little in the middle.
         let bound = if self.jerks[0].len() > 1 { SETTINGS.mid_jerk } else { 1.0 };
         let in_middle = jerk.map(|inverse| inverse / bound);
         for (rows, (place, inverse)) in
@@ -338,7 +347,8 @@ impl AnyBlock<'_> {
         }
     }
 
-    /// Sets the rows of further limits. Cells in which no row can come near to its limit keep rows that nothing reaches.
+    /// Sets the rows of further limits. Cells in which no row can be active keep rows with zero
+    /// coefficients, which are always feasible.
     fn set_others(&mut self, mesh: &Mesh) {
         let most = self.cells.iter().map(|k| mesh.rows.near(*k).len()).max().unwrap_or(0);
         let is_near = |j: &usize| {
@@ -378,7 +388,7 @@ impl AnyBlock<'_> {
         }
     }
 
-    /// True if there are rows of further limits: most blocks have none.
+    /// True if the block has rows of further limits; most blocks have no such rows.
     #[inline(always)]
     fn has_others(&self) -> bool {
         let [at_start, _] = &self.others;
@@ -395,7 +405,7 @@ impl AnyBlock<'_> {
         simd.vectorize(
             #[inline(always)]
             move || {
-                // By value, so that the closure itself is inlined, and not a shim of it called.
+                // Moved in, so that the closure itself is inlined instead of called through a shim.
                 let mut block = self;
                 let has_others = block.has_others();
                 let lanes = block.gather(states);
@@ -439,7 +449,7 @@ impl AnyBlock<'_> {
         simd.vectorize(
             #[inline(always)]
             move || {
-                // By value, so that the closure itself is inlined, and not a shim of it called.
+                // Moved in, so that the closure itself is inlined instead of called through a shim.
                 let mut block = self;
                 let lanes = block.gather(states);
                 let mut h = [Lanes::default(); 10];
@@ -467,7 +477,7 @@ impl AnyBlock<'_> {
                         BoundedRow::add::<false, StartX, StartV, S>(at_start, steps, y, sum);
                         BoundedRow::add::<false, MiddleX, MiddleV, S>(in_middle, steps, y, sum);
                     }
-                    // The duration is taken at both ends.
+                    // The trapezoidal rule for the duration evaluates both ends.
                     let [at_start, at_end, in_middle] = &mut block.jerks;
                     JerkRow::add::<LINE, StartX, StartV, StartW, S>(
                         at_start, steps, y, weight, sum,
@@ -505,7 +515,7 @@ impl AnyBlock<'_> {
         simd.vectorize(
             #[inline(always)]
             move || {
-                // By value, so that the closure itself is inlined, and not a shim of it called.
+                // Moved in, so that the closure itself is inlined instead of called through a shim.
                 let mut block = self;
                 let has_others = block.has_others();
                 let (lanes, lane_steps) = (block.gather(states), block.gather(state_steps));

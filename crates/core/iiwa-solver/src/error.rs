@@ -1,14 +1,14 @@
-//! Why there is no solution.
+//! Errors of the solver.
 
 use thiserror::Error;
 
-/// Why there is no solution.
+/// An error of the solver: it returns no solution.
 #[derive(Clone, Copy, Debug, Error, PartialEq, Eq)]
 pub enum SolveError {
     /// No attempt came near enough to the optimum.
     #[error("no attempt came near enough to the optimum")]
     NotConverged,
-    /// The caller's flag was set.
+    /// The stop flag of the caller was set.
     #[error("interrupted")]
     Interrupted,
 }

@@ -1,18 +1,18 @@
-//! Linear functions of a cell's state that are known at compile time.
+//! Linear functions of the state of a cell that are known at compile time.
 
 use pulp::Simd;
 
 use crate::lanes::Vector;
 
-/// (x, V, W0, W1) of a cell, or factors of them.
+/// State (x, V, W0, W1) of a cell, or coefficients of the state.
 pub(crate) type CellState = [f64; 4];
 
-/// A linear function of a cell's state (x, V, W0, W1).
+/// A linear function of the state (x, V, W0, W1) of a cell.
 pub(crate) trait Functional {
-    /// Its factors.
+    /// Coefficients of the state.
     const ROW: CellState;
 
-    /// Its value in some cells.
+    /// Values in some cells.
     #[inline(always)]
     fn of<S: Simd>(y: &[Vector<S>; 4]) -> Vector<S> {
         let mut sum: Option<Vector<S>> = None;
@@ -45,27 +45,28 @@ macro_rules! functionals {
 functionals! {
     /// x at the start of a cell, its first control point.
     StartX = [1.0, 0.0, 0.0, 0.0];
-    /// V there.
+    /// V at the start.
     StartV = [0.0, 1.0, 0.0, 0.0];
-    /// W there.
+    /// W at the start.
     StartW = [0.0, 0.0, 1.0, 0.0];
-    /// x at the end.
+    /// x at the end, its fourth control point.
     EndX = [1.0, 1.0, 1.0 / 3.0, 1.0 / 6.0];
-    /// V there.
+    /// V at the end.
     EndV = [0.0, 1.0, 0.5, 0.5];
-    /// W there.
+    /// W at the end.
     EndW = [0.0, 0.0, 0.0, 1.0];
     /// x in the middle.
     MiddleX = [1.0, 0.5, 5.0 / 48.0, 1.0 / 48.0];
-    /// V there.
+    /// V in the middle.
     MiddleV = [0.0, 1.0, 3.0 / 8.0, 1.0 / 8.0];
-    /// W there.
+    /// W in the middle.
     MiddleW = [0.0, 0.0, 0.5, 0.5];
     /// x at its second control point.
     SecondControlX = [1.0, 1.0 / 3.0, 0.0, 0.0];
     /// x at its third control point.
     ThirdControlX = [1.0, 2.0 / 3.0, 1.0 / 6.0, 0.0];
-    /// V at its middle control point: the parabola V(f) stays in the hull of both ends and it.
+    /// V at its middle control point: the parabola V(f) stays in the hull of this value and those
+    /// at both ends.
     ControlV = [0.0, 1.0, 0.5, 0.0];
 }
 

@@ -1,8 +1,8 @@
-//! Limits of jerk as rows, and the duration.
+//! Jerk limits as rows, and the duration.
 //!
-//! The jerk of joint j is `sqrt(x) (q'''_j x + 3/2 q''_j V / h + 1/2 q'_j W / h^2)`, h the length of a cell. Divided by
-//! sqrt(x) and by the limit, it is linear, and its bound is `x^(-1/2)`: convex in x, as is the duration, whose
-//! integrand it is.
+//! The jerk of joint j is `sqrt(x) (q'''_j x + 3/2 q''_j V / h + 1/2 q'_j W / h^2)`, with h the
+//! length of the cell. Division by sqrt(x) and by the limit makes the left side linear in the
+//! state. The bound becomes `x^(-1/2)`, the integrand of the duration, which is convex in x.
 
 use iiwa_path::Coordinates;
 use pulp::Simd;
@@ -19,8 +19,8 @@ use crate::{
 
 const SETTINGS: InteriorPointSettings = crate::settings::SETTINGS.interior_point;
 
-/// The row of one coordinate at one place of eight cells. Functions take the rows of all coordinates at the place; with `LINE` there
-/// is one, which stands for all joints.
+/// Row of one coordinate at one place of eight cells. Functions take the rows of all coordinates at
+/// the place; with `LINE` there is a single row for all joints.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct JerkRow {
     x: Lanes,
@@ -33,7 +33,8 @@ impl JerkRow {
     /// Number of sides of the limit.
     pub(crate) const SIDES: usize = Sides::COUNT;
 
-    /// Sets the rows of a cell of this `length` for some `coordinates`, from one over the limits (s^3/rad).
+    /// Sets the rows of a cell of this `length` for some `coordinates`, from the reciprocals of the
+    /// limits (s^3/rad).
     pub(crate) fn set(
         rows: &mut [Self],
         lane: usize,
@@ -54,7 +55,7 @@ impl JerkRow {
         }
     }
 
-    /// Lowers the limits of a cell by the factor `by`.
+    /// Tightens the limits of a cell by the factor `by`.
     pub(crate) fn scale(&mut self, lane: usize, by: f64) {
         for coefficient in [&mut self.x, &mut self.v, &mut self.w] {
             coefficient.0[lane] /= by;
@@ -69,7 +70,7 @@ impl JerkRow {
         [x, v, w]: [Vector<S>; 3],
     ) -> Vector<S> {
         let along = self.w.load(simd, r) * w;
-        // Lines do not bend.
+        // q'' and q''' are zero on lines.
         if LINE {
             return along;
         }
@@ -109,12 +110,12 @@ impl JerkRow {
         let bound_slope = bound * inverse * -0.5;
         let [mut xx, mut xv, mut xw, mut vv, mut vw, mut ww] = [zero; 6];
         let [mut gx, mut gv, mut gw] = [zero; 3];
-        // What goes with the bound's slope: sums and differences of the two sides.
+        // Factors of the slope of the bound: sums and differences over the two sides.
         let [mut ex, mut ev, mut ew, mut weights, mut slopes, mut duals] = [zero; 6];
         for row in rows {
             let (jx, jv, jw) = (row.x.load(simd, r), row.v.load(simd, r), row.w.load(simd, r));
             let value = row.value::<LINE, S>(simd, r, place);
-            // In units of the limit, jerk is root times the row's value.
+            // Jerk relative to its limit is root times the value of the row.
             let Contribution { weights: [a, b], slopes: [up, down], duals: own } =
                 row.sides.advance(steps, value, [-bound, bound], root, sum);
             let (both, apart) = (a + b, a - b);
@@ -139,8 +140,9 @@ impl JerkRow {
             slopes = slopes + up + down;
             duals = duals + own;
         }
-        // The Lagrangian's curvature in x is (weight - duals) 3/4 x^(-5/2), below zero where duals are large. A step
-        // needs a convex function: the size of the curvature is right, and never nothing.
+        // The curvature of the Lagrangian in x is (weight - duals) 3/4 x^(-5/2), negative where
+        // duals are large. The step needs a convex model, so the curvature enters by its magnitude,
+        // bounded from below.
         let kept = (weight - duals).abs().max(weight * SETTINGS.kept_curvature);
         let curvature = bound * inverse * inverse * kept * 0.75;
         xx = bound_slope.mul_add(bound_slope * weights - ex * 2.0, xx + curvature);
@@ -159,7 +161,8 @@ impl JerkRow {
         }
     }
 
-    /// `before` is the state, `after` the one after a full step.
+    /// Finds the steps of slacks and duals, where `before` is the state and `after` the state after
+    /// a full step.
     #[inline(always)]
     pub(crate) fn find_steps<
         const LINE: bool,
@@ -179,7 +182,7 @@ impl JerkRow {
         let place = [X::of(after), V::of(after), W::of(after)];
         let inverse = x.inverse();
         let growth = (place[0] - x) * inverse;
-        // The bound, linear about x.
+        // The bound, linearised about x.
         let bound = x.sqrt() * inverse * (one - growth * 0.5);
         decreases.x = decreases.x.max(-growth);
         for row in rows {
@@ -216,7 +219,8 @@ mod tests {
                     row.scale(lane, 0.8);
                     assert_near(of(row), share / 0.8, "lowered");
                 }
-                // Along a line with this direction: half the second derivative of x by sigma.
+                // On a line with this direction, jerk is proportional to half the second derivative
+                // of x by sigma.
                 JerkRow::set(&mut line, lane, &[0], &curve, length, &INVERSE);
                 let rate = 0.5 * place[2] / length.powi(2);
                 let share =

@@ -1,17 +1,18 @@
-//! A motion with known derivatives, for tests of rows.
+//! Motion with known derivatives, for tests of rows.
 
 use iiwa_path::Coordinates;
 use pulp::Scalar;
 
 use crate::{geometry::SigmaDerivatives, lanes::Vector};
 
-/// `sigma = A sin(w t)`, so that `x = (dsigma/dt)^2 = w^2 (A^2 - sigma^2)`, on a curve whose coordinates are cubic in sigma.
+/// Motion `sigma = A sin(w t)`, so that `x = (dsigma/dt)^2 = w^2 (A^2 - sigma^2)`, on a curve whose
+/// coordinates are cubic in sigma.
 pub(crate) struct KnownMotion {
     amplitude: f64,
     rate: f64,
 }
 
-/// Half the distance of the instants of finite differences, in s.
+/// Step of finite differences, in s.
 const STEP_S: f64 = 1e-3;
 
 impl KnownMotion {
@@ -30,7 +31,7 @@ impl KnownMotion {
         [x, -2.0 * square * sigma * length, -2.0 * square * length * length]
     }
 
-    /// The derivatives of the curve by sigma at an instant.
+    /// Derivatives of the curve by sigma at an instant.
     pub(crate) fn curve(&self, t_s: f64) -> SigmaDerivatives {
         let s = self.sigma(t_s);
         let by = |f: fn([f64; 3], f64) -> f64| std::array::from_fn(|j| f(factors(j), s));
@@ -60,13 +61,13 @@ impl KnownMotion {
     }
 }
 
-/// The factors of sigma, its square and its cube in a coordinate.
+/// Coefficients of sigma, its square and its cube in a coordinate.
 fn factors(j: usize) -> [f64; 3] {
     let j = j as f64;
     [0.9 - 0.3 * j, 0.4 + 0.2 * j, 0.7 - 0.25 * j]
 }
 
-/// Instants, and the lengths of cells that contain them: one for each lane.
+/// Instants, and the lengths of cells that contain them, one for each lane.
 pub(crate) const PLACES: [(f64, f64); 8] = [
     (0.1, 0.01),
     (-0.1, 0.01),
@@ -78,7 +79,7 @@ pub(crate) const PLACES: [(f64, f64); 8] = [
     (0.6, 0.05),
 ];
 
-/// One over the limits, different for each coordinate.
+/// Reciprocals of the limits, different for each coordinate.
 pub(crate) const INVERSE: Coordinates = [0.5, 0.7, 1.1, 0.9, 1.3, 0.6, 0.8, 0.4];
 
 /// Numbers as vector registers of one lane.
@@ -86,7 +87,7 @@ pub(crate) fn splat<const N: usize>(numbers: [f64; N]) -> [Vector<Scalar>; N] {
     numbers.map(|number| Vector::splat(Scalar::new(), number))
 }
 
-/// Asserts that two numbers are the same but for the error of finite differences.
+/// Asserts that two numbers are equal up to the error of finite differences.
 pub(crate) fn assert_near(found: f64, expected: f64, case: &str) {
     assert!((found - expected).abs() < 1e-4 * (1.0 + expected.abs()), "{case}: {found} {expected}");
 }

@@ -1,18 +1,18 @@
-//! Numbers side by side, one for each of eight cells, and vector registers full of them.
+//! Arrays of eight numbers, one for each cell of a block, and vector registers that hold them.
 
 use std::ops::{Add, Mul, Neg, Sub};
 
 use pulp::{Arch, Scalar, Simd, WithSimd};
 
-/// How many numbers lie side by side: as many as the widest vector register holds.
+/// Number of lanes, as many as the widest vector register holds.
 pub(crate) const LANES: usize = 8;
 
-/// Numbers in memory.
+/// Lanes in memory.
 #[derive(Clone, Copy, Debug, Default)]
 #[repr(align(64))]
 pub(crate) struct Lanes(pub(crate) [f64; LANES]);
 
-/// Some of them, in a vector register.
+/// Lanes in a vector register.
 #[derive(Clone, Copy)]
 pub(crate) struct Vector<S: Simd> {
     simd: S,
@@ -21,13 +21,14 @@ pub(crate) struct Vector<S: Simd> {
 
 /// Runs `operation` with the widest vector registers of this machine.
 ///
-/// Without optimisation, all that is inlined for registers has a place of its own on the stack: 8 MB of it, which is more than a
-/// thread has. There, numbers are taken one by one.
+/// Without optimisation, each inlined vector operation would have its own stack slots, 8 MB in
+/// total, which is more than the stack of a thread. Unoptimised builds therefore use scalar
+/// operations.
 pub(crate) fn dispatch<T: WithSimd>(operation: T) -> T::Output {
     if cfg!(unoptimised) { operation.with_simd(Scalar) } else { Arch::new().dispatch(operation) }
 }
 
-/// How many registers the lanes fill.
+/// Number of registers that the lanes fill.
 #[inline(always)]
 pub(crate) fn registers<S: Simd>() -> usize {
     LANES / S::F64_LANES
@@ -44,7 +45,8 @@ impl Lanes {
         Vector { simd, numbers: S::as_simd_f64s(&self.0).0[register] }
     }
 
-    /// `total` and all of them: in one order, however wide registers are, so that each machine finds the same last bits.
+    /// Returns `total` plus the sum of all lanes, in one order for all register widths, so that
+    /// each machine finds the same last bits.
     #[inline(always)]
     pub(crate) fn add_to(&self, total: f64) -> f64 {
         let Self([a, b, c, d, e, f, g, h]) = self;

@@ -1,11 +1,13 @@
-//! The fastest motion along a joint path under limits of velocity, acceleration and jerk.
+//! Time-optimal motion along a joint path under velocity, acceleration and jerk limits.
 //!
-//! Along the path the unknown is x = (dsigma/dt)^2, a cubic on each cell of a [mesh](Mesh). Its limits are rows,
-//! linear in x and its derivatives; a primal-dual interior-point method, each of whose Newton steps is a Riccati
-//! recursion, minimises the duration. Where limits are exceeded between the places at which there are rows, the
-//! rows of that cell are lowered, and a window of cells around it is solved for anew.
+//! The unknown is x = (dsigma/dt)^2 along the path, a cubic on each cell of a [mesh](Mesh). Limits
+//! are rows, linear in x and its derivatives. A primal-dual interior-point method minimises the
+//! duration; each of its Newton steps is a Riccati recursion. Where a limit is exceeded between the
+//! places of its rows, the rows of that cell are tightened, and a window of cells around it is
+//! solved again.
 //!
-//! It knows segments, their limits and the stamps to start from; `iiwa-traj` makes trajectories of what it finds.
+//! The input is segments, their limits and the stamps to start from; `iiwa-traj` builds
+//! trajectories from the solution.
 //!
 //! ```
 //! use std::sync::atomic::AtomicBool;
@@ -21,7 +23,7 @@
 //!     .ptp_deg([20.0, 20.0, 0.0, 0.0, 0.0, 0.0, 0.0])
 //!     .build();
 //! let path = JointPath::new(&program, &Robot::default())?;
-//! // Slower than the best: from there the solver starts.
+//! // A feasible motion, slower than the optimum: the starting point of the solver.
 //! let swept = [0.0, 0.5, 1.0].map(|p| SweptNode { t_s: p, p, rate: 1.0, u: [0.0; 2] });
 //! let segments: Vec<_> = path
 //!     .steps()

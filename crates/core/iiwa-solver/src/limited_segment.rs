@@ -1,9 +1,9 @@
-//! A piece of a section, as the jerk-limited solver sees it.
+//! A segment of a section in the form that the jerk-limited solver uses.
 //!
-//! All pieces of a section share one kind of path parameter, sigma in rad: the way along a line, and
-//! `reach (s + alpha(s))` in a blend. With it q' and q'' continue from piece to piece, and of q''' only
-//! the part across the path jumps. With s as the parameter the part along the path would jump as
-//! well: the solver would have to make the speed's own second derivative jump against it.
+//! All segments of a section share one kind of path parameter, sigma in rad: the distance along a
+//! line, and `reach (s + alpha(s))` in a blend. With sigma, q' and q'' are continuous from segment
+//! to segment, and q''' jumps only across the path. With s, q''' would jump along the path as well,
+//! and the solver would have to compensate by a jump of the second derivative of speed.
 
 use iiwa_kin::{Joints, RampEnd, vector};
 use iiwa_path::{Coordinates, PlanarGraph, Segment, ToolCoordinate};
@@ -17,12 +17,12 @@ use crate::{
     row_limit::{PathRow, RowLimits},
 };
 
-/// A sample of a motion along a segment that keeps the limits of velocity and acceleration.
+/// A sample of a motion along a segment that satisfies the velocity and acceleration limits.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct SweptNode {
-    /// Time, in s, since any instant that all segments share.
+    /// Time, in s, from an instant common to all segments.
     pub t_s: f64,
-    /// Share of the segment's sigma, 0 to 1.
+    /// Share of sigma along the segment, 0 to 1.
     pub p: f64,
     /// dp/dt, in 1/s.
     pub rate: f64,
@@ -30,45 +30,47 @@ pub struct SweptNode {
     pub u: [f64; 2],
 }
 
-/// A segment and its limits, as the solver sees them.
+/// A segment and its limits, as input of the solver.
 pub struct LimitedSegment<'a> {
-    /// Infinite for the tool where it has none.
+    /// Limits; infinite for the tool without a limit.
     limits: ByKind<Coordinates>,
-    /// One over the limits.
+    /// Reciprocals of the limits.
     pub(crate) inverse: ByKind<Coordinates>,
     pub(crate) length: f64,
     /// The acceleration-limited stamps.
     pub(crate) swept: &'a [SweptNode],
     shape: &'a dyn Segment,
-    /// The coordinate of the tool, if it is limited.
+    /// The tool coordinate, if it is limited.
     tool: Option<ToolCoordinate>,
-    /// The shortest time in which the jerk of a joint or the tool builds up its acceleration, in s.
+    /// Shortest time in which the jerk of a joint or the tool builds up its acceleration, in s.
     pub(crate) least_build_up_s: f64,
-    /// The unit of its sigma, in rad.
+    /// Unit of sigma of the shape, in rad.
     unit: f64,
     /// dq/dsigma of a straight segment.
     direction: Option<Joints>,
-    /// The curve as a graph in a plane, if it is one.
+    /// The curve as a graph in a plane, if it has this form.
     graph: Option<&'a dyn PlanarGraph>,
-    /// The directions ahead and across of a line or a graph in a plane.
+    /// Directions ahead and across of a line or a graph in a plane, perpendicular to each other.
     plane: [Joints; 2],
-    /// What the slope of the graph has to be raised by in these directions.
+    /// Slope to add to that of the graph, due to the change to perpendicular directions.
     slope: f64,
-    /// The coordinates that can be at their limits.
+    /// Coordinates that can be at their limits.
     pub(crate) limiting: ByKind<LimitingJoints>,
-    /// Further limits, if there are any.
+    /// Further limits, if any.
     rows: Option<&'a RowLimits>,
-    /// The ramps at the rests at its start and its end.
+    /// Ramps at the rests at the start and at the end.
     ramps: [Option<RestRamp>; 2],
 }
 
-/// Largest share of a further limit, at any speed and acceleration that the other limits allow, up to which it needs no row.
+/// Largest share of a further limit, at any speed and acceleration that the other limits allow, up
+/// to which it needs no row.
 const NEAR_LIMIT: f64 = 0.97;
 
 impl<'a> LimitedSegment<'a> {
-    /// The segment under its limits, with the acceleration-limited stamps to start from, at least two.
+    /// Creates the segment with its limits and at least two acceleration-limited stamps to start
+    /// from.
     ///
-    /// None if the curvature jumps at its ends: then the arm would have to stop there.
+    /// Returns `None` if the curvature jumps at its ends: the robot would have to stop there.
     #[must_use]
     pub fn new(
         shape: &'a dyn Segment,
@@ -80,7 +82,8 @@ impl<'a> LimitedSegment<'a> {
         }
         let unit = shape.sigma_unit_rad();
         let tool = ToolCoordinate::new(shape, limits.tool());
-        // In a plane, all coordinates would have to be: where the tool is limited, it is a curve like any other.
+        // All coordinates of a graph have to be in its plane, and the tool is not: a segment with a
+        // limited tool is treated as a general curve.
         let is_straight = shape.is_straight() && tool.is_none();
         let direction = is_straight.then(|| shape.at(0.0).dq.map(|d| d / unit));
         let limits = ByKind::from_fn(|kind| {
@@ -113,7 +116,7 @@ impl<'a> LimitedSegment<'a> {
             ramps: [None; 2],
         };
         if let Some(graph) = segment.graph {
-            // Perpendicular to each other: in a near turn-back, both would point almost the same way.
+            // Made perpendicular: in a near turn-back, both directions would be almost parallel.
             let (ahead, across) = (graph.ahead(), graph.across());
             let square = vector::dot(&across, &across);
             if square > 0.0 {
@@ -132,13 +135,13 @@ impl<'a> LimitedSegment<'a> {
         Some(segment)
     }
 
-    /// The segment under further limits, too. They change along straight segments as well.
+    /// Adds further limits, which change along straight segments as well.
     #[must_use]
     pub fn with_rows(self, limits: &'a RowLimits) -> Self {
         Self { rows: (limits.count() > 0).then_some(limits), ..self }
     }
 
-    /// Lowers the limits of jerk next to the rest at one end.
+    /// Lowers the jerk limits next to the rest at one end.
     pub fn set_rest_ramp(&mut self, end: RampEnd, ramp: RestRamp) {
         let [start, stop] = &mut self.ramps;
         *match end {
@@ -153,7 +156,7 @@ impl<'a> LimitedSegment<'a> {
         self.swept.iter().map(|node| [node.p * self.length, self.swept_x(node)])
     }
 
-    /// The share of its limits of jerk that holds at `sigma`, in rad.
+    /// Share of the jerk limits that applies at `sigma`, in rad.
     pub(crate) fn jerk_rel(&self, sigma: f64) -> f64 {
         let ways = [sigma, self.length - sigma];
         let shares = std::iter::zip(&self.ramps, ways)
@@ -161,7 +164,8 @@ impl<'a> LimitedSegment<'a> {
         shares.fold(1.0, f64::min)
     }
 
-    /// The largest x at `sigma`, in rad, that a constant jerk leaves on the way from or to a rest with a ramp.
+    /// Largest x at `sigma`, in rad, for constant jerk from or to a rest with a ramp; infinite
+    /// without a ramp.
     pub(crate) fn ramp_x(&self, sigma: f64) -> f64 {
         let ends = [(sigma, 0.0), (self.length - sigma, 1.0)];
         let ramps = std::iter::zip(&self.ramps, ends).filter(|(ramp, _)| ramp.is_some());
@@ -170,20 +174,20 @@ impl<'a> LimitedSegment<'a> {
             .fold(f64::INFINITY, f64::min)
     }
 
-    /// True if the segment has further limits, as rows.
+    /// True if the segment has further limits.
     #[must_use]
     pub fn has_rows(&self) -> bool {
         self.rows.is_some()
     }
 
-    /// The number of rows of further limits at each place.
+    /// Number of rows of further limits at each place.
     #[must_use]
     pub fn row_count(&self) -> usize {
         self.rows.map_or(0, RowLimits::count)
     }
 
-    /// The rows of further limits at some sigma (rad), place after place: by the second derivative of sigma (rad/s^2), by the
-    /// square of the first, and by neither.
+    /// Rows of further limits at some sigma (rad), place after place: coefficients of the second
+    /// derivative of sigma (rad/s^2) and of the square of the first, and an offset.
     #[must_use]
     pub fn rows(&self, sigma: &[f64]) -> Vec<PathRow> {
         let Some(limits) = self.rows else { return Vec::new() };
@@ -198,8 +202,8 @@ impl<'a> LimitedSegment<'a> {
         limits.rows(&q, &first, &second)
     }
 
-    /// Marks in `near` the `rows` that can come near to their limit at a place with these derivatives, at any speed and
-    /// acceleration that the limits of velocity and acceleration allow.
+    /// Marks in `near` the `rows` that can come near their limit at a place with these derivatives,
+    /// at any speed and acceleration that the velocity and acceleration limits allow.
     pub(crate) fn mark_near(
         &self,
         [dq, ddq, _]: &SigmaDerivatives,
@@ -215,12 +219,13 @@ impl<'a> LimitedSegment<'a> {
         for (near, row) in near.iter_mut().zip(rows) {
             let moving = row.acceleration.abs() * u + row.square.abs() * x;
             let most = moving + row.offset.abs();
-            // Where nothing else limits the speed, either.
+            // NaN means that no other limit bounds the speed.
             *near |= most >= NEAR_LIMIT || most.is_nan();
         }
     }
 
-    /// The largest acceleration of sigma (rad/s^2) that further limits leave at a stop at `s`, either way.
+    /// Largest acceleration of sigma (rad/s^2) that further limits allow at a stop at `s`, either
+    /// way.
     fn row_acceleration(&self, s: f64) -> f64 {
         let rows = self.rows(&[s * self.length]);
         rows.iter()
@@ -228,7 +233,8 @@ impl<'a> LimitedSegment<'a> {
             .fold(f64::INFINITY, f64::min)
     }
 
-    /// The largest x that further limits leave at `sigma`, where the second derivative of sigma is `u` times x.
+    /// Largest x that further limits allow at `sigma`, where the second derivative of sigma is `u`
+    /// times x.
     pub(crate) fn row_cap(&self, sigma: f64, u: f64) -> f64 {
         let rows = self.rows(&[sigma]);
         rows.iter()
@@ -239,21 +245,22 @@ impl<'a> LimitedSegment<'a> {
             .fold(f64::INFINITY, f64::min)
     }
 
-    /// Whether it is straight, and only joints are limited.
+    /// True if the segment is straight and only joints are limited.
     #[must_use]
     pub fn is_line(&self) -> bool {
         self.direction.is_some()
     }
 
-    /// Whether the arm may as well stop where it ends: on lines, and on lines and circles of the TCP, whose limits hardly
-    /// change.
+    /// True if the robot may as well stop at the end of the segment: on lines, and on lines and
+    /// circles of the TCP, whose limits hardly change.
     #[must_use]
     pub fn is_stop(&self) -> bool {
         self.is_line() || self.shape.has_even_tool_way()
     }
 
-    /// Largest speed, acceleration and jerk of sigma by the limits of the tool, in rad/s, rad/s^2 and rad/s^3, where it goes
-    /// evenly and all of these are limited; of jerk from rest to rest.
+    /// Largest speed, acceleration and jerk of sigma by the tool limits, in rad/s, rad/s^2 and
+    /// rad/s^3, if the tool moves evenly and all three are limited; jerk for a motion from rest to
+    /// rest.
     #[must_use]
     pub fn even_tool_limits(&self) -> Option<[f64; 3]> {
         if self.tool.is_none() || !self.shape.has_even_tool_way() {
@@ -264,23 +271,23 @@ impl<'a> LimitedSegment<'a> {
             second[7] == 0.0 && third[7] == 0.0
         };
         if ![0.0, 0.5, 1.0].into_iter().all(is_even) {
-            // Its parameter is not the way.
+            // The path parameter is not the distance.
             return None;
         }
         let [direction, ..] = self.derivatives(0.0);
         let mut limits = LimitKind::ALL.map(|kind| self.limits[kind][7] / direction[7]);
-        // With the same time for both ramps together.
+        // One jerk for both ramps, with the same total time.
         let [start, stop] = [0.0, self.length].map(|sigma| 1.0 / self.jerk_rel(sigma));
         limits[2] /= 0.5 * (start + stop);
         limits.iter().all(|limit| limit.is_finite()).then_some(limits)
     }
 
-    /// Whether the tool is limited.
+    /// True if the tool is limited.
     pub(crate) fn has_tool(&self) -> bool {
         self.tool.is_some()
     }
 
-    /// Its range of sigma, in rad: from 0 to this.
+    /// Length of the segment in sigma, in rad.
     #[must_use]
     pub fn length_rad(&self) -> f64 {
         self.length
@@ -296,7 +303,7 @@ impl<'a> LimitedSegment<'a> {
         (node.rate * self.length).powi(2)
     }
 
-    /// The derivatives of q by sigma at some sigma, in rad.
+    /// Derivatives of q by sigma at some sigma, in rad.
     #[must_use]
     pub fn geometry(&self, sigma: &Places) -> Geometry {
         if self.is_line() {
@@ -313,7 +320,7 @@ impl<'a> LimitedSegment<'a> {
         }
     }
 
-    /// First to third derivative of q by sigma at one place of its `geometry`.
+    /// First to third derivative of q by sigma at one place of `geometry`.
     pub(crate) fn derivatives_at(&self, geometry: &Geometry, place: usize) -> SigmaDerivatives {
         let [ahead, across] = &self.plane;
         match geometry {
@@ -340,20 +347,20 @@ impl<'a> LimitedSegment<'a> {
         std::array::from_fn(|k| with_tool(&joints[k], tool[k]))
     }
 
-    /// The way in the middle of a blend on which it turns back: infinite for a line, long for a blend
-    /// that turns by little, and short if it turns back at a low speed.
+    /// Distance in the middle of a blend over which it turns back, in rad: infinite for a line,
+    /// long for a blend with a small turn, and short for a blend that turns back at low speed.
     pub(crate) fn turn_back(&self) -> f64 {
         if self.is_line() {
             return f64::INFINITY;
         }
-        // There q goes as q' (sigma - middle) + q'' (sigma - middle)^2 / 2.
+        // q is q' (sigma - middle) + q'' (sigma - middle)^2 / 2 there.
         let [dq, ddq, _] = self.derivatives(0.5);
         let norm = |row: &Coordinates| row[..7].iter().map(|v| v * v).sum::<f64>().sqrt();
         let straight = norm(&dq) / norm(&ddq);
         let [speed, acceleration, jerk] = LimitKind::ALL.map(|kind| &self.limits[kind]);
-        // The tool never does.
+        // The tool never turns back.
         let turn = (0..7).map(|j| {
-            // On the way `way`, joint j comes from its full speed to rest.
+            // Joint j decelerates from full speed to rest over the distance `way`.
             let speed = speed[j];
             let way = speed * (speed / acceleration[j]).max((speed / jerk[j]).sqrt());
             (way / ddq[j].abs()).sqrt()
@@ -361,17 +368,20 @@ impl<'a> LimitedSegment<'a> {
         straight + turn.fold(f64::INFINITY, f64::min)
     }
 
-    /// For how long jerk builds up acceleration at `s`, in s: until it, or speed, is at its limit.
+    /// Time in which jerk builds up acceleration at `s`, in s, until acceleration or speed is at
+    /// its limit.
     pub(crate) fn build_up_s(&self, s: f64) -> f64 {
         let [speed, acceleration, jerk] = self.straight(s);
         let acceleration = acceleration.min(self.row_acceleration(s));
         (acceleration / jerk).min((speed / jerk).sqrt())
     }
 
-    /// The way from a rest at `s` on which the curve's bend takes no more than a `share` of a limit of jerk, in rad.
+    /// Distance from a rest at `s` over which curvature takes at most a `share` of a jerk limit, in
+    /// rad.
     ///
-    /// Where the third derivative of sigma is a constant j, `sigma = j t^3 / 6` and the jerk is
-    /// `j (q' + 9 q'' sigma + 14 q''' sigma^2)` with the derivatives there, but for higher powers.
+    /// For a constant third derivative j of sigma, `sigma = j t^3 / 6` and the jerk is
+    /// `j (q' + 9 q'' sigma + 14 q''' sigma^2)` with the derivatives at the rest, up to higher
+    /// powers.
     pub(crate) fn even_way(&self, s: f64, share: f64) -> f64 {
         let [_, ddq, dddq] = self.derivatives(s);
         let [_, _, jerk] = self.straight(s);
@@ -379,7 +389,8 @@ impl<'a> LimitedSegment<'a> {
         (share / (9.0 * of(&ddq))).min((share / (14.0 * of(&dddq))).sqrt())
     }
 
-    /// Way on which the arm stops, straight on, from its start, in rad; `before` is the segment that ends there.
+    /// Straight stopping distance from the start of the segment, in rad; `before` is the segment
+    /// that ends there.
     #[must_use]
     pub fn stop_rad(&self, before: Option<&Self>) -> f64 {
         let swept = self.swept.first().map_or(0.0, |node| self.swept_x(node));
@@ -400,14 +411,14 @@ impl<'a> LimitedSegment<'a> {
         }
     }
 
-    /// The largest share of a limit of jerk where sigma goes on at a steady speed of 1 rad/s and the curve's
-    /// third derivative is `dddq`; it goes with the speed's cube.
+    /// Largest share of a jerk limit for a constant speed of sigma of 1 rad/s and the third
+    /// derivative `dddq` of the curve; proportional to the cube of the speed.
     pub(crate) fn jerk_at_unit_speed(&self, dddq: &Coordinates) -> f64 {
         largest_share(dddq, &self.inverse[LimitKind::Jerk])
     }
 
-    /// Largest speed, acceleration and jerk of sigma at `s`, if the path went straight on from there; in rad/s,
-    /// rad/s^2 and rad/s^3.
+    /// Largest speed, acceleration and jerk of sigma at `s` on a straight path from there; in
+    /// rad/s, rad/s^2 and rad/s^3.
     #[must_use]
     pub fn straight(&self, s: f64) -> [f64; 3] {
         let [direction, ..] = self.derivatives(s);
@@ -419,8 +430,8 @@ impl<'a> LimitedSegment<'a> {
         [speed, acceleration, jerk * self.jerk_rel(self.shape.sigma(s)[0] * self.unit)]
     }
 
-    /// Shares of all limits at one place of its `geometry`, where speed, acceleration and jerk of sigma are these,
-    /// with their signs; of each kind one for each coordinate.
+    /// Signed shares of all limits at one place of `geometry`, for this speed, acceleration and
+    /// jerk of sigma; for each kind and coordinate.
     #[inline(always)]
     #[must_use]
     pub fn shares(
@@ -454,7 +465,7 @@ impl<'a> LimitedSegment<'a> {
         ByKind::from_array(shares)
     }
 
-    /// Shares of all limits of each coordinate at all places of a `geometry`.
+    /// Shares of all limits of each coordinate at all places of `geometry`.
     #[inline(always)]
     fn sampled_shares(&self, geometry: &Geometry, rates: &[Places; 3]) -> [[Places; 8]; 3] {
         let mut shares = [[Places::default(); 8]; 3];
@@ -467,8 +478,9 @@ impl<'a> LimitedSegment<'a> {
         shares
     }
 
-    /// By how much shares of the limits may exceed those that [`largest_shares`](Self::largest_shares) finds. On lines and
-    /// graphs in a plane that is next to nothing: their derivatives are polynomials along the whole segment.
+    /// Error bounds of the shares that [`largest_shares`](Self::largest_shares) finds. They are
+    /// negligible on lines and graphs in a plane, whose derivatives are polynomials along the whole
+    /// segment.
     pub(crate) fn share_errors(&self, geometry: &Geometry, rates: &[Places; 3]) -> ByKind<f64> {
         let Geometry::General(_) = geometry else { return ByKind::default() };
         let limited = if self.has_tool() { 8 } else { 7 };
@@ -478,7 +490,7 @@ impl<'a> LimitedSegment<'a> {
         )
     }
 
-    /// The largest shares of the limits from samples of a stretch: its `geometry` at
+    /// Largest shares of the limits from samples of a stretch: its `geometry` at
     /// [`SHARES`](crate::peaks::SHARES) of it, and speed, acceleration and jerk of sigma there.
     #[inline(always)]
     pub(crate) fn largest_shares(&self, geometry: &Geometry, rates: &[Places; 3]) -> ByKind<f64> {
@@ -512,22 +524,22 @@ impl<'a> LimitedSegment<'a> {
     }
 }
 
-/// The largest of `|derivative_j| inverse_j`, with one over the limits.
+/// Largest `|derivative_j| inverse_j`, with the reciprocals of the limits.
 pub(crate) fn largest_share(derivative: &Coordinates, inverse: &Coordinates) -> f64 {
     std::iter::zip(derivative, inverse).map(|(d, i)| d.abs() * i).fold(0.0, f64::max)
 }
 
-/// The largest multiple of `direction` within the limits.
+/// Largest multiple of `direction` within the limits.
 fn largest_multiple(direction: &Coordinates, limits: &Coordinates) -> f64 {
     std::iter::zip(direction, limits).map(|(d, limit)| limit / d.abs()).fold(f64::MAX, f64::min)
 }
 
-/// The values of the joints alone.
+/// Values of the joints alone.
 fn joints(of: &Coordinates) -> Joints {
     std::array::from_fn(|j| of[j])
 }
 
-/// Values of the joints, and that of the tool.
+/// Values of the joints, followed by that of the tool.
 #[inline(always)]
 fn with_tool(joints: &Joints, tool: f64) -> Coordinates {
     let mut all = [tool; 8];

@@ -1,15 +1,15 @@
-//! Which coordinates can limit a curve: all of them, unless it lies in a plane.
+//! Coordinates that can limit a curve: all of them, unless the curve is planar.
 //!
-//! There, each limit reads `|a e_j + b t_j| <= 1` in two numbers a and b that all joints share, with `e_j` and `t_j` the
-//! parts of joint j along two directions of the plane, over its limit. The points (a, b) that keep the limits
-//! form the polar of the convex hull of the 14 points `+-(e_j, t_j)`: a joint whose point is no corner of the hull
-//! never limits alone. Leaving it out changes nothing.
+//! In a plane, each limit reads `|a e_j + b t_j| <= 1`, with two numbers a and b that all joints
+//! share; `e_j` and `t_j` are the components of joint j along two directions of the plane, over its
+//! limit. The feasible points (a, b) form the polar of the convex hull of the 14 points
+//! `+-(e_j, t_j)`. A joint whose point is not a vertex of the hull is redundant.
 
-/// Joints (0 to 6), and the tool (7), that can be at their limit.
+/// Joints (0 to 6) and the tool (7) that can be at their limit.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct LimitingJoints {
     coordinates: [usize; 8],
-    /// Their points, where the curve lies in a plane.
+    /// Points of the joints, for a planar curve.
     points: [[f64; 2]; 7],
     count: usize,
 }
@@ -22,11 +22,12 @@ impl LimitingJoints {
     /// All joints and the tool.
     pub(crate) const ALL: Self = Self { count: 8, ..Self::JOINTS };
 
-    /// The corners of the convex hull of `points` and their opposites.
+    /// Returns the vertices of the convex hull of `points` and their opposites.
     pub(crate) fn new(points: &[[f64; 2]; 7]) -> Self {
         let mut areas = [[0.0; 7]; 7];
-        // Pairs that span an area which is more than rounding. One direction of the plane may be a thousand million
-        // times as long as the other: what is rounding depends on the products, not on the distances.
+        // Pairs that span an area above rounding. One direction of the plane may be a thousand
+        // million times as long as the other, so rounding is relative to the products, not to the
+        // distances.
         let mut spans = [[false; 7]; 7];
         for i in 0..7 {
             for k in 0..i {
@@ -39,13 +40,13 @@ impl LimitingJoints {
         }
         let mut kept = [true; 7];
         if *spans.as_flattened() == [false; 49] {
-            // All on one line through the origin.
+            // All points are on one line through the origin: the farthest one limits.
             let square = |j: &usize| points[*j].iter().map(|v| v * v).sum::<f64>();
             let farthest = (0..7).max_by(|i, j| square(i).total_cmp(&square(j)));
             kept = std::array::from_fn(|j| Some(j) == farthest);
         } else {
             for j in 0..7 {
-                // A sum of shares of two others that make one at most.
+                // The point is a combination of two others with a sum of weights of at most one.
                 let is_between = |i: usize, k: usize| {
                     spans[i][k] && areas[j][k] + areas[i][j] <= areas[i][k] * (1.0 + EQUAL)
                 };
@@ -67,16 +68,16 @@ impl LimitingJoints {
         &self.coordinates[..self.count]
     }
 
-    /// Their points in the plane.
+    /// Points in the plane of the coordinates that can limit.
     pub(crate) fn points(&self) -> &[[f64; 2]] {
         &self.points[..self.count]
     }
 }
 
-/// Share of a product below which a difference of two tells nothing.
+/// Share of the products below which their difference is rounding.
 const ROUNDING: f64 = 1e-10;
 
-/// By which share two points may differ that count as equal.
+/// Relative difference up to which two points count as equal.
 const EQUAL: f64 = 1e-12;
 
 #[cfg(test)]
@@ -85,7 +86,7 @@ mod tests {
     use proptest::prelude::*;
 
     proptest! {
-        /// The others are never nearer to their limits than those that are kept.
+        /// Redundant joints are never nearer to their limits than the others.
         #[test]
         fn the_others_limit_nothing(
             points in prop::array::uniform7(prop::array::uniform2(-1.0..1.0_f64)),
@@ -94,7 +95,8 @@ mod tests {
             angles in prop::collection::vec(0.0..std::f64::consts::TAU, 50),
         ) {
             let mut points = points;
-            // Joints that do not move along one direction, or at all, and joints that move alike.
+            // Joints that do not move along one direction, or at all, and joints that move in
+            // proportion.
             points[equal] = points[0];
             points[(equal + 3) % 7] = points[0].map(|v| factor * v);
             points[(equal + 4) % 7] = points[0].map(|v| factor * factor * v);
@@ -111,7 +113,8 @@ mod tests {
         }
     }
 
-    /// Six joints on one ray, in a short blend: the direction across the path is a thousand million times as long.
+    /// Six joints on one ray, in a short blend: the direction across the path is a thousand million
+    /// times as long as the other one.
     #[test]
     fn rounding_takes_no_corner_away() {
         let points = [
@@ -124,7 +127,8 @@ mod tests {
             [0.000_862_743_337_873_42, -16_740.313_290_305_35],
         ];
         assert_eq!(LimitingJoints::new(&points).get(), [0, 1]);
-        // All on one line through the origin, but for rounding: whichever others stay, the farthest has to.
+        // All points are on one line through the origin, up to rounding: the farthest one has to be
+        // kept.
         for rounding in [0.0, 1e-15, 1e-13, 1e-12, 1e-11, 1e-10, 1e-9] {
             let mut sign = 1.0;
             let line = points.map(|[a, _]| {

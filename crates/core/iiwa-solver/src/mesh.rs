@@ -1,8 +1,8 @@
-//! How a section is cut into cells.
+//! Division of a section into cells.
 //!
-//! Cells have to be small where the best motion changes its mind: around the instants at which the
-//! acceleration-limited stamps switch from one limit to another, in blends, at their ends, and next
-//! to rest, where sigma is as t^3. In between they may be long.
+//! Cells have to be small where the optimum switches: around the instants at which the
+//! acceleration-limited stamps switch from one limit to another, in blends, at the ends of blends,
+//! and next to rest, where sigma is proportional to t^3. Elsewhere they may be long.
 
 use std::ops::Range;
 
@@ -16,24 +16,24 @@ use crate::{
 
 const SETTINGS: MeshSettings = crate::settings::SETTINGS.mesh;
 
-/// The cells of a window.
+/// Cells of a window.
 #[derive(Clone, Debug)]
 #[non_exhaustive]
 pub struct Mesh {
-    /// The cell that touches rest, if the window starts there: jerk is constant in it.
+    /// The cell that touches rest at the start of the window, if any: its jerk is constant.
     pub from_rest: Option<Cell>,
-    /// The cells between.
+    /// The cells in between.
     pub cells: Vec<Cell>,
-    /// The cell that touches rest, if the window ends there: jerk is constant in it.
+    /// The cell that touches rest at the end of the window, if any: its jerk is constant.
     pub to_rest: Option<Cell>,
-    /// The curve at [`SHARES`] of the cells between.
+    /// The curve at [`SHARES`] of `cells`.
     pub(crate) geometry: Vec<Geometry>,
-    /// The rows of further limits in them.
+    /// The rows of further limits in `cells`.
     pub(crate) rows: CellRows,
 }
 
 impl MeshSettings {
-    /// Cells that are `refinement` times as fine.
+    /// Returns sizes for a mesh that is `refinement` times as fine.
     fn refined(self, refinement: f64) -> Self {
         let per = 1.0 / refinement;
         Self {
@@ -53,21 +53,22 @@ impl MeshSettings {
         }
     }
 
-    /// The longest cell of a segment on which limits change, in rad.
+    /// Upper bound on cell lengths in a segment along which limits change, in rad.
     fn most(&self, segment: &LimitedSegment<'_>) -> f64 {
         if segment.has_rows() { self.row_rad } else { f64::INFINITY }
     }
 }
 
-/// An instant at which the acceleration-limited stamps switch, and for how long jerk builds up
+/// An instant at which the acceleration-limited stamps switch, and the time in which jerk builds up
 /// acceleration there, in s.
 struct Switch {
     t_s: f64,
     build_up_s: f64,
 }
 
-/// Where in a segment, in rad from its start and from its end. The smaller of both has digits of its own: next to
-/// an end, cells may be shorter than what rounding leaves of the way from the other one.
+/// A place in a segment, in rad from its start and from its end. The smaller distance has full
+/// precision: next to one end, cells may be shorter than the rounding error of the distance from
+/// the other.
 #[derive(Clone, Copy, Debug)]
 struct Place {
     start: f64,
@@ -79,7 +80,7 @@ impl Place {
         self.start < self.end
     }
 
-    /// The place that is `way` further along a segment of this `length`.
+    /// Returns the place `way` further along a segment of this `length`.
     fn after(self, way: f64, length: f64) -> Self {
         if self.is_nearer_to_start() {
             let start = self.start + way;
@@ -90,18 +91,19 @@ impl Place {
         }
     }
 
-    /// The way to `other`, further along the segment.
+    /// Distance to `other`, further along the segment.
     fn way_to(self, other: Self) -> f64 {
         if self.is_nearer_to_start() { other.start - self.start } else { self.end - other.end }
     }
 
-    /// The same place on the segment turned around.
+    /// The same place on the reversed segment.
     fn reversed(self) -> Self {
         Self { start: self.end, end: self.start }
     }
 }
 
-/// The acceleration-limited stamps along a segment, by the way from its start, or from its end where it rests there.
+/// The acceleration-limited stamps of a segment by the distance from its start, or from its end if
+/// `from_end`.
 struct Swept(Vec<SweptSample>);
 
 #[derive(Clone, Copy)]
@@ -125,7 +127,7 @@ impl Swept {
         })
     }
 
-    /// x and time after `way`.
+    /// x and time at the distance `way`, for constant acceleration between samples.
     fn at(&self, way: f64) -> SweptSample {
         let next = self.0.partition_point(|sample| sample.way <= way);
         let next = next.clamp(1, self.0.len() - 1);
@@ -138,8 +140,9 @@ impl Swept {
     }
 }
 
-/// The cells of the segments in `part`, which starts and ends at rest, or goes on from the segment before and to the
-/// one after. None if there are no cells but those that touch rest, or far too many.
+/// Builds the mesh of the segments in `part`. Each of its ends is at rest or continues in the
+/// neighbouring segment. Returns `None` if there are no cells beside those that touch rest, or far
+/// too many.
 pub(crate) fn mesh(
     segments: &[LimitedSegment<'_>],
     part: Range<usize>,
@@ -154,7 +157,7 @@ pub(crate) fn mesh(
         let segment = &segments[index];
         let backwards = ends_at_rest && index + 1 == part.end;
         let swept = &Swept::new(segment, backwards);
-        // A few of the switches before and after the segment, to be able to look ahead.
+        // Two more switches on either side of the segment, for looking ahead.
         let [start, .., end] = segment.swept else { return None };
         near.start += switches[near.start..].partition_point(|switch| switch.t_s < start.t_s);
         near.end = near.end.max(near.start);
@@ -180,10 +183,12 @@ pub(crate) fn mesh(
         let at_end = end_size(segments.get(index + 1));
         let size = if segment.is_line() { sizes.line } else { sizes.blend };
         let most = (size * segment.length).min(sizes.most(segment));
-        // Never to be reached; without it, one fault in the stamps would mean cells without end.
+        // Never reached with valid stamps; faulty stamps could make the number of cells unbounded
+        // without this bound.
         let least = 1e-3 * [from_rest, to_rest].iter().flatten().fold(most, |a, b| a.min(*b));
         let least = least.min(at_start).min(at_end);
-        // From the end, cells come to the one that touches rest at the start, which is as long as that may be at most.
+        // The march from the end arrives at the cell that touches rest at the start, which has its
+        // largest permitted length.
         let floor = |place: Place| match from_rest {
             Some(rest) if backwards && place.start <= rest => rest,
             _ => least,
@@ -228,11 +233,13 @@ pub(crate) fn mesh(
     (!cells.is_empty()).then_some(Mesh { from_rest, cells, to_rest, geometry, rows })
 }
 
-/// Least size at a cell's end, as a share of that at its start, for which the cell is made as short as that at once.
+/// Ratio of the cell size at the end of a step to that at its start, below which the step is
+/// halved.
 const LEAST_SHRINKING: f64 = 0.125;
 
-/// Nodes along `length` with distances of about `size`, which changes little from one to the next;
-/// the first distance is given where the arm rests. None if there are too many.
+/// Nodes along `length` at distances of about `size`, which changes little from one node to the
+/// next. The first distance is given if the robot is at rest there. Returns `None` if there are too
+/// many nodes.
 fn march(length: f64, rest: Option<f64>, size: impl Fn(Place) -> f64) -> Option<Vec<Place>> {
     let mut at = Place { start: 0.0, end: length };
     let mut nodes = vec![at];
@@ -243,8 +250,8 @@ fn march(length: f64, rest: Option<f64>, size: impl Fn(Place) -> f64) -> Option<
     let end = Place { start: length, end: 0.0 };
     while at.end > 0.0 {
         let after = |step: f64| if step < at.way_to(end) { at.after(step, length) } else { end };
-        // As small as the cell has to be at its start, its middle and its end. The end must not be much too far:
-        // what would be small there says nothing about here.
+        // The step is the smallest of the sizes at its start, middle and end. Its end must not be
+        // too far ahead: a small size there would not apply here.
         let mut step = size(at);
         let mut at_end = size(after(step));
         while at_end < LEAST_SHRINKING * step {
@@ -259,7 +266,8 @@ fn march(length: f64, rest: Option<f64>, size: impl Fn(Place) -> f64) -> Option<
             return None;
         }
     }
-    // The last node overshoots: it, or the one before, is moved to the end, and the others with it.
+    // The last node overshoots: that node, or the one before, is moved to the end, and the others
+    // in proportion.
     let n = nodes.len();
     if n > 3 && -nodes[n - 1].end > 0.5 * nodes[n - 2].way_to(nodes[n - 1]) {
         nodes.pop();
@@ -278,7 +286,7 @@ fn march(length: f64, rest: Option<f64>, size: impl Fn(Place) -> f64) -> Option<
     Some(nodes)
 }
 
-/// The instants at which the acceleration-limited stamps switch, in order.
+/// Instants at which the acceleration-limited stamps switch, in order.
 fn switches(segments: &[LimitedSegment<'_>]) -> Vec<Switch> {
     let mut switches = Vec::new();
     for segment in segments {
@@ -315,8 +323,8 @@ mod tests {
         nodes.windows(2).map(|pair| pair[0].way_to(pair[1])).collect()
     }
 
-    /// Next to a stop at the end of a metre, cells are as small as next to one at its start, down to what numbers
-    /// can hold: far below what rounding leaves of the way from the start.
+    /// Next to a stop at the end of a segment of length 1, cells are as small as next to a stop at
+    /// its start: far below the rounding error of the distance from the start.
     #[test]
     fn both_ends_have_digits_of_their_own() {
         let size = |place: Place| 1e-20 + 0.25 * place.start.min(place.end);
@@ -332,7 +340,7 @@ mod tests {
         assert!(last.end == 0.0 && lengths[lengths.len() - 1] < 3e-20, "{last:?}");
     }
 
-    /// The size reaches beyond the end, where it is tiny: cells shrink towards it, not before.
+    /// The size is tiny at the end, and a step reaches beyond it: cells shrink near the end only.
     #[test]
     fn a_tiny_size_ahead_does_not_make_all_cells_tiny() {
         let nodes = march(1.0, None, |place| (1.1 * place.end).max(1e-9)).unwrap();
@@ -350,7 +358,7 @@ mod tests {
         assert!((way / 2e-20 - 1.0).abs() < 1e-14, "{way:e}");
     }
 
-    /// Lines and a blend from rest to rest.
+    /// Two lines and a blend from rest to rest.
     #[test]
     fn cells_fill_each_segment_and_are_short_next_to_rest() {
         let program = Program::from_deg([0.0; 7])
@@ -394,7 +402,7 @@ mod tests {
             }
             cells.len()
         };
-        // Cells of half the size are twice as many.
+        // Half the cell size doubles the number of cells.
         let (coarse, fine) = (count(1.0), count(2.0));
         assert!((1.7..2.3).contains(&(fine as f64 / coarse as f64)), "{coarse} {fine}");
     }

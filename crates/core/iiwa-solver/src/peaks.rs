@@ -2,24 +2,25 @@
 
 use crate::geometry::Places;
 
-/// The places of a cell that are sampled, as shares of it: evenly spaced from its start to its end. The last is there
-/// twice, to fill vector registers.
+/// Places of a cell that are sampled, as shares of it: evenly spaced from its start to its end. The
+/// last one is repeated to fill vector registers.
 pub(crate) const SHARES: Places = [0.0, 1.0 / 6.0, 1.0 / 3.0, 0.5, 2.0 / 3.0, 5.0 / 6.0, 1.0, 1.0];
 
-/// The largest magnitude of some curves.
+/// Largest magnitude of some curves.
 #[derive(Clone, Copy, Default)]
 pub(crate) struct Peak {
     largest: Places,
-    /// Zero, unless there is a sample that is not finite.
+    /// Zero, or NaN if a sample is not finite.
     spoilt: Places,
 }
 
 impl Peak {
-    /// Adds a curve, sampled at [`SHARES`]: what it is there, and where the parabola through three neighbouring samples
-    /// has its vertex.
+    /// Adds a curve sampled at [`SHARES`]: its samples, and the vertex of the parabola through
+    /// three neighbouring samples.
     #[inline(always)]
     pub(crate) fn add(&mut self, samples: &Places) {
-        // At both ends the parabola is one with its vertex there.
+        // At both ends the missing neighbour mirrors the other one, which puts the vertex at the
+        // end.
         let before = [1, 0, 1, 2, 3, 4, 5, 7].map(|i: usize| samples[i]);
         let after = [1, 2, 3, 4, 5, 6, 5, 7].map(|i: usize| samples[i]);
         for i in 0..samples.len() {
@@ -30,11 +31,12 @@ impl Peak {
             let vertex = (middle - rise).abs();
             let larger = if vertex > middle.abs() { vertex } else { middle.abs() };
             self.largest[i] = if larger > self.largest[i] { larger } else { self.largest[i] };
+            // 0 times a sample that is not finite is NaN, which the comparisons above would drop.
             self.spoilt[i] += 0.0 * middle;
         }
     }
 
-    /// The largest magnitude of all; not a number if a sample was not finite.
+    /// Largest magnitude of all curves; NaN if a sample was not finite.
     #[inline(always)]
     pub(crate) fn get(&self) -> f64 {
         let largest = self.largest.into_iter().fold(0.0, larger);
@@ -42,16 +44,16 @@ impl Peak {
     }
 }
 
-/// Largest error of a parabola through three neighbouring samples of a curve, between these samples: of a cubic through
-/// four of them it is exact.
+/// Largest error of a parabola through three neighbouring samples between these samples, exact for
+/// a cubic through four samples.
 pub(crate) fn parabola_error(samples: &Places) -> f64 {
-    /// The largest value of `f (f - 1) (f - 2) / 6` for f from 0 to 2.
+    /// Largest value of `f (f - 1) (f - 2) / 6` for f from 0 to 2.
     const CUBIC: f64 = 0.064_150_029_909_958_41;
     let third = |i: usize| samples[i + 3] - samples[i] + 3.0 * (samples[i + 1] - samples[i + 2]);
     (0..4).map(|i| CUBIC * third(i).abs()).fold(0.0, larger)
 }
 
-/// The larger one, or the one that is not a number.
+/// Returns the larger number, or NaN if either is NaN.
 #[inline(always)]
 pub(crate) fn larger(a: f64, b: f64) -> f64 {
     if b > a || b.is_nan() { b } else { a }
@@ -81,7 +83,7 @@ mod tests {
     fn a_parabola_misses_what_a_cubic_has() {
         let samples = |curve: fn(f64) -> f64| SHARES.map(curve);
         assert!(parabola_error(&samples(|x| 3.0 + x * (2.0 - 5.0 * x))) < 1e-15);
-        // Between the shares 0 and 1/6: x^3 less the parabola through 0, 1/6 and 1/3.
+        // Between the shares 0 and 1/6: x^3 less the parabola through its values at 0, 1/6 and 1/3.
         let error = |x: f64| x * (x - 1.0 / 6.0) * (x - 1.0 / 3.0);
         let largest = (0..=1000).map(|i| error(f64::from(i) / 6000.0)).fold(0.0, f64::max);
         assert!((parabola_error(&samples(|x| x * x * x)) / largest - 1.0).abs() < 1e-5);

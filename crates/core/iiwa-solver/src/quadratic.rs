@@ -1,14 +1,14 @@
-//! Quadratic functions of the state of a cell: what a step minimises is their sum.
+//! Quadratic functions of the state of a cell, whose sum a Newton step minimises.
 
 use pulp::Simd;
 
 use crate::functionals::{CellState, Functional};
 use crate::lanes::Vector;
 
-/// A quadratic function of a cell's state.
+/// A quadratic function of the state of a cell.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Quadratic {
-    /// Second derivatives, of which the upper triangle by rows.
+    /// Second derivatives: the upper triangle, row by row.
     pub(crate) h: [f64; 10],
     /// First derivatives.
     pub(crate) g: CellState,
@@ -28,13 +28,13 @@ impl Quadratic {
     }
 }
 
-/// What limits contribute, for one register of lanes.
+/// Contributions of limits, for one register of lanes.
 pub(crate) struct Terms<S: Simd> {
     pub(crate) h: [Vector<S>; 10],
     pub(crate) g: [Vector<S>; 4],
-    /// Slacks times duals.
+    /// Sum of the products of slacks and duals.
     pub(crate) gap: Vector<S>,
-    /// Largest share of a bound by which a limit is not met.
+    /// Largest residual of a row, as a share of its bound.
     pub(crate) residual: Vector<S>,
 }
 
@@ -59,7 +59,7 @@ impl<S: Simd> Terms<S> {
         self.add_entry::<P, P, 9, 3, 3>(factor);
     }
 
-    /// Adds `factor (P y) (Q y)`: to the second derivatives `factor (P Q^T + Q P^T)`.
+    /// Adds `factor (P y) (Q y)`, whose second derivatives are `factor (P Q^T + Q P^T)`.
     #[inline(always)]
     pub(crate) fn add_product<P: Functional, Q: Functional>(&mut self, factor: Vector<S>) {
         self.add_symmetric::<P, Q, 0, 0, 0>(factor);
@@ -106,7 +106,7 @@ impl<S: Simd> Terms<S> {
     }
 }
 
-/// `sum += factor * coefficient`, for a coefficient that is known at compile time.
+/// `sum += factor * coefficient`, for a coefficient known at compile time.
 #[inline(always)]
 fn scaled_add<S: Simd>(sum: &mut Vector<S>, factor: Vector<S>, coefficient: f64) {
     if coefficient == 1.0 {

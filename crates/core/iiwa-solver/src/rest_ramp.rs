@@ -1,18 +1,19 @@
-//! Limits of jerk that are lower next to rest.
+//! Lower jerk limits next to rest.
 
-/// Lower limits of jerk next to one of the rests between which a path goes.
+/// Lower jerk limits next to a rest at one end of a path.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RestRamp {
-    /// Their share of the limits of jerk elsewhere.
+    /// Share of the jerk limits elsewhere.
     pub jerk_rel: f64,
-    /// The way from the rest on which it holds, in rad of sigma.
+    /// Distance from the rest up to which the share applies in full, in rad of sigma.
     pub reach_rad: f64,
-    /// The way from the rest beyond which the limits are as elsewhere; longer than the reach.
+    /// Distance from the rest beyond which the full limits apply, in rad of sigma; larger than the
+    /// reach.
     pub end_rad: f64,
 }
 
 impl RestRamp {
-    /// The share of the limits of jerk at a way from the rest, in rad.
+    /// Share of the jerk limits at a distance from the rest, in rad.
     pub(crate) fn jerk_rel_at(&self, way_rad: f64) -> f64 {
         let Self { jerk_rel, reach_rad, end_rad } = *self;
         let weight = fade((end_rad - way_rad) / (end_rad - reach_rad));
@@ -20,7 +21,8 @@ impl RestRamp {
     }
 }
 
-/// The weight of a limit that fades out: from 0 and less, where it is 0, to 1 and more, where it is 1, without a jump of its slope.
+/// Weight of a limit that fades out, with a continuous slope: 0 for `near` up to 0, and 1 from 1
+/// on.
 #[must_use]
 pub fn fade(near: f64) -> f64 {
     let near = near.clamp(0.0, 1.0);

@@ -1,26 +1,26 @@
-//! The cells that touch rest, in which jerk is constant.
+//! Cells that touch rest, in which jerk is constant.
 
 use std::ops::Range;
 
 use crate::{cell::Cell, functionals::CellState, limited_segment::LimitedSegment, riccati};
 
-/// A cell that touches rest, seen from its other end.
+/// A cell that touches rest, described by x at its other end.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Rest {
     pub(crate) length: f64,
-    /// The cell next to it, and the row of x where they meet.
+    /// The adjacent cell, and its row of x at the common end.
     pub(crate) cell: usize,
     pub(crate) row: CellState,
-    /// Largest x there that jerk and further limits allow.
+    /// Largest x at the common end that jerk and further limits allow.
     pub(crate) cap: f64,
     pub(crate) slack: ScalarSlackPair,
 }
 
 /// The cells that touch rest.
 pub(crate) struct Rests {
-    /// None if it starts at `entry`.
+    /// `None` if the section starts at `entry`.
     pub(crate) from: Option<Rest>,
-    /// None if it ends at `exit`.
+    /// `None` if the section ends at `exit`.
     pub(crate) to: Option<Rest>,
 }
 
@@ -29,7 +29,7 @@ impl Rests {
         self.from.iter().chain(&self.to)
     }
 
-    /// Those next to one of `cells`.
+    /// Rests adjacent to one of `cells`.
     pub(crate) fn within(&self, cells: &Range<usize>) -> impl Iterator<Item = &Rest> {
         self.iter().filter(|rest| cells.contains(&rest.cell))
     }
@@ -40,7 +40,7 @@ impl Rests {
     }
 }
 
-/// Slack and dual of a limit, and their step.
+/// Slack and dual of a limit, and their steps.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct ScalarSlackPair {
     pub(crate) s: f64,
@@ -50,7 +50,7 @@ pub(crate) struct ScalarSlackPair {
 }
 
 impl Rest {
-    /// At the place `s` of its segment: at its start or at its end.
+    /// Creates the rest at `s` of its segment: at the start or at the end.
     pub(crate) fn new(
         rest: &Cell,
         segment: &LimitedSegment<'_>,
@@ -60,7 +60,8 @@ impl Rest {
     ) -> Self {
         let [_, _, jerk] = segment.straight(s);
         let length = rest.length;
-        // sigma = j t^3 / 6 and x = (j t^2 / 2)^2, so that j t is two thirds of x over sigma.
+        // sigma = j t^3 / 6 and x = (j t^2 / 2)^2, so that the acceleration j t is two thirds of x
+        // / sigma.
         let u = 2.0 / (3.0 * length);
         let by_rows = if s == 0.0 {
             segment.row_cap(rest.from + length, u)
@@ -71,13 +72,14 @@ impl Rest {
         Self { length, cell, row, cap, slack: ScalarSlackPair::default() }
     }
 
-    /// x where it meets the cell next to it.
+    /// x at the common end with the adjacent cell.
     pub(crate) fn x(&self, states: &[CellState]) -> f64 {
         riccati::dot(&self.row, &states[self.cell])
     }
 
-    /// Time from rest until there, or from there to rest.
+    /// Time from rest to the common end, or from there to rest, in s.
     pub(crate) fn duration_s(&self, states: &[CellState]) -> f64 {
+        // The integral of x^(-1/2) with x = c sigma^(4/3).
         3.0 * self.length / self.x(states).sqrt()
     }
 }

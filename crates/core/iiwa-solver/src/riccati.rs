@@ -1,11 +1,13 @@
-//! The Riccati recursion: the Newton step of all cells as a linear-quadratic control problem.
+//! Riccati recursion: the Newton step of all cells as a linear-quadratic control problem.
 //!
-//! A stage is a cell, its state the step of (x, V) at its start, its controls the steps of (W0, W1). The next
-//! state is `(END_X y, ratio END_V y)` plus by how much the cells miss each other, ratio the next cell's length over
-//! this one's. A stage costs `y^T h y / 2 + g^T y`. Backwards, the cost-to-go from a cell's start is kept as
-//! `p_xx x^2 / 2 + p_xv x V + p_vv V^2 / 2 + pg_x x + pg_v V`; W1 and then W0 are eliminated as scalars. Forwards, the
-//! feedback gives all steps. Time is linear in the number of cells. A range of cells can be solved for alone: then
-//! its start stays, and W0 and W1 of its last cell follow from the state of the cell after it, which stays, too.
+//! A stage is a cell, its state the step of (x, V) at its start, its controls the steps of (W0,
+//! W1). The next state is `(END_X y, ratio END_V y)` plus the continuity defect, with ratio the
+//! length of the next cell over that of this one. The stage cost is `y^T h y / 2 + g^T y`. The
+//! backward pass keeps the cost-to-go from the start of a cell as
+//! `p_xx x^2 / 2 + p_xv x V + p_vv V^2 / 2 + pg_x x + pg_v V` and eliminates W1 and then W0 as
+//! scalars. The forward pass applies the feedback. Time is linear in the number of cells. A range
+//! of cells can be solved alone: its start is fixed, and W0 and W1 of its last cell follow from the
+//! fixed state of the cell after it.
 
 use std::ops::Range;
 
@@ -16,25 +18,27 @@ use crate::{
     quadratic::Quadratic,
 };
 
-/// The stages, and what holds at both ends.
+/// The stages and their boundary conditions.
 pub(crate) struct Chain<'a> {
-    /// Which cells are stages; all others stay as they are.
+    /// Cells that are stages; all others are fixed.
     pub(crate) stages: Range<usize>,
     pub(crate) lengths: &'a [f64],
-    /// Whether W0 and W1 of a cell are free, or zero.
+    /// `true` where W0 and W1 of a cell are free; elsewhere both are zero.
     pub(crate) free: &'a [bool],
     pub(crate) quadratics: &'a [Quadratic],
     pub(crate) states: &'a [CellState],
-    /// V over x at the start, if it comes from rest; else both stay as they are.
+    /// V over x at the start, if the first stage follows a rest; else both are fixed.
     pub(crate) slope_from_rest: Option<f64>,
-    /// What has to be zero for x to come to rest, where the last of all cells is a stage: a row of it.
+    /// Row of the last cell that has to be zero for x to come to rest. Used if that cell is a
+    /// stage.
     pub(crate) to_rest: CellState,
 }
 
-/// Feedback: `dW0 = -w0 [dx, dV, 1]`, `dW1 = -w1 [dx, dV, 1]`, and where it leads: the next state is
-/// `next [dx, dV, 1]`.
+/// Feedback `dW0 = -w0 [dx, dV, 1]`, `dW1 = -w1 [dx, dV, 1]`, and the closed-loop transition to the
+/// next state, `next [dx, dV, 1]`.
 ///
-/// Without `next`, each stage on the way forwards would wait for the controls of the one before.
+/// `next` is stored so that a stage of the forward pass need not wait for the controls of the stage
+/// before.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Gain {
     w0: [f64; 3],
@@ -43,16 +47,16 @@ pub(crate) struct Gain {
 }
 
 impl Gain {
-    /// Of the cell `k`, at whose end x and V are given: those of the next cell.
+    /// Feedback of cell `k` that meets the fixed x and V of the next cell.
     fn meeting(lengths: &[f64], states: &[CellState], k: usize) -> Self {
         let [dx, dv] = defect(lengths, states, k);
         let dv = dv * lengths[k] / lengths[k + 1];
-        // The cubic that meets both ends.
+        // The cubic with the given x and V at both ends.
         let (w0, w1) = ([6.0, 4.0, 6.0 * dx - 2.0 * dv], [-6.0, -2.0, 4.0 * dv - 6.0 * dx]);
         Self { w0, w1, next: [[0.0; 3]; 2] }
     }
 
-    /// With `next`, for a next cell `ratio` times as long, which the end of this one misses by `defect`.
+    /// Sets `next`, for a next cell `ratio` times as long, with the continuity `defect`.
     #[inline(always)]
     fn leading_on<S: Simd>(self, ratio: f64, defect: [f64; 2]) -> Self {
         let Self { w0, w1, .. } = self;
@@ -68,7 +72,8 @@ impl Gain {
         Self { w0, w1, next: [row(EndX::ROW, 1.0, dx), row(EndV::ROW, ratio, dv)] }
     }
 
-    /// The cost from the cell's start: second derivatives by (x, x), (x, V), (V, V), and first ones.
+    /// Cost-to-go from the start of the cell: second derivatives by (x, x), (x, V), (V, V), and
+    /// first derivatives.
     #[inline(never)]
     fn cost(&self, Quadratic { h, g }: &Quadratic) -> ([f64; 3], [f64; 2]) {
         let ([w0x, w0v, w0], [w1x, w1v, w1]) = (self.w0, self.w1);
@@ -90,7 +95,7 @@ impl Gain {
     }
 }
 
-/// The quadratic function has no minimum: numbers have left their range.
+/// Error: the quadratic function has no minimum, because numbers are out of range.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct NotConvex;
 
@@ -104,7 +109,7 @@ pub(crate) fn solve<S: Simd>(
 ) -> Result<(), NotConvex> {
     let Chain { ref stages, lengths, free, quadratics, states, ref to_rest, .. } = *chain;
     let n = lengths.len();
-    // Cost-to-go: second derivatives by (x, x), (x, V), (V, V), and first ones.
+    // Cost-to-go: second derivatives by (x, x), (x, V), (V, V), and first derivatives.
     let (mut p, mut pg) = ([0.0_f64; 3], [0.0_f64; 2]);
     for k in stages.clone().rev() {
         if k + 1 == stages.end && k + 1 < n {
@@ -123,7 +128,7 @@ pub(crate) fn solve<S: Simd>(
                 fused::<S>(p[0], dx, fused::<S>(p[1], dv, pg[0])),
                 fused::<S>(p[1], dx, fused::<S>(p[2], dv, pg[1])),
             ];
-            // With V in units of this cell's length.
+            // V of the next cell in units of the length of this one.
             let ratio = lengths[k + 1] / lengths[k];
             onward = (ratio, [dx, dv]);
             let [xx, xv, vv] = [p[0], ratio * p[1], ratio * ratio * p[2]];
@@ -145,7 +150,7 @@ pub(crate) fn solve<S: Simd>(
         let [mut xx, mut xv, mut xw, xz, mut vv, mut vw, vz, mut ww, wz, zz] = m;
         let mut gain = Gain::default();
         if free[k] {
-            // z stands for W1, w for W0.
+            // z denotes W1, w denotes W0.
             let inverse = 1.0 / zz;
             let w1 = [xz * inverse, vz * inverse, wz * inverse, g[3] * inverse];
             xx = fused::<S>(-xz, w1[0], xx);
@@ -166,7 +171,7 @@ pub(crate) fn solve<S: Simd>(
             xv = fused::<S>(-xw, w0[1], xv);
             vv = fused::<S>(-vw, w0[1], vv);
             g = [fused::<S>(-xw, w0[2], g[0]), fused::<S>(-vw, w0[2], g[1]), 0.0, 0.0];
-            // W1 by W0 in place of W0.
+            // Substitutes the feedback of W0 in that of W1.
             let [by_x, by_v, by_w0, one] = w1;
             let w1 = [
                 fused::<S>(-by_w0, w0[0], by_x),
@@ -186,7 +191,8 @@ pub(crate) fn solve<S: Simd>(
     forwards::<S>(chain, gains, (p, pg), steps)
 }
 
-/// Finds the steps from the feedback of all stages and the cost-to-go from the first one.
+/// Forward pass: finds the steps from the feedback of all stages and the cost-to-go from the first
+/// one.
 #[inline(always)]
 fn forwards<S: Simd>(
     chain: &Chain<'_>,
@@ -224,7 +230,8 @@ fn forwards<S: Simd>(
     Ok(())
 }
 
-/// The nearest second derivatives by (x, x), (x, V), (V, V) of a convex function, whatever rounding says.
+/// Returns the second derivatives by (x, x), (x, V), (V, V) of the nearest convex function:
+/// rounding can make a cost-to-go indefinite.
 #[cold]
 fn convex([xx, xv, vv]: [f64; 3]) -> [f64; 3] {
     let (xx, vv) = (xx.max(0.0), vv.max(0.0));
@@ -232,7 +239,7 @@ fn convex([xx, xv, vv]: [f64; 3]) -> [f64; 3] {
     [xx, if xv * xv > xx * vv { most.copysign(xv) } else { xv }, vv]
 }
 
-/// By how much the end of cell `k` misses the start of the next one, in x and V.
+/// Continuity defect in x and V between the end of cell `k` and the start of the next one.
 #[inline(always)]
 pub(crate) fn defect(lengths: &[f64], states: &[CellState], k: usize) -> [f64; 2] {
     let (y, next) = (&states[k], &states[k + 1]);
@@ -240,7 +247,7 @@ pub(crate) fn defect(lengths: &[f64], states: &[CellState], k: usize) -> [f64; 2
     [dot(&EndX::ROW, y) - next[0], ratio * dot(&EndV::ROW, y) - next[1]]
 }
 
-/// Sets W1 so that x comes to rest, where `to_rest y` is zero.
+/// Sets W1 so that x comes to rest: `to_rest y` is zero.
 #[inline(always)]
 pub(crate) fn come_to_rest(to_rest: &CellState, y: &mut CellState) {
     y[3] = -(to_rest[0] * y[0] + to_rest[1] * y[1] + to_rest[2] * y[2]) / to_rest[3];
@@ -251,7 +258,8 @@ pub(crate) fn dot(a: &CellState, b: &CellState) -> f64 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2] + a[3] * b[3]
 }
 
-/// The quadratic function of the last cell with W1 from [`come_to_rest`]; in its place, a unit.
+/// Eliminates W1 of the last cell by [`come_to_rest`] from its quadratic function; the diagonal
+/// entry of W1 becomes 1.
 #[inline(never)]
 fn without_w1(m: &[f64; 10], g: &CellState, to_rest: &CellState) -> ([f64; 10], CellState) {
     let f: [f64; 3] = std::array::from_fn(|a| -to_rest[a] / to_rest[3]);
@@ -271,10 +279,10 @@ fn without_w1(m: &[f64; 10], g: &CellState, to_rest: &CellState) -> ([f64; 10], 
     (m, [g[0] + f[0] * g[3], g[1] + f[1] * g[3], g[2] + f[2] * g[3], 0.0])
 }
 
-/// `a b + c`, in one instruction where the machine has vector registers.
+/// `a b + c`, fused into one instruction on machines with vector registers.
 #[inline(always)]
 fn fused<S: Simd>(a: f64, b: f64, c: f64) -> f64 {
-    // Elsewhere it would be a call of a function.
+    // Without them, `mul_add` would be a function call.
     if S::F64_LANES > 1 { a.mul_add(b, c) } else { a * b + c }
 }
 
@@ -282,7 +290,7 @@ fn fused<S: Simd>(a: f64, b: f64, c: f64) -> f64 {
 mod tests {
     use super::*;
 
-    /// Numbers between -1 and 1.
+    /// Pseudo-random numbers between -1 and 1.
     fn numbers() -> impl FnMut() -> f64 {
         let mut n = 0.0_f64;
         move || {
@@ -291,7 +299,8 @@ mod tests {
         }
     }
 
-    /// The solution of linear equations, by Gauss elimination with row pivots; each row ends with its right-hand side.
+    /// Solves linear equations by Gauss elimination with row pivots; each row ends with its
+    /// right-hand side.
     fn eliminated(mut rows: Vec<Vec<f64>>) -> Vec<f64> {
         let n = rows.len();
         for i in 0..n {
@@ -307,7 +316,7 @@ mod tests {
         (0..n).map(|i| rows[i][n] / rows[i][i]).collect()
     }
 
-    /// The steps of all stages by the conditions of Karush, Kuhn and Tucker in one matrix.
+    /// Solves the Karush-Kuhn-Tucker conditions of all stages in one dense matrix.
     fn dense(chain: &Chain<'_>) -> Vec<f64> {
         let (first, stages) = (chain.stages.start, chain.stages.len());
         let (unknowns, n) = (4 * stages, chain.lengths.len());

@@ -4,37 +4,39 @@ use std::fmt;
 
 use iiwa_kin::Joints;
 
-/// A row at a place of a path: `a u + b x + c`, with the acceleration u along the path and the square x of the speed. It is divided by
-/// its limit, and kept between -1 and 1.
+/// A row at a place of a path, `a u + b x + c`, with the acceleration u along the path and the
+/// square x of the speed. It is divided by its limit, and is feasible between -1 and 1.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct PathRow {
-    /// The coefficient a of the acceleration.
+    /// Coefficient a of the acceleration.
     pub acceleration: f64,
-    /// The coefficient b of the square of the speed.
+    /// Coefficient b of the square of the speed.
     pub square: f64,
-    /// The offset c: the share of the limit at rest.
+    /// Offset c: the share of the limit at rest.
     pub offset: f64,
 }
 
 impl PathRow {
-    /// The share of the limit at a speed and an acceleration along the path.
+    /// Share of the limit at a speed and an acceleration along the path.
     #[must_use]
     pub fn at(&self, speed: f64, acceleration: f64) -> f64 {
         self.acceleration * acceleration + self.square * speed * speed + self.offset
     }
 }
 
-/// A limit of a segment beside those of velocity, acceleration and jerk, as rows `-1 <= a u + b x + c <= 1`.
+/// A limit of a segment beside velocity, acceleration and jerk limits, as rows
+/// `-1 <= a u + b x + c <= 1`.
 ///
-/// With position q and its derivatives q' and q'' by the path parameter, a limit of `M(q) d2q/dt2 + h(q, dq/dt) + g(q)` with h
-/// quadratic in the velocity has `a = M q'`, `b = M q'' + h(q, q')` and `c = g`, each over the limit: torques, accelerations of a point of
-/// the robot, and linear combinations of joint accelerations are such limits.
+/// With position q and its derivatives q' and q'' by the path parameter, a limit of
+/// `M(q) d2q/dt2 + h(q, dq/dt) + g(q)` with h quadratic in the velocity has `a = M q'`,
+/// `b = M q'' + h(q, q')` and `c = g`, each over the limit. Examples are torques, accelerations of
+/// a point of the robot, and linear combinations of joint accelerations.
 pub trait RowLimit: fmt::Debug + Send + Sync {
-    /// The number of rows at each place.
+    /// Number of rows at each place.
     fn row_count(&self) -> usize;
 
-    /// The rows at places of a path, place after place: from the joints there in rad, and their first and second derivatives by the path
-    /// parameter.
+    /// Rows at places of a path, place after place, from the joint positions in rad and their first
+    /// and second derivatives by the path parameter.
     fn rows(
         &self,
         joints_rad: &[Joints],
@@ -42,21 +44,21 @@ pub trait RowLimit: fmt::Debug + Send + Sync {
         second_derivative: &[Joints],
     ) -> Vec<PathRow>;
 
-    /// The shares of the limits at some instants of a motion, instant after instant: joints in rad, velocities in rad/s, accelerations in
-    /// rad/s^2.
+    /// Shares of the limits at instants of a motion, instant after instant: joints in rad,
+    /// velocities in rad/s, accelerations in rad/s^2.
     fn shares(
         &self,
         joints_rad: &[Joints],
         velocity_rad_s: &[Joints],
         acceleration_rad_s2: &[Joints],
     ) -> Vec<f64> {
-        // Time is a path parameter, too: its speed is 1.
+        // With time as the path parameter, the speed is 1 and the acceleration 0.
         let rows = self.rows(joints_rad, velocity_rad_s, acceleration_rad_s2);
         rows.iter().map(|row| row.at(1.0, 0.0)).collect()
     }
 }
 
-/// All limits of a segment that are rows.
+/// All further limits of a segment.
 #[derive(Debug, Default)]
 pub struct RowLimits {
     limits: Vec<Box<dyn RowLimit>>,
@@ -64,20 +66,20 @@ pub struct RowLimits {
 }
 
 impl RowLimits {
-    /// The rows of one limit after the other.
+    /// Concatenates the rows of all limits, in order.
     #[must_use]
     pub fn new(limits: Vec<Box<dyn RowLimit>>) -> Self {
         let count = limits.iter().map(|limit| limit.row_count()).sum();
         Self { limits, count }
     }
 
-    /// The number of rows at each place.
+    /// Number of rows at each place.
     #[must_use]
     pub fn count(&self) -> usize {
         self.count
     }
 
-    /// The rows at places of a path, place after place: see [`RowLimit::rows`].
+    /// Rows at places of a path, place after place: see [`RowLimit::rows`].
     #[must_use]
     pub fn rows(
         &self,
@@ -89,7 +91,8 @@ impl RowLimits {
         self.joined(joints_rad.len(), of)
     }
 
-    /// The shares of the limits at some instants, instant after instant: see [`RowLimit::shares`].
+    /// Shares of the limits at instants of a motion, instant after instant: see
+    /// [`RowLimit::shares`].
     #[must_use]
     pub fn shares(
         &self,
@@ -102,7 +105,7 @@ impl RowLimits {
         self.joined(joints_rad.len(), of)
     }
 
-    /// The values of all limits, place after place.
+    /// Values of all limits, place after place.
     fn joined<T: Copy>(&self, places: usize, of: impl Fn(&dyn RowLimit) -> Vec<T>) -> Vec<T> {
         if let [limit] = self.limits.as_slice() {
             return of(limit.as_ref());

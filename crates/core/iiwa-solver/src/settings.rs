@@ -1,14 +1,15 @@
 //! All tuned numbers of the jerk-limited solver.
 //!
-//! They trade the solver's time against how close it comes to the optimum and to the limits. How they were
-//! found: each was varied by itself, by factors of 1.5 to 3 either way, over the reference programs of an
-//! independent solver and some thousand random programs, and stands where the duration had stopped to fall
-//! (to within 1e-4) while the number of steps or cells had not yet begun to rise. None is a property of the
-//! robot: lengths are relative to segments, times relative to how long jerk takes to build up acceleration.
+//! They trade the solver's time against its distance from the optimum and from the limits. Each was
+//! varied alone, by factors of 1.5 to 3 either way, over the reference programs of an independent
+//! solver and some thousand random programs. The chosen value is where the duration had stopped to
+//! fall (to within 1e-4) and the number of steps or cells had not yet begun to rise. None depends
+//! on the robot: lengths are relative to segments, times relative to the time in which jerk builds
+//! up acceleration.
 
 use iiwa_program::ByKind;
 
-/// The settings of the solver, with a value each in [`SETTINGS`].
+/// Settings of the solver; [`SETTINGS`] has their values.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Settings {
     pub(crate) mesh: MeshSettings,
@@ -17,60 +18,68 @@ pub(crate) struct Settings {
     pub(crate) window: WindowSettings,
 }
 
-/// Sizes of cells, each relative to what it is a share of. Smaller is finer; all are in (0, 1].
+/// Cell sizes, each relative to a length or a time of the segment. Smaller is finer; all are in (0,
+/// 1].
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct MeshSettings {
-    /// Duration of a cell where the acceleration-limited stamps switch from one limit to another, as a share
-    /// of the time in which jerk builds up acceleration there.
+    /// Duration of a cell where the acceleration-limited stamps switch from one limit to another,
+    /// as a share of the time in which jerk builds up acceleration there.
     pub(crate) switch: f64,
     /// Growth of that duration per time from the switch.
     pub(crate) fade: f64,
     /// Length of a cell in a blend, as a share of the blend.
     pub(crate) blend: f64,
-    /// Length of a cell at a blend's ends, as a share of the blend; on the neighbouring line as well.
+    /// Length of a cell at the ends of a blend, as a share of the blend; also on the neighbouring
+    /// line.
     pub(crate) blend_end: f64,
     /// Growth of that length per distance from the end.
     pub(crate) blend_end_growth: f64,
     /// Length of a cell on a line, as a share of the line.
     pub(crate) line: f64,
-    /// Length of a cell in the middle of a blend that turns back, as a share of the distance on which it does.
+    /// Length of a cell in the middle of a blend that turns back, as a share of the distance over
+    /// which it turns back.
     pub(crate) turn: f64,
     /// Growth of that length per distance from the middle.
     pub(crate) turn_growth: f64,
-    /// Length of a cell that touches rest, as a share of the distance on which jerk builds up acceleration.
+    /// Length of a cell that touches rest, as a share of the distance over which jerk builds up
+    /// acceleration.
     pub(crate) rest: f64,
     /// Growth of that length per distance from rest.
     pub(crate) rest_growth: f64,
-    /// What the curve's bend adds to jerk in such a cell at most, as a share of the limit.
+    /// Largest contribution of the curvature of the path to jerk in such a cell, as a share of the
+    /// limit.
     pub(crate) rest_bend: f64,
-    /// Length of a cell with further limits, in rad: inertia and gravity, for example, change along it.
+    /// Length of a cell with further limits, in rad, because coefficients such as inertia and
+    /// gravity change along it.
     pub(crate) row_rad: f64,
     /// Jump of d2s/dt2 that counts as a switch in a blend, as a share of its largest value there.
     pub(crate) switch_jump: f64,
-    /// Most nodes of a segment; some tens are usual. A guard against stamps without sense.
+    /// Maximum number of nodes of a segment; some tens are usual. A guard against invalid stamps.
     pub(crate) most_nodes: usize,
 }
 
-/// The primal-dual interior-point method.
+/// Settings of the primal-dual interior-point method.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct InteriorPointSettings {
-    /// Share of the distance to the boundary that a step goes at most, in (0, 1).
+    /// Fraction to the boundary: largest share of the distance to the boundary that a step may
+    /// take, in (0, 1).
     pub(crate) to_boundary: f64,
-    /// Share of x that a step may take away, in (0, 1).
+    /// Largest relative decrease of x in a step, in (0, 1).
     pub(crate) largest_decrease: f64,
-    /// Least share of itself that a step leaves of a slack or a dual.
+    /// Least share of a slack or a dual that remains after a step.
     pub(crate) least_share: f64,
-    /// How many times as long as the common step to the boundary slacks and x go, and duals: each stops at a
-    /// boundary of its own.
+    /// Step lengths of slacks with x, and of duals, as multiples of the common step to the
+    /// boundary: each slack and dual stops at its own boundary.
     pub(crate) beyond: [f64; 2],
-    /// Largest x to start from, as a multiple of what jerk allows at a steady speed.
+    /// Largest x to start from, as a multiple of the x that jerk allows at constant speed.
     pub(crate) start_jerk: f64,
-    /// Growth of x next to such a place, as a share of what constant jerk makes it.
+    /// Growth of x next to such a place, as a share of that with constant jerk.
     pub(crate) start_growth: f64,
-    /// Start without a solution near by.
+    /// Start without a nearby solution.
     pub(crate) cold: WarmStart,
-    /// Centring: mu aims at this share of the present gap, for steps of at least the length beside it. Long
-    /// steps are far from the boundary and may aim closer to it.
+    /// Centring: pairs of a step length and a share of the present gap. For steps of at least that
+    /// length, mu aims at that share. Long steps are far from the boundary and may aim closer to
+    /// it.
     pub(crate) centring: [(f64, f64); 3],
     /// Share of the final gap below which mu is not lowered.
     pub(crate) least_mu: f64,
@@ -78,84 +87,89 @@ pub(crate) struct InteriorPointSettings {
     pub(crate) gap: f64,
     /// Duality gap at which limits are checked for the first time.
     pub(crate) first_gap: f64,
-    /// The same where x does not settle at that gap, because some segment takes less of the time than it.
+    /// Duality gap if x does not settle at `gap`, because a segment takes a smaller share of the
+    /// time.
     pub(crate) last_gap: f64,
-    /// Largest residual of a limit, relative to its bound, at which the problem counts as solved.
+    /// Largest residual of a row, relative to its bound, at which the problem counts as solved.
     pub(crate) residual: f64,
-    /// Least primal step length at which it does.
+    /// Least primal step length at which the problem counts as solved.
     pub(crate) last_step: f64,
-    /// Share of gap and residual at which a problem with further limits does, whatever its last step.
+    /// Share of gap and residual at which a problem with further limits counts as solved, for any
+    /// last step.
     pub(crate) closer: f64,
-    /// Most steps.
+    /// Maximum number of steps.
     pub(crate) steps: usize,
-    /// Steps after which they are halved: where the curvature is a bound of the true one, they may cycle.
+    /// Number of steps after which steps are halved: where the curvature only bounds the true one,
+    /// they may cycle.
     pub(crate) patience: usize,
-    /// Step length below which a step counts as stalled, and the most of them in a row.
+    /// Step length below which a step counts as stalled, and the maximum number of such steps in a
+    /// row.
     pub(crate) stalled: (f64, usize),
-    /// Least share of the duration's curvature that is kept where the duals would make it vanish.
+    /// Least share of the curvature of the duration that is kept where the duals would cancel it.
     pub(crate) kept_curvature: f64,
-    /// Lines between two blends that are shorter than this share of the cells on either side have no limits
-    /// of their own.
+    /// Lines between two blends that are shorter than this share of the cells on either side have
+    /// no rows.
     pub(crate) sliver: f64,
-    /// Bound of jerk in the middle of cells in curves, of the limit: what keeps it at both ends may overshoot
-    /// a little in between.
+    /// Bound of jerk in the middle of cells in curves, relative to the limit: jerk within its limit
+    /// at both ends may overshoot a little in between.
     pub(crate) mid_jerk: f64,
 }
 
-/// Where slacks and duals start.
+/// Initial values of slacks and duals.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct WarmStart {
-    /// Their products, as a share of what balances with the duration.
+    /// Products of slacks and duals, as a share of the value that balances with the duration.
     pub(crate) mu: f64,
     /// Least slack, as a share of the bound.
     pub(crate) slack: f64,
-    /// Factor by which duals may be off what balances with their slacks, at least 1: duals that are near to a
-    /// solution are worth keeping.
+    /// Factor by which a dual may differ from mu over its slack, at least 1: duals near a solution
+    /// are worth keeping.
     pub(crate) kept: f64,
 }
 
-/// How cells are brought below the limits between the places at which the solver keeps them.
+/// Refinement of a solution between the places of its rows.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct RefinementSettings {
-    /// Largest shares of the limits that are handed out.
+    /// Largest shares of the limits in a result.
     pub(crate) tolerance: ByKind<f64>,
-    /// Shares from which on a cell's limits are lowered early, when the first check finds them: below the
-    /// tolerance, for what is near to it then may be above it in the end.
+    /// Shares above which the limits of a cell are tightened at the first check. They are below the
+    /// tolerance, because a cell near to it then may exceed it in the end.
     pub(crate) early: ByKind<f64>,
-    /// Shares that a cell is brought down to once it is above the tolerance.
+    /// Target shares of a cell that exceeds the tolerance.
     pub(crate) target: ByKind<f64>,
     /// Tolerance, early share and target of further limits.
     pub(crate) rows: RowSettings,
-    /// Start after limits were lowered by little.
+    /// Start after limits were tightened by little.
     pub(crate) close: WarmStart,
-    /// The same in a cautious attempt: duals start anew.
+    /// Start after limits were tightened by little, in a cautious attempt: duals are reset.
     pub(crate) cautious: WarmStart,
-    /// Start after limits were lowered by more than `abrupt`.
+    /// Start after limits were tightened by more than `abrupt`.
     pub(crate) far: WarmStart,
-    /// Excess over a limit that calls for the far start, as a ratio.
+    /// Ratio to a limit above which the `far` start is used.
     pub(crate) abrupt: f64,
-    /// Most stretches of a slow cell that are checked one by one.
+    /// Maximum number of stretches of a cell that are checked separately.
     pub(crate) stretches: f64,
     /// Stretches for each doubling of x in a cell.
     pub(crate) doublings: f64,
-    /// Duration from which on a cell is slow, over that in which jerk builds up acceleration: it is checked more
-    /// finely.
+    /// Duration above which a cell is slow and is checked more finely, relative to the time in
+    /// which jerk builds up acceleration.
     pub(crate) slow: f64,
-    /// Largest share of a limit that checks may miss between samples on a curve: above it, cells are checked more finely.
+    /// Largest error of the check between samples on a curve, as a share of a limit; above it,
+    /// cells are checked more finely.
     pub(crate) missed: f64,
-    /// Most times that limits of cells are lowered.
+    /// Maximum number of rounds in which limits are tightened.
     pub(crate) rounds: usize,
-    /// Duration over that of the optimum (as the duality gap bounds it) with which an attempt is good enough,
-    /// and with which it is taken if no other is better.
+    /// Durations over that of the optimum, bounded by the duality gap: up to the first an attempt
+    /// is good enough, up to the second it is accepted if no other is better.
     pub(crate) longer: [f64; 2],
-    /// Attempts, one after the other until one is good enough.
+    /// Attempts, run in order until one is good enough.
     pub(crate) attempts: [AttemptSettings; 5],
-    /// Share of the acceleration-limited x from which the others start.
+    /// Share of the acceleration-limited x from which an attempt starts that is not `is_safe`.
     pub(crate) start: f64,
 }
 
-/// Largest shares of further limits, as those of velocity, acceleration and jerk: what is handed out, what is lowered early,
-/// and what a cell is brought down to.
+/// Shares of further limits: the largest in a result, the threshold of early tightening, and the
+/// target of a cell.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct RowSettings {
     pub(crate) tolerance: f64,
@@ -163,23 +177,24 @@ pub(crate) struct RowSettings {
     pub(crate) target: f64,
 }
 
-/// One attempt to solve the problem.
+/// Settings of one attempt to solve the problem.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct AttemptSettings {
     /// Refinement of the mesh.
     pub(crate) refinement: f64,
-    /// Whether it starts from where all limits are kept, which is far away where one spot needs to be slow.
+    /// `true` to start where all limits are satisfied, which is far from the optimum if one spot
+    /// needs to be slow.
     pub(crate) is_safe: bool,
-    /// Whether steps end at the first boundary, duals start anew, and every round solves for all cells.
+    /// `true` if the first boundary ends a step, duals are reset, and each round solves all cells.
     pub(crate) is_cautious: bool,
 }
 
-/// The windows of cells that are solved for anew where limits were lowered.
+/// Windows of cells that are solved again after limits were tightened.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct WindowSettings {
-    /// Segments on either side.
+    /// Number of segments on either side.
     pub(crate) around: usize,
-    /// Distance on either side, at least, as a multiple of that on which the arm stops.
+    /// Least distance on either side, as a multiple of the stopping distance.
     pub(crate) stops: f64,
 }
 

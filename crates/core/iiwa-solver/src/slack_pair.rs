@@ -1,4 +1,4 @@
-//! The slacks and the duals of a row's two bounds, and how they go along with a step.
+//! Slacks and duals of the two bounds of a row, and their update by a step.
 
 use pulp::Simd;
 
@@ -10,8 +10,8 @@ use crate::{
 
 const SETTINGS: InteriorPointSettings = crate::settings::SETTINGS.interior_point;
 
-/// Where slacks and duals start: their products, the least slack as a share of its bound, and the factor by which
-/// a dual may be off what balances with its slack.
+/// Initial slacks and duals: their products, the least slack as a share of its bound, and the
+/// factor by which a dual may differ from mu over its slack.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Start {
     pub(crate) mu: f64,
@@ -27,7 +27,7 @@ pub(crate) struct InteriorStep {
     pub(crate) dual: f64,
 }
 
-/// The last step and the next, for one register of lanes.
+/// The last step and the next one, for one register of lanes.
 pub(crate) struct InteriorSteps<S: Simd> {
     pub(crate) simd: S,
     pub(crate) register: usize,
@@ -54,7 +54,7 @@ impl<S: Simd> InteriorSteps<S> {
     }
 }
 
-/// Where slacks and duals start, for one register of lanes.
+/// Initial slacks and duals, for one register of lanes.
 pub(crate) struct InteriorStart<S: Simd> {
     pub(crate) simd: S,
     pub(crate) register: usize,
@@ -62,7 +62,7 @@ pub(crate) struct InteriorStart<S: Simd> {
     pub(crate) mu: Vector<S>,
     /// Least slack, as a share of the bound.
     pub(crate) least: Vector<S>,
-    /// How many times smaller or larger a dual may be than mu over its slack; 1 starts it anew.
+    /// Factor by which a dual may differ from mu over its slack, either way; 1 resets the dual.
     pub(crate) kept: f64,
 }
 
@@ -79,9 +79,9 @@ impl<S: Simd> InteriorStart<S> {
 struct SlackPair {
     s: Lanes,
     z: Lanes,
-    /// One over the slack: dividing is slow.
+    /// Reciprocal of the slack, stored because division is slow.
     inverse: Lanes,
-    /// Step of the slack, which the dual's follows from.
+    /// Step of the slack, from which that of the dual follows.
     ds: Lanes,
 }
 
@@ -90,12 +90,12 @@ struct Advanced<S: Simd> {
     s: Vector<S>,
     z: Vector<S>,
     inverse: Vector<S>,
-    /// z / s.
+    /// z / s, the weight of the row after elimination of slack and dual.
     weight: Vector<S>,
 }
 
 impl<S: Simd> Advanced<S> {
-    /// What the slack contributes to the slope when its limit is missed by `miss`.
+    /// Contribution of the slack to the slope when its row has the residual `miss`.
     #[inline(always)]
     fn slope(&self, steps: &InteriorSteps<S>, miss: Vector<S>) -> Vector<S> {
         steps.mu.mul_add(self.inverse, self.weight * miss)
@@ -106,22 +106,22 @@ impl<S: Simd> Advanced<S> {
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Sides([SlackPair; 2]);
 
-/// What both sides of a row contribute to a step, of the upper bound and of the lower one.
+/// Contributions of both sides of a row to a step: of the upper bound and of the lower one.
 pub(crate) struct Contribution<S: Simd> {
     /// z / s.
     pub(crate) weights: [Vector<S>; 2],
-    /// Slopes by the row's value of the upper side, and by its negative of the lower one.
+    /// Slopes: of the upper side by the value of the row, of the lower side by its negative.
     pub(crate) slopes: [Vector<S>; 2],
-    /// The sum of both duals.
+    /// Sum of both duals.
     pub(crate) duals: Vector<S>,
 }
 
 impl Sides {
-    /// How many sides a row has in a block.
+    /// Number of sides of a row.
     pub(crate) const COUNT: usize = 2;
 
-    /// The slacks become the room that is left up to the bounds `[lower, upper]`, but not less than `least`, above and
-    /// below.
+    /// Sets the slacks to the distances from the bounds `[lower, upper]`, but at least to `least`;
+    /// in that array, the upper side comes first.
     #[inline(always)]
     pub(crate) fn start<S: Simd>(
         &mut self,
@@ -135,7 +135,8 @@ impl Sides {
         below.start(start, value - lower, least[1]);
     }
 
-    /// Goes the last step, and adds the row to the gap and the residual, which is `scale` times that of its value.
+    /// Applies the last step, and adds the row to the gap and to the residual. The residual is that
+    /// of the row times `scale`.
     #[inline(always)]
     pub(crate) fn advance<S: Simd>(
         &mut self,
@@ -157,7 +158,7 @@ impl Sides {
         }
     }
 
-    /// Sets the steps with which the slacks become the room that is left at `value`.
+    /// Sets the steps that make the slacks equal to the distances from the bounds at `value`.
     #[inline(always)]
     pub(crate) fn find_steps<S: Simd>(
         &mut self,
@@ -176,7 +177,7 @@ impl Sides {
 }
 
 impl SlackPair {
-    /// The slack becomes the room that is left, but not less than `least`.
+    /// Sets the slack to `room`, but at least to `least`.
     #[inline(always)]
     fn start<S: Simd>(&mut self, start: &InteriorStart<S>, room: Vector<S>, least: Vector<S>) {
         let (simd, r) = (start.simd, start.register);
@@ -190,13 +191,14 @@ impl SlackPair {
         self.ds = Lanes::default();
     }
 
-    /// Goes the last step. Each slack and dual stops at its own boundary: a few that come near to it do not make
-    /// the step of all others short.
+    /// Applies the last step. Each slack and dual stops at its own boundary, so that a few of them
+    /// near to it do not shorten the step of all others.
     #[inline(always)]
     fn advance<S: Simd>(&mut self, steps: &InteriorSteps<S>) -> Advanced<S> {
         let InteriorSteps { simd, register: r, .. } = *steps;
         let (s, z) = (self.s.load(simd, r), self.z.load(simd, r));
         let (ds, inverse) = (self.ds.load(simd, r), self.inverse.load(simd, r));
+        // Linearised complementarity: s z + s dz + z ds = mu.
         let dz = (steps.last_mu - z * ds).mul_add(inverse, -z);
         let s = steps.primal.mul_add(ds, s).max(steps.least * s);
         let z = steps.dual.mul_add(dz, z).max(steps.least * z);
@@ -207,7 +209,8 @@ impl SlackPair {
         Advanced { s, z, inverse, weight: z * inverse }
     }
 
-    /// Sets the slack's step so that it becomes `room`. The relative decreases of slack and dual in a full step.
+    /// Sets the step that makes the slack equal to `room`. Returns the relative decreases of slack
+    /// and dual in a full step.
     #[inline(always)]
     fn find_step<S: Simd>(&mut self, r: usize, room: Vector<S>, mu: Vector<S>) -> [Vector<S>; 2] {
         let simd = mu.simd();

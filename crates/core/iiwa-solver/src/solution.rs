@@ -1,4 +1,4 @@
-//! The fastest motion along a window of segments.
+//! Time-optimal motion along a window of segments.
 
 use std::sync::atomic::AtomicBool;
 
@@ -11,7 +11,7 @@ use crate::{
     window::Window,
 };
 
-/// The fastest motion that was found.
+/// The best motion found for a window.
 pub struct Solution(Attempt);
 
 impl Solution {
@@ -19,7 +19,8 @@ impl Solution {
     ///
     /// # Errors
     ///
-    /// Nothing came near enough to the optimum, or `stop` was set: it is looked at before each Newton step.
+    /// If no attempt comes near enough to the optimum, or if `stop` is set, which is checked before
+    /// each Newton step.
     pub fn find(
         window: &Window<'_, '_>,
         refinement: f64,
@@ -27,7 +28,7 @@ impl Solution {
     ) -> Result<Self, SolveError> {
         let [enough, most] = SETTINGS.refinement.longer;
         let mut best: Option<Attempt> = None;
-        // Between two states that are given there may be no way.
+        // Two given states may have no feasible motion between them, so one attempt is enough.
         let attempts = if window.exit.is_some() { 1 } else { SETTINGS.refinement.attempts.len() };
         for settings in &SETTINGS.refinement.attempts[..attempts] {
             let settings =
@@ -50,32 +51,36 @@ impl Solution {
         &self.0.mesh
     }
 
-    /// Factor by which it is slowed down to keep the limits: 1, unless the solver got stuck. All that follows is
-    /// without it.
+    /// Factor on all times that makes the motion satisfy the limits: 1, unless the solver got
+    /// stuck. Only [`row_shares`](Self::row_shares) and [`duration_s`](Self::duration_s) include
+    /// this factor.
     #[must_use]
     pub fn time_scale(&self) -> f64 {
         self.0.time_scale
     }
 
-    /// x (rad^2/s^2) and its first two derivatives by sigma (rad/s^2 and 1/s^2) at the share `f` of the cell
-    /// `cell` of those between the two that touch rest.
+    /// x (rad^2/s^2) and its first two derivatives by sigma (rad/s^2 and 1/s^2) at the share `f` of
+    /// `cell`, counted without the two cells that touch rest.
     #[must_use]
     pub fn at(&self, cell: usize, f: f64) -> [f64; 3] {
         self.0.solver.at(cell, f)
     }
 
-    /// Speed, acceleration and jerk of sigma there, in rad/s, rad/s^2 and rad/s^3.
+    /// Speed, acceleration and jerk of sigma at the share `f` of `cell`, in rad/s, rad/s^2 and
+    /// rad/s^3.
     #[must_use]
     pub fn rates(&self, cell: usize, f: f64) -> [f64; 3] {
         self.0.rates(cell, f)
     }
 
-    /// The shares of the rows of further limits there, with its slowing down; empty if the cell's segment has none.
+    /// Shares of the rows of further limits at the share `f` of `cell`, with the time scale; empty
+    /// if the segment of the cell has no further limits.
     pub fn row_shares(&self, cell: usize, f: f64) -> impl Iterator<Item = f64> {
         self.0.row_shares(cell, f, self.time_scale())
     }
 
-    /// x and its derivative by sigma where a segment starts: an [entry](Window::entry). None if it starts at rest.
+    /// x and dx/dsigma at the start of a segment: an [entry](Window::entry). Returns `None` if the
+    /// segment starts at rest.
     #[must_use]
     pub fn entry(&self, segment: usize) -> Option<[f64; 2]> {
         let cell = self.0.mesh.cells.iter().position(|cell| cell.segment == segment)?;
@@ -83,7 +88,7 @@ impl Solution {
         Some([x, dx])
     }
 
-    /// Duration, in s.
+    /// Duration with the time scale, in s.
     #[must_use]
     pub fn duration_s(&self) -> f64 {
         let cells = 0..self.0.mesh.cells.len();
@@ -91,13 +96,13 @@ impl Solution {
         self.time_scale() * (self.start_s() + moving + self.stop_s())
     }
 
-    /// Duration of the cell that comes from rest, if there is one, in s.
+    /// Duration of the cell that starts at rest, in s; 0 without one.
     #[must_use]
     pub fn start_s(&self) -> f64 {
         self.0.solver.start_s()
     }
 
-    /// Duration of the cell that comes to rest, if there is one, in s.
+    /// Duration of the cell that ends at rest, in s; 0 without one.
     #[must_use]
     pub fn stop_s(&self) -> f64 {
         self.0.solver.stop_s()
@@ -109,8 +114,9 @@ impl Solution {
         self.0.duration_s(cell, from, to)
     }
 
-    /// Into how many parts an inner cell of `segment` is to be divided so that a polynomial of degree five in time
-    /// follows each: many where it is slow, or where x changes much.
+    /// Number of parts into which to divide an inner cell of `segment` so that a polynomial of
+    /// degree five in time approximates each part: many where the cell is slow, or where x changes
+    /// much.
     #[must_use]
     #[expect(
         clippy::cast_possible_truncation,

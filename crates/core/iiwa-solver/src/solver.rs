@@ -1,19 +1,21 @@
-//! The fastest x(sigma) over the cells of a section: a primal-dual interior-point method.
+//! Primal-dual interior-point method for the time-optimal x(sigma) over the cells of a section.
 //!
-//! The duration, `sum of length / 2 (x_start^(-1/2) + x_end^(-1/2))`, is minimised over the states of
-//! the cells under their limits. A Newton step is a linear-quadratic control problem: from cell to
-//! cell x and V go on, W0 and W1 are free. A backward recursion over 2x2 matrices (Riccati) solves it
-//! in time linear in the number of cells. It holds where one banded system for all x would have lost
-//! its digits long ago: cells next to each other may differ in length by a factor of thousands.
+//! The duration, `sum of length / 2 (x_start^(-1/2) + x_end^(-1/2))`, is minimised over the states
+//! of the cells, subject to their limits. A Newton step is a linear-quadratic control problem: x
+//! and V are continuous from cell to cell, W0 and W1 are the controls. A backward recursion over
+//! 2x2 matrices (Riccati) solves it in time linear in the number of cells. The recursion is
+//! accurate where one banded system for all x would lose its digits: the lengths of neighbouring
+//! cells may differ by a factor of thousands.
 //!
-//! Neither slacks and limits nor the end of a cell and the start of the next one have to match on the
-//! way. The former lets steps be long; the latter keeps each cell's digits its own, where x falls from
-//! 20 to 1e-7 within a section.
+//! The method is infeasible on the way: slacks need not match their rows, and the end of a cell
+//! need not match the start of the next one. The former allows long steps; the latter keeps the
+//! digits of each cell, although x falls from 20 to 1e-7 within a section.
 //!
-//! Where limits of a few cells have changed, a window of cells around them is solved for alone: the optimum is
-//! local.
+//! After the limits of a few cells have changed, a window of cells around them is solved alone,
+//! because the optimum is local.
 //!
-//! In the cells next to rest jerk is constant: there x grows as sigma^(4/3), which no cubic does.
+//! Jerk is constant in the cells next to rest: there x is proportional to sigma^(4/3), which is not
+//! a cubic.
 
 use std::{
     ops::Range,
@@ -38,30 +40,30 @@ use crate::{
     slack_pair::{InteriorStep, Start},
 };
 
-/// The problem of one section, and where its solution stands.
+/// The problem of one section, with the current iterate.
 pub(crate) struct Solver {
     /// Lengths of the cells between the two that touch rest.
     lengths: Vec<f64>,
-    /// Whether W0 and W1 of a cell are free, or zero.
+    /// `true` where W0 and W1 of a cell are free; elsewhere both are zero.
     free: Vec<bool>,
     rests: Rests,
-    /// x and V where it starts, if not at rest.
+    /// x and V at the entry of the section, if it does not start at rest.
     entry: [f64; 2],
     blocks: Blocks,
     states: Vec<CellState>,
-    /// The step of the states.
+    /// The Newton step of the states.
     steps: Vec<CellState>,
     quadratics: Vec<Quadratic>,
     gains: Vec<Gain>,
-    /// Share of the duration that more steps could gain.
+    /// Duality gap relative to the duration: the share that further steps could gain.
     pub(crate) gap: f64,
-    /// What the next step aims at as the product of each slack and its dual.
+    /// Target of the next step for the product of each slack and its dual.
     mu: f64,
-    /// Whether steps end at the first boundary that a slack or a dual comes to.
+    /// `true` if the first boundary that any slack or dual reaches ends a step.
     is_cautious: bool,
-    /// The cells that are solved for; all others stay as they are.
+    /// The cells that are solved for; all others are fixed.
     window: Range<usize>,
-    /// The last step, which the slacks and duals of the cells have still to go.
+    /// The last step, not yet applied to the slacks and duals of the cells.
     last: InteriorStep,
 }
 
@@ -77,17 +79,18 @@ impl From<NotConvex> for SolveError {
     }
 }
 
-/// Heads the table of iterations: the duration, its share that is left to be gained, the largest residual of a limit as a
-/// share of its bound, the product of slacks and duals that the step aimed at, and the two step lengths.
+/// Header of the iteration table: the duration, the gap relative to it, the largest residual of a
+/// row as a share of its bound, the target for the products of slacks and duals, and the primal and
+/// dual step lengths.
 const ITERATIONS: &str = "step     duration s      gap residual       mu  primal    dual";
 
 const SETTINGS: InteriorPointSettings = crate::settings::SETTINGS.interior_point;
 
 impl Solver {
-    /// The problem, standing at the acceleration-limited x.
+    /// Creates the problem with a first guess at the acceleration-limited x.
     ///
-    /// It starts and ends at rest, or where `entry` and `exit` say: x and its derivative by sigma. If it is cautious,
-    /// steps end at the first boundary that a slack or a dual comes to.
+    /// The section starts and ends at rest, or with the x and dx/dsigma of `entry` and `exit`. If
+    /// `is_cautious`, the first boundary that any slack or dual reaches ends a step.
     pub(crate) fn new(
         segments: &[LimitedSegment<'_>],
         mesh: &Mesh,
@@ -112,7 +115,7 @@ impl Solver {
                 limited.push(k);
                 continue;
             }
-            // A sliver of a line between two blends: nothing changes on it.
+            // W0 and W1 of a short line between two blends are fixed at zero, and it has no rows.
             let differs =
                 |other: Option<&Cell>| other.is_some_and(|other| other.segment != segment);
             let alone = k > 0 && differs(cells.get(k - 1)) && differs(cells.get(k + 1));
@@ -144,7 +147,7 @@ impl Solver {
         let last = mesh.to_rest.as_ref().map(|cell| cell.x).or(exit.map(|[x, _]| x));
         let mut x: Vec<_> = cells.iter().map(|cell| cell.x).chain(last).collect();
         if let Some(to_rest) = &mesh.to_rest {
-            // The acceleration-limited stamps may not stop where this does.
+            // The acceleration-limited stamps may not stop at this end.
             let [_, acceleration, _] = segments[to_rest.segment].straight(1.0);
             let mut way = to_rest.length;
             for (x, length) in x.iter_mut().rev().zip(solver.lengths.iter().rev().chain([&0.0])) {
@@ -155,7 +158,7 @@ impl Solver {
         lower_to_jerk(segments, mesh, &mut x);
         solver.guess(&x);
         if let Some([x, dx]) = exit {
-            // A cell beyond the last, which stays as it is: there they meet.
+            // A fixed cell beyond the last one holds the exit state that the last cell has to meet.
             let length = solver.lengths[n - 1];
             solver.lengths.push(length);
             solver.free.push(false);
@@ -167,18 +170,19 @@ impl Solver {
         solver
     }
 
-    /// Starts from `scale` times the x at which it stands.
+    /// Starts from the current x times `scale`.
     pub(crate) fn start(&mut self, scale: f64) {
         let inner = &mut self.states[self.window.clone()];
         inner.as_flattened_mut().iter_mut().for_each(|value| *value *= scale);
+        // The entry state is given, so it is not scaled.
         if self.rests.from.is_none() {
             self.states[0][..2].copy_from_slice(&self.entry);
         }
         self.restart(SETTINGS.cold);
     }
 
-    /// Sets the states to a smooth curve close to `x`, the values at all nodes between the cells that
-    /// touch rest: a quadratic B-spline.
+    /// Sets the states to a smooth curve close to `x`, the values at all nodes between the cells
+    /// that touch rest: a quadratic B-spline.
     fn guess(&mut self, x: &[f64]) {
         let n = self.lengths.len();
         let length = |k: usize| if k == 0 || k > n { 0.0 } else { self.lengths[k - 1] };
@@ -193,7 +197,7 @@ impl Solver {
                 control[i] = 0.25 * before[i - 1] + 0.5 * before[i] + 0.25 * before[i + 1];
             }
         }
-        // The slopes at both ends are those of the cells that touch rest.
+        // The slopes at both ends match those of the cells that touch rest.
         let rest = |k: usize, rest: &Rest| 1.0 / (1.0 + length(k) / (1.5 * rest.length));
         if let Some(from_rest) = &self.rests.from {
             control[0] = rest(1, from_rest) * control[1];
@@ -215,22 +219,22 @@ impl Solver {
         self.stop();
     }
 
-    /// From now on solves for the cells in `window` only; they start where they are.
+    /// Restricts the problem to the cells in `window`, which start from their current states.
     pub(crate) fn select(&mut self, window: Range<usize>) {
         self.window = window;
         self.steps.fill([0.0; 4]);
     }
 
-    /// The window of at least the cells `cells` that can be solved for alone.
+    /// Returns the smallest window that contains `cells` and can be solved alone.
     pub(crate) fn window_of(&self, mut cells: Range<usize>) -> Range<usize> {
-        // What nothing changes on cannot meet the state after it.
+        // The last cell of a window meets a fixed state by its W0 and W1, so both have to be free.
         while cells.end < self.lengths.len() && !self.free[cells.end - 1] {
             cells.end += 1;
         }
         cells
     }
 
-    /// Sets slacks and duals anew, for limits that have changed.
+    /// Resets slacks and duals after limits have changed.
     pub(crate) fn restart(&mut self, start: WarmStart) {
         let mu = start.mu * self.duration_s() / self.limits();
         self.mu = mu;
@@ -240,26 +244,26 @@ impl Solver {
         for rest in self.rests.within_mut(&self.window) {
             let s = (1.0 - rest.x(&self.states) / rest.cap).max(start.least);
             let balanced = mu / s;
-            // Unlike `clamp`, this has no panic where numbers have left their range.
+            // Unlike `clamp`, this does not panic if numbers are out of range.
             let z = rest.slack.z.max(balanced / start.kept).min(balanced * start.kept);
             rest.slack = ScalarSlackPair { s, z, ..ScalarSlackPair::default() };
         }
     }
 
-    /// Solves the problem from where it stands, until no more than the share `gap` of the duration is left to be
-    /// gained, or `stop` is set.
+    /// Solves the problem from the current iterate, until the gap is at most the share `gap` of the
+    /// duration, or `stop` is set.
     pub(crate) fn solve(&mut self, gap: f64, stop: &AtomicBool) -> Result<(), SolveError> {
         dispatch(Solve { solver: self, gap, stop })
     }
 
-    /// Lowers the limits in the cells from `first` on.
+    /// Tightens the limits of the cells from `first` on.
     pub(crate) fn lower(&mut self, first: usize, by: &[Lowering]) {
         let cells = &(first..first + by.len());
         for_each_block!(&mut self.blocks, cells, block => block.lower(first, by));
     }
 
-    /// x and its first two derivatives by sigma, at the share `f` of the cell `k` of those between
-    /// the two that touch rest.
+    /// x and its first two derivatives by sigma at the share `f` of cell `k`, counted without the
+    /// two cells that touch rest.
     #[inline(always)]
     pub(crate) fn at(&self, k: usize, f: f64) -> [f64; 3] {
         let [x, v, w0, w1] = self.states[k];
@@ -271,28 +275,28 @@ impl Solver {
         ]
     }
 
-    /// Duration of the cell that comes from rest, if there is one, in s.
+    /// Duration of the cell that starts at rest, in s; 0 without one.
     pub(crate) fn start_s(&self) -> f64 {
         self.rests.from.as_ref().map_or(0.0, |rest| rest.duration_s(&self.states))
     }
 
-    /// Duration of the cell that comes to rest, if there is one, in s.
+    /// Duration of the cell that ends at rest, in s; 0 without one.
     pub(crate) fn stop_s(&self) -> f64 {
         self.rests.to.as_ref().map_or(0.0, |rest| rest.duration_s(&self.states))
     }
 
-    /// Largest share of the limit of jerk in the cells that touch rest.
+    /// Largest share of the jerk limits in the cells that touch rest.
     pub(crate) fn rest_jerk(&self) -> f64 {
-        // Jerk goes as x^(3/2) there.
+        // Jerk is proportional to x^(3/2) there.
         self.rests
             .iter()
             .map(|rest| (rest.x(&self.states) / rest.cap).powf(1.5))
             .fold(0.0, f64::max)
     }
 
-    /// 1, or infinite if the cells do not join.
+    /// Returns 1 if neighbouring cells join, and infinity otherwise.
     pub(crate) fn continuity_defect(&self) -> f64 {
-        /// Share of x and V that is rounding.
+        /// Share of x and V that counts as rounding.
         const ROUNDING: f64 = 1e-7;
         let continuity_defect = (0..self.lengths.len() - 1).any(|k| {
             let [dx, dv] = self.defect(k);
@@ -302,7 +306,7 @@ impl Solver {
         if continuity_defect { f64::INFINITY } else { 1.0 }
     }
 
-    /// The duration of the window, as the solver sees it.
+    /// Duration of the window, as the objective approximates it: by the trapezoidal rule.
     fn duration_s(&self) -> f64 {
         let window = self.window.clone();
         let cells = std::iter::zip(&self.lengths[window.clone()], &self.states[window]);
@@ -313,32 +317,34 @@ impl Solver {
         moving + rests.sum::<f64>()
     }
 
-    /// V over x in the first cell, if it is in the window: x goes on from rest as sigma^(4/3).
+    /// V over x in the first cell, if it is in the window and starts at rest, where x is
+    /// proportional to sigma^(4/3).
     fn slope_from_rest(&self) -> Option<f64> {
         let from = self.rests.from.as_ref().filter(|_| self.window.start == 0);
         from.map(|rest| 4.0 * self.lengths[0] / (3.0 * rest.length))
     }
 
-    /// What has to be zero for x to come to rest, if it does: a row of the last cell.
+    /// Row of the last cell that is zero if x continues to rest as sigma^(4/3); `None` without a
+    /// rest.
     fn to_rest(&self) -> Option<CellState> {
         let rest = self.rests.to.as_ref()?;
         let slope = 4.0 * self.lengths[self.lengths.len() - 1] / (3.0 * rest.length);
         Some(std::array::from_fn(|i| EndV::ROW[i] + slope * EndX::ROW[i]))
     }
 
-    /// Sets the last W1 so that x comes to rest, if it does.
+    /// Sets the last W1 so that x comes to rest, if the section ends at rest.
     fn stop(&mut self) {
         if let (Some(to_rest), Some(last)) = (self.to_rest(), self.states.last_mut()) {
             riccati::come_to_rest(&to_rest, last);
         }
     }
 
-    /// By how much the end of cell `k` misses the start of the next one, in x and V.
+    /// Defect in x and V between the end of cell `k` and the start of the next one.
     fn defect(&self, k: usize) -> [f64; 2] {
         riccati::defect(&self.lengths, &self.states, k)
     }
 
-    /// How many limits there are in the window.
+    /// Number of bounds in the window, with those of the two cells that touch rest.
     fn limits(&self) -> f64 {
         (self.blocks.sides(&self.window) + 2) as f64
     }
@@ -365,8 +371,10 @@ impl Solver {
                 .min(1.0)
                 .min(share(ratios.x, SETTINGS.largest_decrease));
             let dual = (dual_beyond * share(ratios.dual, SETTINGS.to_boundary)).min(1.0);
+            // After many steps, the step length is halved: where the curvature only bounds the true
+            // one, full steps may cycle.
             let primal = if step > SETTINGS.patience { 0.5 * primal } else { primal };
-            // Not a number either, once numbers have left their range.
+            // NaN fails this test as well, if numbers are out of range.
             if !(primal > 0.0 && dual > 0.0) {
                 return Err(SolveError::NotConverged);
             }
@@ -383,12 +391,12 @@ impl Solver {
                 self.mu,
             );
             let least = primal.min(dual);
-            // Far from the boundary the next step may aim closer to it.
+            // Far from the boundary the next step may aim at a smaller gap.
             let aim = SETTINGS.centring.iter().find(|(length, _)| least >= *length);
             let aim = aim.map_or(1.0, |(_, aim)| *aim);
             self.mu = (aim * sums.gap / limits).max(SETTINGS.least_mu * gap * duration_s / limits);
             if self.gap < gap && sums.residual < SETTINGS.residual {
-                // With further limits, the last steps may be short although there is nothing left to be gained.
+                // With further limits, the last steps may be short although the gap is closed.
                 let is_closer = self.gap < SETTINGS.closer * gap
                     && sums.residual < SETTINGS.closer * SETTINGS.residual;
                 if primal > SETTINGS.last_step || is_closer && self.blocks.has_others {
@@ -417,6 +425,8 @@ impl Solver {
             let miss = x / rest.cap - 1.0 + s;
             sums.gap += s * z;
             sums.residual = sums.residual.max(miss.abs());
+            // The duration from rest is 3 length x^(-1/2). Eliminating slack and dual leaves z / s
+            // as the weight of the row.
             let curvature = z / (s * rest.cap * rest.cap) + 2.25 * rest.length * x.powf(-2.5);
             let slope = (mu + z * miss) / (s * rest.cap) - 1.5 * rest.length * x.powf(-1.5);
             self.quadratics[rest.cell].add(&rest.row, curvature, slope);
@@ -424,7 +434,7 @@ impl Solver {
         sums
     }
 
-    /// Finds the step of all states that minimises the sum of the cells' quadratic functions.
+    /// Finds the step of all states that minimises the sum of the quadratic functions of the cells.
     #[inline(always)]
     fn find_state_steps<S: Simd>(&mut self, simd: S) -> Result<(), NotConvex> {
         let chain = Chain {
@@ -450,6 +460,7 @@ impl Solver {
             let (x, dx) = (rest.x(&self.states), rest.x(&self.steps));
             let slack = &mut rest.slack;
             slack.ds = 1.0 - (x + dx) / rest.cap - slack.s;
+            // Linearised complementarity: s z + s dz + z ds = mu.
             slack.dz = (mu - slack.z * slack.ds) / slack.s - slack.z;
             largest.slack = largest.slack.max(-slack.ds / slack.s);
             largest.dual = largest.dual.max(-slack.dz / slack.z);
@@ -472,14 +483,16 @@ impl Solver {
         }
         self.last = InteriorStep { mu: self.mu, primal, dual };
         for Rest { slack, .. } in self.rests.within_mut(&self.window) {
+            // Each slack and dual stops at its own boundary, as in `SlackPair::advance`.
             slack.s = (slack.s + primal * slack.ds).max(SETTINGS.least_share * slack.s);
             slack.z = (slack.z + dual * slack.dz).max(SETTINGS.least_share * slack.z);
         }
     }
 }
 
-/// Lowers `x` at the nodes between cells to what the limits of jerk leave along the path, and next to it to
-/// what can be reached from there: a start at which jerk is many times as large as it may be is lost.
+/// Lowers `x` at the nodes between cells to the jerk limit at constant speed, and lowers the nodes
+/// around to what is reachable from there: the method does not recover from a start that exceeds a
+/// jerk limit many times over.
 fn lower_to_jerk(segments: &[LimitedSegment<'_>], mesh: &Mesh, x: &mut [f64]) {
     let mut lowered = false;
     for (k, (cell, geometry)) in std::iter::zip(&mesh.cells, &mesh.geometry).enumerate() {
@@ -503,7 +516,7 @@ fn lower_to_jerk(segments: &[LimitedSegment<'_>], mesh: &Mesh, x: &mut [f64]) {
     if !lowered {
         return;
     }
-    // With constant jerk from rest, x^(3/4) grows evenly with sigma.
+    // With constant jerk from rest, x^(3/4) is linear in sigma.
     let growth: Vec<_> = mesh
         .cells
         .iter()

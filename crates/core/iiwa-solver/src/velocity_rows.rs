@@ -1,6 +1,6 @@
-//! The limit of velocity as a row: `0 <= max_j (q'_j / v_j)^2 x <= 1` at a control point of x.
+//! Velocity limits as a row: `0 <= max_j (q'_j / v_j)^2 x <= 1` at a control point of x.
 //!
-//! All coordinates share one row, the largest. The lower side keeps x positive.
+//! One row, the largest, serves all coordinates. Its lower side keeps x positive.
 
 use iiwa_path::Coordinates;
 use pulp::Simd;
@@ -12,26 +12,27 @@ use crate::{
     slack_pair::{Contribution, Decreases, InteriorStart, InteriorSteps, Sides},
 };
 
-/// The row at one control point of eight cells.
+/// Row at one control point of eight cells.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct VelocityRows {
-    /// One over the largest x.
+    /// Reciprocal of the largest feasible x.
     x: Lanes,
     sides: Sides,
 }
 
 impl VelocityRows {
-    /// How many sides limits have.
+    /// Number of sides of the limit.
     pub(crate) const SIDES: usize = Sides::COUNT;
 
-    /// Sets the row of a cell, from dq/dsigma and one over the limits (s/rad).
+    /// Sets the row of a cell from dq/dsigma and the reciprocals of the limits (s/rad).
     pub(crate) fn set(&mut self, lane: usize, dq: &Coordinates, inverse: &Coordinates) {
         let largest = std::iter::zip(dq, inverse).map(|(d, i)| (d * i).powi(2)).fold(0.0, f64::max);
         self.x.0[lane] = largest;
     }
 
-    /// Lowers the limit of a cell by the factor `by`.
+    /// Tightens the limit of a cell by the factor `by`.
     pub(crate) fn scale(&mut self, lane: usize, by: f64) {
+        // The row is in the square of the speed.
         self.x.0[lane] /= by * by;
     }
 
@@ -42,7 +43,8 @@ impl VelocityRows {
         y: &[Vector<S>; 4],
     ) {
         let value = self.x.load(start.simd, start.register) * X::of(y);
-        // Next to its lower bound, x goes by factors.
+        // Near the lower bound, x may change by orders of magnitude: the least slack is a share of
+        // x itself.
         let least = [start.least, start.least * value.abs()];
         self.sides.start(start, value, bounds(start.simd), least);
     }
@@ -63,7 +65,7 @@ impl VelocityRows {
         sum.add_linear::<X>((up - down) * row);
     }
 
-    /// `y` is the state after a full step.
+    /// Finds the steps of slacks and duals, where `y` is the state after a full step.
     #[inline(always)]
     pub(crate) fn find_steps<X: Functional, S: Simd>(
         &mut self,

@@ -1,4 +1,4 @@
-//! Many programs at once.
+//! Planning of many programs in parallel.
 
 use iiwa_kin::Robot;
 use iiwa_path::{JointPath, PathOptions};
@@ -11,20 +11,20 @@ use crate::{
     trajectory::Trajectory,
 };
 
-/// Why a program got no trajectory.
+/// Error of planning a program.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum PlanError {
-    /// The program asks for something that the robot cannot do.
+    /// The program is not feasible for the robot.
     #[error(transparent)]
     Fault(#[from] Fault),
-    /// Its path got no stamps.
+    /// Time parameterisation of the path failed.
     #[error(transparent)]
     Timing(#[from] TimingError),
 }
 
 impl PlanError {
-    /// The motion at fault, if it is one.
+    /// Returns the motion that caused the error, if there is one.
     #[must_use]
     pub fn motion(&self) -> Option<MotionIndex> {
         match self {
@@ -34,13 +34,14 @@ impl PlanError {
     }
 }
 
-/// Plans all of `programs` on `robot`, on all cores: for optimisers,
-/// which try many programs and keep the best. The results are in the order of the programs, and the
-/// same as from [`Trajectory::plan`]. A program that cannot be planned has its error there and does
-/// not stop the others.
+/// Plans all `programs` on `robot` in parallel on all cores, for optimisers that try many programs
+/// and keep the best. The results are in the order of the programs and equal those of
+/// [`Trajectory::plan`]. A program that cannot be planned yields an error in its place and does not
+/// affect the others.
 ///
-/// It runs on the current rayon pool. That is the global one, usually one thread per core, unless the call is
-/// made inside of another: `pool.install(|| plan_all(...))` plans on the threads of `pool` only.
+/// The function runs on the current rayon pool: the global one, usually with one thread per core,
+/// unless called within another: `pool.install(|| plan_all(...))` plans on the threads of `pool`
+/// only.
 ///
 /// ```
 /// use iiwa_kin::Robot;
@@ -48,7 +49,7 @@ impl PlanError {
 /// use iiwa_program::{Start, Sources, Workcell, Motion, Program, Ptp};
 /// use iiwa_traj::{Timing, plan_all};
 ///
-/// // By which elbow does the arm come to the other side soonest?
+/// // Elbow angles of a via point: the second one gives the shortest cycle time.
 /// let by_way_of = |elbow_rad: f64| Program {
 ///     robot: None,
 ///     start: Start::Joints([0.5, 0.3, 0.0, -1.0, 0.0, 0.7, 0.0]),
@@ -84,5 +85,6 @@ pub fn plan_all(
         planner.restart(&path);
         Ok(Trajectory::by(planner)?)
     };
+    // One planner per thread, whose memory is reused from program to program.
     programs.par_iter().map_init(|| None, plan).collect()
 }

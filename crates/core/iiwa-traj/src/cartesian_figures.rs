@@ -1,39 +1,40 @@
-//! The figures of a motion to a frame: how fast its TCP goes, and how near the arm comes to a singularity.
+//! Figures of a motion to a frame: TCP speed and distance from singularities.
 
 use iiwa_kin::{SingularPart, Status};
 
 use crate::section::{Piece, Section};
 
-/// Samples between two nodes of a trajectory. Nodes are close where the path bends: between them speed hardly has room
-/// for a peak of its own.
+/// Samples per interval between two nodes of a trajectory. Nodes are dense where the path bends, so
+/// that the speed hardly has a peak in between.
 const SAMPLES: u32 = 4;
 
-/// The figures of a motion whose target is a frame.
+/// Figures of a motion whose target is a frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CartesianFigures {
-    /// Top speed of its TCP, in m/s.
+    /// Top speed of the TCP, in m/s.
     pub tcp_speed_peak_m_s: f64,
-    /// Where the arm is nearest to a singularity.
+    /// Point at which the robot is nearest to a singularity.
     pub nearest_singularity: NearestSingularity,
-    /// The status at its end.
+    /// Status at the end.
     pub status: Status,
-    /// E1, the position of A3, at its start and at its end, in rad.
+    /// E1, the position of A3, at the start and at the end, in rad.
     pub e1_rad: [f64; 2],
 }
 
-/// Where the arm is nearest to a singularity.
+/// Point at which the robot is nearest to a singularity.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct NearestSingularity {
-    /// How near: 0 in the singularity, 1 at most; see [`Singularity`](iiwa_kin::Singularity).
+    /// Distance measure: 0 in the singularity, 1 at most; see
+    /// [`Singularity`](iiwa_kin::Singularity).
     pub least: f64,
-    /// When, in s from the start of the program.
+    /// Time, in s from the start of the program.
     pub at_s: f64,
-    /// Which singularity it is.
+    /// Kind of singularity.
     pub part: SingularPart,
 }
 
 impl Section {
-    /// The figures of some pieces in a row, one motion of this section; none if nothing moves.
+    /// Returns the figures of consecutive pieces, one motion of this section; none without motion.
     pub(crate) fn cartesian_figures(&self, pieces: &[Piece]) -> Option<CartesianFigures> {
         let robot = self.path.robot();
         let mut moving = pieces.iter().filter(|piece| piece.kind.moves()).peekable();

@@ -1,4 +1,4 @@
-//! The figures of a trajectory: how long each motion takes and what limits it.
+//! Figures of a trajectory: duration and active limits of each motion.
 
 use iiwa_kin::Joints;
 use iiwa_path::Step;
@@ -11,25 +11,25 @@ use crate::{
     section::{PieceKind, Section},
 };
 
-/// Where the time goes.
+/// Total times by kind of piece.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Totals {
-    /// Moving, in s.
+    /// Time in motion, in s.
     pub motion_time_s: f64,
-    /// Standing until settled, in s.
+    /// Time at rest until settled, in s.
     pub settle_time_s: f64,
-    /// Waiting, in s.
+    /// Waiting time, in s.
     pub wait_time_s: f64,
 }
 
 impl Totals {
-    /// All of it, in s.
+    /// Returns the total time, in s.
     #[must_use]
     pub fn cycle_time_s(&self) -> f64 {
         self.motion_time_s + self.settle_time_s + self.wait_time_s
     }
 
-    /// Adds a section's time.
+    /// Adds the times of a section.
     pub fn add(&mut self, section: &Section) {
         for piece in section.pieces() {
             let time_s = match piece.kind {
@@ -46,54 +46,55 @@ impl Totals {
     }
 }
 
-/// The figures of one entry of the program's list of motions.
+/// Figures of one entry of the program's list of motions.
 ///
-/// A motion lasts from where its limits begin to hold, which is the start of the blend that leads
-/// into it, to the start of the blend that leads out of it, or to its stop. The settle time after
-/// the stop is not part of it. A motion that takes no time at all, as a wait of 0 s, has no figures.
+/// A motion lasts as long as its limits apply: from the start of the blend into it to the start of
+/// the blend out of it, or to its stop, without the settle time after the stop. A motion without
+/// duration, such as a wait of 0 s, has no figures.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MotionFigures {
-    /// Its place in the program.
+    /// Index in the program.
     pub motion: MotionIndex,
-    /// What it is.
+    /// Type of the motion.
     pub kind: MotionType,
-    /// When it starts, in s.
+    /// Start time, in s.
     pub start_s: f64,
-    /// When it ends, in s.
+    /// End time, in s.
     pub end_s: f64,
-    /// Top speed: the largest share of a joint's speed limit (the robot's, not the motion's).
+    /// Top speed: the largest share of a joint's velocity limit (the robot's limit, not the
+    /// motion's).
     pub peak_velocity_rel: f64,
-    /// The limit that it is at for the longest time; none if nothing moves.
+    /// Limit that is active for the longest time; none without motion.
     pub limited_by: Option<Limit>,
-    /// All limits that it is at, the one for the longest time first.
+    /// All active limits, the one for the longest time first.
     pub limits: Vec<LimitShare>,
-    /// The figures of the TCP, if the motion's target is a frame or the program has a tool.
+    /// TCP figures, if the motion's target is a frame or the program has a tool.
     pub cartesian: Option<CartesianFigures>,
 }
 
-/// The figures of one blend.
+/// Figures of one blend.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BlendFigures {
-    /// The motion whose target is blended away.
+    /// Motion whose target is blended away.
     pub motion: MotionIndex,
     /// Angle of the corner, in degrees: 0 straight on, 180 turned back.
     pub gamma_deg: f64,
-    /// Where it starts, in rad.
+    /// Start, in rad.
     pub start_rad: Joints,
-    /// Its middle, at s = 1/2, in rad.
+    /// Middle, at s = 1/2, in rad.
     pub mid_rad: Joints,
-    /// Where it ends, in rad.
+    /// End, in rad.
     pub end_rad: Joints,
-    /// The TCP in the middle, in m.
+    /// Position of the flange centre in the middle, in m.
     pub mid_tcp_m: [f64; 3],
-    /// When it starts, in s.
+    /// Start time, in s.
     pub start_s: f64,
-    /// When it ends, in s.
+    /// End time, in s.
     pub end_s: f64,
 }
 
 impl Section {
-    /// The figures of the motions of this section, in order.
+    /// Returns the figures of the motions of this section, in order.
     #[must_use]
     pub fn motions(&self) -> Vec<MotionFigures> {
         self.pieces
@@ -131,7 +132,7 @@ impl Section {
             .collect()
     }
 
-    /// The figures of the blends of this section, in order.
+    /// Returns the figures of the blends of this section, in order.
     #[must_use]
     pub fn blends(&self) -> Vec<BlendFigures> {
         self.pieces

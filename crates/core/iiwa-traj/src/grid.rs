@@ -1,4 +1,4 @@
-//! The nodes of a segment at which the sweep finds stamps: where they are, and the derivatives there.
+//! Nodes of a segment for the sweep, and the derivatives of the path there.
 //!
 //! The polynomials of blends are evaluated once for all blends.
 
@@ -12,30 +12,30 @@ use iiwa_kin::Joints;
 use iiwa_path::{BlendBasis, BlendPolynomials, Continuity, PlanarGraph, Segment, ToolCoordinate};
 use pulp::Simd;
 
-/// A grid of N intervals over [0, 1], uniform in s, except on polynomial blends, where it is finer at both ends. Curves of many pieces
-/// have more intervals than N.
+/// Grid of N intervals over [0, 1], uniform in s, except on polynomial blends, where it is finer at
+/// both ends. Curves of many pieces have more intervals than N.
 #[derive(Debug)]
 pub(crate) struct Grid {
     intervals: usize,
     blends: Arc<BlendTables>,
 }
 
-/// The polynomials of blends at the nodes of a grid, of each order of continuity.
+/// Polynomials of blends at the nodes of a grid, for each order of continuity.
 type BlendTables = [OnceLock<BlendTable>; 3];
 
-/// Tables of the grids that were made last: they depend on the number of intervals alone, and take as long to make as
-/// the stamps of some motions.
+/// Tables of the most recent grids: they depend only on the number of intervals, and computing them
+/// takes as long as the stamps of some motions.
 static RECENT: Mutex<Vec<(usize, Arc<BlendTables>)>> = Mutex::new(Vec::new());
 
-/// The number of tables that are kept.
+/// Number of tables that are kept.
 const KEPT: usize = 4;
 
-/// A node of a grid over one segment, in p: its share of the segment's sigma, 0 to 1.
+/// Node of a grid over one segment, in p, the share of the segment's sigma, 0 to 1.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct GridNode {
     /// Share of sigma, 0 to 1.
     pub(crate) p: f64,
-    /// Distance to the next node in p; of the last node, 1.
+    /// Distance to the next node in p; 1 at the last node.
     pub(crate) step: f64,
     /// ds/dp.
     pub(crate) slope: f64,
@@ -43,31 +43,33 @@ pub(crate) struct GridNode {
     pub(crate) bend: f64,
 }
 
-/// By which share the intervals at a blend's ends are shorter in s than their mean, and those in the middle longer.
+/// Share by which the intervals at a blend's ends are shorter in s than their mean, and those in
+/// the middle longer.
 const ENDS: f64 = 0.4;
 
-/// A curve of pieces has as many intervals as a blend, times its pieces over this number, but at least and at most so many times.
+/// Pieces of a curve per N intervals, and the bounds of the resulting factor of N.
 const PIECES_A_GRID: usize = 4;
 const LEAST_GRIDS: usize = 2;
 const MOST_GRIDS: usize = 8;
 
-/// The least intervals of such a curve, however few those of a blend are. Jerk-limited stamps start from acceleration-limited
-/// ones: from coarser ones, they are not always found.
+/// Minimum number of intervals of a curve of pieces, for any N: the jerk-limited solver starts from
+/// the acceleration-limited stamps, and does not always converge from coarser ones.
 const LEAST_INTERVALS: usize = 200;
 
-/// The least intervals of a curve on which the TCP moves or turns unevenly: between nodes, its acceleration is less than a cubic's.
+/// Minimum number of intervals of a curve with uneven TCP motion or rotation: between nodes, its
+/// acceleration is not that of a cubic.
 const LEAST_INTERVALS_UNEVEN: usize = 300;
 
 /// Nodes and polynomials of all blends of one order of continuity.
 #[derive(Debug)]
 struct BlendTable {
     nodes: Vec<GridNode>,
-    /// First and second derivative by p of `s alpha` and of `beta`.
+    /// First and second derivative of `s alpha` and of `beta` by p.
     derivatives: Vec<[[f64; 2]; 2]>,
 }
 
 impl Grid {
-    /// A grid of `intervals` intervals, at least one, and one node more.
+    /// Creates a grid of `intervals` intervals, at least one, with one node more.
     #[must_use]
     pub(crate) fn new(intervals: usize) -> Self {
         let intervals = intervals.max(1);
@@ -83,16 +85,17 @@ impl Grid {
         Self { intervals, blends }
     }
 
-    /// The number of intervals.
+    /// Returns the number of intervals.
     #[must_use]
     pub(crate) fn intervals(&self) -> usize {
         self.intervals
     }
 
-    /// The number of intervals on a segment: on a curve of pieces, as many as its pieces ask for.
+    /// Returns the number of intervals on a segment; on a curve of pieces it grows with the number
+    /// of pieces.
     pub(crate) fn intervals_on(&self, segment: &dyn Segment) -> usize {
         if let Some(inner) = segment.unsupervised() {
-            // The speed of the flange changes along any segment.
+            // The flange speed changes along any segment.
             return self.intervals_on(inner.as_ref()).max(LEAST_INTERVALS);
         }
         let [_, .., _] = segment.breaks() else { return self.intervals };
@@ -103,8 +106,8 @@ impl Grid {
         (self.intervals * factor).max(least)
     }
 
-    /// s at the nodes on a segment, from 0 to 1. On a curve of pieces, half of the nodes are even, the other half where the pieces are:
-    /// where joints turn fast, pieces are short.
+    /// Returns s at the nodes on a segment, from 0 to 1. On a curve of pieces, the density of nodes
+    /// is half uniform and half that of the pieces: pieces are short where joints turn fast.
     pub(crate) fn s_on(&self, segment: &dyn Segment) -> Vec<f64> {
         let intervals = self.intervals_on(segment);
         if let Some(inner) = segment.unsupervised() {
@@ -114,7 +117,7 @@ impl Grid {
         let breaks @ [_, .., _] = segment.breaks() else { return even(intervals).collect() };
         let pieces = breaks.len() - 1;
         let mut index = 0;
-        // Rises from 0 to 1 at the breaks.
+        // Increases from 0 to 1 over the breaks.
         let at_break = |index: usize| 0.5 * (breaks[index] + index as f64 / pieces as f64);
         even(intervals)
             .map(|share| {
@@ -128,7 +131,7 @@ impl Grid {
             .collect()
     }
 
-    /// The nodes on a segment.
+    /// Returns the nodes on a segment.
     pub(crate) fn nodes_on(&self, segment: &dyn Segment) -> Cow<'_, [GridNode]> {
         match segment.as_planar_graph().and_then(PlanarGraph::polynomials) {
             Some(blend) => Cow::Borrowed(&self.blend(blend.continuity).nodes),
@@ -136,9 +139,10 @@ impl Grid {
         }
     }
 
-    /// First and second derivatives of the joints by p at every node on a segment, each joint times its `scale`.
+    /// Sets the first and second derivatives of the joints by p at every node on a segment, each
+    /// joint times its `scale`.
     ///
-    /// The eighth number of each row is zero: rows of eight fill vector registers.
+    /// The eighth element of each row is zero: rows of eight fill vector registers.
     ///
     /// # Panics
     ///
@@ -186,21 +190,23 @@ impl Grid {
         })
     }
 
-    /// s at each node of a polynomial blend.
+    /// Returns s at each node of a polynomial blend.
     ///
-    /// Between nodes, a sweep's error goes with the square of an interval's length times the third derivative
-    /// of the path's direction by p, and that is largest within a tenth of s from either end, whatever the blend's kappa.
+    /// Between nodes, the error of a sweep is proportional to the squared interval length times the
+    /// third derivative of the path's direction by p, which is largest within a tenth of s from
+    /// either end, for any kappa.
     fn blend_s(&self) -> impl Iterator<Item = f64> + use<> {
         even(self.intervals).map(|t| t - ENDS * (TAU * t).sin() / TAU)
     }
 }
 
-/// s at each node of so many even intervals.
+/// Returns s at the nodes of `intervals` uniform intervals.
 fn even(intervals: usize) -> impl Iterator<Item = f64> {
     (0..=intervals).map(move |i| i as f64 / intervals as f64)
 }
 
-/// The nodes at `s` over a segment whose sigma is `sigma`, from the values and derivatives at each node.
+/// Returns the nodes at `s` over a segment, from the values and derivatives of `sigma` at each
+/// node.
 fn nodes(s: impl Iterator<Item = f64>, sigma: impl Fn(f64) -> [f64; 4]) -> Vec<GridNode> {
     let [end, ..] = sigma(1.0);
     let mut nodes: Vec<_> = s
@@ -217,7 +223,8 @@ fn nodes(s: impl Iterator<Item = f64>, sigma: impl Fn(f64) -> [f64; 4]) -> Vec<G
     nodes
 }
 
-/// First and second derivative of the coordinate of the tool by p, at `s` of a segment, of which `node` is the node of a grid.
+/// Returns the first and second derivative of the tool coordinate by p, at `s` of a segment with
+/// the grid node `node` there.
 pub(crate) fn tool_derivatives(
     tool: &ToolCoordinate,
     segment: &dyn Segment,
@@ -228,11 +235,11 @@ pub(crate) fn tool_derivatives(
     [dw * node.slope, ddw * node.slope * node.slope + dw * node.bend]
 }
 
-/// The derivatives of a polynomial blend at the nodes of a grid, by the widest vector instructions that the machine has. The grid holds
-/// the polynomials: this costs three multiplications a joint.
+/// Derivatives of a polynomial blend at the nodes of a grid, with the widest vector instructions of
+/// the machine. The grid holds the polynomials: this costs three multiplications per joint.
 ///
-/// Not a closure: those reach the function with vector instructions by way of a shim that is not
-/// inlined into it, and so stay without them.
+/// A struct and not a closure: `pulp` calls closures through a shim that is not inlined into the
+/// function with vector instructions, so they would be compiled without these.
 struct BlendDerivatives<'a> {
     blend: BlendPolynomials,
     table: &'a BlendTable,

@@ -1,16 +1,16 @@
 //! Motion between two nodes.
 //!
-//! The sweep lets d2p/dt2 change linearly with p. With `k` that rate of change, `d2p/dt2 = u + k (p - p0)` has
-//! hyperbolic sines for solutions where k is positive, sines where it is negative, and a parabola where it
-//! is zero. Written with `z = k t^2` all three are one smooth function, so that small k lose no digits.
-//! What is handed out is a polynomial of time that meets both nodes.
+//! The sweep lets d2p/dt2 change linearly with p. With the rate of change `k`,
+//! `d2p/dt2 = u + k (p - p0)` is solved by hyperbolic sines for positive k, by sines for negative k
+//! and by a parabola for k = 0. In terms of `z = k t^2` all three are one smooth function, so that
+//! small k lose no digits. The result is a polynomial of time that meets both nodes.
 
 use pulp::Simd;
 
 use crate::node::Node;
 
-/// Times to go by `ds`, in s, with the rates at both ends (1/s) adding up to `rates` while
-/// the second derivative changes, linearly with the way, by `change`: of eight intervals.
+/// Returns the durations of eight intervals of length `ds`, in s. The rates at both ends (1/s) add
+/// up to `rates`, and the second derivative changes by `change`, linearly with the way.
 #[inline(always)]
 pub(crate) fn durations<S: Simd>(
     simd: S,
@@ -47,10 +47,10 @@ pub(crate) fn durations<S: Simd>(
     times
 }
 
-/// Below this |z| the series are good to 1e-14.
+/// |z| below which the series is exact to 1e-14.
 const SMALL: f64 = 0.02;
 
-/// artanh(sqrt z) / sqrt z.
+/// Coefficients of the series of artanh(sqrt z) / sqrt z.
 const ARTANH: [f64; 8] =
     [1.0, 1.0 / 3.0, 1.0 / 5.0, 1.0 / 7.0, 1.0 / 9.0, 1.0 / 11.0, 1.0 / 13.0, 1.0 / 15.0];
 #[inline(never)]
@@ -59,8 +59,9 @@ fn artanh_over_root(z: f64) -> f64 {
     if z > 0.0 { root.atanh() / root } else { root.atan() / root }
 }
 
-/// The instant `seconds` after `t_s`, both counted from `start_s`, or at least the next one that can be told
-/// from it: in long programs, tiny intervals are lost in rounding.
+/// Returns the instant `seconds` after `t_s`, both counted from `start_s`, but at least the next
+/// representable instant: in long programs, tiny intervals are lost in rounding, and stamps must
+/// increase.
 #[inline(always)]
 pub(crate) fn later(start_s: f64, t_s: f64, seconds: f64) -> f64 {
     let later = t_s + seconds;
@@ -72,11 +73,11 @@ fn next_instant(start_s: f64, t_s: f64) -> f64 {
     let now = start_s + t_s;
     let next = now.next_up();
     let later = (next - start_s).max(t_s.next_up());
-    // Rounded down, it may be the same instant still.
+    // Rounding down may lead to the same instant again.
     if start_s + later < next { later + (next - now) } else { later }
 }
 
-/// How far the arm is between two nodes.
+/// Progress between two nodes.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Progress {
     /// Change of p.
@@ -89,21 +90,21 @@ pub(crate) struct Progress {
     pub(crate) du: f64,
 }
 
-/// By which share of the way between two nodes a polynomial may miss the second one: far above what rounding
-/// leaves of the nodes, far below what can be seen.
+/// Share of the way between two nodes by which a polynomial may miss the second node: far above the
+/// rounding of nodes, far below anything visible.
 const MISSED: f64 = 1e-12;
 
-/// Progress at `t` after the node `from`, where p is the polynomial of degree five in time that meets
-/// both nodes.
+/// Returns the progress at `t` after the node `from`, where p is the polynomial of degree five in
+/// time that meets both nodes.
 ///
-/// If it differs from the cubic that goes from one d2p/dt2 to the other by next to nothing, it is that cubic: over
-/// some nanoseconds jerk would be made of the rounding of rates and ways.
+/// If the cubic with linear d2p/dt2 meets the second node up to [`MISSED`], the result is that
+/// cubic: over some nanoseconds, jerk would otherwise consist of the rounding of rates and ways.
 #[inline]
 pub(crate) fn progress(t: f64, from: &Node, to: &Node) -> Progress {
     let (whole, dp) = (from.dt_s, from.dp);
     let (v, a) = (from.rate, from.u[0]);
     let harder = whole * whole * (from.u[1] - a);
-    // What constant d3p/dt3 would miss at the end.
+    // Errors of constant d3p/dt3 at the end.
     let mut way = dp - whole * (v + 0.5 * whole * a) - harder / 6.0;
     let mut faster = whole * (to.rate - v - whole * a) - 0.5 * harder;
     if way.abs().max(faster.abs()) <= MISSED * dp {
@@ -125,7 +126,7 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    /// `x(s)` of an interval of length `ds`.
+    /// Returns `x(s)` of an interval of length `ds`.
     fn x(s: f64, ds: f64, x0: f64, [u0, u1]: [f64; 2]) -> f64 {
         x0 + 2.0 * u0 * s + (u1 - u0) / ds * s * s
     }
@@ -136,8 +137,8 @@ mod tests {
             ds in 1e-3..1.0_f64, x0 in 0.0..4.0_f64, u0 in -2.0..2.0_f64, u1 in -2.0..2.0_f64,
         ) {
             let x1 = x0 + ds * (u0 + u1);
-            // The rate must stay real in between as well: the parabola x(s) may have its lowest
-            // point there.
+            // The rate must remain real in between as well: the parabola x(s) may have its minimum
+            // there.
             let lowest = (0..=20).map(|i| x(f64::from(i) / 20.0 * ds, ds, x0, [u0, u1]));
             prop_assume!(lowest.fold(f64::INFINITY, f64::min) > 2e-2);
             let rates = x0.sqrt() + x1.sqrt();
@@ -148,7 +149,7 @@ mod tests {
             let integral = (0..=8000).map(|i| weight(i) * at(i)).sum::<f64>() * ds / 24000.0;
             prop_assert!((t / integral - 1.0).abs() < 1e-8, "{t} {integral}");
 
-            // In between, the polynomial of time is close to what goes on.
+            // Between the nodes, the polynomial of time is close to the exact motion.
             let node = |x: f64| Node { dt_s: t, dp: ds, rate: x.sqrt(), u: [u0, u1], ..Node::default() };
             let (from, to) = (node(x0), node(x1));
             let half = progress(0.5 * t, &from, &to);
@@ -164,7 +165,8 @@ mod tests {
         }
     }
 
-    /// Over half a nanosecond, rounding of the rate alone would make up a thousand times this jerk.
+    /// Over half a nanosecond, the rounding of the rate alone would amount to a thousand times this
+    /// jerk.
     #[test]
     fn jerk_is_not_made_of_rounding() {
         let (t, v, a, j) = (5e-10, 0.7, 3.0, 20.0);

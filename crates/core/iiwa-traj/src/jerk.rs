@@ -1,7 +1,8 @@
 //! Jerk-limited stamps of one section.
 //!
-//! A section that is one straight line has a closed form, and so has a path of the TCP that its limits alone hold back. Any other is solved for by [`iiwa_solver`], starting from
-//! its acceleration-limited stamps.
+//! A section that is one straight line has a closed form, and so has a TCP path on which only the
+//! TCP limits are active. All others are computed by [`iiwa_solver`], with their
+//! acceleration-limited stamps as the start.
 
 mod closed_form;
 mod horizon;
@@ -24,8 +25,8 @@ use crate::{
 use stamps::Stamper;
 pub(crate) use stamps::{SegmentStamps, Stamps};
 
-/// Replaces the acceleration-limited stamps of `section` by jerk-limited ones, unless `stop` is set. Further `limits` of
-/// each of its pieces are kept as well, if there are any.
+/// Replaces the acceleration-limited stamps of `section` by jerk-limited ones, unless `stop` is
+/// set. Further `limits` of each piece are kept as well, if there are any.
 pub(crate) fn limit(
     section: &mut Section,
     limits: &[StepLimits],
@@ -40,26 +41,27 @@ pub(crate) fn limit(
     Ok(())
 }
 
-/// The options of jerk-limited timing.
+/// Options of jerk-limited timing.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct JerkTiming {
     pub(crate) options: JerkOptions,
-    /// Lines from rest to rest go by the robot's [`RampLaw`](iiwa_kin::RampLaw), splines by its
-    /// [`SplineSpeed`](iiwa_kin::SplineSpeed).
+    /// `true` if lines from rest to rest follow the robot's [`RampLaw`](iiwa_kin::RampLaw) and
+    /// splines its [`SplineSpeed`](iiwa_kin::SplineSpeed).
     pub(crate) sunrise: bool,
 }
 
 /// Pieces of a section, at least one.
 pub(crate) struct Pieces<'a> {
     pub(crate) range: Range<usize>,
-    /// Where they begin and end: the square of the speed along the path (rad^2/s^2) and its derivative by the way
-    /// (rad/s^2); none at rest.
+    /// State at the start and at the end: the squared speed along the path (rad^2/s^2) and its
+    /// derivative by the way (rad/s^2); none at rest.
     pub(crate) ends: [Option<[f64; 2]>; 2],
     /// Further limits of each piece of the section; empty if there are none.
     pub(crate) limits: &'a [StepLimits],
 }
 
-/// The jerk-limited stamps of some `pieces` of `section`, in place of its acceleration-limited ones, which it loses.
+/// Finds the jerk-limited stamps of some `pieces` of `section`. The section loses its
+/// acceleration-limited stamps.
 pub(crate) fn stamps(
     section: &mut Section,
     pieces: &Pieces<'_>,
@@ -67,7 +69,7 @@ pub(crate) fn stamps(
     stop: &AtomicBool,
 ) -> Result<Stamps, TimingError> {
     let path = section.path.clone();
-    // The section gets new nodes: in long ones, the memory of these counts.
+    // The section gets new nodes: in long sections, the memory of the old ones is significant.
     let swept: Vec<_> = std::mem::take(&mut section.nodes)
         .into_iter()
         .map(|Node { t_s, p, rate, u, .. }| SweptNode { t_s, p, rate, u })
@@ -123,7 +125,7 @@ pub(crate) fn stamps(
     })
 }
 
-/// The stamps of segments from rest to rest.
+/// Finds the stamps of segments from rest to rest.
 pub(crate) fn from_rest_to_rest(
     segments: &[LimitedSegment<'_>],
     start_s: f64,
@@ -133,7 +135,7 @@ pub(crate) fn from_rest_to_rest(
     horizon::stamps(segments, start_s, options, stop).map(Stamps::joined)
 }
 
-/// The stamps of a window. Its ends are given: it cannot be slowed down.
+/// Finds the stamps of a window. Its end states are given, so it cannot be slowed down as a whole.
 fn window_stamps(
     window: &Window<'_, '_>,
     options: JerkOptions,
@@ -146,7 +148,7 @@ fn window_stamps(
 }
 
 impl Section {
-    /// Replaces the stamps of its pieces, which all move.
+    /// Replaces the stamps of the section's pieces, all of which move.
     pub(crate) fn stamp(&mut self, Stamps { mut nodes, segments }: Stamps) {
         let pieces = self.pieces.iter().zip(segments).filter_map(|(piece, stamps)| {
             let SegmentStamps { nodes: range, usage } = stamps;
@@ -160,7 +162,8 @@ impl Section {
 }
 
 impl Stamps {
-    /// Notes at each node how fast the rate changes at the end of what begins there.
+    /// Sets the second derivative at the end of each interval to the one at the next node, since it
+    /// is continuous.
     fn joined(mut self) -> Self {
         for SegmentStamps { nodes, .. } in &self.segments {
             let own = &mut self.nodes[nodes.clone()];
@@ -171,7 +174,8 @@ impl Stamps {
         self
     }
 
-    /// Names the further limits of segments that start with the first of `limits`.
+    /// Names the further limits of the segments; the first segment is that of the first of
+    /// `limits`.
     fn named(mut self, limits: &[StepLimits]) -> Self {
         for (segment, StepLimits { limits, .. }) in self.segments.iter_mut().zip(limits) {
             segment.usage.name_rows(limits);

@@ -1,7 +1,8 @@
-//! By when the arm has to know the motion that it blends into.
+//! Latest time at which the robot has to know the motion after a blend.
 //!
-//! KUKA does not publish it. It is assumed to be the last instant at which the arm can still stop where the blend begins:
-//! the one at which the plan that stops there begins to be slower than the one that goes on.
+//! KUKA does not publish this time. It is assumed to be the last instant at which the robot can
+//! still stop at the start of the blend: the instant at which the plan with a stop there becomes
+//! slower than the plan without.
 
 use iiwa_path::{JointPath, Segment};
 use iiwa_program::LimitKind;
@@ -11,18 +12,20 @@ use crate::{
     section::{Piece, Section},
 };
 
-/// By which share the speeds of two plans may differ where both do the same: of limits of jerk, some milliseconds.
+/// Relative difference between the speeds of two plans up to which both count as equal; under jerk
+/// limits, it amounts to some milliseconds.
 const SAME_SPEED: f64 = 2e-3;
 
-/// Into how many parts the intervals between nodes are taken apart.
+/// Parts into which the intervals between nodes are divided.
 const PARTS: u32 = 8;
 
-/// The bound on a line holds for it, times this on curves, along which the joints' shares of the speed change.
+/// Factor on the bound of a line for curves, along which the joints' shares of the speed change.
 const ON_CURVES: f64 = 4.0;
 
-/// When `going_on` has to be decided for at the latest, in s: where `stopping`, along the beginning of the same path,
-/// begins to slow down for its end.
+/// Returns the latest time to decide for `going_on`, in s: the instant at which `stopping`, which
+/// starts along the same path, begins to slow down for its end.
 pub(crate) fn needed_s(going_on: &Section, stopping: &Section) -> f64 {
+    // Backwards from the stop: the first point with equal speeds is the last one before braking.
     for piece in stopping.pieces().iter().rev() {
         let Some(same) = going_on.pieces().iter().find(|other| other.step == piece.step) else {
             continue;
@@ -41,8 +44,9 @@ pub(crate) fn needed_s(going_on: &Section, stopping: &Section) -> f64 {
     going_on.start_s()
 }
 
-/// Whether at `known_s` so much is left until `section` is at its `piece`, a blend, that the arm does not yet have to slow
-/// down to stop before it. False if that cannot be told without a plan.
+/// Returns true if at `known_s` so much time is left until `section` reaches its `piece`, a blend,
+/// that the robot does not yet have to slow down to stop before it. False if that cannot be decided
+/// without a plan.
 pub(crate) fn is_early(
     section: &Section,
     piece: usize,
@@ -58,12 +62,12 @@ pub(crate) fn is_early(
     let is_line = section.segment(before).is_some_and(Segment::is_straight);
     let bound_s = if is_line { braking_s } else { ON_CURVES * braking_s };
     let latest_s = blend.start_s - bound_s;
-    // What is before the line may have other limits.
+    // Pieces before the line may have other limits.
     known_s <= latest_s && before.start_s <= latest_s
 }
 
-/// How long it takes at most to stop on a line, whatever the speed and the acceleration at first, in s. None where limits of
-/// the TCP's acceleration or `further` limits hold.
+/// Returns an upper bound of the stopping time on a line, for any initial speed and acceleration,
+/// in s. None if acceleration or jerk limits of the TCP or `further` limits apply.
 fn braking_bound_s(path: &JointPath, piece: &Piece, further: &PathLimits) -> Option<f64> {
     let limits = path.limits_of(piece.step);
     let tool = limits.tool();
@@ -74,7 +78,7 @@ fn braking_bound_s(path: &JointPath, piece: &Piece, further: &PathLimits) -> Opt
         return None;
     }
     let [velocity, acceleration, jerk] = LimitKind::ALL.map(|kind| limits.of(kind));
-    // Along the line, each limit is that of one joint: the longest time of any is a bound.
+    // Along the line, each limit is that of one joint: the longest time of any joint is a bound.
     let longest =
         |a: &[f64; 7], b: &[f64; 7]| a.iter().zip(b).map(|(a, b)| a / b).fold(0.0, f64::max);
     Some(longest(velocity, acceleration) + 2.0 * longest(acceleration, jerk))

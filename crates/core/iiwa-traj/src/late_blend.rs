@@ -2,13 +2,13 @@
 
 use iiwa_program::MotionIndex;
 
-/// A blend before which the arm stopped, since the motion after it was not known in time.
+/// Blend before which the robot stopped, because the motion after it was not known in time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LateBlend {
-    /// The motion whose target it blends away.
+    /// Motion whose target the blend cuts off.
     pub after_motion: MotionIndex,
-    /// When the motion after it is known, which is when the waits between both are over, in s.
+    /// Time at which the next motion is known, the end of the waits in between, in s.
     pub known_s: f64,
-    /// By when it would have to be known for the arm to go on without a stop, in s.
+    /// Latest time at which the next motion would have to be known to avoid the stop, in s.
     pub needed_s: f64,
 }

@@ -1,5 +1,5 @@
-//! Time stamps for paths of the KUKA LBR iiwa: how fast the arm goes along a path, at most.
-//! It knows no file format.
+//! Time parameterisation of paths of the KUKA LBR iiwa: the fastest motion along a path within the
+//! limits. The crate has no file formats.
 //!
 //! ```
 //! use iiwa_kin::Robot;
@@ -15,7 +15,7 @@
 //! let trajectory = Trajectory::plan(&path, Timing::default())?;
 //! assert!((trajectory.cycle_time_s() - 0.798).abs() < 1e-3);
 //!
-//! // Under limits of jerk, joint 1 by 40 deg at 98 deg/s, 490 deg/s^2 and 10384.86 deg/s^3; then it settles.
+//! // With jerk limits: joint 1 by 40 deg at 98 deg/s, 490 deg/s^2 and 10384.86 deg/s^3.
 //! let trajectory = Trajectory::plan(&path, Timing::jerk_limited())?;
 //! let expected = 40.0 / 98.0 + 98.0 / 490.0 + 490.0 / 10384.86 + 0.05;
 //! assert!((trajectory.cycle_time_s() - expected).abs() < 1e-12);

@@ -1,11 +1,11 @@
-//! The limits that a trajectory keeps.
+//! Limits of a trajectory.
 
 use std::fmt;
 
 use iiwa_kin::Joint;
 use iiwa_program::LimitKind;
 
-/// A limit of a joint or of the TCP.
+/// Limit of a joint or of the TCP.
 ///
 /// ```
 /// use iiwa_kin::Joint;
@@ -20,48 +20,48 @@ use iiwa_program::LimitKind;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Limit {
-    /// A limit of velocity, acceleration or jerk.
+    /// Limit of velocity, acceleration or jerk.
     Motion {
-        /// What is limited.
+        /// Joint or TCP coordinate that is limited.
         of: Limited,
-        /// Which of its limits.
+        /// Kind of the limit.
         kind: LimitKind,
     },
-    /// The torque of a joint.
+    /// Torque limit of a joint.
     Torque(Joint),
-    /// A limit that is not one of this crate's: see [`PathLimit`](crate::PathLimit).
+    /// Limit from another crate: see [`PathLimit`](crate::PathLimit).
     Other {
-        /// Its name in files.
+        /// Name in files.
         name: &'static str,
-        /// The joint, if it is one of a joint.
+        /// Joint, if the limit belongs to one.
         joint: Option<Joint>,
     },
 }
 
-/// What has limits of its motion.
+/// Quantity with limits of velocity, acceleration and jerk.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum Limited {
-    /// A joint.
+    /// Joint.
     Joint(Joint),
-    /// The way of the TCP.
+    /// Way of the TCP.
     Way,
-    /// The angle by which the TCP turns.
+    /// Angle of the TCP's rotation.
     Turn,
 }
 
-/// For how long a limit is kept.
+/// Share of time for which a limit is active.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LimitShare {
-    /// The limit.
+    /// Limit.
     pub limit: Limit,
-    /// The share of the time at which the joint or the TCP is at it, above 0 and up to 1. Several limits may be
-    /// kept at the same time.
+    /// Share of the time at the limit, above 0 and up to 1. Several limits may be active at the
+    /// same time.
     pub share: f64,
 }
 
 impl Limit {
-    /// The joint, if it is one of a joint.
+    /// Returns the joint, if the limit belongs to one.
     #[must_use]
     pub fn joint(&self) -> Option<Joint> {
         match self {
@@ -71,8 +71,8 @@ impl Limit {
         }
     }
 
-    /// Its name in files, without the joint: `velocity`, `acceleration` or `jerk`, after `cart_` or `orientation_` where
-    /// it is one of the TCP; `torque`; or the name of another.
+    /// Returns the name in files, without the joint: `velocity`, `acceleration` or `jerk`, with the
+    /// prefix `cart_` or `orientation_` for TCP limits; `torque`; or the name of another limit.
     #[must_use]
     pub fn name(&self) -> &'static str {
         let (of, kind) = match *self {

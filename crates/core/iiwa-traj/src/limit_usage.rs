@@ -1,4 +1,4 @@
-//! How close a piece comes to its limits, and for how long it is at each.
+//! Usage of the limits by a piece: peaks, and the time at each limit.
 
 use iiwa_kin::Joint;
 use iiwa_path::ToolCoordinate;
@@ -11,27 +11,28 @@ use crate::{
     sweep::{greater, lesser},
 };
 
-/// Above this share of a limit, a joint or the tool counts as being at it.
+/// Share of a limit above which the limit counts as active.
 const SATURATED: f64 = 0.995;
 
-/// Largest value over limit that is taken for rounding.
+/// Relative excess of a limit that counts as rounding.
 pub(crate) const TOLERANCE: f64 = 1e-6;
 
-/// From this share on, a further limit is reached: the solver comes less close to it, since it changes along the way.
+/// Share of a further limit from which it counts as active: the solver stays further below it,
+/// since it changes along the way.
 pub(crate) const SATURATED_ROW: f64 = 0.985;
 
-/// What is used of the limits of each kind.
+/// Usage of the limits of each kind.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct LimitUsage {
     of: ByKind<Shares>,
-    /// Of each further limit.
+    /// Usage of each further limit.
     rows: Vec<RowUsage>,
 }
 
-/// The largest share of a further limit, and the time at it in s.
+/// Largest share of a further limit, and the time at the limit in s.
 #[derive(Clone, Copy, Debug, Default)]
 struct RowUsage {
-    /// The limit, once it is [named](LimitUsage::name_rows).
+    /// Limit of the row, once it is [named](LimitUsage::name_rows).
     limit: Option<Limit>,
     peak: f64,
     time_s: f64,
@@ -45,17 +46,18 @@ impl RowUsage {
     }
 }
 
-/// For each joint and, last, the tool, the largest share of its limit, and the time at it in s.
+/// Largest share of the limit and time at the limit in s, for each joint and, last, the tool.
 #[derive(Clone, Copy, Debug, Default)]
 struct Shares {
     peak: [f64; 8],
     time_s: [f64; 8],
-    /// The same for the turn of the tool, once it is told apart: then the last of the others are those of its way.
+    /// Usage by the rotation of the tool, once it is separated: the last elements above are then
+    /// those of its way.
     turn_peak: f64,
     turn_time_s: f64,
 }
 
-/// The place of the tool.
+/// Index of the tool.
 const TOOL: usize = 7;
 
 impl Shares {
@@ -86,7 +88,7 @@ impl Shares {
     }
 }
 
-/// The values with what they are of.
+/// Pairs the values with the joints and the tool.
 fn each(values: &[f64; 8], of_turn: f64) -> impl Iterator<Item = (Limited, f64)> + use<> {
     let joints = Joint::ALL.into_iter().map(Limited::Joint).zip(*values);
     joints.chain([(Limited::Way, values[TOOL]), (Limited::Turn, of_turn)])
@@ -94,7 +96,7 @@ fn each(values: &[f64; 8], of_turn: f64) -> impl Iterator<Item = (Limited, f64)>
 
 impl LimitUsage {
     /// Adds the intervals between `nodes`, whose derivatives `dq` and `ddq` are in units of the
-    /// acceleration limits; `velocity` as for the sweep.
+    /// acceleration limits; `velocity` is the same as for the sweep.
     #[inline(always)]
     pub(crate) fn add(
         &mut self,
@@ -105,8 +107,8 @@ impl LimitUsage {
     ) {
         let Some((mut from, nodes)) = nodes.split_first() else { return };
         let mut start = dq[0];
-        // Speeds at the start of an interval, and the part of the acceleration that is theirs: the same
-        // as at the end of the one before.
+        // Speeds at the start of an interval and the curvature term of the acceleration: the same
+        // as at the end of the previous interval.
         let (mut speed, mut bend) = ([0.0; 8], [0.0; 8]);
         for j in 0..8 {
             speed[j] = (start[j] * from.rate).abs() * velocity[j];
@@ -132,7 +134,7 @@ impl LimitUsage {
         }
     }
 
-    /// Adds the intervals between `nodes`, where `rows` are those of further limits there, `count` at each node.
+    /// Adds the intervals between `nodes` for further limits with `count` `rows` at each node.
     pub(crate) fn add_rows(&mut self, nodes: &[Node], rows: &[PathRow], count: usize) {
         if count == 0 {
             return;
@@ -144,7 +146,7 @@ impl LimitUsage {
             for ((usage, start), end) in self.rows.iter_mut().zip(starts).zip(ends) {
                 let [start, end] =
                     [start.at(pair[0].rate, pair[0].u[0]), end.at(pair[1].rate, pair[0].u[1])];
-                // The lesser of both ends holds for the time; the peaks are those of either.
+                // The lower of both ends decides if the limit is active; both count for the peak.
                 usage.add(lesser(start.abs(), end.abs()), dt);
                 usage.add(start, 0.0);
                 usage.add(end, 0.0);
@@ -152,7 +154,7 @@ impl LimitUsage {
         }
     }
 
-    /// Adds the shares of the limits of all kinds that hold for `dt`.
+    /// Adds the shares of the limits of all kinds over a time `dt`.
     #[inline(always)]
     pub(crate) fn sample(&mut self, shares: &ByKind<[f64; 8]>, dt: f64) {
         for (kind, shares) in shares {
@@ -161,7 +163,7 @@ impl LimitUsage {
         }
     }
 
-    /// Adds the shares of further limits that hold for `dt`.
+    /// Adds the shares of further limits over a time `dt`.
     #[inline(always)]
     pub(crate) fn sample_rows(&mut self, shares: impl Iterator<Item = f64>, dt: f64) {
         for (row, share) in shares.enumerate() {
@@ -179,7 +181,7 @@ impl LimitUsage {
         }
     }
 
-    /// The same, with what is used of the limits of the `tool` as that of its way or of its turn.
+    /// Assigns the usage of the limits of the `tool` to its way or to its rotation.
     pub(crate) fn told_apart(mut self, tool: Option<&ToolCoordinate>) -> Self {
         let Some(tool) = tool else { return self };
         for (_, shares) in self.of.iter_mut().filter(|(kind, _)| tool.is_of_turn(*kind)) {
@@ -204,17 +206,18 @@ impl LimitUsage {
         }
     }
 
-    /// The largest share of any limit of velocity, acceleration or jerk, and which one it is.
+    /// Returns the limit of velocity, acceleration or jerk with the largest share, and that share.
     pub(crate) fn worst(&self) -> (Limit, f64) {
         self.largest(Shares::peaks)
     }
 
-    /// The largest share of a further limit, and which one it is.
+    /// Returns the further limit with the largest share, and that share.
     pub(crate) fn largest_row(&self) -> Option<(Limit, f64)> {
         self.largest_of_rows(|row| row.peak)
     }
 
-    /// The limit that is kept for the longest time, or else the one that is come closest to.
+    /// Returns the limit that is active for the longest time, or else the one with the largest
+    /// share.
     pub(crate) fn limit(&self) -> Limit {
         let (limit, time_s) = self.largest(Shares::times_s);
         if let Some((of_row, at_row_s)) = self.largest_of_rows(|row| row.time_s)
@@ -232,13 +235,14 @@ impl LimitUsage {
         }
     }
 
-    /// The largest share of a limit of speed, where `full` are the limits, of which `own` are shares.
+    /// Returns the largest share of a velocity limit of `full`, for a usage in shares of the lower
+    /// limits `own`.
     #[inline(always)]
     pub(crate) fn peak_velocity_rel(&self, own: &[f64; 7], full: &[f64; 7]) -> f64 {
         (0..7).map(|j| self.of[LimitKind::Velocity].peak[j] * own[j] / full[j]).fold(0.0, f64::max)
     }
 
-    /// The limits that are kept, with their shares of `total_s`, the largest first.
+    /// Returns the active limits, with their shares of `total_s`, the largest first.
     pub(crate) fn shares(&self, total_s: f64) -> Vec<LimitShare> {
         let at =
             |limit: Limit, time_s: f64| LimitShare { limit, share: (time_s / total_s).min(1.0) };
@@ -246,7 +250,7 @@ impl LimitUsage {
             .of
             .iter()
             .flat_map(|(kind, shares)| {
-                // A wait is at none, and may take no time.
+                // A wait has no active limit and may have no duration.
                 let kept = shares.times_s().filter(|(_, time_s)| *time_s > 0.0);
                 kept.map(move |(of, time_s)| at(Limit::Motion { of, kind }, time_s))
             })
@@ -273,7 +277,7 @@ impl LimitUsage {
         best
     }
 
-    /// The largest value of a further limit, and of which it is.
+    /// Returns the further limit with the largest value, and that value.
     fn largest_of_rows(&self, value: impl Fn(&RowUsage) -> f64) -> Option<(Limit, f64)> {
         let values = self.rows.iter().filter_map(|row| Some((row.limit?, value(row))));
         values.reduce(|best, next| if next.1 > best.1 { next } else { best })

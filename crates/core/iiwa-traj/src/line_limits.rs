@@ -1,14 +1,14 @@
 //! Speeds along a straight line.
 //!
-//! Everything here is in x = (ds/dt)^2, which changes linearly with s when d2s/dt2 is constant.
+//! All speeds are expressed by x = (ds/dt)^2, which is linear in s at constant d2s/dt2.
 
 use iiwa_kin::vector::largest_multiple;
 
 use crate::sweep::Sample;
 
-/// The least share of a line over which the speed changes. A shorter ramp, of a slow motion, is
-/// stretched to it: its length would be lost in rounding, and with u no more than allowed it costs a
-/// share of the time that is as small.
+/// Minimum share of a line over which the speed changes. A shorter ramp of a slow motion is
+/// stretched to this length, because it would be lost in rounding; u only decreases, and the cost
+/// is a share of the time that is as small.
 const SHORTEST: f64 = 1e-9;
 
 /// Limits along a line with s in [0, 1].
@@ -21,7 +21,7 @@ pub(crate) struct LineLimits {
 }
 
 impl LineLimits {
-    /// Limits along `direction` (dq/ds, in rad) under limits of velocity and acceleration.
+    /// Creates the limits along `direction` (dq/ds, in rad) from velocity and acceleration limits.
     pub(crate) fn new(direction: &[f64; 7], velocity: &[f64; 7], acceleration: &[f64; 7]) -> Self {
         Self {
             x_max: largest_multiple(direction, velocity).powi(2),
@@ -29,13 +29,13 @@ impl LineLimits {
         }
     }
 
-    /// Largest x at one end, when it is `x` at the other.
+    /// Returns the largest x at one end, given `x` at the other.
     pub(crate) fn reach(&self, x: f64) -> f64 {
         (x + 2.0 * self.u_max).min(self.x_max)
     }
 
-    /// The fastest way from x0 at s = 0 to x1 at s = 1: up to four nodes (s, x), between which
-    /// d2s/dt2 is constant. The ends must be within reach of each other.
+    /// Returns the fastest motion from x0 at s = 0 to x1 at s = 1: up to four nodes (s, x), between
+    /// which d2s/dt2 is constant. Each end must be reachable from the other.
     pub(crate) fn fastest(&self, x0: f64, x1: f64) -> impl Iterator<Item = (f64, Sample)> {
         let top = (0.5 * (x0 + x1) + self.u_max).min(self.x_max).max(x0).max(x1);
         let ramp = |x: f64| {
@@ -43,7 +43,7 @@ impl LineLimits {
             if rises { ((top - x) / (2.0 * self.u_max)).max(SHORTEST) } else { 0.0 }
         };
         let (up, down) = (ramp(x0), ramp(x1));
-        // A single ramp may miss its end by rounding, and two may overlap by it.
+        // A single ramp may miss its end by rounding, and two may overlap by rounding.
         let peak = up / (up + down);
         let (up, down) = if up + down < 1.0 - SHORTEST { (up, 1.0 - down) } else { (peak, peak) };
         let inside = |s: f64| s > 0.0 && s < 1.0;
@@ -78,7 +78,8 @@ mod tests {
 
     #[test]
     fn trapezoid_and_triangle() {
-        // Speed 2/s reached after 0.5 s and a quarter ... of the way each: 1 = 0.5 + 2 * t.
+        // Speed 1/s is reached after 0.5 s and a quarter of the way, at each end: 0.5 s at speed
+        // 1/s remain for the other half.
         let trapezoid = LineLimits { x_max: 1.0, u_max: 2.0 };
         assert!((duration(trapezoid, 0.0, 0.0) - 1.5).abs() < 1e-15);
         let triangle = LineLimits { x_max: 100.0, u_max: 4.0 };
@@ -87,7 +88,7 @@ mod tests {
 
     #[test]
     fn ramps_too_short_to_tell_are_kept() {
-        // 1 s of ramp at each end of 2e10 s.
+        // Ramps of 1 s at each end of 2e10 s.
         let slow = LineLimits { x_max: 2.5e-21, u_max: 5e-11 };
         assert!((duration(slow, 0.0, 0.0) / 2e10 - 1.0).abs() < 1e-8);
         assert!((duration(slow, 0.0, slow.x_max) / 2e10 - 1.0).abs() < 1e-8);

@@ -1,18 +1,20 @@
-//! Samples at which stamps are found.
+//! Nodes of the time parameterisation.
 
-/// A sample of a piece. Until the next one p is the polynomial of degree five in time that meets both, or the cubic
-/// that goes from d2p/dt2 here to d2p/dt2 there where it misses the next one by no more than 1e-12 of the way; under
-/// jerk-limited timing, d2p/dt2 continues from interval to interval.
+/// Node of a piece. Up to the next node, p is the polynomial of degree five in time that meets
+/// both, or the cubic with linear d2p/dt2 if that misses the next node by at most 1e-12 of the way.
+/// Under jerk-limited timing, d2p/dt2 is continuous from interval to interval.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Node {
     /// Time since the start of the section, in s.
     pub t_s: f64,
-    /// Time to the next node, in s; of the last one, 0. Not rounded by how late it is.
+    /// Time to the next node, in s; 0 at the last node. Unlike differences of `t_s`, it keeps all
+    /// digits late in a section.
     pub dt_s: f64,
-    /// Where it is in the piece's segment: share of its sigma, 0 to 1, as
-    /// [`at_share`](iiwa_path::Segment::at_share) takes it.
+    /// Position in the piece's segment: share of its sigma, 0 to 1, as input of
+    /// [`at_share`](iiwa_path::Segment::at_share).
     pub p: f64,
-    /// Change of p to the next node; of the last one, 0. Not rounded by how far along it is.
+    /// Change of p to the next node; 0 at the last node. Unlike differences of `p`, it keeps all
+    /// digits.
     pub dp: f64,
     /// dp/dt, in 1/s.
     pub rate: f64,

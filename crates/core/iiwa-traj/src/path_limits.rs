@@ -1,4 +1,4 @@
-//! All limits of a path beside those of velocity, acceleration and jerk, and how far motions use them.
+//! Further limits of a path, beside those of velocity, acceleration and jerk, and their usage.
 
 use std::{ops::Range, sync::Arc};
 
@@ -15,7 +15,7 @@ use crate::{
     torque_limit::TorqueLimit,
 };
 
-/// All limits that a path is planned with, beside those of velocity, acceleration and jerk.
+/// All limits for planning a path, beside those of velocity, acceleration and jerk.
 #[derive(Clone, Debug)]
 pub(crate) struct PathLimits(Vec<Arc<dyn PathLimit>>);
 
@@ -23,7 +23,7 @@ pub(crate) struct PathLimits(Vec<Arc<dyn PathLimit>>);
 #[derive(Debug, Default)]
 pub(crate) struct StepLimits {
     pub(crate) rows: RowLimits,
-    /// The limit of each row.
+    /// Limit of each row.
     pub(crate) limits: Vec<Limit>,
 }
 
@@ -38,12 +38,12 @@ impl PathLimits {
         self.0.push(limit);
     }
 
-    /// True if any of them limits a step.
+    /// Returns true if any of the limits applies to a step.
     pub(crate) fn limit_step(&self, path: &JointPath, step: usize) -> bool {
         self.0.iter().any(|limit| limit.of_step(path, step).is_some())
     }
 
-    /// The limits of the steps in `steps`, one entry for each; empty if none of these is limited.
+    /// Returns the limits of `steps`, one entry for each; empty if none of the steps is limited.
     pub(crate) fn of_steps(&self, path: &JointPath, steps: Range<usize>) -> Vec<StepLimits> {
         let limits: Vec<_> = steps.map(|step| self.of_step(path, step)).collect();
         if limits.iter().all(|own| own.limits.is_empty()) { Vec::new() } else { limits }
@@ -60,16 +60,17 @@ impl PathLimits {
         StepLimits { rows: RowLimits::new(rows), limits }
     }
 
-    /// Checks that all of them can be kept along a path.
+    /// Checks that all limits can be kept along a path.
     pub(crate) fn check(&self, path: &JointPath) -> Result<(), TimingError> {
         self.0.iter().try_for_each(|limit| limit.check(path))
     }
 }
 
-/// The largest share of a further limit that a section reaches; `limits` are those of its moves, of which the first is
-/// `first_step`.
+/// Returns the largest share of a further limit in a section; `limits` are those of its moves, of
+/// which the first is `first_step`.
 ///
-/// It is looked for where nodes begin and, if acceleration jumps there, where they end.
+/// The shares are computed at the start of spans and, if acceleration jumps there, also at their
+/// ends.
 pub(crate) fn largest_share(
     section: &Section,
     first_step: usize,
@@ -100,7 +101,7 @@ fn largest_at<const N: usize>(
         let all = |of: fn(&State) -> Joints| states.iter().map(of).collect::<Vec<_>>();
         let [q, dq, ddq] = [all(|state| state.q), all(|state| state.dq), all(|state| state.ddq)];
         for share in rows.shares(&q, &dq, &ddq) {
-            // What is not a number is above any limit.
+            // NaN counts as above any limit.
             largest = if share.abs() <= largest { largest } else { share.abs() };
         }
     }

@@ -1,27 +1,27 @@
-//! From rest to rest along a straight line under limits of speed, acceleration and jerk: the profile
-//! of at most seven phases, in closed form.
+//! Motion from rest to rest along a straight line under limits of speed, acceleration and jerk: the
+//! profile of at most seven phases, in closed form.
 
 use crate::node::Node;
 
-/// The state between two phases of the profile. Lengths are in the unit of the line's parameter.
+/// State between two phases of the profile. Lengths are in the unit of the line's parameter.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct ProfilePoint {
     pub(crate) t_s: f64,
     pub(crate) way: f64,
     pub(crate) speed: f64,
     pub(crate) acceleration: f64,
-    /// Duration and way of the phase that begins here; not rounded by what came before.
+    /// Duration and way of the phase that begins here, without rounding by preceding phases.
     pub(crate) phase_s: f64,
     pub(crate) phase_way: f64,
 }
 
 impl ProfilePoint {
-    /// The way within a time `dt` of constant jerk.
+    /// Returns the way within a time `dt` of constant jerk.
     pub(crate) fn way_in(&self, dt: f64, jerk: f64) -> f64 {
         dt * (self.speed + dt * (self.acceleration / 2.0 + dt * jerk / 6.0))
     }
 
-    /// The state after a time `dt` of constant jerk.
+    /// Returns the state after a time `dt` of constant jerk.
     pub(crate) fn after(&self, dt: f64, jerk: f64) -> Self {
         Self {
             t_s: self.t_s + dt,
@@ -32,7 +32,7 @@ impl ProfilePoint {
         }
     }
 
-    /// As the node of a segment whose sigma has this `length`.
+    /// Converts the state to the node of a segment whose sigma has this `length`.
     pub(crate) fn node(&self, length: f64) -> Node {
         Node {
             t_s: self.t_s,
@@ -45,15 +45,15 @@ impl ProfilePoint {
     }
 }
 
-/// The instants between the phases of constant jerk, the start and the end among them; phases that
-/// take no time are left out.
+/// Returns the instants between the phases of constant jerk, including start and end; phases
+/// without duration are dropped.
 ///
-/// Three ways to go, as far as the limits bite: jerk alone, jerk and acceleration, and all three.
+/// Three cases, by active limits: jerk alone, jerk and acceleration, and all three.
 pub(crate) fn phases(way: f64, [speed, acceleration, jerk]: [f64; 3]) -> Vec<ProfilePoint> {
-    // Half of the profile: jerk up for `ramp`, constant acceleration for `push`, jerk down for `ramp`,
-    // then half of the cruise.
+    // Half of the profile: positive jerk for `ramp`, constant acceleration for `push`, negative
+    // jerk for `ramp`, then half of the cruise.
     let full = acceleration / jerk;
-    // Way of speeding up and slowing down with nothing in between, if the top speed is `v`.
+    // Way of acceleration and deceleration without a cruise, for the top speed `v`.
     let way_to = |v: f64| {
         if v * jerk >= acceleration * acceleration {
             v * (v / acceleration + full)
@@ -69,8 +69,8 @@ pub(crate) fn phases(way: f64, [speed, acceleration, jerk]: [f64; 3]) -> Vec<Pro
         };
         (ramp, push, (way - way_to(speed)) / speed)
     } else if way >= 2.0 * acceleration * full * full {
-        // v (v / a + full) = way, for the push in v = a (full + push):
-        // a (full + push) (2 full + push) = way.
+        // v (v / a + full) = way with v = a (full + push) gives a (full + push) (2 full + push) =
+        // way. The root is written without cancellation.
         let push = 2.0 * (way / acceleration - 2.0 * full * full)
             / (3.0 * full + (full * full + 4.0 * way / acceleration).sqrt());
         (full, push, 0.0)
@@ -91,7 +91,7 @@ pub(crate) fn phases(way: f64, [speed, acceleration, jerk]: [f64; 3]) -> Vec<Pro
             instants.push(at);
         }
     }
-    // Exactly there and exactly at rest, not but for rounding.
+    // The end is set to the exact way and to rest, without rounding.
     if let Some(last) = instants.last_mut() {
         *last = ProfilePoint { t_s: last.t_s, way, ..ProfilePoint::default() };
     }
@@ -120,17 +120,17 @@ mod tests {
         // Jerk alone: four phases of (way / 2 / jerk)^(1/3).
         assert!((duration(2.0, [1e9, 1e9, 1.0]) - 4.0).abs() < 1e-14);
         assert_eq!(phases(2.0, [1e9, 1e9, 1.0]).len(), 5);
-        // Jerk and speed: 8 phases of 1 s would reach speed 1.
+        // Jerk and speed: two phases of 1 s reach speed 1.
         assert!((duration(5.0, [1.0, 1e9, 1.0]) - 7.0).abs() < 1e-14);
         assert_eq!(phases(5.0, [1.0, 1e9, 1.0]).len(), 6);
         // Jerk and acceleration: (1 + p) (2 + p) = 12 has p = 2.
         assert!((duration(12.0, [1e9, 1.0, 1.0]) - 8.0).abs() < 1e-14);
         assert_eq!(phases(12.0, [1e9, 1.0, 1.0]).len(), 7);
-        // All of them.
+        // All three.
         assert_eq!(phases(100.0, [4.0, 1.0, 1.0]).len(), 8);
     }
 
-    /// The phases join, end at rest where they should, and keep the limits.
+    /// The phases join, end at rest at the end of the way, and keep the limits.
     #[test]
     fn phases_join() {
         for way in [1e-9, 1e-3, 0.1, 1.0, 3.0, 100.0] {

@@ -1,4 +1,4 @@
-//! Finds the stamps of a path, one section at a time.
+//! Time parameterisation of a path, one section at a time.
 
 use std::{
     ops::Range,
@@ -23,28 +23,31 @@ use crate::{
     timing::{Timing, TimingError},
 };
 
-/// The largest share of a further limit that a section may reach which was planned without them.
+/// Largest share of a further limit at which a section that was planned without further limits is
+/// accepted.
 const TOLERANCE: f64 = 1.005;
 
-/// Share of a further limit from which on, under limits of acceleration, one is likely to be exceeded under limits of jerk.
+/// Share of a further limit in the acceleration-limited stamps above which the jerk-limited ones
+/// are likely to exceed the limit as well.
 const LIKELY: f64 = 1.03;
 
-/// The largest share of a further limit that is handed out.
+/// Largest share of a further limit in an accepted plan.
 const MOST: f64 = 1.01;
 
-/// Largest difference in time between plans of different lengths where both do the same, in s: nanoseconds, and a reserve.
+/// Largest difference in time between plans of different lengths in their common part, in s:
+/// nanoseconds, plus a margin.
 const PLANS_DIFFER_S: f64 = 0.02;
 
-/// The decision on a blend: to go through it, or to stop before it.
+/// Decision on a blend: to continue through the blend, or to stop before it.
 enum Decided {
-    /// Known in time is what it leads into. `needed_s` is when that has to be known at the latest, in s, where it was found, and
-    /// negative infinity elsewhere.
+    /// The next motion is known in time. `needed_s` is the latest time at which it has to be known,
+    /// in s, where that was computed, and negative infinity elsewhere.
     InTime { needed_s: f64 },
-    /// Too late for it is what it leads into: the part of the section that stops before the blend.
+    /// The next motion is known too late: the part of the section that stops before the blend.
     TooLate(Box<Section>),
 }
 
-/// Plans a path section by section: an iterator that needs memory for one of them only.
+/// Plans a path section by section: an iterator with memory for one section at a time.
 ///
 /// ```
 /// use iiwa_kin::Robot;
@@ -60,7 +63,7 @@ enum Decided {
 /// let path = JointPath::new(&program, &Robot::default())?;
 /// let mut cycle_time_s = 0.0;
 /// for section in Planner::new(&path, Timing::default()) {
-///     // Written, sent or dropped before the next one is planned.
+///     // The section is written, sent or dropped before the next one is planned.
 ///     cycle_time_s = section?.end_s();
 /// }
 /// assert!(cycle_time_s > 0.5);
@@ -70,23 +73,24 @@ enum Decided {
 pub struct Planner {
     path: JointPath,
     jerk: Option<JerkTiming>,
-    /// The next of the path's steps.
+    /// Index of the next step of the path.
     step: usize,
     time_s: f64,
     rest_rad: Joints,
-    /// When motions after waits that overlap others are known.
+    /// Times at which motions after overlapping waits are known.
     clock: ProgramClock,
     scratch: SweepScratch,
     /// All limits beside those of velocity, acceleration and jerk.
     limits: PathLimits,
-    /// The path without the speed of T1, and that speed in m/s, if it is held while motions run.
+    /// Path without the T1 speed limit, and that limit in m/s, if it is supervised during
+    /// execution.
     supervised: Option<(JointPath, f64)>,
-    /// Whether it is to stop.
+    /// Flag that interrupts planning.
     stop: Arc<AtomicBool>,
 }
 
 impl Planner {
-    /// A planner for `path`.
+    /// Creates a planner for `path`.
     #[must_use]
     pub fn new(path: &JointPath, timing: Timing) -> Self {
         let (samples, jerk) = match timing {
@@ -112,8 +116,8 @@ impl Planner {
         planner
     }
 
-    /// Takes the path with the limits of Sunrise: short motions, and what is planned where the speed of T1 is held while motions
-    /// run.
+    /// Applies Sunrise's limits to the path: the minimum cruise time of short motions, and planning
+    /// without the T1 speed where that is supervised during execution.
     fn limit_as_sunrise(&mut self) {
         self.supervised = None;
         if let Some(JerkTiming { sunrise: true, .. }) = self.jerk {
@@ -124,13 +128,14 @@ impl Planner {
         }
     }
 
-    /// The path.
+    /// Returns the path.
     #[must_use]
     pub fn path(&self) -> &JointPath {
         &self.path
     }
 
-    /// Begins again, with `path`, in the memory that it has: sooner than a new one, where many programs are planned.
+    /// Restarts with `path` and reuses the memory of the planner, which is faster than a new
+    /// planner for many programs.
     pub fn restart(&mut self, path: &JointPath) {
         (self.path, self.rest_rad) = (path.clone(), *path.start_rad());
         (self.step, self.time_s) = (0, 0.0);
@@ -138,14 +143,15 @@ impl Planner {
         self.limit_as_sunrise();
     }
 
-    /// Ends in [`TimingError::Interrupted`] soon after `stop` is set, in the middle of a section as well.
+    /// Sets a flag that ends planning in [`TimingError::Interrupted`] soon after it is set, within
+    /// a section as well.
     #[must_use]
     pub fn interrupted_by(mut self, stop: Arc<AtomicBool>) -> Self {
         self.stop = stop;
         self
     }
 
-    /// Keeps one more limit.
+    /// Adds a limit.
     ///
     /// ```
     /// use std::sync::Arc;
@@ -194,7 +200,7 @@ impl Planner {
         self
     }
 
-    /// Share of the path's steps that are planned, 0 to 1.
+    /// Returns the share of the path's steps that are planned, 0 to 1.
     #[must_use]
     pub fn progress(&self) -> f64 {
         self.step as f64 / self.path.steps().len().max(1) as f64
@@ -204,9 +210,10 @@ impl Planner {
 impl Planner {
     /// Plans the moves of `section`, which has no pieces yet.
     ///
-    /// A section with limits beside those of velocity, acceleration and jerk is planned without them first. This pass has a
-    /// numerical reason: cells are shorter with these limits, and rows that bind nothing still change the last digits of what the solver
-    /// finds. A section that needs none of them is to be as it is without them, to the last bit.
+    /// A section with limits beside those of velocity, acceleration and jerk is planned without
+    /// them first. This pass has a numerical reason: cells are shorter with further limits, and
+    /// inactive rows still change the last digits of the solution. A section in which no further
+    /// limit is active has to equal the plan without them to the last bit.
     fn plan_moves(
         &mut self,
         steps: Range<usize>,
@@ -218,8 +225,9 @@ impl Planner {
             return self.limit_jerk(&[], section);
         }
         let (first, jumps) = (steps.start, self.jerk.is_none());
-        // Where accelerations jump, shares are larger than with limits of jerk. If they exceed a limit by far, what the solver finds
-        // without these limits would be dropped, and it takes nearly all of the time.
+        // Where acceleration jumps, shares are larger than under jerk limits. If they exceed a
+        // limit by far, the solution without further limits would be discarded, and the solver
+        // takes almost all of the time.
         let is_likely = !jumps && largest_share(section, first, &limits, true) >= LIKELY;
         let is_kept =
             |section: &Section| largest_share(section, first, &limits, jumps) <= TOLERANCE;
@@ -239,7 +247,7 @@ impl Planner {
         let reached = reached.max_by(|(_, a), (_, b)| a.1.total_cmp(&b.1));
         let Some((motion, (limit, ratio))) = reached else { return Ok(()) };
         if is_likely && ratio < SATURATED_ROW {
-            // None of them held it back, unlike what seemed likely.
+            // No further limit became active, contrary to the estimate.
             self.limit_jerk(&[], section)?;
             if is_kept(section) {
                 return Ok(());
@@ -252,7 +260,8 @@ impl Planner {
         Ok(())
     }
 
-    /// Adds the moves of `steps` to `section`, under limits of velocity and acceleration and further `limits`.
+    /// Adds the moves of `steps` to `section`, under limits of velocity and acceleration and
+    /// further `limits`.
     fn sweep(
         &mut self,
         limits: &[StepLimits],
@@ -263,7 +272,7 @@ impl Planner {
         sweep_moves(&moves, &mut self.scratch, &self.stop, section)
     }
 
-    /// Limits the jerk of a section that was swept, if the timing does.
+    /// Limits the jerk of a swept section, if the timing has jerk limits.
     fn limit_jerk(&self, limits: &[StepLimits], section: &mut Section) -> Result<(), TimingError> {
         self.jerk.map_or(Ok(()), |timing| spline_speed::limit(section, limits, timing, &self.stop))
     }
@@ -277,6 +286,7 @@ impl Iterator for Planner {
             return None;
         }
         let planned = self.plan_section();
+        // The iterator ends after an error.
         if planned.is_err() {
             self.step = self.path.steps().len();
         }
@@ -285,7 +295,7 @@ impl Iterator for Planner {
 }
 
 impl Planner {
-    /// Plans the moves up to the next stop, and what the arm does there.
+    /// Plans the moves up to the next stop, and the rests there.
     fn plan_section(&mut self) -> Result<Section, TimingError> {
         let first = self.step;
         if first == 0 {
@@ -320,7 +330,7 @@ impl Planner {
         Ok(section)
     }
 
-    /// How long a motion takes that goes nowhere, in s.
+    /// Returns the duration of a motion without displacement, in s.
     fn still_s(&self) -> f64 {
         match self.jerk {
             Some(JerkTiming { sunrise: true, .. }) => self.path.ramp_law().least_cruise_s,
@@ -328,7 +338,7 @@ impl Planner {
         }
     }
 
-    /// The section of these moves, without the rest after them.
+    /// Plans the section of these moves, without the rest after them.
     fn plan_to(&mut self, moves: Range<usize>) -> Result<Section, TimingError> {
         let mut section = Section {
             path: self.path.clone(),
@@ -353,21 +363,24 @@ impl Planner {
         Ok(section)
     }
 
-    /// The section of these moves and the step at which it ends, as far as each of its motions is known in time for the blend into it; then the arm stops
-    /// before that blend.
+    /// Plans the section of these moves as far as each motion is known in time for the blend into
+    /// it; otherwise the robot stops before that blend. Returns the section and the step at which
+    /// it ends.
     ///
-    /// What is far ahead has nothing to do with it. To plan it again and again would take time that grows with the square
-    /// of the moves: as long as all is in time, each plan goes twice as far as the one before.
+    /// Later motions have no influence, and planning all of them for each decision would take time
+    /// proportional to the square of the number of moves. Therefore the plan starts short, and its
+    /// length doubles as long as all motions are known in time.
     fn plan_what_is_known(&mut self, moves: Range<usize>) -> Result<(Section, usize), TimingError> {
-        /// Blends that are planned beyond what is known to be in time, at least.
+        /// Minimum number of blends that are planned beyond those known to be in time.
         const AHEAD: usize = 2;
         let delays = |step: &usize| {
             waits_before_blend(&self.path, *step).iter().any(|wait| wait.seconds > 0.0)
         };
-        // The arm has stopped before the first one, if that is a blend.
+        // The robot has already stopped before the first move, even if that is a blend.
         let blends: Vec<usize> = (moves.start + 1..moves.end).filter(delays).collect();
         let mut in_time = 0;
-        // The latest instant, in s, at which what comes after one of the blends before has to be known, as far as found.
+        // Latest time so far, in s, at which the motion after one of the preceding blends has to be
+        // known.
         let mut needed_before_s = f64::NEG_INFINITY;
         loop {
             let end = blends.get(in_time + in_time.max(AHEAD)).copied().unwrap_or(moves.end);
@@ -375,7 +388,7 @@ impl Planner {
             self.clock.note(&section);
             while let Some(blend) = blends.get(in_time).copied().filter(|blend| *blend < end) {
                 let known_s = self.clock.known_s(waits_before_blend(&self.path, blend));
-                // The later the blend, the longer the arm goes on before it has to slow down.
+                // The later the blend, the later the robot has to slow down.
                 let is_in_time = known_s <= needed_before_s - PLANS_DIFFER_S;
                 let decided = if is_in_time {
                     Decided::InTime { needed_s: needed_before_s }
@@ -386,7 +399,8 @@ impl Planner {
                     needed_before_s = needed_before_s.max(needed_s);
                 }
                 if let Decided::TooLate(mut stopped) = decided {
-                    // Before the stop, motions may begin some nanoseconds earlier or later than without it.
+                    // With the stop, motions may begin some nanoseconds earlier or later than
+                    // without it.
                     self.clock.note(&stopped);
                     let known_s = self.clock.known_s(waits_before_blend(&self.path, blend));
                     if let Some(late) = &mut stopped.late_blend {
@@ -403,8 +417,8 @@ impl Planner {
         }
     }
 
-    /// Decides if the arm has to stop before the step `blend`, through which `section` goes on, since it is `known_s` until what
-    /// comes then is known.
+    /// Decides whether the robot has to stop before the step `blend`, through which `section`
+    /// continues, because the next motion is known only at `known_s`.
     fn stopped_before(
         &mut self,
         blend: usize,

@@ -1,4 +1,4 @@
-//! A plan that follows its program when that changes.
+//! Incremental planning of a program that changes.
 
 use std::{ops::Range, sync::atomic::AtomicBool};
 
@@ -19,12 +19,14 @@ use crate::{
     trajectory::Trajectory,
 };
 
-/// Keeps the jerk-limited plan of a program whose motions are changed one at a time, as optimisers do: what is far
-/// from the change stays as it was, so that the time does not depend on the length of the program.
+/// Keeps the jerk-limited plan of a program whose motions are changed one at a time, as by
+/// optimisers. The plan far from a change is reused, so that the computing time does not depend on
+/// the length of the program.
 ///
-/// The fastest way through a program is local: a target that moves changes its own lines and blends much, those next to
-/// them by some microseconds, and all others not at all (docs/solver.md has figures). A program in which waits overlap motions
-/// is planned anew from its first motion to its last.
+/// The fastest motion through a program is local: a changed target has a large effect on its own
+/// lines and blends, changes those next to them by some microseconds, and all others not at all
+/// (docs/solver.md has figures). A program in which waits overlap motions is planned anew as a
+/// whole.
 ///
 /// ```
 /// use iiwa_kin::Robot;
@@ -41,7 +43,7 @@ use crate::{
 ///     Replanner::new(program, &Robot::default(), PathOptions::default(), JerkOptions::default())?;
 /// let before_s = plan.cycle_time_s();
 ///
-/// // At which angle of the elbow does the arm pass by soonest?
+/// // Search for the elbow angle with the shortest cycle time.
 /// let corner = MotionIndex::new(0);
 /// let Motion::Ptp(ptp) = plan.program().motions[0].clone() else { unreachable!() };
 /// for elbow_deg in [-55.0_f64, -45.0, -35.0] {
@@ -59,27 +61,29 @@ pub struct Replanner {
     path: JointPath,
     path_options: PathOptions,
     options: JerkOptions,
-    /// One for each step of the path.
+    /// Plan of each step of the path.
     plans: Vec<StepPlan>,
     limits: PathLimits,
     scratch: SweepScratch,
-    /// The plan of a program in which waits overlap motions: what one of these needs may delay all that follows.
+    /// Plan of a program in which waits overlap motions: the time at which one motion is known may
+    /// delay all that follow, so that the plan is not local.
     whole: Option<Trajectory>,
 }
 
-/// How a step of the path is gone through.
+/// Plan of one step of the path.
 #[derive(Clone, Debug, Default)]
 struct StepPlan {
     duration_s: f64,
-    /// The stamps of a move, from its start; else none.
+    /// Stamps of a move, from its start; otherwise empty.
     nodes: Vec<Node>,
     usage: LimitUsage,
 }
 
-/// Steps beyond them from which the acceleration-limited stamps start that the solver starts from.
+/// Steps beyond the window at which the sweep starts, so that its acceleration-limited stamps in
+/// the window hardly depend on the ends.
 const BEFORE: usize = 4;
 
-/// By which factor more is planned anew when there is no way that fits to the rest.
+/// Factor by which the window grows if there is no feasible motion between its given end states.
 const MORE: usize = 4;
 
 impl Replanner {
@@ -87,7 +91,7 @@ impl Replanner {
     ///
     /// # Errors
     ///
-    /// As [`JointPath::with_options`] and [`Trajectory::plan`].
+    /// The errors of [`JointPath::with_options`] and [`Trajectory::plan`].
     pub fn new(
         program: Program,
         robot: &Robot,
@@ -114,19 +118,19 @@ impl Replanner {
         Ok(replanner)
     }
 
-    /// The program as it is now.
+    /// Returns the current program.
     #[must_use]
     pub fn program(&self) -> &Program {
         &self.program
     }
 
-    /// The path as it is now.
+    /// Returns the current path.
     #[must_use]
     pub fn path(&self) -> &JointPath {
         self.whole.as_ref().map_or(&self.path, Trajectory::path)
     }
 
-    /// From the start to the end of the last settling, in s.
+    /// Returns the time from the start to the end of the last settling, in s.
     #[must_use]
     pub fn cycle_time_s(&self) -> f64 {
         match &self.whole {
@@ -135,14 +139,16 @@ impl Replanner {
         }
     }
 
-    /// Puts `new` in the place of a motion: with another target, other limits or another blend, or a wait.
+    /// Replaces a motion by `new`: with another target, other limits or another blend, or by a
+    /// wait.
     ///
-    /// The cycle time comes as near to that of [`Trajectory::plan`] as the solver comes to the optimum, most often to some
-    /// 1e-5 s.
+    /// The cycle time differs from that of [`Trajectory::plan`] as plans differ from the optimum,
+    /// most often by some 1e-5 s.
     ///
     /// # Errors
     ///
-    /// If the robot cannot do it, or no stamps are found. All is then as it was before.
+    /// If the robot cannot execute the program, or time parameterisation fails. The plan is then
+    /// unchanged.
     ///
     /// # Panics
     ///
@@ -167,20 +173,20 @@ impl Replanner {
         }
         let blank = replaced.after.clone().map(|_| StepPlan::default());
         let before: Vec<_> = self.plans.splice(replaced.before, blank).collect();
-        // The outermost lines of a change in shape are longer or shorter at their inner ends only; one with other limits
-        // is another from end to end.
+        // After a change in shape, the outermost lines are longer or shorter at their inner ends
+        // only, so that their outer ends can be kept. New limits apply to a line from end to end.
         let around = usize::from(self.path.limits()[motion.index()] != limits);
         if let Err(error) = self.plan(replaced.after.clone(), around) {
             self.plans.splice(replaced.after, before);
             self.program.motions[motion.index()] = old;
-            // It was possible before.
+            // Restores the old path, which was feasible.
             self.path.update(&self.program, self.path_options, motion)?;
             return Err(error.into());
         }
         Ok(())
     }
 
-    /// The whole trajectory: in time that goes with its length.
+    /// Returns the whole trajectory, in time proportional to its length.
     #[must_use]
     pub fn trajectory(&self) -> Trajectory {
         if let Some(whole) = &self.whole {
@@ -204,7 +210,7 @@ impl Replanner {
         Trajectory::from_sections(self.path.clone(), sections)
     }
 
-    /// A section without pieces.
+    /// Creates a section without pieces.
     fn section(&self, start_s: f64) -> Section {
         Section {
             path: self.path.clone(),
@@ -216,20 +222,20 @@ impl Replanner {
         }
     }
 
-    /// Plans all of it anew. If there is an error, the plan is as before.
+    /// Plans the whole program anew. On errors, the plan is unchanged.
     fn plan_whole(&mut self) -> Result<(), TimingError> {
         self.whole = Some(Trajectory::plan(&self.path, Timing::Jerk(self.options))?);
         Ok(())
     }
 
-    /// Plans the steps in `changed` and at least `around` steps on either side. If there is an error, all plans are as
-    /// before.
+    /// Plans the steps in `changed` and at least `around` steps on either side. On errors, all
+    /// plans are unchanged.
     fn plan(&mut self, changed: Range<usize>, around: usize) -> Result<(), TimingError> {
         self.limits.check(&self.path)?;
         let mut found = Vec::new();
         let mut step = changed.start;
         if changed.is_empty() && self.moves(step) {
-            // Something between two moves is gone.
+            // A rest between two moves was removed: the moves now join.
             found.push(self.plan_moves(step..step, around)?);
         }
         while step < changed.end {
@@ -255,12 +261,12 @@ impl Replanner {
         Ok(())
     }
 
-    /// Whether there is a step at `step` that moves the arm.
+    /// Returns true if there is a step at `step` that moves the robot.
     fn moves(&self, step: usize) -> bool {
         self.path.steps().get(step).is_some_and(Step::moves)
     }
 
-    /// Whether the step at `step` is a line.
+    /// Returns true if the step at `step` is a line.
     fn is_straight(&self, step: usize) -> bool {
         match &self.path.steps()[step] {
             Step::Move { segment, .. } => segment.is_straight(),
@@ -268,8 +274,9 @@ impl Replanner {
         }
     }
 
-    /// `moves` and at least `count` more on either side, as far as there is no stop, from a line to a line: where a curve
-    /// begins, the arm has slowed down for it already.
+    /// Extends `moves` by at least `count` steps on either side, up to the next stop, such that the
+    /// result begins and ends with a line: at the start of a curve, the robot has already slowed
+    /// down for it.
     fn around(&self, moves: &Range<usize>, count: usize) -> Range<usize> {
         let Range { mut start, mut end } = *moves;
         let mut left = count;
@@ -285,8 +292,9 @@ impl Replanner {
         start..end
     }
 
-    /// Plans for moves that follow each other without a stop, `count` around them, or as many more as it takes to fit to
-    /// the rest: the first step, and a plan for each.
+    /// Plans consecutive moves without a stop, with `count` steps around them, or as many more as a
+    /// feasible connection to the rest of the plan takes. Returns the first step and a plan for
+    /// each step.
     fn plan_moves(
         &mut self,
         moves: Range<usize>,
@@ -302,7 +310,7 @@ impl Replanner {
         }
     }
 
-    /// Plans for the moves of `window`, from and to the states in which the moves beside it end and begin.
+    /// Plans the moves of `window`, between the states at which the adjacent moves end and begin.
     fn plan_window(&mut self, window: &Range<usize>) -> Result<Vec<StepPlan>, TimingError> {
         let stop = AtomicBool::new(false);
         let swept = self.around(window, BEFORE);
@@ -324,13 +332,13 @@ impl Replanner {
         )?))
     }
 
-    /// The state in which the step at `step` begins: the square of the speed along the path and its derivative by the
-    /// way; none at rest.
+    /// Returns the state at the start of the step at `step`: the squared speed along the path and
+    /// its derivative by the way; none at rest.
     fn state(&self, step: usize) -> Option<[f64; 2]> {
         if step == 0 || !self.moves(step - 1) || !self.moves(step) {
             return None;
         }
-        // One of both is not planned anew.
+        // At most one of both steps lacks a plan: the other one holds the state.
         let node = |step: usize, node: Option<&Node>| {
             let Step::Move { segment, .. } = &self.path.steps()[step] else { return None };
             let length = segment.sigma_length_rad();
@@ -343,7 +351,7 @@ impl Replanner {
 }
 
 impl StepPlan {
-    /// Those of the segments of `stamps`, in order.
+    /// Creates the plans of the segments of `stamps`, in order.
     fn of(stamps: Stamps) -> Vec<Self> {
         let Stamps { nodes, segments } = stamps;
         let plan = |stamps: &jerk::SegmentStamps| {
@@ -358,7 +366,7 @@ impl StepPlan {
         segments.iter().map(plan).collect()
     }
 
-    /// Adds it to `section`, in which it is the next.
+    /// Appends the plan to `section`.
     fn add_to(&self, section: &mut Section, step: usize) {
         let first = section.nodes.len();
         let mut t_s = section.nodes.last().map_or(0.0, |node| node.t_s);

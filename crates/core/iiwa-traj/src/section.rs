@@ -1,4 +1,4 @@
-//! A part of a trajectory from one stop to the next.
+//! Part of a trajectory from one stop to the next.
 
 use std::ops::Range;
 
@@ -15,62 +15,64 @@ use crate::{
     state::State,
 };
 
-/// A part of a trajectory: the arm moves without a stop, then it stands.
+/// Part of a trajectory: a motion without a stop, followed by the rests at its end.
 ///
-/// Sections are independent of each other: a long program is planned and written one by one.
-/// Times are counted from the start of the program.
+/// Sections are independent of each other, so that a long program can be planned and written
+/// section by section. Times are counted from the start of the program.
 #[derive(Clone, Debug)]
 pub struct Section {
     pub(crate) path: JointPath,
     pub(crate) start_s: f64,
-    /// Where it ends and rests, in rad.
+    /// Joint positions at the end and at rest, in rad.
     pub(crate) rest_rad: Joints,
     pub(crate) pieces: Vec<Piece>,
     pub(crate) nodes: Vec<Node>,
-    /// The blend after it that was not known in time.
+    /// Blend after the section that was not known in time.
     pub(crate) late_blend: Option<LateBlend>,
 }
 
-/// A line, a path of the TCP, a blend or a rest.
+/// Line, TCP path, blend or rest of a trajectory.
 #[derive(Clone, Debug)]
 pub struct Piece {
-    /// What it is.
+    /// Kind of the piece.
     pub kind: PieceKind,
-    /// The motion whose limits hold.
+    /// Motion whose limits apply.
     pub motion: MotionIndex,
-    /// When it starts, in s.
+    /// Start time, in s.
     pub start_s: f64,
-    /// When it ends, in s.
+    /// End time, in s.
     pub end_s: f64,
-    /// How long it takes, in s; not rounded by how late it is.
+    /// Duration, in s. Unlike `end_s - start_s`, it keeps all digits late in a program.
     pub duration_s: f64,
-    /// Top speed: the largest share of a joint's speed limit (the robot's, not the motion's).
+    /// Top speed: the largest share of a joint's velocity limit (the robot's limit, not the
+    /// motion's).
     pub peak_velocity_rel: f64,
-    /// The limit that the piece is at for the longest time; none at rest.
+    /// Limit that is active for the longest time; none at rest.
     pub limited_by: Option<Limit>,
     pub(crate) usage: LimitUsage,
-    /// Place of the segment among the path's steps; of a wait before a blend that was not known in time, that of the blend.
+    /// Index of the segment among the path's steps; for a wait before a blend that was not known in
+    /// time, the index of the blend.
     pub step: usize,
     pub(crate) nodes: Range<usize>,
 }
 
-/// What a piece of a trajectory is.
+/// Kind of a piece.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum PieceKind {
-    /// A straight line in joint space.
+    /// Straight line in joint space.
     Line,
-    /// A straight line of the TCP.
+    /// Straight TCP path.
     Lin,
-    /// A circle of the TCP.
+    /// Circular TCP path.
     Circ,
-    /// A segment of a spline of the TCP.
+    /// Segment of a TCP spline.
     Spline,
-    /// A blend.
+    /// Blend.
     Blend,
-    /// Standing until settled.
+    /// Rest until the robot has settled.
     Settle,
-    /// A wait of the program.
+    /// Wait of the program.
     Wait,
 }
 
@@ -78,13 +80,13 @@ impl PieceKind {
     const ALL: [Self; 7] =
         [Self::Line, Self::Lin, Self::Circ, Self::Spline, Self::Blend, Self::Settle, Self::Wait];
 
-    /// The kind of this name in files.
+    /// Returns the kind with this name in files.
     #[must_use]
     pub fn named(name: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|kind| kind.name() == name)
     }
 
-    /// Its name in files: `line`, `lin`, `circ`, `spline`, `blend`, `settle` or `wait`.
+    /// Returns the name in files: `line`, `lin`, `circ`, `spline`, `blend`, `settle` or `wait`.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -98,12 +100,12 @@ impl PieceKind {
         }
     }
 
-    /// Returns whether the motion is defined for the TCP: LIN, CIRC or a spline.
+    /// Returns true if the motion is defined for the TCP: LIN, CIRC or a spline.
     pub(crate) fn is_of_tcp(self) -> bool {
         matches!(self, Self::Lin | Self::Circ | Self::Spline)
     }
 
-    /// Whether the arm moves.
+    /// Returns true if the robot moves.
     #[must_use]
     pub fn moves(self) -> bool {
         !matches!(self, Self::Settle | Self::Wait)
@@ -111,7 +113,8 @@ impl PieceKind {
 }
 
 impl Piece {
-    /// That of a step of the path of `section` which moves the arm, between two instants after the section's start.
+    /// Creates the piece of a step of `section` that moves the robot, between two instants after
+    /// the section's start.
     pub(crate) fn moving(
         section: &Section,
         step: usize,
@@ -125,7 +128,7 @@ impl Piece {
         let limits = section.path.limits_of(step);
         let usage = usage.clone();
         let usage = usage.told_apart(ToolCoordinate::new(segment.as_ref(), limits.tool()).as_ref());
-        // Shares of the motion's limits become shares of the robot's.
+        // Converts shares of the motion's velocity limits into shares of the robot's.
         let own = limits.velocity_rad_s();
         let full = &section.path.robot().limits().velocity_rad_s;
         Some(Self {
@@ -150,7 +153,7 @@ impl Piece {
 }
 
 impl Piece {
-    /// The limits that it is at, the one for the longest time first, with their shares of its time.
+    /// Returns the active limits with their shares of the piece's time, the longest first.
     #[must_use]
     pub fn limits(&self) -> Vec<LimitShare> {
         self.usage.shares(self.duration_s)
@@ -158,43 +161,44 @@ impl Piece {
 }
 
 impl Section {
-    /// Whether a piece is the pause after a motion whose end the program waits for.
+    /// Returns true if a piece is the pause after a motion whose end the program waits for.
     #[must_use]
     pub fn is_blocking(&self, piece: &Piece) -> bool {
         matches!(self.path.steps()[piece.step], Step::Settle { blocking: true, .. })
     }
 
-    /// The path that it is a part of.
+    /// Returns the path that contains the section.
     #[must_use]
     pub fn path(&self) -> &JointPath {
         &self.path
     }
 
-    /// When it starts, in s.
+    /// Returns the start time, in s.
     #[must_use]
     pub fn start_s(&self) -> f64 {
         self.start_s
     }
 
-    /// When it ends, in s.
+    /// Returns the end time, in s.
     #[must_use]
     pub fn end_s(&self) -> f64 {
         self.pieces.last().map_or(self.start_s, |piece| piece.end_s)
     }
 
-    /// The blend before which the arm stops at the section's end, since what it leads into was not known in time.
+    /// Returns the blend before which the robot stops at the section's end, because the motion
+    /// after it was not known in time.
     #[must_use]
     pub fn late_blend(&self) -> Option<&LateBlend> {
         self.late_blend.as_ref()
     }
 
-    /// Its pieces, in order.
+    /// Returns the pieces, in order.
     #[must_use]
     pub fn pieces(&self) -> &[Piece] {
         &self.pieces
     }
 
-    /// The segment that a piece moves along; none at rest.
+    /// Returns the segment along which a piece moves; none at rest.
     #[must_use]
     pub fn segment(&self, piece: &Piece) -> Option<&dyn Segment> {
         match &self.path.steps()[piece.step] {
@@ -203,7 +207,7 @@ impl Section {
         }
     }
 
-    /// The samples of a piece at which the stamps were found.
+    /// Returns the nodes of a piece.
     ///
     /// ```
     /// use iiwa_kin::Robot;
@@ -228,7 +232,7 @@ impl Section {
         &self.nodes[piece.nodes.clone()]
     }
 
-    /// What the arm does at `t_s`, which is moved into the section if it is outside. O(log n).
+    /// Returns the state at `t_s`, clamped to the section. O(log n).
     #[must_use]
     pub fn at(&self, t_s: f64) -> State {
         let t_s = t_s.clamp(self.start_s, self.end_s());
@@ -245,8 +249,8 @@ impl Section {
         self.state(t_s, piece, segment, &nodes[node], &nodes[node + 1])
     }
 
-    /// When the arm is at `s` of the segment that `piece`, one of this section, moves along, in s from the
-    /// start of the program; of a rest, its start.
+    /// Returns the time at which the robot is at `s` of the segment of `piece`, a piece of this
+    /// section, in s from the start of the program; for a rest, its start.
     ///
     /// ```
     /// use iiwa_kin::Robot;
@@ -278,7 +282,7 @@ impl Section {
         self.passing(piece, p)[0]
     }
 
-    /// When the arm is at a share of a piece's sigma, in s, and dp/dt there, in 1/s.
+    /// Returns the time at a share of a piece's sigma, in s, and dp/dt there, in 1/s.
     pub(crate) fn passing(&self, piece: &Piece, p: f64) -> [f64; 2] {
         let nodes = self.nodes(piece);
         if nodes.len() < 2 {
@@ -286,7 +290,7 @@ impl Section {
         }
         let node = nodes.partition_point(|node| node.p <= p).clamp(1, nodes.len() - 1) - 1;
         let (from, to) = (&nodes[node], &nodes[node + 1]);
-        // p never falls: its time is between two that are halved until numbers end.
+        // p increases monotonically: bisection down to rounding.
         let (mut least, mut most) = (0.0, from.dt_s);
         let dp = (p - from.p).clamp(0.0, from.dp);
         for _ in 0..HALVINGS {
@@ -300,12 +304,12 @@ impl Section {
         [self.start_s + from.t_s + most, interval::progress(most, from, to).rate]
     }
 
-    /// What the arm does at each node of the section, and at the start and end of each rest.
+    /// Returns the states at each node of the section and at the start of each rest.
     pub fn states(&self) -> impl Iterator<Item = State> {
         self.pieces.iter().flat_map(move |piece| {
             let moving = self.segment(piece).into_iter().flat_map(move |segment| {
                 let nodes = self.nodes(piece);
-                // The last node is the first one of what follows.
+                // The last node is the first one of the next piece.
                 nodes.windows(2).map(move |pair| {
                     self.state(self.start_s + pair[0].t_s, piece, segment, &pair[0], &pair[1])
                 })
@@ -316,8 +320,8 @@ impl Section {
         })
     }
 
-    /// What the arm does in a piece: at each node, and at evenly spaced instants between, so that there are `samples` in
-    /// each interval.
+    /// Returns the states of a piece at each node and at evenly spaced instants between nodes,
+    /// `samples` per interval.
     pub(crate) fn samples_of(&self, piece: &Piece, samples: u32) -> impl Iterator<Item = State> {
         self.segment(piece).into_iter().flat_map(move |segment| {
             let nodes = self.nodes(piece);
@@ -336,8 +340,9 @@ impl Section {
         })
     }
 
-    /// What the arm does at `shares` of short spans that a piece in motion is made of, and how long they take, in s. In none
-    /// of them does the arm go on by more than `most_rad` along the path.
+    /// Divides a piece in motion into short spans, in each of which the robot moves by at most
+    /// `most_rad` along the path. Returns the duration of each span, in s, and the states at
+    /// `shares` of that time.
     pub(crate) fn spans_of<const N: usize>(
         &self,
         piece: &Piece,
@@ -345,7 +350,7 @@ impl Section {
         most_rad: f64,
     ) -> impl Iterator<Item = (f64, [State; N])> {
         self.segment(piece).into_iter().flat_map(move |segment| {
-            // Along sigma, no joint turns by much more than it.
+            // sigma is scaled such that no joint turns by much more than sigma.
             let length_rad = segment.sigma_length_rad();
             self.nodes(piece).windows(2).flat_map(move |pair| {
                 let (from, to) = (&pair[0], &pair[1]);
@@ -359,12 +364,13 @@ impl Section {
         })
     }
 
-    /// What the arm does in a piece at rest.
+    /// Returns the state of a piece at rest.
     pub(crate) fn resting_in(&self, piece: &Piece) -> State {
         self.resting(piece.start_s, piece.motion, piece.step)
     }
 
-    /// Adds the step at `step`, if the arm stands there for some time; `still_s` is how long a motion takes that goes nowhere.
+    /// Adds the rest of the step at `step`, if it takes time; `still_s` is the duration of a motion
+    /// without displacement.
     pub(crate) fn rest(&mut self, step: usize, still_s: f64) {
         match self.path.steps()[step] {
             Step::Settle { still, .. } => self.settle(step, if still { still_s } else { 0.0 }),
@@ -373,7 +379,8 @@ impl Section {
         }
     }
 
-    /// Adds the end of a motion: `still_s`, how long a motion takes that goes nowhere, and a pause.
+    /// Adds the end of a motion: `still_s`, the duration of a motion without displacement, and a
+    /// pause.
     pub(crate) fn settle(&mut self, step: usize, still_s: f64) {
         let Step::Settle { motion, blocking, .. } = self.path.steps()[step] else { return };
         self.stand(PieceKind::Settle, motion, step, still_s);
@@ -381,12 +388,12 @@ impl Section {
         self.stand(PieceKind::Settle, motion, step, pause_s);
     }
 
-    /// Duration of the rest at the end of a motion, in s.
+    /// Returns the pause at the end of a motion, in s.
     pub(crate) fn pause_s(&self, blocking: bool) -> f64 {
         pause_s(self.path.robot(), blocking)
     }
 
-    /// Adds a rest, if it takes some time.
+    /// Adds a rest, if it takes time.
     pub(crate) fn stand(
         &mut self,
         kind: PieceKind,
@@ -395,7 +402,7 @@ impl Section {
         seconds: f64,
     ) {
         let start_s = self.end_s();
-        // What takes no time has no place in it: stamps increase.
+        // A rest without duration would repeat a time, and stamps increase strictly.
         if start_s + seconds > start_s {
             self.pieces.push(Piece {
                 kind,
@@ -441,10 +448,10 @@ impl Section {
     }
 }
 
-/// How long the arm stands at the end of a motion, in s.
+/// Returns the pause at the end of a motion, in s.
 pub(crate) fn pause_s(robot: &Robot, blocking: bool) -> f64 {
     if blocking { robot.blocking_pause_s() } else { robot.settle_time_s() }
 }
 
-/// Halvings of an interval that leave nothing of it but rounding.
+/// Halvings after which only rounding is left of an interval.
 const HALVINGS: usize = 60;

@@ -1,4 +1,4 @@
-//! The acceleration-limited stamps of a section, or of a part of it.
+//! Acceleration-limited stamps of a section, or of a part of it.
 
 use std::{
     ops::Range,
@@ -23,27 +23,29 @@ use crate::{
     timing::TimingError,
 };
 
-/// Memory that is used again for each section: of a sweep with any number of rows of further limits.
+/// Memory of sweeps that is reused from section to section, for any number of rows of further
+/// limits.
 #[derive(Debug)]
 pub(crate) struct SweepScratch {
     plain: Scratch<1>,
-    /// With up to eight rows of further limits, and with up to sixteen.
+    /// Memory for up to eight and up to sixteen rows of further limits.
     eight: Option<Scratch<2>>,
     sixteen: Option<Scratch<3>>,
 }
 
-/// Memory of sweeps with `R` groups of eight lines: of accelerations, and of the rows of further limits.
+/// Memory of sweeps with `R` groups of eight lines: one of accelerations, the others of further
+/// limits.
 #[derive(Debug)]
 struct Scratch<const R: usize> {
     grid: Grid,
-    /// The nodes of all segments.
+    /// Nodes of all segments.
     samples: Vec<Sample>,
-    /// What the way backwards found out about curves, for the way forwards.
+    /// Samples and bounds of curves, kept from the backward pass for the forward pass.
     curves: Vec<CurveSamples<R>>,
 }
 
 impl SweepScratch {
-    /// For grids of `intervals` intervals.
+    /// Creates memory for grids of `intervals` intervals.
     pub(crate) fn new(intervals: usize) -> Self {
         Self { plain: Scratch::new(intervals), eight: None, sixteen: None }
     }
@@ -55,18 +57,18 @@ impl<const R: usize> Scratch<R> {
     }
 }
 
-/// Most nodes that are kept, of about 0.4 kB each: 64 curves of 100 intervals.
+/// Largest number of nodes that are kept, of about 0.4 kB each: 64 curves of 100 intervals.
 const KEPT_NODES: usize = 6_500;
 
-/// The derivatives at the nodes of one curve, and what the limits leave there.
+/// Derivatives and constraints at the nodes of one curve.
 #[derive(Debug, Default)]
 struct CurveSamples<const R: usize> {
-    /// Place of the segment among the path's steps.
+    /// Index of the segment among the path's steps.
     step: Option<usize>,
     grid: Vec<GridNode>,
     dq: Vec<[f64; 8]>,
     ddq: Vec<[f64; 8]>,
-    /// The rows of further limits, node after node.
+    /// Rows of further limits, node after node.
     rows: Vec<PathRow>,
     bounds: Vec<Bounds<R>>,
 }
@@ -89,7 +91,8 @@ impl<const R: usize> CurveSamples<R> {
         simd.vectorize(
             #[inline(always)]
             move || {
-                // By value: the closure itself is then inlined into the function with these registers.
+                // Moved in by value: the closure itself is then inlined into the function with the
+                // vector registers.
                 let (nodes, bounds) = (nodes, bounds);
                 sweep::bounds(nodes, bounds);
             },
@@ -97,24 +100,25 @@ impl<const R: usize> CurveSamples<R> {
     }
 }
 
-/// Intervals a blend of the acceleration-limited stamps from which jerk-limited ones are sought.
+/// Intervals per blend of the acceleration-limited stamps that are the start of the jerk-limited
+/// ones.
 pub(crate) const SAMPLES_BEFORE_JERK: usize = 32;
 
-/// Most sweeps of one section until none of its intervals has to be tightened.
+/// Largest number of sweeps of one section until no interval has to be tightened.
 const ROUNDS: usize = 30;
 
 /// Moves that follow each other without a stop.
 pub(crate) struct Moves<'a> {
-    /// Their places among the path's steps.
+    /// Indices among the path's steps.
     pub(crate) steps: Range<usize>,
-    /// Squares of the speeds along the path, |dq/dt|, with which they begin and end, in rad^2/s^2; none at rest.
+    /// Squared path speeds |dq/dt|^2 at the start and at the end, in rad^2/s^2; none at rest.
     pub(crate) ends: [Option<f64>; 2],
     /// Further limits of each of the steps; empty if there are none.
     pub(crate) limits: &'a [StepLimits],
 }
 
-/// Plans `moves` and adds them to `section`, as pieces that keep the limits of velocity and acceleration and, if they have
-/// any, further limits.
+/// Plans `moves` and adds them to `section`, as pieces that keep the limits of velocity and
+/// acceleration and all further limits of their steps.
 pub(crate) fn sweep_moves(
     moves: &Moves<'_>,
     scratch: &mut SweepScratch,
@@ -138,21 +142,22 @@ pub(crate) fn sweep_moves(
     }
 }
 
-/// Plans moves in the memory for their number of rows.
+/// Plans moves with the memory for their number of rows.
 fn sweep_by<const R: usize>(
     moves: &Moves<'_>,
     scratch: &mut Scratch<R>,
     stop: &AtomicBool,
     section: &mut Section,
 ) -> Result<(), TimingError> {
+    // Cached curves belong to the path and the limits of an earlier call.
     scratch.curves.iter_mut().for_each(|curve| curve.step = None);
     pulp::Arch::new().dispatch(WidestSweep { moves, scratch, stop, section })
 }
 
-/// The sweep by the widest vector instructions that the machine has.
+/// Sweep with the widest vector instructions of the machine.
 ///
-/// Not a closure: those reach the function with vector instructions by way of a shim that is not
-/// inlined into it, and so stay without them.
+/// A struct and not a closure: `pulp` calls closures through a shim that is not inlined into the
+/// function with vector instructions, so they would be compiled without these.
 struct WidestSweep<'a, const R: usize> {
     moves: &'a Moves<'a>,
     scratch: &'a mut Scratch<R>,
@@ -173,38 +178,38 @@ impl<const R: usize> pulp::WithSimd for WidestSweep<'_, R> {
     }
 }
 
-/// What one section is planned with.
+/// Inputs and memory for planning one section.
 struct SectionSweep<'a, S, const R: usize> {
     simd: S,
     path: &'a JointPath,
     scratch: &'a mut Scratch<R>,
     stop: &'a AtomicBool,
-    /// The step that the first of `limits` is of.
+    /// Step of the first entry of `limits`.
     first_step: usize,
     limits: &'a [StepLimits],
 }
 
-/// A segment and its limits, in the form that the sweep takes.
+/// Segment with its limits, in the form that the sweep uses.
 struct SweepSegment<'a> {
     shape: &'a dyn Segment,
     motion: MotionIndex,
-    /// One over each acceleration limit.
+    /// Reciprocal of each acceleration limit.
     scale: Joints,
     /// Acceleration limits over velocity limits, in 1/s.
     velocity: [f64; 8],
-    /// The coordinate of the tool, if it is limited, and what scales it as `scale` does the joints.
+    /// Tool coordinate, if it is limited, and its scale in place of `scale`.
     tool: Option<(ToolCoordinate, f64)>,
     line: Option<LineLimits>,
     /// Further limits, if there are any.
     rows: Option<&'a RowLimits>,
 }
 
-/// What stands for the limit of the tool's acceleration where there is none, over that of its speed, in 1/s: so high that
-/// it never matters.
+/// Ratio of acceleration to speed limit, in 1/s, that replaces a missing limit of the tool's
+/// acceleration: too high to become active.
 const AT_ONCE_PER_S: f64 = 1e9;
 
 impl SweepSegment<'_> {
-    /// The derivatives of the tool at the `nodes` of a grid, beside those of the joints.
+    /// Adds the derivatives of the tool at the `nodes` of a grid to those of the joints.
     fn tool_derivatives(&self, nodes: &[GridNode], dq: &mut [[f64; 8]], ddq: &mut [[f64; 8]]) {
         let Some((tool, scale)) = &self.tool else { return };
         let [end, ..] = self.shape.sigma(1.0);
@@ -219,7 +224,7 @@ impl SweepSegment<'_> {
         self.rows.map_or(0, RowLimits::count)
     }
 
-    /// The rows of further limits by p at the `nodes` of a grid.
+    /// Sets `rows` to the rows of further limits by p at the `nodes` of a grid.
     fn rows(&self, nodes: &[GridNode], rows: &mut Vec<PathRow>) {
         rows.clear();
         let Some(limits) = self.rows else { return };
@@ -252,7 +257,7 @@ impl<'a, S: Simd, const R: usize> SectionSweep<'a, S, R> {
             let [speed, acceleration] =
                 [LimitKind::Velocity, LimitKind::Acceleration].map(|kind| tool.limits()[kind]);
             let acceleration = acceleration.min(AT_ONCE_PER_S * speed);
-            // Both are infinite where only jerk is limited.
+            // Both limits are infinite if only the tool's jerk is limited.
             velocity[7] = if speed.is_finite() { acceleration / speed } else { 0.0 };
             (tool, 1.0 / acceleration)
         });
@@ -262,7 +267,7 @@ impl<'a, S: Simd, const R: usize> SectionSweep<'a, S, R> {
             scale: acceleration.map(|a| 1.0 / a),
             velocity,
             tool,
-            // Along a line, further limits change.
+            // Further limits change along a line, and the closed form requires constant limits.
             line: (segment.is_straight() && tool.is_none() && rows.is_none()).then(|| {
                 let direction = segment.at(0.0).dq;
                 LineLimits::new(&direction, speed, acceleration)
@@ -271,7 +276,7 @@ impl<'a, S: Simd, const R: usize> SectionSweep<'a, S, R> {
         })
     }
 
-    /// That there is no way on from the step at `step`.
+    /// Creates the error of a section without a feasible motion from the step at `step` on.
     fn stuck(&self, step: usize) -> TimingError {
         let motion = self.segment(step).map_or(MotionIndex::default(), |segment| segment.motion);
         TimingError::Stuck { motion }
@@ -293,7 +298,7 @@ impl<'a, S: Simd, const R: usize> SectionSweep<'a, S, R> {
         let mut samples = std::mem::take(&mut self.scratch.samples);
         samples.clear();
         samples.resize(total, Sample::default());
-        // A line has up to four nodes, and two among the samples.
+        // A line yields up to four nodes but uses two samples.
         section.nodes.reserve_exact(total + 2 * steps.len());
 
         for round in 0..ROUNDS {
@@ -303,6 +308,7 @@ impl<'a, S: Simd, const R: usize> SectionSweep<'a, S, R> {
             section.pieces.clear();
             section.nodes.clear();
         }
+        // The pieces are empty if the last round still had to tighten intervals.
         if section.pieces.is_empty() && !steps.is_empty() {
             return Err(self.stuck(steps.start));
         }
@@ -310,8 +316,8 @@ impl<'a, S: Simd, const R: usize> SectionSweep<'a, S, R> {
         Ok(())
     }
 
-    /// Sweeps backwards and forwards once, `again` with what an earlier time found. True if intervals had to
-    /// be tightened, which makes another time necessary.
+    /// Runs one backward and one forward pass; `again` applies the shares found by an earlier
+    /// round. Returns true if intervals were tightened, so that another round is necessary.
     #[inline(always)]
     fn sweep(
         &mut self,
@@ -321,7 +327,7 @@ impl<'a, S: Simd, const R: usize> SectionSweep<'a, S, R> {
         section: &mut Section,
     ) -> Result<bool, TimingError> {
         let mut tightened = false;
-        // Backwards, from rest: at each node the largest x that all that follows allows.
+        // Backward pass, from rest: the upper bound of the controllable set at each node.
         let mut next: Option<(f64, f64)> = end.map(|square| (square, 1.0));
         let mut to = samples.len();
         for step in steps.clone().rev() {
@@ -353,7 +359,7 @@ impl<'a, S: Simd, const R: usize> SectionSweep<'a, S, R> {
             return Err(self.stuck(steps.start));
         }
 
-        // Forwards, from rest: as fast as that allows.
+        // Forward pass, from rest: the largest x within the controllable sets.
         let mut before: Option<(f64, f64)> = start.map(|square| (square, 1.0));
         let mut from = 0;
         let mut t_s = 0.0;
@@ -382,6 +388,7 @@ impl<'a, S: Simd, const R: usize> SectionSweep<'a, S, R> {
             }
             before = Some((samples[samples.len() - 1].x, last));
             from = to;
+            // Pieces of a round that is repeated would be discarded.
             if !tightened {
                 self.finish_piece(&segment, step, first_node, t_s, section)?;
             }
@@ -389,7 +396,7 @@ impl<'a, S: Simd, const R: usize> SectionSweep<'a, S, R> {
         Ok(tightened)
     }
 
-    /// Length of the tangent dq/dp at both ends, in rad.
+    /// Returns the length of the tangent dq/dp at both ends, in rad.
     #[inline(always)]
     fn tangent_lengths_rad(&mut self, segment: &SweepSegment<'_>, step: usize) -> [f64; 2] {
         let [first, last] = segment.shape.tangent_lengths_rad();
@@ -400,7 +407,7 @@ impl<'a, S: Simd, const R: usize> SectionSweep<'a, S, R> {
         [first * grid[0].slope, last * grid[grid.len() - 1].slope]
     }
 
-    /// The nodes of a curve, of which `step` is the place, and what the limits leave there.
+    /// Returns the nodes of the curve at `step` and their constraints, from the cache if possible.
     #[inline(always)]
     fn curve<'n>(
         &'n mut self,
@@ -409,7 +416,7 @@ impl<'a, S: Simd, const R: usize> SectionSweep<'a, S, R> {
     ) -> (Nodes<'n, S>, &'n mut [Bounds<R>]) {
         let Scratch { grid, curves, .. } = &mut *self.scratch;
         let nodes = grid.intervals_on(segment.shape) + 1;
-        // Of blended lines, every second step is a curve: the places in between stay empty.
+        // Every second step of blended lines is a curve; the slots between them remain empty.
         let slot = step % (2 * KEPT_NODES / nodes).max(1);
         if curves.len() <= slot {
             curves.resize_with(slot + 1, CurveSamples::default);
@@ -424,7 +431,7 @@ impl<'a, S: Simd, const R: usize> SectionSweep<'a, S, R> {
         (Nodes { simd: self.simd, dq, ddq, velocity, grid, rows, row_count }, bounds)
     }
 
-    /// Checks the nodes from `first_node` on against the limits and makes them a piece.
+    /// Checks the nodes from `first_node` on against the limits and adds a piece of them.
     #[inline(always)]
     fn finish_piece(
         &mut self,
@@ -437,7 +444,8 @@ impl<'a, S: Simd, const R: usize> SectionSweep<'a, S, R> {
         let nodes = &section.nodes[first_node..];
         let mut usage = LimitUsage::default();
         if segment.line.is_some() {
-            // dq/ds is the same at all nodes of a line: one interval after the other.
+            // dq/ds is the same at all nodes of a line: the intervals are added one by one with one
+            // row.
             let direction = segment.shape.at(0.0).dq;
             let mut row = [0.0; 8];
             for j in 0..7 {
@@ -470,7 +478,8 @@ impl<'a, S: Simd, const R: usize> SectionSweep<'a, S, R> {
     }
 }
 
-/// Gives samples at p their time, counted on from `t_s` in a section that starts at `start_s`.
+/// Adds nodes for samples at p with their times, counted from `t_s` in a section that starts at
+/// `start_s`.
 #[inline(always)]
 fn stamp<S: Simd>(
     simd: S,
@@ -485,7 +494,7 @@ fn stamp<S: Simd>(
     }
     let mut nodes = &mut nodes[first..];
     while nodes.len() > 1 {
-        // Eight intervals at a time; of the last eight, some may be empty.
+        // Eight intervals at a time; unused ones of the last group have neutral values.
         let intervals = (nodes.len() - 1).min(8);
         let (mut dp, mut rates, mut change) = ([1.0; 8], [1.0; 8], [0.0; 8]);
         for (i, pair) in nodes.windows(2).take(8).enumerate() {

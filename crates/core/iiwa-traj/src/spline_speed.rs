@@ -1,8 +1,8 @@
-//! Speed along splines as recordings show it under Sunrise: a model, [`iiwa_kin::SplineSpeed`].
+//! Speed along splines as recorded under Sunrise: a model, [`iiwa_kin::SplineSpeed`].
 //!
-//! The model limits the speed of the TCP and its first two derivatives, at each place of the path. The solver of jerk-limited
-//! stamps gets these limits in the form of joint limits ([`limits`]), and a motion to start from ([`sweep`]). The ramps next
-//! to rest are those of PTP motions ([`EndRamp`]).
+//! The model limits the TCP speed and its first two derivatives at each point of the path. The
+//! jerk-limited solver gets these limits in the form of joint limits ([`limits`]), and an initial
+//! motion ([`sweep`]). The ramps next to rest are those of PTP motions ([`EndRamp`]).
 
 mod held_speed;
 mod limits;
@@ -33,21 +33,22 @@ use limits::SpeedLimitedSegment;
 use sweep::SplineSweep;
 use usage::usage;
 
-/// Ratio of the limits of speed to those that are planned with: a little more than the solver's tolerance, so that joints keep
-/// their limits.
+/// Ratio of the velocity limits to those used for planning: slightly above the solver's tolerance,
+/// so that joints keep their limits.
 const SLOWER: f64 = 1.001;
 
-/// Most times that a spline is planned, each time with speeds as much lower as joints exceeded theirs before. The limit of speed
-/// goes over from joint to joint, and has edges there that the solver's checks may miss.
+/// Largest number of plans of a spline; each one lowers the speeds by the excess of the joints in
+/// the previous one. The active velocity limit changes from joint to joint, and has kinks there
+/// that the solver's checks may miss.
 const ROUNDS: usize = 4;
 
-/// How many times as fine as usual cells are: the model's limits of speed have narrow minima.
+/// Factor of refinement of the cells: the model's speed limits have narrow minima.
 const FINER: f64 = 2.0;
 
-/// Limits the jerk of `section` as [`jerk::limit`] does, but plans splines by the model if `timing` is Sunrise's and there are no
-/// further `limits`.
+/// Limits the jerk of `section` as [`jerk::limit`] does, but plans splines by the model if `timing`
+/// is that of Sunrise and there are no further `limits`.
 ///
-/// Splines for which the model has no solution are planned as without it.
+/// Splines for which the model has no solution are planned without the model.
 pub(crate) fn limit(
     section: &mut Section,
     limits: &[StepLimits],
@@ -69,7 +70,7 @@ pub(crate) fn limit(
     jerk::limit(section, limits, timing, stop)
 }
 
-/// The stamps of a section that is a spline, or a part of one between two stops.
+/// Finds the stamps of a section that is a spline, or a part of one between two stops.
 fn stamps(
     section: &Section,
     options: JerkOptions,
@@ -104,7 +105,8 @@ fn stamps(
     Err(SolveError::NotConverged)
 }
 
-/// The segments of `pieces`, which are all between two rests, under the model's limits. None if these are not positive numbers.
+/// Returns the segments of `pieces`, all between two rests, under the model's limits. None if a
+/// ramp next to rest has no positive, finite parameters.
 fn model_segments<'a>(
     path: &'a JointPath,
     pieces: &[Piece],
@@ -132,7 +134,8 @@ fn model_segments<'a>(
     Some(segments)
 }
 
-/// Tells segments how far they are from rest, and how fast the TCP may go for the whole way to take `least_s`.
+/// Sets the distances of segments from rest, and the TCP speed at which the whole way takes
+/// `least_s`.
 fn place(segments: &mut [SpeedLimitedSegment<'_>], grid: &Grid, least_s: f64) {
     let way: f64 = segments.iter().map(|segment| segment.way(grid)).sum();
     let all_rad: f64 = segments.iter().map(Segment::sigma_length_rad).sum();
@@ -145,7 +148,7 @@ fn place(segments: &mut [SpeedLimitedSegment<'_>], grid: &Grid, least_s: f64) {
     }
 }
 
-/// The ramp at one end; none if the joints do not move there.
+/// Returns the ramp at one end; none if the joints do not move there.
 fn end_ramp(
     path: &JointPath,
     pieces: &[Piece],

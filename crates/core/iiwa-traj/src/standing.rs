@@ -1,4 +1,4 @@
-//! Waits at a rest: how long the arm stands for those that overlap motions is found with time stamps.
+//! Waits at rest. The duration of waits that overlap motions follows from the time stamps.
 
 use std::ops::Range;
 
@@ -10,8 +10,8 @@ use crate::{
     section::{PieceKind, Section},
 };
 
-/// The waits that overlap the motion before a blend: those between the two motions that the step at `step` joins. Empty
-/// for other steps.
+/// Returns the waits that overlap the motion before a blend: those between the two motions that the
+/// step at `step` joins. Empty for other steps.
 pub(crate) fn waits_before_blend(path: &JointPath, step: usize) -> &[OverlappingWait] {
     let Some(Step::Move { motion: next, blend: Some(corner), .. }) = path.steps().get(step) else {
         return &[];
@@ -24,7 +24,7 @@ pub(crate) fn waits_before_blend(path: &JointPath, step: usize) -> &[Overlapping
 /// Rests of a program in which waits overlap motions.
 pub(crate) struct Standing<'a> {
     pub(crate) clock: &'a mut ProgramClock,
-    /// Duration of a motion that goes nowhere, in s.
+    /// Duration of a motion without displacement, in s.
     pub(crate) still_s: f64,
 }
 
@@ -54,8 +54,8 @@ impl Standing<'_> {
         }
     }
 
-    /// Adds the rest of a section that stops before the blend at `step`, since what it leads into was not known in time. From there the
-    /// arm goes on along the same path.
+    /// Adds the rest of a section that stops before the blend at `step`, because the motion after
+    /// it was not known in time. The robot then continues along the same path.
     pub(crate) fn rest_before_blend(&mut self, section: &mut Section, step: usize) {
         let mut end_s = section.end_s();
         for wait in waits_before_blend(&section.path.clone(), step) {
@@ -65,7 +65,7 @@ impl Standing<'_> {
         }
     }
 
-    /// The rest of a wait after the arm has stopped at `end_s`, in s.
+    /// Returns the remaining duration of a wait after the robot has stopped at `end_s`, in s.
     fn overlapped_s(&mut self, wait: OverlappingWait, end_s: f64) -> f64 {
         let known_s = self.clock.known_s(&[wait]);
         self.clock.go_through(known_s);

@@ -1,9 +1,9 @@
-//! What the arm does at one instant.
+//! State of the robot at one instant.
 
 use iiwa_kin::Joints;
 use iiwa_program::MotionIndex;
 
-/// What the arm does at one instant.
+/// State of the robot at one instant.
 ///
 /// ```
 /// use iiwa_kin::Robot;
@@ -24,7 +24,7 @@ use iiwa_program::MotionIndex;
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct State {
-    /// When, in s.
+    /// Time, in s.
     pub t_s: f64,
     /// Position, in rad.
     pub q: Joints,
@@ -34,8 +34,8 @@ pub struct State {
     pub ddq: Joints,
     /// Jerk, in rad/s^3. Where it jumps, the value after the jump.
     pub dddq: Joints,
-    /// The motion.
+    /// Motion that is executed.
     pub motion: MotionIndex,
-    /// The place of what it does among the path's [steps](iiwa_path::JointPath::steps).
+    /// Index of the current step among the path's [steps](iiwa_path::JointPath::steps).
     pub step: usize,
 }

@@ -1,4 +1,4 @@
-//! PTP motions from rest to rest as recordings show them under Sunrise.
+//! PTP motions from rest to rest, as recorded under Sunrise.
 
 mod end_ramp;
 mod line;

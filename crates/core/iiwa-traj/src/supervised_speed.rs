@@ -1,7 +1,7 @@
-//! Cuts the speed of a finished plan, as the controller does in the operating mode T1.
+//! Speed supervision of a finished plan, as by the controller in the operating mode T1.
 //!
-//! The controller plans motions as in any other mode, and while they run, it holds TCP and flange at a speed: acceleration
-//! ends at once where that speed is reached.
+//! The controller plans motions as in any other mode and holds the speed of TCP and flange during
+//! execution: the speed stops growing abruptly where it reaches the limit.
 
 use iiwa_kin::{Pose, Robot};
 use iiwa_path::{Segment, Step};
@@ -14,13 +14,14 @@ use crate::{
     section::{Piece, Section},
 };
 
-/// The longest interval of what is cut, in s: the speed of the TCP is held at both of its ends and half-way.
+/// Largest interval in the supervised part, in s: the TCP speed is held at both of its ends and
+/// half-way.
 const LONGEST_S: f64 = 4e-3;
 
-/// Halvings of an interval that leave nothing of it but rounding.
+/// Halvings after which only rounding is left of an interval.
 const HALVINGS: usize = 50;
 
-/// The way of a piece whose speed is supervised.
+/// Piece under speed supervision.
 struct Way<'a> {
     segment: &'a dyn Segment,
     robot: &'a Robot,
@@ -29,14 +30,14 @@ struct Way<'a> {
 }
 
 impl Way<'_> {
-    /// The largest dp/dt at `p`.
+    /// Returns the largest dp/dt at `p`.
     fn most(&self, p: f64) -> f64 {
         let at = self.segment.at_share(p.clamp(0.0, 1.0));
         let of = |tcp| self.robot.tcp_speed_m_s(tcp, &at.q, &at.dq);
         self.speed_m_s / of(self.tcp).max(of(&Pose::IDENTITY))
     }
 
-    /// That, and d2p/dt2 where it is kept.
+    /// Returns the largest dp/dt, and d2p/dt2 of a motion that keeps it, by central differences.
     fn kept(&self, p: f64) -> [f64; 2] {
         const STEP: f64 = 1e-5;
         let [before, after] = [(p - STEP).max(0.0), (p + STEP).min(1.0)];
@@ -44,13 +45,14 @@ impl Way<'_> {
         [most, most * (self.most(after) - self.most(before)) / (after - before)]
     }
 
-    /// Whether the speed at `seconds` after the node `from` is too high.
+    /// Returns true if the speed at `seconds` after the node `from` is too high.
     fn is_exceeded(&self, from: &Node, to: &Node, seconds: f64) -> bool {
         let at = progress(seconds, from, to);
         at.rate > self.most(from.p + at.dp)
     }
 
-    /// The nodes from `from` on, up to `to` and without it; whether the speed is too high changes only at the end, if at all.
+    /// Adds the nodes from `from` on, up to but not including `to`;
+    /// [`is_exceeded`](Self::is_exceeded) changes at most once in between.
     fn cut(&self, from: Node, to: &Node, nodes: &mut Vec<Node>) {
         let (start, end) =
             (self.is_exceeded(&from, to, 0.0), self.is_exceeded(&from, to, from.dt_s));
@@ -72,7 +74,7 @@ impl Way<'_> {
         nodes.push(if end { self.held(&second, to) } else { second });
     }
 
-    /// A node from which on the speed is held up to `to`.
+    /// Returns a node from which the speed is held up to `to`.
     fn held(&self, from: &Node, to: &Node) -> Node {
         let [[rate, u], [end_rate, end_u]] = [from.p, to.p].map(|p| self.kept(p));
         let middle = self.most(from.p + 0.5 * from.dp);
@@ -82,7 +84,7 @@ impl Way<'_> {
     }
 }
 
-/// The two parts of what begins at the node `from`, `seconds` after it.
+/// Splits the interval that begins at the node `from`, `seconds` after that node.
 fn parted(from: &Node, to: &Node, seconds: f64) -> [Node; 2] {
     let at = progress(seconds, from, to);
     let first = Node { dt_s: seconds, dp: at.dp, u: [from.u[0], at.u], ..*from };
@@ -98,7 +100,8 @@ fn parted(from: &Node, to: &Node, seconds: f64) -> [Node; 2] {
 }
 
 impl Way<'_> {
-    /// The nodes of a piece with the speed held where it is too high, with times from its start.
+    /// Returns the nodes of a piece with the speed held where it is too high, with times from its
+    /// start.
     fn nodes(&self, planned: &[Node]) -> Vec<Node> {
         let mut nodes = Vec::with_capacity(planned.len());
         for pair in planned.windows(2) {
@@ -129,7 +132,7 @@ impl Way<'_> {
         nodes
     }
 
-    /// What is used of the limits of velocity and acceleration.
+    /// Returns the usage of the limits of velocity and acceleration.
     fn usage(&self, nodes: &[Node], limits: &MotionLimits) -> LimitUsage {
         let [speed, most] = [limits.velocity_rad_s(), limits.acceleration_rad_s2()];
         let velocity = std::array::from_fn(|j| if j < 7 { most[j] / speed[j] } else { 1.0 });

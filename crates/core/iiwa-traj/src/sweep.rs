@@ -1,28 +1,33 @@
-//! The sweep over the samples of a curved segment (Larsen 2019, section 2.4.1).
+//! Acceleration-limited sweep over the samples of a curved segment (Larsen 2019, section 2.4.1).
 //!
-//! The path parameter is p, the share of the segment's sigma, 0 to 1. Along a blend, s would not do: where
-//! the arm keeps its speed, ds/dt changes, and in a blend that is short against the speed, the acceleration
-//! would be a small difference of large numbers.
+//! The path parameter is p, the share of the segment's sigma, 0 to 1. Along a blend, s would not
+//! do: at constant speed ds/dt changes, and in a blend that is short relative to the speed, the
+//! acceleration would be a small difference of large numbers.
 //!
-//! Unknown is x = (dp/dt)^2 at the nodes of a grid. In each interval, of length h, u = d2p/dt2
-//! changes linearly with p, from one value at its start to another at its end, so that
-//! `x[i+1] = x[i] + h (u_start + u_end)`. The acceleration of joint j is `q'_j u + q''_j x`; its
-//! limit leaves u a band at each node, which depends on x there. A sweep backwards finds how fast
-//! the arm may be at each node and still slow down in time for all that follows; a sweep forwards
-//! then goes as fast as that allows. The fastest stamps on this grid come out: at least one joint is always at
-//! a limit (Larsen 2019, section 2.4).
+//! The unknowns at the nodes of a grid are x = (dp/dt)^2 and u = d2p/dt2. In each interval, of
+//! length h, u changes linearly with p from its value at the start to its value at the end, so that
+//! `x[i+1] = x[i] + h (u_start + u_end)`. Limits are constraints in the notation of TOPP-RA (Pham
+//! and Pham 2018), `a u + b x + c <= 0`. The acceleration `q'_j u + q''_j x` of joint j gives two
+//! of them: `a = q'_j`, `b = q''_j`, `c = -1`, and the mirrored one with `-a`, `-b` and the same c.
+//! At each node the constraints leave a range of feasible u, which depends on x.
 //!
-//! The two passes are those of TOPP-RA (Pham and Pham 2018). There u is constant in an interval and
-//! both ends have to keep the limits, which wastes half of what the bounds change from node to node
-//! and makes the time too long by a share of 1/N. With u linear the error falls with 1/N^2.
+//! The backward pass finds the upper bound of the controllable set at each node: the largest x from
+//! which all later constraints can still be kept. The lower bound is taken to be 0. The forward
+//! pass then takes the largest reachable x within the controllable set of each next node. The
+//! result is the fastest time parameterisation on this grid: at least one joint is always at a
+//! limit (Larsen 2019, section 2.4).
 //!
-//! Where q' changes its direction, as in a turn-back, a large x or u costs nothing at a node and much
-//! next to it. Intervals that exceed a limit between their ends are therefore tightened ([`forward`]), and what
-//! that changes is swept again.
+//! TOPP-RA itself keeps u constant in an interval, and both ends have to keep the limits. That
+//! wastes half of the change of the bounds from node to node and makes the duration too long by a
+//! share of 1/N. With linear u the error falls with 1/N^2.
+//!
+//! At a sign change of q', as in a turn-back, a node hardly constrains x and u although the points
+//! next to it do. Intervals that exceed a limit between their ends are therefore tightened
+//! ([`forward`]), and the nodes that this affects are swept again.
 //!
 //! All numbers are in units of the limits: derivatives are divided by the joint's acceleration
-//! limit, so that the limit is 1. The eighth of each row of eight is the coordinate of the tool, zero where that has
-//! no limit.
+//! limit, so that the limit is 1. The last element of each row of eight is the tool coordinate,
+//! zero where the tool has no limit.
 
 mod bounds;
 #[cfg(test)]
@@ -35,49 +40,52 @@ use crate::grid::GridNode;
 pub(crate) use bounds::{Bounds, MOST_GROUPS, greater, lesser};
 use bounds::{Row, UNLIMITED, largest};
 
-/// Share of a limit of acceleration, or of squared speed, by which an interval may exceed it between its ends.
+/// Excess of an acceleration limit, or of a squared speed limit, tolerated between the ends of an
+/// interval, as a share of the limit.
 const SWING: f64 = 0.0017;
 
-/// Share of a further limit by which an interval may exceed it between its ends.
+/// Excess of a further limit tolerated between the ends of an interval, as a share of the limit.
 const ROW_SWING: f64 = 0.004;
 
-/// Share by which it may half-way without being looked at closely.
+/// Excess half-way through an interval below which the inner quarters are not checked.
 const NEAR: f64 = 0.0013;
 
-/// Up to this share, it is less of the limit that mends it; beyond, u has to be the same at both ends.
+/// Excess up to which an interval is tightened by a lower share of the limits; beyond, u has to be
+/// the same at both ends.
 const MILD: f64 = 0.02;
 
-/// Half-way is not enough to look at if within an interval u changes, times its length, by more than this share
-/// of x; or x does by more than the other.
+/// Changes within an interval, relative to x, above which checking half-way is not enough: of u,
+/// times the interval's length (`KINK`), and of x (`STEEP`).
 const KINK: f64 = 0.008;
 const STEEP: f64 = 0.3;
 
-/// Nor is it where the limits leave u no more than this share of itself: a joint that leaves its limit there may
-/// exceed it first.
+/// Width of the feasible range of u, relative to its upper bound, below which checking half-way is
+/// not enough: a joint whose limit is about to become inactive there may exceed that limit first.
 const NARROW: f64 = 0.01;
 
-/// Differences of x by such a share are rounding.
+/// Relative differences of x up to this share are rounding.
 const SAME: f64 = 1e-12;
 
 /// An interval between two nodes.
 #[derive(Clone, Copy)]
 struct Interval<'a, const R: usize> {
     h: f64,
-    /// Whether u has to be the same at both ends.
+    /// `true` if u has to be the same at both ends.
     even: bool,
     start: &'a Bounds<R>,
     end: &'a Bounds<R>,
 }
 
 impl<const R: usize> Interval<'_, R> {
-    /// Largest x at the start, not above `x`, from which something up to `end` is reached.
+    /// Returns the largest x at the start, at most `x`, from which some x up to `end` is reachable:
+    /// the upper bound of the one-step controllable set.
     ///
-    /// The room between the smallest and the largest x reached is a concave function of x, and there
-    /// is some at 0. A chord over its root meets zero before the root, where there still is room.
+    /// The width of the reachable interval is a concave function of x, and not negative at 0. A
+    /// chord over its root therefore meets zero before the root, where the width is not negative.
     #[inline(never)]
     fn search(&self, end: f64, x: f64) -> f64 {
         const STEPS: usize = 100;
-        // The cap of velocities may be far above what accelerations allow.
+        // The velocity cap may be far above the largest x with a feasible u.
         let x = self.start.possible(pulp::Scalar::new(), x, &mut [0; 2]);
         let room = |x| {
             let (low, high) = self.reachable(x, end);
@@ -89,13 +97,13 @@ impl<const R: usize> Interval<'_, R> {
         }
         let (mut low, mut spare) = (0.0, room(0.0));
         let mut kept = false;
-        // A little before the root: at the root itself, rounding may leave no room.
+        // Slightly below the root: at the root itself, the width may be negative by rounding.
         let margin = 1e-14 * x;
         for _ in 0..STEPS {
             if high - low <= 3.0 * margin || spare < 0.0 {
                 break;
             }
-            // Where the arm comes to rest there is no room but that: it is halved.
+            // The width is zero where the robot comes to rest, so the chord gives no share: bisect.
             let share = if spare > 0.0 { spare / (spare - lack) } else { 0.5 };
             let chord = (high - low) * share;
             let middle = low + (chord - margin).max(2.0 * margin);
@@ -104,7 +112,8 @@ impl<const R: usize> Interval<'_, R> {
                 (high, lack, kept) = (middle, found, false);
                 continue;
             }
-            // An end that is kept twice comes nearer if it weighs less (the Illinois method).
+            // The Illinois method: halving the weight of an end that was kept twice speeds up
+            // convergence.
             (low, spare) = (middle, found);
             if kept {
                 lack *= 0.5;
@@ -114,8 +123,8 @@ impl<const R: usize> Interval<'_, R> {
         low
     }
 
-    /// Smallest and largest x at the end, not above `cap`, that are reached from `x` at the start;
-    /// none if the first is above the second.
+    /// Returns the smallest and the largest x at the end, at most `cap`, that are reachable from
+    /// `x` at the start. The reachable set is empty if the first is above the second.
     #[inline(never)]
     fn reachable(&self, x: f64, cap: f64) -> (f64, f64) {
         let (mut brake, mut most) = (UNLIMITED, UNLIMITED);
@@ -127,7 +136,7 @@ impl<const R: usize> Interval<'_, R> {
             most = lesser(most, rise * x + above);
         }
         let least = -brake;
-        // With u the same at both ends, each end's band has to hold it alone, over both halves.
+        // With one u for both ends, the range at each end has to contain it, over both halves.
         let (h, brake, drive, mut low, mut high) = if self.even {
             let h = 2.0 * self.h;
             (h, x, x, x + h * least, (x + h * most).min(cap))
@@ -145,6 +154,8 @@ impl<const R: usize> Interval<'_, R> {
             }
             // y + h (fall y + below) >= brake.
             let factor = 1.0 + h * fall;
+            // A negative factor turns the lower bound of y into an upper one; near zero there is no
+            // bound.
             let least = brake - h * below;
             if factor > 1e-9 {
                 low = low.max(least / factor);
@@ -163,11 +174,11 @@ pub(crate) struct Sample {
     pub(crate) x: f64,
     /// d2p/dt2 at the start and at the end of the interval that begins here, in 1/s^2.
     pub(crate) u: [f64; 2],
-    /// Whether u has to be the same at both ends of the interval that begins here.
+    /// `true` if u has to be the same at both ends of the interval that begins here.
     pub(crate) even: bool,
-    /// Largest x here, beside what the limits at this node allow.
+    /// Upper bound of x at this node in addition to the node's own limits.
     pub(crate) x_max: f64,
-    /// Share of the acceleration limits that may be used here.
+    /// Usable share of the acceleration limits at this node.
     pub(crate) share: f64,
 }
 
@@ -177,7 +188,8 @@ impl Default for Sample {
     }
 }
 
-/// Fills `bounds` with what the limits leave at each node of a segment; they have room for all rows of further limits.
+/// Sets `bounds` to the constraints at each node of a segment. `R` groups hold all rows of further
+/// limits.
 #[inline(always)]
 pub(crate) fn bounds<S: Simd, const R: usize>(
     Nodes { simd, dq, ddq, velocity, grid, rows, row_count }: Nodes<'_, S>,
@@ -186,7 +198,7 @@ pub(crate) fn bounds<S: Simd, const R: usize>(
     let mut before = 0.0;
     let nodes = dq.iter().zip(ddq).zip(grid).zip(&mut *bounds);
     for (((dq, ddq), node), bounds) in nodes {
-        // After the last node nothing follows.
+        // No interval follows the last node.
         let after = if node.p < 1.0 { node.step } else { 0.0 };
         bounds.set(simd, dq, ddq, velocity, greater(before, after));
         before = after;
@@ -198,17 +210,19 @@ pub(crate) fn bounds<S: Simd, const R: usize>(
     }
 }
 
-/// Lowers the limits in `bounds` to the shares that earlier sweeps found.
+/// Lowers the limits in `bounds` to the shares found by earlier sweeps.
 pub(crate) fn lower<const R: usize>(bounds: &mut [Bounds<R>], samples: &[Sample]) {
     for (bounds, sample) in bounds.iter_mut().zip(samples) {
         bounds.lower(sample.share);
     }
 }
 
-/// The nodes of a segment, as [`bounds`], [`backward`] and [`sweep_until_valid`] take them; all slices are as long.
+/// Nodes of a segment, as input of [`bounds`], [`backward`] and [`sweep_until_valid`]; all slices
+/// over nodes have the same length.
 ///
-/// `dq` and `ddq` hold the derivatives at the nodes over the acceleration limits; `velocity` the
-/// acceleration limits over the velocity limits, in 1/s; `rows` those of further limits by p, `row_count` at each node.
+/// `dq` and `ddq` hold the derivatives at the nodes over the acceleration limits, `velocity` the
+/// acceleration limits over the velocity limits, in 1/s, and `rows` the rows of further limits by
+/// p, `row_count` at each node.
 #[derive(Clone, Copy)]
 pub(crate) struct Nodes<'a, S> {
     pub(crate) simd: S,
@@ -220,8 +234,8 @@ pub(crate) struct Nodes<'a, S> {
     pub(crate) row_count: usize,
 }
 
-/// Sets the `x` of `samples` to the largest at each node from which all that follows can be kept,
-/// given the largest x at the last node.
+/// Backward pass: sets the `x` of each sample to the upper bound of the controllable set at its
+/// node, given the largest x at the last node.
 #[inline(always)]
 pub(crate) fn backward<S: Simd, const R: usize>(
     nodes: Nodes<'_, S>,
@@ -237,8 +251,9 @@ pub(crate) fn backward<S: Simd, const R: usize>(
     lower_x(nodes, bounds, [0, n], samples);
 }
 
-/// Lowers the `x` of `samples` to what can be kept, backwards from the node `last`, until before `first` there is
-/// nothing to lower. Returns the node at which it ends.
+/// Lowers the `x` of `samples` to the upper bounds of the controllable sets, backwards from the
+/// node `last`, and ends at the first node before `first` whose `x` does not change. Returns that
+/// node.
 #[inline(always)]
 fn lower_x<S: Simd, const R: usize>(
     nodes: Nodes<'_, S>,
@@ -263,7 +278,8 @@ fn lower_x<S: Simd, const R: usize>(
         let interval = |even| Interval { h, even, start, end: next };
         let end = x;
         let brake = end - h * next_least;
-        // Where the arm speeds up although it has to arrive at `end`, a lower speed at the start may allow for more.
+        // If the robot speeds up although it has to arrive at `end`, a lower speed at the start may
+        // be feasible where a higher one is not: only the search finds it.
         let needs_search = even || brake < 0.5 * end;
         let brakes = [&start.fall, &start.below];
         let brake_most;
@@ -278,7 +294,8 @@ fn lower_x<S: Simd, const R: usize>(
         let found = if needs_search || x < 0.0 {
             Some(interval(even).search(end, cap))
         } else if end - h * next_most > drive {
-            // Out of reach: it will arrive slower, and has to be able to.
+            // `end` is out of reach. The robot arrives slower, which the lower bounds of u at both
+            // ends have to permit.
             let (slower, _) =
                 largest(simd, [&next.rise, &next.above], h, drive, end, &mut next_lines);
             let able = slower - h * next.least(simd, slower) >= x + h * least;
@@ -286,12 +303,13 @@ fn lower_x<S: Simd, const R: usize>(
         } else {
             let bands = [next_least, next_most];
             let u = split((end - x) / h, [least, most], bands);
-            // Half-way, the acceleration differs from the mean of both ends by no more than
-            // `h |q''| |change of u| / 2`.
+            // Half-way, the acceleration differs from the mean of both ends by at most
+            // `h |q''| |change of u| / 2`: only a larger bound needs a check.
             let swing = 0.5 * h * greater(start.bend, next.bend) * (u[1] - u[0]).abs();
             let acceleration = if swing > SWING { nodes.worst(i, h, x, u)[0] } else { 0.0 };
             if acceleration > 1.0 + SWING {
-                // To come slower, and brake less, may be all it takes.
+                // A lower start speed with less braking may suffice, and costs less than equal u at
+                // both ends.
                 let slower = end + (x - end) / acceleration;
                 let own = [start.least(simd, slower), start.most(simd, slower)];
                 let u = split((end - slower) / h, own, bands);
@@ -309,6 +327,7 @@ fn lower_x<S: Simd, const R: usize>(
             x = found;
             (least, most) = (start.least(simd, x), start.most(simd, x));
         }
+        // Earlier nodes depend on later ones through x alone: the pass ends where x is unchanged.
         if i < first && x >= before * (1.0 - SAME) {
             return i;
         }
@@ -318,11 +337,13 @@ fn lower_x<S: Simd, const R: usize>(
     0
 }
 
-/// Lowers the `x` of `samples`, as [`backward`] left it, to what is reached from the node `first`, and finds u; until
-/// from the node `last` on all is as it was.
+/// Forward pass: lowers the `x` of `samples`, as [`backward`] left them, to the values reachable
+/// from the node `first`, and sets u. Ends after the node `last` as soon as `x` does not change any
+/// more.
 ///
-/// Where a joint exceeds a limit within an interval, that is tightened: less of the limits is left there, or u
-/// has to be the same at both ends. Returns the first and the last one for which that has to be swept again.
+/// An interval within which a joint exceeds a limit is tightened: the usable share of the limits is
+/// lowered, or u has to be the same at both ends. Returns the first and the last tightened
+/// interval, which have to be swept again.
 #[inline(always)]
 fn forward<S: Simd, const R: usize>(
     nodes: Nodes<'_, S>,
@@ -360,7 +381,8 @@ fn forward<S: Simd, const R: usize>(
         if bends || narrow || next_narrow || nodes.half_way(i, h, x, u) > 1.0 + NEAR {
             let [mut acceleration, mut square] = nodes.worst(i, h, x, u);
             if acceleration > 1.0 + SWING && !even {
-                // On the way up it can often be mended here: arriving slower, or else with u the same.
+                // While speeding up, a lower arrival speed often suffices; otherwise u is made
+                // equal at both ends.
                 let slower = x + (y - x) / acceleration;
                 let bands = [next.least(simd, slower), next.most(simd, slower)];
                 let eased = split((slower - x) / h, [least, most], bands);
@@ -395,6 +417,7 @@ fn forward<S: Simd, const R: usize>(
         }
         samples[i].u = u;
         samples[i + 1].x = y;
+        // Later intervals start from the same x as before: nothing changes there.
         if i + 1 >= last && y >= cap * (1.0 - SAME) {
             break;
         }
@@ -404,7 +427,7 @@ fn forward<S: Simd, const R: usize>(
 }
 
 impl<S: Simd> Nodes<'_, S> {
-    /// The same nodes, of which the compiler then knows that there are `count`.
+    /// Returns the first `count` nodes; the explicit length lets the compiler drop bounds checks.
     #[inline(always)]
     fn first(self, count: usize) -> Self {
         let Self { simd, dq, ddq, velocity, grid, rows, row_count } = self;
@@ -413,8 +436,8 @@ impl<S: Simd> Nodes<'_, S> {
         Self { simd, dq, ddq, velocity, grid, rows, row_count }
     }
 
-    /// The largest share of a limit of acceleration or of a further limit, or squared share of a velocity limit, half-way through
-    /// interval `i`.
+    /// Returns the largest share of an acceleration limit or of a further limit, or squared share
+    /// of a velocity limit, half-way through interval `i`.
     #[inline(always)]
     fn half_way(&self, i: usize, h: f64, x: f64, u: [f64; 2]) -> f64 {
         let Self { simd, dq, ddq, velocity, .. } = *self;
@@ -433,8 +456,10 @@ impl<S: Simd> Nodes<'_, S> {
         if self.row_count == 0 { worst } else { greater(worst, self.row(i, &place, 0.5)) }
     }
 
-    /// The largest share of a further limit at a `place`, the share `t`, of interval `i`. Above what is let pass, it is the
-    /// share of what the offset leaves of the limit, which is what tightening lowers.
+    /// Returns the largest share of a further limit at a `place` of interval `i`, at the share `t`
+    /// of its length. Above the tolerated excess, the moving part over the limit minus the offset
+    /// is returned instead: tightening lowers that part, since the offset (gravity, for torques)
+    /// does not depend on the speed.
     fn row(&self, i: usize, place: &Place, t: f64) -> f64 {
         let count = self.row_count;
         let [from, to] = [i, i + 1].map(|node| &self.rows[node * count..(node + 1) * count]);
@@ -453,8 +478,8 @@ impl<S: Simd> Nodes<'_, S> {
         worst
     }
 
-    /// The largest share of a limit of acceleration or of a further limit, and squared share of a velocity limit, in the inner
-    /// quarters of interval `i`.
+    /// Returns the largest share of an acceleration limit or of a further limit, and the largest
+    /// squared share of a velocity limit, in the inner quarters of interval `i`.
     #[inline(always)]
     fn worst(&self, i: usize, h: f64, x: f64, u: [f64; 2]) -> [f64; 2] {
         let Self { simd, dq, ddq, velocity, .. } = *self;
@@ -466,7 +491,7 @@ impl<S: Simd> Nodes<'_, S> {
         let (mut acceleration, mut square) = (simd.splat_f64s(0.0), simd.splat_f64s(0.0));
         for k in 0..velocity.len() {
             let ends = [dq[0][k], dq[1][k], ddq[0][k], ddq[1][k]];
-            // No `map`: its closure would not have the vector instructions.
+            // No `map`: a closure would not be compiled with the vector instructions.
             let a = places[0].joints(simd, ends, velocity[k]);
             let b = places[1].joints(simd, ends, velocity[k]);
             let c = places[2].joints(simd, ends, velocity[k]);
@@ -484,10 +509,10 @@ impl<S: Simd> Nodes<'_, S> {
     }
 }
 
-/// A place within an interval.
+/// Place within an interval.
 struct Place {
-    /// Weights of q' at both ends of the interval and of q'' there: those of q' and of q'' at the place, by the
-    /// cubic that has the same at both ends.
+    /// Weights of q' at both ends of the interval and of q'' at both ends, for q' (`value`) and q''
+    /// (`slope`) at the place, by the cubic that matches all four.
     value: [f64; 4],
     slope: [f64; 4],
     x: f64,
@@ -495,7 +520,7 @@ struct Place {
 }
 
 impl Place {
-    /// At the share `t` of the interval's length.
+    /// Creates the place at the share `t` of the interval's length.
     #[inline(always)]
     fn new(h: f64, x: f64, u: [f64; 2], t: f64) -> Self {
         let to = t * t * (3.0 - 2.0 * t);
@@ -508,7 +533,8 @@ impl Place {
         }
     }
 
-    /// The shares of the acceleration limits, with their signs, and the squared shares of the velocity limits.
+    /// Returns the shares of the acceleration limits, with signs, and the squared shares of the
+    /// velocity limits.
     #[inline(always)]
     fn joints<S: Simd>(
         &self,
@@ -524,7 +550,8 @@ impl Place {
     }
 }
 
-/// The largest absolute value of the parabolas through three values at equal distances, as far as they reach.
+/// Returns the largest absolute value of the parabolas through three values at equal distances,
+/// between the outer two.
 #[inline(always)]
 fn peak<S: Simd>(simd: S, values: [S::f64s; 3]) -> S::f64s {
     let sign = simd.and_f64s(values[1], simd.splat_f64s(-0.0));
@@ -533,14 +560,15 @@ fn peak<S: Simd>(simd: S, values: [S::f64s; 3]) -> S::f64s {
     let b = simd.abs_f64s(b);
     let slope = simd.mul_f64s(simd.splat_f64s(0.5), simd.sub_f64s(c, a));
     let bend = simd.sub_f64s(simd.add_f64s(b, b), simd.add_f64s(a, c));
-    // Where the parabola has no top between them, this is less than the greater end.
+    // If the vertex of the parabola is not between the outer values, this is less than the larger
+    // of them.
     let width = simd.max_f64s(simd.max_f64s(bend, simd.abs_f64s(slope)), simd.splat_f64s(1e-30));
     let top = simd.div_f64s(simd.mul_f64s(slope, slope), simd.add_f64s(width, width));
     let ends = simd.max_f64s(simd.abs_f64s(a), simd.abs_f64s(c));
     simd.max_f64s(ends, simd.add_f64s(b, top))
 }
 
-/// The sum of `values`, each times its weight.
+/// Returns the sum of `values` times `weights`.
 #[inline(always)]
 fn mix<S: Simd>(simd: S, weights: [f64; 4], values: [S::f64s; 4]) -> S::f64s {
     let mut sum = simd.mul_f64s(simd.splat_f64s(weights[0]), values[0]);
@@ -551,7 +579,8 @@ fn mix<S: Simd>(simd: S, weights: [f64; 4], values: [S::f64s; 4]) -> S::f64s {
 }
 
 /// Sweeps forwards until no interval of the segment has to be tightened, and backwards in between.
-/// False if that makes what came before the segment too fast: then all has to be swept again.
+/// Returns false if the start of the segment had to become slower, so that the segments before it
+/// have to be swept again.
 #[inline(always)]
 pub(crate) fn sweep_until_valid<S: Simd, const R: usize>(
     nodes: Nodes<'_, S>,
@@ -568,7 +597,7 @@ pub(crate) fn sweep_until_valid<S: Simd, const R: usize>(
             return false;
         }
         let Some([first, last]) = forward(nodes, bounds, stretch, samples) else { return true };
-        // The interval after it starts at a node with other limits.
+        // The interval after the last tightened one begins at a node whose limits were lowered.
         let end = (last + 2).min(n);
         lower(&mut bounds[first..=last + 1], &samples[first..=last + 1]);
         stretch = [lower_x(nodes, bounds, [first, end], samples), end];
@@ -576,8 +605,8 @@ pub(crate) fn sweep_until_valid<S: Simd, const R: usize>(
     false
 }
 
-/// u at both ends of an interval, which add up to `sum`, within the bands that the limits leave:
-/// the same at both ends where there is a choice.
+/// Splits `sum` into u at both ends of an interval, each within its feasible range: equal if the
+/// ranges permit, otherwise as close to equal as possible.
 #[inline(always)]
 fn split(sum: f64, start: [f64; 2], end: [f64; 2]) -> [f64; 2] {
     let u_start = within(0.5 * sum, start[0], start[1]);
@@ -585,7 +614,7 @@ fn split(sum: f64, start: [f64; 2], end: [f64; 2]) -> [f64; 2] {
     [sum - u_end, u_end]
 }
 
-/// `value`, moved into `low` to `high`; unlike `clamp`, whatever the order of the two.
+/// Clamps `value` to `low..=high`; unlike `f64::clamp`, it accepts `low > high`.
 #[inline(always)]
 fn within(value: f64, low: f64, high: f64) -> f64 {
     let value = if value < low { low } else { value };

@@ -1,11 +1,11 @@
-//! What limits the stamps.
+//! Timing laws, their options and errors.
 
 use iiwa_kin::Joint;
 use iiwa_program::MotionIndex;
 
 use crate::limit::Limit;
 
-/// The limits that a trajectory keeps, and how its stamps are found.
+/// Limits of a trajectory, and the method of time parameterisation.
 ///
 /// ```
 /// use iiwa_kin::Robot;
@@ -28,16 +28,18 @@ use crate::limit::Limit;
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Timing {
-    /// Velocity and acceleration, by the sample sweep of Larsen 2019, section 2.4.
+    /// Velocity and acceleration limits, by the sample sweep of Larsen 2019, section 2.4.
     Acceleration(SweepOptions),
-    /// Velocity, acceleration and jerk.
+    /// Velocity, acceleration and jerk limits.
     Jerk(JerkOptions),
-    /// As [`Jerk`](Self::Jerk), but for motions from rest to rest as Sunrise was seen to plan them: PTP motions start and stop
-    /// by the robot's [`RampLaw`](iiwa_kin::RampLaw), and splines go by its [`SplineSpeed`](iiwa_kin::SplineSpeed), a model. What
-    /// Sunrise does with blends and with LIN and CIRC motions is not known. They keep limits of jerk, and next to rest lower ones, so
+    /// The limits of [`Jerk`](Self::Jerk), but motions from rest to rest follow recordings of
+    /// Sunrise: PTP motions start and stop by the robot's [`RampLaw`](iiwa_kin::RampLaw), and
+    /// splines follow its [`SplineSpeed`](iiwa_kin::SplineSpeed), a model. Blends and LIN and CIRC
+    /// motions of Sunrise are not known. They keep jerk limits, which are lower next to rest, so
     /// that their ramps take as long there as those of PTP motions and single SPL.
     ///
-    /// Along splines, joint velocities keep their limits, and joint accelerations and jerks exceed theirs in bends.
+    /// Along splines, joint velocities keep their limits, and joint accelerations and jerks exceed
+    /// theirs in bends.
     Sunrise(JerkOptions),
 }
 
@@ -48,13 +50,14 @@ impl Default for Timing {
 }
 
 impl Timing {
-    /// Limits of velocity, acceleration and jerk, everywhere: for what is commanded point by point.
+    /// Creates timing with limits of velocity, acceleration and jerk everywhere, for set-points
+    /// that are commanded point by point.
     #[must_use]
     pub fn jerk_limited() -> Self {
         Self::Jerk(JerkOptions::default())
     }
 
-    /// The name of the timing: `acceleration`, `jerk` or `sunrise`.
+    /// Returns the name of the timing: `acceleration`, `jerk` or `sunrise`.
     #[must_use]
     pub fn name(&self) -> &'static str {
         match self {
@@ -65,13 +68,13 @@ impl Timing {
     }
 }
 
-/// How fine the sweep is.
+/// Resolution of the sweep.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct SweepOptions {
     /// Intervals per blend, close to N of Larsen 2019, section 2.4.1; 100 by default, at least 2.
     ///
-    /// Lines need none: limits do not change along them, so that the fastest way over a line is to
-    /// speed up, to keep the speed and to slow down, at instants that are found in closed form.
+    /// Lines need no intervals: limits are constant along a line, so that the fastest motion
+    /// accelerates, keeps its speed and decelerates, at instants that have a closed form.
     pub samples: usize,
 }
 
@@ -81,18 +84,19 @@ impl Default for SweepOptions {
     }
 }
 
-/// How jerk-limited stamps are found.
+/// Options of jerk-limited timing.
 ///
-/// A straight line from rest to rest has a closed form. Sections with blends are solved for on cells, at
-/// some places of which limits are kept exactly; in between they may be exceeded by 0.1 % (velocity),
-/// 0.2 % (acceleration) and 2 % (jerk). Blends have to be of a shape whose curvature continues that of
-/// the lines.
+/// A straight line from rest to rest has a closed form. Sections with blends are solved on cells:
+/// limits are enforced at some points of each cell and may be exceeded in between by 0.1 %
+/// (velocity), 0.2 % (acceleration) and 2 % (jerk). The curvature of blends must be continuous with
+/// that of the lines.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct JerkOptions {
-    /// How many times as fine as usual the cells are; above 0, 1 by default.
+    /// Factor of refinement of the cells; above 0, 1 by default.
     pub refinement: f64,
-    /// Solve for every section as a whole, without the closed form of straight lines from rest to rest and the receding horizon of
-    /// long sections. Tests of this and other crates check both against it. It takes longer. Off by default.
+    /// Solves every section as a whole, without the closed form of straight lines from rest to rest
+    /// and the receding horizon of long sections. Tests of this and other crates compare both with
+    /// this option. It takes longer. Off by default.
     pub general: bool,
 }
 
@@ -102,24 +106,25 @@ impl Default for JerkOptions {
     }
 }
 
-/// Why a path got no stamps.
+/// Error of time parameterisation.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum TimingError {
-    /// The stamps that were found do not keep the limits. A trajectory is never handed out then.
+    /// The stamps exceed a limit. A trajectory is never returned in this case.
     #[error(
         "motion {motion}: the stamps found for it reach {ratio} times the limit of {limit}; \
          this is a fault of the planner, please report the program"
     )]
     LimitExceeded {
-        /// The motion.
+        /// Motion.
         motion: MotionIndex,
-        /// What is exceeded.
+        /// Limit that is exceeded.
         limit: Limit,
         /// Value over limit.
         ratio: f64,
     },
-    /// A joint cannot hold the arm with its load within the limit of torques: no motion is slow enough.
+    /// A joint cannot hold the arm and its payload within the torque limit: no motion is slow
+    /// enough.
     #[error(
         "motion {motion}: {joint} cannot hold the arm with its load there: it takes {:.1} Nm to stand still{}, of the {:.1} Nm \
          that it may exert{}; raise the limit of torques, or choose a lighter load or poses nearer to the base",
@@ -129,34 +134,35 @@ pub enum TimingError {
         if .holding_nm.abs() + .friction_nm < *.limit_nm { ", which leaves less than a hundredth to move it" } else { "" }
     )]
     CannotHold {
-        /// The motion, on the way of which it is.
+        /// Motion on whose path the pose is.
         motion: MotionIndex,
-        /// The joint.
+        /// Joint.
         joint: Joint,
-        /// The torque that it takes, with its sign, in Nm.
+        /// Holding torque, with its sign, in Nm.
         holding_nm: f64,
-        /// What friction takes on top, in Nm.
+        /// Additional friction torque, in Nm.
         friction_nm: f64,
-        /// The most that the joint may exert, in Nm.
+        /// Largest torque of the joint, in Nm.
         limit_nm: f64,
     },
-    /// More rows of [further limits](crate::PathLimit) than the planner takes.
+    /// Too many rows of [further limits](crate::PathLimit).
     #[error(
         "{rows} rows of limits beside velocity, acceleration and jerk: at most {most} are possible"
     )]
     TooManyRows {
-        /// The rows of the limits of a step.
+        /// Rows of the limits of a step.
         rows: usize,
-        /// The most that are possible.
+        /// Largest possible number of rows.
         most: usize,
     },
-    /// A blend of this shape starts and ends with a jump in curvature, at which jerk would be infinite.
+    /// A blend of this shape starts and ends with a jump in curvature, where jerk would be
+    /// infinite.
     #[error(
         "motion {motion}: the blend at its end begins with a jump in acceleration, which no limit of jerk \
          allows; choose another shape of blends, or timing without jerk"
     )]
     CurvatureJumps {
-        /// The motion whose target is blended away.
+        /// Motion whose target is blended away.
         motion: MotionIndex,
     },
     /// The jerk-limited solver did not converge.
@@ -165,23 +171,23 @@ pub enum TimingError {
          program"
     )]
     NotConverged {
-        /// The first motion of a section without a stop.
+        /// First motion of a section without a stop.
         motion: MotionIndex,
     },
     /// The flag of [`Planner::interrupted_by`](crate::Planner::interrupted_by) was set.
     #[error("interrupted")]
     Interrupted,
-    /// No stamps were found: the arm would stop on the way, or intervals had to be tightened again and
-    /// again.
+    /// The sweep found no stamps: the robot would stop on the way, or intervals had to be tightened
+    /// too many times.
     #[error("motion {motion}: no way was found to move through it; please report the program")]
     Stuck {
-        /// The motion, or the first one of a section without a stop.
+        /// Motion, or the first one of a section without a stop.
         motion: MotionIndex,
     },
 }
 
 impl TimingError {
-    /// The motion at fault, if it is one.
+    /// Returns the motion that caused the error, if there is one.
     #[must_use]
     pub fn motion(&self) -> Option<MotionIndex> {
         match self {

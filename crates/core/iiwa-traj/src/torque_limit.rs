@@ -1,4 +1,4 @@
-//! Limits of the joints' torques.
+//! Joint torque limits.
 
 use iiwa_kin::{Dynamics, Joint, Joints, PathTorques};
 use iiwa_path::{JointPath, Segment, Step};
@@ -10,24 +10,26 @@ use crate::{
     timing::TimingError,
 };
 
-/// Share of what a joint may exert that holding the arm may take. With less left to move it, no plan would be of use.
+/// Largest share of a torque limit that holding the arm may use. A plan with less torque left for
+/// motion would be useless.
 const MOST_HELD: f64 = 0.99;
 
-/// The limits of torque that a program sets.
+/// Torque limits set by a program.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct TorqueLimit;
 
-/// The torques of the joints with the load of a step, over their limits.
+/// Joint torques with the payload of a step, over their limits.
 #[derive(Debug)]
 struct TorqueRows {
     dynamics: Dynamics,
     inverse: Joints,
 }
 
-/// The torque limits of a motion, and the friction at its speed limits, in Nm. None if the program does not limit torques.
+/// Returns the torque limits of a motion, and the friction at its velocity limits, in Nm. None if
+/// the program does not limit torques.
 ///
-/// Viscous friction is taken at the speed limit: as a function of the squared speed it is not convex, and it is below 1 % of the
-/// torque of an iiwa.
+/// Viscous friction is evaluated at the velocity limit: as a function of the squared speed it is
+/// not convex, and it is below 1 % of the torque of an iiwa.
 fn most_nm(path: &JointPath, step: usize, dynamics: &Dynamics) -> Option<[Joints; 2]> {
     let limits_nm = path.torque_limits_nm()?;
     let friction_nm = dynamics.friction().torques_nm(path.limits_of(step).velocity_rad_s());
@@ -47,7 +49,7 @@ impl PathLimit for TorqueLimit {
         Limit::Torque(Joint::ALL[row])
     }
 
-    /// Checks that the joints can hold the arm with its load wherever the path goes.
+    /// Checks that the joints can hold the arm and its payload everywhere on the path.
     fn check(&self, path: &JointPath) -> Result<(), TimingError> {
         if path.torque_limits_nm().is_none() {
             return Ok(());
@@ -78,6 +80,7 @@ impl PathLimit for TorqueLimit {
                 Step::Move { segment, .. } => {
                     places(segment.as_ref()).try_for_each(|q| check(&q))?;
                 }
+                // A program that begins with a rest has no segment that contains its start.
                 _ if step == 0 => check(path.start_rad())?,
                 _ => {}
             }
@@ -86,7 +89,7 @@ impl PathLimit for TorqueLimit {
     }
 }
 
-/// The joints at places along a segment, its ends among them.
+/// Returns joint positions along a segment, including both ends.
 fn places(segment: &dyn Segment) -> impl Iterator<Item = Joints> + '_ {
     let parts = (segment.sigma_length_rad() / MOST_RAD).ceil().clamp(2.0, 1e4);
     let shares = (0_u32..).map(f64::from).take_while(move |k| *k <= parts);
@@ -114,7 +117,7 @@ impl RowLimit for TorqueRows {
         places.iter().flat_map(|torques| (0..7).map(move |j| row(torques, j))).collect()
     }
 
-    /// In one pass of inverse dynamics instead of three.
+    /// Computes the shares in one pass of inverse dynamics instead of three.
     fn shares(
         &self,
         joints_rad: &[Joints],
@@ -145,7 +148,7 @@ mod tests {
     const WAIT: &str = r#"{ "type": "wait", "seconds": 1 }"#;
     const UP: &str = r#"{ "type": "ptp", "joints_deg": [0, 0, 0, 0, 0, 0, 0] }"#;
 
-    /// With the arm stretched out, joint 2 holds most.
+    /// With the arm stretched out, joint 2 has the largest holding torque.
     #[test]
     fn the_start_has_to_be_held() {
         for motions in [WAIT.to_owned(), UP.to_owned(), format!("{WAIT}, {UP}")] {

@@ -1,4 +1,4 @@
-//! Torques of the joints along a trajectory, and the work that they do.
+//! Joint torques along a trajectory, and the work of the joints.
 
 use iiwa_kin::{Dynamics, Joints};
 use iiwa_program::MotionIndex;
@@ -9,54 +9,57 @@ use crate::{
     trajectory::Trajectory,
 };
 
-/// Torques of the joints at one instant.
+/// Joint torques at one instant.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct JointTorques {
-    /// All of them, with friction as far as the robot has any, in Nm.
+    /// Total torques, including friction if the robot profile has any, in Nm.
     pub torque_nm: Joints,
-    /// What of it holds the arm and its load against gravity, in Nm.
+    /// Gravity torques of the arm and its payload, in Nm.
     pub gravity_nm: Joints,
 }
 
-/// The torques of one entry of the program's list of motions.
+/// Torques of one entry of the program's list of motions.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MotionTorques {
-    /// Its place in the program.
+    /// Index in the program.
     pub motion: MotionIndex,
-    /// The largest torque of each joint, with its sign, in Nm.
+    /// Largest torque of each joint, with its sign, in Nm.
     pub peak_nm: Joints,
-    /// Its size as a share of the robot's limit.
+    /// Absolute peak torque as a share of the robot's limit.
     pub peak_rel: Joints,
-    /// When it is reached, in s from the start of the program.
+    /// Time of the peak, in s from the start of the program.
     pub peak_at_s: Joints,
-    /// The largest torque that each joint would need to stand still somewhere on the way, with its sign, in Nm.
+    /// Largest holding torque of each joint at any point of the motion, with its sign, in Nm.
     pub static_nm: Joints,
 }
 
-/// The torques of a whole trajectory, or of its sections so far.
+/// Torques of a whole trajectory, or of its sections so far.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct TorqueFigures {
-    /// Those of the motions, in the order and number of [`Trajectory::motions`].
+    /// Torques of the motions, in the order and number of [`Trajectory::motions`].
     pub motions: Vec<MotionTorques>,
-    /// Work that each joint does, in J.
+    /// Work done by each joint, in J.
     pub positive_work_j: Joints,
-    /// Work that is done on each joint, in J: 0 or less.
+    /// Work done on each joint, in J: 0 or less.
     pub negative_work_j: Joints,
-    /// The most that joints give at once, in W; what others of them take back at the time is not counted against it.
+    /// Largest total power output, in W; power that other joints absorb at the same time is not
+    /// subtracted.
     pub peak_power_w: f64,
-    /// When, in s from the start of the program.
+    /// Time of the peak power, in s from the start of the program.
     pub peak_power_at_s: f64,
 }
 
-/// Lobatto's rule with four points, which has both ends among them: where torques jump, their largest values are there.
+/// Lobatto's rule with four points. It includes both ends: where torques jump, their extreme values
+/// are there.
 const SHARES: [f64; 4] = [0.0, 0.276_393_202_250_021, 0.723_606_797_749_979, 1.0];
 const WEIGHTS: [f64; 4] = [1.0 / 12.0, 5.0 / 12.0, 5.0 / 12.0, 1.0 / 12.0];
 
-/// No joint turns by more between two instants that torques are computed at, in rad.
+/// Largest joint rotation between two instants at which torques are computed, in rad.
 const MOST_RAD: f64 = 0.05;
 
 impl Trajectory {
-    /// The torques at `t_s`, with what hangs on the flange then and as the robot stands.
+    /// Returns the torques at `t_s`, with the payload at that time and the installation of the
+    /// robot.
     ///
     /// ```
     /// use iiwa_kin::Robot;
@@ -77,7 +80,8 @@ impl Trajectory {
         self.torques_of(&self.at(t_s))
     }
 
-    /// The torques in a state of this trajectory, as [`samples`](Self::samples) and [`states`](Self::states) give them.
+    /// Returns the torques in a state of this trajectory, such as those of
+    /// [`samples`](Self::samples) and [`states`](Self::states).
     #[must_use]
     pub fn torques_of(&self, state: &State) -> JointTorques {
         let dynamics = self.path().dynamics(state.motion);
@@ -87,10 +91,10 @@ impl Trajectory {
         }
     }
 
-    /// The largest torques of all motions, and the work that the joints do.
+    /// Returns the largest torques of all motions, and the work of the joints.
     ///
-    /// They are found at all nodes and at instants between. The work is what the energy of arm and load grows by and, with
-    /// friction, what it takes away.
+    /// Both are computed at all nodes and at instants between. The work equals the gain in energy
+    /// of arm and payload plus, with friction, the energy dissipated.
     ///
     /// ```
     /// use iiwa_kin::Robot;
@@ -117,28 +121,30 @@ impl Trajectory {
 }
 
 impl Section {
-    /// What the joints exert in a state of this section, with friction as far as the robot has any, in Nm.
+    /// Returns the joint torques in a state of this section, including friction if the robot
+    /// profile has any, in Nm.
     #[must_use]
     pub fn torque_nm(&self, state: &State) -> Joints {
         exerted(&self.path().dynamics(state.motion), state)
     }
 }
 
-/// What the joints exert in a state, friction included, in Nm.
+/// Returns the joint torques in a state, including friction, in Nm.
 fn exerted(dynamics: &Dynamics, state: &State) -> Joints {
     let rigid = dynamics.torques(&state.q, &state.dq, &state.ddq);
     let friction = dynamics.friction().torques_nm(&state.dq);
     std::array::from_fn(|j| rigid[j] + friction[j])
 }
 
-/// Instants of a motion, with what they count for in an integral by time, in s.
+/// Instants of a motion with their weights in an integral over time, in s.
 #[derive(Default)]
 struct Samples {
     t_s: Vec<f64>,
     weight_s: Vec<f64>,
     velocity: Vec<Joints>,
     torque: Vec<Joints>,
-    /// Gravity torques at the same places and at rest; the ends of spans are left out, since gravity torques do not jump.
+    /// Gravity torques at the same poses, at rest; ends of spans are left out, since gravity
+    /// torques are continuous.
     gravity: Vec<Joints>,
 }
 
@@ -202,7 +208,8 @@ impl Samples {
 }
 
 impl TorqueFigures {
-    /// Adds the next section of the trajectory. A motion that stops on its way has figures in each of its sections.
+    /// Adds the next section of the trajectory. A motion with a stop on its way has figures in each
+    /// of its sections.
     pub fn add(&mut self, section: &Section) {
         let limits = &section.path().robot().limits().torque_nm;
         for pieces in section.pieces().chunk_by(|a, b| a.motion == b.motion) {

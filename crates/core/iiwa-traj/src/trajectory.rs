@@ -1,4 +1,4 @@
-//! A whole trajectory.
+//! Trajectory of a whole program.
 
 use iiwa_kin::Joints;
 use iiwa_path::JointPath;
@@ -14,10 +14,11 @@ use crate::{
     timing::{Timing, TimingError},
 };
 
-/// What the arm does at any time from the start of a program to its end.
+/// Trajectory of the robot from the start of a program to its end.
 ///
-/// It keeps its limits, which is checked before it is handed out. Between the places where the solver holds them, limits of
-/// velocity are exceeded by at most 0.1 %, of acceleration by 0.2 % and of jerk by 2 %.
+/// The limits are checked before a trajectory is returned. Between the points at which the solver
+/// enforces them, velocity limits are exceeded by at most 0.1 %, acceleration limits by 0.2 % and
+/// jerk limits by 2 %.
 #[derive(Clone, Debug)]
 pub struct Trajectory {
     path: JointPath,
@@ -26,17 +27,18 @@ pub struct Trajectory {
 }
 
 impl Trajectory {
-    /// The fastest trajectory along `path` within the limits of its motions.
+    /// Plans the fastest trajectory along `path` within the limits of its motions.
     ///
     /// # Errors
     ///
-    /// [`TimingError::CurvatureJumps`] for jerk-limited timing of blends whose curvature jumps at their ends; any
+    /// [`TimingError::CurvatureJumps`] for jerk-limited timing of blends whose curvature jumps at
+    /// their ends; [`TimingError::CannotHold`] if a torque limit is too low to hold the arm; any
     /// other error is a fault of the planner.
     pub fn plan(path: &JointPath, timing: Timing) -> Result<Self, TimingError> {
         Self::by(&mut Planner::new(path, timing))
     }
 
-    /// That of all sections of a planner that has not begun yet: one that can be interrupted.
+    /// Collects all sections of a fresh planner, which can be interrupted.
     ///
     /// ```
     /// use std::sync::{Arc, atomic::AtomicBool};
@@ -56,13 +58,14 @@ impl Trajectory {
     ///
     /// # Errors
     ///
-    /// As [`plan`](Self::plan), and [`TimingError::Interrupted`].
+    /// The errors of [`plan`](Self::plan), [`TimingError::TooManyRows`] with too many further
+    /// limits, and [`TimingError::Interrupted`].
     pub fn by(planner: &mut Planner) -> Result<Self, TimingError> {
         let sections = planner.collect::<Result<_, _>>()?;
         Ok(Self::from_sections(planner.path().clone(), sections))
     }
 
-    /// That of some sections, in order.
+    /// Creates the trajectory of some sections, in order.
     pub(crate) fn from_sections(path: JointPath, sections: Vec<Section>) -> Self {
         let mut totals = Totals::default();
         for section in &sections {
@@ -71,31 +74,31 @@ impl Trajectory {
         Self { path, sections, totals }
     }
 
-    /// The path.
+    /// Returns the path.
     #[must_use]
     pub fn path(&self) -> &JointPath {
         &self.path
     }
 
-    /// From the start to the end of the last settling, in s.
+    /// Returns the time from the start to the end of the last settling, in s.
     #[must_use]
     pub fn cycle_time_s(&self) -> f64 {
         self.totals.cycle_time_s()
     }
 
-    /// Time in motion, in s.
+    /// Returns the time in motion, in s.
     #[must_use]
     pub fn motion_time_s(&self) -> f64 {
         self.totals.motion_time_s
     }
 
-    /// Where the time goes.
+    /// Returns the total times by kind of piece.
     #[must_use]
     pub fn totals(&self) -> &Totals {
         &self.totals
     }
 
-    /// The parts from stop to stop, in order.
+    /// Returns the sections from stop to stop, in order.
     ///
     /// ```
     /// use iiwa_kin::Robot;
@@ -119,7 +122,8 @@ impl Trajectory {
         &self.sections
     }
 
-    /// What the arm does at `t_s`; before the start it stands there, after the end too. O(log n).
+    /// Returns the state at `t_s`; before the start and after the end, the robot is at rest. O(log
+    /// n).
     #[must_use]
     pub fn at(&self, t_s: f64) -> State {
         let next = self.sections.partition_point(|section| section.end_s() <= t_s);
@@ -137,8 +141,7 @@ impl Trajectory {
         }
     }
 
-    /// What the arm does at every sample at which stamps were found, the end included. Stamps
-    /// increase strictly.
+    /// Returns the states at all nodes, including the end. Times increase strictly.
     ///
     /// ```
     /// use iiwa_kin::Robot;
@@ -162,8 +165,8 @@ impl Trajectory {
         self.sections.iter().flat_map(Section::states).chain(end)
     }
 
-    /// What the arm does `rate_hz` times a second, from the start to the end: the first sample is at 0, the
-    /// last exactly at the cycle time, however far that is from the one before.
+    /// Returns the states at a sampling rate of `rate_hz`: the first sample is at 0, the last one
+    /// exactly at the cycle time, at any distance from the one before.
     ///
     /// ```
     /// use iiwa_kin::Robot;
@@ -186,7 +189,7 @@ impl Trajectory {
         stamps.take_while(move |t_s| *t_s < end_s).chain([end_s]).map(at)
     }
 
-    /// The figures of all entries of the program's list of motions, in order.
+    /// Returns the figures of all entries of the program's list of motions, in order.
     ///
     /// ```
     /// use iiwa_kin::Robot;
@@ -212,7 +215,7 @@ impl Trajectory {
         self.sections.iter().flat_map(Section::motions).collect()
     }
 
-    /// The figures of all blends, in order.
+    /// Returns the figures of all blends, in order.
     ///
     /// ```
     /// use iiwa_kin::Robot;
@@ -238,7 +241,8 @@ impl Trajectory {
 }
 
 impl Trajectory {
-    /// The blends before which the arm stops, since the motions after them are not known in time, in order.
+    /// Returns the blends before which the robot stops because the motions after them are not known
+    /// in time, in order.
     ///
     /// ```
     /// use iiwa_kin::Robot;

@@ -1,4 +1,4 @@
-//! Many programs at once come out as they do one by one.
+//! Batches of programs yield the same plans as single programs.
 
 use iiwa_kin::{Joint, Robot};
 use iiwa_path::{BlendShape, JointPath, PathOptions};
@@ -6,7 +6,7 @@ use iiwa_program::{Blend, Fault, Motion, Program, Ptp, Sources, Start, Workcell}
 use iiwa_traj::{PlanError, State, SweepOptions, Timing, Trajectory, plan_all};
 use rayon::ThreadPoolBuilder;
 
-/// Programs that differ in length and in time.
+/// Creates programs that differ in length and in time.
 fn programs(count: u32) -> Vec<Program> {
     let corner = |k: u32, to: f64| {
         Motion::Ptp(Ptp::to([to, 0.1 * f64::from(k % 7), 0.0, -1.0, 0.0, 0.7, 0.0]))
@@ -32,7 +32,7 @@ fn programs(count: u32) -> Vec<Program> {
     (0..count).map(program).collect()
 }
 
-/// What the bytes of an output would be made of.
+/// Returns all values from which an output file would be written.
 fn states(trajectory: &Trajectory) -> Vec<State> {
     trajectory.states().collect()
 }

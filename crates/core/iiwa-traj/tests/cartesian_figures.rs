@@ -1,4 +1,4 @@
-//! The figures of motions to frames, against differences of where the TCP is.
+//! Figures of motions to frames, compared with differences of the TCP pose.
 
 #![expect(clippy::unwrap_used, reason = "a test fails by it")]
 
@@ -56,9 +56,9 @@ fn a_limit_of_the_tcp_is_its_top_speed() {
     }
     let kinds: Vec<_> = motions.iter().map(|motion| motion.kind.name()).collect();
     assert_eq!(kinds, ["ptp", "lin_rel", "wait", "lin_rel", "lin", "circ", "lin_rel", "ptp"]);
-    // Two are point-to-point motions, and only one of them goes to a frame.
+    // Two motions are point-to-point, and only one of them has a frame as its target.
     assert_eq!(motions[0].kind, MotionType::PtpToFrame);
-    // The last one moves the tool, too.
+    // The last motion moves the tool as well.
     assert!(motions[2].cartesian.is_none() && motions[7].cartesian.is_some());
 }
 
@@ -71,8 +71,8 @@ fn pieces_tell_which_path_the_tcp_takes() {
     assert_eq!(kinds, [Line, Blend, Lin, Lin, Blend, Lin, Circ, Lin, Line]);
 }
 
-/// A TCP that only turns stands, however far it is from the flange that goes around it; and so it does where the arm
-/// swings about it with the TCP at rest.
+/// A TCP that only rotates is at rest, at any distance from the flange that moves around it, and
+/// also where the arm swings about a fixed TCP.
 #[test]
 fn a_tcp_that_stands_has_no_speed() {
     let text = r#"{

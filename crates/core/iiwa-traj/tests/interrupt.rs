@@ -1,4 +1,4 @@
-//! Interrupting the planner.
+//! Interruption of the planner.
 
 use std::{
     sync::{
@@ -14,7 +14,7 @@ use iiwa_path::JointPath;
 use iiwa_program::{Blend, Fault, Program};
 use iiwa_traj::{Planner, SweepOptions, Timing, TimingError};
 
-/// Motions to and fro, all blended: one section.
+/// Creates motions to and fro, all blended: one section.
 fn path(motions: u32) -> Result<JointPath, Fault> {
     let mut program = Program::from_deg([0.0; 7]);
     for i in 0..motions {
@@ -33,7 +33,7 @@ fn ends_in_an_error_with_either_timing() {
         let mut planner =
             Planner::new(&path(20).unwrap(), timing).interrupted_by(Arc::clone(&stop));
         assert_eq!(planner.next().unwrap().unwrap_err(), TimingError::Interrupted);
-        // Nothing comes after an error.
+        // The iterator ends after an error.
         stop.store(false, Ordering::Relaxed);
         assert!(planner.next().is_none());
     }
@@ -41,7 +41,8 @@ fn ends_in_an_error_with_either_timing() {
 
 #[test]
 fn stops_in_the_middle_of_a_section() {
-    // Where the machine is held up, a program may be planned before it is stopped: then a longer one.
+    // On a busy machine, a program may be complete before it is interrupted: then a longer one is
+    // tried.
     let stopped = [500, 4_000, 16_000].into_iter().any(|motions| {
         let path = path(motions).unwrap();
         let stop = Arc::new(AtomicBool::new(false));

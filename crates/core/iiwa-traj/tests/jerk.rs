@@ -1,6 +1,6 @@
-//! What must be true of jerk-limited durations, whatever they are.
+//! Properties of jerk-limited durations that hold for any program.
 
-// Helpers of tests may fail.
+// Test helpers may panic.
 #![allow(clippy::unwrap_used)]
 
 use iiwa_kin::{Joints, Robot};
@@ -22,7 +22,7 @@ fn motion_time_s(program: &Program) -> f64 {
     trajectory(program, &Robot::default(), Timing::jerk_limited()).motion_time_s()
 }
 
-/// A motion with the same shares for all joints.
+/// Creates a motion with the same shares for all joints.
 fn ptp(target: Joints, [v, a, j]: [f64; 3], blend: f64) -> Ptp {
     Ptp {
         velocity_rel: [v; 7],
@@ -33,7 +33,7 @@ fn ptp(target: Joints, [v, a, j]: [f64; 3], blend: f64) -> Ptp {
     }
 }
 
-/// A program in which the last blend is left out: it would lead nowhere.
+/// Creates a program without its last blend, which would have no next motion.
 fn program(start_rad: Joints, mut motions: Vec<Ptp>) -> Program {
     if let Some(last) = motions.last_mut() {
         last.blend = None;
@@ -47,7 +47,7 @@ fn program(start_rad: Joints, mut motions: Vec<Ptp>) -> Program {
     }
 }
 
-/// Random programs of two to six motions, most of them blended; the same at each call.
+/// Creates random programs of two to six motions, most of them blended; the same at each call.
 fn programs(count: usize) -> Vec<Program> {
     let joints = || prop::array::uniform7(-1.5..1.5_f64);
     let share = || prop_oneof![2 => Just(1.0), 1 => 0.1..1.0_f64];
@@ -63,7 +63,7 @@ fn programs(count: usize) -> Vec<Program> {
     prop::collection::vec(all, count).new_tree(&mut TestRunner::new(config)).unwrap().current()
 }
 
-/// The program with its motions changed.
+/// Returns the program with changed motions.
 fn changed(program: &Program, change: impl Fn(usize, &mut Ptp)) -> Program {
     let mut program = program.clone();
     for (i, motion) in program.motions.iter_mut().enumerate() {
@@ -91,7 +91,7 @@ fn slower_limits_never_make_it_faster() {
             for factor in [0.9, 0.5, 0.15] {
                 slower(kind, &|_, ptp| times(ptp, factor));
             }
-            // Of one motion, and of one joint.
+            // Changes to one motion, and to one joint.
             slower(kind, &|i, ptp| times(ptp, if i == 1 { 0.7 } else { 1.0 }));
             slower(kind, &|_, ptp| ptp.share_mut(kind)[3] *= 0.4);
         }
@@ -99,8 +99,8 @@ fn slower_limits_never_make_it_faster() {
     println!("at least {least} times as long");
 }
 
-/// With a thousand times the jerk, acceleration builds up in no time; within what the solver's cells, which
-/// are made for the robot's, leave.
+/// With a thousand times the jerk limit, acceleration builds up almost instantly; the rest is due
+/// to the solver's cells, which are sized for the robot's jerk limits.
 #[test]
 fn much_jerk_is_no_limit_of_jerk() {
     let usual = Robot::default();
@@ -120,7 +120,7 @@ fn much_jerk_is_no_limit_of_jerk() {
     println!("{least} to {most} of the acceleration-limited time");
 }
 
-/// As long as the ratios of all ways and limits are the same, time is.
+/// The duration depends only on the ratios of ways and limits.
 #[test]
 fn scale_does_not_matter() {
     let mut largest = 0.0_f64;
@@ -136,7 +136,8 @@ fn scale_does_not_matter() {
             });
             scaled.start = Start::Joints(times(*scaled.start.joints_rad().unwrap()));
             let change = motion_time_s(&scaled) / before - 1.0;
-            // A share of the solver's gap, 3e-5: how sums are rounded depends on the machine's vector registers.
+            // Less than the solver's gap, 3e-5: the rounding of sums depends on the machine's
+            // vector registers.
             assert!(change.abs() < 1e-5, "{change:e} at {scale} times the size: {program:?}");
             largest = largest.max(change.abs());
         }
@@ -144,7 +145,8 @@ fn scale_does_not_matter() {
     println!("largest change {largest:e}");
 }
 
-/// At 1/c of the speed, 1/c^2 of the acceleration and 1/c^3 of the jerk it takes c times as long.
+/// At 1/c of the speed, 1/c^2 of the acceleration and 1/c^3 of the jerk, a motion takes c times as
+/// long.
 #[test]
 fn time_scales() {
     let mut largest = 0.0_f64;
@@ -158,7 +160,8 @@ fn time_scales() {
                 }
             });
             let change = motion_time_s(&slower) / (scale * before) - 1.0;
-            // Cells that are slow in seconds are checked at more places, and limits lowered for what is found there.
+            // Cells of long duration are checked at more points, and their limits are lowered
+            // accordingly.
             assert!(change.abs() < 1e-4, "{change:e} at {scale} times the time: {program:?}");
             largest = largest.max(change.abs());
         }
@@ -170,7 +173,7 @@ fn time_scales() {
 fn the_way_back_takes_as_long() {
     let mut largest = 0.0_f64;
     for there in programs(40) {
-        // The same limits and blends all along, so that the path back is the path there.
+        // Uniform limits and blends, so that the reversed path equals the path.
         let there = changed(&there, |_, motion| {
             *motion = ptp(motion.target_rad, [0.8, 0.9, 0.7], 0.3);
         });
@@ -192,7 +195,7 @@ fn the_way_back_takes_as_long() {
     println!("largest change {largest:e}");
 }
 
-/// Memory that is kept from one program for the next must not show.
+/// Memory that is reused from program to program must not affect results.
 #[test]
 fn what_came_before_does_not_matter() {
     let programs = programs(30);
@@ -206,14 +209,14 @@ fn what_came_before_does_not_matter() {
     let in_order: Vec<_> = programs.iter().map(&states).collect();
     for (program, before) in programs.iter().zip(&in_order).rev() {
         assert_eq!(bits(&states(program)), bits(before));
-        // And on a thread that has planned nothing yet.
+        // The same on a fresh thread.
         let alone = std::thread::scope(|scope| scope.spawn(|| states(program)).join().unwrap());
         assert_eq!(bits(&alone), bits(before));
     }
 }
 
-/// Limits of one motion a hundred thousand times as low as those of the next: what the solver cannot reach, it
-/// says, and it never panics where numbers leave their range on the way.
+/// Limits of one motion a hundred thousand times lower than those of the next: the solver returns
+/// an error if it does not converge, and never panics on numerical overflow.
 #[test]
 fn where_there_is_no_solution_there_is_an_error() {
     let start = [0.0; 7];

@@ -1,4 +1,4 @@
-//! Time stamps: closed forms, sweep, jerk-limited timing, batches, playback.
+//! Time parameterisation: closed forms, sweep, jerk-limited timing, batches, playback.
 
 mod batch;
 mod cartesian_figures;

@@ -27,7 +27,7 @@ fn wait(seconds: f64, overlap: usize) -> Motion {
     Motion::Wait { seconds, overlap }
 }
 
-/// Two motions with a blend between them, and what is between them.
+/// Creates two motions with a blend, and the entries `between` them.
 fn bend(between: &[Motion]) -> Program {
     let mut program = Program::from_deg([0.0; 7]).build();
     program.motions.push(corner([40.0, 0.0, 0.0, -40.0, 0.0, 0.0, 0.0]));
@@ -49,13 +49,13 @@ fn times(trajectory: &Trajectory) -> Vec<u64> {
         .collect()
 }
 
-/// Where the blend begins, and when.
+/// Returns the joint positions and the time at the start of the blend.
 fn blend_start(trajectory: &Trajectory) -> (Joints, f64) {
     let blends = trajectory.blends();
     (blends[0].start_rad, blends[0].start_s)
 }
 
-/// By when the second motion of a bend has to be known, under both timings.
+/// Returns the latest time at which the second motion of a bend has to be known.
 fn needed_s(timing: Timing) -> f64 {
     let late = bent_for(5.0, timing);
     let late = late.late_blends().next().unwrap();
@@ -92,7 +92,7 @@ fn the_arm_stops_where_a_late_blend_begins_and_goes_on_along_it() {
         assert!((trajectory.totals().wait_time_s - standing.duration_s).abs() < 1e-12);
         let there = trajectory.at(2.9);
         assert_eq!((there.q, there.dq), (start_rad, [0.0; 7]));
-        // The same path, from there on.
+        // The path is the same from there on.
         let steps = |trajectory: &Trajectory| {
             let moves = trajectory.path().steps().iter().filter_map(|step| match step {
                 Step::Move { segment, .. } => Some(segment.at(0.3).q),
@@ -108,12 +108,12 @@ fn the_arm_stops_where_a_late_blend_begins_and_goes_on_along_it() {
 
 #[test]
 fn the_last_instant_is_that_of_braking() {
-    // On a straight line under limits of acceleration, the arm brakes at the full limit.
+    // On a straight line under acceleration limits, the robot brakes at the full limit.
     let trajectory = bent_for(3.0, acceleration());
     let limits = *Robot::default().limits();
     let needed_s = needed_s(acceleration());
     let line = &trajectory.sections()[0].pieces()[0];
-    // It is at A1's limit of velocity: 98 deg/s, braked with 490 deg/s^2 in 0.2 s.
+    // A1 is at its velocity limit: 98 deg/s, braked with 490 deg/s^2 in 0.2 s.
     let braking_s = limits.velocity_rad_s[0] / limits.acceleration_rad_s2[0];
     assert!((line.end_s - braking_s - needed_s).abs() < 2e-3, "{} {needed_s}", line.end_s);
 }
@@ -147,7 +147,7 @@ fn a_wait_after_a_stop_runs_from_the_begin_of_the_motion() {
     assert!((longer.totals().wait_time_s - 0.25).abs() < 1e-12);
     assert!((longer.cycle_time_s() - plain.cycle_time_s() - 0.25).abs() < 1e-12);
     assert_eq!(longer.late_blends().count(), 0);
-    // A plain wait comes after it.
+    // A plain wait follows.
     let both = stop(&[wait(settled_s + 0.25, 1), wait(0.5, 0)]);
     assert!((both.totals().wait_time_s - 0.75).abs() < 1e-12);
 }
@@ -160,7 +160,8 @@ fn a_wait_at_the_end_ends_with_the_program() {
     assert_eq!(plan(&program, acceleration()).cycle_time_s(), plain_s);
     program.motions.push(wait(4.0, 2));
     let trajectory = plan(&program, acceleration());
-    // From the begin of the first motion, but not before the wait before it is over.
+    // The wait counts from the start of the first motion, but not before the end of the previous
+    // wait.
     let second_s = trajectory.blends()[0].start_s;
     assert!((trajectory.cycle_time_s() - (second_s + 0.1 + 4.0)).abs() < 1e-9);
 }
@@ -203,7 +204,7 @@ fn long_chains_are_as_if_each_blend_were_alone() {
     };
     let (in_time, late) = (zigzag(0.01), zigzag(2.0));
     assert_eq!((in_time.late_blends().count(), in_time.sections().len()), (0, 1));
-    // The last motion has nothing to blend into.
+    // The last motion has no next motion to blend into.
     assert_eq!((late.late_blends().count(), late.sections().len()), (39, 40));
     assert!((late.cycle_time_s() - 80.0).abs() < 1e-9, "{}", late.cycle_time_s());
 }
@@ -236,7 +237,7 @@ fn a_replanner_knows_such_waits() {
     assert_eq!(replanner.cycle_time_s(), bent_for(2.0, timing).cycle_time_s());
     assert!(replanner.replace(MotionIndex::new(0), wait(2.0, 1)).is_err());
     assert_eq!(replanner.cycle_time_s(), bent_for(2.0, timing).cycle_time_s());
-    // A bend without such waits may get one.
+    // A bend without such waits may receive one.
     let mut replanner =
         Replanner::new(bend(&[wait(0.0, 1)]), &robot, PathOptions::default(), options).unwrap();
     replanner.replace(MotionIndex::new(1), wait(2.0, 1)).unwrap();

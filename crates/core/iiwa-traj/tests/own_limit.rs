@@ -1,4 +1,4 @@
-//! Limits that no crate knows are planned with like those of torque, with either timing.
+//! Limits from outside the workspace crates are planned like torque limits, with either timing.
 
 #![expect(clippy::unwrap_used, reason = "a test fails by it")]
 
@@ -14,10 +14,11 @@ use iiwa_traj::{
 const TIMINGS: [fn() -> Timing; 3] =
     [Timing::jerk_limited, || Timing::Acceleration(SweepOptions::default()), Timing::default];
 
-/// The most that a plan may reach of such a limit.
+/// Largest share of such a limit that a plan may reach.
 const MOST: f64 = 1.01;
 
-/// Linear combinations of joint accelerations: for each row a sum with `weights`, from `lower` to `upper`, in rad/s^2.
+/// Linear combinations of joint accelerations: for each row a sum with `weights`, from `lower` to
+/// `upper`, in rad/s^2.
 #[derive(Clone, Debug)]
 struct Combinations(Vec<Combination>);
 
@@ -37,7 +38,7 @@ impl Combination {
         self.weights.iter().zip(joints).map(|(weight, joint)| weight * joint).sum()
     }
 
-    /// The share of the limits: -1 at the lower one, 1 at the upper one.
+    /// Returns the share of the limits: -1 at the lower one, 1 at the upper one.
     fn share(&self, acceleration_rad_s2: &Joints) -> f64 {
         (2.0 * self.sum(acceleration_rad_s2) - self.lower - self.upper) / (self.upper - self.lower)
     }
@@ -72,8 +73,8 @@ impl RowLimit for Combinations {
     }
 }
 
-/// The acceleration of the flange along the vertical axis, of one motion only, in m/s^2. The trajectory is checked by differences of its
-/// positions.
+/// Acceleration of the flange along the vertical axis, of one motion only, in m/s^2. The trajectory
+/// is checked by differences of its positions.
 #[derive(Clone, Debug)]
 struct Vertical {
     robot: Robot,
@@ -81,7 +82,7 @@ struct Vertical {
     motion: usize,
 }
 
-/// A step in which the second derivative of a position by the path is found from differences.
+/// Step of the path parameter for second differences of a position.
 const STEP: f64 = 1e-3;
 
 impl Vertical {
@@ -141,7 +142,7 @@ fn plan(path: &JointPath, timing: Timing, limits: &[Arc<dyn PathLimit>]) -> Traj
     Trajectory::by(&mut { planner }).unwrap()
 }
 
-/// The largest share of the limits that a trajectory reaches at 2 kHz.
+/// Returns the largest share of the limits that a trajectory reaches at 2 kHz.
 fn largest(trajectory: &Trajectory, limit: &Combinations) -> f64 {
     let shares = trajectory
         .samples(2000.0)
@@ -149,7 +150,7 @@ fn largest(trajectory: &Trajectory, limit: &Combinations) -> f64 {
     shares.fold(0.0, |largest, share| if share <= largest { largest } else { share })
 }
 
-/// True if the figures have a limit of this name.
+/// Returns true if the figures contain a limit of this name.
 fn is_named(trajectory: &Trajectory, name: &str) -> bool {
     let mut limits = trajectory.motions().into_iter().flat_map(|motion| motion.limits);
     limits.any(|limit| limit.limit.name() == name)
@@ -160,7 +161,7 @@ fn a_limit_of_ones_own_is_kept() {
     let path = JointPath::new(&program(), &Robot::default()).unwrap();
     let sum = [1.0, 0.5, 0.0, -1.0, 0.0, 0.3, 0.2];
     let both = Combination::symmetric(sum, 3.0);
-    // More braking than speeding up, and the other way.
+    // A wider range for braking than for acceleration, and vice versa.
     let upwards = Combination { lower: -5.0, upper: 2.0, ..both };
     let downwards = Combination { lower: -2.0, upper: 5.0, ..both };
     for timing in TIMINGS {
@@ -188,7 +189,7 @@ fn a_limit_of_ones_own_is_kept() {
     }
 }
 
-/// A limit that nothing reaches leaves every bit as it is.
+/// A limit that never becomes active changes no bit of the plan.
 #[test]
 fn a_limit_that_binds_nothing_changes_nothing() {
     let path = JointPath::new(&program(), &Robot::default()).unwrap();
@@ -208,7 +209,7 @@ fn a_limit_that_binds_nothing_changes_nothing() {
     }
 }
 
-/// Beside torques, whose seven rows leave one of eight: one row more, and nine.
+/// Limits beside torques, whose seven rows leave room for one of eight: one row more, and nine.
 #[test]
 fn limits_of_ones_own_are_kept_beside_torques() {
     let mut program = program();
@@ -241,7 +242,7 @@ fn limits_of_ones_own_are_kept_beside_torques() {
     }
 }
 
-/// A limit of one motion: segments with it and without it follow each other at speed.
+/// A limit of one motion: segments with and without it follow each other without a stop.
 #[test]
 fn a_limit_of_one_motion_is_kept_there() {
     let robot = Robot::default();
@@ -250,7 +251,7 @@ fn a_limit_of_one_motion_is_kept_there() {
     for timing in TIMINGS {
         let free = plan(&path, timing(), &[]);
         let limited = plan(&path, timing(), &[Arc::new(vertical.clone())]);
-        // By differences over a millisecond, within the steps of the motion.
+        // Differences over a millisecond, within the steps of the motion.
         let largest = |trajectory: &Trajectory, is_own: bool| {
             let dt_s = 5e-4;
             let states: Vec<_> = trajectory.samples(1.0 / dt_s).collect();

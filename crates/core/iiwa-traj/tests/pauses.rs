@@ -1,9 +1,11 @@
-//! Pauses between blocking motions, and the starts that they lead to, as recorded on a robot.
+//! Pauses between blocking motions, and the resulting start times, as recorded on a robot.
 //!
-//! Source: commanded positions of an LBR iiwa 7 R800 under KUKA Sunrise in logs of its `DataRecorder`, April 2021 (20 Hz, override
-//! 30 %), January 2021 (50 Hz, T1, override 50 %) and September 2020 (1 kHz, T1, override 50 %):
-//! `dheeraj9932/Automated-spline-trajectory-planning-for-offline-robot-programming` at commit 2edb0b6. A motion's start
-//! and end are where the fourth root of the distance from rest, linear in time there, is zero.
+//! Source: commanded positions of an LBR iiwa 7 R800 under KUKA Sunrise in logs of its
+//! `DataRecorder`, April 2021 (20 Hz, override 30 %), January 2021 (50 Hz, T1, override 50 %) and
+//! September 2020 (1 kHz, T1, override 50 %):
+//! `dheeraj9932/Automated-spline-trajectory-planning-for-offline-robot-programming` at commit
+//! 2edb0b6. A motion's start and end are the zeros of the fourth root of the distance from rest,
+//! which is linear in time there.
 
 #![expect(clippy::unwrap_used, reason = "a test fails by it")]
 
@@ -14,10 +16,10 @@ use iiwa_path::JointPath;
 use iiwa_program::Program;
 use iiwa_traj::{Section, Timing, Trajectory};
 
-/// The period of the clock on which the robot starts motions, in s.
+/// Period of the clock on which the robot starts motions, in s.
 const TICK_S: f64 = 0.012;
 
-/// Pauses in ms: all of the three logs but those below, in order of length.
+/// Pauses in ms: all pauses of the three logs except those below, in order of length.
 const PAUSES_MS: [f64; 75] = [
     // April
     87.5, 88.8, 89.3, 89.3, 89.9, 90.5, 91.9, 91.9, 92.3, 92.4, 92.6, 92.9, 93.0, 93.1, 93.9, 94.1,
@@ -29,13 +31,15 @@ const PAUSES_MS: [f64; 75] = [
     91.9,
 ];
 
-/// Pauses in ms before splines of five and six segments, in April: these wait for their planning.
+/// Pauses in ms before splines of five and six segments, in April: the robot first plans these
+/// splines.
 const BEFORE_LONG_SPLINES_MS: [f64; 17] = [
     109.6, 109.6, 110.4, 111.0, 113.0, 113.0, 113.3, 114.0, 123.3, 124.0, 127.0, 130.0, 130.6,
     130.9, 131.0, 136.0, 138.0,
 ];
 
-/// Pairs of pauses in ms, before and after a PTP motion to where the arm already is, which takes 0.2 s over the override.
+/// Pairs of pauses in ms, before and after a PTP motion to the current pose, which takes 0.2 s
+/// divided by the override.
 const PAIRS_MS: [f64; 43] = [
     // April
     176.6, 176.6, 177.6, 177.6, 178.6, 178.6, 178.6, 178.6, 178.6, 178.6, 178.6, 179.6, 179.7,
@@ -44,7 +48,7 @@ const PAIRS_MS: [f64; 43] = [
     186.1, 186.4, 186.4, 187.2, 187.2, 187.2, 191.0, 191.0, 198.1,
 ];
 
-/// Number of times within a tick of a planned one, in ms.
+/// Counts the recorded times within a tick of a planned one, in ms.
 fn within_a_tick(recorded_ms: &[f64], planned_ms: f64) -> usize {
     recorded_ms.iter().filter(|ms| (**ms - planned_ms).abs() <= 1e3 * TICK_S).count()
 }
@@ -53,23 +57,24 @@ fn within_a_tick(recorded_ms: &[f64], planned_ms: f64) -> usize {
 fn the_planned_pause_is_within_a_tick_of_recorded_ones() {
     let planned_ms = 1e3 * Robot::default().blocking_pause_s();
     assert_eq!(within_a_tick(&PAUSES_MS, planned_ms), 75);
-    // The other one is 12.1 ms longer.
+    // The other pair is 12.1 ms longer.
     assert_eq!(within_a_tick(&PAIRS_MS, 2.0 * planned_ms), 42);
-    // That planning takes time is not planned.
+    // The model does not include the planning time of the controller.
     assert_eq!(within_a_tick(&BEFORE_LONG_SPLINES_MS, planned_ms), 0);
     let all = PAUSES_MS.len() + PAIRS_MS.len() + BEFORE_LONG_SPLINES_MS.len();
     assert_eq!(all, 135);
 }
 
-/// Consecutive PTP motions of a log: from a pose to the home pose, and on to another pose, where a further motion starts.
+/// Consecutive PTP motions of a log: from a pose to the home pose, and to another pose, where a
+/// further motion starts.
 struct Run {
-    /// Places in the list of poses.
+    /// Indices in the list of poses.
     from: usize,
     to: usize,
-    /// A PTP motion to the home pose in between, where the arm already is.
+    /// `true` if a PTP motion to the home pose follows at the home pose.
     still: bool,
-    /// Times in s from the start of the first motion to that of the second, and from there to that of the motion after
-    /// it; none if that motion is a spline of five or six segments.
+    /// Times in s from the start of the first motion to that of the second, and from there to the
+    /// start of the next motion; none if that motion is a spline of five or six segments.
     recorded_s: [Option<f64>; 2],
 }
 
@@ -77,7 +82,7 @@ const fn run(from: usize, to: usize, still: bool, first_s: f64, second_s: f64) -
     Run { from, to, still, recorded_s: [Some(first_s), Some(second_s)] }
 }
 
-/// A run before a spline of five or six segments.
+/// Creates a run before a spline of five or six segments.
 const fn before_long(from: usize, to: usize, still: bool, first_s: f64) -> Run {
     Run { from, to, still, recorded_s: [Some(first_s), None] }
 }
@@ -95,7 +100,7 @@ const APRIL_POSES: [Joints; 9] = [
     [84.006, 79.340, -79.732, 86.903, -168.395, 97.034, 10.737],
 ];
 
-/// All of the log, in its order.
+/// All runs of the log, in its order.
 const APRIL: [Run; 22] = [
     before_long(0, 1, false, 5.112),
     before_long(2, 1, true, 5.448),
@@ -134,7 +139,7 @@ const JANUARY_POSES: [Joints; 9] = [
     [-9.836, 61.488, -66.657, 72.224, 143.640, 32.182, -116.316],
 ];
 
-/// All of the log before a motion that was stopped on its way, in its order.
+/// All runs of the log before a motion that was stopped on its way, in its order.
 const JANUARY: [Run; 22] = [
     run(0, 1, false, 4.524, 4.644),
     run(2, 1, true, 4.980, 4.644),
@@ -160,7 +165,7 @@ const JANUARY: [Run; 22] = [
     run(3, 3, true, 5.088, 4.608),
 ];
 
-/// Planned less recorded times from start to start, in s, of a run.
+/// Returns planned minus recorded times from start to start, in s, of a run.
 fn starts_off_s(run: &Run, poses: &[Joints], keys: &str) -> Vec<(f64, usize)> {
     let home = [0.0; 7];
     let mut targets = vec![home, poses[run.to], home];
@@ -195,17 +200,19 @@ fn starts_off_s(run: &Run, poses: &[Joints], keys: &str) -> Vec<(f64, usize)> {
     run.recorded_s.iter().enumerate().filter_map(off).collect()
 }
 
-/// A log, and how many of its starts have to be within a tick, after the first motion of each run and after the second.
+/// Log, and the number of its starts that have to be within a tick, after the first and after the
+/// second motion of each run.
 struct Log<'a> {
-    /// Keys of the program: mode and override.
+    /// Program keys: mode and override.
     keys: &'a str,
     poses: &'a [Joints],
     runs: &'a [Run],
     near: [[usize; 2]; 2],
 }
 
-/// Pauses, override and motions that go nowhere are within a tick; where a start is not, the planned duration is off
-/// (docs/evidence.md): by 17.5 ms to the home pose from the third pose of April, and by -14 ms from the home pose in T1.
+/// Pauses, override and motions without displacement are within a tick. The other starts are off
+/// because of the planned motion duration (docs/evidence.md): by 17.5 ms to the home pose from the
+/// third pose of April, and by -14 ms from the home pose in T1.
 #[test]
 fn starts_are_near_recorded_ones() {
     let april = Log {

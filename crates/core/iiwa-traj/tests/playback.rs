@@ -1,6 +1,6 @@
 //! Playback of a trajectory, with stops on its path.
 
-// Helpers of tests may fail.
+// Test helpers may panic.
 #![allow(clippy::unwrap_used)]
 
 use iiwa_kin::Robot;
@@ -32,8 +32,8 @@ fn planned() -> Trajectory {
     Trajectory::plan(&path, Timing::jerk_limited()).unwrap()
 }
 
-/// A stop anywhere keeps the path and the velocity limits, and exceeds the acceleration limits only
-/// slightly.
+/// A stop at any time keeps the path and the velocity limits, and exceeds the acceleration limits
+/// only slightly.
 #[test]
 fn a_stop_keeps_to_path_and_limits() {
     const DT_S: f64 = 0.001;

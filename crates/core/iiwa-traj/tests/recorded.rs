@@ -1,15 +1,15 @@
-//! Poses of a recorded robot: docs/evidence.md has the source.
+//! Poses of a recorded robot; docs/evidence.md has the source.
 
 #![expect(clippy::unwrap_used, reason = "a test fails by it")]
 
 use iiwa_kin::{Joints, Robot};
 
-/// The robot of the recordings, with the plain flange.
+/// Returns the robot of the recordings, with the plain flange.
 pub(crate) fn recorded_robot() -> Robot {
     Robot::default().with_flange_m(0.126).unwrap()
 }
 
-/// The frame of the flange at a pose, as in a program.
+/// Returns the flange frame at a pose, in the format of a program.
 pub(crate) fn frame(robot: &Robot, pose_deg: &Joints) -> String {
     let pose = robot.flange_pose(&pose_deg.map(f64::to_radians));
     let [x, y, z] = pose.position_m.map(|m| 1e3 * m);

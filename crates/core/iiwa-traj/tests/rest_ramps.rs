@@ -18,12 +18,13 @@ fn plan(program: &Program, robot: &Robot, timing: Timing) -> Trajectory {
     Trajectory::plan(&path, timing).unwrap()
 }
 
-/// The solver for all sections, also where there is a closed form.
+/// Timing by the solver for all sections, including those with a closed form.
 fn solved() -> Timing {
     Timing::Sunrise(JerkOptions { general: true, ..JerkOptions::default() })
 }
 
-/// A blend on a straight line changes next to nothing: the motion starts, cruises and stops as the PTP motion does that it is.
+/// A blend on a straight line has almost no effect: the motion starts, cruises and stops as the
+/// single PTP motion.
 #[test]
 fn a_blend_within_a_line_changes_little() {
     let ends = [[0.0, 10.0, 0.0, -80.0, 0.0, 60.0, 0.0], [90.0, 50.0, 0.0, -40.0, 0.0, 60.0, 0.0]];
@@ -37,12 +38,13 @@ fn a_blend_within_a_line_changes_little() {
         let two = two.ptp_deg(ends[1]).build();
         let ratio = seconds(&two, Timing::default()) / one;
         assert!((ratio - 1.0).abs() < 5e-4, "{share}: {ratio}");
-        // Under limits of jerk, these ramps are 6 % of the time.
+        // Compared with jerk limits alone, these ramps add about 6 % of the time.
         assert!(seconds(&two, Timing::jerk_limited()) < 0.96 * one);
     }
 }
 
-/// LIN motions along recorded single SPL: 4 % off at most, where limits of jerk alone are 6 to 22 % short.
+/// LIN motions along recorded single SPL: at most 4 % off, whereas jerk limits alone are 6 to 22 %
+/// too fast.
 #[test]
 fn lines_of_the_tcp_start_as_single_spl_do() {
     let robot = recorded_robot();
@@ -63,7 +65,8 @@ fn lines_of_the_tcp_start_as_single_spl_do() {
     }
 }
 
-/// A LIN motion of 30 mm has a top speed of 150 mm/s, below the 225 mm/s of T1: both modes take the same time.
+/// A LIN motion of 30 mm has a top speed of 150 mm/s, below the 225 mm/s of T1: both modes take the
+/// same time.
 #[test]
 fn short_lines_of_the_tcp_are_as_slow_in_t1() {
     let robot = Robot::default();
@@ -82,7 +85,8 @@ fn short_lines_of_the_tcp_are_as_slow_in_t1() {
 proptest! {
     #![proptest_config(ProptestConfig { cases: 48, rng_seed: RngSeed::Fixed(36), failure_persistence: None, ..ProptestConfig::default() })]
 
-    /// For PTP motions with plateau and cruise, the solver with one jerk per ramp reproduces the duration of the closed form.
+    /// For PTP motions with plateau and cruise, the solver with one jerk per ramp reproduces the
+    /// duration of the closed form.
     #[test]
     fn one_jerk_takes_as_long_as_the_ramp(from in pose(), to in pose()) {
         let program = Program::from_deg(from).ptp_deg(to).build();
@@ -94,7 +98,8 @@ proptest! {
         prop_assert!((found / closed - 1.0).abs() < 2e-3, "{found} {closed}");
     }
 
-    /// Sections with blends keep the joints' limits, and take no less time than under these alone.
+    /// Sections with blends keep the joint limits, and take at least as long as under these limits
+    /// alone.
     #[test]
     fn blends_keep_their_limits(poses in proptest::collection::vec(pose(), 3..6), share in 0.01..0.5_f64) {
         let mut builder = Program::from_deg(poses[0]);

@@ -1,6 +1,7 @@
-//! A path of a shape that no crate knows is planned like any other, with either timing.
+//! A path of a shape from outside the workspace crates is planned like any other, with either
+//! timing.
 
-// Helpers of tests may fail.
+// Test helpers may panic.
 #![allow(clippy::unwrap_used)]
 
 use std::{f64::consts::PI, sync::Arc};
@@ -10,8 +11,8 @@ use iiwa_path::{Derivatives, JoinError, JointPath, Line, Segment, Step};
 use iiwa_program::{MotionIndex, MotionLimits};
 use iiwa_traj::{PieceKind, Section, SweepOptions, Timing, Trajectory};
 
-/// Joint 1 moves evenly while joint 4 swings out and back as `a sin(pi s)^4`: three derivatives of it vanish
-/// at both ends, so that lines of joint 1 go on from there. All in rad.
+/// Joint 1 moves uniformly while joint 4 swings out and back as `a sin(pi s)^4`: its first three
+/// derivatives vanish at both ends, so that lines of joint 1 can follow. All in rad.
 #[derive(Debug)]
 struct Swing {
     from: f64,
@@ -44,7 +45,7 @@ impl Segment for Swing {
     }
 }
 
-/// A line, the swing and a line, without a stop.
+/// Creates a line, the swing and a line, without a stop.
 fn path() -> JointPath {
     let robot = Robot::default();
     let joint_1 = |q: f64| [q, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0];
@@ -74,10 +75,10 @@ fn a_shape_of_ones_own_is_planned_within_the_limits() {
         let trajectory = Trajectory::plan(&path, timing).unwrap();
         let pieces: Vec<_> = trajectory.sections().iter().flat_map(Section::pieces).collect();
         assert!(pieces.iter().take(3).all(|piece| piece.kind != PieceKind::Settle));
-        // It bends on the way.
+        // Joint 4 moves on the way.
         let middle = trajectory.at(0.5 * trajectory.motion_time_s());
         assert!((middle.q[3] - 0.3).abs() < 1e-3, "{middle:?}");
-        // Positions, velocities, accelerations and jerks belong together, and keep the limits.
+        // Positions, velocities, accelerations and jerks are consistent, and keep the limits.
         let step_s = 1e-5;
         let count = 2_000;
         for i in 1..count {

@@ -1,4 +1,4 @@
-//! The controller's override: the time of motions passes slower, that of pauses and waits does not.
+//! Controller override: it stretches the time of motions, but not of pauses and waits.
 
 #![expect(clippy::unwrap_used, reason = "a test fails by it")]
 
@@ -7,7 +7,7 @@ use iiwa_path::JointPath;
 use iiwa_program::Program;
 use iiwa_traj::{SweepOptions, Timing, Totals, Trajectory};
 
-/// Motions of all kinds, blended or not, one of which goes nowhere, and a wait.
+/// Motions of all kinds, blended or not, one without displacement, and a wait.
 const PROGRAM: &str = r#"{
     "version": 1,
     "start": { "joints_deg": [0, 30, 0, -60, 0, 90, 0] },
@@ -43,7 +43,7 @@ fn motions_take_longer_and_pauses_do_not() {
             let slow = totals(&format!("\"override_percent\": {percent},"), timing);
             let ratio = slow.motion_time_s * share / full.motion_time_s;
             assert!((ratio - 1.0).abs() < 2e-4, "{} at {percent} %: {ratio}", timing.name());
-            // A motion that goes nowhere takes time, too.
+            // A motion without displacement takes time, too.
             let still_s = if timing == Timing::default() { 0.2 } else { 0.0 };
             let pauses_s = slow.settle_time_s - still_s / share;
             assert!((pauses_s - (2.0 * 0.093 + 5.0 * 0.05)).abs() < 1e-9, "{pauses_s} s");

@@ -1,6 +1,6 @@
-//! Splines as Sunrise plans them: by a model of their speed.
+//! Splines as planned by Sunrise: a model of their speed.
 
-// Helpers of tests may fail.
+// Test helpers may panic.
 #![allow(clippy::unwrap_used)]
 
 use std::fmt::Write;
@@ -17,7 +17,8 @@ fn sunrise() -> Timing {
     Timing::Sunrise(JerkOptions::default())
 }
 
-/// A spline from the first of some poses of the arm through the frames of the others, with further keys of the motion.
+/// Creates a spline from the first pose through the frames of the others, with further keys of the
+/// motion.
 fn spline(robot: &Robot, poses_deg: &[Joints], keys: &str) -> Option<JointPath> {
     let mut segments = String::new();
     for pose_deg in &poses_deg[1..] {
@@ -65,7 +66,7 @@ fn durations_are_near_recorded_ones() {
     }
 }
 
-/// The robot at an override: all that has a unit of time, slower.
+/// Returns the robot at an override: all quantities with a unit of time are slower.
 fn slowed(robot: &Robot, by: f64) -> Robot {
     let limits = robot.limits();
     let scaled = |values: Joints, order: i32| values.map(|value| value * by.powi(order));
@@ -89,7 +90,7 @@ fn scaled_limits_scale_time() {
     }
 }
 
-/// A stop where the spline turns back: each part has its own ramps.
+/// A stop at which the spline turns back: each part has its own ramps.
 #[test]
 fn turning_back_is_a_stop() {
     let robot = recorded_robot();
@@ -101,7 +102,7 @@ fn turning_back_is_a_stop() {
     assert!(plan.motion_time_s() > 1.8 * one_way_s, "{} {one_way_s}", plan.motion_time_s());
 }
 
-/// Limits of the program slow splines down as they say.
+/// Limits of the program slow splines down.
 #[test]
 fn limits_of_the_motion_hold() {
     let robot = recorded_robot();
@@ -129,7 +130,7 @@ fn pose() -> impl Strategy<Value = Joints> {
     [150.0, 90.0, 120.0, 100.0, 150.0, 100.0, 160.0_f64].map(|most| -most..most)
 }
 
-/// Poses near to each other, some of them the same, some turning back.
+/// Generates poses near to each other, some of them equal, some turning back.
 fn poses() -> impl Strategy<Value = Vec<Joints>> {
     let step = (proptest::array::uniform7(-1.0..1.0_f64), -4.0..1.3_f64, 0..8_u32);
     (pose(), proptest::collection::vec(step, 1..6)).prop_map(|(start, steps)| {
@@ -148,15 +149,15 @@ fn poses() -> impl Strategy<Value = Vec<Joints>> {
 }
 
 proptest! {
-    // The same cases each time: how far the model may be from what one would expect is not proven.
+    // Fixed cases: the deviation of the model from the expected order is not bounded by proof.
     #![proptest_config(ProptestConfig {
         cases: 48,
         rng_seed: RngSeed::Fixed(1),
         ..ProptestConfig::default()
     })]
 
-    /// Near and far, smooth and turning back: joint velocities keep their limits at every instant, stamps increase, and the
-    /// arm rests at both ends of each section.
+    /// Near and far, smooth and turning back: joint velocities keep their limits at every instant,
+    /// stamps increase, and the robot is at rest at both ends of each section.
     #[test]
     fn velocities_are_kept(poses in poses(), slower in -2.0..0.0_f64) {
         let robot = Robot::default();
@@ -180,8 +181,8 @@ proptest! {
         }
     }
 
-    /// But for what its cells leave, the model is slower at lower limits of speed. A spline that turns back on the last thousandth of its
-    /// way was seen to take 7 % less time, all the same.
+    /// Apart from the tolerance of its cells, the model is slower with lower speed limits. However,
+    /// a spline that turns back on the last thousandth of its way was seen to take 7 % less time.
     #[test]
     fn slower_takes_longer(poses in poses(), slower in 0.1..0.9_f64) {
         let robot = Robot::default();

@@ -1,4 +1,4 @@
-//! Stamps increase, whatever takes no time.
+//! Stamps increase, even where steps have no duration.
 
 use iiwa_kin::Robot;
 use iiwa_path::JointPath;
@@ -17,7 +17,7 @@ fn a_wait_of_no_time_has_no_stamp() {
         Motion::Ptp(there.clone()),
         wait(0.0),
         wait(0.5),
-        // Less than what is told apart at half a second.
+        // Below the resolution of floating-point numbers at half a second.
         wait(1e-18),
         Motion::Ptp(there),
         wait(0.0),

@@ -1,4 +1,4 @@
-//! PTP motions as Sunrise plans them.
+//! PTP motions as planned by Sunrise.
 
 #![expect(clippy::unwrap_used, reason = "a test fails by it")]
 
@@ -29,7 +29,8 @@ const fn case(from_deg: Joints, to_deg: Joints, seconds: f64, shares: [f64; 3]) 
     Case { from_deg, to_deg, seconds, shares }
 }
 
-/// By another implementation of the law, in Python, with a mass matrix of its own; from poses drawn at random.
+/// Results of an independent implementation of the law, in Python, with its own mass matrix, from
+/// random poses.
 const CASES: [Case; 10] = [
     case(
         [98.0, 68.0, 5.0, -47.0, -143.0, -26.0, -30.0],
@@ -111,14 +112,14 @@ fn another_implementation_finds_the_same() {
     }
 }
 
-/// Poses in degrees, all over the arm's range.
+/// Generates poses in degrees, over the whole joint range.
 pub(crate) fn pose() -> impl Strategy<Value = Joints> {
     [160.0, 110.0, 160.0, 110.0, 160.0, 110.0, 165.0_f64].map(|most| -most..most)
 }
 
 proptest! {
-    /// Far and near, fast and slow: the limits of velocity and acceleration are kept at every instant, the state goes on
-    /// without a jump of the acceleration, and stamps increase.
+    /// Far and near, fast and slow: the limits of velocity and acceleration are kept at every
+    /// instant, the acceleration is continuous, and stamps increase.
     #[test]
     fn limits_are_kept(
         from in pose(), to in pose(), nearer in -9.0..0.0_f64, slower in -3.0..0.0_f64,
@@ -147,7 +148,8 @@ proptest! {
         }
     }
 
-    /// A longer way on the same line to a pose that limits no more takes longer; a slower motion takes no less time.
+    /// A longer way on the same line, with the same limits, takes longer; a slower motion takes at
+    /// least as long.
     #[test]
     fn slower_takes_longer(from in pose(), to in pose(), slower in 0.05..1.0_f64) {
         let seconds = |velocity: f64| {

@@ -1,4 +1,4 @@
-//! The operating mode T1: TCP and flange go at 225 mm/s at most.
+//! Operating mode T1: TCP and flange move at 225 mm/s at most.
 
 #![expect(clippy::unwrap_used, reason = "a test fails by it")]
 
@@ -8,7 +8,7 @@ use iiwa_path::JointPath;
 use iiwa_program::{Blend, Motion, OperatingMode, Program, Ptp};
 use iiwa_traj::{SweepOptions, Timing, Trajectory};
 
-/// Motions of all kinds; with a tool so long that either may be the faster one.
+/// Motions of all kinds, with a tool so long that TCP or flange may be the faster one.
 const PROGRAM: &str = r#"{
     "version": 1,
     "tools": { "lance": { "tcp": { "x_mm": 300, "z_mm": 100 } } },
@@ -23,7 +23,7 @@ const PROGRAM: &str = r#"{
     ]
 }"#;
 
-/// The greatest speeds of the TCP and of the flange, in m/s.
+/// Returns the largest speeds of the TCP and of the flange, in m/s.
 fn speeds(text: &str, timing: Timing) -> ([f64; 2], f64) {
     let robot = Robot::lbr_iiwa_7_r800();
     let program = Program::from_json(text).unwrap();
@@ -58,7 +58,7 @@ fn tcp_and_flange_go_slowly() {
     }
 }
 
-/// While motions run, the controller holds the speed, and they start and stop as in any other mode.
+/// The controller holds the speed during execution; motions start and stop as in any other mode.
 #[test]
 fn ramps_are_not_changed() {
     let plan = |mode: &str| {
@@ -88,7 +88,7 @@ fn ramps_are_not_changed() {
     }
     let [slow, fast] = [&test, &automatic].map(Trajectory::motion_time_s);
     assert!(held_s > 0.8 * slow && slow > 1.5 * fast, "{held_s} of {slow} s, {fast} s");
-    // The way is the speed times the time in which it is held, but for the ramps.
+    // Apart from the ramps, the way is the speed times the time for which it is held.
     println!("{slow:.4} s, held for {held_s:.3} s; {fast:.4} s in other modes");
 }
 

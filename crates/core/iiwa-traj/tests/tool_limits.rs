@@ -1,6 +1,6 @@
-//! Limits of the TCP hold along segments on which it moves, with either timing.
+//! TCP limits along segments on which the TCP moves, with either timing.
 
-// Helpers of tests may fail.
+// Test helpers may panic.
 #![allow(clippy::unwrap_used)]
 
 use std::sync::Arc;
@@ -12,8 +12,9 @@ use iiwa_traj::{
     JerkOptions, Limit, LimitKind, Limited, Section, SweepOptions, Timing, Trajectory,
 };
 
-/// Joints 1 and 4 go along a gentle curve, and the TCP at a rate that goes up and down: its way is
-/// `way (s + wave (s^2 / 2 - s^3 / 3))`, and it turns in proportion to 1 + `back` times the same, from the other end.
+/// Joints 1 and 4 move along a gentle curve, and the TCP at a varying rate: its way is
+/// `way_m (s + wave (s^2 / 2 - s^3 / 3))`, and its rotation is the same function with `turn_rad`
+/// and `-wave / 2`, so that one is fast where the other is slow.
 #[derive(Clone, Copy, Debug)]
 struct Tool {
     way_m: f64,
@@ -86,9 +87,10 @@ const NONE: [f64; 3] = [f64::INFINITY; 3];
 
 const ACCELERATION: Timing = Timing::Acceleration(SweepOptions { samples: 100 });
 
-/// From rest to rest over 1, with constant jerk in each of seven phases, from Newton's laws.
+/// Returns the duration from rest to rest over a way of 1, with constant jerk in each of seven
+/// phases.
 fn seven_phases([speed, acceleration, jerk]: [f64; 3]) -> f64 {
-    // Top speed v, reached within `rise(v)` at half of it on average.
+    // The top speed v is reached within `rise(v)`, at v / 2 on average.
     let rise = |v: f64| {
         if v * jerk > acceleration * acceleration {
             v / acceleration + acceleration / jerk
@@ -106,7 +108,8 @@ fn seven_phases([speed, acceleration, jerk]: [f64; 3]) -> f64 {
     2.0 * rise(high) + (1.0 - high * rise(high)) / high
 }
 
-/// Way and turn of the tool: the largest share of a limit of each kind, by differences of the joints' first.
+/// Returns the largest share of a limit of each kind, for way and rotation of the tool, from the
+/// joint derivatives.
 fn largest_shares(trajectory: &Trajectory, segment: Tool, limits: &ToolLimits) -> [[f64; 3]; 2] {
     let mut largest = [[0.0_f64; 3]; 2];
     let count = 4_000;
@@ -141,7 +144,7 @@ fn an_even_way_alone_takes_as_long_as_its_profile() {
     let way = [0.1, 0.3, 2.0];
     for straight in [false, true] {
         let segment = Tool { straight, ..Tool::EVEN };
-        // The turn's limits are the narrower ones of acceleration.
+        // In the second case, the acceleration limit of the rotation is the active one.
         for (turn, scaled) in
             [(NONE, way.map(|limit| limit / 0.4)), ([1.0, 0.4, 100.0], [0.25, 0.5, 5.0])]
         {
@@ -175,7 +178,7 @@ fn without_a_limit_that_binds_nothing_changes() {
         let wide = planned(Tool::EVEN, limits([1e3, 1e5, 1e7], NONE), timing);
         assert!((wide.motion_time_s() / free - 1.0).abs() < 1e-4, "{timing:?}");
         assert!(matches!(limited_by(&wide), Limit::Motion { of: Limited::Joint(_), .. }));
-        // One kind alone.
+        // A limit of one kind alone.
         for kind in LimitKind::ALL {
             let mut only = ToolLimits::NONE;
             only.way[kind] = [0.2, 0.5, 2.0][usize::from(kind.order()) - 1];
@@ -213,7 +216,8 @@ fn an_uneven_way_keeps_its_limits_all_along() {
     }
 }
 
-/// Where one segment ends in motion, its limits hold up to there, whatever those of the next one are.
+/// At a segment boundary in motion, the limits of the first segment apply up to the boundary,
+/// whatever those of the next one are.
 #[test]
 fn limits_hold_up_to_where_the_next_segment_starts() {
     let segment = Tool { straight: true, ..Tool::EVEN };

@@ -1,55 +1,55 @@
-//! Why a text is no robot profile.
+//! Errors of robot profiles.
 
 use iiwa_json::Place;
 
 use super::bounds::{KAPPA, LINKS, MASSES, MAX_BYTES, MAX_NAME, RANGES, VERSION};
 use crate::Robot;
 
-/// Why a text is no robot profile.
+/// Error: a text is not a valid robot profile.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ProfileError {
-    /// The text is not JSON, or not the JSON that is asked for.
+    /// The text is not JSON, or does not have the structure of a profile.
     #[error("{problem}, at {at}")]
     Json {
-        /// Where.
+        /// Place in the text.
         at: Place,
-        /// What was found, and what was expected.
+        /// Description of the found and the expected text.
         problem: String,
     },
     /// The text is too long to be a profile.
     #[error("this is {found} bytes long; a robot profile has at most {MAX_BYTES}, at {at}")]
     TooLong {
-        /// Where: the start of the text.
+        /// Place in the text: its start.
         at: Place,
-        /// Its length in bytes.
+        /// Length found, in bytes.
         found: usize,
     },
-    /// The profile is of another version.
+    /// The profile has another format version.
     #[error("this is a robot profile of version {found}; write version {VERSION}, at {at}")]
     Version {
-        /// Where.
+        /// Place in the text.
         at: Place,
-        /// The version found.
+        /// Version found.
         found: u64,
     },
-    /// The profile builds on a model that is not built in.
+    /// The base model is not a built-in model.
     #[error("no built-in model is called {found:?}; choose one of {}, at {at}", Robot::BUILT_IN.join(", "))]
     UnknownBase {
-        /// Where.
+        /// Place in the text.
         at: Place,
-        /// The name found.
+        /// Name found.
         found: String,
     },
-    /// The name is empty, too long or has control characters.
+    /// The name is empty, too long or contains control characters.
     #[error(
         "the name {found:?} cannot be used; write 1 to {MAX_NAME} characters, none of them a \
          control character, at {at}"
     )]
     Name {
-        /// Where.
+        /// Place in the text.
         at: Place,
-        /// The name found.
+        /// Name found.
         found: String,
     },
     /// A list has too many or too few entries.
@@ -58,77 +58,77 @@ pub enum ProfileError {
         if *.key == LINKS { "entries" } else { "numbers" }, owner(.key)
     )]
     Count {
-        /// Where.
+        /// Place in the text.
         at: Place,
-        /// The list.
+        /// Key of the list.
         key: &'static str,
-        /// How many numbers it has.
+        /// Number of entries found.
         found: usize,
-        /// How many it must have.
+        /// Number of entries expected.
         expected: usize,
     },
-    /// Two keys say the same thing.
+    /// Two mutually exclusive keys are given.
     #[error("both {} and {} are given; keep one of them, at {at}", .keys[0], .keys[1])]
     Both {
-        /// Where: the second of them.
+        /// Place in the text: the second key.
         at: Place,
-        /// The keys.
+        /// The two keys.
         keys: [&'static str; 2],
     },
-    /// The inertia of a link is that of no body.
+    /// The inertia tensor of a link is not physically possible.
     #[error(
         "{LINKS}: the inertia of link {link} is that of no body: about some axis it is negative, at {at}"
     )]
     Inertia {
-        /// Where.
+        /// Place in the text.
         at: Place,
-        /// The link, from 1.
+        /// Link number, from 1.
         link: usize,
     },
-    /// A mass that is given twice is not the same.
+    /// The masses of a link in two keys differ.
     #[error(
         "{MASSES}: link {link} is {found:?}, and {of_links:?} in {LINKS}; keep one of the keys, at {at}"
     )]
     Masses {
-        /// Where.
+        /// Place in the text.
         at: Place,
-        /// The link, from 1.
+        /// Link number, from 1.
         link: usize,
-        /// Its mass in `link_mass_kg`, in kg.
+        /// Mass in `link_mass_kg`, in kg.
         found: f64,
-        /// Its mass in `links`, in kg.
+        /// Mass in `links`, in kg.
         of_links: f64,
     },
     /// A number is outside its range.
     #[error("{what} is {found:?}; it must be at least {min:?} and at most {max:?}, at {at}")]
     Range {
-        /// Where.
+        /// Place in the text.
         at: Place,
-        /// The key, and the place in a list.
+        /// Key, with the place in a list.
         what: String,
-        /// What it is.
+        /// Number found.
         found: f64,
-        /// The least that it may be.
+        /// Smallest accepted number.
         min: f64,
-        /// The most that it may be.
+        /// Largest accepted number.
         max: f64,
     },
     /// A number is not above 0, or too large.
     #[error("{what} is {found:?}; it must be above 0 and at most {max:?}, at {at}")]
     Number {
-        /// Where.
+        /// Place in the text.
         at: Place,
-        /// The key, and the joint (from 1) or the link (from 0).
+        /// Key, with the joint (from 1) or the link (from 0).
         what: String,
-        /// What it is, in the key's unit.
+        /// Number found, in the key's unit.
         found: f64,
-        /// What it may be, in the key's unit.
+        /// Largest accepted number, in the key's unit.
         max: f64,
     },
 }
 
 impl ProfileError {
-    /// Where in the text.
+    /// Place of the error in the text.
     #[must_use]
     pub fn place(&self) -> &Place {
         match self {
@@ -146,14 +146,14 @@ impl ProfileError {
         }
     }
 
-    /// What is wrong, without the place.
+    /// Error message without the place.
     #[must_use]
     pub fn what(&self) -> String {
         self.place().cut_from(&self.to_string())
     }
 }
 
-/// What the numbers of the list `key` belong to.
+/// Description of the entries of the list `key`.
 fn owner(key: &str) -> &'static str {
     match key {
         LINKS => "links 1 to 7",

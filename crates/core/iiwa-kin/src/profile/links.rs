@@ -15,7 +15,7 @@ use super::{
 };
 use crate::{Friction, Joints, RigidBody, Robot, inertials::Links, robot::MAX_LENGTH_M};
 
-/// A link as a body.
+/// A link as a rigid body.
 #[derive(Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 #[schemars(rename = "Link")]
@@ -23,10 +23,11 @@ pub(super) struct LinkWire {
     /// Mass, in kg.
     #[schemars(extend("exclusiveMinimum" = 0, "maximum" = MAX_NUMBER))]
     mass_kg: f64,
-    /// Centre of mass in the link's frame, in mm.
+    /// Centre of mass in the link frame, in mm.
     #[serde(deserialize_with = "three")]
     center_mm: [f64; 3],
-    /// Inertia about the centre, in kg m^2: xx, xy, xz, yy, yz and zz of the tensor in the link's frame.
+    /// Inertia tensor about the centre of mass, in kg m^2: xx, xy, xz, yy, yz and zz in the link
+    /// frame.
     #[serde(deserialize_with = "six")]
     inertia_kg_m2: [f64; 6],
 }
@@ -39,16 +40,16 @@ fn six<'de, D: Deserializer<'de>>(reader: D) -> Result<[f64; 6], D::Error> {
     numbers(reader, "six numbers, xx, xy, xz, yy, yz and zz")
 }
 
-/// Friction of joints A1 to A7; what is left out is 0.
+/// Friction of joints A1 to A7; absent values are 0.
 #[derive(Default, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 #[schemars(rename = "Friction")]
 pub(super) struct FrictionWire {
-    /// What grows with the speed, in Nm s/rad.
+    /// Viscous friction coefficients, in Nm s/rad.
     #[serde(default, deserialize_with = "seven")]
     #[schemars(extend("items" = { "type": "number", "minimum": 0, "maximum": MAX_NUMBER }))]
     viscous_nm_s_rad: Joints,
-    /// What is there at any speed, in Nm.
+    /// Coulomb friction, independent of the speed, in Nm.
     #[serde(default, deserialize_with = "seven")]
     #[schemars(extend("items" = { "type": "number", "minimum": 0, "maximum": MAX_NUMBER }))]
     coulomb_nm: Joints,
@@ -59,7 +60,7 @@ fn seven<'de, D: Deserializer<'de>>(reader: D) -> Result<Joints, D::Error> {
 }
 
 impl LinkWire {
-    /// Link `number` from 1.
+    /// Checked body of link `number` (from 1).
     fn body(&self, text: &str, number: usize) -> Result<RigidBody, ProfileError> {
         let path = [Key(LINKS), Index(number - 1)];
         let at = |key| [path[0], path[1], Key(key)];
@@ -102,7 +103,7 @@ impl From<&RigidBody> for LinkWire {
 }
 
 impl FrictionWire {
-    /// The friction, if all of it holds back.
+    /// Checked friction: no coefficient may be negative.
     pub(super) fn friction(&self, text: &str) -> Result<Friction, ProfileError> {
         for (key, list) in [(VISCOUS, &self.viscous_nm_s_rad), (COULOMB, &self.coulomb_nm)] {
             for (index, &found) in list.iter().enumerate() {
@@ -115,7 +116,7 @@ impl FrictionWire {
         Ok(Friction { viscous_nm_s_rad, coulomb_nm })
     }
 
-    /// Where it is not that of `base`.
+    /// The friction, if it differs from that of `base`.
     pub(super) fn of(
         own: &Friction,
         base: &Friction,
@@ -128,7 +129,7 @@ impl FrictionWire {
     }
 }
 
-/// The seven links that a profile gives.
+/// Reads the seven links of a profile.
 pub(super) fn bodies(
     text: &str,
     links: &[Object<LinkWire>],
@@ -142,7 +143,7 @@ pub(super) fn bodies(
     })
 }
 
-/// That masses given twice are the same.
+/// Checks that masses given in both keys agree.
 pub(super) fn check_masses(
     text: &str,
     masses: &[f64; 8],
@@ -158,13 +159,13 @@ pub(super) fn check_masses(
     Ok(())
 }
 
-/// The mass of the flange.
+/// Checks the flange mass.
 pub(super) fn check_flange_mass(text: &str, found: f64) -> Result<f64, ProfileError> {
     within(text, &[Key(FLANGE_MASS)], found, [0.0, MAX_NUMBER], || FLANGE_MASS.to_owned())?;
     Ok(found)
 }
 
-/// What a profile says of the links of `robot` where it builds on `base`: `link_mass_kg` and `links`.
+/// Values of `link_mass_kg` and `links` in the profile of `robot` on top of `base`.
 pub(super) fn written(
     robot: &Robot,
     base: &Robot,
@@ -184,7 +185,7 @@ pub(super) fn written(
     let known = base.assumes("masses") && !robot.assumes("masses");
     let foot_differs = differ(&[robot.base_mass_kg], &[base.base_mass_kg]);
     if known || foot_differs || differ(&numbers(robot), &numbers(base)) {
-        // Masses without links would make shapes of them.
+        // Masses without `links` would be read as masses of simple shapes.
         let links = robot.links().iter().map(|link| Object(link.into())).collect();
         (foot_differs.then(masses), Some(links))
     } else {

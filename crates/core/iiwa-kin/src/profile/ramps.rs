@@ -14,60 +14,64 @@ use super::{
 };
 use crate::{Joints, RampLaw, Robot, SplineSpeed};
 
-/// Limits of the ramps of PTP motions, and of the speed along splines; those left out are the built-in model's. docs/evidence.md has the law.
+/// Limits of PTP ramps and spline speeds; the built-in model's by default (law: docs/evidence.md).
 #[derive(Default, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 #[schemars(rename = "Ramps")]
 pub(super) struct RampsWire {
-    /// Largest second derivative of the torques of joints A1 to A7 by time, in Nm/s^2: S.
+    /// Limits of the second time derivative of the torques of joints A1 to A7, in Nm/s^2: S.
     #[serde(default, deserialize_with = "seven", skip_serializing_if = "Option::is_none")]
     #[schemars(with = "Vec<f64>", length(equal = 7), extend("items" = super::positive(MAX_NUMBER)))]
     torque_snap_nm_s2: Option<Joints>,
-    /// Inertia of joints A1 to A7 beyond that of the arm, as of motors, in kg m^2: B.
+    /// Inertia of joints A1 to A7 in addition to the arm, such as motor inertia, in kg m^2: B.
     #[serde(default, deserialize_with = "seven", skip_serializing_if = "Option::is_none")]
     #[schemars(with = "Vec<f64>", length(equal = 7), extend("items" = super::positive(MAX_NUMBER)))]
     motor_inertia_kg_m2: Option<Joints>,
-    /// Limit of the jerk of joints A1 to A7 at the start, in Nm/s: R. 1e9 for joints that were never seen to limit it.
+    /// Jerk limits of joints A1 to A7 at the start, in Nm/s: R. 1e9 for joints that were never seen
+    /// to limit the jerk.
     #[serde(default, deserialize_with = "seven", skip_serializing_if = "Option::is_none")]
     #[schemars(with = "Vec<f64>", length(equal = 7), extend("items" = super::positive(MAX_NUMBER)))]
     start_nm_s: Option<Joints>,
-    /// Limit of the jerk of joints A1 to A7 at the end, in Nm/s.
+    /// Jerk limits of joints A1 to A7 at the end, in Nm/s.
     #[serde(default, deserialize_with = "seven", skip_serializing_if = "Option::is_none")]
     #[schemars(with = "Vec<f64>", length(equal = 7), extend("items" = super::positive(MAX_NUMBER)))]
     stop_nm_s: Option<Joints>,
-    /// Jerk per acceleration, in 1/s: c.
+    /// Jerk reduction per acceleration, in 1/s: c.
     #[serde(default, deserialize_with = "super::given", skip_serializing_if = "Option::is_none")]
     #[schemars(with = "f64", extend("exclusiveMinimum" = 0, "maximum" = MAX_NUMBER))]
     damping_per_s: Option<f64>,
-    /// Width of a phase, in rad/s along the line.
+    /// Width of a ramp phase, in rad/s along the line.
     #[serde(default, deserialize_with = "super::given", skip_serializing_if = "Option::is_none")]
     #[schemars(with = "f64", extend("exclusiveMinimum" = 0, "maximum" = MAX_NUMBER))]
     width_rad_s: Option<f64>,
-    /// Least length of a line or a spline over its top speed, in s.
+    /// Lower bound of the length of a line or a spline divided by its top speed, in s.
     #[serde(default, deserialize_with = "super::given", skip_serializing_if = "Option::is_none")]
     #[schemars(with = "f64", extend("exclusiveMinimum" = 0, "maximum" = MAX_NUMBER))]
     least_cruise_s: Option<f64>,
-    /// Model of speed along splines: largest joint acceleration by the curvature of the path, as a multiple of the limit.
+    /// Spline speed model: limit of the joint acceleration due to path curvature, as a multiple of
+    /// the acceleration limit.
     #[serde(default, deserialize_with = "super::given", skip_serializing_if = "Option::is_none")]
     #[schemars(with = "f64", extend("exclusiveMinimum" = 0, "maximum" = MAX_NUMBER))]
     spline_bend_rel: Option<f64>,
-    /// Model of speed along splines: largest acceleration along the path, as a share of what the joints' limits allow.
+    /// Spline speed model: limit of the acceleration along the path, as a share of the acceleration
+    /// that the joint limits allow.
     #[serde(default, deserialize_with = "super::given", skip_serializing_if = "Option::is_none")]
     #[schemars(with = "f64", extend("exclusiveMinimum" = 0, "maximum" = MAX_NUMBER))]
     spline_tangent_rel: Option<f64>,
-    /// Model of speed along splines: time in which jerk builds up the acceleration limit, in s.
+    /// Spline speed model: time in which the jerk limit builds up the acceleration limit, in s.
     #[serde(default, deserialize_with = "super::given", skip_serializing_if = "Option::is_none")]
     #[schemars(with = "f64", extend("exclusiveMinimum" = 0, "maximum" = MAX_NUMBER))]
     spline_build_up_s: Option<f64>,
-    /// Model of speed along splines: time for which a least speed is held, in s.
+    /// Spline speed model: time for which a local minimum of the speed is held, in s.
     #[serde(default, deserialize_with = "super::given", skip_serializing_if = "Option::is_none")]
     #[schemars(with = "f64", extend("exclusiveMinimum" = 0, "maximum" = MAX_NUMBER))]
     spline_hold_s: Option<f64>,
-    /// Model of speed along splines: reach of the ramps of starts and stops, as a share of the way to the first limit of speed.
+    /// Spline speed model: reach of the ramps at start and stop, as a share of the distance to the
+    /// first speed limit.
     #[serde(default, deserialize_with = "super::given", skip_serializing_if = "Option::is_none")]
     #[schemars(with = "f64", extend("exclusiveMinimum" = 0, "maximum" = MAX_NUMBER))]
     spline_ramp_reach: Option<f64>,
-    /// Model of speed along splines: time of the ramps of short motions, in s.
+    /// Spline speed model: ramp time of short motions, in s.
     #[serde(default, deserialize_with = "super::given", skip_serializing_if = "Option::is_none")]
     #[schemars(with = "f64", extend("exclusiveMinimum" = 0, "maximum" = MAX_NUMBER))]
     spline_short_ramp_s: Option<f64>,
@@ -78,7 +82,7 @@ fn seven<'de, D: Deserializer<'de>>(reader: D) -> Result<Option<Joints>, D::Erro
 }
 
 impl RampsWire {
-    /// The law `base` with what is given of it.
+    /// The law `base` with the given values replaced.
     pub(super) fn law(&self, text: &str, base: &RampLaw) -> Result<RampLaw, ProfileError> {
         let mut law = *base;
         for (key, given, field) in [
@@ -112,7 +116,8 @@ impl RampsWire {
         Ok(law)
     }
 
-    /// The whole law, where it differs from that of `base`, or is known and assumed there.
+    /// All values of the law, if the law differs from that of `base` or is an assumption only in
+    /// `base`.
     pub(super) fn of(
         robot: &Robot,
         base: &Robot,

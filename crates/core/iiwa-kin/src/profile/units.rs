@@ -1,4 +1,4 @@
-//! Numbers of profiles: their units, and what they may be.
+//! Units and range checks of the numbers in profiles.
 
 use iiwa_json::{
     Step::{self, Index, Key},
@@ -10,7 +10,7 @@ use super::{
     error::ProfileError,
 };
 
-/// From a profile's unit to SI.
+/// Conversion from a profile unit to SI.
 pub(super) type ToSi = fn(f64) -> f64;
 
 pub(super) const DEG: ToSi = f64::to_radians;
@@ -20,7 +20,7 @@ pub(super) fn from_mm(mm: f64) -> f64 {
     mm / 1e3
 }
 
-/// Whether any bit differs.
+/// True if any bit differs.
 pub(super) fn differ(a: &[f64], b: &[f64]) -> bool {
     a.iter().map(|v| v.to_bits()).ne(b.iter().map(|v| v.to_bits()))
 }
@@ -50,7 +50,7 @@ pub(super) fn list<const N: usize>(
     Ok(values)
 }
 
-/// Coefficients of kappa.
+/// Checked coefficients of kappa.
 pub(super) fn kappa(
     text: &str,
     key: &'static str,
@@ -77,7 +77,7 @@ pub(super) fn checked(
     to_si: ToSi,
 ) -> Result<f64, ProfileError> {
     let value = to_si(found);
-    // Not so small either that it loses digits on the way to SI.
+    // Subnormal numbers are rejected because they lose digits in the conversion to SI.
     if value.is_normal() && found > 0.0 && found <= max {
         Ok(value)
     } else {
@@ -99,8 +99,8 @@ pub(super) fn within(
     }
 }
 
-/// A number that `to_si` turns into `value`, with few digits if such a one does; the closest if
-/// none does.
+/// Number that `to_si` converts to `value`, with as few digits as possible; the closest number if
+/// no number converts exactly.
 pub(super) fn unconvert(value: f64, to_si: ToSi) -> f64 {
     let near = value / to_si(1.0);
     let rounded = (12..=16).filter_map(|digits| format!("{near:.digits$e}").parse::<f64>().ok());

@@ -1,4 +1,4 @@
-//! The seven joints among all those of a URDF.
+//! Selection of the seven robot joints among all joints of a URDF.
 
 use std::collections::HashMap;
 
@@ -7,12 +7,12 @@ use nalgebra::{Isometry3, UnitQuaternion};
 use super::{Listed, UrdfError, joint::UrdfJoint, read::Description};
 use crate::Joints;
 
-/// Seven revolute joints and the fixed ones between and behind them.
+/// Seven revolute joints, with the fixed joints between and after them.
 pub(super) struct Chain<'a> {
     pub(super) base: &'a str,
     pub(super) tip: &'a str,
     pub(super) joints: Vec<&'a UrdfJoint<'a>>,
-    /// Which of the joints are revolute.
+    /// Indices of the revolute joints.
     moving: [usize; 7],
 }
 
@@ -21,7 +21,7 @@ impl<'a> Chain<'a> {
         self.moving.map(|index| self.joints[index])
     }
 
-    /// Poses, in the base, of the seven joints (before they turn) and of the tip.
+    /// Poses, in the base, of the seven joints (before their rotation) and of the tip.
     pub(super) fn poses(&self, joints_rad: &Joints) -> ([Isometry3<f64>; 7], Isometry3<f64>) {
         let mut pose = Isometry3::identity();
         let mut poses = [pose; 7];
@@ -39,7 +39,7 @@ impl<'a> Chain<'a> {
 }
 
 impl<'t> Description<'t> {
-    /// The chain of seven revolute joints that ends at `tip`, or at the one link that it can.
+    /// Chain of seven revolute joints that ends at `tip`, or at the only possible link.
     pub(super) fn chain(&self, tip: Option<&str>) -> Result<Chain<'_>, UrdfError> {
         let index_of: HashMap<&str, usize> =
             self.links.iter().enumerate().map(|(i, name)| (name.as_str(), i)).collect();
@@ -88,7 +88,7 @@ impl<'t> Description<'t> {
         self.seven(joints, &self.links[tip])
     }
 
-    /// The chain without its mounting, if it has seven revolute joints and fixed ones.
+    /// The chain without its mounting, if it consists of seven revolute joints and fixed joints.
     fn seven<'a>(
         &'a self,
         mut joints: Vec<&'a UrdfJoint<'t>>,
@@ -115,15 +115,15 @@ impl<'t> Description<'t> {
         }
     }
 
-    /// The link at the end of the longest chain with exactly seven revolute joints and otherwise
-    /// fixed ones; if there is none, the link at the end of the longest chain.
+    /// Link at the end of the longest chain with exactly seven revolute joints and otherwise fixed
+    /// joints; if no such chain exists, the link at the end of the longest chain.
     fn default_tip(
         &self,
         above: &[Option<(&UrdfJoint<'_>, usize)>],
         below: &[Vec<usize>],
     ) -> Result<usize, UrdfError> {
-        // Per link, from the roots down: joints above it, and how many of them are revolute, if
-        // all others are fixed.
+        // Per link, from the roots down: number of joints above it, and number of revolute joints
+        // among them if all others are fixed.
         let mut queue: Vec<(usize, usize, Option<usize>)> = (0..self.links.len())
             .filter(|&i| above[i].is_none())
             .map(|i| (i, 0, Some(0)))
@@ -140,7 +140,7 @@ impl<'t> Description<'t> {
                     tips.clear();
                     tip_depth = depth;
                 }
-                // Links come in the order of their depth.
+                // The queue yields links in order of depth.
                 tips.push(link);
             }
             queue.extend(below[link].iter().map(|&child| {

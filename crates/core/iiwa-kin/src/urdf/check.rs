@@ -1,59 +1,59 @@
-//! A URDF held against a model.
+//! Comparison of a URDF with a model.
 
 use nalgebra::Vector3;
 
 use super::{LIMITS, UrdfError, chain::Chain, read::Description};
 use crate::{Joints, Robot};
 
-/// How a URDF compares with a model: what [`Robot::check_urdf`] found.
+/// Result of comparing a URDF with a model by [`Robot::check_urdf`].
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct UrdfReport {
-    /// The link that joint 1 stands on; it is taken as the model's base.
+    /// Link that joint 1 is mounted on; taken as the model's base.
     pub base: String,
-    /// The link that is taken as the model's flange.
+    /// Link taken as the model's flange.
     pub tip: String,
     /// Names of the seven joints, from the base on.
     pub joints: [String; 7],
-    /// On how many poses the two were compared.
+    /// Number of poses compared.
     pub poses: usize,
-    /// The largest distance between the two flanges, in m.
+    /// Largest distance between the two flanges, in m.
     pub position_deviation_m: f64,
-    /// The largest angle between the two flanges, in rad.
+    /// Largest angle between the two flanges, in rad.
     pub rotation_deviation_rad: f64,
     /// Limits that differ by more than a thousandth.
     pub limits: Vec<LimitDifference>,
 }
 
 impl UrdfReport {
-    /// How far the flanges may be apart, in m: the iiwa's repeatability (KUKA data sheet). A URDF
-    /// that has its quarter turns as 1.5708 stays below it.
+    /// Accepted distance between the flanges, in m: the iiwa's repeatability (KUKA data sheet). A
+    /// URDF with quarter turns written as 1.5708 stays below it.
     pub const TOLERANCE_M: f64 = 1e-4;
 
-    /// How far the flanges may be turned, in rad.
+    /// Accepted angle between the flanges, in rad.
     pub const TOLERANCE_RAD: f64 = 1e-4;
 }
 
-/// A joint's limit that a URDF has another figure for.
+/// A joint limit that differs between a URDF and the model.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct LimitDifference {
     /// The joint.
     pub joint: crate::Joint,
-    /// Which limit, as the URDF calls it: `lower` (rad), `upper` (rad), `effort` (Nm) or
-    /// `velocity` (rad/s).
+    /// Limit name as in the URDF: `lower` (rad), `upper` (rad), `effort` (Nm) or `velocity`
+    /// (rad/s).
     pub limit: &'static str,
-    /// The URDF's figure, if it has one.
+    /// Value in the URDF, if present.
     pub urdf: Option<f64>,
-    /// The model's figure.
+    /// Value in the model.
     pub model: f64,
 }
 
 impl Robot {
-    /// Holds a URDF against this model: same axes, same flange, same limits.
+    /// Compares a URDF with this model: axes, flange and limits.
     ///
-    /// The chain runs from the link that joint 1 stands on (what is below it is the mounting) to
-    /// `tip`, or without one to the end of the fixed joints behind joint 7. Its frames may lie
+    /// The chain runs from the link that joint 1 is mounted on (links below it are the mounting) to
+    /// `tip`, or by default to the end of the fixed joints after joint 7. Its frames may be
     /// anywhere along their axes. Base and tip must be the model's base and flange.
     ///
     /// ```
@@ -68,9 +68,9 @@ impl Robot {
     ///
     /// # Errors
     ///
-    /// If the text is no URDF, has no such chain of seven revolute joints, or if the two flanges
-    /// are apart by more than [`UrdfReport::TOLERANCE_M`] or [`UrdfReport::TOLERANCE_RAD`]; the
-    /// error then names the first joint that is off. Limits that differ are not an error.
+    /// If the text is not a URDF, has no such chain of seven revolute joints, or if the two flanges
+    /// differ by more than [`UrdfReport::TOLERANCE_M`] or [`UrdfReport::TOLERANCE_RAD`]; the error
+    /// then names the first joint that is off. Limits that differ are not an error.
     pub fn check_urdf(&self, urdf: &str, tip: Option<&str>) -> Result<UrdfReport, UrdfError> {
         let description = Description::read(urdf)?;
         let chain = description.chain(tip)?;
@@ -101,14 +101,14 @@ impl Robot {
         let (_, tip) = chain.poses(joints_rad);
         let distance = (tip.translation.vector - Vector3::from(model.position_m)).norm();
         let apart = tip.rotation.to_rotation_matrix().into_inner() - model.rotation_matrix();
-        // Unlike the arc cosine of a trace, exact for small angles.
+        // Unlike the arc cosine of a trace, this is exact for small angles.
         let angle = 2.0 * (apart.norm() / 8.0_f64.sqrt()).min(1.0).asin();
         (finite(distance), finite(angle))
     }
 
-    /// Pose `index` of a fixed sequence that fills the joints' range evenly.
+    /// Pose `index` of a fixed sequence that fills the joint ranges evenly.
     fn test_pose(&self, index: usize) -> Joints {
-        // Multiples of the square roots of primes, each wrapped around.
+        // Multiples of the square roots of primes, modulo 1.
         const PRIMES: Joints = [2.0, 3.0, 5.0, 7.0, 11.0, 13.0, 17.0];
         let shares = PRIMES.map(|prime| 2.0 * (index as f64 * prime.sqrt()).fract() - 1.0);
         self.limits().at_shares(&shares)
@@ -116,8 +116,8 @@ impl Robot {
 
     /// The first axis that is off, or the tip.
     ///
-    /// A chain is given by its axes at the zero pose and its tip there (the product of
-    /// exponentials), wherever its frames lie.
+    /// A chain is determined by its axes and its tip at the zero pose (product of exponentials),
+    /// wherever its frames are.
     fn culprit(
         &self,
         description: &Description<'_>,
@@ -125,7 +125,8 @@ impl Robot {
         position_m: f64,
         rotation_rad: f64,
     ) -> UrdfError {
-        // Small deviations add up: the first joint's share is below the whole.
+        // Small deviations add up, so a single axis may be within the tolerance although the flange
+        // is not.
         const SHARE: f64 = 0.1;
         let tip = || UrdfError::Tip {
             at: chain.joints.last().map_or(description.at, |last| last.at).place(),
@@ -136,7 +137,7 @@ impl Robot {
         self.misplaced_axis(chain, SHARE).unwrap_or_else(tip)
     }
 
-    /// The first axis that is off by more than this share of the tolerance, if there is one.
+    /// The first axis that is off by more than this share of the tolerance, if any.
     pub(super) fn misplaced_axis(&self, chain: &Chain<'_>, share: f64) -> Option<UrdfError> {
         let model = self.link_poses(&[0.0; 7]);
         let (axes, _) = chain.poses(&[0.0; 7]);
@@ -177,10 +178,10 @@ impl Robot {
     }
 }
 
-/// Poses that two chains are compared on.
+/// Number of poses on which two chains are compared.
 const POSES: usize = 128;
 
-/// Sizes that overflow are infinitely far off.
+/// Treats a deviation that overflowed to NaN as infinite.
 fn finite(deviation: f64) -> f64 {
     if deviation.is_nan() { f64::INFINITY } else { deviation }
 }

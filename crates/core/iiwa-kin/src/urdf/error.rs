@@ -1,136 +1,136 @@
-//! What can be wrong with a URDF.
+//! URDF errors.
 
 use std::fmt;
 
 use iiwa_json::Place;
 
-/// Why a URDF is not a description of a model.
+/// Error: a URDF is invalid or does not match a model.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum UrdfError {
     /// The text is not well-formed XML.
     #[error("this is not XML: {problem}, at {at}")]
     Xml {
-        /// Where.
+        /// Place in the text.
         at: Place,
-        /// What the parser says.
+        /// Message of the parser.
         problem: String,
     },
     /// The text is XML, but not a URDF.
     #[error("the outermost element is <{found}>; a URDF has <robot>, at {at}")]
     NotUrdf {
-        /// Where.
+        /// Place in the text.
         at: Place,
-        /// The element found.
+        /// Element found.
         found: String,
     },
     /// An element or an attribute is missing.
     #[error("{owner} has no {missing}, at {at}")]
     Missing {
-        /// Where.
+        /// Place in the text.
         at: Place,
-        /// The link or joint.
+        /// Link or joint that lacks it.
         owner: String,
-        /// What it should have.
+        /// Name of the missing element or attribute.
         missing: &'static str,
     },
-    /// Something that there may be one of is there again.
+    /// A unique element occurs again.
     #[error("{owner} is here for the second time; remove one, at {at}")]
     Duplicate {
-        /// Where the second one is.
+        /// Place of the second occurrence.
         at: Place,
-        /// What there are two of.
+        /// Name of the duplicated element.
         owner: String,
     },
-    /// An attribute is not made of as many numbers as it must be.
+    /// An attribute does not have the expected count of numbers.
     #[error("{attribute} is {found:?}; it must be {} finite number{}{}, at {at}",
         expected, if *expected == 1 { "" } else { "s" },
         if found.contains("${") { " (expand the xacro file first)" } else { "" })]
     Numbers {
-        /// Where.
+        /// Place in the text.
         at: Place,
-        /// The attribute.
+        /// Attribute name.
         attribute: String,
-        /// Its text.
+        /// Attribute text.
         found: String,
-        /// How many numbers it must have.
+        /// Expected count of numbers.
         expected: usize,
     },
-    /// A joint's axis has no direction.
+    /// A joint axis has zero length.
     #[error("joint {joint:?} turns about the axis 0 0 0; give it a direction, at {at}")]
     ZeroAxis {
-        /// Where.
+        /// Place in the text.
         at: Place,
-        /// The joint.
+        /// Joint name.
         joint: String,
     },
-    /// A joint names a link that the file does not have.
+    /// A joint names a link that the file does not define.
     #[error("joint {joint:?} names the link {link:?}, which the file does not have, at {at}")]
     UnknownLink {
-        /// Where.
+        /// Place in the text.
         at: Place,
-        /// The joint.
+        /// Joint name.
         joint: String,
-        /// The link.
+        /// Link name.
         link: String,
     },
-    /// Two joints carry the same link.
+    /// Two joints have the same child link.
     #[error("joint {joint:?} carries link {link:?}, as another joint does already, at {at}")]
     SecondParent {
-        /// Where.
+        /// Place in the text.
         at: Place,
-        /// The second joint.
+        /// Name of the second joint.
         joint: String,
-        /// The link.
+        /// Link name.
         link: String,
     },
-    /// A link is, over some joints, its own parent.
+    /// The joints form a cycle.
     #[error("the joints above link {link:?} run in a circle, at {at}")]
     Cycle {
-        /// Where.
+        /// Place in the text.
         at: Place,
-        /// A link of the circle, or below it.
+        /// A link on the cycle, or below it.
         link: String,
     },
-    /// The tip asked for is not a link of the file.
+    /// The requested tip is not a link of the file.
     #[error("no link is called {tip:?}; choose one of {links}, at {at}")]
     UnknownTip {
-        /// Where.
+        /// Place in the text.
         at: Place,
-        /// The tip asked for.
+        /// Requested tip.
         tip: String,
-        /// The links there are.
+        /// Links of the file.
         links: Listed,
     },
-    /// No tip was asked for and several links could be it.
+    /// No tip was requested and several links qualify.
     #[error("these links all end a chain of seven joints: {links}; name one as the tip, at {at}")]
     AmbiguousTip {
-        /// Where.
+        /// Place in the text.
         at: Place,
-        /// The links.
+        /// The candidate links.
         links: Listed,
     },
     /// The chain does not have seven revolute joints.
     #[error("the chain up to link {tip:?} has {found} revolute joints; the iiwa has 7, at {at}")]
     JointCount {
-        /// Where.
+        /// Place in the text.
         at: Place,
-        /// The end of the chain.
+        /// End of the chain.
         tip: String,
-        /// How many revolute joints it has.
+        /// Number of revolute joints found.
         found: usize,
     },
     /// A joint of the chain is neither revolute nor fixed, or mimics another.
     #[error("joint {joint:?} is {found}; the iiwa's joints are revolute or fixed, at {at}")]
     JointKind {
-        /// Where.
+        /// Place in the text.
         at: Place,
-        /// The joint.
+        /// Joint name.
         joint: String,
-        /// Its type, or `mimic`.
+        /// Joint type, or `mimic`.
         found: String,
     },
-    /// An axis is not where the model has it.
+    /// A joint axis differs from the model's.
     #[error(
         "with all joints at zero, the axis of joint {number} ({joint:?}) is {:.3} mm and {:.4} deg \
          off the model's; compare its origin and the one before it with the model's lengths, at \
@@ -138,37 +138,37 @@ pub enum UrdfError {
         position_m * 1e3, rotation_rad.to_degrees()
     )]
     Axis {
-        /// Where: the joint.
+        /// Place in the text: the joint.
         at: Place,
-        /// The first joint whose axis is off, from 1.
+        /// Number of the first joint whose axis is off, from 1.
         number: usize,
-        /// Its name.
+        /// Joint name.
         joint: String,
-        /// Distance of the two axes, in m.
+        /// Distance between the two axes, in m.
         position_m: f64,
         /// Angle between the two axes, in rad.
         rotation_rad: f64,
     },
-    /// The axes are where the model has them, the tip is not.
+    /// The axes match the model, but the tip does not.
     #[error(
         "the seven axes are the model's, but link {tip:?} is {:.3} mm and {:.4} deg off the \
          flange; name another tip, or take a profile with this flange for the model, at {at}",
         position_m * 1e3, rotation_rad.to_degrees()
     )]
     Tip {
-        /// Where: the last joint of the chain.
+        /// Place in the text: the last joint of the chain.
         at: Place,
-        /// The tip.
+        /// Tip name.
         tip: String,
-        /// The largest distance from the model's flange, in m.
+        /// Largest distance from the model's flange, in m.
         position_m: f64,
-        /// The largest angle to the model's flange, in rad.
+        /// Largest angle to the model's flange, in rad.
         rotation_rad: f64,
     },
 }
 
 impl UrdfError {
-    /// Where in the text.
+    /// Place of the error in the text.
     #[must_use]
     pub fn place(&self) -> &Place {
         match self {
@@ -190,7 +190,7 @@ impl UrdfError {
         }
     }
 
-    /// What is wrong, without the place.
+    /// Error message without the place.
     #[must_use]
     pub fn what(&self) -> String {
         self.place().cut_from(&self.to_string())

@@ -1,4 +1,4 @@
-//! One joint of a URDF.
+//! Joints of a URDF.
 
 use nalgebra::{Isometry3, Unit, Vector3};
 
@@ -17,7 +17,7 @@ pub(super) struct UrdfJoint<'t> {
     pub(super) child: String,
     pub(super) origin: Isometry3<f64>,
     pub(super) axis: Unit<Vector3<f64>>,
-    /// In the order of [`LIMITS`].
+    /// Limits in the order of [`LIMITS`].
     pub(super) limits: [Option<f64>; 4],
 }
 
@@ -31,10 +31,10 @@ impl UrdfJoint<'_> {
     }
 }
 
-/// A joint while its parts are read.
+/// A joint that is being read.
 pub(super) struct Draft<'t> {
     pub(super) joint: UrdfJoint<'t>,
-    /// The parts that were there.
+    /// Names of the child elements read so far.
     parts: Vec<String>,
 }
 
@@ -55,7 +55,7 @@ impl<'t> Draft<'t> {
         Ok(Self { joint, parts: Vec::new() })
     }
 
-    /// Takes in one child element of the joint.
+    /// Adds one child element of the joint.
     pub(super) fn part(
         &mut self,
         element: &[u8],
@@ -71,7 +71,7 @@ impl<'t> Draft<'t> {
             "origin" => joint.origin = tag.origin(quaternions)?,
             "axis" => {
                 let axis: Vector3<f64> = tag.numbers("xyz")?.unwrap_or([1.0, 0.0, 0.0]).into();
-                // Scaled first, so that its square neither overflows nor vanishes.
+                // Scaled first, so that the squared length neither overflows nor underflows.
                 joint.axis = Unit::try_new(axis / axis.amax(), 0.0).ok_or_else(|| {
                     UrdfError::ZeroAxis { at: tag.at.place(), joint: joint.name.clone() }
                 })?;

@@ -1,4 +1,4 @@
-//! Files of meshes that a URDF names, where the model has its links.
+//! Mesh files that a URDF names, placed in the model's link frames.
 
 use std::collections::HashMap;
 
@@ -14,43 +14,44 @@ use super::{
 };
 use crate::{Pose, Robot};
 
-/// The meshes of a link.
+/// Meshes of a link.
 #[derive(Clone, Debug, Default, PartialEq)]
 #[non_exhaustive]
 pub struct UrdfLink {
-    /// What it looks like.
+    /// Visual meshes.
     pub visual: Vec<UrdfMesh>,
-    /// What it is for collisions.
+    /// Collision meshes.
     pub collision: Vec<UrdfMesh>,
 }
 
-/// A file of a mesh, as a URDF names it.
+/// A mesh file named in a URDF.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct UrdfMesh {
-    /// The name, as it is written: `package://NAME/...`, `file://...` or a path.
+    /// File name as written: `package://NAME/...`, `file://...` or a path.
     pub file: String,
-    /// How many times as large it is along each of its axes.
+    /// Scale factor along each mesh axis.
     pub scale: [f64; 3],
-    /// Where the mesh is, in the frame of the model's link.
+    /// Pose of the mesh in the frame of the model's link.
     pub pose: Pose,
-    /// Red, green, blue and opacity, from 0 to 1, if the URDF gives it a colour.
+    /// Red, green, blue and opacity, from 0 to 1, if the URDF gives a colour.
     pub rgba: Option<[f64; 4]>,
-    /// Where the URDF names it.
+    /// Place in the URDF.
     pub at: Place,
 }
 
 impl Robot {
-    /// The meshes that a URDF of this robot names, of link 0 to link 7.
+    /// Meshes that a URDF of this robot names, for link 0 to link 7.
     ///
-    /// Its seven axes must be the model's; its frames may lie anywhere along them, and its last link need not be the
-    /// flange. What is fixed to a link is a part of it. Boxes, cylinders and spheres are left out.
+    /// The seven axes of the URDF must match the model's; its frames may be anywhere along them,
+    /// and its last link need not be the flange. Links fixed to another link belong to that link.
+    /// Boxes, cylinders and spheres are left out.
     ///
     /// ```
     /// use iiwa_kin::Robot;
     ///
     /// let robot = Robot::lbr_iiwa_7_r800();
-    /// // Our own URDF needs no files.
+    /// // The exported URDF needs no mesh files.
     /// let links = robot.urdf_meshes(&robot.to_urdf())?;
     /// assert!(links.iter().all(|link| link.visual.is_empty()));
     /// # Ok::<(), iiwa_kin::UrdfError>(())
@@ -58,8 +59,8 @@ impl Robot {
     ///
     /// # Errors
     ///
-    /// If the text is no URDF, has no chain of seven revolute joints, or has an axis that is off by more than
-    /// [`UrdfReport::TOLERANCE_M`](crate::UrdfReport::TOLERANCE_M) or
+    /// If the text is not a URDF, has no chain of seven revolute joints, or has an axis that is off
+    /// by more than [`UrdfReport::TOLERANCE_M`](crate::UrdfReport::TOLERANCE_M) or
     /// [`UrdfReport::TOLERANCE_RAD`](crate::UrdfReport::TOLERANCE_RAD).
     pub fn urdf_meshes(&self, urdf: &str) -> Result<[UrdfLink; 8], UrdfError> {
         let description = Description::read(urdf)?;
@@ -78,7 +79,8 @@ impl Robot {
         Ok(links)
     }
 
-    /// Of the URDF's links that are a part of the arm: of which link of the model, and where in its frame.
+    /// Maps each URDF link of the arm to the number of the model's link and its pose in that link's
+    /// frame.
     fn places<'a>(
         &self,
         description: &'a Description<'_>,
@@ -89,7 +91,7 @@ impl Robot {
         let (axes, _) = chain.poses(&[0.0; 7]);
         let mut places = HashMap::from([(chain.base, (0, Isometry3::identity()))]);
         for (j, joint) in revolute.iter().enumerate() {
-            // At zero, a joint's child is where the joint is.
+            // With all joints at zero, the frame of a joint's child link is the joint frame.
             let frame = model[j + 1].to_isometry().inverse() * axes[j];
             places.insert(&joint.child, (j + 1, frame));
         }
@@ -111,22 +113,22 @@ impl Robot {
     }
 }
 
-/// A mesh in the link that it belongs to.
+/// A mesh in the URDF link that it belongs to.
 struct Found {
     link: String,
     is_visual: bool,
     origin: Isometry3<f64>,
-    /// Its pose is not known yet.
+    /// The mesh, whose pose is not known yet.
     mesh: UrdfMesh,
 }
 
-/// A colour, or the name of one.
+/// A colour, or the name of a colour.
 enum Colour {
     Of([f64; 4]),
     Named(String),
 }
 
-/// What is known so far of a visual or of a collision.
+/// A visual or collision element that is being read.
 struct MeshDraft {
     is_visual: bool,
     origin: Isometry3<f64>,
@@ -134,12 +136,12 @@ struct MeshDraft {
     mesh: Option<UrdfMesh>,
 }
 
-/// The place before, from which lines are counted on: from the start of the text, the time for each mesh would grow with the
-/// file.
+/// Place of the previous mesh, from which lines are counted on. Counting from the start of the text
+/// would take time per mesh in proportion to the file length.
 struct LineCounter(Place);
 
 impl LineCounter {
-    /// The place `at`, which is not before the last one.
+    /// The place `at`, which is not before the previous one.
     fn next(&mut self, at: At<'_>) -> Place {
         let from = self.0.span.start;
         let mut place = Place::of_span(&at.text[from..], at.start - from..at.end - from);
@@ -153,14 +155,14 @@ impl LineCounter {
     }
 }
 
-/// Elements around a mesh: robot, link, visual and geometry. Deeper elements are skipped, so that the time per element does
-/// not grow with the depth.
+/// Nesting depth of a mesh: robot, link, visual and geometry. Deeper elements are skipped, so that
+/// the time per element does not grow with the depth.
 const MESH_DEPTH: usize = 4;
 
-/// All meshes of a URDF, in the order of the file. The text is well-formed: it was read before.
+/// All meshes of a URDF, in file order. The text is well-formed, as it was read before.
 fn found(text: &str) -> Result<Vec<Found>, UrdfError> {
     let mut reader = Reader::from_str(text);
-    // Names of the open elements that can hold others of interest, without the outermost.
+    // Names of the open elements, without the outermost, that can contain relevant elements.
     let mut open: Vec<Vec<u8>> = Vec::new();
     let mut depth = 0_usize;
     let mut quaternions = false;
@@ -245,7 +247,7 @@ fn found(text: &str) -> Result<Vec<Found>, UrdfError> {
             depth += 1;
         }
     }
-    // A colour may be given further below.
+    // A colour may be defined after its use.
     Ok(all
         .into_iter()
         .map(|(mut found, colour)| {

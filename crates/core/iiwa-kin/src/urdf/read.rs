@@ -1,4 +1,4 @@
-//! The links and joints of a URDF, from its text.
+//! Reader of the links and joints of a URDF.
 
 use std::collections::HashSet;
 
@@ -11,18 +11,18 @@ use super::{
     tag::{At, Tag},
 };
 
-/// The links and joints of a URDF.
+/// Links and joints of a URDF.
 pub(super) struct Description<'t> {
-    /// Where the root element is.
+    /// Place of the root element.
     pub(super) at: At<'t>,
     pub(super) links: Vec<String>,
     pub(super) joints: Vec<UrdfJoint<'t>>,
 }
 
 impl<'t> Description<'t> {
-    /// Reads the links and joints; what else a URDF has is skipped.
+    /// Reads the links and joints, and skips everything else.
     ///
-    /// One pass over the text without recursion, however deep it is nested.
+    /// Makes one pass over the text without recursion, regardless of the nesting depth.
     pub(super) fn read(text: &'t str) -> Result<Self, UrdfError> {
         let mut reader = Reader::from_str(text);
         let mut depth = 0_usize;
@@ -100,7 +100,7 @@ impl<'t> Description<'t> {
     }
 }
 
-/// Checks that `name` is not among `names` yet, and adds it.
+/// Adds `name` to `names`; an error if `names` already contains it.
 fn unique(names: &mut HashSet<String>, name: String, at: At<'_>) -> Result<(), UrdfError> {
     match names.replace(name) {
         None => Ok(()),

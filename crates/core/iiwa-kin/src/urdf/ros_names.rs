@@ -1,18 +1,20 @@
-//! What ROS calls joints and links.
+//! ROS names of joints and links.
 
 use std::{fmt, str::FromStr};
 
-/// A ROS package for the robot, by the names that it gives to joints and links.
+/// A ROS package for the robot, with its naming convention for joints and links.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum RosStack {
-    /// `iiwa_stack`: joints `iiwa_joint_1` to `iiwa_joint_7`, links `iiwa_link_0` to `iiwa_link_7` and `iiwa_link_ee`.
+    /// `iiwa_stack`: joints `iiwa_joint_1` to `iiwa_joint_7`, links `iiwa_link_0` to `iiwa_link_7`
+    /// and `iiwa_link_ee`.
     #[default]
     IiwaStack,
-    /// `lbr_fri_ros2_stack`: joints `lbr_A1` to `lbr_A7`, links `lbr_link_0` to `lbr_link_7` and `lbr_link_ee`.
+    /// `lbr_fri_ros2_stack`: joints `lbr_A1` to `lbr_A7`, links `lbr_link_0` to `lbr_link_7` and
+    /// `lbr_link_ee`.
     LbrFriRos2Stack,
 }
 
-/// What comes before the names of one robot's joints and links, so that there can be several in a ROS graph.
+/// Prefix of the joint and link names of one robot, so that a ROS graph can have several robots.
 ///
 /// ```
 /// use iiwa_kin::RosPrefix;
@@ -23,14 +25,14 @@ pub enum RosStack {
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct RosPrefix(String);
 
-/// A text that no name in ROS may begin with, or a very long one.
+/// Error: a prefix that ROS names cannot begin with, or that is too long.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error(
     "a prefix of names is 1 to {MAX_PREFIX} letters (a to z, A to Z), digits and `_`, a letter first"
 )]
 pub struct BadRosPrefix;
 
-/// Characters of a prefix at most.
+/// Largest length of a prefix, in characters.
 const MAX_PREFIX: usize = 50;
 
 impl FromStr for RosPrefix {
@@ -50,7 +52,7 @@ impl fmt::Display for RosPrefix {
     }
 }
 
-/// The names of the joints and links of one robot in ROS: in its URDF, and in messages.
+/// ROS names of the joints and links of one robot, in its URDF and in messages.
 ///
 /// ```
 /// use iiwa_kin::{RosNames, RosStack};
@@ -68,20 +70,21 @@ pub struct RosNames {
 }
 
 impl RosNames {
-    /// The names that a package gives, with this prefix in place of its own, `iiwa` or `lbr`.
+    /// Names of a package's convention, with `prefix` in place of the package's prefix `iiwa` or
+    /// `lbr`.
     #[must_use]
     pub fn new(stack: RosStack, prefix: Option<RosPrefix>) -> Self {
         Self { stack, prefix }
     }
 
-    /// The names of the joints, from the base to the flange: the stem with the numbers 1 to 7.
+    /// Joint names, from the base to the flange: the stem with the numbers 1 to 7.
     #[must_use]
     pub fn joints(&self) -> [String; 7] {
         let stem = self.joint_stem();
         std::array::from_fn(|j| format!("{stem}{}", j + 1))
     }
 
-    /// What all names of joints begin with, as `iiwa_joint_`.
+    /// Common stem of all joint names, such as `iiwa_joint_`.
     #[must_use]
     pub fn joint_stem(&self) -> String {
         let prefix = self.prefix();
@@ -91,7 +94,7 @@ impl RosNames {
         }
     }
 
-    /// The names of the links, from the base, which is 0, to link 7, and of the flange.
+    /// Link names, from link 0 (the base) to link 7, then the flange.
     #[must_use]
     pub fn links(&self) -> [String; 9] {
         let prefix = self.prefix();
@@ -101,7 +104,7 @@ impl RosNames {
         })
     }
 
-    /// The name of the fixed joint between link 7 and the flange.
+    /// Name of the fixed joint between link 7 and the flange.
     pub(super) fn flange_joint(&self) -> String {
         format!("{}_joint_ee", self.prefix())
     }

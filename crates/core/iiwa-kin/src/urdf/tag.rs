@@ -1,4 +1,4 @@
-//! Start tags, their attributes and where they are.
+//! Start tags, with their attributes and places.
 
 use iiwa_json::Place;
 use nalgebra::{Isometry3, Quaternion, Translation3, Unit, UnitQuaternion};
@@ -6,7 +6,7 @@ use quick_xml::events::BytesStart;
 
 use super::UrdfError;
 
-/// Bytes of a text: a place that is not counted out in lines before it is needed.
+/// Byte range of a text; line and column are computed only on demand.
 #[derive(Clone, Copy)]
 pub(super) struct At<'t> {
     pub(super) text: &'t str,
@@ -20,7 +20,7 @@ impl At<'_> {
     }
 }
 
-/// The start tag of an element.
+/// Start tag of an element.
 pub(super) struct Tag<'a, 't> {
     pub(super) element: &'a BytesStart<'a>,
     pub(super) at: At<'t>,
@@ -30,7 +30,7 @@ impl Tag<'_, '_> {
     pub(super) fn attribute(&self, name: &str) -> Result<Option<String>, UrdfError> {
         let xml = |problem: String| UrdfError::Xml { at: self.at.place(), problem };
         let mut found = None;
-        // The library's own search for duplicates takes a time that grows with their square.
+        // The library's duplicate check takes quadratic time in the number of attributes.
         for attribute in self.element.attributes().with_checks(false) {
             let attribute = attribute.map_err(|error| xml(error.to_string()))?;
             if attribute.key.as_ref() == name.as_bytes() {
@@ -53,7 +53,7 @@ impl Tag<'_, '_> {
         })
     }
 
-    /// The attribute's `N` numbers, if it is there.
+    /// The `N` numbers of an attribute, if present.
     pub(super) fn numbers<const N: usize>(
         &self,
         name: &str,
@@ -75,7 +75,8 @@ impl Tag<'_, '_> {
         }
     }
 
-    /// An origin. Versions after 1.0 may have a quaternion; readers of 1.0 skip it.
+    /// An `origin` element. URDF versions after 1.0 may have a quaternion, which readers of 1.0
+    /// skip.
     pub(super) fn origin(&self, quaternions: bool) -> Result<Isometry3<f64>, UrdfError> {
         let xyz = self.numbers("xyz")?.unwrap_or([0.0; 3]);
         let rotation = match self.numbers("rpy")? {

@@ -1,4 +1,4 @@
-//! A model written as a URDF.
+//! URDF export of a model.
 
 use std::{
     f64::consts::FRAC_PI_2,
@@ -14,25 +14,25 @@ use quick_xml::{
 use super::{LIMITS, RosNames};
 use crate::{Along, RigidBody, Robot, Shape, Solid, inertials::Links, shape_inertia};
 
-/// Writing to it does not fail.
+/// XML writer to memory, whose writes do not fail.
 type Xml = Writer<Vec<u8>>;
 
 impl Robot {
-    /// The model as a URDF: links `iiwa_link_0` to `iiwa_link_7` and `iiwa_link_ee`, joints
+    /// Writes the model as a URDF: links `iiwa_link_0` to `iiwa_link_7` and `iiwa_link_ee`, joints
     /// `iiwa_joint_1` to `iiwa_joint_7` and `iiwa_joint_ee`; m, rad, kg, Nm.
     ///
-    /// The links' frames are those of [`Robot::link_poses`]. The shapes are cylinders and spheres,
-    /// so that the text needs no mesh files. Inertias are those of [`Robot::links`], the last one with the mass of the
-    /// flange; that of the foot is an estimate, its shapes at uniform density.
+    /// Link frames are those of [`Robot::link_poses`]. Shapes are cylinders and spheres, so that no
+    /// mesh files are needed. Inertias are those of [`Robot::links`], with the flange mass added to
+    /// link 7; the base inertia is an estimate from its shapes at uniform density.
     ///
-    /// Cross-validated: the crate `k` finds the same poses in it.
+    /// Cross-validated: the crate `k` computes the same poses from the URDF.
     #[must_use]
     pub fn to_urdf(&self) -> String {
         self.to_urdf_with_names(&RosNames::default())
     }
 
-    /// The same with other names of joints and links. The fixed joint of the flange is `iiwa_joint_ee` with the prefix of
-    /// the names, as `lbr_joint_ee`.
+    /// Writes the URDF with other joint and link names. The fixed joint of the flange is
+    /// `iiwa_joint_ee` with the prefix of the names, such as `lbr_joint_ee`.
     #[must_use]
     pub fn to_urdf_with_names(&self, names: &RosNames) -> String {
         let mut xml = Writer::new_with_indent(Vec::new(), b' ', 2);
@@ -73,7 +73,8 @@ impl Robot {
         }
     }
 
-    /// Joint `j` from 0, between two links: the seven, then the fixed one of the flange.
+    /// Writes joint `j` (from 0) between two links: the seven joints, then the fixed joint of the
+    /// flange.
     fn write_joint(
         &self,
         xml: &mut Xml,
@@ -84,7 +85,7 @@ impl Robot {
         let dh = self.dh();
         let moves = j < 7;
         let kind = if moves { "revolute" } else { "fixed" };
-        // From the joint before: its row of the table.
+        // Offset from the preceding joint: that joint's row of the table.
         let (shift_m, twist_rad) =
             j.checked_sub(1).map_or((0.0, 0.0), |before| (dh[before].d_m, dh[before].alpha_rad));
         element(xml, "joint", &[("name", &name), ("type", &kind)], |xml| {
@@ -137,9 +138,9 @@ fn write_inertial(xml: &mut Xml, body: &RigidBody) -> io::Result<()> {
     })
 }
 
-/// An origin that is turned about x by `twist_rad` only.
+/// Writes an origin with a rotation about x by `twist_rad`.
 fn write_origin(xml: &mut Xml, xyz_m: [f64; 3], twist_rad: f64) -> io::Result<()> {
-    // Without a minus in front of a zero.
+    // Adding 0 turns -0 into 0.
     let [x, y, z] = xyz_m.map(|v| v + 0.0);
     let (xyz, rpy) = (format_args!("{x} {y} {z}"), format_args!("{twist_rad} 0 0"));
     empty(xml, "origin", &[("xyz", &xyz), ("rpy", &rpy)])

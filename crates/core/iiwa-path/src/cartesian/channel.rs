@@ -1,4 +1,4 @@
-//! Orientation and E1 along a spline: splines of their own that are linked to the arc length of the position.
+//! Orientation and E1 along a spline: separate splines, linked to the arc length of the position.
 
 use super::{
     knot_rates::{RateSource, Stretch, rate_sources, with_ends},
@@ -6,14 +6,15 @@ use super::{
     quintic::{Linked, Quintic, Rates},
 };
 
-/// The shortest chord of orientation and E1, in rad.
+/// Least chord of orientation and E1, in rad.
 pub(crate) const MIN_CHORD_RAD: f64 = 3e-4;
 
-/// One channel along the segments of a spline, each as the difference from its start; none where the rates are given.
+/// Computes one channel along the segments of a spline, each as the difference from its start;
+/// `None` where the rates are given.
 ///
-/// Between free segments the channel is a spline in its own chords with a link to the arc length. Next to a segment whose
-/// rates are given (LIN, CIRC, constant orientation) it is a quintic in the arc length: a link with the slope of the
-/// neighbour could turn back.
+/// Between free segments the channel is a spline in its own chords with a link to the arc length.
+/// Next to a segment with given rates (LIN, CIRC, constant orientation) it is a quintic in the arc
+/// length, because a link with the slope of that neighbour could turn back.
 pub(crate) fn channel<const N: usize>(
     stretches: &[Stretch<N>],
     arcs_m: &[f64],
@@ -41,7 +42,7 @@ pub(crate) fn channel<const N: usize>(
             RateSource::Parabola(by_chord) if link.is_some() => Some(by_chord),
             RateSource::Parabola(by_chord) => Some(by_arc(&by_chord, &links[end])),
             RateSource::Neighbour(by_arc) => Some(by_arc),
-            // As at the ends of a link.
+            // The same condition as at the ends of a link.
             RateSource::End if link.is_none() => Some(Rates::even(step, arc_m)),
             RateSource::End => None,
         });
@@ -63,7 +64,7 @@ fn link_at<const N: usize>(stretches: &[Stretch<N>], arcs_m: &[f64], knot: usize
     link_rates(sides.map(|i| arcs_m[i]), chords)
 }
 
-/// Rates by arc length of what has the rates `by_chord` by chord length.
+/// Converts rates by chord length into rates by arc length.
 fn by_arc<const N: usize>(by_chord: &Rates<N>, link: &Rates<1>) -> Rates<N> {
     let ([m], [c]) = (link.first, link.second);
     Rates {

@@ -1,4 +1,4 @@
-//! The position of a spline between two knots, by chord length, and its arc length.
+//! Position of a spline between two knots, by chord length, and its arc length.
 
 use iiwa_kin::{
     Number, Taylor,
@@ -9,15 +9,15 @@ use super::quintic::Quintic;
 
 /// A part of a spline's position between two knots, by a path parameter s from 0 to 1.
 ///
-/// s is the share of the chord, unless the TCP reverses at an end.
+/// s is the share of the chord, unless the TCP reverses at one end.
 #[derive(Clone, Debug)]
 pub(crate) struct ChordCurve {
     shape: Shape,
-    /// Ends of intervals in s, with the arc lengths up to there.
+    /// Ends of the intervals in s, with the arc lengths up to them.
     nodes: Vec<Node>,
 }
 
-/// A place on a curve: the path parameter and the arc length up to there, in m.
+/// A place on a curve: the path parameter and the arc length up to this place, in m.
 #[derive(Clone, Copy, Debug)]
 struct Node {
     s: f64,
@@ -28,7 +28,7 @@ struct Node {
 #[derive(Clone, Debug)]
 struct Shape {
     curve: Quintic<3>,
-    /// The end where the TCP reverses. The curve starts there.
+    /// The end at which the TCP reverses. The curve starts there.
     cusp: Option<Cusp>,
 }
 
@@ -39,18 +39,19 @@ pub(crate) enum Cusp {
     End,
 }
 
-/// Rate of the share of the chord by s at the end opposite to a cusp. Up to the third, the other derivatives are zero there, so
-/// that the path goes on smoothly by chord length.
+/// Rate of the share of the chord by s at the end opposite to a cusp. The second and the third
+/// derivative are zero there, so that the path continues smoothly by chord length.
 pub(crate) const CUSP_RATE: f64 = 0.5;
 
-/// Share of the chord next to a cusp in which the curve is made regular.
+/// Share of the chord next to a cusp in which the curve is regularised.
 ///
-/// With v the share of the chord from the cusp, the curve is a2 v^2 + a3 v^3 + ...: by x = v^2, its tangent is not zero, but
-/// the second derivative of sqrt(x)^3 is infinite at 0. Below the square of this share, a polynomial takes the place of
-/// sqrt(x). It moves the curve by at most 0.02 REGULAR^3 a3: 0.1 micrometres with a3 = 40 mm.
+/// With v the share of the chord from the cusp, the curve is a2 v^2 + a3 v^3 + .... By x = v^2, its
+/// tangent is not zero, but the second derivative of sqrt(x)^3 is infinite at 0. Below the square
+/// of this share, a polynomial replaces sqrt(x). It moves the curve by at most 0.02 REGULAR^3 a3:
+/// 0.1 micrometres for a3 = 40 mm.
 const REGULAR: f64 = 0.05;
 
-/// sqrt(y) near 1, zero at 0: value and three derivatives agree at 1.
+/// Polynomial close to sqrt(y) near 1 and zero at 0; value and three derivatives agree at 1.
 const ROOT: [f64; 5] = [0.0, 35.0 / 16.0, -35.0 / 16.0, 21.0 / 16.0, -5.0 / 16.0];
 
 impl Shape {
@@ -61,7 +62,8 @@ impl Shape {
             Some(Cusp::Start) => s,
             Some(Cusp::End) => one - s,
         };
-        // v^2 = (1 - k (1 - s))^2 - (1 - k)^2 (1 - s)^4 rises from 0, and v is linear next to s = 1.
+        // v^2 = (1 - k (1 - s))^2 - (1 - k)^2 (1 - s)^4 increases from 0, and v is linear near s =
+        // 1.
         let rest = one - s;
         let [even, quartic] = [one - rest * CUSP_RATE, rest * rest * (1.0 - CUSP_RATE)];
         let x = even * even - quartic * quartic;
@@ -94,7 +96,7 @@ impl Shape {
     }
 }
 
-/// Nodes and weights of Gauss's quadrature with 8 points, which are symmetric.
+/// Nodes and weights of 8-point Gauss quadrature, which are symmetric.
 const GAUSS: [[f64; 2]; 4] = [
     [0.183_434_642_495_649_8, 0.362_683_783_378_362],
     [0.525_532_409_916_329, 0.313_706_645_877_887_3],
@@ -102,17 +104,18 @@ const GAUSS: [[f64; 2]; 4] = [
     [0.960_289_856_497_536_3, 0.101_228_536_290_376_26],
 ];
 
-/// Intervals before any is halved.
+/// Number of intervals before bisection.
 const INTERVALS: u32 = 4;
 
-/// Relative error of an interval's length above which it is halved.
+/// Relative error of the length of an interval above which the interval is halved.
 const TOLERANCE: f64 = 1e-13;
 
-/// Most halvings of an interval: then it is short next to rounding of the others.
+/// Maximum number of halvings of an interval, after which its length is below the rounding error of
+/// the others.
 const MAX_HALVINGS: u32 = 40;
 
 impl ChordCurve {
-    /// The curve of a polynomial whose first derivative is zero at most at the end `cusp`.
+    /// Creates the curve of a polynomial whose first derivative may be zero only at the end `cusp`.
     pub(crate) fn new(curve: Quintic<3>, cusp: Option<Cusp>) -> Self {
         let curve = if cusp == Some(Cusp::End) { curve.part([1.0, 0.0]) } else { curve };
         let nodes = vec![Node { s: 0.0, length_m: 0.0 }];
@@ -124,7 +127,7 @@ impl ChordCurve {
         curve
     }
 
-    /// Adds the nodes of an interval whose length is `whole_m` by one quadrature.
+    /// Adds the nodes of an interval with the length `whole_m` by one quadrature.
     fn add(&mut self, [from, to]: [f64; 2], whole_m: f64, halvings: u32) {
         let half = f64::midpoint(from, to);
         let parts = [[from, half], [half, to]];
@@ -149,14 +152,14 @@ impl ChordCurve {
         self.shape.at(s)
     }
 
-    /// The share of the arc length up to `s`.
+    /// Share of the arc length up to `s`.
     pub(crate) fn arc_share(&self, s: Taylor) -> Taylor {
         let Taylor([at, s1, s2, s3]) = s;
         let last = self.nodes.len() - 1;
         let index = self.nodes[1..last].partition_point(|node| node.s <= at);
         let node = self.nodes[index];
         let length_m = node.length_m + self.shape.length_m([node.s, at]);
-        // The series of the length by s, from that of the speed.
+        // Series of the length by s, from that of the speed.
         let rate = self
             .shape
             .at(Taylor::variable(at))

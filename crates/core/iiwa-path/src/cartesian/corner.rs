@@ -1,4 +1,4 @@
-//! Blends of which at least one side is a path of the TCP.
+//! Blends with a TCP path on at least one side.
 
 use std::sync::Arc;
 
@@ -22,20 +22,21 @@ use crate::{
 };
 use iiwa_program::{Blend, CART_MM_MIN, MotionLimits, PathBlend, SUNRISE_REL_MIN};
 
-/// A blend between two motions, and how much of both it takes away.
+/// A blend between two motions, and the shares of both that it replaces.
 #[derive(Debug)]
 pub(crate) struct CurvedCorner {
     /// Share of the end of the first motion, and of the start of the second.
     pub(crate) shares: [f64; 2],
     pub(crate) image: JointSpline,
-    /// Angle between both directions: of the TCP between two paths of it, else in joint space.
+    /// Angle between both directions: of the TCP between two TCP paths, otherwise in joint space.
     pub(crate) gamma_deg: f64,
-    /// Limits of the segment that it leads into, if that has its own.
+    /// Limits of the segment after the corner, if it has its own.
     pub(crate) limits: Option<Arc<MotionLimits>>,
 }
 
 impl CurvedCorner {
-    /// The blend of `size` between two motions; none if it is too small to count, or if one of them does not move.
+    /// Returns the blend of `size` between two motions, or `None` if it is too small, or if one of
+    /// the motions does not move.
     pub(crate) fn new(
         robot: &Robot,
         options: PathOptions,
@@ -54,8 +55,8 @@ impl CurvedCorner {
                 };
                 let (into, out) =
                     (scaled(shares[0], &rate(a, 1.0)), scaled(shares[1], &rate(b, 0.0)));
-                // Where the TCP stands, while E1 or the orientation changes, its direction is rounding: without kappa
-                // the blend stays on the other motion's way.
+                // While only E1 or the orientation changes, the direction of the TCP is rounding.
+                // Without kappa, the blend stays on the path of the other motion.
                 let goes = norm(&into).min(norm(&out)) > NO_WAY_M;
                 let (gamma_rad, kappa) = if goes {
                     let (a, b) = (scaled(1.0 / norm(&into), &into), scaled(1.0 / norm(&out), &out));
@@ -108,13 +109,14 @@ impl CurvedCorner {
     }
 }
 
-/// The last path of the first motion, and the first of the second; of splines those segments, of motions in joint space
-/// none.
+/// Returns the last TCP path of the first motion, and the first TCP path of the second: segments of
+/// a spline, or `None` for a motion in joint space.
 fn next_to_corner(legs: [&Leg; 2]) -> [Option<&TcpPath>; 2] {
     [legs[0].paths.last(), legs[1].paths.first()]
 }
 
-/// How much of both motions a blend of `size` takes away, as shares in s; none if it is too small to count.
+/// Shares in s of both motions that a blend of `size` replaces, or `None` if the blend is too
+/// small.
 fn shares(
     robot: &Robot,
     options: PathOptions,
@@ -127,7 +129,8 @@ fn shares(
     {
         return None;
     }
-    // On a path of the TCP, `setBlendingRel` counts for the redundancy only, and the blend is the least possible.
+    // On a TCP path, `setBlendingRel` applies to the redundancy only, and the blend is the least
+    // possible.
     let paths = next_to_corner(legs);
     let least_mm = (paths[0].is_some() && size.sunrise_rel.is_some()).then_some(CART_MM_MIN);
     let radius_mm = size.cart_mm.or(least_mm);
@@ -147,7 +150,7 @@ fn shares(
             };
         };
         let share_of = |length| match (&path.curve.wrist, length) {
-            // The wrist turns by its joints.
+            // The joints of the wrist give the angle.
             (Some(wrist), Length::Turn(angle)) => angle / norm(&wrist.by_rad),
             _ => path.curve.course.share_of(1 - side, length),
         };
@@ -165,6 +168,7 @@ fn shares(
     if let [Some(a), Some(b)] = paths
         && a.curve.joins_in_space(&b.curve)
     {
+        // Both sides get the path length of the shorter one.
         let courses = [&a.curve.course, &b.curve.course];
         let ways = [0, 1].map(|side| courses[side].way_within(1 - side, shares[side]));
         let reach = ways[0].min(ways[1]);
@@ -175,7 +179,7 @@ fn shares(
     shares.iter().all(|share| *share > NO_SHARE).then_some(shares)
 }
 
-/// Shorter than this, in m, the TCP does not move.
+/// Distance in m below which the TCP is at rest.
 const NO_WAY_M: f64 = 1e-9;
-/// Less than this is no blend.
+/// Share below which there is no blend.
 const NO_SHARE: f64 = 1e-9;

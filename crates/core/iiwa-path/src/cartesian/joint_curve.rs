@@ -1,4 +1,4 @@
-//! Curves in joint space that are given otherwise than as polynomials.
+//! Curves in joint space that are not polynomials.
 
 use std::{fmt, sync::Arc};
 
@@ -13,57 +13,58 @@ use super::{
 };
 use crate::{continuity::Continuity, line::Line, segment::Segment, tool_way::ToolWay};
 
-/// All joints at once, as series in the curve's parameter.
+/// All joints, as power series in the parameter of the curve.
 pub(crate) type MovingJoints = [Taylor; 7];
 
-/// Why the arm cannot be on a curve.
+/// A reason why the robot cannot follow a curve.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum CurveFault {
-    /// It does not reach there.
+    /// The pose is out of reach.
     Unreachable(Unreachable),
-    /// It is too near to a singular pose.
+    /// The pose is too near to a singularity.
     Singular(SingularPart),
-    /// The joints turn too abruptly to be followed.
+    /// The joints turn too abruptly.
     Abrupt,
 }
 
 /// A curve in joint space, for s from 0 to 1.
 pub(crate) trait JointCurve: fmt::Debug + Send + Sync {
-    /// The joints where the parameter is `s`, itself a series.
+    /// Joints at the parameter `s`, itself a power series.
     fn at(&self, s: Taylor) -> Result<MovingJoints, CurveFault>;
 
-    /// How the TCP moves, where limits of the TCP hold.
+    /// Motion of the TCP, for TCP limits.
     fn tool_way(&self, s: f64) -> ToolWay;
 
-    /// Whether that is the same everywhere.
+    /// True if [`tool_way`](Self::tool_way) is constant.
     fn is_even(&self) -> bool;
 }
 
-/// A path of the TCP.
+/// A TCP path.
 #[derive(Clone, Debug)]
 pub(crate) struct TcpCurve {
     pub(crate) robot: Arc<Robot>,
     pub(crate) course: Arc<TcpCourse>,
-    /// The flange in the TCP's frame.
+    /// The flange in the TCP frame.
     pub(crate) flange: Pose,
-    /// The position of A3 by the share of the arc length, in rad.
+    /// Position of A3 by the share of the arc length, in rad.
     pub(crate) e1_rad: Linked<1>,
     pub(crate) status: Status,
-    /// How the wrist turns, if it does so by itself: then the orientation of the course does not count.
+    /// Linear motion of the wrist joints, if any, which replaces the orientation of the course.
     pub(crate) wrist: Option<WristTurn>,
 }
 
-/// Joints A5 to A7 go evenly in s, and the others bring the TCP to its place.
+/// Motion with A5 to A7 linear in s, in which the other joints keep the TCP on its course.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct WristTurn {
-    /// The TCP at the flange.
+    /// The TCP relative to the flange.
     pub(crate) point: FlangePoint,
-    /// A5 to A7 at the start, and by how much they change; in rad.
+    /// A5 to A7 at the start, and their changes; in rad.
     pub(crate) from_rad: [f64; 3],
     pub(crate) by_rad: [f64; 3],
 }
 
-/// Nearer than this to a singular pose, the joints are no function of the TCP: 0.006 deg.
+/// Measure of the distance from a singular pose below which the joints are not a function of the
+/// TCP pose: 0.006 deg.
 pub(crate) const SINGULAR: f64 = 1e-4;
 
 impl TcpCurve {
@@ -73,7 +74,7 @@ impl TcpCurve {
     }
 }
 
-/// The joints of a moving TCP.
+/// Returns the joints of a moving TCP.
 fn joints_of(
     robot: &Robot,
     tcp: &MovingPose,
@@ -126,12 +127,12 @@ impl JointCurve for TcpCurve {
     }
 }
 
-/// The way of a TCP, which is given in the flange's frame, with the joints.
+/// Motion of a TCP, which is given in the flange frame, for moving joints.
 pub(crate) fn tool_way_of(robot: &Robot, tcp: &Pose, joints: &MovingJoints) -> ToolWay {
     tool_way(&robot.flange_moving(joints).then_fixed(tcp))
 }
 
-/// A straight line in joint space.
+/// Straight line in joint space.
 impl JointCurve for Line {
     fn at(&self, s: Taylor) -> Result<MovingJoints, CurveFault> {
         let from = <Self as Segment>::at(self, 0.0).q;
@@ -148,7 +149,7 @@ impl JointCurve for Line {
     }
 }
 
-/// The part of a curve between two of its parameters.
+/// Part of a curve between two parameters.
 #[derive(Clone, Debug)]
 pub(crate) struct Part<C: ?Sized> {
     pub(crate) range: [f64; 2],
@@ -187,14 +188,15 @@ fn mixing(kappa: f64, s: Taylor) -> [Taylor; 2] {
     [polynomial(continuity.alpha(), s), polynomial(continuity.beta(), s) * kappa]
 }
 
-/// A blend in joint space of two curves that meet: `(1 - alpha) A + alpha B - kappa beta (B'(0) - A'(1))`, which is
-/// Larsen 2019, Eq. 39 where both are lines.
+/// A blend in joint space between two adjacent curves:
+/// `(1 - alpha) A + alpha B - kappa beta (B'(0) - A'(1))`, which is Larsen 2019, Eq. 39 if both are
+/// lines.
 #[derive(Debug)]
 pub(crate) struct JointBlend {
     pub(crate) robot: Arc<Robot>,
-    /// The TCP in the flange's frame.
+    /// TCP in the flange frame.
     pub(crate) tcp: Pose,
-    /// The last part of one curve, and the first of the other.
+    /// The last part of one curve, and the first part of the other.
     pub(crate) parts: [Part<dyn JointCurve>; 2],
     pub(crate) kappa: f64,
     /// B'(0) - A'(1), in rad.
@@ -220,8 +222,8 @@ impl JointCurve for JointBlend {
     }
 }
 
-/// A blend of two paths of the TCP, in Cartesian space: positions as in joint space, orientations by the turn from one
-/// to the other, E1 in proportion.
+/// A Cartesian blend between two TCP paths: positions as in joint space, orientations by the
+/// rotation from one to the other, E1 in proportion.
 #[derive(Debug)]
 pub(crate) struct TcpBlend {
     pub(crate) parts: [Part<TcpCurve>; 2],

@@ -1,29 +1,30 @@
-//! Derivatives of a spline at its knots, by the lengths of its chords.
+//! Derivatives of a spline at its knots, by chord length.
 //!
-//! With d1, d2 the chords before and behind an inner knot and s1, s2 the secants (step over chord), the parabola through the
-//! knot and its two direct neighbours has there
+//! With d1, d2 the chords before and after an inner knot and s1, s2 the secants (step over chord),
+//! the parabola through the knot and its two direct neighbours has the derivatives
 //!
 //! ```text
 //! m = (d2 s1 + d1 s2) / (d1 + d2)        first derivative
 //! c = 2 (s2 - s1) / (d1 + d2)            second derivative
 //! ```
 //!
-//! At an end of the spline the parabola of the adjacent knot goes on: m = 2 s - m', c = +-2 (s - m') / d, m' the first
-//! derivative at the adjacent knot. Source: recordings of an LBR iiwa 7 R800 under Sunrise, see docs/cartesian.md.
+//! At an end of the spline the parabola of the adjacent knot continues: m = 2 s - m', c = +-2 (s -
+//! m') / d, with m' the first derivative at the adjacent knot. Source: recordings of an LBR iiwa 7
+//! R800 under Sunrise, see docs/cartesian.md.
 
 use super::quintic::Rates;
 
-/// A segment as seen by one channel of a spline: position, orientation or E1.
+/// A segment from the point of view of one channel of a spline: position, orientation or E1.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Stretch<const N: usize> {
-    /// Rates follow from the knots.
+    /// Segment whose rates follow from the knots.
     Free {
-        /// Length by which the rates count.
+        /// Length for the rates.
         chord: f64,
-        /// Difference of both knots, as seen from the first.
+        /// Difference of both knots, relative to the first.
         step: [f64; N],
     },
-    /// Rates at start and end are given, by arc length.
+    /// Segment with given rates at start and end, by arc length.
     Given([Rates<N>; 2]),
 }
 
@@ -34,11 +35,11 @@ pub(crate) enum RateSource<const N: usize> {
     Parabola(Rates<N>),
     /// The neighbouring segment, which is not free.
     Neighbour(Rates<N>),
-    /// The parabola at the other end of the segment: the spline starts or ends here.
+    /// The parabola at the other end of the segment, because the spline starts or ends here.
     End,
 }
 
-/// The parabola through three knots, at the one in the middle.
+/// Derivatives of the parabola through three knots, at the middle one.
 pub(crate) fn parabola<const N: usize>(
     [d1, d2]: [f64; 2],
     [before, behind]: [&[f64; N]; 2],
@@ -56,7 +57,7 @@ pub(crate) fn parabola<const N: usize>(
     }
 }
 
-/// Sources of the rates at start and end of the free segment `index`.
+/// Returns the sources of the rates at start and end of the free segment `index`.
 pub(crate) fn rate_sources<const N: usize>(
     stretches: &[Stretch<N>],
     index: usize,
@@ -77,9 +78,11 @@ pub(crate) fn rate_sources<const N: usize>(
     [at_knot(before, this), at_knot(this, stretches.get(index + 1))]
 }
 
-/// Rates at both ends of a segment, each as seen from its own knot; absent where the spline starts or ends.
+/// Returns the rates at both ends of a segment, each relative to its own knot. Where the spline
+/// starts or ends, the argument is `None`.
 ///
-/// `carried` gives the rates at one end as seen from the other, which is `step` away.
+/// `carried` converts rates relative to one end into rates relative to the other, which is `step`
+/// away.
 pub(crate) fn with_ends<const N: usize>(
     rates: [Option<Rates<N>>; 2],
     chord: f64,

@@ -1,4 +1,4 @@
-//! The motions of a program as they are on one robot.
+//! Motions of a program on one robot.
 
 use std::sync::Arc;
 
@@ -21,13 +21,13 @@ use iiwa_program::{
 /// A motion on one robot.
 #[derive(Clone, Debug)]
 pub(crate) struct Leg {
-    /// Where it starts and ends if nothing is blended, in rad.
+    /// Joints at start and end without blends, in rad.
     pub(crate) ends_rad: [Joints; 2],
-    /// The path of the TCP, segment by segment; none if it is straight in joint space.
+    /// The TCP path, segment by segment; empty for a straight line in joint space.
     pub(crate) paths: Vec<TcpPath>,
 }
 
-/// The motions in order, each from where the one before ends; none for those that stand.
+/// Returns the motions in order, each from the end of the one before; `None` for waits and loads.
 pub(crate) fn legs(program: &Program, robot: &Arc<Robot>) -> Result<Vec<Option<Leg>>, Fault> {
     let mut at_rad = program.start_rad(robot)?;
     let mut legs = Vec::with_capacity(program.motions.len());
@@ -49,7 +49,7 @@ pub(crate) fn legs(program: &Program, robot: &Arc<Robot>) -> Result<Vec<Option<L
     Ok(legs)
 }
 
-/// A motion to a frame that starts at `from_rad`.
+/// Builds a motion to a frame that starts at `from_rad`.
 fn leg(
     program: &Program,
     robot: &Arc<Robot>,
@@ -63,7 +63,7 @@ fn leg(
     }
     let site = Site::new(program, robot, motion)?;
     let from = site.pose(from_rad);
-    // With joints of its own to go by, the wrist does not ask how the TCP is turned.
+    // The orientation of the TCP follows from the wrist joints, so that of the course is unused.
     let by_joints = motion.orientation == OrientationType::Joints;
     let is_constant = by_joints || motion.orientation == OrientationType::Constant;
     let (course, to, e1_rad, status) = match &motion.course {
@@ -90,7 +90,7 @@ fn leg(
         Course::Spline(segments) => {
             let paths = spline(&site, from_rad, motion, segments);
             let paths = paths.map_err(|found| match found {
-                // A single SPL, which has no list of segments.
+                // A single SPL, which is a spline without a list of segments.
                 (_, CartesianFault::Segment { key, fault, .. }) if motion.is_single_spl() => {
                     (key, *fault)
                 }
@@ -118,7 +118,7 @@ fn leg(
     Ok(Leg { ends_rad: [*from_rad, to_rad], paths: vec![path] })
 }
 
-/// A pose after an offset that is given along `axes`.
+/// Applies an offset along `axes` to a pose.
 fn moved_by(from: &Pose, offset: &Pose, axes: &[[f64; 3]; 3]) -> Pose {
     let by = apply(axes, &offset.position_m);
     let turn = product(&product(axes, &offset.rotation), &transposed(axes));

@@ -1,31 +1,31 @@
-//! The link of orientation and E1 of a spline to the arc length of its position.
+//! Link of orientation and E1 of a spline to the arc length of its position.
 //!
-//! Orientation and E1 are splines in chords of their own. The link w(s) is a quintic from the arc length s of a segment to the
-//! chord length w, with rates m = w' and c = w'' at the knots. With h the arc lengths, d the chords and t = d / h before
-//! (1) and behind (2) a knot,
-//!
+//! Orientation and E1 are splines in their own chords. The link w(s) is a quintic from the arc
+//! length s of a segment to the chord length w, with rates m = w' and c = w'' at the knots. With h
+//! the arc lengths, d the chords and t = d / h before (1) and after (2) a knot,
 //! ```text
 //! 1/m = (h2/t1 + h1/t2) / (h1 + h2)      c = -2 m^2 (1/t2 - 1/t1) / (h1 + h2)
 //! ```
 //!
-//! Then (m, c) moves to the nearest point of the region in which the link does not turn back, in mm:
+//! Then (m, c) is projected onto the region in which the link does not turn back, in mm:
 //!
 //! ```text
 //! 2 m + c h2/4 <= 2.5 t2,   m + c h2/4 >= 0,   2 m - c h1/4 <= 2.5 t1,   m - c h1/4 >= 0
 //! ```
 //!
-//! At both ends of the spline, m = t and c = 0. Source: recordings of an LBR iiwa 7 R800 under Sunrise, see
-//! docs/cartesian.md.
+//! At both ends of the spline, m = t and c = 0. Source: recordings of an LBR iiwa 7 R800 under
+//! Sunrise, see docs/cartesian.md.
 
 use super::quintic::Rates;
 
-/// The unit in which the distance to the region counts: the nearest point depends on it.
+/// Unit of the distance to the region, on which the nearest point depends.
 const MM_PER_M: f64 = 1e3;
 
-/// Share of a secant's rate by which a point may be outside of the region.
+/// Tolerance of the region, as a share of the rate of a secant.
 const ROUNDING: f64 = 1e-9;
 
-/// Rates of the link at an inner knot, by arc length in m; `arcs_m` and `chords` are those before and behind the knot.
+/// Rates of the link at an inner knot, by arc length in m; `arcs_m` and `chords` are those before
+/// and after the knot.
 pub(crate) fn link_rates(arcs_m: [f64; 2], chords: [f64; 2]) -> Rates<1> {
     let [h1, h2] = arcs_m.map(|arc| MM_PER_M * arc);
     let [t1, t2] = [chords[0] / h1, chords[1] / h2];
@@ -53,14 +53,14 @@ impl HalfPlane {
         self.normal[0] * x + self.normal[1] * y - self.bound
     }
 
-    /// The nearest point of the border.
+    /// Nearest point of the boundary.
     fn foot(&self, point: [f64; 2]) -> [f64; 2] {
         let [a, b] = self.normal;
         let share = self.excess(point) / (a * a + b * b);
         [point[0] - share * a, point[1] - share * b]
     }
 
-    /// The point on both borders; none if they are parallel.
+    /// Point on both boundaries, or `None` if they are parallel.
     fn crossing(&self, other: &Self) -> Option<[f64; 2]> {
         let ([a, b], [c, d]) = (self.normal, other.normal);
         let determinant = a * d - b * c;
@@ -72,8 +72,8 @@ impl HalfPlane {
     }
 }
 
-/// The point of a convex region that is nearest to `point`, or the point itself inside of it: a foot on a border, or a
-/// corner.
+/// Returns the point of a convex region that is nearest to `point`: the point itself inside the
+/// region, otherwise a foot on a boundary or a vertex.
 fn nearest(region: &[HalfPlane; 4], point: [f64; 2], tolerance: f64) -> [f64; 2] {
     let inside = |x: &[f64; 2]| region.iter().all(|half| half.excess(*x) <= tolerance);
     let distance = |x: &[f64; 2]| (x[0] - point[0]).hypot(x[1] - point[1]);
@@ -90,7 +90,7 @@ fn nearest(region: &[HalfPlane; 4], point: [f64; 2], tolerance: f64) -> [f64; 2]
 mod tests {
     use super::*;
 
-    /// Equal rates before and behind: the link is straight.
+    /// Equal rates before and after the knot: the link is straight.
     #[test]
     fn equal_rates_go_on() {
         let Rates { first: [m], second: [c] } = link_rates([0.1, 0.3], [0.2, 0.6]);

@@ -12,18 +12,19 @@ pub(crate) struct Rates<const N: usize> {
 impl<const N: usize> Rates<N> {
     pub(crate) const ZERO: Self = Self { first: [0.0; N], second: [0.0; N] };
 
-    /// Constant rates that cover `step` in `length`.
+    /// Returns constant rates that cover `step` in `length`.
     pub(crate) fn even(step: &[f64; N], length: f64) -> Self {
         Self { first: step.map(|x| x / length), second: [0.0; N] }
     }
 }
 
-/// A polynomial of degree 5 in the share of an interval, the lowest power first.
+/// A polynomial of degree 5 in the share of an interval, lowest power first.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Quintic<const N: usize>(pub(crate) [[f64; N]; 6]);
 
 impl<const N: usize> Quintic<N> {
-    /// The polynomial that has the given values and rates at both ends of an interval of `length`.
+    /// Returns the polynomial with the given values and rates at both ends of an interval of
+    /// `length`.
     pub(crate) fn hermite(values: [&[f64; N]; 2], rates: [&Rates<N>; 2], length: f64) -> Self {
         let mut powers = [[0.0; N]; 6];
         for i in 0..N {
@@ -53,9 +54,10 @@ impl<const N: usize> Quintic<N> {
         std::array::from_fn(|order| series.map(|derivatives| derivatives[order]))
     }
 
-    /// Reparametrises the curve to a part of its interval, in reverse if `to` is below `from`.
+    /// Reparameterises the curve to a part of its interval, in reverse if `to` is below `from`.
     pub(crate) fn part(&self, [from, to]: [f64; 2]) -> Self {
-        // Repeated synthetic division by x - from gives the powers of x - from. Then x - from = (to - from) share.
+        // Repeated synthetic division by x - from gives the powers of x - from. Then x - from = (to
+        // - from) share.
         let mut powers = self.0;
         for lowest in 0..5 {
             for k in (lowest..5).rev() {
@@ -74,12 +76,13 @@ impl<const N: usize> Quintic<N> {
     }
 }
 
-/// A quantity along a path: a polynomial in a share w, which is itself a polynomial in the share s of the arc length.
+/// A quantity along a path: a polynomial in a share w, which is itself a polynomial in the share s
+/// of the arc length.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Linked<const N: usize> {
-    /// w by s; none if w is s.
+    /// w by s; `None` if w is s.
     link: Option<Quintic<1>>,
-    /// Coefficients of the powers of w, without zeros at the end.
+    /// Coefficients of the powers of w, without trailing zeros.
     powers: Vec<[f64; N]>,
 }
 
@@ -90,13 +93,13 @@ impl<const N: usize> Linked<N> {
         Self { link, powers }
     }
 
-    /// A quantity that changes linearly in s.
+    /// Returns a quantity that changes linearly in s.
     pub(crate) fn even(from: [f64; N], to: [f64; N]) -> Self {
         let by = std::array::from_fn(|i| to[i] - from[i]);
         Self::new(None, vec![from, by])
     }
 
-    /// The same quantity with `value` added to it.
+    /// Returns the quantity plus `value`.
     pub(crate) fn plus(mut self, value: &[f64; N]) -> Self {
         match self.powers.first_mut() {
             Some(power) => *power = std::array::from_fn(|i| power[i] + value[i]),
@@ -117,7 +120,7 @@ impl<const N: usize> Linked<N> {
         })
     }
 
-    /// The quantity over the part `range` of s.
+    /// Returns the quantity over the part `range` of s.
     pub(crate) fn part(&self, range: [f64; 2]) -> Self {
         let mut identity = [[0.0]; 6];
         identity[1] = [1.0];
@@ -145,8 +148,9 @@ impl<const N: usize> Linked<N> {
 mod tests {
     use super::*;
 
-    /// p(0) = 1, p' = 2, p'' = 3 at 0; p(2) = 4, p' = -1, p'' = 5 at 2. Coefficients by solving the six equations:
-    /// in x = u / 2: 1, 4, 6, then the system [1 1 1; 3 4 5; 6 12 20] (c3 c4 c5) = (-7, -18, 8).
+    /// p(0) = 1, p' = 2, p'' = 3 at 0; p(2) = 4, p' = -1, p'' = 5 at 2. Coefficients by solving the
+    /// six equations: in x = u / 2: 1, 4, 6, then the system [1 1 1; 3 4 5; 6 12 20] (c3 c4 c5) =
+    /// (-7, -18, 8).
     #[test]
     fn hermite_meets_values_and_rates() {
         let rates = [Rates { first: [2.0], second: [3.0] }, Rates { first: [-1.0], second: [5.0] }];

@@ -1,4 +1,4 @@
-//! Places where the position of a spline reverses its direction.
+//! Reversals of the TCP direction on a spline.
 
 use iiwa_kin::rotation::{dot, norm};
 
@@ -7,13 +7,14 @@ use super::{
     quintic::{Quintic, Rates},
 };
 
-/// The length of the first derivative, by chord length, up to which the TCP reverses: in recordings, it did not stop at 0.176.
+/// Magnitude of the first derivative by chord length below which the TCP reverses: in recordings,
+/// it did not stop at 0.176.
 const REVERSAL: f64 = 1e-3;
 
-/// Share of the chord next to a reversal at a knot in which another one is rounding.
+/// Share of the chord next to a reversal at a knot in which a second reversal is rounding.
 const AT_END: f64 = 0.01;
 
-/// The rates at a knot: with a first derivative of zero where the TCP reverses.
+/// Returns the rates at a knot, with a first derivative of exactly zero where the TCP reverses.
 pub(crate) fn with_reversal(rates: Rates<3>) -> Rates<3> {
     let first = if norm(&rates.first) < REVERSAL { [0.0; 3] } else { rates.first };
     Rates { first, ..rates }
@@ -23,20 +24,22 @@ pub(crate) fn with_reversal(rates: Rates<3>) -> Rates<3> {
 #[derive(Clone, Debug)]
 pub(crate) struct PositionPart {
     pub(crate) curve: ChordCurve,
-    /// Range of the path parameter by chord length, in m: derivatives by it go on to the next part.
+    /// Range of the path parameter by chord length, in m: the derivatives by it continue in the
+    /// next part.
     pub(crate) range_m: f64,
     /// True if the TCP reverses at the end of the part.
     pub(crate) stops: bool,
 }
 
-/// The parts of a segment, given by the share of its chord, whose length is `chord_m`. There is one part, unless the TCP reverses
-/// within the segment or at both ends. `cusps` are the ends at which it reverses.
+/// Returns the parts of a segment whose `curve` is given by the share of its chord of length
+/// `chord_m`. There is one part, unless the TCP reverses within the segment or at both ends. The
+/// flags are `true` at ends at which the TCP reverses.
 pub(crate) fn parts(
     curve: &Quintic<3>,
     chord_m: f64,
     [starts_at_cusp, ends_at_cusp]: [bool; 2],
 ) -> Vec<PositionPart> {
-    // Places, each with a flag: the TCP reverses there.
+    // Places, each with a flag that the TCP reverses there.
     let mut breaks = vec![(0.0, starts_at_cusp)];
     let is_inner = |x: &f64| !(starts_at_cusp && *x < AT_END || ends_at_cusp && *x > 1.0 - AT_END);
     breaks.extend(reversals(curve, chord_m).into_iter().filter(is_inner).map(|x| (x, true)));
@@ -65,7 +68,8 @@ pub(crate) fn parts(
     parts
 }
 
-/// The curve between two shares of the chord, with first derivatives of exactly zero where it reverses.
+/// Returns the curve between two shares of the chord, with first derivatives of exactly zero where
+/// it reverses.
 fn between(curve: &Quintic<3>, [from, to]: [f64; 2], cusps: [bool; 2]) -> Quintic<3> {
     if [from, to] == [0.0, 1.0] {
         return *curve;
@@ -79,7 +83,8 @@ fn between(curve: &Quintic<3>, [from, to]: [f64; 2], cusps: [bool; 2]) -> Quinti
     Quintic::hermite([&ends[0][0], &ends[1][0]], [&rates[0], &rates[1]], 1.0)
 }
 
-/// Shares of the chord, between both ends, where the TCP reverses: minima of the speed that are next to zero.
+/// Shares of the chord, between both ends, at which the TCP reverses: minima of the speed close to
+/// zero.
 fn reversals(curve: &Quintic<3>, chord_m: f64) -> Vec<f64> {
     /// The squared speed is a polynomial of degree 8, with up to 4 minima.
     const SAMPLES: u32 = 64;
@@ -118,7 +123,7 @@ mod tests {
 
     use super::*;
 
-    /// p(u) = 2 u - u^2 / 0.75 turns at u = 0.75, where p = 0.75, and ends at 2/3.
+    /// p(u) = 2 u - u^2 / 0.75 reverses at u = 0.75, where p = 0.75, and ends at 2/3.
     #[test]
     fn a_turn_on_a_line_is_a_stop() {
         let mut powers = [[0.0; 3]; 6];
@@ -133,7 +138,7 @@ mod tests {
         assert!((end.0[0] - 0.75).abs() < 1e-12);
     }
 
-    /// p = 3 u^2 - 2 u^3 is at rest at both ends: two parts without a stop between them.
+    /// p = 3 u^2 - 2 u^3 is at rest at both ends: two parts without a stop in between.
     #[test]
     fn between_two_reversals_the_segment_is_halved() {
         let mut powers = [[0.0; 3]; 6];

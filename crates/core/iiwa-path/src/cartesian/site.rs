@@ -1,4 +1,4 @@
-//! Where the frames of a motion are on one robot.
+//! Frames of a motion on one robot.
 
 use std::{f64::consts::TAU, sync::Arc};
 
@@ -14,7 +14,7 @@ use iiwa_program::{
     SegmentLimits, SplineSegment, Target, TargetRef,
 };
 
-/// What is wrong, and the key of the motion at which it is.
+/// A result, or a fault with the key of the motion that caused it.
 pub(crate) type Found<T> = Result<T, (&'static str, CartesianFault)>;
 
 /// The TCP and the base of a motion.
@@ -22,7 +22,7 @@ pub(crate) struct Site<'a> {
     program: &'a Program,
     robot: &'a Arc<Robot>,
     base: Option<&'a str>,
-    /// The TCP in the flange's frame.
+    /// TCP in the flange frame.
     pub(crate) tcp: Pose,
 }
 
@@ -37,12 +37,12 @@ impl<'a> Site<'a> {
         Ok(Self { program, robot, base: motion.base.as_deref(), tcp })
     }
 
-    /// Where the TCP is.
+    /// Pose of the TCP in the robot base.
     pub(crate) fn pose(&self, joints_rad: &Joints) -> Pose {
         self.robot.flange_pose(joints_rad).then(&self.tcp)
     }
 
-    /// A frame under a key of the motion, and where it is in the robot's foot.
+    /// Returns the frame under a key of the motion, and its pose in the robot base.
     pub(crate) fn frame(
         &self,
         key: &'static str,
@@ -52,7 +52,7 @@ impl<'a> Site<'a> {
         found.map_err(|fault| (key, CartesianFault::Name(fault)))
     }
 
-    /// A circle from one pose to another.
+    /// Builds a circle from one pose to another.
     pub(crate) fn circle(
         &self,
         from: &Pose,
@@ -84,7 +84,7 @@ impl<'a> Site<'a> {
         TcpCourse::arc(from, &aux.position_m, to, is_constant, &turn).map_err(at_frame)
     }
 
-    /// The limits of a segment of `spline`; none if it has none of its own.
+    /// Returns the limits of a segment of `spline`, or `None` if it has no limits of its own.
     pub(crate) fn own_limits(
         &self,
         spline: &CartesianMotion,
@@ -95,7 +95,7 @@ impl<'a> Site<'a> {
             .then(|| MotionLimits::of_segment(self.robot, spline, own, &self.program.workcell))
     }
 
-    /// The curve of the TCP on a course, with the status of where the motion starts.
+    /// Builds the TCP curve on a course, with the status of the joints at the start of the motion.
     pub(crate) fn curve(
         &self,
         start_rad: &Joints,
@@ -114,7 +114,7 @@ impl<'a> Site<'a> {
 }
 
 impl Site<'_> {
-    /// How the wrist turns by itself, so that the TCP ends at the pose `to`.
+    /// Builds the linear motion of the wrist joints with which the TCP ends at the pose `to`.
     pub(crate) fn wrist_turn(
         &self,
         from_rad: &Joints,
@@ -135,7 +135,7 @@ impl Site<'_> {
     }
 }
 
-/// What is wrong with a course to a frame.
+/// Converts a fault of a course to a frame.
 pub(crate) fn at_frame(fault: CourseFault) -> (&'static str, CartesianFault) {
     ("frame", CartesianFault::Course(fault))
 }

@@ -1,7 +1,8 @@
-//! The segments of a spline: position, orientation and E1 between the knots.
+//! Segments of a spline: position, orientation and E1 between the knots.
 //!
-//! The position of SPL segments is quintic in the length of the chords; orientation and E1 are splines of their own, linked to the
-//! arc length of the position. The path parameter is the length of the chords, of circles the arc.
+//! The position on SPL segments is a quintic in chord length. Orientation and E1 are separate
+//! splines, linked to the arc length of the position. The path parameter is the chord length, and
+//! the arc length on circles.
 
 use iiwa_kin::{
     MovingPose, Pose, Taylor,
@@ -28,9 +29,10 @@ pub(crate) struct Knot {
 /// The kind of a segment between two knots.
 #[derive(Clone, Debug)]
 pub(crate) enum Between {
-    /// A curve that the knots and their neighbours define; with the orientation of its start, if `is_constant`.
+    /// A curve defined by the knots and their neighbours; with the orientation of its start, if
+    /// `is_constant`.
     Spl { is_constant: bool },
-    /// A line or a circle, with E1 evenly along it.
+    /// A line or a circle, with E1 linear along it.
     Course(Box<TcpCourse>),
 }
 
@@ -41,26 +43,27 @@ pub(crate) struct SplinePiece {
     pub(crate) segment: usize,
     pub(crate) course: TcpCourse,
     pub(crate) e1_rad: Linked<1>,
-    /// Range of the path parameter, in m; zero if only orientation or E1 change.
+    /// Range of the path parameter, in m; zero if only orientation or E1 changes.
     pub(crate) range_m: f64,
     /// True if the TCP stops at the end of the piece.
     pub(crate) stops: bool,
 }
 
-/// Chords up to this length, in m, count as zero.
+/// Largest chord, in m, that counts as zero.
 const SAME_M: f64 = 1e-6;
 
-/// Differences of orientation and E1 up to this, in rad, count as zero.
+/// Largest difference of orientation or E1, in rad, that counts as zero.
 const SAME_RAD: f64 = 1e-6;
 
-/// Differences of rates, by arc length, up to which the path is smooth.
+/// Largest difference of rates, by arc length, at which the path is smooth.
 const SMOOTH: f64 = 1e-6;
 
-/// The pieces of a spline. There is one more knot than segments. Segments without motion have no piece.
+/// Returns the pieces of a spline. There is one more knot than segments. Segments without motion
+/// have no piece.
 ///
 /// # Errors
 ///
-/// The index of a segment that turns by half a turn.
+/// The index of a segment with a rotation by half a turn.
 pub(crate) fn pieces(
     knots: &[Knot],
     between: &[Between],
@@ -71,7 +74,7 @@ pub(crate) fn pieces(
     let steps: Vec<KnotStep> = steps.collect::<Result<_, _>>()?;
     let mut pieces: Vec<SplinePiece> = Vec::new();
     let mut start = 0;
-    // A repeated point parts the spline in two, and so does a change of orientation or E1 alone.
+    // A repeated point divides the spline, and so does a change of orientation or E1 alone.
     for in_place in (0..steps.len()).filter(|i| steps[*i].length_m <= SAME_M).chain([steps.len()]) {
         let run = Run {
             first: start,
@@ -96,20 +99,21 @@ pub(crate) fn pieces(
             });
         }
     }
+    // The motion itself ends after the last piece, with a blend or at rest.
     if let Some(last) = pieces.last_mut() {
         last.stops = false;
     }
     Ok(pieces)
 }
 
-/// The difference of two knots.
+/// Difference of two knots.
 #[derive(Clone, Copy, Debug)]
 struct KnotStep {
     by_m: Vec3<f64>,
     /// Rotation vector.
     turn_rad: Vec3<f64>,
     e1_rad: f64,
-    /// Chord of an SPL segment, length of a line or a circle; in m.
+    /// Chord of an SPL segment, or length of a line or a circle; in m.
     length_m: f64,
 }
 
@@ -124,13 +128,13 @@ impl KnotStep {
         Ok(Self { by_m, turn_rad, e1_rad: to.e1_rad - from.e1_rad, length_m })
     }
 
-    /// True if nothing moves.
+    /// True if the segment has no motion.
     fn is_nothing(&self) -> bool {
         self.length_m <= SAME_M && norm(&self.turn_rad).max(self.e1_rad.abs()) <= SAME_RAD
     }
 }
 
-/// Rates at both ends of a segment that the segment sets by itself, by arc length.
+/// Rates at both ends of a segment that the segment itself determines, by arc length.
 #[derive(Clone, Copy, Debug, Default)]
 struct GivenRates {
     position: Option<[Rates<3>; 2]>,
@@ -139,7 +143,7 @@ struct GivenRates {
 }
 
 impl GivenRates {
-    /// The rates of lines and circles, and the zero turn rates of a constant orientation.
+    /// Returns the rates of lines and circles, and zero rotation rates for a constant orientation.
     fn of(between: &Between, step: &KnotStep) -> Self {
         let course = match between {
             Between::Spl { is_constant } => {
@@ -160,7 +164,7 @@ impl GivenRates {
         }
     }
 
-    /// True if both segments at a knot set rates that differ.
+    /// True if both segments at a knot determine rates, and these differ.
     fn contradict(before: &Self, behind: &Self) -> bool {
         fn differ<const N: usize>(
             before: Option<[Rates<N>; 2]>,
@@ -176,7 +180,7 @@ impl GivenRates {
     }
 }
 
-/// Rates of a series in the share of a segment of `length`, by its length.
+/// Converts derivatives by the share of a segment of `length` into rates by length.
 fn by_length(series: &[Taylor; 3], length: f64) -> Rates<3> {
     let derivatives = series.map(Taylor::derivatives);
     Rates {
@@ -185,7 +189,7 @@ fn by_length(series: &[Taylor; 3], length: f64) -> Rates<3> {
     }
 }
 
-/// Segments of a spline in which the TCP moves.
+/// Consecutive segments of a spline in which the TCP moves.
 struct Run<'a> {
     /// Index of the first segment in the spline.
     first: usize,
@@ -196,7 +200,7 @@ struct Run<'a> {
 
 impl Run<'_> {
     fn pieces(&self) -> Vec<SplinePiece> {
-        // A single SPL is a straight line.
+        // A single SPL segment is a straight line.
         if let ([Between::Spl { .. }], [from, to]) = (self.between, self.knots) {
             let KnotStep { turn_rad, length_m, .. } = self.steps[0];
             return vec![SplinePiece {
@@ -255,7 +259,8 @@ impl Run<'_> {
         pieces
     }
 
-    /// Orientation and E1 on the segments, as differences from the start of each; none where the segment sets them by itself.
+    /// Returns orientation and E1 on the segments, as differences from the start of each; `None`
+    /// where the segment itself determines them.
     fn channels(
         &self,
         given: &[GivenRates],
@@ -278,7 +283,7 @@ impl Run<'_> {
         channels
     }
 
-    /// The position on the SPL segments; no parts for the others.
+    /// Returns the position on the SPL segments, and no parts for the others.
     fn positions(&self, given: &[GivenRates]) -> Vec<Vec<PositionPart>> {
         let stretches: Vec<Stretch<3>> = self
             .steps
@@ -306,13 +311,13 @@ impl Run<'_> {
         (0..self.steps.len()).map(position).collect()
     }
 
-    /// True if orientation and E1 start anew at a knot: at the first X of SPL segments to X, Y and X.
+    /// True if orientation and E1 restart at a knot: at the first X of SPL segments to X, Y and X.
     fn is_restart(&self, knot: usize) -> bool {
         let is_spl = |i: usize| matches!(self.between.get(i), Some(Between::Spl { .. }));
         let (Some(a), Some(b)) = (self.knots.get(knot), self.knots.get(knot + 2)) else {
             return false;
         };
-        // The step from X to X again, as one segment.
+        // The step from the first X to the second, as one segment.
         let step = KnotStep::new(a, b, &Between::Spl { is_constant: false });
         knot > 0
             && [knot - 1, knot, knot + 1].into_iter().all(is_spl)
@@ -320,7 +325,7 @@ impl Run<'_> {
     }
 }
 
-/// Orientation or E1 of a segment.
+/// Returns orientation or E1 of a segment as a stretch.
 fn stretch<const N: usize>(step: &[f64; N], given: Option<[Rates<N>; 2]>) -> Stretch<N> {
     given.map_or_else(
         || {
@@ -331,7 +336,8 @@ fn stretch<const N: usize>(step: &[f64; N], given: Option<[Rates<N>; 2]>) -> Str
     )
 }
 
-/// Rates of the rotation vector at a knot as seen from another knot, from which the rotation vector is `step`.
+/// Converts rates of the rotation vector at a knot into rates relative to another knot, from which
+/// the rotation vector is `step`.
 fn turned(step: &Vec3<f64>, rates: &Rates<3>) -> Rates<3> {
     let t = Taylor::variable(0.0);
     let Rates { first, second } = rates;

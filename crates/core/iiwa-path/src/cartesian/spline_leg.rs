@@ -1,4 +1,4 @@
-//! Splines of a program as they are on one robot.
+//! Splines of a program on one robot.
 
 use std::sync::Arc;
 
@@ -17,7 +17,8 @@ use iiwa_program::{
     CartesianFault, CartesianMotion, OrientationType, SegmentCourse, SplineSegment,
 };
 
-/// The paths of the segments of a spline that starts at `from_rad`. One parameter goes on through all of them.
+/// Returns the paths of the segments of a spline that starts at `from_rad`. They share one path
+/// parameter.
 pub(crate) fn spline<'a>(
     site: &Site<'a>,
     from_rad: &Joints,
@@ -38,7 +39,7 @@ pub(crate) fn spline<'a>(
     for (index, segment) in segments.iter().enumerate() {
         let is_constant = types[index] == OrientationType::Constant;
         if is_constant {
-            // Circles with an angle end turned otherwise than their frames.
+            // A circle with an angle ends with another orientation than its frame.
             knots[index + 1].pose.rotation = knots[index].pose.rotation;
         }
         let [from, to] = [knots[index].pose, knots[index + 1].pose];
@@ -53,7 +54,7 @@ pub(crate) fn spline<'a>(
             SegmentCourse::Circ(circ) => {
                 let course = site.circle(&from, circ, &to, is_constant);
                 let course = course.map_err(|fault| in_segment(index, fault))?;
-                // With an angle, it does not end at its frame.
+                // A circle with an angle does not end at its frame.
                 knots[index + 1].pose = course.end();
                 Between::Course(Box::new(course))
             }
@@ -71,7 +72,8 @@ pub(crate) fn spline<'a>(
         let limits = site.own_limits(motion, &segments[index]).map(Arc::new);
         paths.push(TcpPath { stops: piece.stops, limits, ..path });
     }
-    // One path parameter for all, except where the TCP does not move: there the path stops at both ends.
+    // One path parameter for all paths, except where the TCP is at rest: there the path stops at
+    // both ends.
     let moving = || paths.iter().zip(&ranges_m).filter(|(_, range_m)| **range_m > 0.0);
     let whole_rad: f64 = moving().map(|(path, _)| path.rate_rad).sum();
     let rad_a_m = whole_rad / moving().map(|(_, range_m)| range_m).sum::<f64>();
@@ -90,8 +92,9 @@ fn in_segment(
     ("segments", CartesianFault::Segment { index, key, fault: Box::new(fault) })
 }
 
-/// Gives knots whose own orientation does not count one: that of the knot before, on a segment with a constant
-/// orientation, or one between the neighbours', by the length of the chords.
+/// Sets the orientation of knots that have none of their own: on a segment with constant
+/// orientation that of the knot before, otherwise an orientation between those of the neighbours,
+/// in proportion to chord length.
 fn turn_knots(knots: &mut [Knot], types: &[OrientationType]) {
     let is_own = |knot: usize| knot == 0 || types[knot - 1] == OrientationType::Variable;
     let mut before = 0;
@@ -102,7 +105,7 @@ fn turn_knots(knots: &mut [Knot], types: &[OrientationType]) {
             .map(|knot| log(&product(&transposed(&from), &knot.pose.rotation)))
             .filter(|turn| turn.iter().all(|x| x.is_finite()))
             .unwrap_or_default();
-        // The way to each knot on which the TCP may turn.
+        // Distance to each knot, over segments on which the orientation may change.
         let mut way = 0.0;
         let ways: Vec<f64> = (before + 1..knots.len().min(next + 1))
             .map(|knot| {

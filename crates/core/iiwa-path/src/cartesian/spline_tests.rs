@@ -21,7 +21,8 @@ fn spl(knots: &[Knot]) -> Vec<SplinePiece> {
     pieces(knots, &vec![SPL; knots.len() - 1]).unwrap()
 }
 
-/// Position, rotation and E1 with their derivatives by the path parameter in m, at a share of a piece.
+/// Position, rotation and E1 with their derivatives by the path parameter in m, at a share of a
+/// piece.
 fn at(piece: &SplinePiece, share: f64) -> ([Vec3<f64>; 3], [Mat3<f64>; 3], [f64; 3]) {
     let s = Taylor([share, 1.0 / piece.range_m, 0.0, 0.0]);
     let pose = piece.course.at(s);
@@ -35,7 +36,7 @@ fn at(piece: &SplinePiece, share: f64) -> ([Vec3<f64>; 3], [Mat3<f64>; 3], [f64;
     )
 }
 
-/// Arc length by the trapezoidal rule on even intervals, with Richardson's extrapolation.
+/// Arc length by the trapezoidal rule on even intervals, with Richardson extrapolation.
 fn length_m(piece: &SplinePiece) -> f64 {
     let sum = |intervals: i32| {
         let speed = |i: i32| norm(&at(piece, f64::from(i) / f64::from(intervals)).0[1]);
@@ -46,7 +47,7 @@ fn length_m(piece: &SplinePiece) -> f64 {
     fine + (fine - coarse) / 3.0
 }
 
-/// The share of a piece up to which a share of its arc length is.
+/// Share of a piece at a share of its arc length.
 fn share_at_arc(piece: &SplinePiece, arc_share: f64) -> f64 {
     let [mut low, mut high] = [0.0, 1.0];
     for _ in 0..60 {
@@ -72,7 +73,7 @@ fn shares() -> impl Iterator<Item = f64> {
     (0..=16).map(|i| f64::from(i) / 16.0)
 }
 
-/// Knots with chords from 20 mm on, turns up to 40 deg and E1 up to 30 deg.
+/// Knots with chords from 20 mm on, rotations up to 40 deg and E1 up to 30 deg.
 fn any_knots(count: std::ops::RangeInclusive<usize>) -> impl Strategy<Value = Vec<Knot>> {
     let step = (
         prop::array::uniform3(-1.0..1.0_f64),
@@ -91,7 +92,7 @@ fn any_knots(count: std::ops::RangeInclusive<usize>) -> impl Strategy<Value = Ve
     })
 }
 
-/// Knots without sharp reversals, where derivatives by arc length are large.
+/// Knots without sharp reversals, at which derivatives by arc length are large.
 fn smooth_knots(count: std::ops::RangeInclusive<usize>) -> impl Strategy<Value = Vec<Knot>> {
     any_knots(count).prop_filter("sharp reversal", |knots| {
         knots.windows(3).all(|three| {
@@ -126,7 +127,7 @@ proptest! {
             prop_assert!(!ends[0].stops);
             let (a, b) = (at(&ends[0], 1.0), at(&ends[1], 0.0));
             for order in 0..3 {
-                // Rates of orientation and E1 rise as the shorter chord shrinks.
+                // Rates of orientation and E1 increase as the shorter chord decreases.
                 let tolerance = [1e-12, 1e-8, 1e-4][order];
                 prop_assert!(largest(sub(&a.0[order], &b.0[order])) < tolerance, "position {order}");
                 let rotations = a.1[order].as_flattened().iter().zip(b.1[order].as_flattened());
@@ -136,7 +137,7 @@ proptest! {
         }
     }
 
-    /// The arc length that links orientation and E1 is that of the position.
+    /// Orientation and E1 are linked to the arc length of the position.
     #[test]
     fn the_arc_length_is_that_of_the_position(knots in any_knots(3..=6)) {
         for piece in spl(&knots) {
@@ -194,7 +195,8 @@ proptest! {
         }
     }
 
-    /// Backwards through the same knots: position and E1 exactly, the orientation about fixed axes.
+    /// The same knots in reverse give the same position and E1 exactly, and the same orientation
+    /// about fixed axes.
     #[test]
     fn backwards_it_is_the_same(knots in any_knots(2..=6)) {
         let about_z = |knot: &Knot| knot_about_z(knot);
@@ -224,7 +226,7 @@ proptest! {
         others[which].pose.position_m = [0, 1, 2].map(|i| knots[which].pose.position_m[i] + by[i]);
         let [a, b] = [&knots, &others].map(|knots| spl(knots));
         for segment in 0..7 {
-            // Both ends of the segment, and a neighbour of each.
+            // Both ends of the segment, and one neighbour of each.
             let near = segment.max(1) - 1..=segment + 2;
             let is_same = |a: &&SplinePiece| a.segment == segment;
             let (a, b): (Vec<_>, Vec<_>) =
@@ -241,7 +243,7 @@ proptest! {
         }
     }
 
-    /// The link does not turn back: where E1 rises from knot to knot, E1 rises everywhere.
+    /// The link does not turn back: if E1 increases from knot to knot, E1 increases everywhere.
     #[test]
     fn e1_rises_with_its_knots(
         knots in any_knots(3..=7),
@@ -266,9 +268,10 @@ fn knot_about_z(knot: &Knot) -> Knot {
     Knot { pose: Pose { rotation: exp(&[0.0, 0.0, z]), ..knot.pose }, ..*knot }
 }
 
-/// Positions in m, E1 and the angle about z in rad, at shares of the arc length of each segment. Computed with numpy: parabolas by
-/// their interpolation systems, quintics by Hermite's, arc lengths by quadrature with 80 points, the region of the link by
-/// alternating projections. The third segment turns by nothing: its chord of orientation is 3e-4 rad.
+/// Positions in m, E1 and the angle about z in rad, at shares of the arc length of each segment.
+/// Computed with numpy: parabolas by interpolation, Hermite quintics, arc lengths by quadrature
+/// with 80 points, the region of the link by alternating projections. The third segment has no
+/// rotation: its orientation chord is 3e-4 rad.
 #[test]
 fn it_is_as_computed_independently() {
     let positions = [
@@ -312,7 +315,8 @@ fn it_is_as_computed_independently() {
     }
 }
 
-/// X, Y, X, Z: the TCP stops at Y and at the first X of both. Up to Y, the tangent is 0 by chord length only.
+/// X, Y, X, Z: the TCP stops at Y and at the first X of both. Up to Y, the tangent is 0 by chord
+/// length only.
 #[test]
 fn it_stops_where_it_turns_back() {
     let x = knot([0.1, 0.0, 0.0], [0.1, 0.0, 0.0], 0.2);
@@ -327,7 +331,7 @@ fn it_stops_where_it_turns_back() {
     let pieces = spl(&knots);
     let stops: Vec<bool> = pieces.iter().map(|piece| piece.stops).collect();
     assert_eq!(stops, [true, true, false, false]);
-    // Position: the direction goes on at X, and turns back at Y.
+    // Position: the direction continues at X, and reverses at Y.
     let tangent = |i: usize, share: f64| at(&pieces[i], share).0[1];
     assert!(largest(sub(&tangent(0, 1.0), &tangent(1, 0.0))) < 1e-9);
     let (forth, back) = (tangent(1, 1.0), tangent(2, 0.0));
@@ -336,7 +340,7 @@ fn it_stops_where_it_turns_back() {
     let e1 = |i: usize, share: f64| at(&pieces[i], share).2;
     assert!((e1(0, 1.0)[1] - e1(1, 0.0)[1]).abs() > 0.1);
     assert!(e1(1, 1.0)[1].abs() < 1e-9 && e1(2, 0.0)[1].abs() < 1e-9);
-    // The first segment alone: E1 goes evenly.
+    // The first segment alone: E1 is linear.
     let middle = share_at_arc(&pieces[0], 0.5);
     assert!((e1(0, middle)[0] - 0.1).abs() < 1e-12);
     // As the start of a spline, X needs no stop.
@@ -344,7 +348,7 @@ fn it_stops_where_it_turns_back() {
     assert_eq!(stops, [true, false, false]);
 }
 
-/// At a near reversal the curve goes on, with a bend.
+/// At a near reversal, the curve continues with a bend.
 #[test]
 fn it_does_not_stop_where_it_nearly_turns_back() {
     let knots = [
@@ -355,20 +359,21 @@ fn it_does_not_stop_where_it_nearly_turns_back() {
     assert!(spl(&knots).iter().all(|piece| !piece.stops));
 }
 
-/// On a line to 100 mm and back to 40 mm: the TCP turns back beyond the knot.
+/// A line to 100 mm and back to 40 mm: the TCP reverses beyond the knot.
 #[test]
 fn it_stops_where_it_turns_back_between_knots() {
     let knots = [0.0, 0.1, 0.04].map(|x| knot([x, 0.0, 0.0], [0.0; 3], 10.0 * x));
     let pieces = spl(&knots);
     let stops: Vec<bool> = pieces.iter().map(|piece| piece.stops).collect();
     assert_eq!(stops, [true, false, false]);
-    // The parabola through all three: 0.1 + m u + c u^2 / 2 by m = (0.06 - 0.1) / 0.16, c = -4 / 0.16, which rises up to
-    // 0.1 + m^2 / (2 |c|) at u = m / |c|, on the first segment.
+    // The parabola through all three knots is 0.1 + m u + c u^2 / 2 with m = (0.06 - 0.1) / 0.16
+    // and c = -4 / 0.16. It increases up to 0.1 + m^2 / (2 |c|) at u = m / |c|, on the first
+    // segment.
     let peak = 0.1 + 0.25 * 0.25 / 50.0;
     assert!((position(&pieces[0], 1.0)[0] - peak).abs() < 1e-9);
     assert!((length_m(&pieces[0]) + length_m(&pieces[1]) - (peak + peak - 0.1)).abs() < 1e-6);
     let e1 = |piece: &SplinePiece, share: f64| at(piece, share).2;
-    // Backwards from there, E1 goes on.
+    // In reverse from there, E1 continues.
     let (end, start) = (e1(&pieces[0], 1.0), e1(&pieces[1], 0.0));
     assert!((end[0] - start[0]).abs() < 1e-9 && end[1] * start[1] > 0.0);
 }
@@ -411,7 +416,8 @@ fn a_turn_in_place_is_a_piece_of_its_own() {
     assert_eq!(pieces[1].range_m, 0.0);
 }
 
-/// Next to a line, position, orientation and E1 take its rates; a large rate of E1 does not make the others turn back.
+/// Next to a line, position, orientation and E1 have its rates; a large rate of E1 does not make
+/// the others turn back.
 #[test]
 fn next_to_a_line_it_takes_its_rates() {
     let knots = [

@@ -1,4 +1,4 @@
-//! How the TCP goes from one frame to another: position and orientation as functions of s.
+//! Course of the TCP from one frame to another: position and orientation as functions of s.
 
 use iiwa_kin::{
     MovingPose, Number, Pose, Taylor,
@@ -13,70 +13,72 @@ use iiwa_program::CourseFault;
 use super::{chord_curve::ChordCurve, quintic::Linked};
 use crate::tool_way::ToolWay;
 
-/// The course of the TCP in the robot's foot, for s from 0 to 1.
+/// Course of the TCP in the robot base, for s from 0 to 1.
 #[derive(Clone, Debug)]
 pub(crate) struct TcpCourse {
     position: Position,
     orientation: Orientation,
 }
 
-/// Where the TCP is.
+/// Position of the TCP.
 #[derive(Clone, Debug)]
 enum Position {
-    /// On a straight line, evenly in s: `from + s by`.
+    /// A straight line, linear in s: `from + s by`.
     Line { from: Vec3<f64>, by: Vec3<f64> },
-    /// On a part of a spline.
+    /// A part of a spline.
     Spline(Box<ChordCurve>),
-    /// On a circle, evenly in s: `centre + cos(s angle) u + sin(s angle) v`.
+    /// A circular arc, linear in s: `centre + cos(s angle) u + sin(s angle) v`.
     Arc { centre: Vec3<f64>, u: Vec3<f64>, v: Vec3<f64>, angle: f64 },
 }
 
-/// How it is turned.
+/// Orientation of the TCP.
 #[derive(Clone, Debug)]
 struct Orientation {
-    /// The frame of `turn`: the orientation at the start of the motion or the segment.
+    /// Reference frame of `turn`: the orientation at the start of the motion or the segment.
     from: Mat3<f64>,
-    /// The rotation vector from there, by the share of the arc length.
+    /// Rotation vector relative to `from`, by the share of the arc length.
     turn: Linked<3>,
-    /// A turn of the whole, evenly in s: its rotation vector in the robot's foot.
+    /// Additional rotation about a fixed axis, linear in s: its rotation vector in the robot base.
     carried: Option<Vec3<f64>>,
 }
 
-/// How the orientation goes along a circle.
+/// Orientation law along a circle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct ArcTurn {
-    /// Whether it turns with the path.
+    /// `true` if the orientation follows the direction of the path.
     pub(crate) with_path: bool,
-    /// The orientation that is reached on the way, and the share of the way at which; none if the auxiliary frame's
-    /// does not count.
+    /// Intermediate orientation, and the place where it is reached; `None` if the orientation of
+    /// the auxiliary frame is ignored.
     pub(crate) by_way_of: Option<(Mat3<f64>, ByWayOf)>,
-    /// Whether the orientation of the end is reached at the end frame, and goes on beyond it.
+    /// `true` if the orientation of the end is reached at the end frame, and extrapolated beyond
+    /// it.
     pub(crate) extrapolates: bool,
-    /// The whole angle of the arc, in rad; to the end frame if absent.
+    /// Total angle of the arc, in rad; to the end frame if absent.
     pub(crate) angle_rad: Option<f64>,
 }
 
-/// The orientation of an auxiliary frame that may be reached anywhere is not reached nearer to an end than this share of the
-/// way.
+/// Least share of the path between either end and a freely placed orientation of the auxiliary
+/// frame.
 const ASIDE: f64 = 0.1;
 
-/// Where the orientation of the auxiliary frame is reached.
+/// Place at which the orientation of the auxiliary frame is reached.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum ByWayOf {
-    /// Somewhere: where its share of the whole turn is.
+    /// At a share of the path equal to its share of the total rotation.
     Somewhere,
     /// At the auxiliary frame.
     AtAux,
 }
 
 impl TcpCourse {
-    /// A straight line, with one turn about a fixed axis evenly along it; or none, if `is_constant`.
+    /// Builds a straight line, with a rotation about a fixed axis linear in s, or without rotation
+    /// if `is_constant`.
     pub(crate) fn line(from: &Pose, to: &Pose, is_constant: bool) -> Result<Self, CourseFault> {
         let turn = if is_constant { [0.0; 3] } else { turn_between(from, to)? };
         Ok(Self::even(from, to, turn))
     }
 
-    /// A straight line with a turn by a rotation vector evenly along it.
+    /// Builds a straight line with a rotation by the vector `turn` linear in s.
     pub(crate) fn even(from: &Pose, to: &Pose, turn: Vec3<f64>) -> Self {
         let by = sub(&to.position_m, &from.position_m);
         let turn = Linked::even([0.0; 3], turn);
@@ -84,13 +86,13 @@ impl TcpCourse {
         Self { position: Position::Line { from: from.position_m, by }, orientation }
     }
 
-    /// A part of a spline, with the rotation vector `turn` from the orientation `from`.
+    /// Builds a part of a spline, with the rotation vector `turn` from the orientation `from`.
     pub(crate) fn spline(position: ChordCurve, from: Mat3<f64>, turn: Linked<3>) -> Self {
         let orientation = Orientation { from, turn, carried: None };
         Self { position: Position::Spline(Box::new(position)), orientation }
     }
 
-    /// A circle from `from` through the point `aux` to `to`.
+    /// Builds a circle from `from` through the point `aux` to `to`.
     pub(crate) fn arc(
         from: &Pose,
         aux: &Vec3<f64>,
@@ -98,7 +100,7 @@ impl TcpCourse {
         is_constant: bool,
         turn: &ArcTurn,
     ) -> Result<Self, CourseFault> {
-        /// Height of the triangle over its longest side below which its corners are on a line.
+        /// Height of the triangle over its longest side below which its corners are collinear.
         const FLAT: f64 = 1e-6;
         let (a, b) = (sub(aux, &from.position_m), sub(&to.position_m, &from.position_m));
         let normal = cross(&a, &b);
@@ -109,7 +111,7 @@ impl TcpCourse {
             return Err(CourseFault::NoCircle);
         }
         let axis = scaled(1.0 / area, &normal);
-        // From the start to the centre of the circle through three points.
+        // Vector from the start to the centre of the circle through three points.
         let to_centre = {
             let (aa, bb) = (dot(&a, &a), dot(&b, &b));
             let toward: Vec3<f64> = std::array::from_fn(|i| aa * b[i] - bb * a[i]);
@@ -126,7 +128,7 @@ impl TcpCourse {
         let angle = turn.angle_rad.unwrap_or(programmed);
         let position = Position::Arc { centre, u, v, angle };
 
-        // The law of the orientation up to where the end's is reached.
+        // The orientation law up to the place where the orientation of the end is reached.
         let whole = if turn.extrapolates { programmed } else { angle };
         let carried = turn.with_path.then(|| scaled(whole, &axis));
         let relative = |rotation: &Mat3<f64>, share: f64| {
@@ -148,11 +150,12 @@ impl TcpCourse {
                         let after = norm(&sub(&linear, &by_way));
                         let share =
                             if before + after > 0.0 { before / (before + after) } else { 0.5 };
-                        // Next to an end, the direction of what is little of the turn would be that of all of it.
+                        // Near an end, a small part of the rotation would determine the direction
+                        // of all of it.
                         share.clamp(ASIDE, 1.0 - ASIDE)
                     }
                 };
-                // Through 0 at 0, `by_way` at `share` and `linear` at 1.
+                // Quadratic law: 0 at 0, `by_way` at `share` and `linear` at 1.
                 if share > 0.0 && share < 1.0 {
                     for i in 0..3 {
                         square[i] = (linear[i] - by_way[i] / share) / (1.0 - share);
@@ -192,7 +195,7 @@ impl TcpCourse {
         MovingPose { position_m, rotation }
     }
 
-    /// The share of the arc length up to `s`.
+    /// Share of the arc length up to `s`.
     pub(crate) fn arc_share(&self, s: Taylor) -> Taylor {
         match &self.position {
             Position::Line { .. } | Position::Arc { .. } => s,
@@ -200,7 +203,7 @@ impl TcpCourse {
         }
     }
 
-    /// Pose of the TCP where it ends.
+    /// Pose of the TCP at the end.
     pub(crate) fn end(&self) -> Pose {
         let MovingPose { position_m, rotation } = self.at(Taylor::constant(1.0));
         Pose {
@@ -209,7 +212,7 @@ impl TcpCourse {
         }
     }
 
-    /// The way of the TCP in m and its turn in rad, by s, if both are the same everywhere.
+    /// Rates by s of the path length in m and of the angle in rad, if both are constant.
     pub(crate) fn even_rates(&self) -> Option<[f64; 2]> {
         let Orientation { turn, carried, .. } = &self.orientation;
         let [_, by] = turn.linear()?;
@@ -226,12 +229,12 @@ impl TcpCourse {
         Some([way, turn])
     }
 
-    /// Length of the way of the TCP in m, and by how much it turns in rad.
+    /// Path length of the TCP in m, and angle of its rotation in rad.
     pub(crate) fn lengths(&self) -> [f64; 2] {
         self.even_rates().unwrap_or_else(|| self.rising_lengths()[INTERVALS].1)
     }
 
-    /// The way of the TCP in a share of s next to an end, 0 or 1, in m.
+    /// Path length of the TCP over a share of s next to an end, 0 or 1, in m.
     pub(crate) fn way_within(&self, end: usize, share: f64) -> f64 {
         if let Some([way, _]) = self.even_rates() {
             return way * share;
@@ -249,7 +252,7 @@ impl TcpCourse {
         if end == 0 { at(share) } else { nodes[INTERVALS].1[0] - at(1.0 - share) }
     }
 
-    /// Rates and lengths so far of way and turn, at even s: by Simpson's rule.
+    /// Rates and accumulated lengths of path and angle, at evenly spaced s, by Simpson's rule.
     fn rising_lengths(&self) -> Vec<([f64; 2], [f64; 2])> {
         let step = 1.0 / INTERVALS as f64;
         let rates = |s: f64| {
@@ -271,10 +274,10 @@ impl TcpCourse {
         nodes
     }
 
-    /// The share of s next to an end, 0 or 1, in which the TCP goes as far as `length`, in m, or turns by as much, in
-    /// rad.
+    /// Share of s next to an end, 0 or 1, over which the TCP moves by `length` in m, or rotates by
+    /// `length` in rad.
     pub(crate) fn share_of(&self, end: usize, length: Length) -> f64 {
-        /// Halvings within an interval, to within a millionth of a millionth.
+        /// Number of halvings within an interval, for a precision of 1e-12 of it.
         const HALVINGS: u32 = 40;
         let (which, length) = match length {
             Length::Way(way_m) => (0, way_m),
@@ -307,13 +310,14 @@ impl TcpCourse {
     }
 }
 
-/// Shorter than this, in m or rad, it is rounding.
+/// Length below which motion is rounding, in m or rad.
 const NOTHING: f64 = 1e-12;
 
-/// So many intervals are enough for lengths: along a segment of a spline, the rates change little.
+/// Number of intervals for lengths: along a spline segment, the rates change little.
 const INTERVALS: usize = 64;
 
-/// The length at a share of the interval between the first two nodes: by the cubic that meets lengths and rates.
+/// Returns the length at a share of the interval between the first two nodes: by the cubic with the
+/// given lengths and rates.
 fn rising(nodes: &[([f64; 2], [f64; 2])], which: usize, share: f64) -> f64 {
     let [(rate, from), (next_rate, to)] = [&nodes[0], &nodes[1]]
         .map(|(rates, lengths)| (rates[which] / INTERVALS as f64, lengths[which]));
@@ -322,20 +326,20 @@ fn rising(nodes: &[([f64; 2], [f64; 2])], which: usize, share: f64) -> f64 {
     from + share * (rate + share * (by - rate - rest + share * rest))
 }
 
-/// How far a TCP goes, in m, or by how much it turns, in rad.
+/// A path length of the TCP, in m, or an angle of its rotation, in rad.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Length {
     Way(f64),
     Turn(f64),
 }
 
-/// The rotation vector from one pose to another, in the frame of the first.
+/// Returns the rotation vector from one pose to another, in the frame of the first.
 pub(crate) fn turn_between(from: &Pose, to: &Pose) -> Result<Vec3<f64>, CourseFault> {
     let between = product(&transposed(&from.rotation), &to.rotation);
     log_or_half_turn(&between).ok_or(CourseFault::HalfTurn)
 }
 
-/// A polynomial in s, the lowest power first, by Horner's scheme.
+/// Evaluates a polynomial in s, lowest power first, by Horner's scheme.
 pub(crate) fn polynomial(
     coefficients: impl IntoIterator<Item = f64, IntoIter: DoubleEndedIterator>,
     s: Taylor,
@@ -345,22 +349,22 @@ pub(crate) fn polynomial(
     descending.fold(highest, |sum, c| sum * s + Taylor::constant(c))
 }
 
-/// The way of a frame and its turn, from how it moves by s.
+/// Path length and angle of a frame, from its motion by s.
 pub(crate) fn tool_way(pose: &MovingPose) -> ToolWay {
     let rate = pose.position_m.map(derivative);
-    // R' R^T = [omega]; as R is a rotation, any three of its entries tell omega.
+    // R' R^T = [omega]; as R is a rotation, three entries of the product determine omega.
     let turning =
         product(&pose.rotation.map(|row| row.map(derivative)), &transposed(&pose.rotation));
     let omega = [turning[2][1], turning[0][2], turning[1][0]];
     ToolWay { way_m: length(&rate), turn_rad: length(&omega) }
 }
 
-/// The derivative of a series, whose last coefficient is lost.
+/// Derivative of a power series, whose last coefficient is lost.
 fn derivative(Taylor([_, one, two, three]): Taylor) -> Taylor {
     Taylor([one, 2.0 * two, 3.0 * three, 0.0])
 }
 
-/// The length of a vector and its first two derivatives; zeros where it stands still.
+/// Length of a vector and its first two derivatives; zeros for a vector of zero length.
 fn length(v: &Vec3<Taylor>) -> [f64; 3] {
     let square = dot(v, v);
     if square.value() <= NOTHING * NOTHING {
@@ -374,7 +378,7 @@ fn length(v: &Vec3<Taylor>) -> [f64; 3] {
 mod tests {
     use super::*;
 
-    /// The pose at an angle of the circle, in rad, with an orientation.
+    /// Pose at an angle of the circle, in rad, with an orientation.
     fn on_circle(angle: f64, abc_rad: [f64; 3]) -> Pose {
         let (sin, cos) = angle.sin_cos();
         Pose::from_xyz_abc([0.5 + 0.2 * cos, 0.1 + 0.2 * sin, 0.4], abc_rad)
@@ -404,7 +408,8 @@ mod tests {
     #[test]
     fn circles_reach_the_auxiliary_orientation_at_the_auxiliary_frame() {
         let [_, aux, to] = poses();
-        // The angle, and where the orientation of the end is reached.
+        // The angle, the extrapolation, and the share at which the orientation of the end is
+        // reached.
         let cases = [
             (None, false, 1.0),
             (Some(3.0), false, 1.0),

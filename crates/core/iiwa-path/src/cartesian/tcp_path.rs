@@ -1,4 +1,4 @@
-//! A path of the TCP, and what is wrong where the arm cannot follow it.
+//! TCP paths, and faults where the robot cannot follow them.
 
 use std::sync::Arc;
 
@@ -11,21 +11,21 @@ use super::{
 use crate::joint_spline::{CurveFaultAt, JointSpline};
 use iiwa_program::{CartesianFault, MotionLimits};
 
-/// A path of the TCP, and its image.
+/// A TCP path and its image in joint space.
 #[derive(Clone, Debug)]
 pub(crate) struct TcpPath {
     pub(crate) curve: Arc<TcpCurve>,
     pub(crate) image: Arc<JointSpline>,
     /// dsigma/ds, in rad.
     pub(crate) rate_rad: f64,
-    /// Whether the TCP stops at its end, though the motion goes on.
+    /// `true` if the TCP stops at the end of the path within a motion.
     pub(crate) stops: bool,
-    /// Limits of its own.
+    /// Limits in place of those of the motion.
     pub(crate) limits: Option<Arc<MotionLimits>>,
 }
 
 impl TcpPath {
-    /// That of a curve, with the mean rate of the joints as its own.
+    /// Builds the path of a curve, with the mean rate of the joints as its rate.
     pub(crate) fn of(curve: TcpCurve) -> Result<Self, CartesianFault> {
         let curve = Arc::new(curve);
         let image = JointSpline::of(Arc::clone(&curve) as Arc<dyn JointCurve>)
@@ -41,23 +41,24 @@ impl TcpPath {
         Ok(Self { curve, image: Arc::new(image), rate_rad, stops: false, limits: None })
     }
 
-    /// The joints where it ends, in rad.
+    /// Joints at the end, in rad.
     pub(crate) fn end_rad(&self) -> Result<Joints, CartesianFault> {
         let end = self.curve.at(Taylor::constant(1.0)).map(|joints| joints.map(Number::value));
         end.map_err(|fault| self.curve.fault(CurveFaultAt { s: 1.0, fault }))
     }
 }
 
-/// Farther than this from singular poses another E1 has to keep the arm, to be worth a mention.
+/// Least distance from singular poses, as a measure of singularity, at which another E1 is
+/// suggested.
 const CLEAR: f64 = 0.1;
 
 impl TcpCurve {
-    /// Whether a blend into `next` can go by the poses of one TCP.
+    /// True if a blend into `next` can interpolate the poses of one TCP.
     pub(crate) fn joins_in_space(&self, next: &Self) -> bool {
         self.flange == next.flange && self.wrist.is_none() && next.wrist.is_none()
     }
 
-    /// What is wrong where the curve cannot be followed.
+    /// Converts a failure to follow the curve into a fault.
     pub(crate) fn fault(&self, CurveFaultAt { s, fault }: CurveFaultAt) -> CartesianFault {
         match fault {
             CurveFault::Unreachable(reason) if s == 1.0 => CartesianFault::Unreachable(reason),
@@ -67,7 +68,7 @@ impl TcpCurve {
             }
             CurveFault::Abrupt => {
                 let other_e1_deg = self.other_e1_deg();
-                // Far outside its range, at half a turn, a joint jumps to the other side.
+                // At half a turn, far outside its range, a joint jumps to the other side.
                 let joints = self.at(Taylor::constant(s)).map(|joints| joints.map(Number::value));
                 match joints.map(|joints| self.robot.limits().check(&joints)) {
                     Ok(Err(outside)) => {
@@ -79,16 +80,16 @@ impl TcpCurve {
         }
     }
 
-    /// Another E1 at the target, in degrees, with which the arm can follow the curve and stays away from singular
-    /// poses: the nearest in steps of five degrees.
+    /// Suggests another E1 at the target, in degrees, with which the robot can follow the curve and
+    /// stays away from singular poses: the nearest in steps of five degrees.
     fn other_e1_deg(&self) -> Option<f64> {
         const STEP_DEG: f64 = 5.0;
         const SAMPLES: u32 = 32;
         if self.wrist.is_some() {
-            // Another E1 would change the joints of the wrist at the end, too.
+            // Another E1 would also change the wrist joints at the end.
             return None;
         }
-        // On a segment of a spline, another E1 would change the other segments, too.
+        // On a spline segment, another E1 would also change the other segments.
         let [[from], [by]] = self.e1_rad.linear()?;
         let nearest = ((from + by).to_degrees() / STEP_DEG).round();
         let tries = (1..=68).map(|k| {
@@ -113,7 +114,7 @@ impl TcpCurve {
 }
 
 impl CurveFaultAt {
-    /// What is wrong with a blend.
+    /// Converts a failure in a blend into a fault.
     pub(crate) fn in_blend(self) -> CartesianFault {
         let Self { s, fault } = self;
         match fault {

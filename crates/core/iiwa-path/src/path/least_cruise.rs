@@ -8,15 +8,16 @@ use iiwa_program::{LimitKind, MotionLimits, MotionType};
 use super::JointPath;
 use crate::{segment::Segment, step::Step};
 
-/// Places at which a motion is asked how fast the joints let the TCP go.
+/// Places of a motion at which the TCP speed is computed that the joints allow.
 const PLACES: [f64; 5] = [0.0, 0.25, 0.5, 0.75, 1.0];
 
-/// Ratio of that speed to the one between those places, at most.
+/// Upper bound on the ratio of the TCP speed between these places to that at the places.
 const BETWEEN: f64 = 1.5;
 
 impl JointPath {
-    /// The path with one more limit: the TCP does not go faster than its whole way in `seconds` on a LIN or CIRC motion from rest to
-    /// rest. None if no motion could.
+    /// Returns the path with one more limit: on a LIN or CIRC motion from rest to rest, the TCP
+    /// speed is at most the path length over `seconds`. Returns `None` if no motion could exceed
+    /// this limit.
     #[must_use]
     pub fn with_least_cruise(&self, seconds: f64) -> Option<Self> {
         let moves = |step: Option<usize>| {
@@ -50,7 +51,8 @@ impl JointPath {
     }
 }
 
-/// The largest speed of the TCP that the limits of speed leave on a path on which it goes evenly, or a little more; in m/s.
+/// Upper bound on the TCP speed in m/s that the velocity limits allow on a path with constant
+/// dl/ds.
 fn top_speed(segment: &dyn Segment, limits: &MotionLimits) -> f64 {
     let joints = PLACES.map(|s| {
         let [way_m, ..] = segment.tool_way(s).way_m;
@@ -85,7 +87,7 @@ mod tests {
             (0..path.steps().len()).filter(|step| path.steps()[*step].moves()).collect();
         assert!((limit(moves[0]) - 0.15).abs() < 1e-9);
         assert!((limit(moves[1]) - 0.75).abs() < 1e-9);
-        // In 0.01 s, the joints allow no such speed.
+        // In 0.01 s, the velocity limits of the joints are lower.
         assert!(path.with_least_cruise(0.01).is_none());
     }
 

@@ -1,4 +1,4 @@
-//! A path whose program changes in one motion.
+//! Update of a path after a change of one motion.
 
 use std::{ops::Range, sync::Arc};
 
@@ -13,30 +13,31 @@ use crate::{
 };
 use iiwa_program::{Fault, Motion, MotionIndex, MotionLimits, Program};
 
-/// Which steps of a path an [update](JointPath::update) replaced. All others are what they were.
+/// Steps that an [update](JointPath::update) replaced. All other steps are unchanged.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ReplacedSteps {
-    /// Their places before.
+    /// Indices of the replaced steps in the old path.
     pub before: Range<usize>,
-    /// The places of those that came instead.
+    /// Indices of the new steps in the new path.
     pub after: Range<usize>,
 }
 
 impl JointPath {
-    /// Makes this, the path of a program, that of `program`, which differs from it in one `motion`. Only what that
-    /// motion has to do with is made anew: of its target, its two neighbours' blends and the lines between.
+    /// Changes the path of a program into that of `program`, which differs in one `motion`.
+    /// Recomputes only what depends on that motion: the blends at its target and at those of its
+    /// two neighbours, and the lines in between.
     ///
     /// # Errors
     ///
-    /// If the program asks for something that this robot cannot do. The path then stays as it was.
+    /// If the program requires something that this robot cannot do. The path is then unchanged.
     pub fn update(
         &mut self,
         program: &Program,
         options: PathOptions,
         motion: MotionIndex,
     ) -> Result<ReplacedSteps, Fault> {
-        // Where a motion to a frame starts settles how it ends, and with it all that follows.
-        // And waits that overlap motions have to do with all of these.
+        // A motion to a frame ends in joints that depend on its start, and so do all motions after
+        // it. A wait that overlaps motions also affects all of them.
         let overlaps = |program: &Program| program.motions.iter().any(Motion::is_overlapping_wait);
         let range =
             if program.has_frames() || overlaps(program) || !self.overlapping_waits().is_empty() {
@@ -59,7 +60,7 @@ impl JointPath {
             let is_limited = matches!(new, Step::Move { motion: own, .. } if *own == motion);
             old.is_same(new) && !(changed && is_limited)
         };
-        // What comes out as it was stays.
+        // New steps that are equal to the old ones are not replaced.
         let old = &self.steps[before.clone()];
         let count = old.len().min(new.len());
         let first = (0..count).take_while(|&i| is_same(&old[i], &new[i])).count();
@@ -78,7 +79,7 @@ impl JointPath {
         Ok(ReplacedSteps { before: replaced, after })
     }
 
-    /// The steps that were made for the motions in `range`.
+    /// Indices of the steps of the motions in `range`.
     fn steps_of(&self, range: &Range<usize>) -> Range<usize> {
         let motion = |step: &Step| match step {
             Step::Move { blend: Some(corner), .. } => corner.motion.index(),
@@ -92,17 +93,17 @@ impl JointPath {
     }
 }
 
-/// The motions whose steps may differ when the one at `index` does.
+/// Motions whose steps may change with the motion at `index`.
 fn affected(motions: &[Motion], index: usize) -> Range<usize> {
     let is_ptp = |place: &usize| matches!(motions[*place], Motion::Ptp(_));
     let first = (0..index).rev().find(is_ptp).unwrap_or(index);
-    // The next one is blended into the one after it.
+    // The next motion is blended into the one after it.
     let last = (index + 1..motions.len()).filter(is_ptp).take(2).last().unwrap_or(index);
     first..last + 1
 }
 
 impl Step {
-    /// Whether it is the same as one that was made of the same kinds of segments.
+    /// True if the step equals another one whose segments have the same kinds of shapes.
     fn is_same(&self, other: &Self) -> bool {
         match (self, other) {
             (
@@ -133,7 +134,8 @@ impl Step {
     }
 }
 
-/// Lines and blends of one shape follow from their ends and the directions there.
+/// True if two segments are equal: lines and blends of one shape follow from their ends and the
+/// directions there.
 fn is_same_curve(a: &dyn Segment, b: &dyn Segment) -> bool {
     a.is_straight() == b.is_straight() && [0.0, 1.0].into_iter().all(|s| a.at(s) == b.at(s))
 }

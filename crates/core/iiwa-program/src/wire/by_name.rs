@@ -1,4 +1,4 @@
-//! Objects whose keys are names, and words among a few.
+//! Objects with names as keys, and string enumerations.
 
 use std::{collections::BTreeMap, fmt, marker::PhantomData};
 
@@ -8,8 +8,8 @@ use serde::{
     de::{Error, IntoDeserializer, MapAccess, Visitor, value::StringDeserializer},
 };
 
-/// Reads an object of objects by their names. Left to itself, serde would keep the last of two with the same name, and
-/// take lists for objects.
+/// Reads an object of objects by name. By default, serde would keep the last of two entries with
+/// the same name, and accept arrays as objects.
 pub(super) fn by_name<'de, D: Deserializer<'de>, T: Deserialize<'de>>(
     reader: D,
 ) -> Result<BTreeMap<String, T>, D::Error> {
@@ -35,7 +35,8 @@ pub(super) fn by_name<'de, D: Deserializer<'de>, T: Deserialize<'de>>(
     reader.deserialize_map(Names(PhantomData))
 }
 
-/// Reads one of a few words. Of anything but a text, serde's JSON reader would say that it is no JSON.
+/// Reads one of a few words. For anything but a string, serde's JSON reader would otherwise report
+/// invalid JSON.
 pub(super) fn word<'de, D: Deserializer<'de>, T: Deserialize<'de>>(
     reader: D,
 ) -> Result<T, D::Error> {
@@ -43,7 +44,7 @@ pub(super) fn word<'de, D: Deserializer<'de>, T: Deserialize<'de>>(
     T::deserialize(text)
 }
 
-/// The same of a key that may be null.
+/// Reads one of a few words, or null.
 pub(super) fn word_or_null<'de, D: Deserializer<'de>, T: Deserialize<'de>>(
     reader: D,
 ) -> Result<Option<T>, D::Error> {

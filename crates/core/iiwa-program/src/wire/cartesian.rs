@@ -1,4 +1,4 @@
-//! Paths of the TCP in programs.
+//! JSON form of TCP paths.
 
 use iiwa_json::{object, object_or_null_like};
 use schemars::JsonSchema;
@@ -18,7 +18,7 @@ use crate::{
     target::TargetRef,
 };
 
-/// Declares a path of the TCP with the keys that all have.
+/// Declares a TCP path type with the common keys of all TCP paths.
 macro_rules! path_wire {
     (
         $(#[$meta:meta])* $name:ident, $tag:ident = $type:literal
@@ -37,28 +37,29 @@ macro_rules! path_wire {
             $name {
                 r#type: $tag,
                 $($(#[$field_meta])* $field: $field_type,)*
-                /// The TCP that moves, `TOOL` or `TOOL/TIP`, or `flange`; the program's if absent.
+                /// Moved TCP, `TOOL` or `TOOL/TIP`, or `flange`; the program's by default.
                 #[serde(default, skip_serializing_if = "Option::is_none")]
                 tool: Option<String>,
-                /// The base of frames that name no other; the program's if absent.
+                /// Base of frames that name no base; the program's by default.
                 #[serde(default, skip_serializing_if = "Option::is_none")]
                 base: Option<String>,
-                /// How the orientation goes along.
+                /// Orientation interpolation.
                 #[serde(
                     default, deserialize_with = "word", skip_serializing_if = "OrientationWire::is_variable"
                 )]
                 orientation: OrientationWire,
             } {
-                /// How the target is blended away; without it the arm stops there.
+                /// Blend at the target; without a blend the robot stops there.
                 #[serde(
                     default, deserialize_with = "crate::wire::cartesian::blend", skip_serializing_if = "Option::is_none"
                 )]
                 blend: Option<PathBlendWire>,
-                /// Whether the program waits for its end before it sends the next motion, as Sunrise's `move`: a longer pause follows. A
-                /// motion with a blend cannot have it.
+                /// `true` if the program waits for the end of the motion before it sends the next
+                /// one, like Sunrise's `move`: a longer pause follows. Not allowed together with a
+                /// blend.
                 #[serde(default, skip_serializing_if = "std::ops::Not::not")]
                 blocking: bool,
-                /// What it was made from.
+                /// Source line of the motion.
                 #[serde(
                     default, deserialize_with = "iiwa_json::object_or_null", skip_serializing_if = "Option::is_none"
                 )]
@@ -71,7 +72,7 @@ macro_rules! path_wire {
                 &mut self.source
             }
 
-            /// The motion on a `course`.
+            /// Converts to a motion on `course`.
             fn on(self, course: Course) -> Motion {
                 let limits = self.limits();
                 Motion::Cartesian(Box::new(CartesianMotion {
@@ -86,7 +87,7 @@ macro_rules! path_wire {
                 }))
             }
 
-            /// As `motion`, whose course is written by these fields.
+            /// Converts from `motion`, whose course is given by these fields.
             fn of(motion: &CartesianMotion, $($field: $field_type),*) -> Self {
                 let full = [1.0; 7];
                 let shares = motion.shares.map(|_, share| Some(share).filter(|share| *share != full));
@@ -110,55 +111,55 @@ macro_rules! path_wire {
 pub(super) use path_wire;
 
 path_wire! {
-    /// The TCP goes straight to a frame.
+    /// Straight TCP line to a frame.
     #[schemars(rename = "Lin")]
     LinWire, LinTag = "lin" {
-        /// Where it goes.
+        /// Target frame.
         frame: TargetRefWire,
     }
 }
 
 path_wire! {
-    /// The TCP goes straight, by an offset.
+    /// Straight TCP line by an offset.
     #[schemars(rename = "LinRel")]
     LinRelWire, LinRelTag = "lin_rel" {
-        /// By how much.
+        /// Offset of the TCP.
         #[serde(deserialize_with = "object")]
         offset: PoseWire,
-        /// In whose orientation the offset is given: `tcp`, or a frame.
+        /// Frame in whose orientation the offset is given: `tcp`, or a frame.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         r#in: Option<TargetRefWire>,
-        /// Position of joint A3 at the end, in degrees; as at the start if absent.
+        /// Position of joint A3 at the end, in degrees; as at the start by default.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         e1_deg: Option<f64>,
     }
 }
 
 path_wire! {
-    /// The TCP goes on a circle through an auxiliary frame.
+    /// TCP circle through an auxiliary frame.
     #[schemars(rename = "Circ")]
     CircWire, CircTag = "circ" {
-        /// A frame on the way.
+        /// Auxiliary frame between start and end frame.
         aux: TargetRefWire,
-        /// The frame that the circle goes to.
+        /// End frame of the circle.
         frame: TargetRefWire,
-        /// The angle by which it goes on, in degrees; to the frame if absent.
+        /// Angle of the arc, in degrees; the arc ends at the end frame by default.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         #[schemars(range(min = -360, max = 360))]
         circ_angle_deg: Option<f64>,
-        /// Whether the orientation is given in the base or turns with the path.
+        /// Reference of the orientation: the base, or the path.
         #[serde(default, deserialize_with = "word", skip_serializing_if = "ReferenceWire::is_base")]
         orientation_reference: ReferenceWire,
-        /// What the orientation of the auxiliary frame is for.
+        /// Use of the auxiliary frame's orientation.
         #[serde(default, deserialize_with = "word", skip_serializing_if = "AuxWire::is_consider")]
         aux_orientation: AuxWire,
-        /// Where the orientation of the frame is reached, with an angle.
+        /// Place where the end frame's orientation is reached, for an arc with an angle.
         #[serde(default, deserialize_with = "word", skip_serializing_if = "EndWire::is_interpolate")]
         end_orientation: EndWire,
     }
 }
 
-/// What is wrong, and the key at which it is.
+/// Key of an error, and its message.
 type Wrong = (&'static str, String);
 
 impl LinWire {
@@ -215,7 +216,7 @@ impl CircWire {
     }
 }
 
-/// What a circle has besides its frames.
+/// Options of a circle, besides its frames.
 pub(super) struct CircOptions {
     pub(super) angle_deg: Option<f64>,
     pub(super) reference: ReferenceWire,
@@ -255,19 +256,19 @@ impl From<&Circ> for CircOptions {
     }
 }
 
-/// How the orientation goes along a path.
+/// Interpolation of the orientation along a path.
 #[derive(Clone, Copy, Default, PartialEq, Deserialize, Serialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 #[schemars(rename = "OrientationType")]
 pub(super) enum OrientationWire {
-    /// One turn about a fixed axis, evenly along the path.
+    /// One rotation about a fixed axis, uniform along the path.
     #[default]
     Variable,
     /// As at the start.
     Constant,
-    /// Joints A5 to A7 go evenly to those at the target; not for splines.
+    /// Joints A5 to A7 move uniformly to their target positions; not for splines.
     OriJoint,
-    /// On segments of a spline: the orientation at the end is that between the neighbours'.
+    /// Only on spline segments: the orientation at the end is interpolated between its neighbours.
     Ignore,
 }
 
@@ -300,7 +301,7 @@ impl From<OrientationType> for OrientationWire {
     }
 }
 
-/// What the orientation on a circle is given in.
+/// Reference of the orientation on a circle.
 #[derive(Clone, Copy, Default, PartialEq, Deserialize, Serialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 #[schemars(rename = "OrientationReference")]
@@ -319,17 +320,17 @@ impl ReferenceWire {
     }
 }
 
-/// What the orientation of the auxiliary frame is for.
+/// Use of the auxiliary frame's orientation.
 #[derive(Clone, Copy, Default, PartialEq, Deserialize, Serialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 #[schemars(rename = "AuxOrientation")]
 pub(super) enum AuxWire {
-    /// It is reached somewhere on the way.
+    /// Reached somewhere on the path.
     #[default]
     Consider,
-    /// It is reached at the auxiliary frame.
+    /// Reached at the auxiliary frame.
     Interpolate,
-    /// It does not count.
+    /// Ignored.
     Ignore,
 }
 
@@ -340,15 +341,15 @@ impl AuxWire {
     }
 }
 
-/// Where the orientation of the frame is reached.
+/// Place where the orientation of the end frame is reached.
 #[derive(Clone, Copy, Default, PartialEq, Deserialize, Serialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 #[schemars(rename = "EndOrientation")]
 pub(super) enum EndWire {
-    /// Where the motion ends.
+    /// End of the motion.
     #[default]
     Interpolate,
-    /// At the frame, and on beyond it.
+    /// End frame, with extrapolation beyond it.
     Extrapolate,
 }
 
@@ -365,20 +366,21 @@ pub(super) fn blend<'de, D: Deserializer<'de>>(
     object_or_null_like(reader, r#"an object such as { "cart_mm": 30 }"#)
 }
 
-/// Where the arm may leave the path to the target and cut the corner; of several sizes the smallest counts.
+/// Zone about the target in which the path may cut the corner; the smallest given size applies.
 #[derive(Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 #[schemars(rename = "PathBlend", extend("minProperties" = 1))]
 pub(super) struct PathBlendWire {
-    /// The distance from the target, in mm; below 4 the arm stops.
+    /// Distance from the target, in mm; below 4 the robot stops.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 0))]
     cart_mm: Option<f64>,
-    /// By how much the orientation may differ from the target's, in degrees.
+    /// Largest deviation of the orientation from the target's, in degrees.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 0))]
     ori_deg: Option<f64>,
-    /// Sunrise's `setBlendingRel`: on paths it is for the redundancy only, and the blend as small as can be.
+    /// Sunrise's `setBlendingRel`: on TCP paths it applies to the redundancy only, and the blend is
+    /// as small as possible.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 0, max = 1))]
     sunrise_rel: Option<f64>,

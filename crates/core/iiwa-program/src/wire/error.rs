@@ -1,4 +1,4 @@
-//! What can be wrong with a program's text.
+//! Errors of program texts.
 
 use iiwa_json::{Place, Unread, element_at, excerpt, problem};
 
@@ -8,69 +8,69 @@ use crate::{
     source::{Source, Sources},
 };
 
-/// The version of the program format that this library reads.
+/// Version of the program format that this library reads.
 pub(super) const VERSION: u64 = 1;
 
-/// Why a text cannot be read as a motion program.
+/// Error: a text cannot be read as a motion program.
 #[derive(Clone, Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum ProgramError {
-    /// The text is not JSON, or not the JSON that is asked for.
+    /// The text is not JSON, or does not have the structure of a program.
     #[error("{}{what}, at {place}", motion_prefix(*.motion, .made_from.as_ref()))]
     Json {
-        /// What was found, and what was expected.
+        /// Description of the found and the expected text.
         what: String,
-        /// The motion, if it is in one.
+        /// Motion index, if the error is in a motion.
         motion: Option<MotionIndex>,
-        /// What the motion was made from, if that is known.
+        /// Source of the motion, if known.
         made_from: Option<Source>,
-        /// Where.
+        /// Place in the text.
         place: Place,
     },
-    /// The program is of another version.
+    /// The program has another format version.
     #[error("this is a program of version {found}; version {VERSION} is understood, at {place}")]
     Version {
-        /// The version found.
+        /// Version found.
         found: u64,
-        /// Where.
+        /// Place in the text.
         place: Place,
     },
-    /// The file that it includes cannot be read.
+    /// The included file cannot be read.
     #[error("cannot include `{}`: {what}, at {place}", excerpt(.name))]
     Include {
-        /// The file.
+        /// File name.
         name: String,
-        /// Why.
+        /// Reason.
         what: String,
-        /// Where the program names it.
+        /// Place of the file name in the program.
         place: Place,
     },
-    /// Something is wrong within the file that it includes.
+    /// The included file has an error.
     #[error("`{}`, included at {place}: {error}", excerpt(.name))]
     Included {
-        /// The file.
+        /// File name.
         name: String,
-        /// Its text.
+        /// Text of the file.
         text: String,
-        /// What is wrong, with its place in that text.
+        /// Error, with its place in that text.
         error: Box<ProgramError>,
-        /// Where the program names the file.
+        /// Place of the file name in the program.
         place: Place,
     },
-    /// The program is well-formed and asks for something impossible.
+    /// The program is well-formed but cannot be planned.
     #[error("{}, at {place}", .sources.in_message(&.fault.to_string()))]
     Fault {
-        /// What is wrong.
+        /// Fault of the program.
         fault: Fault,
-        /// What the motions were made from, as far as that is known.
+        /// Known sources of the motions.
         sources: Sources,
-        /// Where.
+        /// Place in the text.
         place: Place,
     },
 }
 
 impl ProgramError {
-    /// Where in the program's text.
+    /// Place of the error in the program text.
     #[must_use]
     pub fn place(&self) -> &Place {
         match self {
@@ -82,7 +82,7 @@ impl ProgramError {
         }
     }
 
-    /// The motion at fault, if it is one.
+    /// Motion at fault, if any.
     #[must_use]
     pub fn motion(&self) -> Option<MotionIndex> {
         match self {
@@ -92,7 +92,7 @@ impl ProgramError {
         }
     }
 
-    /// What is wrong, without the place.
+    /// Error message without the place.
     #[must_use]
     pub fn what(&self) -> String {
         match self {
@@ -110,7 +110,7 @@ impl ProgramError {
         }
     }
 
-    /// The same of a motion that was made from this.
+    /// Adds the source of the motion.
     pub(super) fn with_source(self, made_from: Option<Source>) -> Self {
         match self {
             Self::Json { what, motion, place, .. } => Self::Json { what, motion, made_from, place },
@@ -118,7 +118,7 @@ impl ProgramError {
         }
     }
 
-    /// The error of a text that was not read as a document.
+    /// Error of a text that is not a readable document.
     pub(super) fn unread(text: &str, error: Unread) -> Self {
         match error {
             Unread::Version { found, place } => Self::Version { found, place },
@@ -135,7 +135,7 @@ fn motion_prefix(motion: Option<MotionIndex>, source: Option<&Source>) -> String
     }
 }
 
-/// What is wrong with a part of a text that is not read.
+/// Error of a part of a text that cannot be read.
 pub(super) fn json_error(
     text: &str,
     part: &str,
@@ -143,7 +143,7 @@ pub(super) fn json_error(
     error: &serde_json::Error,
 ) -> ProgramError {
     let place = Place::of_error(text, part, error);
-    // What is no JSON at all is found before the text is taken apart.
+    // A JSON syntax error is found before the text is split into motions.
     let motion =
         motion.or_else(|| element_at(text, "motions", place.span.start).map(MotionIndex::new));
     ProgramError::Json { what: problem(error), motion, made_from: None, place }

@@ -1,4 +1,4 @@
-//! Frames, tools and bases in programs.
+//! JSON form of frames, tools and bases.
 
 use std::{collections::BTreeMap, fmt};
 
@@ -18,10 +18,10 @@ use crate::{
     workcell::{Base, FLANGE, ROBOT, Tool, Workcell},
 };
 
-/// The TCP itself, as what an offset is given in.
+/// Name of the TCP itself as the reference of an offset.
 pub(super) const TCP: &str = "tcp";
 
-/// Declares what is written as a pose with more keys.
+/// Declares a type with the keys of a pose and further keys.
 macro_rules! pose_wire {
     ($(#[$meta:meta])* $name:ident { $($(#[$field_meta:meta])* $field:ident: $type:ty,)* }) => {
         #[derive(Default, Deserialize, Serialize, JsonSchema)]
@@ -78,7 +78,7 @@ macro_rules! pose_wire {
     };
 }
 
-/// The numbers of a pose, as far as they are given.
+/// Given numbers of a pose.
 struct Written {
     xyz_mm: [Option<f64>; 3],
     abc_deg: [Option<f64>; 3],
@@ -86,7 +86,7 @@ struct Written {
 }
 
 impl Written {
-    /// The frame, with zeros for what is not given, unless all of it has to be.
+    /// Converts to a frame; absent numbers are zero unless `needs_all`.
     fn frame(&self, needs_all: bool) -> Result<Frame, String> {
         let mut frame = Frame::default();
         for i in 0..3 {
@@ -114,56 +114,57 @@ impl Written {
 }
 
 pose_wire! {
-    /// A pose; what is missing is 0.
+    /// A pose; absent numbers are 0.
     #[schemars(rename = "Pose", extend("not" = twice(&["a", "b", "c"])))]
     PoseWire {}
 }
 
 pose_wire! {
-    /// A frame that others are given in; what is missing is 0.
+    /// A reference frame for other frames; absent numbers are 0.
     #[schemars(rename = "Base", extend("not" = twice(&["a", "b", "c"])))]
     BaseWire {
-        /// The base that it is given in; `robot`, the robot's foot, if absent.
+        /// Base in which this base is given; `robot`, the robot base, by default.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         base: Option<String>,
     }
 }
 
 pose_wire! {
-    /// A frame to go to: all of x, y, z, a, b and c.
+    /// A target frame: all of x, y, z, a, b and c.
     #[schemars(
         rename = "Target",
         extend("required" = ["x_mm", "y_mm", "z_mm"], "allOf" = once(&["a", "b", "c"]), "not" = twice(&["e1"]))
     )]
     TargetWire {
-        /// The base that it is given in.
+        /// Base in which the frame is given.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         base: Option<String>,
-        /// Position of joint A3 there, in degrees; as where the motion starts if absent.
+        /// Position of joint A3 at the target, in degrees; as at the start of the motion by
+        /// default.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         e1_deg: Option<f64>,
-        /// Position of joint A3 there, in rad.
+        /// Position of joint A3 at the target, in rad.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         e1_rad: Option<f64>,
         /// Sunrise's status, 0 to 7: 1 if the wrist is behind A1, 2 if A4 and 4 if A6 is negative.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         #[schemars(range(min = 0, max = 7))]
         status: Option<u8>,
-        /// Sunrise's turn, 0 to 127: the signs of all joints, 1 for A1.
+        /// Sunrise's turn, 0 to 127: signs of all joint positions, 1 for A1.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         #[schemars(range(min = 0, max = 127))]
         turn: Option<u8>,
     }
 }
 
-/// The schema of what gives one of some angles in degrees and in rad.
+/// Schema of objects that give one of some angles both in degrees and in rad.
 fn twice(angles: &[&str]) -> Value {
     let both =
         |angle: &&str| json!({ "required": [format!("{angle}_deg"), format!("{angle}_rad")] });
     json!({ "anyOf": angles.iter().map(both).collect::<Vec<_>>() })
 }
 
-/// The schemas of what gives each of some angles, in degrees or in rad.
+/// Schemas of objects that give each of some angles in degrees or in rad.
 fn once(angles: &[&str]) -> Value {
     let of = |angle: &&str| {
         let given = ["deg", "rad"].map(|unit| json!({ "required": [format!("{angle}_{unit}")] }));
@@ -212,12 +213,12 @@ impl From<&Target> for TargetWire {
     }
 }
 
-/// A frame to go to, or the name of one.
+/// A target frame, or the name of one.
 #[derive(Serialize, JsonSchema)]
 #[serde(untagged)]
 #[schemars(rename = "TargetOrName")]
 pub(super) enum TargetRefWire {
-    /// One of `frames`.
+    /// Name of one of `frames`.
     Named(String),
     Given(TargetWire),
 }
@@ -270,18 +271,18 @@ impl From<&TargetRef> for TargetRefWire {
 #[serde(deny_unknown_fields)]
 #[schemars(rename = "Tool")]
 pub(super) struct ToolWire {
-    /// Its TCP in the flange's frame.
+    /// TCP in the flange frame.
     #[serde(deserialize_with = "object")]
     tcp: PoseWire,
-    /// Further TCPs by name, in the flange's frame.
+    /// Further TCPs by name, in the flange frame.
     #[serde(default, deserialize_with = "by_name", skip_serializing_if = "BTreeMap::is_empty")]
     tips: BTreeMap<String, PoseWire>,
-    /// What hangs on the flange with it.
+    /// Payload with this tool.
     #[serde(default, deserialize_with = "object_or_null", skip_serializing_if = "Option::is_none")]
     load: Option<LoadWire>,
 }
 
-/// A load at the flange.
+/// A payload at the flange.
 #[derive(Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 #[schemars(rename = "Load")]
@@ -289,13 +290,13 @@ pub(super) struct LoadWire {
     /// Mass, in kg.
     #[schemars(range(min = 0))]
     mass_kg: f64,
-    /// Centre of mass in the flange's frame, in mm.
+    /// Centre of mass in the flange frame, in mm.
     #[serde(default, deserialize_with = "three")]
     center_mm: [f64; 3],
-    /// Principal moments of inertia about the centre, in kg m^2.
+    /// Principal moments of inertia about the centre of mass, in kg m^2.
     #[serde(default, deserialize_with = "three")]
     inertia_kg_m2: [f64; 3],
-    /// Orientation of the principal axes in the flange's frame, in degrees.
+    /// Orientation of the principal axes in the flange frame, in degrees.
     #[serde(default, deserialize_with = "three", skip_serializing_if = "is_zero")]
     abc_deg: [f64; 3],
 }
@@ -368,7 +369,7 @@ impl From<&Base> for BaseWire {
     }
 }
 
-/// That a name can be used, and is not the one that means something else.
+/// Checks that a name is valid and not reserved.
 fn check_name(
     list: &'static str,
     name: &str,
@@ -387,7 +388,7 @@ fn check_name(
     }
 }
 
-/// What a program knows by name; or the list, the name and what is wrong with it.
+/// Collects the named tools, bases and frames; an error gives the list, the name and a message.
 pub(super) fn workcell(
     tools: BTreeMap<String, ToolWire>,
     bases: BTreeMap<String, BaseWire>,

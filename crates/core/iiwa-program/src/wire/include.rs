@@ -1,4 +1,4 @@
-//! Files of tools, bases and frames, which programs include.
+//! Files of tools, bases and frames that programs include.
 
 use std::collections::BTreeMap;
 
@@ -15,12 +15,12 @@ use super::{
 };
 use crate::{program::Program, workcell::Workcell};
 
-/// Tools, bases and frames of a cell, for the programs that include them.
+/// Tools, bases and frames of a workcell, for the programs that include them.
 #[derive(Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 #[schemars(title = "iiwasim frames", rename = "Frames")]
 struct FramesWire {
-    /// Where the JSON Schema of this format is, for editors; nothing else uses it.
+    /// URL or path of the JSON Schema of this format, for editors; otherwise unused.
     #[serde(default, rename = "$schema", skip_serializing)]
     #[expect(dead_code, reason = "it is for editors")]
     schema: Option<String>,
@@ -30,20 +30,21 @@ struct FramesWire {
     /// Tools by name.
     #[serde(default, deserialize_with = "by_name", skip_serializing_if = "BTreeMap::is_empty")]
     tools: BTreeMap<String, ToolWire>,
-    /// Frames that others are given in, by name.
+    /// Reference frames for other frames, by name.
     #[serde(default, deserialize_with = "by_name", skip_serializing_if = "BTreeMap::is_empty")]
     bases: BTreeMap<String, BaseWire>,
-    /// Frames to go to, by name.
+    /// Target frames, by name.
     #[serde(default, deserialize_with = "by_name", skip_serializing_if = "BTreeMap::is_empty")]
     frames: BTreeMap<String, TargetWire>,
-    /// Only programs have this key: reading it allows an error of its own.
+    /// Key of programs only, read here to give a specific error.
     #[serde(default, skip_serializing)]
     #[schemars(skip)]
     include: Option<IgnoredAny>,
 }
 
 impl Workcell {
-    /// Reads the tools, bases and frames that programs include, as [`to_json`](Self::to_json) writes them.
+    /// Reads the tools, bases and frames that programs include, in the format of
+    /// [`to_json`](Self::to_json).
     ///
     /// ```
     /// use iiwa_program::Workcell;
@@ -56,7 +57,7 @@ impl Workcell {
     ///
     /// # Errors
     ///
-    /// If the text is something else; the error says where in the text.
+    /// If the text is something else; the error gives the place in the text.
     pub fn from_json(text: &str) -> Result<Self, ProgramError> {
         let wire =
             read_version(text, VERSION, |wire: &FramesWire| wire.version).map_err(|error| {
@@ -80,8 +81,8 @@ impl Workcell {
         named(text, wire.tools, wire.bases, wire.frames)
     }
 
-    /// The tools, bases and frames as JSON (version 1), for programs to include. It does not say which of them are in
-    /// use: that is up to the programs.
+    /// Writes the tools, bases and frames as JSON (version 1), for programs to include. The tool
+    /// and base in use are not written: programs choose them.
     #[must_use]
     pub fn to_json(&self) -> String {
         let wire = FramesWire {
@@ -92,23 +93,23 @@ impl Workcell {
             frames: self.frames.iter().map(|(name, to)| (name.clone(), to.into())).collect(),
             include: None,
         };
-        // Only a map with keys that are no strings could fail.
+        // Serialisation can only fail for a map whose keys are not strings.
         serde_json::to_string_pretty(&wire).unwrap_or_default()
     }
 
-    /// The JSON Schema of such a file (draft 2020-12).
+    /// JSON Schema of a file of tools, bases and frames (draft 2020-12).
     #[must_use]
     pub fn schema() -> serde_json::Value {
         schemars::schema_for!(FramesWire).to_value()
     }
 }
 
-/// Keys of an object with their values as they are written.
+/// Keys of an object with their unparsed values.
 type RawKeys<'a> = BTreeMap<String, &'a RawValue>;
 
 impl Program {
-    /// The text of a program with what it includes in it, so that it needs no other file: of both, as it is written,
-    /// what [`from_json_with`](Self::from_json_with) reads.
+    /// Merges a program text with its included file, so that it needs no other file. Keeps the
+    /// original text of everything that [`from_json_with`](Self::from_json_with) reads of the two.
     ///
     /// ```
     /// use iiwa_program::Program;
@@ -124,7 +125,7 @@ impl Program {
     ///
     /// # Errors
     ///
-    /// If one of the two is no JSON object; neither is checked further.
+    /// If one of the two texts is not a JSON object; neither is checked further.
     pub fn merged_json(text: &str, included: &str) -> Result<String, ProgramError> {
         fn read<'a, T: Deserialize<'a>>(text: &'a str, part: &'a str) -> Result<T, ProgramError> {
             serde_json::from_str(part).map_err(|error| json_error(text, part, None, &error))
@@ -147,7 +148,7 @@ impl Program {
     }
 }
 
-/// What the program `text` includes under the name `name`.
+/// Reads the file `name` that the program `text` includes.
 pub(super) fn included(
     text: &str,
     name: &str,
@@ -167,7 +168,7 @@ pub(super) fn included(
     })
 }
 
-/// For texts that come without files.
+/// Reader for texts without access to files.
 pub(super) fn no_files(_: &str) -> Result<String, String> {
     Err("only the text of the program is at hand, and no other file".to_owned())
 }

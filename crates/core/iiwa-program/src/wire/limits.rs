@@ -1,4 +1,4 @@
-//! The keys of limits on paths of the TCP and on their segments.
+//! Limit keys of TCP paths and spline segments.
 
 use super::{
     exact::{exact_deg, exact_mm},
@@ -6,7 +6,7 @@ use super::{
 };
 use crate::{limit_kind::ByKind, segment_limits::SegmentLimits, tool_limits::ToolLimits};
 
-/// Declares a type with the keys of limits between its own.
+/// Declares a type with the limit keys between its other keys.
 macro_rules! limited_wire {
     (
         $(#[$meta:meta])* $name:ident
@@ -18,36 +18,36 @@ macro_rules! limited_wire {
         $(#[$meta])*
         pub(super) struct $name {
             $($(#[$before_meta])* $before: $before_type,)*
-            /// Share of the joints' speed limits, above 0 and at most 1.
+            /// Share of the joint speed limits, above 0 and at most 1.
             #[serde(default, skip_serializing_if = "Option::is_none")]
             velocity_rel: Option<$crate::wire::share::Share>,
-            /// Share of the joints' acceleration limits, above 0 and at most 1.
+            /// Share of the joint acceleration limits, above 0 and at most 1.
             #[serde(default, skip_serializing_if = "Option::is_none")]
             acceleration_rel: Option<$crate::wire::share::Share>,
-            /// Share of the joints' jerk limits, above 0 and at most 1.
+            /// Share of the joint jerk limits, above 0 and at most 1.
             #[serde(default, skip_serializing_if = "Option::is_none")]
             jerk_rel: Option<$crate::wire::share::Share>,
-            /// Limit of the TCP's speed, in mm/s.
+            /// TCP speed limit, in mm/s.
             #[serde(default, skip_serializing_if = "Option::is_none")]
             #[schemars(extend("minimum" = 0.001))]
             cart_velocity_mm_s: Option<f64>,
-            /// Limit of the TCP's acceleration along the path, in mm/s^2.
+            /// TCP acceleration limit along the path, in mm/s^2.
             #[serde(default, skip_serializing_if = "Option::is_none")]
             #[schemars(extend("minimum" = 1))]
             cart_acceleration_mm_s2: Option<f64>,
-            /// Limit of the TCP's jerk along the path, in mm/s^3.
+            /// TCP jerk limit along the path, in mm/s^3.
             #[serde(default, skip_serializing_if = "Option::is_none")]
             #[schemars(extend("minimum" = 0.001))]
             cart_jerk_mm_s3: Option<f64>,
-            /// Limit of the speed at which the TCP turns, in deg/s.
+            /// Angular speed limit of the TCP, in deg/s.
             #[serde(default, skip_serializing_if = "Option::is_none")]
             #[schemars(extend("minimum" = 0.001))]
             orientation_velocity_deg_s: Option<f64>,
-            /// Limit of the acceleration with which the TCP turns, in deg/s^2.
+            /// Angular acceleration limit of the TCP, in deg/s^2.
             #[serde(default, skip_serializing_if = "Option::is_none")]
             #[schemars(extend("minimum" = 0.1))]
             orientation_acceleration_deg_s2: Option<f64>,
-            /// Limit of the jerk with which the TCP turns, in deg/s^3.
+            /// Angular jerk limit of the TCP, in deg/s^3.
             #[serde(default, skip_serializing_if = "Option::is_none")]
             #[schemars(extend("minimum" = 0.001))]
             orientation_jerk_deg_s3: Option<f64>,
@@ -55,7 +55,7 @@ macro_rules! limited_wire {
         }
 
         impl $name {
-            /// The limits that are given.
+            /// Limits that are given.
             fn limits(&self) -> $crate::segment_limits::SegmentLimits {
                 let values = $crate::wire::limits::LimitValues {
                     shares: [self.velocity_rel, self.acceleration_rel, self.jerk_rel],
@@ -73,7 +73,7 @@ macro_rules! limited_wire {
                 values.into()
             }
 
-            /// The same with these limits.
+            /// Replaces the limits.
             fn with_limits(self, limits: &$crate::segment_limits::SegmentLimits) -> Self {
                 let values = $crate::wire::limits::LimitValues::from(limits);
                 let [velocity_rel, acceleration_rel, jerk_rel] = values.shares;
@@ -98,12 +98,12 @@ macro_rules! limited_wire {
 
 pub(super) use limited_wire;
 
-/// The values of the keys of limits, of velocity, acceleration and jerk each.
+/// Values of the limit keys, for velocity, acceleration and jerk.
 pub(super) struct LimitValues {
     pub(super) shares: [Option<Share>; 3],
-    /// Of the way, in mm over s to the power of the kind's order.
+    /// Path limits, in mm over s to the power of the kind's order.
     pub(super) way_mm: [Option<f64>; 3],
-    /// Of the turn, in degrees over s to the same power.
+    /// Orientation limits, in degrees over s to the same power.
     pub(super) turn_deg: [Option<f64>; 3],
 }
 

@@ -1,4 +1,4 @@
-//! Lists of motions in JSON.
+//! JSON form of motion lists.
 
 use iiwa_json::{Object, Step, locate};
 use serde::{Deserialize, Serialize, Serializer};
@@ -12,9 +12,9 @@ use super::{
 use crate::{motion_list::MotionList, source::Sources};
 
 impl MotionList {
-    /// Reads `motions` of a JSON object, and `tools`, `bases`, `frames`, `tool`, `base`, `mode` and `mount` if they are there, all
-    /// written as in a program, and checks all that can be checked without a robot. Other keys of the object are passed
-    /// over.
+    /// Reads `motions` of a JSON object, with `tools`, `bases`, `frames`, `tool`, `base`, `mode`
+    /// and `mount` if present, all written as in a program, and checks everything that can be
+    /// checked without a robot. Other keys of the object are ignored.
     ///
     /// ```
     /// use iiwa_program::MotionList;
@@ -22,13 +22,14 @@ impl MotionList {
     /// let text = r#"{ "tools": { "gripper": { "tcp": { "z_mm": 120 } } }, "tool": "griper",
     ///                 "motions": [{ "type": "lin_rel", "offset": { "z_mm": -50 } }] }"#;
     /// let error = MotionList::from_json(text).unwrap_err();
-    /// assert_eq!(error.what(), "there is no tool `griper`; did you mean `gripper`?");
+    /// assert_eq!(error.what(), "unknown tool `griper`; did you mean `gripper`?");
     /// assert_eq!((error.place().line, error.place().column), (1, 63));
     /// ```
     ///
     /// # Errors
     ///
-    /// As [`Program::from_json`](crate::Program::from_json), and if the tool or the base in use is not there.
+    /// As [`Program::from_json`](crate::Program::from_json), and if the tool or the base in use is
+    /// unknown.
     pub fn from_json(text: &str) -> Result<Self, ProgramError> {
         let fail = |error: serde_json::Error| json_error(text, text, None, &error);
         let Object(MotionsWire { motions }) = serde_json::from_str(text).map_err(fail)?;
@@ -50,7 +51,7 @@ impl MotionList {
     }
 }
 
-/// As in a program, joints in rad; what is empty is left out.
+/// Writes the motions as in a program, joints in rad; empty keys are left out.
 impl Serialize for MotionList {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         #[derive(Serialize)]

@@ -1,4 +1,4 @@
-//! Motions in JSON.
+//! JSON form of motions.
 
 use iiwa_json::{Object, Step, are_known, locate, object_or_null, tag, unknown};
 use schemars::JsonSchema;
@@ -21,14 +21,14 @@ use crate::{
     source::{Source, Sources},
 };
 
-/// As in a program, joints in rad.
+/// Writes a motion as in a program, joints in rad.
 impl Serialize for Motion {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         MotionWire::from(self).serialize(serializer)
     }
 }
 
-/// The program with these motions, checked as far as it can be without a robot.
+/// Program with these motions, checked as far as possible without a robot.
 pub(super) fn checked(
     text: &str,
     program: Program,
@@ -100,10 +100,10 @@ fn object<'a, T: Deserialize<'a>>(raw: &'a str) -> Result<T, serde_json::Error> 
     serde_json::from_str::<Object<T>>(raw).map(|Object(wire)| wire)
 }
 
-/// The types of motions.
+/// Names of the motion types.
 const KNOWN_TYPES: [&str; 8] = ["ptp", "lin", "lin_rel", "circ", "spline", "spl", "wait", "load"];
 
-/// One entry of the list of motions.
+/// An entry of the motion list.
 #[derive(Serialize, JsonSchema)]
 #[serde(untagged)]
 #[schemars(rename = "Motion")]
@@ -119,7 +119,7 @@ pub(super) enum MotionWire {
 }
 
 impl MotionWire {
-    /// As in a program, with what it was made from.
+    /// Converts a motion, with its source, to the JSON form of programs.
     pub(super) fn new(motion: &Motion, source: Option<&Source>) -> Self {
         let mut wire = Self::from(motion);
         *wire.source_mut() = source.map(SourceWire::from);
@@ -140,7 +140,7 @@ impl MotionWire {
     }
 }
 
-/// The motions as in a program, with what they were made from.
+/// Converts the motions, with their sources, to the JSON form of programs.
 pub(super) fn motions_out(motions: &[Motion], sources: &Sources) -> Vec<MotionWire> {
     let motions = (0..).map(MotionIndex::new).zip(motions);
     motions.map(|(index, motion)| MotionWire::new(motion, sources.of(index))).collect()
@@ -153,16 +153,16 @@ enum LoadTag {
     Load,
 }
 
-/// Where the arm stands, what hangs on its flange changes. It takes no time.
+/// A payload change, for which the robot is at rest. It takes no time.
 #[derive(Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 #[schemars(rename = "LoadStep", extend("required" = ["type", "load"]))]
 pub(super) struct LoadStepWire {
     r#type: LoadTag,
-    /// All that hangs on the flange from here on, the tool with what it holds; null for the tool's own load again.
+    /// Total payload from here on, tool included; null to return to the tool's payload.
     #[serde(deserialize_with = "object_or_null")]
     load: Option<LoadWire>,
-    /// What it was made from.
+    /// Source line of the motion.
     #[serde(default, deserialize_with = "object_or_null", skip_serializing_if = "Option::is_none")]
     source: Option<SourceWire>,
 }

@@ -1,4 +1,4 @@
-//! Point-to-point motions in programs.
+//! JSON form of point-to-point motions.
 
 use iiwa_json::{numbers, object_or_null, object_or_null_like};
 use iiwa_kin::Joints;
@@ -40,16 +40,16 @@ pub(super) struct PtpWire {
     #[serde(default, deserialize_with = "seven", skip_serializing_if = "Option::is_none")]
     #[schemars(with = "[f64; 7]")]
     joints_deg: Option<Joints>,
-    /// A frame for the TCP.
+    /// TCP frame.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     frame: Option<TargetRefWire>,
-    /// The TCP that goes to the frame, `TOOL` or `TOOL/TIP`; the program's if absent.
+    /// TCP that moves to the frame, `TOOL` or `TOOL/TIP`; the program's by default.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     tool: Option<String>,
-    /// The base of the frame; the program's if absent.
+    /// Base of the frame; the program's by default.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     base: Option<String>,
-    /// Share of the speed limits, above 0 and at most 1: one for all joints or one a joint.
+    /// Share of the speed limits, above 0 and at most 1: one for all joints or one per joint.
     #[serde(default, skip_serializing_if = "Share::is_full")]
     velocity_rel: Share,
     /// Share of the acceleration limits, above 0 and at most 1.
@@ -58,14 +58,14 @@ pub(super) struct PtpWire {
     /// Share of the jerk limits, above 0 and at most 1.
     #[serde(default, skip_serializing_if = "Share::is_full")]
     jerk_rel: Share,
-    /// How the target is blended away; without it the arm stops there.
+    /// Blend at the target; without a blend the robot stops there.
     #[serde(default, deserialize_with = "blend", skip_serializing_if = "Option::is_none")]
     blend: Option<BlendWire>,
-    /// Whether the program waits for its end before it sends the next motion, as Sunrise's `move`: a longer pause follows. A
-    /// motion with a blend cannot have it.
+    /// `true` if the program waits for the end of the motion before it sends the next one, like
+    /// Sunrise's `move`: a longer pause follows. Not allowed together with a blend.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     blocking: bool,
-    /// What it was made from.
+    /// Source line of the motion.
     #[serde(default, deserialize_with = "object_or_null", skip_serializing_if = "Option::is_none")]
     pub(super) source: Option<SourceWire>,
 }
@@ -74,20 +74,21 @@ fn blend<'de, D: Deserializer<'de>>(reader: D) -> Result<Option<BlendWire>, D::E
     object_or_null_like(reader, r#"an object such as { "fraction": 0.25 } or { "cart_mm": 30 }"#)
 }
 
-/// Where the arm may leave the line to the target and cut the corner.
+/// Zone about the target in which the path may leave the straight line and cut the corner.
 #[derive(Serialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 #[schemars(rename = "Blend")]
 enum BlendWire {
-    /// A share of each neighbouring motion (Larsen 2019, Eq. 36).
+    /// Share of each neighbouring motion (Larsen 2019, Eq. 36).
     Fraction(#[schemars(range(min = 0, max = 0.5))] f64),
-    /// Sunrise's `setBlendingRel`: 1 is half of a motion, below 0.05 the arm stops.
+    /// Sunrise's `setBlendingRel`: 1 is half of a motion; below 0.05 the robot stops.
     SunriseRel(#[schemars(range(min = 0, max = 1))] f64),
-    /// A radius about the target in mm; below 4 the arm stops.
+    /// Radius about the target, in mm; below 4 the robot stops.
     CartMm(#[schemars(range(min = 0))] f64),
 }
 
-/// What serde says of enumerations would not tell anybody what to write.
+/// Custom reader, because serde's error messages for enumerations do not tell the user what to
+/// write.
 impl<'de> Deserialize<'de> for BlendWire {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         #[derive(Deserialize)]
@@ -100,7 +101,7 @@ impl<'de> Deserialize<'de> for BlendWire {
             #[serde(default, deserialize_with = "given")]
             cart_mm: Option<f64>,
         }
-        /// A key that is there has a value: null is not one.
+        /// Reads the value of a key that is present; null is an error.
         fn given<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<f64>, D::Error> {
             f64::deserialize(deserializer).map(Some)
         }
@@ -170,7 +171,7 @@ impl PtpWire {
         }
     }
 
-    /// A motion without a target yet.
+    /// A motion without a target.
     fn to_nowhere([velocity, acceleration, jerk]: [Joints; 3], blend: Option<Blend>) -> Self {
         Self {
             r#type: PtpTag::Ptp,
@@ -193,7 +194,7 @@ impl PtpWire {
     }
 }
 
-/// Joints in rad, that are given in rad or in degrees.
+/// Joint positions in rad, from values in rad or in degrees.
 pub(super) fn joints_of(rad: Option<Joints>, deg: Option<Joints>) -> Result<Joints, &'static str> {
     match (rad, deg) {
         (Some(rad), None) => Ok(rad),

@@ -10,7 +10,7 @@ use serde::{
     de::{SeqAccess, Visitor},
 };
 
-/// One share for all joints, or one a joint.
+/// One share for all joints, or one per joint.
 #[derive(Clone, Copy, PartialEq, Serialize, JsonSchema)]
 #[serde(untagged)]
 #[schemars(inline)]

@@ -1,4 +1,4 @@
-//! Where motions come from, in JSON.
+//! JSON form of motion sources.
 
 use iiwa_json::{Object, object_or_null};
 use schemars::JsonSchema;
@@ -6,14 +6,14 @@ use serde::{Deserialize, Serialize};
 
 use crate::source::Source;
 
-/// The line that the motion was made from, for messages.
+/// Source line of the motion, for messages.
 #[derive(Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 #[schemars(rename = "Source")]
 pub(super) struct SourceWire {
-    /// The file's name.
+    /// File name.
     file: String,
-    /// The line, from 1.
+    /// Line number, from 1.
     #[schemars(range(min = 1))]
     line: u32,
 }
@@ -33,7 +33,7 @@ impl From<&Source> for SourceWire {
     }
 }
 
-/// The source of a motion that cannot be read otherwise.
+/// Source of a motion that is otherwise unreadable.
 pub(super) fn source_in(motion: &str) -> Option<Source> {
     #[derive(Deserialize)]
     struct Sourced {

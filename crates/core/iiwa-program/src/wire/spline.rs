@@ -1,4 +1,4 @@
-//! Splines in programs.
+//! JSON form of splines.
 
 use iiwa_json::Object;
 use schemars::JsonSchema;
@@ -20,30 +20,30 @@ use crate::{
 };
 
 path_wire! {
-    /// The TCP goes through the ends of segments without a stop.
+    /// TCP path through the ends of segments without a stop.
     #[schemars(rename = "Spline")]
     SplineWire, SplineTag = "spline" {
-        /// From frame to frame.
+        /// Segments from frame to frame.
         #[schemars(with = "Vec<SegmentWire>", length(min = 1, max = 20))]
         segments: Vec<Object<SegmentWire>>,
     }
 }
 
 path_wire! {
-    /// A spline of one segment: the TCP goes straight to a frame.
+    /// A spline of one segment: a straight TCP line to a frame.
     #[schemars(rename = "Spl")]
     SplWire, SplTag = "spl" {
-        /// Where it goes.
+        /// Target frame.
         frame: TargetRefWire,
     }
 }
 
-/// The types of segments.
+/// Segment types.
 #[derive(Clone, Copy, Default, PartialEq, Deserialize, Serialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 #[schemars(rename = "SegmentType")]
 pub(super) enum SegmentType {
-    /// A curve that the frames of the spline define.
+    /// A curve defined by the frames of the spline.
     #[default]
     Spl,
     /// A straight line.
@@ -53,7 +53,7 @@ pub(super) enum SegmentType {
 }
 
 limited_wire! {
-    /// A segment of a spline. What is said of circles is for them only.
+    /// A spline segment. The keys of circles are for segments of type `circ` only.
     #[schemars(
         rename = "Segment",
         extend("oneOf" = [
@@ -65,36 +65,37 @@ limited_wire! {
     SegmentWire {
         #[serde(deserialize_with = "word")]
         r#type: SegmentType,
-        /// Where it goes.
+        /// Target frame.
         frame: TargetRefWire,
-        /// How the orientation goes along; as the spline says if absent.
+        /// Orientation interpolation; the spline's by default.
         #[serde(default, deserialize_with = "word_or_null", skip_serializing_if = "Option::is_none")]
         orientation: Option<OrientationWire>,
-        /// A frame on the way of a circle.
+        /// Auxiliary frame of a circle.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         aux: Option<TargetRefWire>,
-        /// The angle by which a circle goes on, in degrees; to the frame if absent.
+        /// Angle of a circle's arc, in degrees; the arc ends at the end frame by default.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         #[schemars(range(min = -360, max = 360))]
         circ_angle_deg: Option<f64>,
-        /// Whether the orientation on a circle is given in the base or turns with the path.
+        /// Reference of the orientation on a circle: the base, or the path.
         #[serde(default, deserialize_with = "word", skip_serializing_if = "ReferenceWire::is_base")]
         orientation_reference: ReferenceWire,
-        /// What the orientation of a circle's auxiliary frame is for.
+        /// Use of the orientation of a circle's auxiliary frame.
         #[serde(default, deserialize_with = "word", skip_serializing_if = "AuxWire::is_consider")]
         aux_orientation: AuxWire,
-        /// Where the orientation of a circle's frame is reached, with an angle.
+        /// Place where the orientation of a circle's end frame is reached, for an arc with an
+        /// angle.
         #[serde(default, deserialize_with = "word", skip_serializing_if = "EndWire::is_interpolate")]
         end_orientation: EndWire,
     } {
-        /// What only the whole spline can have: read to say so.
+        /// Key of whole splines only, read here to give a specific error.
         #[serde(default, skip_serializing)]
         #[schemars(skip)]
         blend: Option<IgnoredAny>,
     }
 }
 
-/// What is wrong with a segment: its place, the key and what.
+/// Error of a segment: its index, the key and a message.
 pub(super) struct WrongSegment {
     pub(super) index: usize,
     pub(super) key: &'static str,

@@ -1,4 +1,4 @@
-//! A target by itself, as on a command line.
+//! JSON form of a single target, such as on a command line.
 
 use iiwa_json::{Object, locate};
 
@@ -9,7 +9,8 @@ use super::{
 use crate::target::Target;
 
 impl Target {
-    /// Reads a target as programs have it: an object with `x_mm` to `c_deg`, and `base`, `e1_deg`, `status` and `turn`.
+    /// Reads a target as in programs: an object with `x_mm` to `c_deg`, and `base`, `e1_deg`,
+    /// `status` and `turn`.
     ///
     /// ```
     /// use iiwa_program::Target;
@@ -22,7 +23,7 @@ impl Target {
     ///
     /// # Errors
     ///
-    /// If the text is no target; the error says where in the text.
+    /// If the text is not a target; the error gives the place in the text.
     pub fn from_json(text: &str) -> Result<Self, ProgramError> {
         let Object(wire) = serde_json::from_str::<Object<TargetWire>>(text)
             .map_err(|error| json_error(text, text, None, &error))?;

@@ -1,4 +1,4 @@
-//! Waits in programs.
+//! JSON form of waits.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -13,7 +13,7 @@ enum WaitTag {
     Wait,
 }
 
-/// The arm stands still or, if the wait overlaps motions, goes on with them.
+/// A wait at rest, or during motion if the wait overlaps motions.
 #[derive(Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 #[schemars(
@@ -22,18 +22,19 @@ enum WaitTag {
 )]
 pub(super) struct WaitWire {
     r#type: WaitTag,
-    /// For how long, in s: at most a day.
+    /// Duration, in s: at most a day.
     #[schemars(range(min = 0, max = 86_400))]
     seconds: f64,
-    /// Whether the time runs while the arm moves: from the begin of the motion before the wait.
+    /// `true` if the time runs while the robot moves: from the start of the motion before the wait.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(with = "bool")]
     overlap: Option<bool>,
-    /// From the begin of the motion that is so many before the wait; 1 is the same as `overlap`.
+    /// Number of motions to overlap: the time runs from the start of the motion that many before
+    /// the wait; 1 is the same as `overlap`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(with = "usize", range(min = 1, max = 1000))]
     overlap_motions: Option<usize>,
-    /// What it was made from.
+    /// Source line of the motion.
     #[serde(
         default,
         deserialize_with = "iiwa_json::object_or_null",

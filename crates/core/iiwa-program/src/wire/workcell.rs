@@ -1,4 +1,5 @@
-//! What motions know by name, and what is in use: keys that programs and lists of motions have in common.
+//! JSON form of the named tools, bases and frames and of those in use: common keys of programs and
+//! motion lists.
 
 use std::collections::BTreeMap;
 
@@ -15,7 +16,7 @@ use super::{
 };
 use crate::workcell::{OperatingMode, Workcell};
 
-/// These keys as they are read. Programs declare them again, with what their schema says.
+/// Common keys when read. Programs declare them again, with their schema.
 #[derive(Deserialize)]
 pub(super) struct WorkcellWire {
     #[serde(default, deserialize_with = "by_name")]
@@ -35,7 +36,7 @@ pub(super) struct WorkcellWire {
 }
 
 impl WorkcellWire {
-    /// What the keys of `text` say.
+    /// Builds the workcell; `text` is the text of the keys, for error places.
     pub(super) fn workcell(self, text: &str) -> Result<Workcell, ProgramError> {
         let Self { tools, bases, frames, tool, base, mode, mount } = self;
         let mode = mode.map_or_else(OperatingMode::default, OperatingMode::from);
@@ -44,7 +45,7 @@ impl WorkcellWire {
     }
 }
 
-/// The tools, bases and frames of `text`.
+/// Tools, bases and frames of `text`.
 pub(super) fn named(
     text: &str,
     tools: BTreeMap<String, ToolWire>,
@@ -59,7 +60,7 @@ pub(super) fn named(
     })
 }
 
-/// The keys as they are written.
+/// Common keys when written.
 #[derive(Serialize)]
 pub(super) struct WorkcellOut<'a> {
     #[serde(skip_serializing_if = "BTreeMap::is_empty")]
@@ -95,12 +96,12 @@ impl<'a> From<&'a Workcell> for WorkcellOut<'a> {
     }
 }
 
-/// An operating mode of the controller.
+/// Operating mode of the controller.
 #[derive(Clone, Copy, Deserialize, Serialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 #[schemars(rename = "OperatingMode")]
 pub(super) enum ModeWire {
-    /// For tests: TCP and flange go at 225 mm/s at most, or as the robot's profile says.
+    /// Manual reduced speed: 225 mm/s for TCP and flange, or the profile's `t1_speed_mm_s`.
     T1,
 }
 
@@ -119,12 +120,13 @@ impl From<ModeWire> for OperatingMode {
     }
 }
 
-/// How the robot's foot stands in the world, whose z axis points up; on the floor if absent.
+/// Orientation of the robot base in the world, whose z axis points up; on the floor by default.
 #[derive(Clone, Copy, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 #[schemars(rename = "Mount")]
 pub(super) struct MountWire {
-    /// Roll, pitch and yaw, in degrees, R = Rz(yaw) Ry(pitch) Rx(roll): 180, 0, 0 is at the ceiling.
+    /// Roll, pitch and yaw, in degrees, R = Rz(yaw) Ry(pitch) Rx(roll): 180, 0, 0 is on the
+    /// ceiling.
     #[serde(deserialize_with = "three")]
     rpy_deg: [f64; 3],
 }

@@ -1,5 +1,5 @@
-//! Stamps in closed form: the profile of at most seven phases of constant jerk along a line in joint space, and along a line
-//! or circle of the TCP that its own limits hold back.
+//! Stamps in closed form: the profile of at most seven phases of constant jerk, for lines in joint
+//! space and for TCP lines and circles on which only the TCP limits are active.
 
 use iiwa_kin::{RampLaw, RampLimits};
 use iiwa_path::PLACES;
@@ -13,13 +13,15 @@ use crate::{
     sunrise::{self, RampedLine},
 };
 
-/// Intervals of a motion, at least. Between nodes, joints go as polynomials; and limits are checked at nodes and half-way.
+/// Minimum number of intervals of a motion. Between nodes, joint motion is polynomial, and limits
+/// are checked at nodes and half-way.
 const INTERVALS: f64 = 200.0;
 
-/// The largest share of a limit that a joint may use at what is checked: then it keeps the limit in between, too.
+/// Largest share of a limit that a joint may use at the checked points, so that it keeps the limit
+/// in between as well.
 const MOST_SHARE: f64 = 0.99;
 
-/// The stamps of a section that is one line in joint space.
+/// Returns the stamps of a section that is one line in joint space.
 pub(super) fn line(segment: &LimitedSegment<'_>) -> Stamps {
     let length = segment.length_rad();
     let instants = phases(length, segment.straight(0.0));
@@ -33,7 +35,8 @@ pub(super) fn line(segment: &LimitedSegment<'_>) -> Stamps {
     stamps(&instants, length, &usage)
 }
 
-/// The stamps of a section that is one line in joint space, as Sunrise plans it. Its own limits hold jerk and snap back.
+/// Returns the stamps of a section that is one line in joint space, as planned by Sunrise. The ramp
+/// law limits jerk and snap.
 pub(super) fn sunrise_line(
     segment: &LimitedSegment<'_>,
     ends: [RampLimits; 2],
@@ -47,7 +50,7 @@ pub(super) fn sunrise_line(
     let geometry = segment.geometry(&[0.0; PLACES]);
     for pair in instants.windows(2) {
         let [from, to] = [pair[0], pair[1]];
-        // Speed and acceleration grow or fall all through a phase.
+        // Speed and acceleration are monotonic within a phase.
         let speed = f64::midpoint(from.speed, to.speed);
         let half = [speed, f64::midpoint(from.acceleration, to.acceleration), 0.0];
         for (rates, dt) in [(half, from.phase_s), ([to.speed, to.acceleration, 0.0], 0.0)] {
@@ -63,8 +66,9 @@ fn stamps(instants: &[ProfilePoint], length: f64, usage: &LimitUsage) -> Stamps 
     Stamps { nodes, segments }
 }
 
-/// The stamps of a section that is one path of the TCP; none if a joint or more than the limits of the TCP hold it back.
-/// What keeps the joints' limits as well is the fastest that there is: the TCP's limits alone allow no faster motion.
+/// Returns the stamps of a section that is one TCP path; none if other limits than those of the TCP
+/// may be active. A motion that is limited by the TCP alone is optimal: the TCP limits admit no
+/// faster one.
 pub(super) fn tcp_path(segment: &LimitedSegment<'_>) -> Option<Stamps> {
     let limits = segment.even_tool_limits()?;
     let length = segment.length_rad();
@@ -91,11 +95,11 @@ pub(super) fn tcp_path(segment: &LimitedSegment<'_>) -> Option<Stamps> {
     Some(stamps(&instants, length, &usage))
 }
 
-/// A time of constant jerk.
+/// Interval of constant jerk.
 struct ConstantJerk {
     dt_s: f64,
     jerk: f64,
-    /// Half-way in time, and at its end.
+    /// States half-way in time and at the end.
     samples: [ProfilePoint; 2],
 }
 
@@ -107,14 +111,15 @@ impl ConstantJerk {
         Self { dt_s, jerk, samples: [from.after(0.5 * dt_s, jerk), to] }
     }
 
-    /// Speed, acceleration and jerk at the samples, with the time that each stands for: the end is for the peaks alone.
+    /// Returns speed, acceleration and jerk at the samples, each with its weight in time: the end
+    /// only contributes to peaks.
     fn rates(&self) -> [([f64; 3], f64); 2] {
         let [half, end] = self.samples.map(|at| [at.speed, at.acceleration, self.jerk]);
         [(half, self.dt_s), (end, 0.0)]
     }
 }
 
-/// A profile with instants within its phases.
+/// Divides the phases of a profile into shorter intervals.
 fn divided(instants: &[ProfilePoint]) -> Vec<ProfilePoint> {
     let whole_s = instants.last().map_or(0.0, |last| last.t_s);
     let mut all = Vec::new();

@@ -1,4 +1,4 @@
-//! Sections that are too long to be solved for as a whole.
+//! Receding horizon for sections that are too long to be solved as a whole.
 
 use std::sync::atomic::AtomicBool;
 
@@ -7,20 +7,20 @@ use iiwa_solver::{LimitedSegment, Solution, SolveError, Window};
 use super::stamps::{Stamper, Stamps};
 use crate::timing::JerkOptions;
 
-/// Segments that are settled at a time.
+/// Segments whose stamps are settled by one part.
 const SETTLED: usize = 30;
 
-/// Numbers of segments by which a part is shortened, in this order, until the next part has a solution: the state at
-/// its start is given, and may leave no room.
+/// Numbers of segments by which a part is shortened, in this order, until the next part has a
+/// solution: the given state at its start may be infeasible.
 const FEWER: [usize; 6] = [0, 1, 2, 3, 5, 8];
 
-/// Segments beyond them that are looked ahead, at least.
+/// Minimum number of look-ahead segments beyond the settled ones.
 const AHEAD: usize = 10;
 
-/// Distance that is looked ahead, at least, as a multiple of that on which the arm stops.
+/// Minimum look-ahead distance, as a multiple of the stopping distance.
 const STOPS: f64 = 1.5;
 
-/// The stamps of a section that is not one line.
+/// Finds the stamps of a section that is not one line.
 pub(crate) fn stamps(
     segments: &[LimitedSegment<'_>],
     start_s: f64,
@@ -39,9 +39,10 @@ pub(crate) fn stamps(
     Ok(stamper.finish())
 }
 
-/// Part by part, each with some segments beyond it, on whose last one the arm could stop. So there is a way on from
-/// the end of every part, and far enough from that stop it makes no difference. None if the section cannot be
-/// divided like this, or no solution is found for a part.
+/// Solves part by part, each with some segments of look-ahead, on the last of which the robot could
+/// stop. A feasible continuation from the end of every part therefore exists, and far enough from
+/// that stop the stamps do not depend on it. None if the section cannot be divided like this, or if
+/// a part has no solution.
 fn receding(
     segments: &[LimitedSegment<'_>],
     start_s: f64,
@@ -74,20 +75,20 @@ fn receding(
     Ok(Some(stamper.finish()))
 }
 
-/// What is solved for in one go.
+/// Window that is solved in one call.
 struct Part<'a, 'b> {
     window: Window<'a, 'b>,
-    /// The segment before which its solution is the section's, too.
+    /// Index of the segment up to which the part's solution is final for the section.
     settled: usize,
 }
 
-/// The part that starts at the segment `start`.
+/// Returns the part that starts at the segment `start`.
 fn part<'a, 'b>(
     segments: &'a [LimitedSegment<'b>],
     start: usize,
     entry: Option<[f64; 2]>,
 ) -> Option<Part<'a, 'b>> {
-    // The first segment at least `count` segments and some stops beyond `from`.
+    // Finds the first segment at least `count` segments and some stopping distances beyond `from`.
     let beyond = |from: usize, count: usize| {
         let before = from.checked_sub(1).map(|before| &segments[before]);
         let mut way = STOPS * segments.get(from)?.stop_rad(before);
@@ -98,6 +99,7 @@ fn part<'a, 'b>(
         }
         Some(index)
     };
+    // Without an entry state the part would start at rest, which only the first one does.
     if start > 0 && entry.is_none() {
         return None;
     }
@@ -105,14 +107,15 @@ fn part<'a, 'b>(
     let end = settled.and_then(|settled| {
         let end = beyond(settled, AHEAD)?;
         let stop = segments[end - 1..].iter().position(LimitedSegment::is_stop)?;
-        // What is left after the stop should be worth a part of its own.
+        // The rest after the stop should be worth a part of its own.
         Some(end + stop).filter(|end| end + (settled - start) / 2 < segments.len())
     });
     let (settled, end) = settled.zip(end).unwrap_or((segments.len(), segments.len()));
     Some(Part { window: Window { segments, range: start..end, entry, exit: None }, settled })
 }
 
-/// The solution of a window; none if it had to be slowed down: then its ends are not those that were given.
+/// Solves a window; none if the solution had to be slowed down, since its end states are then not
+/// the given ones.
 pub(super) fn solve(
     window: &Window<'_, '_>,
     options: JerkOptions,

@@ -1,7 +1,8 @@
 //! Ramps next to the rests of a section, as soft as those of PTP motions under Sunrise.
 //!
-//! PTP motions from rest to rest have been recorded. This module **assumes** that all other motions accelerate and brake in the same
-//! time as a PTP motion in the direction of the path: a lower jerk limit holds until the arm has reached its speed.
+//! Only PTP motions from rest to rest have been recorded. This module **assumes** that all other
+//! motions accelerate and brake in the same time as a PTP motion in the direction of the path: a
+//! lower jerk limit applies until the robot has reached its speed.
 
 use iiwa_kin::{RampEnd, RampLaw, RampLimits};
 use iiwa_path::JointPath;
@@ -12,17 +13,19 @@ use crate::{
     sunrise::{EndRamp, Ramp, ramp_limits},
 };
 
-/// Share of its first acceleration below which the arm has reached its speed.
+/// Share of the first acceleration below which the robot has reached its speed.
 const STEADY: f64 = 0.25;
 
-/// Way after which the full jerk limits hold again, as a multiple of a ramp's reach in joint space.
+/// Way after which the full jerk limits apply again, as a multiple of a ramp's reach in joint
+/// space.
 const SHARP: f64 = 1.25;
 
-/// First acceleration from rest in the acceleration-limited stamps; for the end of a section, they are read backwards.
+/// First acceleration from rest in the acceleration-limited stamps; for the end of a section, they
+/// are read backwards.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Departure {
     acceleration_rad_s2: f64,
-    /// The speed that is reached, and the way until then.
+    /// Speed that is reached.
     speed_rad_s: f64,
     way_rad: f64,
 }
@@ -32,7 +35,7 @@ impl Departure {
     fn new(stamps: impl Iterator<Item = [f64; 2]>) -> Option<Self> {
         let (mut at, mut found) = ([0.0; 2], None);
         for [way_rad, x] in stamps {
-            // Segments share the stamp at which they meet.
+            // Adjacent segments share a stamp.
             if way_rad <= at[0] {
                 continue;
             }
@@ -47,22 +50,23 @@ impl Departure {
         found
     }
 
-    /// The ramp of a path in joint space, whose limits of jerk leave `jerk`: it takes the time and the way of the ramp of a PTP motion to
-    /// the speed, but with one jerk.
+    /// Returns the ramp of a path in joint space with the jerk limit `jerk`: time and way to the
+    /// speed are those of the ramp of a PTP motion, but jerk is constant.
     fn in_joint_space(&self, jerk: f64, law: &RampLaw, limits: &RampLimits) -> RestRamp {
         let Self { acceleration_rad_s2, speed_rad_s, way_rad } = *self;
         let ramp = Ramp::to(acceleration_rad_s2, limits, law.width_rad_s).below(speed_rad_s);
         let lost_s = ramp.lost_s();
         let reach_rad = way_rad + speed_rad_s * lost_s;
         RestRamp {
-            // Constant jerk loses half its time.
+            // A ramp of constant jerk loses half its time.
             jerk_rel: (0.5 * ramp.acceleration / lost_s / jerk).min(1.0),
             reach_rad,
             end_rad: SHARP * reach_rad,
         }
     }
 
-    /// The ramp of a path of the TCP, of `whole_rad` in all, whose limits of jerk leave `jerk`: as that of a single SPL.
+    /// Returns the ramp of a TCP path of length `whole_rad` with the jerk limit `jerk`, like that
+    /// of a single SPL.
     fn of_tcp(
         &self,
         jerk: f64,
@@ -86,9 +90,10 @@ impl Departure {
     }
 }
 
-/// Softens the ramps of the first and the last of `segments`, those of `pieces`, at the ends at which the arm `rests`.
+/// Softens the ramps of the first and the last of `segments`, those of `pieces`, at the ends with
+/// rest (`rests`).
 ///
-/// Ramps do not go on into blends: lower limits of jerk would slow down their bends as well.
+/// Ramps do not continue into blends: lower jerk limits would also slow down the bends of blends.
 pub(super) fn soften(
     segments: &mut [LimitedSegment<'_>],
     path: &JointPath,
@@ -118,7 +123,8 @@ pub(super) fn soften(
         let limits = ramp_limits(path, pieces, end)?;
         let [_, acceleration, jerk] = segment.straight(s);
         if segment.has_rows() {
-            // Further limits may leave next to none: the law knows ramps of the limits of acceleration.
+            // Further limits may leave almost no acceleration, and the ramp law is defined for
+            // ramps to the acceleration limit.
             departure.acceleration_rad_s2 = acceleration;
         }
         if piece.kind.is_of_tcp() {

@@ -1,4 +1,4 @@
-//! Stamps of what the solver found.
+//! Stamps of solutions of the jerk-limited solver.
 
 use std::ops::Range;
 
@@ -7,45 +7,46 @@ use iiwa_solver::{Cell, Geometry, LimitedSegment, Mesh, Solution, Window};
 
 use crate::{interval::later, limit_usage::LimitUsage, node::Node};
 
-/// The stamps of one segment.
+/// Stamps of one segment.
 pub(crate) struct SegmentStamps {
-    /// Its nodes among all.
+    /// Range of the segment's nodes among all nodes.
     pub(crate) nodes: Range<usize>,
     pub(crate) usage: LimitUsage,
 }
 
-/// The stamps of a section.
+/// Stamps of a section.
 #[derive(Default)]
 pub(crate) struct Stamps {
     pub(crate) nodes: Vec<Node>,
     pub(crate) segments: Vec<SegmentStamps>,
 }
 
-/// Makes the stamps of a section, window after window.
+/// Builder of the stamps of a section, window after window.
 pub(crate) struct Stamper {
     start_s: f64,
-    /// The first segment that gets stamps.
+    /// First segment with stamps.
     first: usize,
     /// Time since the start of the section, in s.
     t_s: f64,
-    /// Factor by which what is added is slowed down.
+    /// Factor by which the added solution is slowed down.
     time_scale: f64,
     stamps: Stamps,
 }
 
 impl Stamper {
-    /// None yet, of a section that starts at `start_s`, from the segment `first` on.
+    /// Creates an empty builder for a section that starts at `start_s`, from the segment `first`
+    /// on.
     pub(crate) fn new(start_s: f64, first: usize) -> Self {
         Self { start_s, first, t_s: 0.0, time_scale: 1.0, stamps: Stamps::default() }
     }
 
-    /// The stamps.
+    /// Returns the stamps.
     pub(crate) fn finish(self) -> Stamps {
         self.stamps
     }
 
-    /// Adds a node at a sigma and an instant, with the way and the time to the next one; x and its derivative by
-    /// sigma are those there, before the motion is slowed down.
+    /// Adds a node at a sigma and an instant, with the way and the time to the next node; x and its
+    /// derivative by sigma are those before the motion is slowed down.
     fn node(
         &mut self,
         segment: &LimitedSegment<'_>,
@@ -67,8 +68,8 @@ impl Stamper {
         });
     }
 
-    /// Adds what holds at a `place` of some `geometry` for `dt`, at speed, acceleration and jerk of sigma before the
-    /// motion is slowed down.
+    /// Adds the usage at a `place` of some `geometry` for a time `dt`, with speed, acceleration and
+    /// jerk of sigma before the motion is slowed down.
     #[inline(always)]
     fn usage(
         &mut self,
@@ -84,14 +85,14 @@ impl Stamper {
         }
     }
 
-    /// Adds shares of further limits that hold for `dt`.
+    /// Adds shares of further limits for a time `dt`.
     fn rows(&mut self, shares: impl Iterator<Item = f64>, dt: f64) {
         if let Some(stamps) = self.stamps.segments.last_mut() {
             stamps.usage.sample_rows(shares, dt);
         }
     }
 
-    /// Adds a cell that touches rest, in which jerk is constant.
+    /// Adds a cell next to rest, in which jerk is constant.
     fn rest(&mut self, segment: &LimitedSegment<'_>, cell: &Cell, seconds: f64) {
         let jerk = 6.0 * cell.length / seconds.powi(3);
         let half = [0.125 * jerk * seconds * seconds, 0.5 * jerk * seconds, jerk];
@@ -113,14 +114,14 @@ impl Stamper {
         }
     }
 
-    /// Ends the segment that has begun last.
+    /// Ends the current segment.
     fn end(&mut self) {
         if let Some(stamps) = self.stamps.segments.last_mut() {
             stamps.nodes.end = self.stamps.nodes.len();
         }
     }
 
-    /// Adds those of the segments of `window` before the segment `end`.
+    /// Adds the stamps of the segments of `window` before the segment `end`.
     pub(crate) fn add(&mut self, solution: &Solution, window: &Window<'_, '_>, end: usize) {
         pulp::Arch::new().dispatch(Add { stamper: self, solution, window, end });
     }
@@ -161,7 +162,7 @@ impl Stamper {
             }
             if cells.get(k + 1).is_none_or(|next| next.segment != cell.segment) {
                 let [x, dx, _] = solution.at(k, 1.0);
-                // Exactly at the segment's end, unless it goes on to rest.
+                // The exact end of the segment, unless a cell to rest follows.
                 let rests = to_rest.as_ref().is_some_and(|rest| rest.segment == cell.segment);
                 let end = if rests { cell.from + cell.length } else { segment.length_rad() };
                 self.node(segment, [end, 0.0], [self.t_s, 0.0], [x, dx]);
@@ -184,7 +185,7 @@ impl Stamper {
     }
 }
 
-/// The stamps of a window, by the widest vector instructions that the machine has.
+/// Stamps of a window, with the widest vector instructions of the machine.
 struct Add<'a, 'b, 'c> {
     stamper: &'a mut Stamper,
     solution: &'a Solution,

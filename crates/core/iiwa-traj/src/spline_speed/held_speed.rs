@@ -1,15 +1,16 @@
 //! Speeds that are held around minima.
 
-/// Largest speed by sigma along the way from rest to rest: the limits at some places, of which each minimum is held for a time.
+/// Largest speed by sigma along the way from rest to rest: the limits at some points, each minimum
+/// of which is held for a time.
 #[derive(Debug)]
 pub(super) struct HeldSpeed {
-    /// Places, by sigma from the rest before in rad, and the largest speed of y there.
+    /// Points by sigma from the previous rest, in rad, and the largest speed of y there.
     places: Vec<[f64; 2]>,
 }
 
 impl HeldSpeed {
-    /// Holds each speed for `hold_s` seconds, half of them before its place and half behind it; `places` are sigma in rad and,
-    /// there, speeds of y and of sigma.
+    /// Holds each speed for `hold_s` seconds, half of the time before its point and half after;
+    /// `places` are sigma in rad and, there, the speeds of y and of sigma.
     pub(super) fn new(places: &[[f64; 3]], hold_s: f64) -> Self {
         let mut held: Vec<[f64; 2]> = places.iter().map(|[sigma, y, _]| [*sigma, *y]).collect();
         for (k, [sigma, y, rate]) in places.iter().enumerate() {
@@ -28,7 +29,7 @@ impl HeldSpeed {
         Self { places: held }
     }
 
-    /// The speed of y at a sigma: linear between places.
+    /// Returns the speed of y at a sigma: linear between points.
     pub(super) fn at(&self, sigma: f64) -> f64 {
         let next = self.places.partition_point(|[place, _]| *place <= sigma);
         let next = next.clamp(1, self.places.len() - 1);

@@ -1,12 +1,15 @@
-//! The model's limits in the form in which the solver takes limits of joints.
+//! Limits of the model in the form of joint limits, as input of the solver.
 //!
-//! With y the way of the TCP, v = dy/dt and q(y) the joints, there is a largest speed V(y), acceleration A(y) and jerk J(y):
-//! - V, the least of `V_i / |q'_i|`, of `sqrt(b A_i / |q''_i|)` and of the whole way over the least time of a cruise,
+//! With the TCP way y, v = dy/dt and the joint positions q(y), there is a largest speed V(y),
+//! acceleration A(y) and jerk J(y):
+//! - V, the minimum of `V_i / |q'_i|`, of `sqrt(b A_i / |q''_i|)` and of the whole way over the
+//!   minimum cruise time,
 //! - A, a share of `min_i A_i / |q'_i|`,
 //! - J, `min_i A_i / |q'_i|` over a time.
 //!
-//! Each of them becomes a joint of its own that has one limit, 1, and moves by y over V, A or J. These quotients are not the
-//! derivatives of any position: the solver uses them place by place, and needs no more.
+//! Each of them becomes a virtual joint with a single limit, 1, that moves by y over V, A or J.
+//! These quotients are not the derivatives of any position: the solver evaluates them point by
+//! point, and needs no more.
 
 use std::sync::Arc;
 
@@ -17,31 +20,34 @@ use iiwa_program::{ByKind, LimitKind, MotionLimits, ToolLimits};
 use super::held_speed::HeldSpeed;
 use crate::{grid::Grid, sunrise::EndRamp};
 
-/// The joint that stands for each kind of limit.
+/// Virtual joint for each kind of limit.
 const STANDS_FOR: [(LimitKind, usize); 3] =
     [(LimitKind::Velocity, 0), (LimitKind::Acceleration, 1), (LimitKind::Jerk, 2)];
 
-/// A segment of a spline whose derivatives by sigma are those of the joints that stand for the model's limits.
+/// Spline segment whose derivatives by sigma are those of the virtual joints for the model's
+/// limits.
 #[derive(Debug)]
 pub(super) struct SpeedLimitedSegment<'a> {
     shape: &'a dyn Segment,
     limits: &'a MotionLimits,
-    /// The joints' acceleration limits from which limits of jerk follow: the robot's, by the motion's share of jerk.
+    /// Joint acceleration limits from which jerk limits follow: the robot's limits, times the
+    /// motion's share of jerk.
     jerk_base_rad_s2: Joints,
     model: SplineSpeed,
-    /// The way of the TCP; none if it does not move.
+    /// TCP way; none if the TCP does not move.
     way: Option<TcpWay>,
-    /// Largest speed of y for the whole way to take its least time.
+    /// Largest speed of y, at which the whole way takes the minimum cruise time.
     cruise: f64,
-    /// sigma from the rest before to the segment's start, and from its end to the rest after it, in rad.
+    /// sigma from the previous rest to the segment's start, and from its end to the next rest, in
+    /// rad.
     from_rests_rad: [f64; 2],
-    /// Speeds that are held around minima; none yet: then each place has its own.
+    /// Speeds that are held around minima; if unset, each point has its own limit.
     held: Option<Arc<HeldSpeed>>,
-    /// Ramps at both rests; none yet: then all of the acceleration limit may be used everywhere.
+    /// Ramps at both rests; if unset, the whole acceleration limit may be used everywhere.
     ramps: Option<[EndRamp; 2]>,
 }
 
-/// The way of the TCP along a segment: a coordinate of the tool, and its unit in m.
+/// TCP way along a segment: a tool coordinate, and its unit in m.
 #[derive(Clone, Copy, Debug)]
 struct TcpWay {
     coordinate: ToolCoordinate,
@@ -59,7 +65,7 @@ impl TcpWay {
     }
 }
 
-/// The model's limits at a place, in units of y.
+/// Limits of the model at a point, in units of y.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct SpeedLimits {
     /// First to third derivative of y by sigma.
@@ -70,7 +76,7 @@ pub(super) struct SpeedLimits {
 }
 
 impl<'a> SpeedLimitedSegment<'a> {
-    /// The segment under the `limits` of its motion; `full` are the robot's.
+    /// Creates the segment under the `limits` of its motion; `full` are the robot's.
     pub(super) fn new(
         shape: &'a dyn Segment,
         limits: &'a MotionLimits,
@@ -98,7 +104,7 @@ impl<'a> SpeedLimitedSegment<'a> {
         (self.from_rests_rad, self.cruise) = (from_rests_rad, cruise);
     }
 
-    /// The largest speed of y for the whole way to take its least time.
+    /// Returns the largest speed of y, at which the whole way takes the minimum cruise time.
     pub(super) fn cruise(&self) -> f64 {
         self.cruise
     }
@@ -113,17 +119,18 @@ impl<'a> SpeedLimitedSegment<'a> {
         self.ramps = Some(ramps);
     }
 
-    /// The joints' own segment and limits.
+    /// Returns the segment and the limits of the real joints.
     pub(super) fn own(&self) -> (&'a dyn Segment, &'a MotionLimits) {
         (self.shape, self.limits)
     }
 
-    /// Whether the TCP moves. If it does not, y is sigma (assumption: nothing was recorded).
+    /// Returns true if the TCP moves. If it does not, y is sigma (assumption: nothing was
+    /// recorded).
     pub(super) fn has_way(&self) -> bool {
         self.way.is_some()
     }
 
-    /// The whole y, by the trapezoidal rule.
+    /// Returns the whole y, by the trapezoidal rule.
     pub(super) fn way(&self, grid: &Grid) -> f64 {
         let length_rad = self.sigma_length_rad();
         let rates = grid.s_on(self.shape).into_iter().map(|s| self.way_by_sigma(s)[0]);
@@ -143,7 +150,7 @@ impl<'a> SpeedLimitedSegment<'a> {
         }
     }
 
-    /// The limits at `s`.
+    /// Returns the limits at `s`.
     pub(super) fn limits_at(&self, s: f64) -> SpeedLimits {
         let [first, second, _] = self.shape.sigma_derivatives(s);
         let way = self.way_by_sigma(s);
@@ -168,7 +175,8 @@ impl<'a> SpeedLimitedSegment<'a> {
         SpeedLimits { way, speed, acceleration: share * by_acceleration, jerk: per_s * by_jerk }
     }
 
-    /// The share of the acceleration, and one over the time in which it builds up, at a sigma in rad.
+    /// Returns the share of the acceleration limit, and the reciprocal of its build-up time, at a
+    /// sigma in rad.
     fn ramping(&self, at_rad: f64) -> [f64; 2] {
         let SplineSpeed { tangent_rel, build_up_s, .. } = self.model;
         let Some(ramps) = &self.ramps else { return [1.0, 1.0 / build_up_s] };
@@ -182,7 +190,8 @@ impl<'a> SpeedLimitedSegment<'a> {
         found
     }
 
-    /// The limits of the joints that stand for the model's, and those of the TCP; of speed over `slower`.
+    /// Returns the limits of the virtual joints, and those of the TCP; velocity limits are divided
+    /// by `slower`.
     pub(super) fn joint_limits(&self, slower: f64) -> MotionLimits {
         let mut joints = ByKind::from_fn(|_| [f64::INFINITY; 7]);
         for (kind, joint) in STANDS_FOR {

@@ -1,4 +1,5 @@
-//! Motion along a spline within the model's limits of speed and acceleration: the solver starts from it.
+//! Motion along a spline within the model's limits of speed and acceleration, as the start of the
+//! solver.
 
 use iiwa_kin::RampEnd;
 use iiwa_path::Segment;
@@ -7,27 +8,27 @@ use iiwa_solver::SweptNode;
 use super::limits::{SpeedLimitedSegment, SpeedLimits};
 use crate::grid::Grid;
 
-/// A node of a grid over a segment.
+/// Node of a grid over a segment.
 #[derive(Clone, Copy, Debug)]
 struct SweptPlace {
-    /// sigma from the rest before, in rad.
+    /// sigma from the previous rest, in rad.
     sigma: f64,
     /// Share of the segment's sigma.
     p: f64,
     limits: SpeedLimits,
-    /// (dsigma/dt)^2, in rad^2/s^2, at most.
+    /// Largest (dsigma/dt)^2, in rad^2/s^2.
     x: f64,
 }
 
 impl SweptPlace {
-    /// Largest d2sigma/dt2 where (dsigma/dt)^2 is `x`.
+    /// Returns the largest d2sigma/dt2 at `x` = (dsigma/dt)^2.
     fn acceleration(&self, x: f64) -> f64 {
         let [first, second, _] = self.limits.way;
         ((self.limits.acceleration - second.abs() * x) / first).max(0.0)
     }
 }
 
-/// The nodes of all segments between two rests.
+/// Nodes of all segments between two rests.
 pub(super) struct SplineSweep {
     places: Vec<SweptPlace>,
     /// Length of each segment in rad, and its number of nodes.
@@ -35,7 +36,7 @@ pub(super) struct SplineSweep {
 }
 
 impl SplineSweep {
-    /// As fast as the limits of speed allow.
+    /// Creates the nodes with the speed limits alone.
     pub(super) fn new(segments: &[SpeedLimitedSegment<'_>], grid: &Grid) -> Self {
         let mut sweep = Self { places: Vec::new(), segments: Vec::with_capacity(segments.len()) };
         let mut start = 0.0;
@@ -55,18 +56,18 @@ impl SplineSweep {
         sweep
     }
 
-    /// Places by sigma in rad, with the limits of the speeds of y and of sigma.
+    /// Returns the points by sigma in rad, with the limits of the speeds of y and of sigma.
     pub(super) fn speeds(&self) -> Vec<[f64; 3]> {
         let speeds = |place: &SweptPlace| [place.sigma, place.limits.speed, place.x.sqrt()];
         self.places.iter().map(speeds).collect()
     }
 
-    /// The largest speed of y anywhere, without regard to acceleration.
+    /// Returns the largest speed of y anywhere, without the acceleration limits.
     pub(super) fn top_speed(&self) -> f64 {
         self.places.iter().map(|place| place.limits.speed).fold(0.0, f64::max)
     }
 
-    /// The way from the rest at an end on which the arm reaches a limit of speed, in rad.
+    /// Returns the way from the rest at an end on which the robot reaches a speed limit, in rad.
     pub(super) fn way_to_limit_rad(&self, end: RampEnd) -> f64 {
         let last = self.places.last().map_or(0.0, |place| place.sigma);
         match end {
@@ -77,7 +78,8 @@ impl SplineSweep {
         }
     }
 
-    /// The nodes of each segment of the motion that keeps the limits of acceleration as well, from rest to rest.
+    /// Returns the nodes of each segment of the motion from rest to rest that keeps the
+    /// acceleration limits as well.
     pub(super) fn nodes(mut self) -> Vec<Vec<SweptNode>> {
         lower(self.places.iter_mut());
         lower(self.places.iter_mut().rev());
@@ -107,7 +109,8 @@ impl SplineSweep {
     }
 }
 
-/// The way from rest on which a limit of speed is reached, without limits of jerk; the whole way if none is.
+/// Returns the way from rest on which a speed limit is reached, without jerk limits; the whole way
+/// if none is reached.
 fn way_to_limit<'a>(places: impl Iterator<Item = (f64, &'a SweptPlace)>) -> f64 {
     let (mut x, mut way) = (0.0, 0.0);
     for (next, place) in places {
@@ -120,7 +123,7 @@ fn way_to_limit<'a>(places: impl Iterator<Item = (f64, &'a SweptPlace)>) -> f64 
     way
 }
 
-/// Lowers x to what can be reached from the first place, which is at rest.
+/// Lowers x to the values that are reachable from the first point, at rest.
 fn lower<'a>(places: impl Iterator<Item = &'a mut SweptPlace>) {
     let mut before: Option<SweptPlace> = None;
     for place in places {

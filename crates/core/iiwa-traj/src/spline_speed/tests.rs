@@ -1,4 +1,4 @@
-//! The model's own limits, at every instant.
+//! The model's limits at every instant.
 
 use iiwa_kin::{Joints, Robot};
 use iiwa_path::{JointPath, PLACES, Segment};
@@ -12,7 +12,7 @@ use crate::{
     trajectory::Trajectory,
 };
 
-/// A spline from the first of some poses through the others, in degrees.
+/// Creates a spline from the first pose through the others, in degrees.
 fn spline(robot: &Robot, poses_deg: &[Joints]) -> JointPath {
     let segments = poses_deg[1..].iter().map(|pose_deg| {
         let pose = robot.flange_pose(&pose_deg.map(f64::to_radians));
@@ -34,7 +34,7 @@ fn spline(robot: &Robot, poses_deg: &[Joints]) -> JointPath {
     JointPath::new(&Program::from_json(&text).unwrap(), robot).unwrap()
 }
 
-/// The largest shares of the model's limits of speed, acceleration and jerk along a spline.
+/// Returns the largest shares of the model's limits of speed, acceleration and jerk along a spline.
 fn largest_shares(path: &JointPath) -> [f64; 3] {
     let plan = Trajectory::plan(path, Timing::Sunrise(JerkOptions::default())).unwrap();
     let mut largest = [0.0_f64; 3];

@@ -1,4 +1,4 @@
-//! What a motion by the model uses of the limits of joints and TCP.
+//! Usage of joint and TCP limits by a motion of the spline model.
 
 use iiwa_path::PLACES;
 use iiwa_solver::LimitedSegment;
@@ -9,11 +9,11 @@ use crate::{
     node::Node,
 };
 
-/// Places of an interval between nodes that are looked at.
+/// Sampled points per interval between nodes.
 const SAMPLES: u32 = 4;
 
-/// The usage of the limits of a segment by the motion between `nodes`. The model does not keep limits of acceleration and jerk:
-/// shares above 1 are what the motion reaches.
+/// Returns the usage of a segment's limits by the motion between `nodes`. The model does not keep
+/// acceleration and jerk limits: shares above 1 are the values that the motion reaches.
 pub(super) fn usage(segment: &LimitedSegment<'_>, nodes: &[Node]) -> LimitUsage {
     let mut usage = LimitUsage::default();
     let length_rad = segment.length_rad();

@@ -1,25 +1,26 @@
-//! From rest to rest along a line in joint space, as Sunrise plans it: ramps of acceleration, plateau, cruise.
+//! Motion from rest to rest along a line in joint space, as planned by Sunrise: acceleration ramps,
+//! plateau, cruise.
 
 use iiwa_kin::{RampLaw, RampLimits};
 
 use super::ramp::{Ramp, RampPhase};
 use crate::phases::ProfilePoint;
 
-/// The limits of a line, in rad along it.
+/// Limits of a line, in rad along the line.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct RampedLine<'a> {
     /// Largest speed, in rad/s.
     pub(crate) speed: f64,
     /// Largest acceleration, in rad/s^2.
     pub(crate) acceleration: f64,
-    /// At its start and at its end.
+    /// Ramp limits at the start and at the end.
     pub(crate) ends: [RampLimits; 2],
     pub(crate) law: &'a RampLaw,
 }
 
-/// The way between a rest and a speed: ramp, plateau, and the ramp's mirror image.
+/// Motion between rest and a speed: ramp, plateau, and the mirror image of the ramp.
 struct Half {
-    /// To the largest acceleration, where the speed leaves room for it.
+    /// Ramp to the largest acceleration; lower speeds shorten it.
     ramp: Ramp,
     lost_s: f64,
 }
@@ -30,7 +31,7 @@ impl Half {
         Self { lost_s: ramp.lost_s(), ramp }
     }
 
-    /// The way to a speed, and its derivative.
+    /// Returns the way to a speed, and its derivative.
     fn way(&self, speed: f64) -> [f64; 2] {
         let Self { ramp: Ramp { acceleration, seconds, .. }, lost_s } = *self;
         let least = acceleration * seconds;
@@ -43,7 +44,7 @@ impl Half {
         [speed * time, 4.0 / 3.0 * time]
     }
 
-    /// The phases to a speed.
+    /// Returns the phases to a speed.
     fn phases(&self, speed: f64) -> [RampPhase; 7] {
         let ramp = self.ramp.below(speed);
         let mut phases = [RampPhase::default(); 7];
@@ -56,9 +57,10 @@ impl Half {
     }
 }
 
-/// The speed up to which both halves take a way between them, if that is below `speed`; and what is left of the way at it.
+/// Returns the speed up to which both halves together use up a way, at most `speed`, and the rest
+/// of the way at that speed.
 fn top_speed(way: f64, speed: f64, halves: &[Half; 2]) -> [f64; 2] {
-    /// Doubles are used up long before.
+    /// Bound that is never reached: double precision is exhausted long before.
     const MOST_STEPS: usize = 50;
     let mut top = speed;
     for _ in 0..MOST_STEPS {
@@ -67,7 +69,8 @@ fn top_speed(way: f64, speed: f64, halves: &[Half; 2]) -> [f64; 2] {
             [ways + way, slopes + slope]
         });
         let left = way - ways;
-        // Newton's method. The ways are convex functions of the speed, so it converges from above without overshoot.
+        // Newton's method. The ways are convex functions of the speed, so it converges from above
+        // without overshoot.
         if left >= -ROUNDING * way {
             return [top, left.max(0.0)];
         }
@@ -76,20 +79,23 @@ fn top_speed(way: f64, speed: f64, halves: &[Half; 2]) -> [f64; 2] {
     [top, 0.0]
 }
 
-/// Phases that are shorter than this, in s, are left out: no controller could tell them.
+/// Duration in s below which phases are dropped: shorter ones are below the resolution of any
+/// controller.
 const SHORTEST_S: f64 = 1e-9;
 
 /// Share of a duration that is rounding.
 const ROUNDING: f64 = 1e-12;
 
-/// The instants between the phases of constant snap, the start and the end among them; phases that take no time are left out.
+/// Returns the instants between the phases of constant snap, including start and end; phases
+/// without duration are dropped.
 pub(crate) fn instants(way: f64, limits: &RampedLine<'_>) -> Vec<ProfilePoint> {
     let halves = [0, 1].map(|end| Half::new(limits, end));
     let [speed, cruise] =
         top_speed(way, limits.speed.min(way / limits.law.least_cruise_s), &halves);
     let cruise_s = cruise / speed;
     let [start, stop] = halves.map(|half| half.phases(speed));
-    // Backwards, acceleration and snap change their signs, and jerk begins with what it ended with.
+    // In reverse, acceleration and snap change their signs, and jerk starts with its former end
+    // value.
     let backwards = stop.iter().rev().map(|RampPhase { seconds, jerk, snap }| RampPhase {
         seconds: *seconds,
         jerk: jerk + snap * seconds,
@@ -108,7 +114,7 @@ pub(crate) fn instants(way: f64, limits: &RampedLine<'_>) -> Vec<ProfilePoint> {
             instants.push(next);
         }
     }
-    // Exactly there and exactly at rest, not but for rounding.
+    // The end is set to the exact way and to rest, without rounding.
     if let Some(last) = instants.last_mut() {
         *last = ProfilePoint { t_s: last.t_s, way, ..ProfilePoint::default() };
     }
@@ -136,7 +142,8 @@ mod tests {
     }
 
     proptest! {
-        /// With and without plateau and cruise: phases join and lead to the end, at rest, below the limits of speed and acceleration.
+        /// With and without plateau and cruise: phases join, end at rest at the end of the way, and
+        /// keep the limits of speed and acceleration.
         #[test]
         fn phases_lead_to_the_end(
             ends in [limits(), limits()], speed in 0.01..3.0_f64, acceleration in 1.0..30.0_f64, power in -9.0..1.5_f64,
@@ -154,7 +161,7 @@ mod tests {
             prop_assert!(last.way == way && last.speed == 0.0);
         }
 
-        /// A way that is a little longer takes a little longer.
+        /// A slightly longer way takes slightly longer.
         #[test]
         fn longer_takes_longer(
             ends in [limits(), limits()], speed in 0.01..3.0_f64, acceleration in 1.0..30.0_f64, power in -6.0..1.0_f64, more in -7.0..1.0_f64,

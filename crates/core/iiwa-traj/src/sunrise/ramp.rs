@@ -1,34 +1,35 @@
-//! A ramp of acceleration at one end of a line, from rest, by a [`RampLaw`](iiwa_kin::RampLaw).
+//! Acceleration ramp at one end of a line, from rest, by a [`RampLaw`](iiwa_kin::RampLaw).
 //!
-//! | phase | until the speed is | jerk |
+//! | phase | up to the speed | jerk |
 //! |---|---|---|
 //! | 1 | v1 | from 0 to J, linearly: constant snap |
-//! | 2 | v2, where J would reach the acceleration, if that is more than a width beyond v1 | constant, below J |
-//! | 3 | a width beyond v1 or v2 | on from that before, linearly, or constant where it would fall below 0 |
+//! | 2 | v2, at which J would reach the acceleration, if that is more than a width beyond v1 | constant, below J |
+//! | 3 | a width beyond v1 or v2 | from the previous value, linearly, or constant where it would fall below 0 |
 //!
-//! A width is 0.3 rad/s in all that was measured. The ramp from the acceleration down into the cruise is its mirror image in
-//! value.
+//! A width is 0.3 rad/s in all measurements. The ramp from the acceleration down into the cruise is
+//! the mirror image of this ramp.
 //!
-//! **Assumed**, as nothing was measured: where the speed is too low for a ramp and its mirror image, both are faster and lower, with
-//! the same snap; and where jerk would have to grow in phase 3, that phase is as long as with constant jerk. Both begin where what was
-//! measured ends.
+//! **Assumed**, since nothing was measured: where the speed is too low for a ramp and its mirror
+//! image, both are shorter and lower, with the same snap; and where jerk would have to grow in
+//! phase 3, that phase is as long as with constant jerk. Both cases are continuous with the
+//! measured range.
 
 use iiwa_kin::RampLimits;
 
 use crate::phases::ProfilePoint;
 
-/// A time of constant snap along a line.
+/// Phase of constant snap along a line.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct RampPhase {
-    /// Its duration, in s.
+    /// Duration, in s.
     pub seconds: f64,
-    /// Jerk at its start, in rad/s^3.
+    /// Jerk at the start, in rad/s^3.
     pub jerk: f64,
-    /// In rad/s^4.
+    /// Snap, in rad/s^4.
     pub snap: f64,
 }
 
-/// The end of the phase of constant snap with which a ramp from rest begins, along a line in joint space.
+/// End of the first phase, of constant snap, of a ramp from rest along a line in joint space.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RampStart {
     /// Speed, in rad/s.
@@ -37,24 +38,25 @@ pub struct RampStart {
     pub jerk: f64,
 }
 
-/// A ramp from no acceleration to the largest one.
+/// Ramp from zero acceleration to the largest acceleration.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Ramp {
-    /// Those that are left out take no time.
+    /// Phases; unused ones have no duration.
     pub(crate) phases: [RampPhase; 3],
     pub(crate) seconds: f64,
-    /// The acceleration at its end, in rad/s^2.
+    /// Acceleration at the end, in rad/s^2.
     pub(crate) acceleration: f64,
 }
 
-/// The share of phase 2 in what the square of the acceleration gains after phase 1; measured: 0.608 to 0.610.
+/// Share of phase 2 in the growth of the squared acceleration after phase 1; measured: 0.608 to
+/// 0.610.
 const CONSTANT_SHARE: f64 = 0.61;
 
-/// The share of a limit that is rounding.
+/// Share of a limit that is rounding.
 const ROUNDING: f64 = 1e-12;
 
 impl RampPhase {
-    /// The state at the end of a phase, from that at its start.
+    /// Returns the state at the end of a phase, given the state at its start.
     pub(super) fn after(&self, from: &ProfilePoint) -> ProfilePoint {
         let Self { seconds: t, jerk, snap } = *self;
         let ProfilePoint { speed: v, acceleration: a, .. } = *from;
@@ -69,19 +71,21 @@ impl RampPhase {
 }
 
 impl Ramp {
-    /// The ramp to an acceleration, in rad/s^2, with a width in rad/s.
+    /// Creates the ramp to an acceleration, in rad/s^2, with a width in rad/s.
     pub(crate) fn to(acceleration: f64, limits: &RampLimits, width: f64) -> Self {
         let phases = RampStart::by(limits, acceleration, width).phases(acceleration, width);
         Self { phases, seconds: phases.iter().map(|phase| phase.seconds).sum(), acceleration }
     }
 
-    /// The ramp to an acceleration, or as far towards it as a speed allows: it and its mirror image stay below.
+    /// Returns the ramp to the acceleration, or as far towards it as a speed allows: the ramp and
+    /// its mirror image stay below the speed.
     pub(crate) fn below(self, speed: f64) -> Self {
         let share = speed / (self.acceleration * self.seconds);
         if share >= 1.0 {
             return self;
         }
-        // With the same snap: speed goes with the third power of time, acceleration with the second.
+        // At equal snap, speed is proportional to the third power of time, acceleration to the
+        // second.
         let root = share.cbrt();
         let faster = |RampPhase { seconds, jerk, snap }| RampPhase {
             seconds: root * seconds,
@@ -95,7 +99,8 @@ impl Ramp {
         }
     }
 
-    /// The time that it takes longer to its speed than the acceleration at its end would, in s.
+    /// Returns the extra time that the ramp takes to its speed, compared with its final
+    /// acceleration from the start, in s.
     pub(crate) fn lost_s(&self) -> f64 {
         let rest = ProfilePoint::default();
         let end = self.phases.iter().fold(rest, |at, phase| phase.after(&at));
@@ -104,7 +109,7 @@ impl Ramp {
 }
 
 impl RampStart {
-    /// That of a ramp to an acceleration, in rad/s^2, with a width in rad/s.
+    /// Creates the start of a ramp to an acceleration, in rad/s^2, with a width in rad/s.
     #[must_use]
     pub fn by(limits: &RampLimits, acceleration: f64, width: f64) -> Self {
         let a = acceleration;
@@ -117,27 +122,28 @@ impl RampStart {
         }
     }
 
-    /// That of a phase which leads to a speed.
+    /// Creates the end of a phase that leads to a speed.
     fn at(speed: f64, limits: &RampLimits, acceleration: f64) -> Self {
-        // J + c sqrt(1.5 J v1) = Y is a quadratic equation in the root of J.
+        // J + c sqrt(1.5 J v1) = Y is a quadratic equation in the square root of J.
         let b = limits.damping_per_s * (1.5 * speed).sqrt();
         let root = 2.0 * limits.jerk / (b + (b * b + 4.0 * limits.jerk).sqrt());
         Self { speed, jerk: (root * root).min(acceleration * acceleration / (1.5 * speed)) }
     }
 
-    /// The acceleration there, in rad/s^2.
+    /// Returns the acceleration at this point, in rad/s^2.
     #[must_use]
     pub fn acceleration(&self) -> f64 {
         (1.5 * self.jerk * self.speed).sqrt()
     }
 
-    /// The speed that constant jerk would need from there to an acceleration.
+    /// Returns the speed gain from here to an acceleration under constant jerk.
     fn gain(&self, acceleration: f64) -> f64 {
         let a1 = self.acceleration();
         (acceleration * acceleration - a1 * a1) / (2.0 * self.jerk)
     }
 
-    /// The phases of the ramp to an acceleration, in rad/s^2, with a width in rad/s; those that are left out take no time.
+    /// Returns the phases of the ramp to an acceleration, in rad/s^2, with a width in rad/s; unused
+    /// phases have no duration.
     #[must_use]
     pub fn phases(&self, acceleration: f64, width: f64) -> [RampPhase; 3] {
         let a = acceleration;
@@ -163,9 +169,9 @@ impl RampStart {
     }
 }
 
-/// The phase that gains `width` of speed and ends with an acceleration `to`.
+/// Returns the phase that gains `width` of speed and ends with the acceleration `to`.
 fn last_phase(from: f64, jerk: f64, to: f64, width: f64) -> RampPhase {
-    // The speed gained in t with a jerk that changes linearly: t (2 from + to) / 3 + t^2 jerk / 6.
+    // Speed gain in t with linearly changing jerk: t (2 from + to) / 3 + t^2 jerk / 6.
     let mean = (2.0 * from + to) / 3.0;
     let seconds = 2.0 * width / (mean + (mean * mean + 2.0 / 3.0 * jerk * width).sqrt());
     let snap = 2.0 * (to - from - jerk * seconds) / (seconds * seconds);
@@ -181,14 +187,14 @@ pub(super) mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    /// Limits within and far beyond those of the arm.
+    /// Generates limits within and far beyond those of the robot.
     pub(in crate::sunrise) fn limits() -> impl Strategy<Value = RampLimits> {
         let log = |from: f64, to: f64| (from.ln()..to.ln()).prop_map(f64::exp);
         (log(1e2, 1e6), log(50.0, 1e5), 0.0..40.0_f64)
             .prop_map(|(snap, jerk, damping_per_s)| RampLimits { snap, jerk, damping_per_s })
     }
 
-    /// Speed and acceleration after a ramp, and its largest jerk.
+    /// Returns speed and acceleration after a ramp, and its largest jerk.
     fn run(ramp: &Ramp) -> [f64; 3] {
         let (mut v, mut a, mut most) = (0.0, 0.0, 0.0_f64);
         for RampPhase { seconds: t, jerk, snap } in ramp.phases {
@@ -213,8 +219,8 @@ pub(super) mod tests {
             prop_assert!(ramp.phases.iter().all(|it| it.seconds >= 0.0 && it.jerk >= 0.0));
         }
 
-        /// Both ramps stay below any speed, with no more of anything than the whole ramp has, and what changes little changes them
-        /// little.
+        /// Both ramps together stay below any speed and exceed no quantity of the whole ramp, and
+        /// small changes have small effects.
         #[test]
         fn it_fits_below_any_speed(limits in limits(), acceleration in 0.1..100.0_f64, speed in 1e-4..4.0_f64) {
             let whole = Ramp::to(acceleration, &limits, 0.3);

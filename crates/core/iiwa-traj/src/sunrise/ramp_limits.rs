@@ -1,14 +1,15 @@
-//! The limits of the ramps at the ends of a section.
+//! Ramp limits at the ends of a section.
 
 use iiwa_kin::{RampEnd, RampLimits, vector};
 use iiwa_path::{JointPath, Step};
 
 use crate::section::Piece;
 
-/// The limits of the ramp at one end of `pieces`, which go from rest to rest. None if they do not move.
+/// Returns the limits of the ramp at one end of `pieces`, which run from rest to rest. None if they
+/// do not move.
 ///
-/// The load counts as a part of the arm, which is assumed: no recording has one. So does it that a share of the limits of jerk is the
-/// same share of those of snap.
+/// Two assumptions, since no recording has a payload or a reduced jerk limit: the payload counts as
+/// part of the arm, and a share of the jerk limits is the same share of the snap limits.
 pub(crate) fn ramp_limits(path: &JointPath, pieces: &[Piece], end: RampEnd) -> Option<RampLimits> {
     let (piece, s, sign) = match end {
         RampEnd::Start => (pieces.first()?, 0.0, 1.0),

@@ -1,35 +1,41 @@
-//! What the limits leave at one node of the sweep: straight lines in x.
+//! Constraints at one node of the sweep: the bounds of u are straight lines in x.
+//!
+//! In the notation of TOPP-RA, a constraint `a u + b x + c <= 0` is an upper bound
+//! `u <= -(b x + c) / a` for positive a and a lower bound for negative a.
 
 use iiwa_solver::PathRow;
 use pulp::Simd;
 
 pub(super) type Row = [f64; 8];
 
-/// A number for each line: of the joints and the tool by their accelerations and, eight by eight, of the rows of further limits.
+/// One number for each line: first the joints and the tool with their acceleration limits, then, in
+/// groups of eight, the rows of further limits.
 pub(super) type Lines<const R: usize> = [Row; R];
 
-/// The most groups of eight lines: of accelerations, and of two times eight rows of further limits.
+/// Largest number of groups of eight lines: one for accelerations and two for rows of further
+/// limits.
 pub(crate) const MOST_GROUPS: usize = 3;
 
-/// Above any x or u that a limit leaves.
+/// Value above any x or u within the limits.
 pub(super) const UNLIMITED: f64 = 1e30;
 
-/// Share of a further limit that acceleration along the path takes, by p in s^2, below which it is rounding.
+/// Coefficient a of a further limit, by p in s^2, below which it is rounding. It also keeps the
+/// quotients finite.
 const LEAST_INERTIA: f64 = 1e-12;
 
-/// What the limits leave at one node: x at most `cap`, and for each line u from
-/// `-(fall x + below)` to `rise x + above`.
+/// Constraints at one node: x is at most `cap`, and for each line u is between `-(fall x + below)`
+/// and `rise x + above`.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Bounds<const R: usize> {
     pub(super) fall: Lines<R>,
     pub(super) rise: Lines<R>,
     pub(super) below: Lines<R>,
     pub(super) above: Lines<R>,
-    /// Largest x at which no joint is too fast.
+    /// Largest x within the velocity limits.
     pub(super) cap: f64,
-    /// The largest |q''| of any joint.
+    /// Largest |q''| of any joint.
     pub(super) bend: f64,
-    /// Share of the acceleration limits that is left to be used.
+    /// Usable share of the acceleration limits.
     pub(super) share: f64,
 }
 
@@ -41,7 +47,9 @@ impl<const R: usize> Default for Bounds<R> {
 }
 
 impl<const R: usize> Bounds<R> {
-    /// `velocity` holds the acceleration limits over the velocity limits, in 1/s.
+    /// Sets the lines of the acceleration limits and the velocity cap. `velocity` holds the
+    /// acceleration limits over the velocity limits, in 1/s; `h` is the length of the longer
+    /// neighbouring interval.
     #[inline(always)]
     pub(super) fn set<S: Simd>(&mut self, simd: S, dq: &Row, ddq: &Row, velocity: &Row, h: f64) {
         let row = |row| S::as_simd_f64s(row).0;
@@ -56,9 +64,10 @@ impl<const R: usize> Bounds<R> {
         for k in 0..dq.len() {
             let (p, bend) = (simd.abs_f64s(dq[k]), simd.abs_f64s(ddq[k]));
             bent = simd.max_f64s(bent, bend);
-            // Where q' changes its sign next to the node, the limits at the node alone would leave x
-            // and u free, and speed and acceleration beside it with them: q' of one and a quarter
-            // intervals away bounds the one, of half an interval, in both directions, the other.
+            // Where q' changes its sign next to the node, the constraints at the node alone would
+            // leave x and u unbounded, and with them speed and acceleration beside the node. q' at
+            // a distance of one and a quarter intervals bounds the speed, q' at half an interval in
+            // both directions the acceleration.
             let speed = simd.max_f64s(p, simd.mul_f64s(beside, bend));
             fastest = simd.max_f64s(fastest, simd.mul_f64s(velocity[k], speed));
             let nearby = simd.mul_f64s(near, bend);
@@ -84,7 +93,7 @@ impl<const R: usize> Bounds<R> {
         let Self { fall, rise, below, above, bend, .. } = self;
         let [fall, rise, below, above] =
             [fall, rise, below, above].map(|lines| &mut lines.as_flattened_mut()[8..]);
-        // Lines of no row limit nothing.
+        // Lines without a row do not constrain u.
         fall.fill(0.0);
         rise.fill(0.0);
         below.fill(UNLIMITED);
@@ -100,7 +109,8 @@ impl<const R: usize> Bounds<R> {
         }
     }
 
-    /// Leaves only a share of the acceleration limits, and of what their offsets leave of further limits.
+    /// Lowers the usable share of the acceleration limits and, for further limits, of the limit
+    /// minus its offset.
     pub(super) fn lower(&mut self, share: f64) {
         if share != self.share {
             let factor = share / self.share;
@@ -111,23 +121,24 @@ impl<const R: usize> Bounds<R> {
         }
     }
 
-    /// Largest u at `x`.
+    /// Returns the upper bound of u at `x`.
     #[inline(always)]
     pub(super) fn most<S: Simd>(&self, simd: S, x: f64) -> f64 {
         lowest(simd, &self.rise, x, &self.above)
     }
 
-    /// Smallest u at `x`.
+    /// Returns the lower bound of u at `x`.
     #[inline(always)]
     pub(super) fn least<S: Simd>(&self, simd: S, x: f64) -> f64 {
         -lowest(simd, &self.fall, x, &self.below)
     }
 
-    /// Largest x, not above `x`, at which some u keeps all limits.
+    /// Returns the largest x, at most `x`, with a feasible u: at which the lower bound of u is not
+    /// above the upper bound.
     ///
-    /// The width of the band common to all joints is a concave function of x, made of straight
-    /// pieces. Newton's method comes down on its root from the right, and ends after a few pieces.
-    /// `pair` holds the joints of the piece to try first, and then those of the last.
+    /// The width of the feasible range of u is a concave, piecewise linear function of x. Newton's
+    /// method approaches its root from the right and ends after a few pieces. `pair` holds the
+    /// lines (upper, lower) of the piece to try first and, on return, those of the last piece.
     #[inline(always)]
     pub(super) fn possible<S: Simd>(&self, simd: S, mut x: f64, pair: &mut [usize; 2]) -> f64 {
         const STEPS: usize = 64;
@@ -156,13 +167,13 @@ impl<const R: usize> Bounds<R> {
     }
 }
 
-/// The lines in vector registers.
+/// Reinterprets the lines as vector registers.
 #[inline(always)]
 fn flat<S: Simd, const R: usize>(lines: &Lines<R>) -> &[S::f64s] {
     S::as_simd_f64s(lines.as_flattened()).0
 }
 
-/// The lowest of the lines `slope x + offset` at `x`.
+/// Returns the minimum of the lines `slope x + offset` at `x`.
 #[inline(always)]
 fn lowest<S: Simd, const R: usize>(simd: S, slopes: &Lines<R>, x: f64, offsets: &Lines<R>) -> f64 {
     let (slopes, offsets) = (flat::<S, R>(slopes), flat::<S, R>(offsets));
@@ -174,11 +185,12 @@ fn lowest<S: Simd, const R: usize>(simd: S, slopes: &Lines<R>, x: f64, offsets: 
     simd.reduce_min_f64s(lowest)
 }
 
-/// The same as [`lowest`], where the lowest is likely to be `line`; afterwards it is.
+/// Returns the same value as [`lowest`], with `line` as a guess of the minimal line; on return,
+/// `line` is that line.
 ///
-/// A step of a sweep starts from what the last one found. With the joint that limits known beforehand,
-/// which most often is the one of the last node, the processor goes on with its line alone while it
-/// compares all of them.
+/// Each step of a sweep depends on the result of the last one. The active constraint is most often
+/// that of the last node: with its line as a guess, the processor continues speculatively while it
+/// compares all lines.
 #[inline(always)]
 fn lowest_by<S: Simd, const R: usize>(
     simd: S,
@@ -188,7 +200,7 @@ fn lowest_by<S: Simd, const R: usize>(
     line: &mut usize,
 ) -> f64 {
     let (slope, offset) = (slopes.as_flattened()[*line], offsets.as_flattened()[*line]);
-    // Rounded as in `lowest`.
+    // Rounds as `lowest` does, so that equal lines compare equal.
     let likely = if S::IS_SCALAR { slope * x + offset } else { slope.mul_add(x, offset) };
     let lowest = lowest(simd, slopes, x, offsets);
     if lowest < likely {
@@ -198,11 +210,12 @@ fn lowest_by<S: Simd, const R: usize>(
     likely
 }
 
-/// Largest x, not above `cap`, with `x - h lowest(x) <= c`, and the lowest of the lines there.
+/// Returns the largest x, at most `cap`, with `x - h lowest(x) <= c`, and the minimum of the lines
+/// there.
 ///
-/// `lines` holds the line that is likely to limit x, and the one that is likely to be the lowest
-/// there, the same unless x is `cap`; afterwards it holds those that are. Whichever line is taken to
-/// limit x, x comes out too large or right, as in Newton's method.
+/// `lines` holds guesses of the line that limits x and of the minimal line there, which are the
+/// same unless x is `cap`; on return it holds the actual lines. With any line as the limiting one,
+/// x is too large or exact, as in Newton's method.
 #[inline(always)]
 pub(super) fn largest<S: Simd, const R: usize>(
     simd: S,
@@ -212,12 +225,12 @@ pub(super) fn largest<S: Simd, const R: usize>(
     cap: f64,
     lines: &mut [usize; 2],
 ) -> (f64, f64) {
-    // Up to rounding, no line is the limiting one twice.
+    // Up to rounding, each line is the limiting one at most once.
     const STEPS: usize = 16;
     let mut found = (0.0, 0.0);
     for _ in 0..STEPS {
         let limiting = lines[0];
-        // A factor of no more than zero leaves x free.
+        // Without a positive factor the line does not limit x.
         let inverse = 1.0 / greater(1.0 - h * slopes.as_flattened()[limiting], 1e-9);
         let x = lesser((c + h * offsets.as_flattened()[limiting]) * inverse, cap);
         let lowest = lowest_by(simd, slopes, x, offsets, &mut lines[1]);
@@ -230,7 +243,8 @@ pub(super) fn largest<S: Simd, const R: usize>(
     found
 }
 
-/// The places of lines; as many as there are at most.
+/// Indices of lines as floating-point numbers, so that the minimum can be taken in vector
+/// registers.
 const PLACES: [f64; 8 * MOST_GROUPS] = {
     let mut places = [0.0; 8 * MOST_GROUPS];
     let mut i = 1;
@@ -241,7 +255,8 @@ const PLACES: [f64; 8 * MOST_GROUPS] = {
     places
 };
 
-/// The first of the lines that are `lowest` at `x`.
+/// Returns the index of the first line whose value is `lowest` at `x`; 0 if the values are not
+/// numbers.
 #[inline(always)]
 fn place<S: Simd, const R: usize>(
     simd: S,
@@ -268,13 +283,13 @@ fn place<S: Simd, const R: usize>(
     first % (8 * R)
 }
 
-/// The lesser of two numbers, in one instruction.
+/// Returns the lesser of two numbers, in one instruction (`f64::min` also handles NaN).
 #[inline(always)]
 pub(crate) fn lesser(a: f64, b: f64) -> f64 {
     if a < b { a } else { b }
 }
 
-/// The greater of two numbers, in one instruction.
+/// Returns the greater of two numbers, in one instruction (`f64::max` also handles NaN).
 #[inline(always)]
 pub(crate) fn greater(a: f64, b: f64) -> f64 {
     if a > b { a } else { b }

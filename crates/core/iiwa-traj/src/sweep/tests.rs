@@ -1,8 +1,9 @@
-//! Bounds whose two sides differ, against trying everything.
+//! Bounds with different values for both directions, compared with exhaustive trial.
 
 use super::*;
 
-/// Nodes at which each joint has a lower and an upper limit of its own: u is at most `(upper - c x) / m`.
+/// Creates a node at which each joint has its own lower and upper limit: u is at most
+/// `(upper - c x) / m`.
 fn node(random: &mut fastrand::Rng) -> Bounds<1> {
     let unlimited = [[UNLIMITED; 8]];
     let mut bounds =
@@ -16,7 +17,7 @@ fn node(random: &mut fastrand::Rng) -> Bounds<1> {
     bounds
 }
 
-/// Smallest and largest u at `x`, joint by joint.
+/// Returns the smallest and the largest u at `x`, joint by joint.
 fn band(bounds: &Bounds<1>, x: f64) -> [f64; 2] {
     (0..7).fold([f64::NEG_INFINITY, f64::INFINITY], |[least, most], j| {
         let low = -(bounds.fall[0][j] * x + bounds.below[0][j]);
@@ -24,14 +25,14 @@ fn band(bounds: &Bounds<1>, x: f64) -> [f64; 2] {
     })
 }
 
-/// The steps in which x is tried, from 0 to 4.
+/// Step between trial values of x, from 0 to 4.
 const STEP: f64 = 1e-4;
 
 fn tried() -> impl DoubleEndedIterator<Item = f64> {
     (0..=40_000).map(|i| f64::from(i) * STEP)
 }
 
-/// Whether u at both ends, apart or the same, takes x from `x` to `y`.
+/// Returns true if u at both ends, independent or equal, leads from `x` to `y`.
 fn reaches(interval: &Interval<'_, 1>, x: f64, y: f64) -> bool {
     let (start, end) = (band(interval.start, x), band(interval.end, y));
     let sum = (y - x) / interval.h;
@@ -82,7 +83,7 @@ fn what_is_reached_in_an_interval() {
         }
         asymmetric += usize::from(start.below != start.above);
 
-        // Backwards: the largest x from which something up to `end` is reached.
+        // Backward pass: the largest x from which some x up to `end` is reachable.
         let end = random.f64() * cap;
         let found = interval.search(end, possible(&start));
         let fits = |x: f64| {
