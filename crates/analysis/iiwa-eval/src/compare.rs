@@ -1,17 +1,18 @@
-//! A recording held against a plan: how long the arm took, and which way it went.
+//! Comparison of a recording with a plan: duration and path.
 //!
-//! **Times.** The cycle time's error is that of Larsen 2019, Eq. 40: `T_s - T_r`, and its share of `T_r`,
-//! with the simulated time `T_s` and the real one `T_r`. Joint positions tell when the arm leaves its
-//! start and when it arrives at its end, not for how long it stands before and after. So `T_r` is the
-//! time between these two, plus the time that the plan stands at its start and its end (to settle and
-//! to wait there); `T_s` is the plan's cycle time.
+//! **Times.** The cycle time error is that of Larsen 2019, Eq. 40: `T_s - T_r`, and its share of
+//! `T_r`, with the simulated time `T_s` and the real one `T_r`. Joint positions show when the robot
+//! leaves its start and when it arrives at its end, but not how long the program rests before and
+//! after. Therefore `T_r` is the time between these two, plus the planned rest at the start and at
+//! the end (settling and waits); `T_s` is the plan's cycle time.
 //!
-//! **Paths.** Each sample's distance is that to the nearest place of the planned path, whenever the plan
-//! is there: in joint space, in rad, and of the TCP, in m. Places are looked for in the order of the
-//! path, so that a path that goes back on itself is not mixed up.
+//! **Paths.** Each sample is compared with the nearest point of the planned path, regardless of
+//! time: in joint space, in rad, and for the TCP, in m. Points are searched in the order of the
+//! path, so that a path that reverses is matched correctly.
 //!
-//! **Torques.** Each sample's torques less those that the plan needs at that place, with its load, its mount and the
-//! robot's friction. Where the arm is faster or slower there than planned, that shows, too.
+//! **Torques.** The torques required by the plan at the matched point, with its payload, mounting
+//! and the robot's friction, are subtracted from the recorded torques. Differences in speed from
+//! the plan therefore appear in the result as well.
 
 mod curve;
 mod deviation;
@@ -45,49 +46,49 @@ pub use motion_deviation::MotionDeviation;
 pub use plan::Plan;
 pub use torques::TorqueDifference;
 
-/// What came of holding a recording against a plan.
+/// Result of comparing a recording with a plan.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Comparison {
-    /// The whole program's time.
+    /// Time of the whole program.
     pub cycle_time: CycleTime,
-    /// When the arm leaves its start, in s of the recording.
+    /// Time at which the robot leaves its start, in s of the recording.
     pub departure_s: f64,
-    /// When it arrives at its end, in s of the recording.
+    /// Time at which the robot arrives at its end, in s of the recording.
     pub arrival_s: f64,
-    /// Each motion of the program, in order.
+    /// Motions of the program, in order.
     pub motions: Vec<MotionTime>,
-    /// Each stop between motions, in order.
+    /// Stops between motions, in order.
     pub stops: Vec<StopTime>,
-    /// How far off the path in joint space, in rad.
+    /// Deviation from the path in joint space, in rad.
     pub joints_rad: Deviation,
-    /// How far off the path of the TCP, in m: the distance between the measured TCP and the nearest
-    /// point of its planned path about the matched place.
+    /// Deviation from the TCP path, in m: the distance between the measured TCP and the nearest
+    /// point of the planned TCP path around the matched point.
     pub tcp_m: Deviation,
-    /// Largest deviations from the path of each motion, in order; motions without samples are omitted.
+    /// Largest path deviations of each motion, in order; motions without samples are omitted.
     pub motion_deviations: Vec<MotionDeviation>,
-    /// Recorded torques beside those of the plan, if the recording has any.
+    /// Recorded torques compared with those of the plan, if the recording has any.
     pub torques: Option<TorqueDifference>,
-    /// Samples between departure and arrival.
+    /// Number of samples between departure and arrival.
     pub samples: usize,
-    /// The usual time between two samples, in s.
+    /// Typical time between two samples, in s.
     pub step_s: f64,
-    /// Noise of the recording: standard deviation of all joints together, in rad. The path deviates by
-    /// about as much.
+    /// Noise of the recording: standard deviation of all joints together, in rad. The path
+    /// deviation contains about as much.
     pub noise_rad: f64,
-    /// The same program is in the recording once more, from this time on, in s of the recording.
+    /// Time at which a second run of the same program starts, in s of the recording.
     pub again_s: Option<f64>,
-    /// What the figures leave out or take for granted, for people.
+    /// Limitations and assumptions of the figures, as text for users.
     pub losses: Vec<String>,
-    /// Some of the samples, for pictures.
+    /// Subset of the samples, for plots.
     pub trace: Vec<TracePoint>,
 }
 
 impl Comparison {
-    /// The trace without its gaps: runs of neighbouring samples, in the order of time. Where the recording has a pause, or
-    /// stands still and is not in the trace, one run ends and the next begins.
+    /// Returns the trace without its gaps: runs of consecutive samples, in order of time. A run
+    /// ends where the recording has a pause, or rests and is not in the trace.
     pub fn unbroken_trace(&self) -> impl Iterator<Item = &[TracePoint]> {
-        /// A step this many times as long as usual is a gap.
+        /// Ratio of a step to the typical one above which it is a gap.
         const GAP: f64 = 5.0;
         let mut steps: Vec<f64> =
             self.trace.windows(2).map(|pair| pair[1].measured_s - pair[0].measured_s).collect();
@@ -100,7 +101,7 @@ impl Comparison {
     }
 }
 
-/// The error of a cycle time (Larsen 2019, Eq. 40).
+/// Cycle time error (Larsen 2019, Eq. 40).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CycleTime {
     /// Simulated: the plan's cycle time, in s.
@@ -109,56 +110,56 @@ pub struct CycleTime {
     pub real_s: f64,
     /// Simulated minus real, in s.
     pub error_s: f64,
-    /// The same in per cent of the real one.
+    /// Error in per cent of the real time.
     pub error_percent: f64,
-    /// For how long the plan stands at its start and its end, in s: in both.
+    /// Planned rest at the start and at the end, in s; part of both times.
     pub standing_s: f64,
     /// Standard deviation of the real time due to the recording's noise, in s.
     pub deviation_s: f64,
 }
 
-/// The time of a motion, or of a wait.
+/// Time of a motion, or of a wait.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MotionTime {
-    /// Its place in the program.
+    /// Index in the program.
     pub motion: MotionIndex,
-    /// Its type; that of PTP motions where the plan does not tell.
+    /// Type of the motion; the default type (PTP) if the plan does not contain it.
     pub motion_type: MotionType,
-    /// When the plan starts it, in s.
+    /// Planned start time, in s.
     pub planned_start_s: f64,
-    /// For how long, in s; without the time to settle after it.
+    /// Planned duration, in s, without the settle time.
     pub planned_s: f64,
-    /// The arm's time at the place where the plan starts it, in s since the program's start; none if the
-    /// recording does not tell.
+    /// Time at which the robot passes the planned start, in s since the program's start; none if
+    /// the recording does not show it.
     pub real_start_s: Option<f64>,
-    /// How long the arm took, in s.
+    /// Real duration, in s.
     pub real_s: Option<f64>,
     /// Planned minus real duration, in s.
     pub error_s: Option<f64>,
-    /// The same in per cent of the real one.
+    /// Error in per cent of the real duration.
     pub error_percent: Option<f64>,
 }
 
-/// The time of standing between motions.
+/// Duration of a rest between motions.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StopTime {
-    /// The motion after which the arm stands.
+    /// Motion before the rest.
     pub after_motion: MotionIndex,
-    /// Planned: to settle and to wait, in s.
+    /// Planned: settling and waits, in s.
     pub planned_s: f64,
-    /// From arrival to departure, in s; none if the recording does not tell.
+    /// Real: from arrival to departure, in s; none if the recording does not show it.
     pub real_s: Option<f64>,
 }
 
-/// Holds a recording against a plan. Of a recording with several things in it, the first time that the
-/// arm goes along the whole path counts.
+/// Compares a recording with a plan. If the recording contains several runs or other motions, the
+/// first complete pass along the path is evaluated.
 ///
-/// It takes time in proportion to the number of samples, and memory for a number a sample.
+/// Computing time is proportional to the number of samples, and memory is one number per sample.
 ///
 /// # Errors
 ///
-/// [`CompareError`] if there is nothing to compare, if it is not the same program, or if the recording
-/// does not hold all of it.
+/// [`CompareError`] if there is nothing to compare, if the recording is of another program, or if
+/// it does not contain the whole program.
 pub fn compare(plan: &Plan, measured: &JointLog) -> Result<Comparison, CompareError> {
     let legs = plan.legs();
     if legs.is_empty() || plan.curve.length() <= 0.0 {
@@ -211,7 +212,7 @@ pub fn compare(plan: &Plan, measured: &JointLog) -> Result<Comparison, CompareEr
     })
 }
 
-/// Whether a log can be compared at all.
+/// Checks that a log can be compared at all.
 fn check(plan: &Plan, log: &JointLog) -> Result<(), CompareError> {
     let samples = log.t_s.len().min(log.q_rad.len());
     if samples < 4 || log.t_s.len() != log.q_rad.len() {
@@ -239,7 +240,7 @@ fn check(plan: &Plan, log: &JointLog) -> Result<(), CompareError> {
     Ok(())
 }
 
-/// Says what is missing between the samples.
+/// Reports missing samples.
 fn report_gaps(
     log: &JointLog,
     samples: std::ops::Range<usize>,
@@ -262,8 +263,8 @@ fn report_gaps(
     }
 }
 
-/// Whether the arm stands, or goes, elsewhere beyond an edge at which it was not seen to stand. If the
-/// recording is cut to the motion, there is nothing beyond.
+/// Checks that the robot does not rest or move elsewhere beyond an edge at which no rest was
+/// recorded. A recording that is cut to the motion has no samples beyond.
 fn stands_elsewhere(
     plan: &Plan,
     log: &JointLog,
@@ -283,19 +284,19 @@ fn stands_elsewhere(
     Ok(())
 }
 
-/// How far beyond an edge that is looked at, in s.
+/// Distance in time beyond an edge that is checked, in s.
 const BEYOND_S: f64 = 0.1;
 
-/// A gap about an edge from which on nothing is known of it, in s.
+/// Length of a gap around an edge, in s, from which the edge cannot be determined.
 const EDGE_GAP_S: f64 = 0.05;
 
-/// When the arm was where the plan starts and ends its motions.
+/// Times at which the robot passed the planned starts and ends of motions.
 struct Timing {
     departure: Edge,
     arrival: Edge,
-    /// Each leg's departure and arrival, in s of the recording.
+    /// Departure and arrival of each leg, in s of the recording.
     legs: Vec<(Leg, Option<f64>, Option<f64>)>,
-    /// Places within legs at which another motion begins: when in the plan, and in the recording.
+    /// Motion changes within legs: planned and recorded time.
     passes: Vec<(f64, Option<f64>)>,
 }
 
@@ -365,8 +366,8 @@ impl Timing {
         Ok(Self { departure, arrival, legs: times, passes })
     }
 
-    /// When the arm was where the plan is at a time at which a piece starts or ends, in s of the
-    /// recording. `after` is the piece that starts there, if it is about a start.
+    /// Returns the time at which the robot was at the planned position of a piece's start or end,
+    /// in s of the recording. `starts` is true for the start of a piece.
     fn at(&self, plan_s: f64, starts: bool) -> Option<f64> {
         let same = |a: f64| (a - plan_s).abs() <= 1e-9;
         if let Some(pass) = self.passes.iter().find(|pass| same(pass.0)) {
@@ -377,7 +378,7 @@ impl Timing {
             (Some((leg, leaves, _)), None) => leaves.map(|t_s| t_s + plan_s - leg.start_s),
             (Some((leg, leaves, _)), Some((before, _, arrives))) => {
                 if same(leg.start_s) {
-                    // Two legs meet where there is no time to settle.
+                    // Two legs meet if there is no settle time.
                     return if starts || !same(before.end_s) { *leaves } else { *arrives };
                 }
                 let t_s = (*arrives)? + plan_s - before.end_s;
@@ -395,8 +396,8 @@ impl Timing {
             let planned_start_s = start.start_s;
             let planned_end_s = if end.kind == PieceKind::Settle { end.start_s } else { end.end_s };
             let waits = start.kind == PieceKind::Wait;
-            // Before the first departure and after the last arrival standing is not told apart from
-            // what is not part of the program.
+            // Before the first departure and after the last arrival, rests of the program cannot be
+            // distinguished from rests outside the program.
             let seen = !waits || (planned_start_s >= first && planned_end_s < last);
             let real = self.at(planned_start_s, true).zip(self.at(planned_end_s, false));
             let real = real.filter(|_| seen);
@@ -428,7 +429,7 @@ impl Timing {
     }
 }
 
-/// Finds when the arm was where.
+/// Finds the times at which the robot passed planned positions.
 struct Finder<'a> {
     plan: &'a Plan,
     legs: &'a [Leg],
@@ -439,7 +440,7 @@ struct Finder<'a> {
     lengths: Vec<f64>,
 }
 
-/// How far about a stop it is looked for the arm standing, in rad.
+/// Distance from a stop within which the rest is searched, in rad.
 const ABOUT_RAD: f64 = 0.05;
 
 impl<'a> Finder<'a> {
@@ -455,14 +456,14 @@ impl<'a> Finder<'a> {
         Self { plan, legs, log, noise, followed, lengths }
     }
 
-    /// The first sample at a place of the plan or beyond.
+    /// Returns the first sample at or beyond a planned position.
     fn sample_at(&self, plan_s: f64) -> usize {
         let places = &self.followed.place_s;
-        // Noise takes places back a bit; about where they are to be found that does not matter.
+        // Noise may move positions slightly back; the error does not matter for a search range.
         self.followed.first + places.partition_point(|place_s| *place_s < plan_s)
     }
 
-    /// A leg's departure or arrival.
+    /// Finds the departure or arrival of a leg.
     fn edge(&self, leg: usize, side: Side) -> Result<Edge, edge::Unclear> {
         let curve = &self.plan.curve;
         let at_s = match side {
@@ -496,16 +497,16 @@ impl<'a> Finder<'a> {
         stop.find(self.log, from..to.max(from), self.noise)
     }
 
-    /// A leg's mean speed in the plan, in rad/s.
+    /// Returns a leg's mean planned speed, in rad/s.
     fn speed(&self, leg: usize) -> f64 {
         self.lengths[leg] / (self.legs[leg].end_s - self.legs[leg].start_s)
     }
 
-    /// The first sample that may belong to the stand before the program.
+    /// Returns the first sample that may belong to the rest before the program.
     fn pause_before(&self) -> usize {
         const BEFORE_S: f64 = 2.0;
         let first = self.followed.first;
-        // It may be on its way already, but hardly away from the start.
+        // The robot may already be moving, but is still close to the start.
         let away = follow::LEFT_RAD + 10.0 * self.noise.norm_rad();
         let from_s = self.log.t_s[first] - BEFORE_S - 4.0 * away / self.speed(0);
         self.log.t_s.partition_point(|t_s| *t_s < from_s)
@@ -524,7 +525,7 @@ impl<'a> Finder<'a> {
         curve.refine(interval, &q, arc_rad - curve.arc(interval)).t_s
     }
 
-    /// When the arm passes the places within legs at which another motion begins.
+    /// Returns the times at which the robot passes motion changes within legs.
     fn passes(&self) -> Vec<(f64, Option<f64>)> {
         let begins = |pair: &&[Piece]| {
             let moves = pair.iter().all(|piece| piece.kind.moves());
@@ -534,8 +535,8 @@ impl<'a> Finder<'a> {
         pairs.map(|pair| (pair[1].start_s, self.pass(pair[1].start_s))).collect()
     }
 
-    /// When the arm passes the place where the plan is at a time: times of samples follow those of
-    /// their places along a line, nearly.
+    /// Returns the time at which the robot passes the planned position of a time: around it,
+    /// recorded times are almost linear in the matched planned times.
     fn pass(&self, plan_s: f64) -> Option<f64> {
         const AROUND_S: f64 = 0.008;
         const AROUND: usize = 3;
@@ -560,7 +561,7 @@ impl<'a> Finder<'a> {
             (place_s - plan_s, log.t_s[i], speed * speed)
         });
         let line = Line::fit(points)?;
-        // Two motions may meet where the arm turns back; there its time is between the two samples.
+        // Two motions may meet at a reversal; the time is then between the two samples.
         Some(line.zero.clamp(log.t_s[before], log.t_s[at]))
     }
 }

@@ -1,22 +1,23 @@
-//! Figures with their uncertainty.
+//! Estimates with their uncertainty.
 
 use std::fmt;
 
 use nalgebra::{SMatrix, SVector};
 
-/// A figure that was found in observations.
+/// Estimate from observations.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Estimate {
-    /// The figure.
+    /// Estimated value.
     pub value: f64,
-    /// Half of the interval about it that holds the true figure in 95 of 100 cases.
+    /// Half-width of the 95 % confidence interval.
     pub uncertainty: f64,
     /// Number of observations.
     pub count: usize,
 }
 
 impl Estimate {
-    /// The mean of independent observations, each with its standard deviation; none without any.
+    /// Returns the mean of independent observations, each with its standard deviation; none without
+    /// observations.
     pub(crate) fn mean(observations: &[(f64, f64)]) -> Option<Self> {
         let rows =
             observations.iter().map(|&(value, deviation)| Row { by: [1.0], value, deviation });
@@ -24,13 +25,13 @@ impl Estimate {
         Some(line.at([1.0]))
     }
 
-    /// Whether `value` lies within the uncertainty.
+    /// Returns true if `value` is within the uncertainty.
     #[must_use]
     pub fn holds(&self, value: f64) -> bool {
         (value - self.value).abs() <= self.uncertainty
     }
 
-    /// The same figure in another unit.
+    /// Converts the estimate to another unit.
     #[must_use]
     pub fn scaled(self, factor: f64) -> Self {
         Self {
@@ -42,7 +43,7 @@ impl Estimate {
 }
 
 impl fmt::Display for Estimate {
-    /// The figure with as many places as its uncertainty has two digits.
+    /// Prints the value and its uncertainty with two significant digits of the latter.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { value, uncertainty, .. } = self;
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "0 to 9")]
@@ -51,30 +52,31 @@ impl fmt::Display for Estimate {
     }
 }
 
-/// An observation of a sum of unknown coefficients, each times a known factor.
+/// Observation of a sum of unknown coefficients, each times a known factor.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Row<const N: usize> {
     pub(crate) by: [f64; N],
     pub(crate) value: f64,
-    /// Its standard deviation.
+    /// Standard deviation of the observation.
     pub(crate) deviation: f64,
 }
 
-/// Coefficients found in many observations.
+/// Coefficients from many observations.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Linear<const N: usize> {
     pub(crate) coefficients: [f64; N],
     covariance: SMatrix<f64, N, N>,
-    /// How many standard deviations the uncertainty is.
+    /// Uncertainty in standard deviations.
     factor: f64,
     count: usize,
 }
 
 impl<const N: usize> Linear<N> {
-    /// Weighted least squares; none if the observations do not determine the coefficients.
+    /// Fits by weighted least squares; none if the observations do not determine the coefficients.
     ///
-    /// Observations may scatter by more than their standard deviations say, since the robot does. The
-    /// variance that explains the excess counts for each of them (Mandel and Paule 1970).
+    /// The observations may scatter more than their standard deviations, since the robot itself
+    /// does. The variance that explains the excess is added to each of them (Mandel and Paule
+    /// 1970).
     pub(crate) fn fit(rows: &[Row<N>]) -> Option<Self> {
         let degrees = rows.len().checked_sub(N)?;
         let solve = |excess: f64| {
@@ -96,7 +98,7 @@ impl<const N: usize> Linear<N> {
         let too_much = |scatter: f64| scatter > degrees as f64;
         let scatters = degrees > 0 && too_much(best.2);
         if scatters {
-            // All of the scatter of all of them would be enough.
+            // The total scatter of all observations is an upper bound.
             let most = best.2 * rows.iter().map(|row| row.deviation.powi(2)).fold(0.0, f64::max);
             let mut range = [0.0, most];
             for _ in 0..100 {
@@ -112,7 +114,7 @@ impl<const N: usize> Linear<N> {
         finite.then_some(Self { coefficients, covariance, factor, count: rows.len() })
     }
 
-    /// The sum with these factors.
+    /// Returns the sum with these factors.
     pub(crate) fn at(&self, by: [f64; N]) -> Estimate {
         let by = SVector::from(by);
         let variance = by.dot(&(self.covariance * by));
@@ -130,11 +132,11 @@ impl<const N: usize> Row<N> {
     }
 }
 
-/// The standard normal distribution exceeds this, to either side, in 5 of 100 cases.
+/// Two-sided 95 % quantile of the standard normal distribution.
 pub(crate) const NORMAL_95: f64 = 1.959_964;
 
-/// What Student's distribution with so many degrees of freedom exceeds, to either side, in 5 of 100
-/// cases: by its expansion about the normal distribution, within 1 % from 3 degrees on.
+/// Returns the two-sided 95 % quantile of Student's distribution, by its expansion about the normal
+/// distribution; the error is within 1 % from 3 degrees of freedom.
 pub(crate) fn student(degrees: usize) -> f64 {
     const Z: f64 = NORMAL_95;
     match degrees {
@@ -172,7 +174,7 @@ mod tests {
         assert_eq!(Estimate::mean(&[]), None);
     }
 
-    /// Scatter that nothing explains counts: as if there were no standard deviations.
+    /// Unexplained scatter increases the uncertainty, as without standard deviations.
     #[test]
     fn scatter_counts() {
         let values = [1.0, 2.0, 3.0, 4.0, 5.0];

@@ -1,17 +1,19 @@
-//! Which sign recorded torques have.
+//! Sign of recorded torques.
 
 use iiwa_kin::{Dynamics, Joints};
 use iiwa_log::JointLog;
 
-/// What the joints exert, in Nm, sample by sample, and whether the file has that sign already: other recorders turn what
-/// KUKA's controller measures. None if it has no torques.
+/// Returns the torques exerted by the joints, in Nm, sample by sample, and true if their sign had
+/// to be changed because the file already has the sign of plans: KUKA's controller measures the
+/// opposite sign, and other recorders invert it. None without torques.
 ///
-/// Weight tells: the torques of `arm`, which stands as the robot does, have the same sign, whatever it carries.
+/// Gravity reveals the sign: the recorded torques correlate positively with the gravity torques of
+/// `arm`, in the robot's mounting position, for any payload.
 pub(crate) fn exerted(log: &JointLog, arm: &Dynamics) -> Option<(Vec<Option<Joints>>, bool)> {
     let mut torques: Vec<_> = log.exerted_nm().collect();
     let known = log.q_rad.iter().zip(&torques);
     let known = known.filter_map(|(q, torque)| Some((q, (*torque)?)));
-    // A few hundred are enough.
+    // A few hundred samples are sufficient.
     let thinned = torques.len().div_ceil(500).max(1);
     let alike = known.step_by(thinned).map(|(q, torque)| -> f64 {
         let weight = arm.gravity_torques(q);

@@ -1,9 +1,9 @@
-//! The programs of the thesis's experiments (Larsen 2019, sections 4.2 and 5.1.2, Appendices A, B and C), and of two
-//! that it does not have: [`tcp_blends`], about motions of the TCP, and [`load`](load()), about what a load does to them. It
-//! names both as future work.
+//! Programs of the experiments of the thesis (Larsen 2019, sections 4.2 and 5.1.2, Appendices A, B
+//! and C), and of two further ones: [`tcp_blends`], about TCP motions, and [`load`](load()), about
+//! the effect of a payload. The thesis names both as future work.
 //!
-//! Random ones are the same for the same seed. All keep the flange above the plane that the robot stands
-//! on; what else is around the robot they do not know.
+//! Random programs are reproducible by their seed. All programs keep the flange above the plane of
+//! the robot base; other obstacles are not considered.
 
 mod load;
 mod load_effect;
@@ -50,15 +50,15 @@ const POSES_DEG: [Joints; 20] = [
     [-46.20, -1.98, -37.51, 69.40, -54.94, -8.78, -70.71],
 ];
 
-/// How far the joints swing to either side of a pose in Appendix A, in degrees.
+/// Swing of the joints to either side of a pose in Appendix A, in degrees.
 const SWING_DEG: f64 = 20.0;
 
-/// How far they swing about zero, in degrees: joints 6 and 7 do not come to full speed within 40 deg.
+/// Swing about zero, in degrees: joints 6 and 7 do not reach full speed within 40 deg.
 const WIDE_SWING_DEG: f64 = 70.0;
 
-/// The limits of the joints (Appendix A): from 20 pose, each joint by itself swings by 20 deg to either
-/// side at full speed. A last program swings them by 70 deg about zero, since joints 6 and 7 need more
-/// than 40 deg to come to full speed.
+/// Creates programs for the joint limits (Appendix A): from 20 poses, each joint swings separately
+/// by 20 deg to either side at full speed. A last program swings the joints by 70 deg about zero,
+/// since joints 6 and 7 need more than 40 deg to reach full speed.
 #[must_use]
 pub fn limits() -> Vec<Trial> {
     let swings = |pose_deg: Joints, swing_deg: f64| {
@@ -80,14 +80,14 @@ pub fn limits() -> Vec<Trial> {
     poses.chain([wide]).collect()
 }
 
-/// Where the second motions of section 4.2 begin, and how long the two are, in degrees. Their lengths
-/// differ, so that Algorithm 3 shows; neither is stated.
+/// Start of the second motions of section 4.2, and lengths of both motions, in degrees. The lengths
+/// differ, so that the effect of Algorithm 3 is visible; the thesis states neither.
 const CORNER_DEG: Joints = [0.0, 30.0, 0.0, -70.0, 0.0, 60.0, 0.0];
 const FIRST_LEG_DEG: f64 = 40.0;
 const SECOND_LEG_DEG: f64 = 25.0;
 
-/// The curve of blends (section 4.2): a corner with a relative blend of 0.25, and behind it 36 targets in
-/// a circle. Only joints 2 and 4 move, at `velocity_rel` of full speed.
+/// Creates the program for the blend curve (section 4.2): a corner with a relative blend of 0.25,
+/// followed by 36 targets on a circle. Only joints 2 and 4 move, at `velocity_rel` of full speed.
 #[must_use]
 pub fn blends(velocity_rel: f64) -> Trial {
     let about_corner = |deg: f64, angle_deg: f64| {
@@ -106,7 +106,7 @@ pub fn blends(velocity_rel: f64) -> Trial {
     Trial { name: "circle".to_owned(), program: program(start_rad, motions) }
 }
 
-/// The velocity in blends (Appendix B): its program, as it is.
+/// Creates the program for the velocity in blends (Appendix B), unchanged.
 #[must_use]
 pub fn zone_velocity() -> Trial {
     let to = |[a2, a4, a6]: [f64; 3]| Ptp::to([0.0, a2, 0.0, a4, 0.0, a6, 0.0]);
@@ -119,8 +119,8 @@ pub fn zone_velocity() -> Trial {
     Trial { name: "appendix-b".to_owned(), program: program([0.0; 7], motions) }
 }
 
-/// The time to settle (Appendix C): `count` random points at random speeds without blends; the thesis has
-/// 200.
+/// Creates the program for the settle time (Appendix C): `count` random points at random speeds
+/// without blends; the thesis has 200.
 #[must_use]
 pub fn settle(robot: &Robot, count: usize, seed: u64) -> Trial {
     let mut random = Rng::with_seed(seed);
@@ -137,7 +137,7 @@ pub fn settle(robot: &Robot, count: usize, seed: u64) -> Trial {
     Trial { name: "settle".to_owned(), program: program(HOME_RAD, motions) }
 }
 
-/// What the cycle time is looked at over (section 5.1.2).
+/// Parameter that is varied to examine the cycle time (section 5.1.2).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Sweep {
     /// Relative velocity (Fig. 23).
@@ -148,26 +148,27 @@ pub enum Sweep {
     Length,
 }
 
-/// One of the programs of section 5.1.2: ten motions in random directions.
+/// Program of section 5.1.2: ten motions in random directions.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CycleTimeCase {
-    /// Which of the random paths, from 0.
+    /// Index of the random path, from 0.
     pub path: u64,
     /// `v_%`: share of full speed.
     pub velocity_rel: f64,
-    /// `b_%`: share of the motions that is blended; none at 0.
+    /// `b_%`: share of the motions that is blended; 0 for no blends.
     pub blend: f64,
-    /// lambda: the length of each motion, the norm of the joints' ways, in degrees. The thesis does not say
-    /// what its lambda is; this one makes motions as long as the thesis's cycle times suggest.
+    /// lambda: length of each motion, the norm of the joint displacements, in degrees. The thesis
+    /// does not define its lambda; this definition matches the motion lengths suggested by its
+    /// cycle times.
     pub length_deg: f64,
 }
 
 impl Sweep {
-    /// All of them.
+    /// All parameters.
     pub const ALL: [Self; 3] = [Self::Velocity, Self::Blend, Self::Length];
 
-    /// What the programs are made with: of each of the five random paths one for each value. What is not
-    /// varied is as in the thesis: velocity 0.4, blend 0.25, length 200.
+    /// Returns the cases: one for each value and each of the five random paths. The other
+    /// parameters are those of the thesis: velocity 0.4, blend 0.25, length 200.
     #[must_use]
     pub fn cases(self) -> Vec<CycleTimeCase> {
         let values: &[f64] = match self {
@@ -189,7 +190,7 @@ impl Sweep {
 }
 
 impl CycleTimeCase {
-    /// The program.
+    /// Creates the program.
     #[must_use]
     pub fn trial(&self, robot: &Robot, seed: u64) -> Trial {
         let Self { path, velocity_rel, blend, length_deg } = *self;
@@ -199,7 +200,7 @@ impl CycleTimeCase {
             .map(|_| {
                 let from = at;
                 at = random_target(robot, &mut random, &from, |random| {
-                    // Evenly in all directions.
+                    // Uniform distribution over all directions.
                     let way: Joints = std::array::from_fn(|_| normal(random));
                     let scale = length_deg.to_radians() / norm(&way);
                     std::array::from_fn(|j| from[j] + scale * way[j])
@@ -221,13 +222,13 @@ impl CycleTimeCase {
     }
 }
 
-/// Where random programs start, in rad: elbow and wrist bent.
+/// Start of random programs, in rad: elbow and wrist bent.
 const HOME_RAD: Joints = [0.0, 0.5, 0.0, -1.2, 0.0, 0.8, 0.0];
 
-/// How far above the robot's foot the flange stays, in m.
+/// Minimum height of the flange above the robot base, in m.
 const CLEARANCE_M: f64 = 0.1;
 
-/// Joints stay away from the ends of their ranges by this share: blends may swing out.
+/// Share of the joint ranges that targets use: blends may overshoot.
 const RANGE_SHARE: f64 = 0.9;
 
 /// Draws targets until one can be reached from `from`.
@@ -253,7 +254,7 @@ fn random_target(
     }
 }
 
-/// The middle and the half of each joint's range, in rad.
+/// Returns the centre and the half-width of each joint range, in rad.
 fn ranges(robot: &Robot) -> (Joints, Joints) {
     let limits = robot.limits();
     let of = |sign: f64| {
@@ -262,7 +263,7 @@ fn ranges(robot: &Robot) -> (Joints, Joints) {
     (of(1.0), of(-1.0))
 }
 
-/// Evenly between -1 and 1.
+/// Draws a number from a uniform distribution between -1 and 1.
 fn symmetric(random: &mut Rng) -> f64 {
     2.0 * random.f64() - 1.0
 }

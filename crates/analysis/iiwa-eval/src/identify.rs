@@ -1,20 +1,21 @@
-//! From recordings to the robot: limits of its joints, the time to settle, the curve of its blends.
+//! Identification of a robot from recordings: joint limits, settle time, blend curve, payload and
+//! friction.
 //!
-//! A recording is followed along the path of its program, from stop to stop. What is found:
+//! A recording is followed along the path of its program, from stop to stop. Results:
 //!
-//! | figure | from | how |
+//! | result | source | method |
 //! |---|---|---|
 //! | speed, acceleration, jerk | motions along a line from rest to rest | the seven phases of constant jerk are fitted to all samples of the motion (Larsen 2019, Appendix A differentiates) |
-//! | ramps | the same | where constant jerk does not explain a motion, ramps as under Sunrise are fitted; see [`FoundRamps`] |
-//! | time to settle | stops between two such motions | from the end of one to the start of the next, both as fitted (Appendix C) |
-//! | kappa(gamma) | blends | Eq. 39 is fitted to the path about each corner, whatever the time; then a polynomial to kappa over gamma (section 4.3) |
-//! | equal distances | blends between motions of unequal lengths | start and end are fitted too (Algorithm 3) |
-//! | the same of blends of the TCP | blends between two LINs | the same in the plane of the TCP's ways, the joints taken forward |
-//! | load, friction | torques, of recordings that have them | least squares: torques are linear in the moments of a load, see [`FoundTorques`] |
-//! | what is assumed of orientation, E1 and blends with joint space | paths of the TCP and the blends at their ends | how far they are from the assumed path with kappa as found |
+//! | ramps | the same motions | where constant jerk does not explain a motion, ramps as under Sunrise are fitted; see [`FoundRamps`] |
+//! | settle time | stops between two such motions | from the end of one to the start of the next, both as fitted (Appendix C) |
+//! | kappa(gamma) | blends | Eq. 39 is fitted to the path around each corner, regardless of time; then a polynomial to kappa over gamma (section 4.3) |
+//! | equal distances | blends between motions of unequal lengths | start and end are fitted as well (Algorithm 3) |
+//! | TCP blends | blends between two LINs | the same fits in the plane of both TCP lines, by forward kinematics |
+//! | payload, friction | torques, of recordings that have them | least squares: torques are linear in the moments of a payload, see [`FoundTorques`] |
+//! | assumptions about orientation, E1 and blends with joint space | TCP paths and the blends at their ends | deviation from the assumed path with the identified kappa |
 //!
-//! A limit is found only where a recording shows it: a speed that was kept for a time, an acceleration that
-//! was, and by a joint that must have been the one that limited the motion.
+//! A limit is identified only where a recording shows it: a speed or an acceleration that was kept
+//! for a time, by a joint that must have been the one that limited the motion.
 
 mod blends;
 mod courses;
@@ -60,11 +61,12 @@ pub use self::{
     recording::Recording,
 };
 
-/// Identifies the robot that did what the recordings show. `model` is the robot that it is taken for: its
-/// lengths and joint ranges hold.
+/// Identifies the robot in the recordings. `model` is the robot that it is assumed to be: its
+/// lengths and joint ranges are used.
 ///
-/// At the override of a program, its motions took so much longer, which scales speeds by that share, accelerations by its square,
-/// jerks by its cube and snaps by its fourth power. What is found is at full override. Pauses are not scaled.
+/// An override stretches the motions of a program, so that speeds scale with the override,
+/// accelerations with its square, jerks with its cube and snaps with its fourth power. Results are
+/// for full override. Pauses are not scaled.
 ///
 /// # Errors
 ///
@@ -81,7 +83,8 @@ pub fn identify(recordings: &[Recording<'_>], model: &Robot) -> Result<Identifie
         }
     }
     let mut known = found.conclude(model);
-    // Only with the kappa that was found does a blend show what else is not as assumed.
+    // The identified kappa is required first: only then does a blend show other deviations from the
+    // assumptions.
     let robot = known.robot(model);
     let mut courses = Courses::default();
     for (watched, sections) in &followed_courses {
@@ -97,7 +100,7 @@ pub fn identify(recordings: &[Recording<'_>], model: &Robot) -> Result<Identifie
     Ok(known)
 }
 
-/// Looks at one recording, and gives the sections in which it follows its program.
+/// Evaluates one recording and returns the sections in which it follows its program.
 fn observe(watched: &Watched<'_>, found: &mut Findings) -> Result<Vec<Section>, IdentifyError> {
     let Watched { recording, log, path, .. } = watched;
     let recording = *recording;
@@ -111,7 +114,7 @@ fn observe(watched: &Watched<'_>, found: &mut Findings) -> Result<Vec<Section>, 
     }
     found.period_s = found.period_s.max(log.period_s().unwrap_or_default());
     let mut sections = Vec::new();
-    // The program may have been run again and again.
+    // The program may have been run several times.
     loop {
         let FollowedStops { passages, lost_in } = &followed;
         Observer { watched, found }.observe(passages);

@@ -1,39 +1,38 @@
-//! Fitting a model with a few parameters to many samples.
+//! Least-squares fit of a model with few parameters to many samples.
 
 use nalgebra::{SMatrix, SVector};
 
-/// A model with `N` parameters. The samples are seen one by one, so that none of their residuals has to
-/// be kept.
+/// Model with `N` parameters. Samples are visited one by one, so that residuals need no memory.
 pub(crate) trait Model<const N: usize> {
-    /// Calls `each` with every sample's residual (observed minus model) and with the derivatives of the
-    /// model by its parameters.
+    /// Calls `each` for every sample with its residual (observed minus model) and the derivatives
+    /// of the model by its parameters.
     fn samples(&self, parameters: &[f64; N], each: impl FnMut(f64, [f64; N]));
 
-    /// The least that each parameter may be.
+    /// Returns the lower bound of each parameter.
     fn least(&self) -> [f64; N] {
         [f64::NEG_INFINITY; N]
     }
 }
 
-/// A fitted model.
+/// Result of a fit.
 #[derive(Clone, Debug)]
 pub(crate) struct Fit<const N: usize> {
     pub(crate) parameters: [f64; N],
-    /// Covariance of the parameters, by the scatter of the residuals; zero for those held.
+    /// Covariance of the parameters, from the scatter of the residuals; zero for fixed parameters.
     pub(crate) covariance: SMatrix<f64, N, N>,
-    /// Sum of the squares of the residuals.
+    /// Sum of squared residuals.
     pub(crate) squares: f64,
     /// Root mean square of the residuals.
     pub(crate) residual: f64,
 }
 
 impl<const N: usize> Fit<N> {
-    /// Standard deviation of a parameter.
+    /// Returns the standard deviation of a parameter.
     pub(crate) fn deviation(&self, parameter: usize) -> f64 {
         self.covariance[(parameter, parameter)].max(0.0).sqrt()
     }
 
-    /// Standard deviation of a function of the parameters.
+    /// Returns the standard deviation of a function of the parameters.
     pub(crate) fn deviation_of(&self, function: impl Fn(&[f64; N]) -> f64) -> f64 {
         let gradient = SVector::<f64, N>::from_fn(|i, _| {
             let step = self.deviation(i) * 1e-2;
@@ -51,7 +50,7 @@ impl<const N: usize> Fit<N> {
     }
 }
 
-/// Takes a parameter out of the equations.
+/// Removes a parameter from the equations.
 fn hold<const N: usize>(normal: &mut SMatrix<f64, N, N>, parameter: usize) {
     normal.row_mut(parameter).fill(0.0);
     normal.column_mut(parameter).fill(0.0);
@@ -81,7 +80,7 @@ impl<const N: usize> Sums<N> {
         sums
     }
 
-    /// The same with some parameters held where they are.
+    /// Fixes some parameters at their present values.
     fn hold(mut self, held: &[bool; N]) -> Self {
         for i in (0..N).filter(|&i| held[i]) {
             hold(&mut self.normal, i);
@@ -90,8 +89,8 @@ impl<const N: usize> Sums<N> {
         self
     }
 
-    /// The damped step to the least squares. Parameters that it would take beyond their bounds go just
-    /// there, and the others make the best of it.
+    /// Returns the damped Gauss-Newton step. Parameters that would exceed their bounds are set to
+    /// the bounds, and the step of the others is optimal for these values.
     fn step(&self, at: &[f64; N], least: &[f64; N], damping: f64) -> Option<SVector<f64, N>> {
         let mut bound: [Option<f64>; N] = [None; N];
         loop {
@@ -118,8 +117,9 @@ impl<const N: usize> Sums<N> {
     }
 }
 
-/// By how much the variance grows because residuals hang together, as those of a model that is not quite
-/// right do: so many of them count as one. It is that of a first-order autoregression; 1 for white noise.
+/// Returns the factor by which the variance grows because residuals are correlated, as for an
+/// imperfect model, so that several of them count as one: the factor of a first-order
+/// autoregression, 1 for white noise.
 fn dependence<const N: usize>(
     model: &impl Model<N>,
     parameters: &[f64; N],
@@ -133,7 +133,7 @@ fn dependence<const N: usize>(
         before = residual;
     });
     let correlation = products / squares.max(f64::MIN_POSITIVE);
-    // White noise shows as much by chance.
+    // White noise shows this correlation by chance.
     let count = count as f64;
     if correlation < 2.0 / count.sqrt() {
         return 1.0;
@@ -144,11 +144,11 @@ fn dependence<const N: usize>(
 
 const MOST_STEPS: usize = 60;
 
-/// No samples are taken to be better, in rad: positions travel as 32-bit numbers now and then.
+/// Lower bound of the residual, in rad: some recorders store positions as 32-bit numbers.
 const LEAST_RESIDUAL: f64 = 1e-9;
 
-/// Least squares by the method of Levenberg and Marquardt, with some parameters held; none if there are
-/// too few samples, or if they do not determine the parameters.
+/// Fits by least squares with the method of Levenberg and Marquardt, with some parameters fixed;
+/// none with too few samples, or if the samples do not determine the parameters.
 pub(crate) fn fit<const N: usize>(
     model: &impl Model<N>,
     start: [f64; N],
@@ -169,7 +169,7 @@ pub(crate) fn fit<const N: usize>(
                 parameters = next;
                 sums = candidate;
                 damping = (damping * 0.1).max(1e-12);
-                // Far less than the residuals' scatter lets the parameters vary.
+                // The gain is far below the parameter changes within the residuals' scatter.
                 let variance = (sums.squares / sums.count as f64).max(LEAST_RESIDUAL.powi(2));
                 if damping < 1e-3 && gain <= 1e-6 * variance {
                     break;
@@ -179,7 +179,7 @@ pub(crate) fn fit<const N: usize>(
             _ => damping *= 10.0,
         }
     }
-    // What its bound holds does not vary.
+    // Parameters at their bounds have no variance.
     let held: [bool; N] = std::array::from_fn(|i| held[i] || parameters[i] <= least[i]);
     let sums = sums.hold(&held);
     let free = held.iter().filter(|held| !**held).count();

@@ -1,7 +1,8 @@
-//! Plans of the KUKA LBR iiwa held against what it did, and its limits found in recordings.
+//! Comparison of plans with recordings of the KUKA LBR iiwa, and identification of its limits from
+//! recordings.
 //!
-//! Angles are in rad, lengths in m, times in s. It knows no network and no file format: it takes
-//! [`JointLog`](iiwa_log::JointLog)s, which `iiwa-log` reads.
+//! Angles are in rad, lengths in m, times in s. The crate has no network access and no file
+//! formats: its input are [`JointLog`](iiwa_log::JointLog)s, which `iiwa-log` reads.
 //!
 //! Source: C. Larsen, *Including a Collaborative Robot in Digital Twin Manufacturing Systems*,
 //! Chalmers 2019, chapters 4 and 5 and the appendices, cited as "Larsen 2019".

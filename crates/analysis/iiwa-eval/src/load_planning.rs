@@ -1,4 +1,4 @@
-//! What a planner makes of the load that it was given.
+//! Effect of a stated payload on a planner.
 
 use std::str::FromStr;
 
@@ -7,21 +7,22 @@ use iiwa_plan::PlanOptions;
 use iiwa_program::{Motion, Program, Start};
 use iiwa_traj::{PlanError, Timing};
 
-/// How a virtual robot plans PTP motions with a load. Nothing public says how KUKA's controller does.
+/// Planning of PTP motions with a payload by a virtual robot. KUKA does not publish how its
+/// controller plans them.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[non_exhaustive]
 pub enum LoadPlanning {
-    /// As without one.
+    /// The payload has no effect.
     #[default]
     Ignored,
-    /// With a share of all accelerations that falls by this much with each kg.
+    /// All accelerations are lower by this share for each kg.
     FactorPerKg(f64),
-    /// With the share of its accelerations, motion by motion, at which no joint needs more than this share of its torque
-    /// limit.
+    /// The accelerations of each motion are scaled such that no joint exceeds this share of its
+    /// torque limit.
     Torque(f64),
 }
 
-/// By their names: none, 2 % a kg, and all of the limits.
+/// Parses the names `none`, `factor` (2 % per kg) and `torque` (the full torque limits).
 impl FromStr for LoadPlanning {
     type Err = String;
 
@@ -30,19 +31,20 @@ impl FromStr for LoadPlanning {
             "none" => Ok(Self::Ignored),
             "factor" => Ok(Self::FactorPerKg(0.02)),
             "torque" => Ok(Self::Torque(1.0)),
-            _ => Err("it is none, factor or torque".to_owned()),
+            _ => Err("expected `none`, `factor` or `torque`".to_owned()),
         }
     }
 }
 
-/// Shares of acceleration are found to this.
+/// Number of bisection steps for the share of the acceleration.
 const SHARE_STEPS: i32 = 20;
 
-/// A planner slows down no further.
+/// Minimum share of the acceleration.
 const LEAST_SHARE: f64 = 0.05;
 
 impl LoadPlanning {
-    /// The program with the accelerations that such a planner gives its PTP motions, each for itself.
+    /// Returns the program with the accelerations that such a planner uses, for each PTP motion
+    /// separately.
     ///
     /// # Errors
     ///
@@ -88,7 +90,7 @@ impl LoadPlanning {
     }
 }
 
-/// The largest share at which what is needed, which grows with it, is within a limit.
+/// Returns the largest share at which a requirement that grows with the share is within a limit.
 fn share_within(
     limit: f64,
     mut needs: impl FnMut(f64) -> Result<f64, PlanError>,

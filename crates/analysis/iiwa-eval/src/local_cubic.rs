@@ -1,12 +1,13 @@
-//! Derivatives of samples with noise.
+//! Derivatives of noisy samples.
 
 use nalgebra::{SMatrix, SVector};
 
-/// A value and its first three derivatives at `at_s`, by the cubic that fits best all samples within
-/// `half_s` of it (Savitzky and Golay 1964, for stamps that need not be even). `None` where too few are.
+/// Returns the value and the first three derivatives at `at_s`, from the least-squares cubic
+/// through all samples within `half_s` (Savitzky and Golay 1964, for non-uniform time steps).
+/// `None` with too few samples.
 ///
-/// Noise of standard deviation sigma leaves some `300 sigma / (n^3.5 step^3)` in the third derivative, with
-/// n samples a step apart; what changes faster than the window is smoothed.
+/// Noise with standard deviation sigma leaves some `300 sigma / (n^3.5 step^3)` in the third
+/// derivative, with n samples at intervals of `step`; changes faster than the window are smoothed.
 #[must_use]
 pub fn local_cubic(t_s: &[f64], values: &[f64], at_s: f64, half_s: f64) -> Option<[f64; 4]> {
     let first = t_s.partition_point(|t_s| *t_s < at_s - half_s);
@@ -16,7 +17,7 @@ pub fn local_cubic(t_s: &[f64], values: &[f64], at_s: f64, half_s: f64) -> Optio
     }
     let mut normal = SMatrix::<f64, 4, 4>::zeros();
     let mut right = SVector::<f64, 4>::zeros();
-    // Small numbers keep their digits.
+    // Relative to the first value, to avoid cancellation.
     let base = values.get(first)?;
     for (t_s, value) in t_s[first..last].iter().zip(values.get(first..last)?) {
         let x = (t_s - at_s) / half_s;

@@ -1,18 +1,18 @@
-//! How noisy a recording is.
+//! Noise of a recording.
 
 use iiwa_kin::{Joints, vector::norm};
 use iiwa_log::JointLog;
 
 use crate::quantile::{median, quantile};
 
-/// Samples that are looked at.
+/// Number of evaluated samples.
 const SAMPLES: usize = 20_000;
 
-/// Smaller steps are the last digits of a number, in rad.
+/// Step in rad below which differences are rounding of the last digits.
 const LEAST_STEP_RAD: f64 = 1e-9;
 
-/// Standard deviation of positions that were rounded, in rad: an arm that stands seems to be without any
-/// noise then, and one that moves goes by steps, the smallest of which is what they were rounded to.
+/// Returns the standard deviation of rounded positions, in rad. At rest such positions seem to have
+/// no noise; in motion they change in steps, the smallest of which is the resolution.
 fn rounding_rad(log: &JointLog, joint: usize, stride: usize) -> f64 {
     let steps =
         log.q_rad.windows(2).step_by(stride).map(|pair| (pair[1][joint] - pair[0][joint]).abs());
@@ -20,18 +20,19 @@ fn rounding_rad(log: &JointLog, joint: usize, stride: usize) -> f64 {
     if least.is_finite() { least / 12.0_f64.sqrt() } else { 0.0 }
 }
 
-/// What is known of a recording before it is compared.
+/// Properties of a recording that are known before it is compared.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Noise {
     /// Standard deviation of each joint's position, in rad.
     pub(crate) joints_rad: Joints,
-    /// The usual time between two samples, in s.
+    /// Typical time between two samples, in s.
     pub(crate) step_s: f64,
 }
 
 impl Noise {
-    /// Third differences leave noise and jerk; where the arm stands, or goes or gains speed evenly,
-    /// noise alone. So the small ones tell.
+    /// Estimates the noise from third differences, which contain noise and jerk: at rest, at
+    /// constant speed and at constant acceleration they contain only noise, so that a low quantile
+    /// of them is evaluated.
     pub(crate) fn of(log: &JointLog) -> Self {
         let count = log.t_s.len();
         let stride = (count / SAMPLES).max(1);
@@ -48,25 +49,25 @@ impl Noise {
                 (q(3) - 3.0 * q(2) + 3.0 * q(1) - q(0)).abs()
             };
             let mut differences: Vec<f64> = at.iter().map(difference).collect();
-            // A quarter of a normal distribution is within 0.3186 of its standard deviation; that
-            // of third differences is sqrt(1 + 9 + 9 + 1) times as large.
+            // A quarter of a normal distribution is within 0.3186 standard deviations; the standard
+            // deviation of third differences is sqrt(1 + 9 + 9 + 1) times that of the samples.
             let noise_rad = quantile(&mut differences, 0.25) / (0.3186 * 20.0_f64.sqrt());
             if noise_rad > LEAST_STEP_RAD { noise_rad } else { rounding_rad(log, j, stride) }
         });
         Self { joints_rad, step_s }
     }
 
-    /// All joints together, in rad.
+    /// Returns the noise of all joints together, in rad.
     pub(crate) fn norm_rad(&self) -> f64 {
         norm(&self.joints_rad)
     }
 
-    /// Standard deviation along a direction, in rad.
+    /// Returns the standard deviation along a direction, in rad.
     pub(crate) fn along_rad(&self, unit: &Joints) -> f64 {
         norm(&std::array::from_fn(|j| unit[j] * self.joints_rad[j]))
     }
 
-    /// The time without a sample from which on it is a gap, in s.
+    /// Returns the time between samples from which it counts as a gap, in s.
     pub(crate) fn gap_s(&self) -> f64 {
         (5.0 * self.step_s).max(0.02)
     }

@@ -1,11 +1,12 @@
 //! Medians and other quantiles.
 
-/// The median of some numbers, which are put into another order; 0 of none.
+/// Returns the median of some numbers and reorders them; 0 for an empty slice.
 pub(crate) fn median(values: &mut [f64]) -> f64 {
     quantile(values, 0.5)
 }
 
-/// The value below which a share of the numbers is, which are put into another order; 0 of none.
+/// Returns the value below which a share of the numbers is, and reorders them; 0 for an empty
+/// slice.
 pub(crate) fn quantile(values: &mut [f64], share: f64) -> f64 {
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "share <= 1")]
     let index = (share * values.len() as f64) as usize;

@@ -1,4 +1,4 @@
-//! A robot inside the process: it runs programs and is sampled, as a real one is over FRI.
+//! Simulated robot: runs programs and is sampled, as a real one is over FRI.
 
 use fastrand_contrib::RngExt;
 use iiwa_kin::{Load, Robot};
@@ -9,53 +9,54 @@ use iiwa_traj::{PlanError, Timing};
 
 use crate::LoadPlanning;
 
-/// A robot whose limits, kappa and time to settle may differ from the model's.
+/// Robot whose limits, kappa and settle time may differ from the model's.
 #[derive(Clone, Debug)]
 pub struct VirtualRobot {
-    /// What it is.
+    /// Simulated robot.
     pub robot: Robot,
-    /// Time from one sample to the next, in s; 1 ms by default.
+    /// Sampling period, in s; 1 ms by default.
     pub period_s: f64,
-    /// Standard deviation of each joint's samples, in rad; none by default.
+    /// Standard deviation of each joint's samples, in rad; 0 by default.
     pub noise_rad: f64,
-    /// Standard deviation of each joint's torque, in Nm; without it, it measures none.
+    /// Standard deviation of each joint's torque, in Nm; if unset, torques are not measured.
     pub torque_noise_nm: Option<f64>,
-    /// What hangs on its flange, whatever programs state; by default what they do.
+    /// Actual payload, independent of the programs; if unset, the payload that they state.
     pub load: Option<Load>,
-    /// How it plans its motions; under limits of jerk by default.
+    /// Planning options; jerk-limited timing by default.
     pub plan: PlanOptions,
-    /// How it plans with the load that programs state; by default as without one.
+    /// Effect of the stated payload on planning; none by default.
     pub load_planning: LoadPlanning,
-    /// For how long it stands before and after a program, in s; 0.2 by default.
+    /// Time at rest before and after a program, in s; 0.2 by default.
     pub standing_s: f64,
     random: fastrand::Rng,
 }
 
-/// Samples of one program at most, some 640 MB.
+/// Maximum number of samples of one program, some 640 MB.
 const MAX_SAMPLES: f64 = 1e7;
 
-/// Why a program could not be run.
+/// Error of running a program.
 #[derive(Clone, Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum VirtualRobotError {
     /// The program cannot be planned for the robot.
     #[error(transparent)]
     Plan(#[from] PlanError),
-    /// It takes too long to be sampled.
+    /// The program has too many samples.
     #[error(
         "it takes {seconds:.0} s, which is {samples:.0} samples, and {MAX_SAMPLES:.0} are kept: sample more \
          slowly, or raise the robot's limits"
     )]
     TooLong {
-        /// How long it takes.
+        /// Duration, in s.
         seconds: f64,
-        /// How many samples that would be.
+        /// Number of samples.
         samples: f64,
     },
 }
 
 impl VirtualRobot {
-    /// A robot without noise that is sampled every ms. The same `seed` gives the same noise.
+    /// Creates a robot without noise and a sampling period of 1 ms. The same `seed` gives the same
+    /// noise.
     #[must_use]
     pub fn new(robot: Robot, seed: u64) -> Self {
         let random = fastrand::Rng::with_seed(seed);
@@ -72,16 +73,15 @@ impl VirtualRobot {
         }
     }
 
-    /// Runs a program, and gives what was sampled, torques with the sign
-    /// of KUKA's controller.
+    /// Runs a program and returns the samples, with torques in the sign of KUKA's controller.
     ///
     /// # Errors
     ///
-    /// If the program asks for something that the robot cannot do.
+    /// If the robot cannot execute the program.
     pub fn run(&mut self, program: &Program) -> Result<JointLog, VirtualRobotError> {
         let program = self.load_planning.slowed(program, &self.robot)?;
         let trajectory = self.plan.plan(&program, &self.robot)?;
-        // It does not begin just at a sample.
+        // Motion does not start exactly at a sample.
         let begin_s = self.standing_s + self.random.f64() * self.period_s;
         let whole_s = begin_s + trajectory.cycle_time_s() + self.standing_s;
         let samples = whole_s / self.period_s;

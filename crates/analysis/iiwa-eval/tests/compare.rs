@@ -1,4 +1,4 @@
-//! Recordings made up from plans, and what is found in them.
+//! Recordings simulated from plans, and the results of their comparison.
 
 #![expect(clippy::unwrap_used, reason = "a test fails by it")]
 
@@ -53,8 +53,8 @@ fn a_plan_against_itself_is_without_error() {
     }
 }
 
-/// By hand: the motion of joint 1 takes T = 0.4082 + 0.2 + 0.0472 s, and 1.02 T when it is slower; the
-/// stand of 0.05 s is in both times. Joint 2 is off by 0.004 rad all the way.
+/// Calculated by hand: the motion of joint 1 takes T = 0.4082 + 0.2 + 0.0472 s, and 1.02 T when it
+/// is slower; the rest of 0.05 s is in both times. Joint 2 is off by 0.004 rad throughout.
 #[test]
 fn a_stretched_and_shifted_line_is_off_as_computed_by_hand() {
     let real = trajectory(LINE, jerk());
@@ -79,8 +79,8 @@ fn a_stretched_and_shifted_line_is_off_as_computed_by_hand() {
     assert!((c.departure_s - 13.5).abs() < 1e-9, "{}", c.departure_s);
     assert!((c.motions[0].error_percent.unwrap() - 100.0 * -0.02 / 1.02).abs() < 1e-6);
     assert!((c.joints_rad.mean - 0.004).abs() < 1e-9 && (c.joints_rad.max - 0.004).abs() < 1e-9);
-    // Joint 1 turns the arm about the base's axis. The nearest point of that circle is in the arm's own
-    // plane: there, the flange is at (r, z) and moves with joint 2 about the shoulder.
+    // Joint 1 rotates the arm about the vertical axis. The nearest point of that circle is in the
+    // plane of the arm: there, the flange is at (r, z) and moves with joint 2 about the shoulder.
     let robot = Robot::lbr_iiwa_7_r800();
     let at = |j2: f64| {
         let p = robot.flange_position(&[
@@ -100,7 +100,7 @@ fn a_stretched_and_shifted_line_is_off_as_computed_by_hand() {
     assert!((c.tcp_m.max - off_m).abs() < 1e-6, "{} {off_m}", c.tcp_m.max);
 }
 
-/// Offsets, rates, pauses, noise and lost samples: the cycle time within 1 ms.
+/// Clock offsets, rates, pauses, noise and lost samples: the cycle time is within 1 ms.
 #[test]
 fn times_are_found_in_noise() {
     let still =
@@ -140,7 +140,8 @@ fn waits_and_stops_have_their_times() {
     let c = compared(&real, Tape { before_s: 0.5, section: 1.1, ..Tape::default() });
     let wait = &c.motions[2];
     assert!(wait.motion_type == MotionType::Wait && wait.motion.number() == 3);
-    // The stand of 0.05 s to settle and 0.5 s to wait, all stretched; what is not settling waits.
+    // The rest of 0.05 s settling and 0.5 s waiting, stretched as a whole; the part that is not
+    // settling counts as waiting.
     assert!((wait.real_s.unwrap() - (1.1 * 0.55 - 0.05)).abs() < 1e-6, "{wait:?}");
     let stops: Vec<_> = c.stops.iter().map(|stop| (stop.after_motion, stop.planned_s)).collect();
     assert!(stops.iter().map(|stop| stop.0.number()).eq([2, 6]), "{stops:?}");
@@ -149,7 +150,7 @@ fn waits_and_stops_have_their_times() {
     }
 }
 
-/// A program that goes there and back again, and there and back.
+/// A program that moves forth and back, twice.
 const TO_AND_FRO: &str = r#"{ "version": 1, "start": { "joints_deg": [0, 0, 0, -60, 0, 90, 0] },
     "motions": [{ "type": "ptp", "joints_deg": [30, 10, 0, -60, 0, 90, 0] },
         { "type": "ptp", "joints_deg": [0, 0, 0, -60, 0, 90, 0] },
@@ -190,7 +191,7 @@ fn slow_motions_are_not_taken_for_standing() {
     }
 }
 
-/// One recording after the other, the arm going from one to the next in a straight line.
+/// Concatenates recordings; the robot moves from one to the next in a straight line.
 fn joined(logs: &[JointLog]) -> JointLog {
     let mut joined = logs[0].clone();
     for log in &logs[1..] {
@@ -235,7 +236,7 @@ fn what_is_not_the_program_is_refused() {
     };
     let other = tape.record(&trajectory(FIXTURES[0], jerk()), &mut rng);
     assert!(matches!(refused(FIXTURES[1], &other), CompareError::OtherStart { .. }));
-    // Stopped early; begun late; cut off while it arrives.
+    // Stopped early; started late; cut off during the arrival.
     let early = refused(FIXTURES[1], &cut(0, 4000));
     assert!(
         matches!(early, CompareError::EndsEarly { motion, .. } if motion.number() == 5),
@@ -248,14 +249,14 @@ fn what_is_not_the_program_is_refused() {
         matches!(arriving, CompareError::DoesNotStop { .. } | CompareError::EndsEarly { .. }),
         "{arriving}"
     );
-    // The other way round.
+    // Reversed in time.
     let mut back = whole.clone();
     back.q_rad.reverse();
     refused(FIXTURES[1], &back);
-    // Nothing moves, or nothing is there.
+    // Without motion, and without samples.
     assert!(matches!(refused(FIXTURES[1], &cut(0, 400)), CompareError::NoMotion { .. }));
     assert!(matches!(refused(FIXTURES[1], &cut(0, 0)), CompareError::TooFewSamples { .. }));
-    // Time runs backwards; a number is none.
+    // Decreasing times; an invalid number.
     let mut bad = whole.clone();
     bad.t_s.swap(10, 11);
     assert!(matches!(refused(FIXTURES[1], &bad), CompareError::BadSample { index: 12, .. }));
@@ -313,7 +314,7 @@ fn gaps_are_stated_and_never_hide_an_edge() {
     }
 }
 
-/// An axis that is off by a degree passes the plan's start when it already moves.
+/// A joint with an offset of one degree passes the plan's start in motion.
 #[test]
 fn an_arm_that_stands_elsewhere_is_refused() {
     const BEND: &str = r#"{ "version": 1, "start": { "joints_deg": [-20, 0, 0, -60, 0, 90, 0] },
@@ -327,7 +328,7 @@ fn an_arm_that_stands_elsewhere_is_refused() {
     let log = tape.record(&trajectory, &mut Rng::with_seed(1));
     let error = compare(&plan, &log).unwrap_err();
     assert!(matches!(error, CompareError::StandsElsewhere { edge: "start", .. }), "{error}");
-    // The other way it never is at the start, and its time can be told.
+    // With the opposite offset the robot is never at the start, and its time can be determined.
     shift_rad[0] = 1_f64.to_radians();
     let tape = Tape { shift_rad, ..tape };
     let log = tape.record(&trajectory, &mut Rng::with_seed(1));

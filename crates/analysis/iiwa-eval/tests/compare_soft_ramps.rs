@@ -1,4 +1,5 @@
-//! Starts and ends of motions as Sunrise plans them, whose position begins with the fourth power of time, in noise.
+//! Starts and ends of motions as planned by Sunrise, whose position begins with the fourth power of
+//! time, with noise.
 
 #![expect(clippy::unwrap_used, reason = "a test fails by it")]
 
@@ -8,7 +9,7 @@ use iiwa_traj::{JerkOptions, Timing};
 
 use crate::tape::{Tape, trajectory};
 
-/// The directions of three PTPs of a real robot, with stops in between.
+/// Directions of three PTP motions of a real robot, with stops in between.
 const PTPS: &str = r#"{ "version": 1, "start": { "joints_deg": [0, 0, 0, 0, 0, 0, 0] }, "motions": [
     { "type": "ptp", "joints_deg": [27.04, 8.66, 21.88, -109.22, 0, 32.51, 90] },
     { "type": "ptp", "joints_deg": [99.92, 59.0, -77.68, 39.1, -148.45, 118.74, 35.97] },
@@ -23,8 +24,8 @@ fn jerk() -> Timing {
     Timing::Jerk(JerkOptions::default())
 }
 
-/// The largest error of a departure, an arrival or the duration of a motion, in s, of some recordings of a robot that does what
-/// `sunrise` says at an override, held against a plan.
+/// Returns the largest error of a departure, an arrival or the duration of a motion, in s, of some
+/// recordings of a robot that executes `sunrise` at an override, compared with a plan.
 fn worst_s(planned: Timing, noise_rad: f64, override_share: f64) -> f64 {
     let real = trajectory(PTPS, sunrise());
     let plan = Plan::from_trajectory(&trajectory(PTPS, planned));
@@ -47,7 +48,7 @@ fn worst_s(planned: Timing, noise_rad: f64, override_share: f64) -> f64 {
     worst
 }
 
-/// The plan is that of the robot, but for its override.
+/// The plan is that of the robot, except for the override.
 #[test]
 fn soft_ramps_are_found_with_their_own_plan() {
     for override_share in [1.0, 0.5, 0.3] {
@@ -59,7 +60,7 @@ fn soft_ramps_are_found_with_their_own_plan() {
     }
 }
 
-/// The plan has other ramps, with limits on jerk.
+/// The plan has other ramps, with jerk limits.
 #[test]
 fn soft_ramps_are_found_with_a_plan_of_another_law() {
     for override_share in [1.0, 0.5, 0.3] {

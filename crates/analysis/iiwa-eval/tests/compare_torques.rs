@@ -1,4 +1,4 @@
-//! Recorded torques beside those of a plan.
+//! Recorded torques compared with those of a plan.
 
 use iiwa_eval::{Plan, VirtualRobot, compare};
 use iiwa_kin::{Load, Robot};
@@ -34,7 +34,7 @@ fn torques_differ_by_noise_and_by_what_the_program_does_not_know() {
     }
     assert!(found.planned_peak_nm[1].abs() > 30.0);
 
-    // Half a kg more than the program knows, the other sign, and a file without torques.
+    // Half a kg more than the program states, the opposite sign, and a file without torques.
     robot.load = Some(Load { mass_kg: 5.5, center_mm: [0.0, 20.0, 90.0], ..Load::default() });
     let mut heavier = robot.run(&program).unwrap();
     for nm in heavier.torques_nm.iter_mut().flatten().flatten() {

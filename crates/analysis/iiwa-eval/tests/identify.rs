@@ -1,4 +1,4 @@
-//! Virtual robots with limits and kappa drawn at random, identified from what they did.
+//! Identification of virtual robots with random limits and kappa from their recordings.
 
 #![expect(clippy::unwrap_used, clippy::expect_used, reason = "a test fails by it")]
 
@@ -14,8 +14,8 @@ use iiwa_path::{Continuity, JointPath, PolynomialBlend, Segment, Step};
 use iiwa_program::{Motion, Program, Ptp, Sources, Start, Workcell};
 use iiwa_traj::{SweepOptions, Timing, Trajectory};
 
-/// A robot whose limits are up to 25 % below and 30 % above the model's, and whose kappa is up to 1.5 away
-/// from it.
+/// Creates a robot whose limits are up to 25 % below and 30 % above the model's, and whose kappa
+/// differs by up to 1.5 from the model's.
 fn any_robot(random: &mut Rng) -> Robot {
     let mut limits = *Robot::default().limits();
     for j in 0..7 {
@@ -34,7 +34,8 @@ fn any_robot(random: &mut Rng) -> Robot {
         .with_settle_time_s(0.02 + 0.08 * random.f64())
 }
 
-/// Some of the experiments: limits from three poses and the wide swings, blends, times to settle.
+/// Creates some of the experiments: limits from three poses and the wide swings, blends, settle
+/// times.
 fn trials(seed: u64) -> Vec<Trial> {
     let mut limits = experiment::limits();
     let wide = limits.pop().unwrap();
@@ -57,18 +58,18 @@ fn identified(trials: &[Trial], logs: &[JointLog]) -> Identified {
     identify(&recordings, &Robot::default()).unwrap()
 }
 
-/// Errors of one kind of figure.
+/// Errors of one kind of estimate.
 #[derive(Default)]
 struct Errors {
     worst: f64,
     inside: usize,
     count: usize,
-    /// Estimates whose uncertainty says that they are none.
+    /// Number of estimates whose uncertainty is at least their unit.
     vague: usize,
 }
 
 impl Errors {
-    /// The error is told in units of `unit`.
+    /// Adds an estimate with its error in units of `unit`.
     fn add(&mut self, found: Estimate, truth: f64, unit: f64) {
         if found.uncertainty < unit {
             self.worst = self.worst.max(((found.value - truth) / unit).abs());
@@ -84,7 +85,8 @@ impl Errors {
     }
 }
 
-/// Speed, acceleration and jerk as shares; time to settle in s; kappa.
+/// Adds the errors of speed, acceleration and jerk as shares, of the settle time in s, and of
+/// kappa.
 fn errors(found: &Identified, truth: &Robot, errors: &mut [Errors; 5]) {
     let limits = truth.limits();
     let kinds = [
@@ -105,7 +107,7 @@ fn errors(found: &Identified, truth: &Robot, errors: &mut [Errors; 5]) {
     }
 }
 
-/// `long` with `IIWASIM_LONG=1`, else `short`: a robot takes most of a second.
+/// Returns `long` seeds with `IIWASIM_LONG=1`, else `short`: a robot takes most of a second.
 fn robots(short: u64, long: u64) -> std::ops::Range<u64> {
     0..if std::env::var_os("IIWASIM_LONG").is_some() { long } else { short }
 }
@@ -146,7 +148,8 @@ fn random_robots_are_found() {
     }
 }
 
-/// Ten times the noise, or a fifth of the samples: still found, and with honest uncertainties.
+/// Ten times the noise, or a fifth of the samples: results are still found, with correct
+/// uncertainties.
 #[test]
 fn noise_and_few_samples() {
     for (noise_rad, period_s) in [(1e-4, 1e-3), (1e-5, 5e-3)] {
@@ -167,8 +170,8 @@ fn noise_and_few_samples() {
     }
 }
 
-/// What real recordings are like: positions in steps of 0.01 deg, stamps that are not exact, other noise.
-/// The residuals of some of it hang together, which the uncertainties know.
+/// Properties of real recordings: positions in steps of 0.01 deg, inaccurate times, other noise.
+/// Some residuals are correlated, which the uncertainties account for.
 #[test]
 fn recordings_that_are_not_ideal() {
     type Distort = fn(&mut f64, &mut Joints, &mut Rng);
@@ -180,7 +183,7 @@ fn recordings_that_are_not_ideal() {
     for (name, distort) in kinds {
         let mut random = Rng::with_seed(4);
         let mut all: [Errors; 5] = Default::default();
-        // Twelve robots for a share that is near its bound.
+        // Twelve robots, since the share is close to its bound.
         for seed in 0..12 {
             let truth = any_robot(&mut random);
             let mut robot = VirtualRobot::new(truth.clone(), seed);
@@ -196,7 +199,8 @@ fn recordings_that_are_not_ideal() {
         }
         for (errors, most) in all.iter().zip([0.1, 0.1, 0.3, 0.002, 0.15]) {
             println!("{name}: {:.2e}, {:.2}", errors.worst, errors.share());
-            // What is shown just so is uncertain, and says so: a speed that was kept for some ms.
+            // Barely visible limits have large uncertainties, such as that of a speed that was kept
+            // for some ms.
             assert!(errors.worst <= most && errors.vague <= 1, "{name}: {}", errors.vague);
         }
         let inside: usize = all.iter().map(|errors| errors.inside).sum();
@@ -208,7 +212,7 @@ fn recordings_that_are_not_ideal() {
 /// A hundredth of a degree.
 const STEP_RAD: f64 = 1.745e-4;
 
-/// Cycle times and paths of programs that were not used to identify the robot.
+/// Cycle times and paths of programs that were not used for the identification.
 #[test]
 fn unseen_programs_take_the_predicted_time() {
     let mut random = Rng::with_seed(3);
@@ -277,7 +281,7 @@ fn what_one_shows(program: &Program) -> Identified {
 
 #[test]
 fn nothing_is_identified_that_is_not_shown() {
-    // Joint 1 comes to full speed; joint 6 does not within 20 deg. The others do not move.
+    // Joint 1 reaches full speed; joint 6 does not within 20 deg. The others do not move.
     let swing = program([
         ptp([60.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]),
         ptp([60.0, 0.0, 0.0, 0.0, 0.0, 20.0, 0.0]),
@@ -290,13 +294,13 @@ fn nothing_is_identified_that_is_not_shown() {
     }
     assert_eq!(found.settle.unwrap().mean_s.count, 1);
     assert!(found.kappa.is_none() && found.unequal_share.is_none());
-    // What was not found stays as it is in the model.
+    // Values that were not identified remain those of the model.
     let robot = found.robot(&Robot::default());
     let model = Robot::default();
     assert_eq!(robot.blend_kappa(), model.blend_kappa());
     assert_eq!(robot.limits().velocity_rad_s[1..], model.limits().velocity_rad_s[1..]);
 
-    // One corner has one angle: no polynomial.
+    // One corner has one angle, which does not determine a polynomial.
     let mut corner = ptp([60.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]);
     corner.blend = Some(iiwa_program::Blend::Fraction(0.25));
     let found = what_one_shows(&program([corner, ptp([60.0, 40.0, 0.0, 0.0, 0.0, 0.0, 0.0])]));
@@ -305,7 +309,7 @@ fn nothing_is_identified_that_is_not_shown() {
     assert!(found.kappa.is_none());
 }
 
-/// A robot without limits of jerk shows none.
+/// A robot without jerk limits shows none.
 #[test]
 fn jerk_that_does_not_show() {
     let swing = program([ptp([60.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0])]);
@@ -321,7 +325,7 @@ fn jerk_that_does_not_show() {
     assert!((acceleration / 490.0 - 1.0).abs() < 1e-3, "{acceleration}");
 }
 
-/// A program that is run again and again gives as many observations.
+/// A program that is repeated yields as many observations.
 #[test]
 fn every_run_counts() {
     let swing = program([ptp([60.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]), ptp([0.0; 7])]);
@@ -351,7 +355,7 @@ fn another_program_is_refused() {
     let error = identify(&[recording], &Robot::default()).unwrap_err();
     assert!(matches!(error, IdentifyError::NoMotion { .. }), "{error}");
 
-    // As far as it goes.
+    // Identified up to the end of the recording.
     let mut longer = far.clone();
     longer.motions.push(Motion::Ptp(ptp([60.0, 60.0, 0.0, 0.0, 0.0, 0.0, 0.0])));
     let recording = Recording { program: &longer, log: &log };
@@ -360,7 +364,7 @@ fn another_program_is_refused() {
     assert_eq!((found.left_out[0].motion.index(), found.left_out[0].why), (1, Why::NotFollowed));
 }
 
-/// A spline that ends where it begins leads away in between.
+/// A spline that ends at its start leads away in between.
 #[test]
 fn what_ends_where_it_began_is_followed() {
     let robot = Robot::default();
@@ -389,7 +393,8 @@ fn what_ends_where_it_began_is_followed() {
     assert!(found.velocity_rad_s[0].is_some());
 }
 
-/// Joint 2 of the recording is the program's joint 4: where they part, nothing more is found.
+/// Joint 2 of the recording is the program's joint 4: nothing is identified beyond the point where
+/// they differ.
 #[test]
 fn what_goes_astray_is_left_out() {
     let swing = |joint: usize| ptp(std::array::from_fn(|j| if j == joint { 60.0 } else { 0.0 }));
@@ -405,7 +410,7 @@ fn what_goes_astray_is_left_out() {
     assert_eq!((last.motion.index(), last.why), (2, Why::NotFollowed));
 }
 
-/// Noise may hide a phase of a motion. What is told all the same is not certain, and says so.
+/// Noise may hide a phase of a motion. The results then have a large uncertainty.
 #[test]
 fn what_noise_hides_is_no_certainty() {
     let swing = |by_deg: f64| ptp([0.0, by_deg, 0.0, 0.0, 0.0, 0.0, 0.0]);
@@ -422,7 +427,7 @@ fn what_noise_hides_is_no_certainty() {
             (found.acceleration_rad_s2[1], limits.acceleration_rad_s2[1]),
             (found.jerk_rad_s3[1], limits.jerk_rad_s3[1]),
         ] {
-            // Half of the interval that holds it in 95 of 100 cases, twice.
+            // Twice the half-width of the 95 % confidence interval.
             assert!(
                 found.is_none_or(|found| (found.value - truth).abs() < 2.0 * found.uncertainty),
                 "{noise_rad}: {found:?}, {truth}"
@@ -431,7 +436,7 @@ fn what_noise_hides_is_no_certainty() {
     }
 }
 
-/// An arm that creeps to its target in another way than a controller moves it.
+/// A robot that creeps to its target unlike a controlled motion.
 #[test]
 fn other_motions_are_left_out() {
     let swing = program([ptp([60.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0])]);
@@ -451,7 +456,7 @@ fn other_motions_are_left_out() {
     assert!(matches!(found.left_out[0].why, Why::NoLine(_)), "{:?}", found.left_out);
 }
 
-/// An arm that blends a quarter of each motion, however long they are: no Algorithm 3.
+/// A robot that blends a quarter of each motion, of any length: without Algorithm 3.
 #[test]
 fn blends_that_begin_and_end_at_other_distances() {
     let corner = [0.5, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0];
@@ -486,7 +491,7 @@ fn blends_that_begin_and_end_at_other_distances() {
     assert!((before - 0.125).abs() < 1e-4 && (after - 0.25).abs() < 1e-4);
 }
 
-/// What the arm does before it comes to the start, and after the end, is none of the program.
+/// Motions before the start and after the end do not belong to the program.
 #[test]
 fn motions_before_and_after_do_not_blur_the_program() {
     let there = program([
@@ -496,7 +501,7 @@ fn motions_before_and_after_do_not_blur_the_program() {
         ptp([60.0, 0.0, 0.0, 30.0, 0.0, 0.0, 0.0]),
     ]);
     let mut log = VirtualRobot::new(Robot::default(), 1).run(&there).unwrap();
-    // The recording begins on the way to the start of the program, which is one motion of it.
+    // The recording begins on the way to the program's start, which resembles one of its motions.
     let from = log.q_rad.iter().position(|q| q[1] > 0.5).unwrap();
     log.t_s.drain(..from);
     log.q_rad.drain(..from);

@@ -1,4 +1,4 @@
-//! Loads and friction found in recordings with torques.
+//! Payloads and friction identified from recordings with torques.
 
 #![expect(clippy::unwrap_used, reason = "a test fails by it")]
 
@@ -17,7 +17,7 @@ const LOAD: Load = Load {
     abc_rad: [0.3, 0.0, 0.0],
 };
 
-/// Twelve random motions at all speeds.
+/// Creates twelve random motions at all speeds.
 fn program() -> Program {
     experiment::settle(&Robot::default(), 12, 3).program
 }
@@ -35,8 +35,8 @@ fn found(runs: &[(&Program, &JointLog)], model: &Robot) -> FoundTorques {
     identify(&recordings, model).unwrap().torques.unwrap()
 }
 
-/// The table of issue 18: mass within 0.05 kg and centre within 3 mm, and the truth within the stated uncertainty of 90 %
-/// of 50 recordings.
+/// The table of issue 18: mass within 0.05 kg and centre of mass within 3 mm, and the true values
+/// within the stated uncertainty for 90 % of 50 recordings.
 #[test]
 fn a_load_is_found_and_its_uncertainty_holds() {
     const RECORDINGS: u64 = 50;
@@ -63,7 +63,7 @@ fn a_load_is_found_and_its_uncertainty_holds() {
     assert!(holds.iter().all(|held| *held >= 45), "{holds:?}");
 }
 
-/// With the load that a program states and another one in turn, friction, and noise of positions.
+/// Alternating payloads, the stated one and another one, with friction and position noise.
 #[test]
 fn friction_and_the_loads_of_several_recordings_are_told_apart() {
     let friction = Friction {
@@ -97,7 +97,7 @@ fn friction_and_the_loads_of_several_recordings_are_told_apart() {
     println!("{found:#?}");
 }
 
-/// Other recorders than ours may turn what KUKA's controller measures.
+/// Other recorders may invert the torque sign of KUKA's controller.
 #[test]
 fn the_sign_of_torques_is_told_by_the_weight() {
     let (program, mut log) = (program(), arm(1).run(&program()).unwrap());
@@ -107,7 +107,7 @@ fn the_sign_of_torques_is_told_by_the_weight() {
     let torques = found(&[(&program, &log)], &Robot::default());
     assert!(torques.turned);
     assert!((torques.loads[0].load().unwrap().mass_kg - LOAD.mass_kg).abs() < 0.01);
-    // At the ceiling they have the sign of the model's again.
+    // On the ceiling, the torques have the sign of the model.
     let mut hanging = program.clone();
     hanging.workcell.mount = Mount::from_rpy_deg([180.0, 0.0, 0.0]);
     let torques = found(&[(&hanging, &arm(1).run(&hanging).unwrap())], &Robot::default());
@@ -115,7 +115,8 @@ fn the_sign_of_torques_is_told_by_the_weight() {
     assert!((torques.loads[0].load().unwrap().mass_kg - LOAD.mass_kg).abs() < 0.01);
 }
 
-/// Only A1 turns, of an arm that points straight up: the weight goes through all axes, and nothing is lifted.
+/// Only A1 rotates, with the arm pointing straight up: gravity acts along all axes, and nothing is
+/// lifted.
 #[test]
 fn what_a_motion_does_not_show_is_not_told() {
     let still = Program::from_deg([0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0])
@@ -129,7 +130,7 @@ fn what_a_motion_does_not_show_is_not_told() {
     assert!(torques.coulomb_nm[0].is_some() && torques.coulomb_nm[1].is_none());
 }
 
-/// Pick and place: one load cannot explain it.
+/// Pick and place: no single payload explains the torques.
 #[test]
 fn loads_that_change_are_not_mixed() {
     let mut program = program();

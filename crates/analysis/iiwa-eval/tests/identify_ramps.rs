@@ -1,4 +1,5 @@
-//! The law of ramps under Sunrise, identified from recordings of virtual robots with other laws than the model's.
+//! Identification of the ramp law under Sunrise from recordings of virtual robots with other laws
+//! than the model's.
 
 #![expect(clippy::unwrap_used, reason = "a test fails by it")]
 
@@ -12,7 +13,8 @@ use iiwa_plan::PlanOptions;
 use iiwa_program::{Motion, Program, Ptp};
 use iiwa_traj::{JerkOptions, Timing, Trajectory};
 
-/// Where motions of a real robot went to, and back to zero, in degrees; and two that are limited by A4.
+/// Targets of motions of a real robot, each followed by a return to zero, in degrees; and two that
+/// are limited by A4.
 const POSES_DEG: [Joints; 9] = [
     [129.33, 52.41, -79.13, 27.55, -159.39, 102.38, 38.65],
     [84.01, 79.34, -79.73, 86.9, -168.39, 97.04, 10.74],
@@ -29,7 +31,7 @@ fn sunrise() -> PlanOptions {
     PlanOptions::with_timing(Timing::Sunrise(JerkOptions::default()))
 }
 
-/// To some poses, and back to zero from each.
+/// Creates a program to some poses, with a return to zero from each.
 fn program(poses: &[Joints]) -> Program {
     let ptp = |deg: &Joints| Motion::Ptp(Ptp::to(deg.map(f64::to_radians)));
     let motions = poses.iter().flat_map(|pose| [ptp(pose), ptp(&[0.0; 7])]).collect();
@@ -39,7 +41,7 @@ fn program(poses: &[Joints]) -> Program {
 const EMPTY: &str = r#"{ "version": 1, "start": { "joints_deg": [0, 0, 0, 0, 0, 0, 0] },
     "motions": [{ "type": "ptp", "joints_deg": [0, 0, 0, 0, 0, 0, 1] }] }"#;
 
-/// A robot with other limits and another law than the model.
+/// Returns a robot with other limits and another law than the model.
 fn other_robot() -> Robot {
     let model = Robot::default();
     let mut limits = *model.limits();
@@ -59,7 +61,7 @@ fn recorded(program: &Program, noise_rad: f64, period_s: f64) -> JointLog {
     robot.run(program).unwrap()
 }
 
-/// How far figures of joints that were found are off, the worst of them, and how many there are.
+/// Returns the largest relative error of the estimates of the joints, and their number.
 fn worst(found: &[Option<Estimate>; 7], truth: &Joints) -> (f64, usize) {
     let off = found.iter().zip(truth).filter_map(|(found, truth)| {
         let found = (*found)?;
@@ -114,14 +116,14 @@ fn a_law_is_found_at_an_override() {
     check(&found, [1e-6, 1e-3, 1e-3]);
     // Pauses are not scaled.
     assert!(found.settle.unwrap().mean_s.holds(0.05));
-    // At another override than stated, limits are others.
+    // At another override than stated, the limits differ.
     program.workcell.speed_override = None;
     let found = identify(&[Recording { program: &program, log: &log }], &Robot::default()).unwrap();
     let velocity = found.velocity_rad_s[0].unwrap().value;
     assert!((velocity / (0.3 * 1.0003 * 98_f64.to_radians()) - 1.0).abs() < 0.01, "{velocity}");
 }
 
-/// What one half of the motions shows predicts how long the others take.
+/// Results from one half of the motions predict the durations of the other half.
 #[test]
 fn one_half_predicts_the_other() {
     let every_other =
@@ -143,12 +145,12 @@ fn one_half_predicts_the_other() {
     assert!(worst(&predicted) < 5e-3, "{:.1e}", worst(&predicted));
 }
 
-/// A motion that is neither is told apart: half of the program's speed on the way back would be one.
+/// A motion that follows neither law is detected, such as one during which the override changes.
 #[test]
 fn what_no_law_explains_is_said() {
     let program = program(&POSES_DEG[..2]);
     let mut log = recorded(&program, 1e-8, 1e-3);
-    // Each motion as the arm would do it under two overrides, the second one from its middle on.
+    // The clock is stretched and compressed in turn, as if the override varied within each motion.
     let slow = |t_s: f64| t_s + 0.02 * (6.0 * t_s).sin();
     for t_s in &mut log.t_s {
         *t_s = slow(*t_s);

@@ -1,4 +1,4 @@
-//! Virtual robots whose TCP is blended in other ways than the model's, identified from what they did.
+//! Identification of virtual robots whose TCP blends differ from the model's.
 
 #![expect(clippy::unwrap_used, reason = "a test fails by it")]
 
@@ -19,7 +19,7 @@ fn models() -> impl Iterator<Item = Robot> {
     Robot::BUILT_IN.iter().map(|name| Robot::built_in(name).unwrap())
 }
 
-/// kappa of the TCP's blends is up to 1.5 away from that of the joints' at 0, 90 and 180 deg.
+/// kappa of the TCP blends differs by up to 1.5 from that of the joint blends at 0, 90 and 180 deg.
 fn any_robot(model: &Robot, random: &mut Rng) -> Robot {
     let [a, b, c] =
         [0.0, 90.0, 180.0].map(|gamma_deg| model.kappa(gamma_deg) + 3.0 * (random.f64() - 0.5));
@@ -31,12 +31,12 @@ fn identified(trial: &Trial, log: &JointLog, model: &Robot) -> Identified {
     identify(&[Recording { program: &trial.program, log }], model).unwrap()
 }
 
-/// The angles at which kappa is looked at, in degrees.
+/// Angles at which kappa is checked, in degrees.
 fn angles() -> impl Iterator<Item = f64> {
     (1..=17).map(|i| 10.0 * f64::from(i))
 }
 
-/// Largest deviations of a part: mm, deg, deg; and how many there are.
+/// Returns the largest deviations of a part, in mm, deg and deg, and the number of observations.
 fn worst(found: &Identified, part: CoursePart) -> ([f64; 3], usize) {
     let of_part = found.courses.iter().filter(|course| course.part == part);
     of_part.fold(([0.0; 3], 0), |([off, turn, e1], count), course| {
@@ -46,7 +46,7 @@ fn worst(found: &Identified, part: CoursePart) -> ([f64; 3], usize) {
     })
 }
 
-/// Without noise everything is as it was built, for any kappa of the TCP.
+/// Without noise, all results are exact for any kappa of the TCP.
 #[test]
 fn what_was_built_is_found() {
     let mut random = Rng::with_seed(1);
@@ -69,21 +69,21 @@ fn what_was_built_is_found() {
         }
         let share = found.tcp_unequal_share.unwrap();
         assert!(share.value.abs() < 1e-3 && share.count == 10, "{share:?}");
-        // Orientation, E1 and blends with joint space are assumed as they are.
+        // The assumptions about orientation, E1 and blends with joint space hold.
         for (part, least) in CoursePart::ALL.into_iter().zip([40, 20, 8]) {
             let (worst, count) = worst(&found, part);
             println!("{} {part:?}: {worst:?} in {count}", model.name());
             assert!(count >= least, "{part:?}: {count}");
             assert!(worst.iter().all(|worst| *worst < 2e-3), "{part:?}: {worst:?}");
         }
-        // All of it is in the profile.
+        // All results are in the profile.
         let robot = found.robot(&model);
         assert_eq!(robot.tcp_blend_kappa(), kappa.coefficients());
         assert_eq!(robot.blend_kappa(), model.blend_kappa());
     }
 }
 
-/// With noise, figures are as uncertain as they say.
+/// With noise, the stated uncertainties are correct.
 #[test]
 fn random_robots_with_noise() {
     let mut random = Rng::with_seed(2);
@@ -122,12 +122,12 @@ fn random_robots_with_noise() {
     assert!(inside_reach >= 31, "{inside_reach} of {count_reach}");
 }
 
-/// The joints of poses of the flange; E1 and status as in the program.
+/// Returns the joint positions of a flange pose, with E1 and status as in the program.
 fn joints(robot: &Robot, pose: &Pose) -> Joints {
     robot.inverse(pose, 0.0, Status::new(0b010).unwrap()).unwrap()
 }
 
-/// The log of an arm whose flange is elsewhere than the plan's: by what is added to each pose.
+/// Returns the log of a robot whose flange poses are those of the plan, changed by `by`.
 fn moved(trial: &Trial, robot: &Robot, by: impl Fn(f64, &Pose) -> Pose) -> JointLog {
     let mut log = VirtualRobot::new(robot.clone(), 1).run(&trial.program).unwrap();
     for (t_s, q_rad) in log.t_s.iter().zip(&mut log.q_rad) {
@@ -137,7 +137,7 @@ fn moved(trial: &Trial, robot: &Robot, by: impl Fn(f64, &Pose) -> Pose) -> Joint
     log
 }
 
-/// Where the corner is, in m.
+/// Position of the corner, in m.
 const CORNER_M: [f64; 3] = [0.52, 0.0, 0.35];
 
 fn from_corner(pose: &Pose) -> f64 {
@@ -145,7 +145,7 @@ fn from_corner(pose: &Pose) -> f64 {
     off(0).hypot(off(1))
 }
 
-/// A hump over the corner, some mm high: no blend in the plane of the LINs.
+/// A hump over the corner, some mm high: not a blend in the plane of the LINs.
 #[test]
 fn what_is_no_blend_is_left_out() {
     let robot = Robot::default();
@@ -165,7 +165,7 @@ fn what_is_no_blend_is_left_out() {
     assert!((off_mm - 8.0).abs() < 1.0, "{off_mm}");
 }
 
-/// Orientation that gets ahead of the way: by 2 deg half-way along LINs.
+/// The orientation leads the position by 2 deg half-way along LINs.
 #[test]
 fn another_law_of_orientation_is_told() {
     let robot = Robot::default();
@@ -182,13 +182,14 @@ fn another_law_of_orientation_is_told() {
     let ([off_mm, turn_deg, e1_deg], count) = worst(&found, CoursePart::Path);
     assert!(count > 40 && off_mm < 1e-3 && e1_deg < 1e-6, "{off_mm} {e1_deg} {count}");
     assert!((turn_deg - 2.0).abs() < 0.01, "{turn_deg}");
-    // Within blends it is as assumed, and kappa is found all the same.
+    // Within blends the orientation is as assumed, and kappa is identified as well.
     let ([_, turn_deg, _], _) = worst(&found, CoursePart::TcpBlend);
     assert!(turn_deg < 0.01, "{turn_deg}");
     assert!((found.tcp_kappa.unwrap().at(90.0).value - robot.kappa(90.0)).abs() < 1e-3);
 }
 
-/// A robot whose joint blends have another kappa leaves the assumed blends of PTP and LIN, and these only.
+/// A robot whose joint blends have another kappa deviates from the assumed blends of PTP and LIN,
+/// and from these only.
 #[test]
 fn blends_with_joint_space_are_told_apart() {
     let model = Robot::default();
@@ -199,7 +200,7 @@ fn blends_with_joint_space_are_told_apart() {
     let found = identified(&trial, &log, &model);
     let ([off_mm, ..], count) = worst(&found, CoursePart::JointBlend);
     assert_eq!(count, 8);
-    // As far as the two paths are from each other.
+    // The deviation equals the distance between the two paths.
     let [assumed, real] =
         [&model, &truth].map(|robot| JointPath::new(&trial.program, robot).unwrap());
     let mut expected_mm = 0.0_f64;
@@ -228,7 +229,8 @@ fn blends_with_joint_space_are_told_apart() {
     assert!(off_mm < 2e-3, "{off_mm}");
 }
 
-/// An arm that blends as much as the program asks for of each side, or half of it: the sides are not made equal.
+/// A robot that blends the programmed distance on each side, or half of the line: the sides are not
+/// equalised.
 #[test]
 fn sides_of_unequal_length_are_told() {
     let robot = Robot::default();
@@ -257,7 +259,7 @@ fn sides_of_unequal_length_are_told() {
             let line = |s: f64| std::array::from_fn(|k| from[k] + s * (start[k] - from[k]));
             go(start, &line, &mut q_rad);
             let end = place(out_mm, angle_deg);
-            // Own reaches: 60 mm, but at most the half.
+            // Independent reaches: 60 mm, but at most half of the line.
             let reach = [into_mm, out_mm].map(|way: f64| (0.5 * way).min(60.0));
             let kappa = robot.tcp_kappa(angle_deg);
             let whole = into_mm + out_mm;
@@ -290,7 +292,7 @@ fn sides_of_unequal_length_are_told() {
     let share = found.tcp_unequal_share.unwrap();
     assert!((share.value - 1.0).abs() < 1e-3 && share.count == 10, "{share:?}");
     for blend in &found.tcp_blends {
-        // With the reach that it has, not with the one that was assumed.
+        // kappa belongs to the observed reach, not to the assumed one.
         let (kappa, _) = blend.kappa;
         assert!((kappa - robot.tcp_kappa(blend.gamma_deg)).abs() < 1e-2, "{blend:?}");
         let [before, after] = blend.found_reach_m.unwrap();
@@ -299,7 +301,7 @@ fn sides_of_unequal_length_are_told() {
     }
 }
 
-/// Another TCP than the flange: the corners are those of the tool.
+/// A tool TCP: the corners are those of the tool.
 #[test]
 fn the_tools_tcp_counts() {
     let mut trial = tcp_blends(&[TcpSeries::Angles]);
@@ -316,7 +318,8 @@ fn the_tools_tcp_counts() {
     for gamma in angles() {
         assert!((kappa.at(gamma).value - truth.tcp_kappa(gamma)).abs() < 2e-3, "{gamma}");
     }
-    // Taken for the flange's, they are none.
+    // The tool centre point is away from the flange centre, so that the flange path has no such
+    // corners.
     let point = apply(&truth.flange_pose(&log.q_rad[0]).rotation, &[0.03, -0.02, 0.12]);
     assert!(point.iter().any(|v| v.abs() > 0.1));
 }

@@ -1,4 +1,4 @@
-//! Swings with and without a load show how a controller plans with it.
+//! Swings with and without a payload show its effect on a controller's planner.
 
 #![expect(clippy::unwrap_used, reason = "a test fails by it")]
 
@@ -50,7 +50,7 @@ fn three_planners_are_told_apart() {
                 panic!("{mass_kg} kg: the factor was not found")
             };
             assert!((per_kg.value - 0.02).abs() < 0.001, "{per_kg}");
-            // At 5 kg it takes 80 % of the limits to show clearly.
+            // At 5 kg, a limit of 80 % is required for a clear effect.
             let limit = if mass_kg < 6.0 { 0.8 } else { 1.0 };
             let LoadVerdict::Torque(share) = of(LoadPlanning::Torque(limit)) else {
                 panic!("{mass_kg} kg: planning with torques was not found")
@@ -60,7 +60,7 @@ fn three_planners_are_told_apart() {
     }
 }
 
-/// A load that no planner would have to slow down for tells nothing.
+/// A payload that requires no planner to slow down shows nothing.
 #[test]
 fn a_light_load_tells_nothing() {
     assert_eq!(effect(LoadPlanning::Torque(1.0), 1.0, 1e-5, 3).verdict, LoadVerdict::TooLight);

@@ -1,4 +1,4 @@
-//! Recordings made up from plans.
+//! Recordings simulated from plans.
 
 #![expect(clippy::unwrap_used, reason = "a test fails by it")]
 
@@ -16,23 +16,23 @@ pub(crate) fn trajectory(program: &str, timing: Timing) -> Trajectory {
     Trajectory::plan(&path, timing).unwrap()
 }
 
-/// A recording of a trajectory.
+/// Parameters of a recording of a trajectory.
 #[derive(Clone, Copy)]
 pub(crate) struct Tape {
     pub(crate) rate_hz: f64,
-    /// The clock at the start of the program.
+    /// Clock time at the start of the program.
     pub(crate) clock_s: f64,
-    /// Standing before and after the program.
+    /// Rest before and after the program.
     pub(crate) before_s: f64,
     pub(crate) after_s: f64,
     pub(crate) noise_rad: f64,
     /// Share of the samples that are lost.
     pub(crate) dropped: f64,
-    /// Slower by this factor.
+    /// Factor by which the robot is slower.
     pub(crate) section: f64,
-    /// The start of the program between two samples, as a share of the time between them.
+    /// Start of the program between two samples, as a share of the time between them.
     pub(crate) phase: f64,
-    /// Added to all positions.
+    /// Offset of all positions.
     pub(crate) shift_rad: [f64; 7],
 }
 

@@ -1,4 +1,4 @@
-//! The arm's parts: what they are, where they are, how far each joint can move them.
+//! Parts of the arm: shapes, poses, and bounds of their motion by each joint.
 
 use std::{borrow::Borrow, sync::Arc};
 
@@ -13,28 +13,28 @@ use crate::{
     tool::{ToolForm, ToolShape},
 };
 
-/// The last link, which carries the tool.
+/// Last link, which carries the tool.
 const LAST_LINK: usize = 7;
 
-/// A convex shape of the arm.
+/// Convex shape of the arm.
 #[derive(Clone, Debug)]
 pub(crate) struct Part {
     pub(crate) link: usize,
-    /// What it is called: its link, or [`TOOL`].
+    /// Link number in results: the link, or [`TOOL`].
     pub(crate) shown: usize,
-    /// Its centre, in its link's frame.
+    /// Centre, in the link frame.
     center: Vector,
-    /// Its axis, in its link's frame.
+    /// Axis, in the link frame.
     axis: Vector,
     form: Volume<Arc<Polyhedron>>,
-    /// How far any of its points is from its centre, at most.
+    /// Largest distance of any point from the centre.
     pub(crate) bound: f64,
-    /// How far any of its points can be from the axis of each joint, at most, in m; zero for joints
-    /// that do not carry it. No point of it moves faster than this times the joint's speed.
+    /// Largest distance of any point from the axis of each joint, in m; zero for joints that do not
+    /// move the part. No point of the part moves faster than this times the joint's speed.
     pub(crate) reach: Joints,
 }
 
-/// A ball, a cylinder with flat ends, a box, or a convex polyhedron, which it holds as an `H`.
+/// Sphere, cylinder with flat ends, box, or convex polyhedron, which is held as an `H`.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Volume<H> {
     Cylinder {
@@ -44,12 +44,12 @@ pub(crate) enum Volume<H> {
     Ball {
         radius: f64,
     },
-    /// Beside its axis, the two others; and half of its lengths along all three.
+    /// The two axes besides `axis`, and half of the lengths along all three.
     Box {
         sides: [Vector; 2],
         half: Vector,
     },
-    /// Beside its axis, the two others.
+    /// The two axes besides `axis`.
     Hull {
         sides: [Vector; 2],
         hull: H,
@@ -57,7 +57,7 @@ pub(crate) enum Volume<H> {
 }
 
 impl<H: Borrow<Polyhedron>> Volume<H> {
-    /// How far any point is from the centre, at most.
+    /// Returns the largest distance of any point from the centre.
     fn bound(&self) -> f64 {
         match self {
             Self::Cylinder { radius, half } => radius.hypot(*half),
@@ -67,7 +67,7 @@ impl<H: Borrow<Polyhedron>> Volume<H> {
         }
     }
 
-    /// The same with its directions turned.
+    /// Returns the volume with rotated directions.
     fn turned(&self, turn: impl Fn(Vector) -> Vector) -> Volume<&Polyhedron> {
         match *self {
             Self::Cylinder { radius, half } => Volume::Cylinder { radius, half },
@@ -80,16 +80,16 @@ impl<H: Borrow<Polyhedron>> Volume<H> {
     }
 }
 
-/// A part of the arm where it is.
+/// Part of the arm at a pose.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Body<'a> {
     pub(crate) center: Vector,
-    /// Of length 1; it means nothing for a ball.
+    /// Unit vector; unused for a sphere.
     pub(crate) axis: Vector,
     pub(crate) form: Volume<&'a Polyhedron>,
 }
 
-/// All parts of `robot`.
+/// Returns all parts of `robot`.
 pub(crate) fn parts(robot: &Robot) -> Vec<Part> {
     let d = robot.dh().map(|row| row.d_m);
     let links = robot.link_shapes();
@@ -116,15 +116,15 @@ pub(crate) fn parts(robot: &Robot) -> Vec<Part> {
     parts
 }
 
-/// All parts of `robot`, where links are the convex hulls of meshes, in their frames; those of links without
-/// one are as they are without meshes.
+/// Returns all parts of `robot` with links made of the convex hulls of meshes, in the link frames.
+/// Links without meshes keep their cylinders and spheres.
 pub(crate) fn mesh_parts(robot: &Robot, hulls: &[Vec<ConvexHull>; 8]) -> Vec<Part> {
     let d = robot.dh().map(|row| row.d_m);
     let plain = parts(robot).into_iter().filter(|part| hulls[part.link].is_empty());
     let meshed = hulls.iter().enumerate().flat_map(|(link, hulls)| {
         hulls.iter().map(move |hull| {
             let (hull, center) = Polyhedron::new(hull);
-            // No point of a hull is farther from a point or an axis than one of its corners.
+            // A corner of a hull has the largest distance from any point or axis.
             let way = hull.bound(|corner| (center + corner).length());
             let own = hull.bound(|corner| (center + corner).truncate().length());
             let bound = hull.bound(Vector::length);
@@ -136,7 +136,7 @@ pub(crate) fn mesh_parts(robot: &Robot, hulls: &[Vec<ConvexHull>; 8]) -> Vec<Par
     plain.chain(meshed).collect()
 }
 
-/// The parts of a tool, which is given in the flange's frame.
+/// Returns the parts of a tool, which is given in the flange frame.
 pub(crate) fn tool_parts(robot: &Robot, tool: &[ToolShape]) -> Vec<Part> {
     let d = robot.dh().map(|row| row.d_m);
     let part = |shape: &ToolShape| {
@@ -161,11 +161,11 @@ pub(crate) fn tool_parts(robot: &Robot, tool: &[ToolShape]) -> Vec<Part> {
         };
         let rows = rotation(rpy_rad).map(Vector::from);
         let turn = |v: Vector| Vector::from(rows.map(|row| row.dot(v)));
-        // The last link's frame lies at the wrist, and is turned as the flange.
+        // The origin of the last link's frame is at the wrist, with the orientation of the flange.
         let center = Vector::from(center_m) + d[LAST_LINK - 1] * Vector::Z;
         let bound = form.bound();
         let (way, own) = match &form {
-            // No point of a hull is farther from a point or an axis than one of its corners.
+            // A corner of a hull has the largest distance from any point or axis.
             Volume::Hull { hull, .. } => (
                 hull.bound(|corner| (center + turn(corner)).length()),
                 hull.bound(|corner| (center + turn(corner)).truncate().length()),
@@ -183,13 +183,15 @@ pub(crate) fn tool_parts(robot: &Robot, tool: &[ToolShape]) -> Vec<Part> {
     tool.iter().map(part).collect()
 }
 
-/// How far the points of a part can be from the axis of each joint, at most: `way` from the origin of its link's frame,
-/// and `own` from the axis that this link turns about.
+/// Returns the largest distance of a part's points from the axis of each joint, given their
+/// distance `way` from the origin of the link frame, and `own` from the axis of the link's own
+/// joint.
 fn reaches(d: &Joints, link: usize, mut way: f64, own: f64) -> Joints {
     let mut reach = [0.0; 7];
     let Some(own_joint) = link.checked_sub(1) else { return reach };
-    // The shift d_j runs along the axis of joint j, so that the axis goes through the origin of the next link's frame. From
-    // there on it is no farther than along the shifts between.
+    // The shift d_j is along the axis of joint j, so that the axis passes through the origin of the
+    // next link's frame. Beyond that origin, the distance is bounded by the sum of the shifts in
+    // between.
     for joint in (0..own_joint).rev() {
         reach[joint] = way;
         way += d[joint];
@@ -198,7 +200,7 @@ fn reaches(d: &Joints, link: usize, mut way: f64, own: f64) -> Joints {
     reach
 }
 
-/// How far the points of a part are from its link's origin, at most. Centres lie on the axis.
+/// Returns the largest distance of a part's points from the link origin. Centres are on the axis.
 fn from_origin(center: Vector, form: &Volume<Arc<Polyhedron>>) -> f64 {
     match form {
         Volume::Cylinder { radius, half } => radius.hypot(center.length() + half),
@@ -206,8 +208,8 @@ fn from_origin(center: Vector, form: &Volume<Arc<Polyhedron>>) -> f64 {
     }
 }
 
-/// How far the points of a part are from the axis that its own link turns about, at most: the link's z
-/// axis, which all centres lie on or right across of.
+/// Returns the largest distance of a part's points from the axis of the link's own joint: the
+/// link's z axis, on which or perpendicular to which all centres are.
 fn from_own_axis(center: Vector, along: Along, form: &Volume<Arc<Polyhedron>>) -> f64 {
     match (form, along) {
         (Volume::Cylinder { radius, .. }, Along::Z) => center.truncate().length() + radius,
@@ -219,7 +221,8 @@ fn from_own_axis(center: Vector, along: Along, form: &Volume<Arc<Polyhedron>>) -
 }
 
 impl Part {
-    /// Whether only joint 1 moves it: it is round about the axis that its own link, the second, turns about.
+    /// Returns true if only joint 1 moves the part: it is rotationally symmetric about the axis of
+    /// its own link, the second one.
     pub(crate) fn turns_with_joint_1(&self) -> bool {
         let on_axis = self.center.x == 0.0 && self.center.y == 0.0;
         let is_round = match self.form {
@@ -230,7 +233,7 @@ impl Part {
         self.link == FIRST_LINK && on_axis && is_round
     }
 
-    /// The part where its link's frame is at `pose`.
+    /// Returns the part with its link frame at `pose`.
     pub(crate) fn at(&self, pose: &Pose) -> Body<'_> {
         let rows = pose.rotation.map(Vector::from);
         let turn = |v: Vector| Vector::from(rows.map(|row| row.dot(v)));
@@ -243,12 +246,12 @@ impl Part {
 }
 
 impl Body<'_> {
-    /// The largest `direction . x` of its points. `direction` may be of any length.
+    /// Returns the largest `direction . x` of the points, for a `direction` of any length.
     pub(crate) fn farthest_along(&self, direction: Vector) -> f64 {
         -self.nearest_along(-direction)
     }
 
-    /// The smallest `direction . x` of its points. `direction` may be of any length.
+    /// Returns the smallest `direction . x` of the points, for a `direction` of any length.
     pub(crate) fn nearest_along(&self, direction: Vector) -> f64 {
         let reach = match self.form {
             Volume::Ball { radius } => radius * direction.length(),
@@ -266,7 +269,7 @@ impl Body<'_> {
         self.center.dot(direction) - reach
     }
 
-    /// The same part in another frame.
+    /// Transforms the part to another frame.
     pub(crate) fn map(
         &self,
         point: impl Fn(Vector) -> Vector,
@@ -276,7 +279,7 @@ impl Body<'_> {
         Body { center: point(self.center), axis: turn(self.axis), form }
     }
 
-    /// The three axes of a box or a hull; of other forms their own is the last.
+    /// Returns the three axes of a box or a hull; for other forms only the last one is set.
     fn axes(&self) -> [Vector; 3] {
         match self.form {
             Volume::Box { sides: [x, y], .. } | Volume::Hull { sides: [x, y], .. } => {
@@ -295,7 +298,7 @@ impl Body<'_> {
         local.x * x + local.y * y + local.z * z
     }
 
-    /// The point of the part that is nearest to `point`.
+    /// Returns the point of the part nearest to `point`.
     pub(crate) fn nearest(&self, point: Vector) -> Vector {
         let away = point - self.center;
         match self.form {
@@ -315,7 +318,7 @@ impl Body<'_> {
     }
 }
 
-/// The farthest point along a direction, in the frame that the part is in.
+/// Support mapping: the farthest point along a direction, in the frame of the part.
 impl SupportMap for Body<'_> {
     fn local_support_point(&self, direction: Vector) -> Vector {
         match self.form {

@@ -1,4 +1,4 @@
-//! The arm as a user's URDF has it: meshes of its links.
+//! Link meshes of the arm from a user's URDF.
 
 use std::path::Path;
 
@@ -10,78 +10,78 @@ use crate::{
     mesh::{Patch, TriangleMesh, TriangleMeshError},
 };
 
-/// Longest extent of a link's mesh, in m; the arm is 1.3 m long.
+/// Largest extent of a link mesh, in m; the arm is 1.3 m long.
 const MAX_EXTENT_M: f64 = 2.0;
 
-/// Meshes of the arm's links, from a URDF.
+/// Link meshes of the arm, from a URDF.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct ArmMeshes {
-    /// What link 0 to link 7 look like, each in its link's frame, in m.
+    /// Visual meshes of links 0 to 7, each in its link frame, in m.
     pub visual: [Vec<Patch>; 8],
-    /// What they are for clearances: the convex hulls of their meshes for collisions; of a link that has none, of those that it
-    /// looks like.
+    /// Convex hulls for clearances: of the collision meshes, or of the visual meshes for links
+    /// without collision meshes.
     pub hulls: [Vec<ConvexHull>; 8],
 }
 
-/// Why a URDF gives no meshes of the arm.
+/// Error of reading the link meshes of a URDF.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum ArmMeshError {
-    /// It is no URDF of this robot.
+    /// The text is not a URDF of this robot.
     #[error(transparent)]
     Urdf(#[from] UrdfError),
-    /// It names no mesh that is a part of the arm.
+    /// The URDF contains no meshes of the arm.
     #[error(
         "it names no meshes: none of the links of its seven joints has a <mesh> among its visuals"
     )]
     None,
-    /// A file cannot be had.
+    /// A file is not available.
     #[error("the mesh {file:?}: {reason}, at {at}")]
     File {
-        /// Where the URDF names it.
+        /// Place in the URDF.
         at: Place,
-        /// Its name there.
+        /// File name in the URDF.
         file: String,
-        /// Why.
+        /// Reason.
         reason: String,
     },
-    /// A file is no mesh.
+    /// A file is not a valid mesh.
     #[error("the mesh {file:?}: {error}, at {at}")]
     Mesh {
-        /// Where the URDF names it.
+        /// Place in the URDF.
         at: Place,
-        /// Its name there.
+        /// File name in the URDF.
         file: String,
-        /// What it is instead.
+        /// Error of reading the mesh.
         error: TriangleMeshError,
     },
-    /// A mesh is so long that its unit is another one.
+    /// A mesh is so long that its unit must be wrong.
     #[error(
         "the mesh {file:?} is {longest_m:.3} m long: its numbers are taken for m, and scale=\"0.001 0.001 0.001\" makes them mm, at {at}"
     )]
     Extent {
-        /// Where the URDF names it.
+        /// Place in the URDF.
         at: Place,
-        /// Its name there.
+        /// File name in the URDF.
         file: String,
-        /// Its longest extent, in m.
+        /// Largest extent, in m.
         longest_m: f64,
     },
     /// A mesh has no convex hull.
     #[error("the mesh {file:?}: {error}, at {at}")]
     NotSolid {
-        /// Where the URDF names it.
+        /// Place in the URDF.
         at: Place,
-        /// Its name there.
+        /// File name in the URDF.
         file: String,
-        /// Why.
+        /// Reason.
         error: NotSolid,
     },
 }
 
 impl ArmMeshError {
-    /// Where in the URDF, if it is a place there.
+    /// Returns the place in the URDF, if there is one.
     #[must_use]
     pub fn place(&self) -> Option<&Place> {
         match self {
@@ -94,7 +94,7 @@ impl ArmMeshError {
         }
     }
 
-    /// What is wrong, without the place.
+    /// Returns the message without the place.
     #[must_use]
     pub fn what(&self) -> String {
         let text = self.to_string();
@@ -103,13 +103,14 @@ impl ArmMeshError {
 }
 
 impl ArmMeshes {
-    /// Reads the meshes that a URDF of `robot` names. `read` takes the name of a file, as the URDF has it, and gives its
-    /// contents, or says why it cannot; of an OBJ file, it is asked for the file of its materials, too, by a name beside it,
-    /// and need not have it.
+    /// Reads the meshes of a URDF of `robot`. `read` receives a file name as in the URDF, and
+    /// returns the contents or the reason why they are not available. For an OBJ file, `read` also
+    /// receives the name of its material file in the same folder, which is optional.
     ///
     /// # Errors
     ///
-    /// If it is no URDF of this robot (see [`Robot::urdf_meshes`]), names no meshes, or one of them is no mesh in m.
+    /// If the text is not a URDF of this robot (see [`Robot::urdf_meshes`]), contains no meshes, or
+    /// one of them is not a valid mesh in m.
     pub fn from_urdf(
         robot: &Robot,
         urdf: &str,
@@ -145,7 +146,7 @@ fn hull(mesh: &UrdfMesh, patches: &[Patch]) -> Result<ConvexHull, ArmMeshError> 
     })
 }
 
-/// The triangles of a mesh, in the frame of its link, in m.
+/// Returns the triangles of a mesh, in the link frame, in m.
 fn patches(
     mesh: &UrdfMesh,
     read: &mut impl FnMut(&str) -> Result<Vec<u8>, String>,
@@ -162,7 +163,7 @@ fn patches(
     let found = TriangleMesh::read(&mesh.file, &bytes, beside)
         .map_err(|error| ArmMeshError::Mesh { at: at(), file: file(), error })?;
     let mut patches = found.patches;
-    // A mirrored mesh has its triangles the other way round.
+    // Mirroring inverts the orientation of triangles.
     let is_mirrored = scale.iter().product::<f64>() < 0.0;
     for patch in &mut patches {
         for point in &mut patch.points {
@@ -185,7 +186,7 @@ fn patches(
     Ok(patches)
 }
 
-/// How far the patches go along an axis.
+/// Returns the extent of the patches along an axis.
 fn extent(patches: &[Patch], axis: usize) -> f64 {
     let along = patches.iter().flat_map(|patch| &patch.points).map(|point| point[axis]);
     let (low, high) =

@@ -1,4 +1,4 @@
-//! The clearance of a pose.
+//! Clearance of a pose.
 
 use std::{collections::HashSet, f64::consts::TAU, sync::Arc};
 
@@ -14,71 +14,74 @@ use crate::{
     scene::Scene,
 };
 
-/// The smallest distance between the arm and the obstacles of a scene, or between parts of the arm, and where it is.
+/// Smallest distance between the arm and the obstacles of a scene, or between parts of the arm, and
+/// its location.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Clearance {
-    /// In m; 0 if they touch or overlap.
+    /// Distance in m; 0 if the shapes touch or overlap.
     pub distance_m: f64,
-    /// The link that is nearest to something, 2 to 7, or 8 for the tool.
+    /// Nearest link, 2 to 7, or 8 for the tool.
     pub link: usize,
-    /// What it is nearest to.
+    /// Obstacle or link to which the distance applies.
     pub other: Other,
-    /// The nearest point of the link, in the base frame, in m.
+    /// Nearest point of the link, in the base frame, in m.
     pub on_link_m: [f64; 3],
-    /// The nearest point of the other, in the base frame, in m. Where they touch or overlap it is the
-    /// same one: a point of both.
+    /// Nearest point of the obstacle or other link, in the base frame, in m. If the shapes touch or
+    /// overlap, both points are the same common point.
     pub on_other_m: [f64; 3],
 }
 
-/// What a link is near to.
+/// Obstacle or link near a link.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Other {
-    /// An obstacle: its place in [`Scene::obstacles`].
+    /// Obstacle, by its index in [`Scene::obstacles`].
     Obstacle(usize),
-    /// A link of the arm, 0 to 5, which comes before the other one.
+    /// Link of the arm, 0 to 5, with a lower number than the first one.
     Link(usize),
 }
 
-/// An arm in a scene, prepared for clearances.
+/// Arm in a scene, prepared for clearances.
 ///
-/// The arm is made of the cylinders and spheres of [`Robot::link_shapes`], and of the scene's tool. Links 0 and 1 do not count: they
-/// turn about their own axis only, so that their distances never change, and the foot may stand on an
-/// obstacle. For the same reason the shoulder does not count next to what it is as far from at all poses, as the column below it,
-/// unless they touch. Neither do pairs that the scene ignores.
+/// The arm consists of the cylinders and spheres of [`Robot::link_shapes`], and of the scene's
+/// tool. Links 0 and 1 are not checked: they are fixed or rotate about their own axis only, so that
+/// their distances never change, and the robot base may be mounted on an obstacle. For the same
+/// reason the shoulder is not checked against obstacles at a constant distance, such as the column
+/// below it, unless they touch. Pairs that the scene ignores are not checked either.
 ///
-/// [Of its distances from itself](Self::self_clearance), those of parts count that are three links or more apart, the tool being
-/// the link after the last one: nearer ones cannot touch within the limits of the joints. That is an assumption. Pairs of parts
-/// that are as far apart at all poses do not count there, either.
+/// [The self-clearance](Self::self_clearance) covers parts that are three links or more apart, with
+/// the tool as the link after the last one: closer ones cannot touch within the joint limits. This
+/// is an assumption. Pairs of parts with the same distance at all poses are not checked there
+/// either.
 ///
-/// A clone shares what was prepared: it costs next to nothing.
+/// Clones share the prepared data and are cheap.
 #[derive(Clone, Debug)]
 pub struct ArmInScene {
     pub(crate) robot: Robot,
     scene: Arc<Scene>,
     pub(crate) parts: Arc<[Part]>,
     pub(crate) obstacles: Arc<[Placed]>,
-    /// Whether a pair of a part and an obstacle counts, part by part.
+    /// Flags for all pairs of a part and an obstacle, part by part: `true` if the pair is checked.
     counts: Arc<[bool]>,
-    /// The pairs of parts that count.
+    /// Pairs of parts that are checked.
     own_pairs: Arc<[Pair]>,
 }
 
-/// A part of the arm and what it may come near to.
+/// Part of the arm and its possible collision partner.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Pair {
     pub(crate) part: usize,
     pub(crate) target: Target,
 }
 
-/// An obstacle or another part, by its index.
+/// Obstacle or other part, by its index.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Target {
     Obstacle(usize),
     Part(usize),
 }
 
-/// Which distances are taken.
+/// Set of pairs to be checked.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Among {
     Obstacles,
@@ -96,7 +99,8 @@ impl ArmInScene {
         )
     }
 
-    /// Prepares `robot` and `scene`: links are the convex hulls of their meshes, in place of cylinders and spheres.
+    /// Prepares `robot` and `scene`, with the convex hulls of link meshes in place of cylinders and
+    /// spheres.
     #[must_use]
     pub fn with_meshes(robot: &Robot, scene: &Scene, meshes: &ArmMeshes) -> Self {
         let parts = arm::mesh_parts(robot, &meshes.hulls);
@@ -136,7 +140,7 @@ impl ArmInScene {
         }
     }
 
-    /// The pairs whose distances count, part by part.
+    /// Returns the checked pairs, part by part.
     pub(crate) fn pairs(&self, among: Among) -> impl Iterator<Item = Pair> {
         let (obstacles, own) = match among {
             Among::Obstacles => (self.obstacles.len(), &[][..]),
@@ -150,19 +154,21 @@ impl ArmInScene {
         of_scene.chain(own.iter().copied())
     }
 
-    /// The scene.
+    /// Returns the scene.
     #[must_use]
     pub fn scene(&self) -> &Scene {
         &self.scene
     }
 
-    /// The clearance at `joints_rad`; none if the scene has no obstacles, or a joint is not finite.
+    /// Returns the clearance at `joints_rad`; none if the scene has no obstacles, or a joint is not
+    /// finite.
     #[must_use]
     pub fn clearance(&self, joints_rad: &Joints) -> Option<Clearance> {
         self.clearance_among(Among::Obstacles, joints_rad)
     }
 
-    /// The smallest distance of two parts of the arm, the tool included, at `joints_rad`; none if a joint is not finite.
+    /// Returns the smallest distance of two parts of the arm, including the tool, at `joints_rad`;
+    /// none if a joint is not finite.
     #[must_use]
     pub fn self_clearance(&self, joints_rad: &Joints) -> Option<Clearance> {
         self.clearance_among(Among::OwnParts, joints_rad)
@@ -176,7 +182,7 @@ impl ArmInScene {
         self.nearest(among, &bodies, f64::MAX).map(|(pair, near)| self.told(pair, &near))
     }
 
-    /// What something near is called: the obstacle's name, or the link.
+    /// Returns the name of an obstacle or a link.
     #[must_use]
     pub fn name_of(&self, other: Other) -> String {
         match other {
@@ -187,8 +193,9 @@ impl ArmInScene {
         }
     }
 
-    /// The farthest that any point of what counts of the arm moves, at most, in m, while the joints go evenly from one pose to
-    /// another: no clearance on the way differs more from that at either end.
+    /// Returns an upper bound of the motion of any point of the checked parts, in m, for a linear
+    /// joint motion from one pose to another. No clearance on the way differs by more from that at
+    /// either end.
     #[must_use]
     pub fn travel_bound_m(&self, from_rad: &Joints, to_rad: &Joints) -> f64 {
         let way = |part: &Part| {
@@ -203,7 +210,7 @@ impl ArmInScene {
         self.parts.iter().map(|part| part.at(&poses[part.link])).collect()
     }
 
-    /// The nearest pair of all, if it is nearer than `most`.
+    /// Returns the nearest pair, if it is nearer than `most`.
     pub(crate) fn nearest(
         &self,
         among: Among,
@@ -213,7 +220,7 @@ impl ArmInScene {
         let body = |part: usize| bodies[part];
         let least = |pair| (self.least(pair, &body(pair.part), body), pair);
         let mut pairs: Vec<_> = self.pairs(among).map(least).collect();
-        // The one that is likely to be nearest first: it rules out most of the others.
+        // The pair with the smallest bound first: it excludes most of the others.
         let first = (0..pairs.len()).min_by(|a, b| pairs[*a].0.total_cmp(&pairs[*b].0))?;
         pairs.swap(0, first);
         let mut best: Option<(Pair, Near)> = None;
@@ -232,7 +239,7 @@ impl ArmInScene {
         best
     }
 
-    /// A lower bound of a pair's distance, by the spheres around parts.
+    /// Returns a lower bound of a pair's distance, from the bounding spheres of the parts.
     pub(crate) fn least<'b>(
         &self,
         Pair { part, target }: Pair,
@@ -248,7 +255,8 @@ impl ArmInScene {
         of_center - self.parts[part].bound
     }
 
-    /// The nearest points of a pair, unless they are certainly farther apart than `most`.
+    /// Returns the nearest points of a pair; none if they are farther apart than `most` for
+    /// certain.
     pub(crate) fn near<'b>(
         &self,
         pair: Pair,
@@ -276,15 +284,15 @@ impl ArmInScene {
     }
 }
 
-/// Whether two parts of the arm have the same distance at all poses, as what turns about a ball's middle has. Parts that touch
-/// count all the same.
+/// Returns true if two parts of the arm have the same positive distance at all poses, such as a
+/// part that rotates about the centre of a sphere. Parts that touch are checked in any case.
 fn is_rigid(robot: &Robot, part: &Part, other: &Part) -> bool {
-    /// Poses all over the joints' ranges. Two of them tell nearly all pairs.
+    /// Number of poses, distributed over the joint ranges. Two of them decide almost all pairs.
     const POSES: u32 = 16;
     /// Error of two distances, in m.
     const SAME_M: f64 = 1e-6;
     let distance = |pose: u32| {
-        // Shares of a Kronecker sequence: of roots of primes, which have no common period.
+        // Kronecker sequence: multiples of the square roots of primes, which have no common period.
         let shares = [2.0_f64, 3.0, 5.0, 7.0, 11.0, 13.0, 17.0]
             .map(|prime| 2.0 * (f64::from(pose) * prime.sqrt()).fract() - 1.0);
         let poses = robot.link_poses(&robot.limits().at_shares(&shares));
@@ -295,9 +303,11 @@ fn is_rigid(robot: &Robot, part: &Part, other: &Part) -> bool {
     first > 0.0 && (2..=POSES).all(|pose| (distance(pose) - first).abs() < SAME_M)
 }
 
-/// Whether a part, which only joint 1 moves, has the same distance from an obstacle at all poses. A part that touches it counts all the same.
+/// Returns true if a part that only joint 1 moves has the same positive distance from an obstacle
+/// at all poses. A part that touches an obstacle is checked in any case.
 fn is_constant(robot: &Robot, part: &Part, obstacle: &Placed) -> bool {
-    /// Angles of joint 1: 5 degrees apart, at which the shoulder moves by less than a centimetre.
+    /// Number of angles of joint 1: 5 degrees apart, between which the shoulder moves by less than
+    /// a centimetre.
     const TURNS: u32 = 72;
     /// Error of two distances, in m.
     const SAME_M: f64 = 1e-6;

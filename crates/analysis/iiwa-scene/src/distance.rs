@@ -1,4 +1,4 @@
-//! How far a part of the arm is from an obstacle, or from another part.
+//! Distance of a part of the arm from an obstacle, or from another part.
 
 use parry3d_f64::{
     math::{Pose, Vector},
@@ -11,19 +11,19 @@ use crate::{
     placed::{Placed, PlacedBox, PlacedPlane},
 };
 
-/// The nearest points of a part and something else.
+/// Nearest points of a part and another shape.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Near {
     /// 0 if they touch or overlap.
     pub(crate) distance: f64,
     pub(crate) on_part: Vector,
     pub(crate) on_other: Vector,
-    /// From the other to the part, of length 1; it means nothing where they touch.
+    /// Unit vector from the other shape to the part; zero if they touch.
     pub(crate) away: Vector,
 }
 
 impl Near {
-    /// Two nearest points, or two that touch.
+    /// Creates the result for two nearest points, or for two points that touch.
     fn between(on_part: Vector, on_other: Vector) -> Self {
         match (on_part - on_other).try_normalize() {
             Some(away) => Self { distance: (on_part - on_other).length(), on_part, on_other, away },
@@ -36,12 +36,12 @@ impl Near {
     }
 }
 
-/// A convex solid.
+/// Convex solid.
 trait Convex: SupportMap {
-    /// The point of it that is nearest to `point`.
+    /// Returns the point of the solid nearest to `point`.
     fn nearest(&self, point: Vector) -> Vector;
 
-    /// The largest `direction . x` of its points.
+    /// Returns the largest `direction . x` of the solid's points.
     fn farthest_along(&self, direction: Vector) -> f64;
 }
 
@@ -55,7 +55,7 @@ impl Convex for Body<'_> {
     }
 }
 
-/// A box in its own frame.
+/// Box in its own frame.
 impl Convex for Cuboid {
     fn nearest(&self, point: Vector) -> Vector {
         point.clamp(-self.half_extents, self.half_extents)
@@ -66,7 +66,8 @@ impl Convex for Cuboid {
     }
 }
 
-/// The nearest points of `body` and `obstacle`, unless they are certainly farther apart than `most`.
+/// Returns the nearest points of `body` and `obstacle`; none if they are farther apart than `most`
+/// for certain.
 pub(crate) fn near(body: &Body<'_>, obstacle: &Placed, most: f64) -> Option<Near> {
     match obstacle {
         Placed::Plane(plane) => Some(to_plane(body, plane)),
@@ -96,7 +97,7 @@ fn ball_to_box(center: Vector, radius: f64, cuboid: &PlacedBox) -> Near {
     Near::between(center - way.normalize_or_zero() * radius, on_box)
 }
 
-/// In the box's frame.
+/// Returns the nearest points of a body and a box, computed in the box frame.
 fn solid_to_box(body: &Body<'_>, cuboid: &PlacedBox, most: f64) -> Option<Near> {
     let local = body.map(|point| cuboid.in_own_frame(point), |axis| cuboid.turn_back(axis));
     let shape = Cuboid::new(cuboid.half);
@@ -104,16 +105,18 @@ fn solid_to_box(body: &Body<'_>, cuboid: &PlacedBox, most: f64) -> Option<Near> 
     Some(Near::between(cuboid.in_base_frame(on_part), cuboid.in_base_frame(on_box)))
 }
 
-/// The nearest points of two parts, unless they are certainly farther apart than `most`.
+/// Returns the nearest points of two parts; none if they are farther apart than `most` for certain.
 pub(crate) fn near_part(body: &Body<'_>, other: &Body<'_>, most: f64) -> Option<Near> {
     let (on_part, on_other) = nearest_points(body, body.center, other, most)?;
     Some(Near::between(on_part, on_other))
 }
 
-/// By the algorithm of Gilbert, Johnson and Keerthi, and checked. `center` is a point of `body`.
+/// Returns the nearest points by the algorithm of Gilbert, Johnson and Keerthi (GJK), with a check.
+/// `center` is a point of `body`.
 ///
-/// Where its simplex degenerates, as between parallel faces and axes, parry 0.31 finds overlaps of shapes
-/// that are centimetres apart, and points that are not on them: one of some 500 random pairs.
+/// The check is necessary because of degenerate simplices, such as those of parallel faces and
+/// axes: for one of some 500 random pairs, parry 0.31 finds overlaps of shapes that are centimetres
+/// apart, or points outside the shapes.
 fn nearest_points<A: Convex, B: Convex>(
     body: &A,
     center: Vector,
@@ -133,16 +136,19 @@ fn nearest_points<A: Convex, B: Convex>(
     Some(refined(body, other, on_other))
 }
 
-/// How far the two are apart along `way`, of length 1, from the other to the body: a plane across it is between
-/// them if this is above 0. They are never nearer.
+/// Returns the separation of both solids along `way`, a unit vector from the other solid to the
+/// body: a lower bound of their distance. If it is positive, a plane perpendicular to `way`
+/// separates them.
 fn apart(body: &impl Convex, other: &impl Convex, way: Vector) -> f64 {
     -body.farthest_along(-way) - other.farthest_along(way)
 }
 
-/// The nearest points on both, from one on the other that is near them; a point of both, twice, if there is one.
+/// Returns the nearest points of both solids, from a point of `other` close to the solution; a
+/// common point, twice, if there is one.
 ///
-/// A point that is projected to one and the other in turn gets there. This is a descent by gradients, which
-/// Nesterov's momentum speeds up. It ends when the points are proven to be the nearest.
+/// Alternating projections onto both solids converge to the nearest points. This is a gradient
+/// descent, accelerated with Nesterov's momentum. It ends when the points are proven to be the
+/// nearest ones.
 fn refined(body: &impl Convex, other: &impl Convex, start: Vector) -> (Vector, Vector) {
     let (mut on_other, mut ahead) = (start, start);
     let mut momentum = 1.0_f64;
@@ -158,7 +164,7 @@ fn refined(body: &impl Convex, other: &impl Convex, start: Vector) -> (Vector, V
             return (on_body, on_other);
         }
         if length > last {
-            // Carried too far: from here on anew.
+            // Overshoot: restart the momentum.
             (momentum, ahead) = (1.0, on_other);
         }
         last = length;
@@ -170,14 +176,14 @@ fn refined(body: &impl Convex, other: &impl Convex, start: Vector) -> (Vector, V
     (on_other, on_other)
 }
 
-/// Most rounds. Two of a hundred thousand random pairs need more than a hundred; what is neither proven to
-/// be apart after all of them nor has a point in common touches, but for less than 0.1 mm.
+/// Maximum number of rounds. Two of a hundred thousand random pairs need more than a hundred. Pairs
+/// that are neither proven to be apart nor found to touch in all rounds touch to within 0.1 mm.
 const MOST_ROUNDS: u32 = 1000;
 
-/// What is nearer touches, in m.
+/// Distance in m below which solids touch.
 const TOUCHING_M: f64 = 1e-9;
 
-/// Error of a distance that is left alone, in m.
+/// Accepted error of a distance, in m.
 const EXACT_M: f64 = 1e-7;
 
 #[cfg(test)]
@@ -187,7 +193,8 @@ mod tests {
     use super::*;
     use crate::{hull::ConvexHull, polyhedron::Polyhedron, scene::Form};
 
-    /// Random turns, every third one by eighths: where faces and axes are parallel, simplices degenerate.
+    /// Draws random rotations, every third one in steps of 45 degrees: simplices degenerate for
+    /// parallel faces and axes.
     fn turn(random: &mut fastrand::Rng, aligned: bool) -> [f64; 3] {
         [(); 3].map(|()| {
             let angle = 8.0 * FRAC_PI_4 * (random.f64() - 0.5);
@@ -195,7 +202,8 @@ mod tests {
         })
     }
 
-    /// Bodies of a few and of many corners: of random points, blocks, and prisms of many sides, whose caps are fans.
+    /// Creates bodies with few and with many corners: of random points, blocks, and prisms with
+    /// many sides, whose caps are triangle fans.
     fn hulls(random: &mut fastrand::Rng) -> Vec<Polyhedron> {
         let hull = |i: u32| {
             let mut between = |from: f64, to: f64| from + (to - from) * random.f64();
@@ -218,7 +226,7 @@ mod tests {
         (0..61).map(hull).collect()
     }
 
-    /// The points are on both, and a plane between them proves that none are nearer.
+    /// The points are on both solids, and a separating plane proves that none are nearer.
     #[test]
     fn nearest_points_are_the_nearest() {
         let mut random = fastrand::Rng::with_seed(1);

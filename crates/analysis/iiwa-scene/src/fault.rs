@@ -1,4 +1,4 @@
-//! What can be wrong with a scene.
+//! Faults of a scene.
 
 use std::fmt::Write as _;
 
@@ -6,100 +6,100 @@ use iiwa_json::{Place, Step, locate};
 
 use crate::links::IgnoredPair;
 
-/// Something in a scene that cannot be. Obstacles count from 0 here and from 1 in the message.
+/// Fault of a scene. Obstacles are numbered from 0 here and from 1 in the message.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Fault {
-    /// There are too many obstacles.
+    /// Too many obstacles.
     #[error("the scene has {found} obstacles; it may have {max}")]
     TooMany {
-        /// How many there are.
+        /// Number of obstacles.
         found: usize,
-        /// How many there may be.
+        /// Maximum number.
         max: usize,
     },
-    /// A name is empty, too long or has control characters.
+    /// Name that is empty, too long or contains control characters.
     #[error(
         "obstacle {}: the name {found:?} cannot be used; write 1 to {max} characters, none of them \
          a control character",
         .obstacle + 1
     )]
     Name {
-        /// The obstacle.
+        /// Index of the obstacle.
         obstacle: usize,
-        /// The name, or its start.
+        /// Name, or its beginning.
         found: String,
-        /// Longest name, in characters.
+        /// Maximum length, in characters.
         max: usize,
     },
-    /// Two obstacles have the same name.
+    /// Two obstacles with the same name.
     #[error("obstacle {}: it is called {name:?}, and so is obstacle {}", .obstacle + 1, .other + 1)]
     SameName {
-        /// The obstacle.
+        /// Index of the obstacle.
         obstacle: usize,
-        /// The one before it that has the name already.
+        /// Index of the preceding obstacle with this name.
         other: usize,
-        /// The name.
+        /// Name.
         name: String,
     },
-    /// A number is out of range, or is none.
+    /// Number that is out of range or not finite.
     #[error("obstacle {}: {}", .obstacle + 1, range(.key, *.axis, [*.found, *.min, *.max]))]
     Range {
-        /// The obstacle.
+        /// Index of the obstacle.
         obstacle: usize,
-        /// Which of its vectors: `center`, `size`, `rpy`, `point` or `normal`.
+        /// Vector: `center`, `size`, `rpy`, `point` or `normal`.
         key: &'static str,
-        /// Which number of it: 0 to 2.
+        /// Index of the number, 0 to 2.
         axis: usize,
-        /// What it is, in m or rad.
+        /// Value, in m or rad.
         found: f64,
-        /// What it has to be at least.
+        /// Minimum.
         min: f64,
-        /// What it may be at most.
+        /// Maximum.
         max: f64,
     },
-    /// The tool has too many shapes.
+    /// Too many shapes of the tool.
     #[error("the tool has {found} shapes; it may have {max}")]
     LargeTool {
-        /// How many there are.
+        /// Number of shapes.
         found: usize,
-        /// How many there may be.
+        /// Maximum number.
         max: usize,
     },
-    /// A number of the tool is out of range, or is none.
+    /// Number of the tool that is out of range or not finite.
     #[error("tool, shape {}: {}", .shape + 1, tool_range(.key, *.axis, [*.found, *.min, *.max]))]
     Tool {
-        /// The shape.
+        /// Index of the shape.
         shape: usize,
-        /// What: `center`, `origin`, `size`, `rpy`, `radius` or `length`.
+        /// Quantity: `center`, `origin`, `size`, `rpy`, `radius` or `length`.
         key: &'static str,
-        /// Which number of it, 0 to 2; none if there is only one.
+        /// Index of the number, 0 to 2; none for a single number.
         axis: Option<usize>,
-        /// What it is, in m or rad.
+        /// Value, in m or rad.
         found: f64,
-        /// What it has to be at least.
+        /// Minimum.
         min: f64,
-        /// What it may be at most.
+        /// Maximum.
         max: f64,
     },
-    /// A pair that is to be ignored has a link or an obstacle that does not exist. Pairs count from 0 here.
+    /// Ignored pair with a link or an obstacle that does not exist. Pairs are numbered from 0 here.
     #[error("ignored pair {}: there is no link {} or no obstacle {}", .pair + 1, .found.link, .found.obstacle + 1)]
     Ignored {
-        /// The pair.
+        /// Index of the pair.
         pair: usize,
-        /// What it says.
+        /// Contents of the pair.
         found: IgnoredPair,
     },
-    /// The normal of a plane is zero.
+    /// Normal of a plane with zero length.
     #[error("obstacle {}: a normal of length zero points nowhere", .obstacle + 1)]
     NoDirection {
-        /// The obstacle.
+        /// Index of the obstacle.
         obstacle: usize,
     },
 }
 
 impl Fault {
-    /// The place of the fault in the scene's JSON text.
+    /// Returns the place of the fault in the scene's JSON text.
     #[must_use]
     pub fn place_in(&self, text: &str) -> Place {
         use Step::{Index, Key};
@@ -126,7 +126,7 @@ impl Fault {
     }
 }
 
-/// A vector's key in a file, and what its numbers are multiplied by there.
+/// Returns a vector's key in a file, and the unit factor of its numbers there.
 fn in_file(key: &'static str) -> (&'static str, f64) {
     match key {
         "center" => ("center_mm", 1e3),
@@ -140,7 +140,7 @@ fn in_file(key: &'static str) -> (&'static str, f64) {
     }
 }
 
-/// The same of a tool's shape, which has single numbers, too.
+/// Describes a number of a tool shape that is out of range, which may be a single number.
 fn tool_range(key: &'static str, axis: Option<usize>, numbers: [f64; 3]) -> String {
     if let Some(axis) = axis {
         return range(key, axis, numbers);
@@ -150,10 +150,10 @@ fn tool_range(key: &'static str, axis: Option<usize>, numbers: [f64; 3]) -> Stri
     format!("{name} is {found}; it must be from {min} to {max}")
 }
 
-/// What is wrong with a number, as it stands in a file.
+/// Describes a number that is out of range, in the units of a file.
 fn range(key: &'static str, axis: usize, numbers: [f64; 3]) -> String {
     let (name, factor) = in_file(key);
-    // As many places as anybody writes, and none that only the change of units makes.
+    // Rounded to six decimals, without the digits that result from the change of units.
     let shown = |value: f64| {
         let value = value * factor;
         let rounded = (value * 1e6).round() / 1e6;

@@ -9,7 +9,7 @@ use crate::{
     quickhull::{NoHull, hull},
 };
 
-/// The convex hull of points, in their frame: the smallest convex solid that all of them are in.
+/// Convex hull of points, in their frame: the smallest convex solid that contains all of them.
 ///
 /// ```
 /// use iiwa_scene::ConvexHull;
@@ -21,7 +21,7 @@ use crate::{
 /// # Ok::<(), iiwa_scene::NotSolid>(())
 /// ```
 ///
-/// A clone shares it.
+/// Clones share the data.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ConvexHull(Arc<Surface>);
 
@@ -31,40 +31,42 @@ struct Surface {
     triangles: Vec<[u32; 3]>,
 }
 
-/// Most corners of a hull: what costs a thousand times as much as a link is not what anybody wants.
+/// Maximum number of corners of a hull: a hull that costs a thousand times as much as a link is not
+/// useful.
 const MAX_CORNERS: usize = 10_000;
 
-/// Why points have no convex hull that counts.
+/// Reason why points have no usable convex hull.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum NotSolid {
-    /// A number is none, or out of range.
-    #[error("a point has a coordinate that is no number, or farther than {} m away", MAX_M)]
+    /// A coordinate is not finite, or out of range.
+    #[error("a point has a coordinate that is not a number, or farther than {} m away", MAX_M)]
     Range,
-    /// The points are in a plane.
+    /// The points are coplanar.
     #[error("its points are all in one plane, or fewer than four: it has no volume")]
     Flat,
     /// The hull has too many corners.
     #[error("its convex hull has more than {max} corners: make it coarser")]
     TooManyCorners {
-        /// How many it may have.
+        /// Maximum number of corners.
         max: usize,
     },
 }
 
 impl ConvexHull {
-    /// The hull of `points_m`, in m; exact, whatever the points.
+    /// Creates the hull of `points_m`, in m; exact for any points.
     ///
     /// # Errors
     ///
-    /// If a coordinate is not finite or beyond a kilometre, if the points are in one plane, or if the hull has more than 10 000
-    /// corners.
+    /// If a coordinate is not finite or beyond a kilometre, if the points are coplanar, or if the
+    /// hull has more than 10 000 corners.
     pub fn new(points_m: impl IntoIterator<Item = [f64; 3]>) -> Result<Self, NotSolid> {
         let mut points = points_m.into_iter().collect::<Vec<_>>();
         if points.iter().flatten().any(|value| !(-MAX_M..=MAX_M).contains(value)) {
             return Err(NotSolid::Range);
         }
-        // Corners of triangles come once for each of them. A zero may have a sign.
+        // Meshes repeat a corner for each of its triangles. Adding 0 removes the sign of zeros, so
+        // that equal points compare equal.
         points.iter_mut().flatten().for_each(|value| *value += 0.0);
         let order = |a: &[f64; 3], b: &[f64; 3]| {
             a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1])).then(a[2].total_cmp(&b[2]))
@@ -76,7 +78,7 @@ impl ConvexHull {
         if u32::try_from(points.len()).is_err() {
             return Err(too_many);
         }
-        // A closed surface of triangles has twice as many as corners, but for four.
+        // A closed surface with n corners has 2 n - 4 triangles.
         let triangles = hull(&points, MIN_SIZE_M, 2 * MAX_CORNERS - 4);
         let mut triangles = triangles.map_err(|error| match error {
             NoHull::Flat => NotSolid::Flat,
@@ -93,13 +95,13 @@ impl ConvexHull {
         Ok(Self(Arc::new(Surface { corners_m, triangles })))
     }
 
-    /// The corners, in m.
+    /// Returns the corners, in m.
     #[must_use]
     pub fn corners_m(&self) -> &[[f64; 3]] {
         &self.0.corners_m
     }
 
-    /// Its surface: triangles of indices of corners, counterclockwise from outside.
+    /// Returns the surface: triangles of corner indices, counterclockwise from outside.
     #[must_use]
     pub fn triangles(&self) -> &[[u32; 3]] {
         &self.0.triangles
@@ -117,7 +119,8 @@ mod tests {
         points.iter().map(turn).collect()
     }
 
-    /// It is closed, each edge once in each direction; no point is outside, and its corners are points.
+    /// The surface is closed, with each edge once in each direction; no point is outside, and its
+    /// corners are points.
     fn is_hull(hull: &ConvexHull, points: &[[f64; 3]], error: f64) {
         let mut edges = std::collections::HashSet::new();
         for triangle in hull.triangles() {
@@ -128,7 +131,7 @@ mod tests {
             let normal = (b - a).cross(c - a);
             for point in points {
                 let outside = normal.dot(Vector::from(*point) - a);
-                // Slivers have no normal to speak of.
+                // Slivers have no reliable normal.
                 assert!(outside <= error * normal.length() + 1e-16, "{outside}");
             }
         }
@@ -147,7 +150,8 @@ mod tests {
         }
     }
 
-    /// A lattice has all the lines and planes that rounding can take for something else.
+    /// A lattice contains all kinds of collinear and coplanar points, for which rounding leads to
+    /// errors.
     #[test]
     fn holds_lattices_however_they_are_turned() {
         let mut random = fastrand::Rng::with_seed(3);
@@ -163,7 +167,7 @@ mod tests {
             });
             let mut points = turned(&lattice, rpy);
             if round % 2 == 1 {
-                // As in a file.
+                // Single precision, as in a file.
                 #[expect(clippy::cast_possible_truncation, reason = "it is meant")]
                 points.iter_mut().flatten().for_each(|v| *v = f64::from(*v as f32));
             }

@@ -1,4 +1,4 @@
-//! The smallest distance between a KUKA LBR iiwa and the obstacles of a scene, at a pose and over a
+//! Smallest distance between a KUKA LBR iiwa and the obstacles of a scene, at a pose and over a
 //! whole planned motion.
 //!
 //! ```
@@ -18,8 +18,8 @@
 //! let robot = Robot::lbr_iiwa_7_r800();
 //! let arm = ArmInScene::new(&robot, &scene);
 //!
-//! // Stretched out upwards, the upper arm is nearest to anything that it could come nearer to: it begins
-//! // 340 mm above the table.
+//! // With the arm stretched out upwards, the nearest part whose distance varies is the upper arm,
+//! // which begins 340 mm above the table.
 //! let clearance = arm.clearance(&[0.0; 7]).expect("there are obstacles");
 //! assert!((clearance.distance_m - 0.34).abs() < 1e-6);
 //! assert_eq!(arm.name_of(clearance.other), "table");
@@ -31,18 +31,19 @@
 //! let smallest = arm.clearance_of(&trajectory).expect("there are obstacles");
 //! println!("{:.1} mm at {:.3} s", 1e3 * smallest.clearance.distance_m, smallest.at_s);
 //!
-//! // Its links keep clear of each other as well.
+//! // The links keep clear of each other as well.
 //! let own = arm.self_clearance_of(&trajectory).expect("the arm has links");
 //! assert!(own.clearance.distance_m > 0.1);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! The arm is made of the cylinders and spheres of its URDF, [`iiwa_kin::Robot::link_shapes`], and
-//! obstacles are boxes and half-spaces. A tool is made of boxes, cylinders, balls, and [convex hulls](ConvexHull) of meshes. What
-//! touches or overlaps has a distance of 0. Distances of poses are
-//! exact to 0.1 um; of motions, no pose is left out, and the smallest one is found to 0.1 mm.
+//! The arm consists of the cylinders and spheres of its URDF, [`iiwa_kin::Robot::link_shapes`], and
+//! obstacles are boxes and half-spaces. A tool consists of boxes, cylinders, spheres, and [convex
+//! hulls](ConvexHull) of meshes. Shapes that touch or overlap have a distance of 0. Distances of
+//! poses are exact to 0.1 um; over a motion, every pose is covered, and the smallest distance is
+//! found to 0.1 mm.
 //!
-//! With [`ArmMeshes`], the arm is made of the convex hulls of the meshes of a user's URDF instead.
+//! With [`ArmMeshes`], the arm consists of the convex hulls of the meshes of a user's URDF instead.
 //!
 //! Units are SI and radians; positions are in the base frame, `iiwa_link_0`.
 

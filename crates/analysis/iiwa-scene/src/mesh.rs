@@ -1,8 +1,8 @@
-//! Triangles from files of meshes.
+//! Triangles of mesh files.
 
 use std::{collections::HashSet, io, panic, path::Path};
 
-/// Most triangles of a mesh: it is CAD of a tool or of an arm, and not a scan of a hall.
+/// Maximum number of triangles of a mesh: CAD of a tool or of an arm, but not a scan of a hall.
 pub(crate) const MAX_TRIANGLES: usize = 2_000_000;
 
 /// Triangles of a file, in its own unit and frame.
@@ -18,59 +18,60 @@ pub(crate) const MAX_TRIANGLES: usize = 2_000_000;
 #[derive(Clone, Debug, Default, PartialEq)]
 #[non_exhaustive]
 pub struct TriangleMesh {
-    /// Its parts, each of one colour, none without a triangle.
+    /// Non-empty parts, each of one colour.
     pub patches: Vec<Patch>,
 }
 
 /// Triangles of one colour.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Patch {
-    /// Their corners.
+    /// Corners.
     pub points: Vec<[f64; 3]>,
-    /// Numbers of three corners each, counterclockwise from outside.
+    /// Indices of three corners per triangle, counterclockwise from outside.
     pub triangles: Vec<[u32; 3]>,
-    /// Red, green and blue, from 0 to 1, if the file gives a colour.
+    /// Red, green and blue, from 0 to 1, if the file contains a colour.
     pub rgb: Option<[f64; 3]>,
 }
 
-/// Why a file is no mesh.
+/// Error of reading a mesh file.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum TriangleMeshError {
-    /// The name has another ending.
+    /// The file extension is not supported.
     #[error("meshes are read from *.stl, *.obj and *.dae")]
     Format,
-    /// It cannot be read as what its name says.
-    #[error("it is no {format} file: {error}")]
+    /// The contents do not match the file extension.
+    #[error("not a valid {format} file: {error}")]
     Unread {
-        /// What it should be: `STL`, `OBJ` or `Collada`.
+        /// Expected format: `STL`, `OBJ` or `Collada`.
         format: &'static str,
-        /// What was found, and where.
+        /// Fault and its place.
         error: io::Error,
     },
-    /// It has no triangles.
+    /// The mesh has no triangles.
     #[error("it has no triangles")]
     Empty,
-    /// It has too many triangles.
+    /// The mesh has too many triangles.
     #[error("it has {found} triangles; it may have {max}")]
     TooMany {
-        /// How many there are.
+        /// Number of triangles.
         found: usize,
-        /// How many there may be.
+        /// Maximum number.
         max: usize,
     },
-    /// A coordinate is none.
-    #[error("a corner has a coordinate that is no number")]
+    /// A coordinate is not finite.
+    #[error("a corner has a coordinate that is not a number")]
     NotFinite,
 }
 
 impl TriangleMesh {
-    /// Reads `bytes`, the contents of a file whose name ends in `.stl` (binary or ASCII), `.obj` or `.dae` (Collada).
-    /// `materials` is asked for the files of materials that an OBJ file names; without them it has no colours.
+    /// Reads `bytes`, the contents of a file with the extension `.stl` (binary or ASCII), `.obj` or
+    /// `.dae` (Collada). `materials` returns the material files of an OBJ file, without which it
+    /// has no colours.
     ///
     /// # Errors
     ///
-    /// If it is no such file, or has no triangles or more than two million.
+    /// If the file is invalid, or has no triangles or more than two million.
     pub fn read(
         name: &str,
         bytes: &[u8],
@@ -106,7 +107,7 @@ impl TriangleMesh {
     }
 }
 
-/// A format of meshes.
+/// Mesh format.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum MeshFormat {
     Stl,
@@ -115,7 +116,7 @@ pub(crate) enum MeshFormat {
 }
 
 impl MeshFormat {
-    /// The format of a file, by its ending.
+    /// Returns the format of a file, by its extension.
     pub(crate) fn of(name: &str) -> Option<Self> {
         match name.rsplit_once('.')?.1.to_ascii_lowercase().as_str() {
             "stl" => Some(Self::Stl),
@@ -151,8 +152,9 @@ impl MeshFormat {
     }
 }
 
-/// Reads Collada. What the library would read otherwise than it is, is refused: of a part that is shown at several places it
-/// keeps one, and it takes the places of nodes within nodes in the wrong order. It does not apply the unit to places.
+/// Reads Collada. Rejects contents that `mesh_loader` reads incorrectly: it keeps only one instance
+/// of a part with several instances, and it combines the transformations of nested nodes in the
+/// wrong order. It does not apply the unit to positions, which is done here.
 fn collada(bytes: &[u8]) -> io::Result<mesh_loader::Scene> {
     const UNIT: &str = "<unit";
     let mut text = String::from_utf8_lossy(bytes).into_owned();
@@ -188,7 +190,7 @@ fn collada(bytes: &[u8]) -> io::Result<mesh_loader::Scene> {
         let end = if tag.ends_with('/') { "/" } else { "" };
         text.replace_range(start..start + length, &format!("{UNIT}{end}"));
     }
-    // Of indices that lead nowhere, the library panics.
+    // `mesh_loader` panics on indices that are out of range.
     let mut scene = panic::catch_unwind(|| mesh_loader::collada::from_str(&text))
         .unwrap_or_else(|_| refuse("its numbers lead to corners that it does not have"))?;
     for value in scene.meshes.iter_mut().flat_map(|mesh| mesh.vertices.as_flattened_mut()) {
@@ -197,7 +199,7 @@ fn collada(bytes: &[u8]) -> io::Result<mesh_loader::Scene> {
     Ok(scene)
 }
 
-/// The value of a tag's attribute.
+/// Returns the value of a tag's attribute.
 fn quoted<'a>(tag: &'a str, name: &str) -> Option<&'a str> {
     let (_, rest) = tag.split_once(&format!("{name}="))?;
     rest.split(['"', '\'']).nth(1)
@@ -207,8 +209,8 @@ fn refuse<T>(what: impl Into<String>) -> io::Result<T> {
     Err(io::Error::new(io::ErrorKind::InvalidData, what.into()))
 }
 
-/// Reads ASCII or binary STL. Of a binary file, the length has to be what its count of triangles says: else a part of it is
-/// missing, and a part of the tool would be.
+/// Reads ASCII or binary STL. The length of a binary file has to match its number of triangles:
+/// otherwise the file is truncated, and a part of the tool would be missing.
 fn stl(bytes: &[u8]) -> io::Result<mesh_loader::Scene> {
     const HEADER: usize = 84;
     const TRIANGLE: usize = 50;
@@ -224,11 +226,10 @@ fn stl(bytes: &[u8]) -> io::Result<mesh_loader::Scene> {
     if !is_whole && !is_text {
         return refuse(match triangles {
             Some(count) => format!(
-                "it is no text that begins with `solid`, and as a binary file of {count} triangles it would have another length"
+                "it is not text that begins with `solid`, and as a binary file of {count} triangles it would have another length"
             ),
-            None => {
-                "it is no text that begins with `solid`, and too short for a binary file".to_owned()
-            }
+            None => "it is not text that begins with `solid`, and too short for a binary file"
+                .to_owned(),
         });
     }
     let read = mesh_loader::stl::from_slice(bytes)?;

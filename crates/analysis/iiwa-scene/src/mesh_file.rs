@@ -1,4 +1,4 @@
-//! Files of meshes of tools: STL and OBJ.
+//! Mesh files of tools: STL and OBJ.
 
 use std::io;
 
@@ -7,44 +7,44 @@ use crate::{
     mesh::{MAX_TRIANGLES, MeshFormat},
 };
 
-/// Longest extent of a mesh, in m; the arm is 1.3 m long.
+/// Largest allowed extent of a mesh, in m; the arm is 1.3 m long.
 const MAX_EXTENT_M: f64 = 2.0;
 
-/// Shortest that the longest extent of a mesh may be, in m.
+/// Smallest allowed value of a mesh's largest extent, in m.
 const MIN_EXTENT_M: f64 = 1e-3;
 
-/// Why a file is no mesh of a tool.
+/// Error of reading a mesh of a tool.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum MeshError {
-    /// The name has another ending.
+    /// The file extension is not supported.
     #[error("it has to be *.stl or *.obj: other formats are not read")]
     Format,
-    /// It cannot be read as what its name says.
-    #[error("it is no {format} file: {error}")]
+    /// The contents do not match the file extension.
+    #[error("not a valid {format} file: {error}")]
     Unread {
-        /// What it should be: `STL` or `OBJ`.
+        /// Expected format: `STL` or `OBJ`.
         format: &'static str,
-        /// What was found, and where.
+        /// Fault and its place.
         error: io::Error,
     },
-    /// It has too many triangles.
+    /// The mesh has too many triangles.
     #[error("it has {found} triangles; it may have {max}")]
     TooMany {
-        /// How many there are.
+        /// Number of triangles.
         found: usize,
-        /// How many there may be.
+        /// Maximum number.
         max: usize,
     },
-    /// It has no volume, or no numbers.
+    /// The mesh has no volume, or invalid coordinates.
     #[error(transparent)]
     NotSolid(#[from] NotSolid),
-    /// It is so large or so small that its unit is another one.
+    /// The mesh is so large or so small that its unit must be wrong.
     #[error("{}", extent(*.longest_m, *.mm_per_unit))]
     Extent {
-        /// Its longest extent, in m.
+        /// Largest extent, in m.
         longest_m: f64,
-        /// What its numbers were taken for, in mm.
+        /// Assumed unit of the numbers, in mm.
         mm_per_unit: f64,
     },
 }
@@ -55,7 +55,7 @@ fn extent(longest_m: f64, mm_per_unit: f64) -> String {
     } else {
         format!("less than {} mm", 1e3 * MIN_EXTENT_M)
     };
-    // A few digits are enough to see by how much.
+    // Rounded to three digits, which show by how much.
     let rounded = format!("{:.2e}", 1e3 * longest_m).parse().unwrap_or(1e3 * longest_m);
     format!(
         "it is {rounded} mm long, {bound}: a number of the file was taken for {mm_per_unit} mm; \"scale\" says how many mm \
@@ -64,8 +64,9 @@ fn extent(longest_m: f64, mm_per_unit: f64) -> String {
 }
 
 impl ConvexHull {
-    /// The convex hull of a mesh, in the frame of the file: of `bytes`, the contents of a file whose name ends in `.stl`
-    /// (binary or ASCII) or `.obj`. A number of the file is `mm_per_unit` mm: 1 as most CAD writes it, 1000 if it is in m.
+    /// Creates the convex hull of a mesh, in the frame of the file, from `bytes`, the contents of a
+    /// file with the extension `.stl` (binary or ASCII) or `.obj`. The unit of the file is
+    /// `mm_per_unit` mm: 1 for most CAD, 1000 for m.
     ///
     /// ```
     /// use iiwa_scene::ConvexHull;
@@ -78,12 +79,13 @@ impl ConvexHull {
     ///
     /// # Errors
     ///
-    /// If it is no such file, has more than two million triangles or no volume, or is longer than 2 m or shorter than 1 mm.
+    /// If the file is invalid, has more than two million triangles or no volume, or is longer than
+    /// 2 m or shorter than 1 mm.
     pub fn from_mesh(name: &str, bytes: &[u8], mm_per_unit: f64) -> Result<Self, MeshError> {
         let Some(format @ (MeshFormat::Stl | MeshFormat::Obj)) = MeshFormat::of(name) else {
             return Err(MeshError::Format);
         };
-        // Materials have no shape.
+        // Materials do not affect the shape.
         let read = format
             .read(bytes, |_| None)
             .map_err(|error| MeshError::Unread { format: format.name(), error })?;
@@ -92,7 +94,7 @@ impl ConvexHull {
             return Err(MeshError::TooMany { found, max: MAX_TRIANGLES });
         }
         let points = read.meshes.iter().flat_map(|mesh| &mesh.vertices);
-        // Divided last: 100 mm are 0.1 m and not 0.1 and a bit.
+        // Division last avoids rounding: 100 mm are exactly the number 0.1 m.
         let points = points.map(|point| point.map(|v| f64::from(v) * mm_per_unit / 1e3));
         let points = points.collect::<Vec<_>>();
         if let Some(longest_m) = longest(&points)
@@ -104,7 +106,7 @@ impl ConvexHull {
     }
 }
 
-/// The longest extent along an axis; none if a number is none.
+/// Returns the largest extent along an axis; none if a coordinate is not finite.
 fn longest(points: &[[f64; 3]]) -> Option<f64> {
     let along = |axis: usize| {
         let (low, high) = points.iter().fold((f64::MAX, f64::MIN), |(low, high), point| {

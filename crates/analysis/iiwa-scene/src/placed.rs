@@ -1,17 +1,17 @@
-//! Obstacles, prepared for distances.
+//! Obstacles, prepared for distance queries.
 
 use parry3d_f64::math::Vector;
 
 use crate::scene::Form;
 
-/// An obstacle in the base frame.
+/// Obstacle in the base frame.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Placed {
     Box(PlacedBox),
     Plane(PlacedPlane),
 }
 
-/// A box by its centre, its axes and half of its edges.
+/// Box by its centre, its axes and half of its edge lengths.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct PlacedBox {
     center: Vector,
@@ -19,7 +19,7 @@ pub(crate) struct PlacedBox {
     pub(crate) half: Vector,
 }
 
-/// All points with `normal . x <= offset`.
+/// Half-space of all points with `normal . x <= offset`.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct PlacedPlane {
     pub(crate) normal: Vector,
@@ -44,7 +44,7 @@ impl Placed {
         }
     }
 
-    /// How far `point` is from the obstacle; 0 within.
+    /// Returns the distance of `point` from the obstacle; 0 inside.
     pub(crate) fn distance(&self, point: Vector) -> f64 {
         match self {
             Self::Box(cuboid) => {
@@ -55,40 +55,41 @@ impl Placed {
         }
     }
 
-    /// The largest `direction . x` of its points, for a `direction` from it to a part that is outside.
+    /// Returns the largest `direction . x` of the obstacle's points, for a `direction` from the
+    /// obstacle to a part outside.
     pub(crate) fn farthest_along(&self, direction: Vector) -> f64 {
         match self {
             Self::Box(cuboid) => cuboid.farthest_along(direction),
-            // Only ever asked along the normal: across it there is no end to a half-space.
+            // Only called along the normal: a half-space is unbounded across it.
             Self::Plane(plane) => plane.offset,
         }
     }
 }
 
 impl PlacedBox {
-    /// A point of the base frame in the box's own.
+    /// Transforms a point from the base frame to the box frame.
     pub(crate) fn in_own_frame(&self, point: Vector) -> Vector {
         self.turn_back(point - self.center)
     }
 
-    /// A direction of the base frame in the box's own.
+    /// Transforms a direction from the base frame to the box frame.
     pub(crate) fn turn_back(&self, direction: Vector) -> Vector {
         let [x, y, z] = self.axes;
         Vector::new(x.dot(direction), y.dot(direction), z.dot(direction))
     }
 
-    /// A point of the box's own frame in that of the base.
+    /// Transforms a point from the box frame to the base frame.
     pub(crate) fn in_base_frame(&self, local: Vector) -> Vector {
         self.center + self.turn(local)
     }
 
-    /// A direction of the box's own frame in that of the base.
+    /// Transforms a direction from the box frame to the base frame.
     pub(crate) fn turn(&self, local: Vector) -> Vector {
         let [x, y, z] = self.axes;
         local.x * x + local.y * y + local.z * z
     }
 
-    /// The point of the box that is nearest to `local`, both in its own frame.
+    /// Returns the point of the box nearest to `local`, both in the box frame.
     pub(crate) fn nearest(&self, local: Vector) -> Vector {
         local.clamp(-self.half, self.half)
     }
@@ -98,7 +99,8 @@ impl PlacedBox {
     }
 }
 
-/// The turn about x, then y, then z, all of them axes of the frame that is turned in: three rows.
+/// Returns the rotation about x, then y, then z, the fixed axes of the reference frame, as three
+/// rows.
 pub(crate) fn rotation([roll, pitch, yaw]: [f64; 3]) -> [[f64; 3]; 3] {
     let ((sr, cr), (sp, cp), (sy, cy)) = (roll.sin_cos(), pitch.sin_cos(), yaw.sin_cos());
     [
@@ -108,9 +110,9 @@ pub(crate) fn rotation([roll, pitch, yaw]: [f64; 3]) -> [[f64; 3]; 3] {
     ]
 }
 
-/// The direction of `normal`, however long or short that is.
+/// Returns the unit vector along `normal`, for any length of `normal`.
 pub(crate) fn unit(normal: [f64; 3]) -> Vector {
     let normal = Vector::from(normal);
-    // Squares of huge and of tiny numbers are none.
+    // Scaled first: squares of very large and very small numbers overflow or vanish.
     (normal / normal.abs().max_element()).normalize_or(Vector::Z)
 }

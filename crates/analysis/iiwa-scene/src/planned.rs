@@ -1,4 +1,4 @@
-//! The clearance of a planned motion, by branch and bound.
+//! Clearance of a planned motion, by branch and bound.
 
 use std::ops::Range;
 
@@ -13,51 +13,54 @@ use crate::{
     span::Span,
 };
 
-/// The smallest clearance of a planned motion, and when it is.
+/// Smallest clearance of a planned motion, and its time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PlannedClearance {
-    /// How near the arm comes, and to what. It is that of a pose of the motion, and no pose of it is nearer
-    /// by more than 0.1 mm.
+    /// Clearance at a pose of the motion. No pose of the motion has a clearance that is smaller by
+    /// more than 0.1 mm.
     pub clearance: Clearance,
-    /// When, in s from the start of the program. If the arm touches an obstacle, the first time that it
-    /// does: before, it touches none, or by less than 0.1 mm.
+    /// Time, in s from the start of the program. If the arm touches an obstacle, the time of the
+    /// first contact: before, it touches none, or by less than 0.1 mm.
     pub at_s: f64,
-    /// In which motion of the program.
+    /// Motion of the program.
     pub motion: MotionIndex,
 }
 
-/// How much nearer than what is found the arm may come, in m.
+/// Tolerance of the smallest distance, in m.
 const TOLERANCE_M: f64 = 1e-4;
 
-/// Distances that differ by less are the same, in m: where the arm stands, by rounding.
+/// Difference below which distances count as equal, in m: at rest, they differ by rounding.
 const SAME_M: f64 = 1e-9;
 
-/// Poses of each piece that are looked at first: the nearer they come, the sooner the rest is ruled out.
+/// Number of poses of each piece that are evaluated first: the smaller their clearance, the sooner
+/// the rest is excluded.
 const SAMPLES: u32 = 8;
 
 impl ArmInScene {
-    /// The smallest clearance of `trajectory`; none if the scene has no obstacles.
+    /// Returns the smallest clearance of `trajectory`; none if the scene has no obstacles.
     ///
-    /// It is sought along the path, piece by piece, by halving spans until what is known about the joints'
-    /// motion in a span rules out that any of the arm comes nearer there.
+    /// The search runs along the path, piece by piece, and halves spans until the bounds of the
+    /// joint motion in a span exclude a smaller clearance.
     #[must_use]
     pub fn clearance_of(&self, trajectory: &Trajectory) -> Option<PlannedClearance> {
         self.least_of(Among::Obstacles, trajectory.sections())
     }
 
-    /// The smallest clearance of `section`, a part of a trajectory; none if the scene has no obstacles.
+    /// Returns the smallest clearance of `section`, a part of a trajectory; none if the scene has
+    /// no obstacles.
     #[must_use]
     pub fn clearance_of_section(&self, section: &Section) -> Option<PlannedClearance> {
         self.least_of(Among::Obstacles, [section])
     }
 
-    /// The smallest distance of two parts of the arm in `trajectory`; none if it has no sections.
+    /// Returns the smallest distance of two parts of the arm in `trajectory`; none if it has no
+    /// sections.
     #[must_use]
     pub fn self_clearance_of(&self, trajectory: &Trajectory) -> Option<PlannedClearance> {
         self.least_of(Among::OwnParts, trajectory.sections())
     }
 
-    /// The smallest distance of two parts of the arm in `section`, a part of a trajectory.
+    /// Returns the smallest distance of two parts of the arm in `section`, a part of a trajectory.
     #[must_use]
     pub fn self_clearance_of_section(&self, section: &Section) -> Option<PlannedClearance> {
         self.least_of(Among::OwnParts, [section])
@@ -73,8 +76,8 @@ impl ArmInScene {
         search.best
     }
 
-    /// The smallest clearance of each motion of `section`, the wait or the settling after it included, in
-    /// order; none of them if the scene has no obstacles.
+    /// Returns the smallest clearance of each motion of `section`, including the wait or the
+    /// settling after it, in order; empty if the scene has no obstacles.
     #[must_use]
     pub fn clearances(&self, section: &Section) -> Vec<PlannedClearance> {
         let motions = section.pieces().chunk_by(|a, b| a.motion == b.motion);
@@ -87,19 +90,20 @@ impl ArmInScene {
     }
 }
 
-/// A search for the smallest clearance.
+/// Search for the smallest clearance.
 struct Search<'a> {
     arm: &'a ArmInScene,
     among: Among,
     best: Option<PlannedClearance>,
-    /// The least distance of all, in m: that of the best, but for what cannot be told apart from it.
+    /// Smallest distance so far, in m: that of the best result, up to the difference that counts as
+    /// equal.
     least_m: f64,
-    /// Pairs that may come nearer in a span, with the least distance that they keep in it: those of the
-    /// span that is looked at, on top of those of the spans that it is a part of.
+    /// Stack of the pairs that may be nearer in a span, with their lower bound of the distance in
+    /// it: those of the current span, on top of those of the spans that contain it.
     open: Vec<(Pair, f64)>,
 }
 
-/// What is searched: a piece that moves.
+/// Piece in motion that is searched.
 #[derive(Clone, Copy)]
 struct Place<'a> {
     section: &'a Section,
@@ -112,7 +116,7 @@ impl<'a> Search<'a> {
         Self { arm, among, best: None, least_m: f64::MAX, open: Vec::new() }
     }
 
-    /// Looks for what is nearer than the best so far in `pieces` of `section`.
+    /// Searches `pieces` of `section` for a smaller clearance than the best so far.
     fn go(&mut self, section: &Section, pieces: &[Piece]) {
         let moving = |piece| {
             let place = |segment| Place { section, piece, segment };
@@ -136,12 +140,12 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// Distance of the nearest so far, in m.
+    /// Returns the smallest distance so far, in m.
     fn best_m(&self) -> f64 {
         self.best.map_or(f64::MAX, |best| best.clearance.distance_m)
     }
 
-    /// Looks at one pose of a piece.
+    /// Evaluates one pose of a piece.
     fn sample(&mut self, piece: &Piece, joints_rad: &[f64; 7], at_s: impl FnOnce() -> f64) {
         let bodies = self.arm.bodies(joints_rad);
         if let Some((pair, near)) = self.arm.nearest(self.among, &bodies, self.best_m() + SAME_M) {
@@ -149,7 +153,7 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// Takes what was found if it is nearer than the best so far; of what is as near, the first one.
+    /// Records a result if it is nearer than the best so far, or equally near and earlier.
     fn found(&mut self, piece: &Piece, pair: Pair, near: &Near, at_s: impl FnOnce() -> f64) {
         if near.distance > self.least_m + SAME_M {
             return;
@@ -163,8 +167,8 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// Looks at the span from `middle - half` to `middle + half` of s, of which `pairs` of [`Self::open`] are
-    /// left, and at its halves if any still are.
+    /// Searches the span from `middle - half` to `middle + half` of s, with the remaining `pairs`
+    /// of [`Self::open`], and its halves if any pair remains.
     fn span(&mut self, place: Place<'_>, middle: f64, half: f64, pairs: Range<usize>) {
         let Place { section, piece, segment } = place;
         if let Some(best) = &self.best
@@ -187,12 +191,12 @@ impl<'a> Search<'a> {
                 continue;
             }
             let part = &arm.parts[pair.part];
-            // Obstacles stand as the foot does.
+            // Obstacles are fixed to the base, link 0.
             let from = match pair.target {
                 Target::Obstacle(_) => 0,
                 Target::Part(other) => arm.parts[other].link,
             };
-            // Pairs of the same part come one after the other.
+            // Pairs of the same part are adjacent, so that its body and bounds are reused.
             let (body, moves) = match last {
                 Some((same, body, moves)) if same == (pair.part, from) => (body, moves),
                 _ => (at(pair.part), span.moves(part, from)),
@@ -224,5 +228,6 @@ impl<'a> Search<'a> {
     }
 }
 
-/// Half of the shortest span that is halved: all of a piece moves by less than the tolerance in it.
+/// Half-length of the shortest span that is halved: no point of a piece moves by more than the
+/// tolerance in it.
 const SHORTEST: f64 = 1e-9;

@@ -1,34 +1,34 @@
-//! A convex polyhedron, prepared for distances.
+//! Convex polyhedron, prepared for distance queries.
 
 use parry3d_f64::math::Vector;
 
 use crate::hull::ConvexHull;
 
-/// A convex polyhedron about its own centre, in its own axes.
+/// Convex polyhedron relative to its centre, in its own axes.
 #[derive(Debug)]
 pub(crate) struct Polyhedron {
     corners: Vec<Vector>,
     faces: Vec<Face>,
 }
 
-/// A triangle.
+/// Triangle.
 #[derive(Debug)]
 struct Face {
     corners: [Vector; 3],
-    /// Out, of length 1.
+    /// Outward unit normal.
     normal: Vector,
-    /// Of its plane, along the normal.
+    /// Offset of the plane, along the normal.
     offset: f64,
-    /// Across each edge and into the triangle, of length 1.
+    /// Unit vectors perpendicular to each edge, into the triangle.
     inward: [Vector; 3],
 }
 
-/// Triangles that are less wide have no plane of their own, in m: those around them are as near. As much as that, rounding can
-/// shift any plane.
+/// Width in m below which a triangle has no reliable plane; its neighbours are as close. Rounding
+/// can shift any plane by as much.
 const SLIVER_M: f64 = 1e-9;
 
 impl Polyhedron {
-    /// The hull, and its centre in the frame of its points.
+    /// Creates the polyhedron of a hull, and returns its centre in the frame of the points.
     pub(crate) fn new(hull: &ConvexHull) -> (Self, Vector) {
         let points = || hull.corners_m().iter().map(|corner| Vector::from(*corner));
         let low = points().fold(Vector::MAX, Vector::min);
@@ -40,12 +40,12 @@ impl Polyhedron {
         (Self { corners, faces }, center)
     }
 
-    /// The largest `measure` of its corners.
+    /// Returns the largest `measure` of the corners.
     pub(crate) fn bound(&self, measure: impl Fn(Vector) -> f64) -> f64 {
         self.corners.iter().map(|corner| measure(*corner)).fold(0.0, f64::max)
     }
 
-    /// The corner that is farthest along `direction`.
+    /// Returns the farthest corner along `direction`.
     pub(crate) fn support(&self, direction: Vector) -> Vector {
         let mut best = (f64::MIN, Vector::ZERO);
         for corner in &self.corners {
@@ -57,11 +57,11 @@ impl Polyhedron {
         best.1
     }
 
-    /// The point of it that is nearest to `point`.
+    /// Returns the point of the polyhedron nearest to `point`.
     pub(crate) fn nearest(&self, point: Vector) -> Vector {
         let mut best = (f64::MAX, point);
-        // From outside, the nearest point is on a face that is seen. Of the triangles of one side, rounding may show another one
-        // than that which the point is on.
+        // From outside, the nearest point is on a visible face. With a margin, since among coplanar
+        // triangles rounding may make another one visible than that with the nearest point.
         let seen = |face: &&Face| face.normal.dot(point) > face.offset - SLIVER_M;
         for face in self.faces.iter().filter(seen) {
             let on_face = face.nearest(point);
@@ -75,7 +75,7 @@ impl Polyhedron {
 }
 
 impl Face {
-    /// None for a sliver.
+    /// Creates a face; none for a sliver.
     fn new(corners: [Vector; 3]) -> Option<Self> {
         let [a, b, c] = corners;
         let across = (b - a).cross(c - a);

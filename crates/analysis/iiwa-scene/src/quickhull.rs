@@ -1,37 +1,38 @@
-//! The convex hull of points in space.
+//! Convex hull of points in space.
 //!
-//! By Quickhull (Barber, Dobkin, Huhdanpaa, "The Quickhull algorithm for convex hulls", 1996), with the exact predicate
-//! of Shewchuk for which side of a plane a point is on: what CAD writes has thousands of points in planes and on lines,
-//! where rounding makes hulls that are not closed.
+//! Uses Quickhull (Barber, Dobkin, Huhdanpaa, "The Quickhull algorithm for convex hulls", 1996),
+//! with Shewchuk's exact predicate for the side of a plane on which a point is: CAD models contain
+//! thousands of coplanar and collinear points, for which rounding leads to hulls that are not
+//! closed.
 
 use std::collections::HashMap;
 
 use parry3d_f64::math::Vector;
 use robust::{Coord3D, orient3d};
 
-/// Why points have no hull.
+/// Reason why points have no hull.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum NoHull {
-    /// All of them are within this much of one plane, or are fewer than four.
+    /// All points are within this distance of one plane, or there are fewer than four.
     Flat,
-    /// It would have more facets than asked for.
+    /// The hull has more facets than allowed.
     TooMany,
 }
 
-/// A triangle of the hull so far.
+/// Triangle of the current hull.
 struct Facet {
     /// Counterclockwise from outside.
     corners: [u32; 3],
-    /// Across the edge from each corner to the next.
+    /// Facets across the edge from each corner to the next.
     neighbours: [u32; 3],
-    /// Points outside that are on no other facet's list.
+    /// Points outside that are not assigned to another facet.
     outside: Vec<u32>,
     is_alive: bool,
 }
 
-/// The triangles of the hull, as indices of `points`, counterclockwise from outside.
+/// Returns the triangles of the hull, as indices of `points`, counterclockwise from outside.
 ///
-/// The points are finite, in order, and each of them is there once. What is thinner than `least` is flat.
+/// The points must be finite, sorted and unique. Points within a thickness of `least` are flat.
 pub(crate) fn hull(
     points: &[Vector],
     least: f64,
@@ -66,9 +67,9 @@ pub(crate) fn hull(
     Ok(hull.facets.iter().filter(|facet| facet.is_alive).map(|facet| facet.corners).collect())
 }
 
-/// Four points with a volume; the last one is below the plane of the others.
+/// Returns four points with a volume; the last one is below the plane of the others.
 fn tetrahedron(points: &[Vector], least: f64) -> Option<[u32; 4]> {
-    // Which ones they are is free: the farther apart, the fewer points are left outside.
+    // Any four points are valid: the farther apart they are, the fewer points remain outside.
     let best = |measure: &dyn Fn(Vector) -> f64| {
         let measured = (0..).zip(points).map(|(index, point)| (index, measure(*point)));
         measured.max_by(|a, b| a.1.total_cmp(&b.1)).map(|(index, _): (u32, _)| index)
@@ -91,8 +92,8 @@ fn tetrahedron(points: &[Vector], least: f64) -> Option<[u32; 4]> {
     }
 }
 
-/// Above 0 if `point` is on the side of a plane from which its corners are counterclockwise; of the right sign, and 0
-/// in the plane.
+/// Returns a positive value if `point` is on the side of a plane from which its corners are
+/// counterclockwise. The sign is exact, and the value is 0 in the plane.
 fn side(points: &[Vector], plane: [u32; 3], point: u32) -> f64 {
     let at = |index: u32| {
         let Vector { x, y, z } = points[index as usize];
@@ -112,7 +113,8 @@ impl Growing<'_> {
         side(self.points, self.facets[facet].corners, point) > 0.0
     }
 
-    /// Puts each of `outside` on the list of a facet that it sees, of those from `from` on. Others are inside.
+    /// Assigns each of `outside` to a visible facet with an index of at least `from`. Points
+    /// without such a facet are inside.
     fn share_out(&mut self, outside: Vec<u32>, from: usize) {
         for point in outside {
             if let Some(facet) = (from..self.facets.len()).find(|facet| self.sees(point, *facet)) {
@@ -121,19 +123,20 @@ impl Growing<'_> {
         }
     }
 
-    /// The point of a facet's list that is farthest from it: a corner of the hull.
+    /// Returns the point assigned to a facet that is farthest from it: a corner of the hull.
     fn farthest(&self, facet: usize) -> Option<u32> {
         let Facet { corners, outside, .. } = &self.facets[facet];
         let [a, b, c] = corners.map(|corner| self.points[corner as usize]);
         let normal = (b - a).cross(c - a);
         let height = |point: u32| normal.dot(self.points[point as usize]);
-        // Of points that are as far, one that is no corner must not come first: the first or last of all is one.
+        // Among points at the same distance, one that is not a corner must not be taken first: the
+        // last one in order is a corner.
         outside.iter().copied().max_by(|a, b| height(*a).total_cmp(&height(*b)).then(a.cmp(b)))
     }
 
-    /// Takes a point that sees `facet` into the hull; how many facets go and come.
+    /// Adds a point that sees `facet` to the hull. Returns the numbers of removed and added facets.
     fn add(&mut self, point: u32, facet: usize) -> (usize, usize) {
-        // All facets that it sees hang together, and the edges around them are one ring.
+        // All visible facets are connected, and their boundary is a single ring.
         let mut seen = vec![facet];
         self.facets[facet].is_alive = false;
         let mut ring = Vec::new();

@@ -1,4 +1,4 @@
-//! The obstacles around the arm.
+//! Obstacles around the robot.
 
 use std::collections::HashMap;
 
@@ -9,11 +9,11 @@ use crate::{
     tool::ToolShape,
 };
 
-/// The obstacles around an arm, in the frame of its base: z up, origin in the middle of its foot; and the tool that it
-/// carries.
+/// Obstacles around a robot, in its base frame (z up, origin in the centre of the mounting face),
+/// and the tool that it carries.
 ///
-/// [`Scene::from_json`] reads one. It serializes as a drawing needs it: in m, with directions as unit
-/// vectors and turns as matrices.
+/// [`Scene::from_json`] reads a scene. A scene is serialised in the form that drawings need: in m,
+/// with directions as unit vectors and rotations as matrices.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Scene {
     obstacles: Vec<Obstacle>,
@@ -21,52 +21,52 @@ pub struct Scene {
     ignored: Vec<IgnoredPair>,
 }
 
-/// Something that the arm must not touch.
+/// Obstacle that the robot must not touch.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Obstacle {
-    /// What it is called: 1 to 100 characters, and no other obstacle of the scene by the same name.
+    /// Name of 1 to 100 characters, unique in the scene.
     pub name: String,
-    /// What it looks like, and where it is.
+    /// Shape and pose.
     pub form: Form,
 }
 
-/// What an obstacle looks like, and where it is.
+/// Shape and pose of an obstacle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Form {
-    /// A solid box.
+    /// Solid box.
     Box {
-        /// Its centre, in m.
+        /// Centre, in m.
         center_m: [f64; 3],
-        /// Its whole lengths along its own axes, in m.
+        /// Full lengths along the box axes, in m.
         size_m: [f64; 3],
-        /// How it is turned, as in a URDF: about x, then y, then z, the axes of the base, in rad.
+        /// Rotation as in a URDF: about x, then y, then z, the axes of the base, in rad.
         rpy_rad: [f64; 3],
     },
-    /// A half-space: all that is behind a plane is solid.
+    /// Half-space: everything behind a plane is solid.
     Plane {
-        /// A point of the plane, in m.
+        /// Point of the plane, in m.
         point_m: [f64; 3],
-        /// Which way is out; of any length but zero.
+        /// Outward normal, of any non-zero length.
         normal: [f64; 3],
     },
 }
 
-/// Most obstacles of a scene.
+/// Maximum number of obstacles of a scene.
 const MAX_OBSTACLES: usize = 10_000;
 
-/// Most shapes of a tool: each of them costs as much as a link.
+/// Maximum number of shapes of a tool: each costs as much as a link.
 pub(crate) const MAX_TOOL_SHAPES: usize = 100;
 
-/// Longest name of an obstacle, in characters.
+/// Maximum length of an obstacle name, in characters.
 const MAX_NAME: usize = 100;
 
 impl Scene {
-    /// The scene with these obstacles.
+    /// Creates a scene with these obstacles.
     ///
     /// # Errors
     ///
-    /// A [`Fault`] that says which of them cannot be, and why.
+    /// A [`Fault`] with the invalid obstacle and the reason.
     pub fn new(obstacles: Vec<Obstacle>) -> Result<Self, Fault> {
         if obstacles.len() > MAX_OBSTACLES {
             return Err(Fault::TooMany { found: obstacles.len(), max: MAX_OBSTACLES });
@@ -82,11 +82,11 @@ impl Scene {
         Ok(Self { obstacles, ..Self::default() })
     }
 
-    /// The same, with an arm that carries a tool of these shapes.
+    /// Returns the scene with a tool of these shapes.
     ///
     /// # Errors
     ///
-    /// A [`Fault`] that says which of them cannot be, and why.
+    /// A [`Fault`] with the invalid shape and the reason.
     pub fn with_tool(self, tool: Vec<ToolShape>) -> Result<Self, Fault> {
         if tool.len() > MAX_TOOL_SHAPES {
             return Err(Fault::LargeTool { found: tool.len(), max: MAX_TOOL_SHAPES });
@@ -95,11 +95,12 @@ impl Scene {
         Ok(Self { tool, ..self })
     }
 
-    /// The same, without the distances of these pairs: of what touches by design, as a base that the arm is mounted on.
+    /// Returns the scene without the distances of these pairs, for parts that touch by design, such
+    /// as a base that the robot is mounted on.
     ///
     /// # Errors
     ///
-    /// [`Fault::Ignored`] if there is no such link or no such obstacle.
+    /// [`Fault::Ignored`] if the link or the obstacle does not exist.
     pub fn with_ignored(self, ignored: Vec<IgnoredPair>) -> Result<Self, Fault> {
         let exists = |it: &IgnoredPair| {
             (FIRST_LINK..=TOOL).contains(&it.link) && it.obstacle < self.obstacles.len()
@@ -110,19 +111,19 @@ impl Scene {
         }
     }
 
-    /// The pairs whose distances do not count.
+    /// Returns the pairs whose distances are ignored.
     #[must_use]
     pub fn ignored(&self) -> &[IgnoredPair] {
         &self.ignored
     }
 
-    /// The shapes of the tool; none if the flange is bare.
+    /// Returns the shapes of the tool; empty for a bare flange.
     #[must_use]
     pub fn tool(&self) -> &[ToolShape] {
         &self.tool
     }
 
-    /// The obstacles, in the order in which they were given.
+    /// Returns the obstacles, in the order in which they were given.
     #[must_use]
     pub fn obstacles(&self) -> &[Obstacle] {
         &self.obstacles
@@ -130,7 +131,7 @@ impl Scene {
 }
 
 impl Obstacle {
-    /// Finds the first thing about the obstacle at `obstacle` that cannot be.
+    /// Checks the obstacle at index `obstacle`; the error is the first fault.
     fn check(&self, obstacle: usize) -> Result<(), Fault> {
         let length = self.name.chars().count();
         if length == 0 || length > MAX_NAME || self.name.contains(char::is_control) {

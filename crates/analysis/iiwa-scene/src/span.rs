@@ -1,21 +1,25 @@
-//! How far the arm can get within a span of a path's segment, and how near to an obstacle or to itself at most.
+//! Bounds of the motion of the arm within a span of a path segment, and of its distance from an
+//! obstacle or from itself.
 //!
-//! About the middle m of the span `[m - h, m + h]`, the joints are at `q(m) + x h dq/ds + e`, with x from -1
-//! to 1 and `|e| <= h^2 / 2 max |d2q/ds2|`. Two bounds follow for a part that is at a distance d at m:
+//! Around the middle m of the span `[m - h, m + h]`, the joint positions are
+//! `q(m) + x h dq/ds + e`, with x from -1 to 1 and `|e| <= h^2 / 2 max |d2q/ds2|`. For a part with
+//! the distance d at m, two bounds follow:
 //!
-//! - Of order one: no point of it moves farther than the sum of each joint's motion times the part's reach
-//!   from that joint's axis. d less that is left.
-//! - Of order two: if n is the direction from the obstacle to the part, the part stays beyond the plane
-//!   across n that touches the obstacle, as far as its nearest point along n is. Along the tangent, that
-//!   point's way is that of a rigid body with the twist of its link, and the smallest value along n is at
-//!   one of the span's ends. What is missing is e, and what the arcs of the joints add to their tangents:
-//!   `|d2p / dq_j dq_k|` is at most the reach from the axis of the outer one of the two joints.
+//! - First order: no point of the part moves farther than the sum over the joints of their motion
+//!   times the part's reach from the joint axis. The distance is at least d minus this sum.
+//! - Second order: with the direction n from the obstacle to the part, the part remains beyond the
+//!   plane perpendicular to n that touches the obstacle, by the distance of its nearest point along
+//!   n. Along the tangent, that point moves as a point of a rigid body with the twist of its link,
+//!   and the smallest value along n is at one end of the span. The remainder consists of e and of
+//!   the difference between the arcs of the joints and their tangents: `|d2p / dq_j dq_k|` is at
+//!   most the reach from the axis of the outer one of the two joints.
 //!
-//! The distance of two links is that of one of them in the frame of the other, in which it is moved by the joints
-//! between the two alone.
+//! The distance of two links is that of one of them in the frame of the other, where only the
+//! joints between the two move it.
 //!
-//! The first bound rules out what is far away, the second one what moves past or along an obstacle: its
-//! error falls with the square of the span, so that an arm that keeps its distance needs few spans.
+//! The first bound excludes distant obstacles, the second one obstacles that the part passes or
+//! moves along: its error is proportional to the square of the span, so that an arm at a constant
+//! distance requires few spans.
 
 use std::ops::Sub;
 
@@ -28,18 +32,18 @@ use crate::{
     distance::Near,
 };
 
-/// A span of a segment, and the arm in its middle.
+/// Span of a segment, with the arm at its middle.
 pub(crate) struct Span {
     pub(crate) poses: [Pose; 9],
-    /// The largest motion of each joint, to either side, in rad.
+    /// Largest motion of each joint to either side, in rad.
     motion: Joints,
-    /// What of it is not along the tangent, in rad.
+    /// Part of the motion that is not along the tangent, in rad.
     bend: Joints,
-    /// How each link moves along the tangent, from the middle to an end.
+    /// Twist of each link along the tangent, from the middle to an end.
     twists: [Twist; 8],
 }
 
-/// A velocity field `turn x p + shift`.
+/// Velocity field `turn x p + shift`.
 #[derive(Clone, Copy, Default)]
 struct Twist {
     turn: Vector,
@@ -54,17 +58,17 @@ impl Sub for Twist {
     }
 }
 
-/// How far a part moves within a span, at most, in m.
+/// Bounds of the motion of a part within a span, in m.
 #[derive(Clone, Copy)]
 pub(crate) struct Moves {
-    /// From the middle of the span to anywhere in it.
+    /// Bound from the middle of the span to any point in it.
     pub(crate) most: f64,
-    /// Of this, what is not along the tangent.
+    /// Bound of the part that is not along the tangent.
     off_tangent: f64,
 }
 
 impl Span {
-    /// The span from `middle - half` to `middle + half`.
+    /// Creates the span from `middle - half` to `middle + half`.
     pub(crate) fn new(robot: &Robot, segment: &dyn Segment, middle: f64, half: f64) -> Self {
         let at = segment.at(middle);
         let bend = segment.bend_bound_rad().map(|bound| 0.5 * half * half * bound);
@@ -82,14 +86,15 @@ impl Span {
         Self { poses, motion, bend, twists }
     }
 
-    /// How far `part` moves in the frame of the link `from`.
+    /// Returns the bounds of the motion of `part` in the frame of the link `from`.
     pub(crate) fn moves(&self, part: &Part, from: usize) -> Moves {
         let (mut most, mut off_tangent) = (0.0, 0.0);
         let mut inner = 0.0;
         for j in from..7 {
             let motion = self.motion[j];
             most += motion * part.reach[j];
-            // Half of the square of the motion of this joint and, twice, its product with each inner one.
+            // Half of the squared motion of this joint plus its product with each inner one (twice
+            // a half).
             let arcs = 0.5 * motion * motion + motion * inner;
             off_tangent += (self.bend[j] + arcs) * part.reach[j];
             inner += motion;
@@ -97,8 +102,9 @@ impl Span {
         Moves { most, off_tangent }
     }
 
-    /// A lower bound of the distance that a part with `moves` in the frame of the link `from` keeps from something in this
-    /// frame, if they are `near` in the middle; `beyond` is how far that reaches in the direction of [`Near::away`].
+    /// Returns a lower bound of the distance of a part with the bounds `moves` in the frame of the
+    /// link `from` from a shape in that frame. `near` holds their nearest points in the middle, and
+    /// `beyond` the extent of that shape in the direction of [`Near::away`].
     pub(crate) fn least(
         &self,
         (part, body): (&Part, &Body<'_>),

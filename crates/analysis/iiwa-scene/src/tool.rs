@@ -1,4 +1,4 @@
-//! What the arm carries.
+//! Tool of the robot.
 
 use crate::{
     extent::{MAX_ANGLE_RAD, MAX_M, MIN_SIZE_M},
@@ -6,7 +6,7 @@ use crate::{
     hull::ConvexHull,
 };
 
-/// A shape of the tool, in the flange's frame: z out of the flange.
+/// Shape of the tool, in the flange frame: z out of the flange.
 ///
 /// ```
 /// use iiwa_kin::Robot;
@@ -29,54 +29,54 @@ use crate::{
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct ToolShape {
-    /// What it looks like, and where it is.
+    /// Shape and pose.
     pub form: ToolForm,
 }
 
-/// What a shape of the tool looks like, and where it is in the flange's frame.
+/// Geometry of a tool shape, and its pose in the flange frame.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum ToolForm {
-    /// A solid box.
+    /// Solid box.
     Box {
-        /// Its centre, in m.
+        /// Centre, in m.
         center_m: [f64; 3],
-        /// Its whole lengths along its own axes, in m.
+        /// Full lengths along the box axes, in m.
         size_m: [f64; 3],
-        /// How it is turned: about x, then y, then z, the axes of the flange, in rad.
+        /// Rotation about x, then y, then z, the axes of the flange, in rad.
         rpy_rad: [f64; 3],
     },
-    /// A cylinder with flat ends, along its own z axis.
+    /// Cylinder with flat ends, along its z axis.
     Cylinder {
-        /// Its centre, in m.
+        /// Centre, in m.
         center_m: [f64; 3],
-        /// Its radius, in m.
+        /// Radius, in m.
         radius_m: f64,
-        /// Its whole length, in m.
+        /// Full length, in m.
         length_m: f64,
-        /// How it is turned: about x, then y, then z, the axes of the flange, in rad.
+        /// Rotation about x, then y, then z, the axes of the flange, in rad.
         rpy_rad: [f64; 3],
     },
-    /// A ball.
+    /// Sphere.
     Sphere {
-        /// Its centre, in m.
+        /// Centre, in m.
         center_m: [f64; 3],
-        /// Its radius, in m.
+        /// Radius, in m.
         radius_m: f64,
     },
-    /// The convex hull of a mesh.
+    /// Convex hull of a mesh.
     Mesh {
-        /// The hull, in the mesh's own frame.
+        /// Hull, in the mesh frame.
         hull: ConvexHull,
-        /// Where the origin of the mesh is, in m.
+        /// Position of the mesh origin, in m.
         origin_m: [f64; 3],
-        /// How it is turned: about x, then y, then z, the axes of the flange, in rad.
+        /// Rotation about x, then y, then z, the axes of the flange, in rad.
         rpy_rad: [f64; 3],
     },
 }
 
 impl ToolShape {
-    /// Finds the first thing about the shape at `shape` that cannot be.
+    /// Checks the shape at index `shape`; the error is the first fault.
     pub(crate) fn check(&self, shape: usize) -> Result<(), Fault> {
         let within = |key, values: &[f64], [min, max]: [f64; 2]| {
             let wrong = values.iter().position(|value| !(min..=max).contains(value));

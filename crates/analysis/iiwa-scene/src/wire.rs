@@ -1,5 +1,5 @@
-//! The scene's JSON forms: the one that is read, which the JSON Schema describes, and the one that is
-//! drawn ([`drawn`]).
+//! JSON forms of a scene: the input form, which the JSON Schema describes, and the form for
+//! drawings ([`drawn`]).
 
 mod drawn;
 mod error;
@@ -21,19 +21,21 @@ use numbers::{angle, from_mm, position, size, three};
 use tool::{ToolShapeWire, tool_shape};
 
 impl Scene {
-    /// Reads a scene (version 1) whose tool has no mesh: [`from_json_with`](Self::from_json_with) reads others.
+    /// Reads a scene (version 1) whose tool has no mesh; [`from_json_with`](Self::from_json_with)
+    /// reads all scenes.
     ///
     /// # Errors
     ///
-    /// If the text is not a scene, has obstacles that cannot be, or names a mesh; the error says where in the text.
+    /// If the text is not a scene, has invalid obstacles, or refers to a mesh; the error contains
+    /// the place in the text.
     pub fn from_json(text: &str) -> Result<Self, SceneError> {
         Self::from_json_with(text, |_| {
             Err("only the text of the scene is at hand, and no other file".to_owned())
         })
     }
 
-    /// Reads a scene (version 1). What `read` gives for the name of a mesh's file are its bytes, or why it cannot be read;
-    /// which files a scene may name is up to it.
+    /// Reads a scene (version 1). `read` receives the name of a mesh file and returns its bytes, or
+    /// the reason why it cannot be read; it decides which files a scene may refer to.
     ///
     /// ```
     /// use iiwa_scene::Scene;
@@ -50,7 +52,8 @@ impl Scene {
     ///
     /// # Errors
     ///
-    /// If the text is not a scene, or has obstacles or a tool that cannot be; the error says where in the text.
+    /// If the text is not a scene, or has invalid obstacles or an invalid tool; the error contains
+    /// the place in the text.
     pub fn from_json_with(
         text: &str,
         mut read: impl FnMut(&str) -> Result<Vec<u8>, String>,
@@ -76,7 +79,7 @@ impl Scene {
             .map_err(|fault| SceneError::Fault { place: fault.place_in(text), fault })
     }
 
-    /// The JSON Schema of a scene (draft 2020-12).
+    /// Returns the JSON Schema of a scene (draft 2020-12).
     #[must_use]
     pub fn schema() -> serde_json::Value {
         schemars::schema_for!(SceneWire<'_>).to_value()
@@ -102,7 +105,7 @@ fn obstacle(text: &str, index: usize, raw: &str) -> Result<Obstacle, SceneError>
     }
 }
 
-/// The types of obstacles.
+/// Types of obstacles.
 const KNOWN_TYPES: [&str; 2] = ["box", "plane"];
 
 /// What stands around a KUKA LBR iiwa, in the frame of its base: z up, origin in the middle of its foot.

@@ -1,6 +1,6 @@
-//! Meshes of a user's URDF: where they are, what they are for clearances, and what is refused where.
+//! Meshes of a user's URDF: poses, clearances, and places of faults.
 
-// Helpers of tests may fail.
+// Test helpers may panic.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use std::fmt::Write as _;
@@ -8,7 +8,7 @@ use std::fmt::Write as _;
 use iiwa_kin::Robot;
 use iiwa_scene::{ArmInScene, ArmMeshError, ArmMeshes, Scene, TriangleMesh};
 
-/// A box between two corners, as OBJ.
+/// Creates a box between two corners, as OBJ.
 fn cuboid(low: [f64; 3], high: [f64; 3]) -> String {
     let mut file = "mtllib paint.mtl\nusemtl blue\n".to_owned();
     for i in 0..8 {
@@ -24,7 +24,7 @@ fn cuboid(low: [f64; 3], high: [f64; 3]) -> String {
     file
 }
 
-/// The robot's own URDF, whose link of this number also has something.
+/// Returns the robot's own URDF with an addition to the link of this number.
 fn urdf_with(robot: &Robot, link: usize, what: &str) -> String {
     let name = format!("<link name=\"iiwa_link_{link}\">");
     let urdf = robot.to_urdf();
@@ -66,7 +66,7 @@ fn meshes_are_placed_and_painted() {
         assert!((found[0] - expected[0]).abs() < 1e-7, "{found:?}");
         assert!((found[1] - expected[1]).abs() < 1e-7, "{found:?}");
     }
-    // Triangles are outwards, though the mesh is mirrored.
+    // Triangles are oriented outwards although the mesh is mirrored.
     let patch = &meshes.visual[3][0];
     let volume: f64 = patch
         .triangles
@@ -84,7 +84,7 @@ fn meshes_are_placed_and_painted() {
     assert_eq!(patch.rgb, Some([0.0, 0.0, 1.0]));
     assert!((0..8).all(|link| link == 3 || meshes.visual[link].is_empty()));
 
-    // The URDF's colour goes before the file's; it may be given further below.
+    // The URDF's colour takes precedence over that of the file; it may be defined further below.
     let paint = "<material name=\"paint\"/>";
     let named = "<material name=\"paint\"><color rgba=\"1 0.5 0 1\"/></material></robot>";
     let urdf = urdf_with(&robot, 3, &visual(&format!("{mesh}{paint}"))).replace("</robot>", named);
@@ -92,7 +92,7 @@ fn meshes_are_placed_and_painted() {
     assert_eq!(meshes.visual[3][0].rgb, Some([1.0, 0.5, 0.0]));
 }
 
-/// What is fixed to a link moves with it, wherever the URDF has its frame.
+/// Frames fixed to a link move with it, wherever the URDF places them.
 #[test]
 fn fixed_links_are_parts() {
     let robot = Robot::lbr_iiwa_7_r800();
@@ -106,7 +106,7 @@ fn fixed_links_are_parts() {
     assert!((along[0] - 0.5).abs() < 1e-7 && (along[1] - 0.6).abs() < 1e-7, "{along:?}");
 }
 
-/// A box that holds all of link 7 is as near as the same box as a tool.
+/// A box that contains all of link 7 has the same clearance as the same box as a tool.
 #[test]
 fn hulls_are_what_clearances_are_taken_of() {
     let robot = Robot::lbr_iiwa_7_r800();
@@ -117,7 +117,7 @@ fn hulls_are_what_clearances_are_taken_of() {
     let tool =
         r#"], "tool": [{ "type": "box", "center_mm": [0, 0, 0], "size_mm": [300, 300, 300] }] }"#;
     let as_tool = Scene::from_json(&format!("{cage}{tool}")).unwrap();
-    // Link 7 has its frame at the wrist, and the flange is d7 further.
+    // The frame of link 7 is at the wrist, and the flange is d7 further.
     let flange = robot.lengths().flange_m;
     let file = cuboid([-0.15, -0.15, flange - 0.15], [0.15, 0.15, flange + 0.15]);
     let mesh = "<geometry><mesh filename=\"box.obj\"/></geometry>";
@@ -138,7 +138,7 @@ fn hulls_are_what_clearances_are_taken_of() {
     }
     assert!(nearest > 5, "the box is the nearest {nearest} times");
 
-    // A mesh for collisions goes before what is seen.
+    // A collision mesh takes precedence over visual meshes.
     let small = "<collision><geometry><mesh filename=\"small.obj\"/></geometry></collision>";
     let urdf = urdf_with(&robot, 7, &format!("{}{small}", visual(mesh)));
     let read = |name: &str| match name {
@@ -175,7 +175,7 @@ fn what_is_no_arm_is_refused() {
     }
     let stl = urdf.replace("box.obj", "box.stl");
     let text = refused(&stl, Ok(&[0; 100])).to_string();
-    assert!(text.contains("it is no STL file"), "{text}");
+    assert!(text.contains("not a valid STL file"), "{text}");
     let text = refused(&urdf.replace("box.obj", "box.step"), Ok(b"")).to_string();
     assert!(text.contains("*.dae"), "{text}");
     let text = refused(&robot.to_urdf(), Ok(b"")).to_string();
@@ -186,7 +186,7 @@ fn what_is_no_arm_is_refused() {
     assert!(error.to_string().contains("axis of joint 2"), "{error}");
 }
 
-/// A triangle as Collada, in centimetres, shown once.
+/// Creates a triangle as Collada, in centimetres, with one instance.
 const COLLADA: &str = r##"<?xml version="1.0"?>
 <COLLADA xmlns="http://www.collada.org/2005/11/COLLADASchema" version="1.4.1">
 <asset><unit name="centimeter" meter="0.01"/><up_axis>Z_UP</up_axis></asset>
@@ -215,7 +215,7 @@ fn collada_is_read_in_its_unit() {
             assert!((found - expected).abs() < 1e-6, "{points:?}");
         }
     }
-    // Where the library would leave something out, or panic.
+    // Contents that the library would omit, or on which it would panic.
     let instance = "<instance_geometry url=\"#g\"/>";
     let text = read(&COLLADA.replace(instance, &instance.repeat(2))).unwrap_err().to_string();
     assert!(text.contains("at several places"), "{text}");

@@ -1,17 +1,17 @@
-//! Scenes that are taken, and ones that are refused: for the reader here, and for the JSON Schema in `tests/peers`.
+//! Valid and invalid scenes, for the reader here, and for the JSON Schema in `tests/peers`.
 
 #![expect(clippy::unwrap_used, reason = "a failed test panics")]
 
 use iiwasim_tests::fixture;
 use serde_json::{Value, json};
 
-/// A box and a plane.
+/// Scene with a box and a plane.
 pub(crate) const GOOD: &str = r#"{ "version": 1, "obstacles": [
   { "name": "table", "type": "box", "center_mm": [600, 0, -50], "size_mm": [800, 1200, 100], "rpy_deg": [0, 0, 90] },
   { "name": "floor", "type": "plane", "point_mm": [0, 0, -700], "normal": [0, 3, 4] }
 ] }"#;
 
-/// GOOD with pairs to ignore.
+/// Returns GOOD with pairs to ignore.
 pub(crate) fn ignoring(pairs: &str) -> String {
     GOOD.replacen("\n] }", &format!("\n], \"ignore\": [{pairs}] }}"), 1)
 }
@@ -20,13 +20,13 @@ fn with_pair() -> Value {
     serde_json::from_str(&ignoring(r#"["link 2", "table"]"#)).unwrap()
 }
 
-/// Scenes of boxes and planes.
+/// Returns scenes of boxes and planes.
 pub(crate) fn good_scenes() -> [Value; 3] {
     let cage = std::fs::read_to_string(fixture("cage.json")).unwrap();
     [serde_json::from_str(GOOD).unwrap(), with_pair(), serde_json::from_str(&cage).unwrap()]
 }
 
-/// Good ones with a change each.
+/// Returns valid scenes, each with one change that makes it invalid.
 pub(crate) fn wrong_scenes() -> Vec<Value> {
     let good: Value = serde_json::from_str(GOOD).unwrap();
     let at = |pointer: &str, value: Value| {
@@ -59,17 +59,17 @@ pub(crate) fn wrong_scenes() -> Vec<Value> {
     ]
 }
 
-/// A scene with a shape of the tool, as JSON.
+/// Creates a scene with a shape of the tool, as JSON.
 pub(crate) fn with_tool(shape: &str) -> Value {
     let shape: Value = serde_json::from_str(shape).unwrap();
     json!({ "version": 1, "obstacles": [], "tool": [shape] })
 }
 
-/// A shape of a tool that is a mesh.
+/// Tool shape that is a mesh.
 pub(crate) const GOOD_MESH: &str =
     r#"{ "type": "mesh", "file": "a.StL", "scale": 2.5, "rpy_deg": [0, 0, 90] }"#;
 
-/// Meshes that are refused.
+/// Invalid meshes.
 pub(crate) const WRONG_MESHES: [&str; 7] = [
     r#"{ "type": "mesh" }"#,
     r#"{ "type": "mesh", "file": "a.step" }"#,

@@ -1,6 +1,6 @@
-//! Meshes of a tool: what is read, how near it comes, and what is refused where.
+//! Meshes of a tool: formats, clearances, and places of faults.
 
-// Helpers of tests may fail.
+// Test helpers may panic.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use std::fmt::Write as _;
@@ -14,7 +14,8 @@ use iiwasim_tests::fixture;
 
 use crate::documents::{GOOD_MESH, WRONG_MESHES, with_tool};
 
-/// A box about the origin by its whole lengths: its corners and its sides, two triangles each.
+/// Returns a box about the origin by its full lengths: its corners, and two triangles for each
+/// side.
 fn cuboid(size: [f32; 3]) -> ([[f32; 3]; 8], [[usize; 3]; 12]) {
     let corner = |i: usize| {
         let side = |axis: usize| if i >> axis & 1 == 0 { -0.5 } else { 0.5 };
@@ -66,7 +67,7 @@ fn ascii_stl() -> Vec<u8> {
     (file + "endsolid gripper\n").into()
 }
 
-/// In m, with a material that nobody has.
+/// Creates an OBJ file in m, with a material that does not exist.
 fn obj() -> Vec<u8> {
     let (corners, triangles) = cuboid(SIZE);
     let mut file = "mtllib none.mtl\n".to_owned();
@@ -91,7 +92,8 @@ fn scene(tool: &str, read: impl FnMut(&str) -> Result<Vec<u8>, String>) -> Scene
     Scene::from_json_with(&text, read).unwrap()
 }
 
-/// A box, as a box and as a mesh in three formats, is as near in each pose and in a plan.
+/// A box, as a box and as a mesh in three formats, has the same clearance at each pose and in a
+/// plan.
 #[test]
 fn a_box_is_as_near_as_its_mesh() {
     let place = r#""rpy_deg": [10, 20, 30]"#;
@@ -125,7 +127,7 @@ fn a_box_is_as_near_as_its_mesh() {
         let q = robot.limits().at_shares(&[(); 7].map(|()| 1.8 * random.f64() - 0.9));
         let expected = box_arm.clearance(&q).unwrap();
         by_tool += u32::from(expected.link == 8);
-        // A file has numbers of six digits.
+        // A file has numbers with six digits.
         for (arm, error) in arms.iter().zip([1e-9, 1e-9, 1e-8]) {
             let found = arm.clearance(&q).unwrap();
             assert!(
@@ -143,7 +145,8 @@ fn a_box_is_as_near_as_its_mesh() {
     assert!(expected > 0.0);
     for arm in &arms {
         let found = arm.clearance_of(&trajectory).unwrap().clearance.distance_m;
-        // The bounds of a box and of a hull rule out other spans: both are within 0.1 mm.
+        // The bounds of a box and of a hull exclude different spans: both results are within 0.1
+        // mm.
         assert!((found - expected).abs() < 1e-4, "{found} {expected}");
         let sampled =
             trajectory.samples(300.0).map(|state| arm.clearance(&state.q).unwrap().distance_m);
@@ -152,7 +155,8 @@ fn a_box_is_as_near_as_its_mesh() {
     }
 }
 
-/// On the way from one pose to another, no clearance differs more from that at an end than the arm travels.
+/// During a motion between two poses, no clearance differs from that at an end by more than the
+/// travel bound.
 #[test]
 fn travel_bounds_clearances() {
     let tool = r#"{ "type": "mesh", "file": "a.stl", "origin_mm": [0, 40, 90], "scale": 3 }"#;
@@ -170,7 +174,7 @@ fn travel_bounds_clearances() {
         assert!((a - b).abs() <= 0.3 * bound_m + 1e-7, "{a} {b} {bound_m}");
         tightest = tightest.min(bound_m - (a - b).abs() / 0.3);
     }
-    // It is of use: some poses come close to it.
+    // The bound is useful: some poses come close to it.
     assert!(tightest < 0.02, "{tightest}");
 }
 
@@ -193,17 +197,17 @@ fn what_is_no_mesh_is_refused_at_its_key() {
     let cut = whole[..whole.len() - 50].to_vec();
     let cases = [
         (refused(stl, Err("there is no file")), "`a.stl`: there is no file"),
-        (refused(stl, Ok(b"hello".to_vec())), "`a.stl`: it is no STL file"),
-        (refused(stl, Ok(b"solid a\nfacet normal 0 0 0\nouter".to_vec())), "no STL file"),
-        (refused(stl, Ok(binary_stl()[..100].to_vec())), "no STL file"),
+        (refused(stl, Ok(b"hello".to_vec())), "`a.stl`: not a valid STL file"),
+        (refused(stl, Ok(b"solid a\nfacet normal 0 0 0\nouter".to_vec())), "not a valid STL file"),
+        (refused(stl, Ok(binary_stl()[..100].to_vec())), "not a valid STL file"),
         (refused(stl, Ok(binary_stl()[..84].to_vec())), "it would have another length"),
-        // Cut between two triangles, and with a header that looks like text.
+        // Truncated between two triangles, and with a header that looks like text.
         (refused(stl, Ok(cut.clone())), "it would have another length"),
         (refused(stl, Ok([b"solid", &cut[5..]].concat())), "it would have another length"),
         (refused(stl, Ok(Vec::new())), "it is empty"),
-        (refused(stl, Ok(not_finite)), "a coordinate that is no number"),
-        (obj("v 1 2\n"), "it is no OBJ file"),
-        (obj("v 0 0 0\nv 1 0 0\nf 1 2 3\n"), "it is no OBJ file"),
+        (refused(stl, Ok(not_finite)), "a coordinate that is not a number"),
+        (obj("v 1 2\n"), "not a valid OBJ file"),
+        (obj("v 0 0 0\nv 1 0 0\nf 1 2 3\n"), "not a valid OBJ file"),
         (obj(""), "fewer than four"),
         (points("v 0 0 0\nv 9 0 0\nv 0 9 0\nv 9 9 0"), "all in one plane"),
         (points("v 0 0 0\nv 1e30 0 0\nv 0 9 0\nv 0 9 9"), "more than 2000 mm"),

@@ -1,6 +1,6 @@
-//! Clearances of planned motions against poses that are looked at one by one.
+//! Clearances of planned motions, compared with individual poses.
 
-// Helpers of tests may fail.
+// Test helpers may panic.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use iiwa_kin::Robot;
@@ -18,7 +18,8 @@ fn plan(program: &Program, options: PathOptions, timing: Timing) -> Trajectory {
     Trajectory::plan(&path, timing).unwrap()
 }
 
-/// A LIN that carries the wrist past a post: from either side of it, but not between, the arm is clear.
+/// Creates a LIN that moves the wrist past a post: at both ends the arm is clear, but not in
+/// between.
 #[test]
 fn a_line_of_the_tcp_passes_an_obstacle() {
     let text = r#"{
@@ -41,7 +42,7 @@ fn a_line_of_the_tcp_passes_an_obstacle() {
             let found = arm.clearance_of(&plan).unwrap();
             let ends_m = [0.0, plan.cycle_time_s()]
                 .map(|t_s| arm.clearance(&plan.at(t_s).q).unwrap().distance_m);
-            // The arm is nearest on the way.
+            // The arm is nearest during the motion.
             assert!(ends_m.iter().all(|end_m| *end_m > found.clearance.distance_m + 0.05));
             assert!(found.at_s > 0.0 && found.at_s < plan.cycle_time_s());
         }
@@ -52,12 +53,14 @@ fn acceleration() -> Timing {
     Timing::Acceleration(SweepOptions::default())
 }
 
-/// Whether what is found is that of a pose, and no sample is nearer by more than the tolerance.
+/// Checks that the result is that of a pose, and that no sample is nearer by more than the
+/// tolerance.
 fn check(arm: &ArmInScene, trajectory: &Trajectory, samples: u32) {
     let found = arm.clearance_of(trajectory).unwrap();
     let distance_m = found.clearance.distance_m;
     let there = arm.clearance(&trajectory.at(found.at_s).q).unwrap();
-    // Near a rest, a time's last digit is many of s: the pose is not exactly the one that was found.
+    // Near a rest, the last digit of a time corresponds to a large range of s: the pose is not
+    // exactly that of the result.
     assert!((there.distance_m - distance_m).abs() < 1e-5, "{there:?}, {found:?}");
     let end_s = trajectory.cycle_time_s();
     let at = |i: u32| end_s * f64::from(i) / f64::from(samples);
@@ -71,7 +74,7 @@ fn check(arm: &ArmInScene, trajectory: &Trajectory, samples: u32) {
             );
         }
     }
-    // The motions' own.
+    // Results of the individual motions.
     let each: Vec<_> = trajectory.sections().iter().flat_map(|s| arm.clearances(s)).collect();
     assert_eq!(each.len(), trajectory.motions().len());
     let least = each.iter().map(|c| c.clearance.distance_m).fold(f64::MAX, f64::min);
@@ -83,7 +86,7 @@ fn check(arm: &ArmInScene, trajectory: &Trajectory, samples: u32) {
     }
 }
 
-/// Whether the arm would be free if all obstacles were smaller by twice the tolerance.
+/// Returns true if the arm would be free with all obstacles smaller by twice the tolerance.
 fn touches_by_less(arm: &ArmInScene, trajectory: &Trajectory, t_s: f64) -> bool {
     let smaller = arm.scene().obstacles().iter().map(|obstacle| {
         let form = match obstacle.form {
@@ -144,7 +147,7 @@ fn ten_motions_in_the_cage() {
     assert!(found.clearance.distance_m > 0.01);
 }
 
-/// The arm keeps its distance: no span is nearer than any other.
+/// The arm keeps a constant distance: no span is nearer than any other.
 #[test]
 fn an_arm_that_turns_over_a_table_keeps_its_distance() {
     let q = |q1| [q1, 1.2, 0.0, -1.2, 0.0, 0.6, 0.0];
@@ -187,7 +190,8 @@ fn the_first_touch_is_told() {
     assert!(just_before.distance_m > 0.0 && just_before.distance_m < 5e-3);
 }
 
-/// The arm comes nearest where it then stands: that is when it arrives, whatever the rounding of what comes after.
+/// The arm is nearest at its final rest: the reported time is that of the arrival, for any rounding
+/// of later samples.
 #[test]
 fn the_first_of_equal_instants_is_told() {
     let wall = Form::Plane { point_m: [1.2, 0.3, 0.0], normal: [-1.0, -0.1, 0.02] };
@@ -225,7 +229,7 @@ fn nothing_to_touch_is_no_clearance() {
     };
     let waiting = plan(&program, PathOptions::default(), Timing::default());
     assert_eq!(arm.clearance_of(&waiting), None);
-    // An arm that only waits has a clearance, too.
+    // A program of waits only has a clearance, too.
     let floor = Form::Plane { point_m: [0.0; 3], normal: [0.0, 0.0, 1.0] };
     let scene = Scene::new(vec![Obstacle { name: "floor".to_owned(), form: floor }]).unwrap();
     let arm = ArmInScene::new(&Robot::default(), &scene);

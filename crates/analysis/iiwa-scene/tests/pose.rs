@@ -1,6 +1,6 @@
-//! Clearances of poses against points all over the arm's surfaces.
+//! Clearances of poses, compared with points on the surfaces of the arm.
 
-// Helpers of tests may fail.
+// Test helpers may panic.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use std::f64::consts::{PI, TAU};
@@ -18,12 +18,12 @@ fn length(a: &Point) -> f64 {
     dot(a, a).sqrt()
 }
 
-/// Where `p` of a frame is in the base frame.
+/// Transforms `p` from a frame to the base frame.
 fn to_base(pose: &Pose, p: &Point) -> Point {
     std::array::from_fn(|i| pose.position_m[i] + dot(&pose.rotation[i], p))
 }
 
-/// About x, then y, then z: one turn after the other.
+/// Returns the rotation about x, then y, then z, as a product of single rotations.
 fn turned([roll, pitch, yaw]: Point, [x, y, z]: Point) -> Point {
     let about = |angle: f64, a: f64, b: f64| {
         (a * angle.cos() - b * angle.sin(), a * angle.sin() + b * angle.cos())
@@ -34,7 +34,7 @@ fn turned([roll, pitch, yaw]: Point, [x, y, z]: Point) -> Point {
     [x, y, z]
 }
 
-/// A function of the exact distance of a point from an obstacle, 0 within.
+/// Returns a function of the exact distance of a point from an obstacle, 0 inside.
 fn distance(form: Form) -> Box<dyn Fn(&Point) -> f64> {
     match form {
         Form::Plane { point_m, normal } => {
@@ -54,7 +54,7 @@ fn distance(form: Form) -> Box<dyn Fn(&Point) -> f64> {
     }
 }
 
-/// A surface's points by two parameters from 0 to 1, in its link's frame.
+/// Returns the points of a surface by two parameters from 0 to 1, in its link frame.
 fn surfaces(shape: &Shape) -> Vec<Box<dyn Fn(f64, f64) -> Point>> {
     let center = shape.center_m;
     let moved = move |p: Point| std::array::from_fn(|i| center[i] + p[i]);
@@ -80,7 +80,8 @@ fn surfaces(shape: &Shape) -> Vec<Box<dyn Fn(f64, f64) -> Point>> {
     }
 }
 
-/// The smallest distance of many points of a surface, ever denser about the nearest ones.
+/// Returns the smallest distance of many points of a surface, with increasing density around the
+/// nearest ones.
 fn nearest(surface: &dyn Fn(f64, f64) -> Point, distance: &dyn Fn(&Point) -> f64) -> f64 {
     let (mut u, mut v, mut half) = (0.5, 0.5, 0.5);
     let mut best = f64::MAX;
@@ -103,7 +104,8 @@ fn nearest(surface: &dyn Fn(f64, f64) -> Point, distance: &dyn Fn(&Point) -> f64
     best
 }
 
-/// The smallest distance between links 2 to 7 and a scene, without what is nearer than was found and as far away at all poses.
+/// Returns the smallest distance between links 2 to 7 and a scene, except pairs that are nearer
+/// than the result and at a constant distance.
 fn by_points(robot: &Robot, scene: &Scene, q: &Joints, found_m: f64) -> f64 {
     let shapes = robot.link_shapes();
     let mut best = f64::MAX;
@@ -117,7 +119,7 @@ fn by_points(robot: &Robot, scene: &Scene, q: &Joints, found_m: f64) -> f64 {
         };
         for (link, shape) in (2..8).flat_map(|link| shapes[link].iter().map(move |it| (link, it))) {
             let at = of(link, shape, q);
-            // The shoulder is round about A2: only A1 moves it.
+            // The shoulder is symmetric about A2: only A1 moves it.
             let is_shoulder =
                 link == 2 && matches!(shape.solid, Solid::Cylinder { along: Along::Z, .. });
             let turned = |a1| of(link, shape, &[a1, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]);
@@ -143,7 +145,7 @@ fn a_thousand_poses_are_as_near_as_their_points() {
         let limits = robot.limits().upper_rad;
         let mut q = limits.map(|limit| limit * (2.0 * random.f64() - 1.0));
         if round % 5 == 0 {
-            // As in life: by quarters of a turn.
+            // Quarter turns, as is common in practice.
             q = q.map(|q| (q / (0.5 * PI)).trunc() * 0.5 * PI);
         }
         let found = ArmInScene::new(&robot, &scene).clearance(&q).unwrap();
@@ -153,7 +155,7 @@ fn a_thousand_poses_are_as_near_as_their_points() {
             let Other::Obstacle(place) = found.other else { panic!("{found:?}") };
             let obstacle = distance(scene.obstacles()[place].form);
             assert!(obstacle(&found.on_other_m) < 1e-8);
-            // A box may be all within a link, where no point of the surface is.
+            // A box may be completely inside a link, where the surface has no points.
             continue;
         }
         let points_m = by_points(&robot, &scene, &q, found.distance_m);
@@ -174,21 +176,21 @@ fn known_distances() {
         let scene = Scene::new(vec![Obstacle { name: "it".to_owned(), form }]).unwrap();
         ArmInScene::new(&robot, &scene).clearance(&[0.0; 7]).unwrap()
     };
-    // Stretched out, the flange's face is at 1292 mm; a ceiling at 1500 mm.
+    // With the arm stretched out, the flange face is at 1292 mm; a ceiling at 1500 mm.
     let down = [0.0, 0.0, -7.0];
     let ceiling = clearance(Form::Plane { point_m: [3.0, 4.0, 1.5], normal: down });
     assert!((ceiling.distance_m - 0.208).abs() < 1e-12, "{ceiling:?}");
     assert_eq!((ceiling.link, ceiling.other), (7, Other::Obstacle(0)));
     assert!((ceiling.on_link_m[2] - 1.292).abs() < 1e-12 && ceiling.on_other_m[2] == 1.5);
-    // The long edge of a box that is turned by 45 degrees, at the height of the wrist: link 5 ends there in
-    // a ball of 64 mm.
+    // The long edge of a box rotated by 45 degrees, at the height of the wrist: link 5 ends there
+    // in a sphere of 64 mm.
     let size_m = [0.2, 2.0, 0.2];
     let rpy_rad = [0.0, 0.25 * PI, 0.0];
     let edge = clearance(Form::Box { center_m: [0.5, 0.0, 1.14], size_m, rpy_rad });
     let expected_m = 0.5 - 0.1 * 2.0_f64.sqrt() - 0.064;
     assert!((edge.distance_m - expected_m).abs() < 1e-9, "{edge:?}");
     assert_eq!(edge.link, 5);
-    // A foot on a table: links 0 and 1 do not count.
+    // A robot base on a table: links 0 and 1 are not checked.
     let up = [0.0, 0.0, 1.0];
     let table = clearance(Form::Plane { point_m: [0.0; 3], normal: up });
     assert!(table.link >= 2 && table.distance_m > 0.2, "{table:?}");
@@ -203,13 +205,14 @@ fn what_cannot_come_nearer_does_not_count() {
         let scene = Scene::new(vec![Obstacle { name: "it".to_owned(), form }]).unwrap();
         ArmInScene::new(&robot, &scene).clearance(q).unwrap()
     };
-    // The shoulder is 266 mm above the column that the arm stands on, at all poses: what counts moves with the pose.
+    // The shoulder is 266 mm above the column below the robot, at all poses: only parts whose
+    // distance varies are checked.
     let apart =
         [[0.0; 7], [0.0, 1.0, 0.0, -1.5, 0.0, 0.5, 0.0], [2.0, -0.5, 0.0, 1.8, 0.0, 0.0, 0.0]]
             .map(|q| of(column(-0.15), &q).distance_m);
     assert!(apart.iter().all(|m| (m - 0.266).abs() > 1e-3), "{apart:?}");
     assert!((apart[0] - apart[1]).abs() > 0.01 && (apart[1] - apart[2]).abs() > 0.01, "{apart:?}");
-    // What it touches, it does so at all poses: that counts.
+    // An obstacle that it touches at all poses is checked.
     let touching = of(column(0.2), &[1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]);
     assert_eq!((touching.distance_m, touching.link), (0.0, 2));
     // A post beside the shoulder is nearer to it at some poses than at others.

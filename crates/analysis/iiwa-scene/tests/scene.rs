@@ -1,6 +1,7 @@
-//! Accepted and rejected scenes, with the place of each fault. `tests/peers` checks that the JSON Schema agrees.
+//! Accepted and rejected scenes, with the place of each fault. `tests/peers` checks that the JSON
+//! Schema agrees.
 
-// Helpers of tests may fail.
+// Test helpers may panic.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use iiwa_scene::{Fault, Form, IgnoredPair, Obstacle, Scene, SceneError};
@@ -44,7 +45,7 @@ fn is_drawn_in_m() {
     assert!(normal.iter().zip([0.0, 0.6, 0.8]).all(|(a, b)| (a - b).abs() < 1e-15), "{normal:?}");
 }
 
-/// GOOD with a change, and what is said of it.
+/// Returns GOOD with a change, and the resulting message.
 fn refused(from: &str, to: &str) -> (String, usize, String) {
     let text = GOOD.replacen(from, to, 1);
     assert_ne!(text, GOOD, "nothing is changed");
@@ -181,7 +182,7 @@ fn scenes_made_in_code_are_checked() {
     ));
     let plane = |normal| Form::Plane { point_m: [0.0; 3], normal };
     assert!(scene(plane([0.0, f64::INFINITY, 0.0])).is_err());
-    // However long it is.
+    // For any length of the normal.
     for length in [1e-300, 1e300] {
         let scene = scene(plane([0.0, length, 0.0])).unwrap();
         let drawn = serde_json::to_value(&scene).unwrap();

@@ -1,6 +1,6 @@
-//! How near the arm comes to itself, against points all over its surfaces, and on whole plans.
+//! Self-clearance of the arm, compared with points on its surfaces, and over whole plans.
 
-// Helpers of tests may fail.
+// Test helpers may panic.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use std::f64::consts::TAU;
@@ -12,14 +12,14 @@ use iiwa_scene::{ArmInScene, Form, Obstacle, Other, Scene, ToolForm, ToolShape};
 use iiwa_traj::{Timing, Trajectory};
 use nalgebra::{Isometry3, Point3, Rotation3, Vector3};
 
-/// What the search may miss, in m.
+/// Tolerance of the search, in m.
 const TOLERANCE_M: f64 = 1e-4;
 
 fn isometry(pose: &Pose) -> Isometry3<f64> {
     pose.to_isometry()
 }
 
-/// The frame of a shape in its link's: the shape lies along z.
+/// Returns the frame of a shape in its link frame, with z along the shape.
 fn frame(shape: &Shape) -> Isometry3<f64> {
     let turn = match shape.solid {
         Solid::Cylinder { along: Along::Y, .. } => {
@@ -30,7 +30,7 @@ fn frame(shape: &Shape) -> Isometry3<f64> {
     Isometry3::from_parts(Vector3::from(shape.center_m).into(), turn.into())
 }
 
-/// Radius and half of the length; a ball has none.
+/// Returns radius and half-length; a sphere has no half-length.
 fn size(shape: &Shape) -> (f64, Option<f64>) {
     match shape.solid {
         Solid::Cylinder { radius_m, length_m, .. } => (radius_m, Some(0.5 * length_m)),
@@ -38,7 +38,7 @@ fn size(shape: &Shape) -> (f64, Option<f64>) {
     }
 }
 
-/// Points on the surface of a shape, some centimetre apart, in its own frame.
+/// Returns points on the surface of a shape, about a centimetre apart, in its own frame.
 fn points(shape: &Shape) -> Vec<Point3<f64>> {
     let (radius, half) = size(shape);
     let mut points = Vec::new();
@@ -60,7 +60,7 @@ fn points(shape: &Shape) -> Vec<Point3<f64>> {
     points
 }
 
-/// The exact distance of a point from a shape, in the shape's frame; 0 within.
+/// Returns the exact distance of a point from a shape, in the shape frame; 0 inside.
 fn distance(shape: &Shape, point: &Point3<f64>) -> f64 {
     let (radius, half) = size(shape);
     match half {
@@ -72,7 +72,8 @@ fn distance(shape: &Shape, point: &Point3<f64>) -> f64 {
     }
 }
 
-/// Whether a ball is as far from another shape at all poses: its middle is at rest in the other's frame.
+/// Returns true if a sphere has a constant distance from another shape: its centre is at rest in
+/// the other frame.
 fn is_rigid(robot: &Robot, [(link, a), (other, b)]: [(usize, &Shape); 2]) -> bool {
     let at = |k: u32| {
         let poses = robot
@@ -88,7 +89,8 @@ fn is_rigid(robot: &Robot, [(link, a), (other, b)]: [(usize, &Shape); 2]) -> boo
     (1..4).all(|k| (at(k) - at(0)).abs() < 1e-9)
 }
 
-/// The least distance of links that are three or more apart, of what moves to each other.
+/// Returns the smallest distance of links that are three or more apart and move relative to each
+/// other.
 fn by_points(robot: &Robot, q: &Joints) -> f64 {
     let shapes = robot.link_shapes();
     let poses = robot.link_poses(q);
@@ -122,7 +124,7 @@ fn poses_are_as_near_as_their_points() {
         let upper_rad = robot.limits().upper_rad;
         let mut q = upper_rad.map(|limit| limit * (2.0 * random.f64() - 1.0));
         if round % 4 == 0 {
-            // Folded over its foot.
+            // Folded over its base.
             (q[1], q[2], q[3]) =
                 (1.95 - 0.3 * random.f64(), 0.2 * random.f64(), -2.0 + 0.3 * random.f64());
         }
@@ -142,8 +144,8 @@ fn poses_are_as_near_as_their_points() {
     assert!(touching > 5, "{touching}");
 }
 
-/// Next and next but one links do not count since they keep apart; no pose can bring those that count closer without the
-/// foot's limb.
+/// Adjacent links and links next but one are not checked since they keep apart; no pose brings the
+/// checked ones closer without a collision with the base.
 #[test]
 fn the_upper_arm_and_the_wrist_keep_clear() {
     for robot in [Robot::lbr_iiwa_7_r800(), Robot::lbr_iiwa_14_r820()] {
@@ -151,7 +153,7 @@ fn the_upper_arm_and_the_wrist_keep_clear() {
         let limits = robot.limits();
         let mut random = fastrand::Rng::with_seed(6);
         for _ in 0..50_000 {
-            // Upright, only A3 to A7 fold the arm.
+            // With the arm upright, only A3 to A7 fold it.
             let mut q = limits.upper_rad.map(|limit| limit * (2.0 * random.f64() - 1.0));
             q[1] = 0.0;
             assert!(arm.self_clearance(&q).unwrap().distance_m > 0.03, "{q:?}");
@@ -173,7 +175,7 @@ fn plan(from_rad: Joints, to_rad: &[Joints]) -> Trajectory {
     Trajectory::plan(&path, Timing::default()).unwrap()
 }
 
-/// No sample of a plan is nearer than what is found, and what is found is the clearance of a pose.
+/// No sample of a plan is nearer than the result, and the result is the clearance of a pose.
 #[test]
 fn plans_are_as_near_as_their_samples() {
     let robot = Robot::default();

@@ -1,6 +1,6 @@
-//! A tool counts in clearances.
+//! Clearances of a tool.
 
-// Helpers of tests may fail.
+// Test helpers may panic.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use iiwa_kin::{Joints, Robot};
@@ -18,7 +18,7 @@ fn named(forms: &[Form]) -> Vec<Obstacle> {
     forms.iter().enumerate().map(named).collect()
 }
 
-/// Points all over a shape of a tool, in the flange's frame.
+/// Returns points on a tool shape, in the flange frame.
 fn points(form: &ToolForm) -> Vec<Vector3<f64>> {
     let turned = |[roll, pitch, yaw]: [f64; 3]| Rotation3::from_euler_angles(roll, pitch, yaw);
     let steps = |n: u32| (0..=n).map(move |i| 2.0 * f64::from(i) / f64::from(n) - 1.0);
@@ -66,7 +66,7 @@ fn points(form: &ToolForm) -> Vec<Vector3<f64>> {
     }
 }
 
-/// The distance of a point from an obstacle, in m.
+/// Returns the distance of a point from an obstacle, in m.
 fn distance(obstacle: &Form, point: &Vector3<f64>) -> f64 {
     match *obstacle {
         Form::Plane { point_m, normal } => {
@@ -83,7 +83,8 @@ fn distance(obstacle: &Form, point: &Vector3<f64>) -> f64 {
     }
 }
 
-/// What is found is as near as the nearest of many points of the tool, and nearer by their spacing at most.
+/// The result is at most the distance of the nearest of many points of the tool, and smaller by at
+/// most their spacing.
 #[test]
 fn it_is_as_near_as_its_points() {
     let robot = Robot::lbr_iiwa_14_r820();
@@ -141,7 +142,7 @@ fn it_is_as_near_as_its_points() {
     assert!(tool_counts > 50, "{tool_counts}");
 }
 
-/// On a whole plan, no sample is nearer than what is found.
+/// Over a whole plan, no sample is nearer than the result.
 #[test]
 fn it_counts_in_plans() {
     let program =
@@ -169,7 +170,7 @@ fn it_counts_in_plans() {
     }
     let distance_m = found.clearance.distance_m;
     assert!(distance_m <= least + 1e-9 && distance_m > least - TOLERANCE_M, "{found:?} {least}");
-    // The tool points down: its ball reaches 130 mm below the flange.
+    // The tool points down: its sphere reaches 130 mm below the flange.
     let lowest = trajectory
         .samples(500.0)
         .map(|state| robot.flange_position(&state.q)[2])

@@ -5,33 +5,34 @@ use std::{
     path::{Component, Path, PathBuf},
 };
 
-/// Why a file that another one names is not read.
+/// Reason for rejecting a file that another file names.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum NotBeside {
-    /// It is elsewhere, or of another kind.
+    /// The file is outside that folder, or has another file type.
     #[error("it has to be beside the file that names it, or in a folder below that")]
     Elsewhere,
-    /// There is none.
-    #[error("there is no file {}", .0.display())]
+    /// The file does not exist.
+    #[error("no such file: {}", .0.display())]
     Missing(PathBuf),
-    /// A link leads elsewhere.
+    /// A symbolic link leads outside the folder.
     #[error("{} leads out of the folder of the file that names it", .0.display())]
     LeadsOut(PathBuf),
 }
 
-/// The folder of a file.
+/// Returns the folder of a file.
 #[must_use]
 pub fn folder_of(file: &Path) -> &Path {
     let folder = file.parent().filter(|folder| !folder.as_os_str().is_empty());
     folder.unwrap_or(Path::new("."))
 }
 
-/// The path of the file `name`, which the file `from` names: in its folder or below, with one of these endings. What comes
-/// from elsewhere must not make this process read, and show in errors, any other file.
+/// Returns the path of the file `name`, which the file `from` names: in the folder of `from` or
+/// below, with one of these endings. A name from an untrusted file must not make this process read
+/// any other file, or show its content in errors.
 ///
 /// # Errors
 ///
-/// [`NotBeside`] if it is anywhere else, or not there.
+/// [`NotBeside`] if the file is anywhere else, or does not exist.
 pub fn beside(from: &Path, name: &str, endings: &[&str]) -> Result<PathBuf, NotBeside> {
     let folder = folder_of(from);
     let path = folder.join(name);

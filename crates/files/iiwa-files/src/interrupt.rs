@@ -1,6 +1,6 @@
-//! Whether the process was asked to end.
+//! Interrupt flag of the process.
 //!
-//! Nothing here installs a handler: the program does, and sets the flag.
+//! This module installs no signal handler: the program does, and sets the flag.
 
 use std::sync::{
     Arc, OnceLock,
@@ -9,18 +9,18 @@ use std::sync::{
 
 static INTERRUPTED: OnceLock<Arc<AtomicBool>> = OnceLock::new();
 
-/// What an interrupt sets, for those who look at it by themselves.
+/// Returns the flag that an interrupt sets, for code that polls it directly.
 pub fn flag() -> Arc<AtomicBool> {
     Arc::clone(INTERRUPTED.get_or_init(Arc::default))
 }
 
-/// Whether an interrupt has come.
+/// Returns true after an interrupt.
 #[must_use]
 pub fn has_come() -> bool {
     INTERRUPTED.get().is_some_and(|flag| flag.load(Ordering::Relaxed))
 }
 
-/// Acts as an interrupt.
+/// Sets the flag, like an interrupt.
 pub fn request() {
     flag().store(true, Ordering::Relaxed);
 }

@@ -1,7 +1,8 @@
-//! Temporary files left behind by a killed process, told apart by their locks from those in use.
+//! Temporary files of killed processes, distinguished by their locks from files in use.
 //!
-//! Temporary files and folders are locked as long as their process lives; the system releases the lock
-//! however it ends. A file with such a name that is not locked is left over.
+//! Temporary files and folders are locked as long as their process runs; the operating system
+//! releases the lock however the process ends. A file with such a name and without a lock is a
+//! leftover.
 
 use std::{
     collections::HashSet,
@@ -14,23 +15,24 @@ use std::{
 /// Naming of temporary files or folders.
 #[derive(Clone, Copy, Debug)]
 pub struct Name {
-    /// How all of them begin.
+    /// Common prefix of the names.
     pub prefix: &'static str,
-    /// How all of them end.
+    /// Common suffix of the names.
     pub suffix: &'static str,
-    /// Whether they are folders.
+    /// `true` for folders.
     pub is_folder: bool,
 }
 
 impl Name {
-    /// Makes one with `make`, which stays as long as the lock is open. Leftovers of the same naming in the
-    /// folder are removed.
+    /// Creates a temporary file or folder with `make`; no other process removes it as long as the
+    /// lock is open. Removes leftovers with the same naming from the folder.
     ///
-    /// Another process may remove it as a leftover before it is locked: then it is made again.
+    /// Another process may remove the new file as a leftover before it is locked: then `make` runs
+    /// again.
     ///
     /// # Errors
     ///
-    /// That of `make`.
+    /// The error of `make`.
     pub fn make<T>(
         self,
         folder: &Path,
@@ -40,7 +42,7 @@ impl Name {
         self.clear(folder);
         loop {
             let made = make(tempfile::Builder::new().prefix(self.prefix).suffix(self.suffix))?;
-            // On file systems without locks, leftovers stay.
+            // On file systems without locks, leftovers are not removed.
             let lock = File::open(path(&made)).and_then(|file| file.lock().map(|()| file)).ok();
             if path(&made).symlink_metadata().is_ok() {
                 return Ok((made, lock));
@@ -48,7 +50,7 @@ impl Name {
         }
     }
 
-    /// Removes the leftovers in a folder, once for each folder.
+    /// Removes the leftovers in a folder, once per process and folder.
     fn clear(self, folder: &Path) {
         static CLEARED: Mutex<Option<HashSet<PathBuf>>> = Mutex::new(None);
         {
@@ -57,7 +59,7 @@ impl Name {
                 return;
             }
         }
-        // What cannot be read or removed stays, which does no harm.
+        // Leftovers that cannot be read or removed do no harm.
         for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
             let name = entry.file_name();
             let name = name.to_string_lossy();
@@ -106,7 +108,7 @@ mod tests {
         let (made, held) = make();
         assert!(!left.exists() && used.exists() && other.exists());
         assert!(at(".part-of-a-test-3.part").exists());
-        // The next process, as it were.
+        // Acts like the next process.
         drop(lock);
         NAME.remove_unless_used(made.path());
         NAME.remove_unless_used(&used);

@@ -1,9 +1,9 @@
 //! Files of programs that may be interrupted or killed.
 //!
-//! An [`Output`] appears whole or not at all, and replaces what was there before only when it is complete; so does a
-//! folder ([`write_folder`]). What a killed process leaves behind is removed, and what others use is not
-//! ([`leftovers`]). An interrupt of the process ends what writes ([`mod@interrupt`]). Files that other files name are beside them
-//! ([`beside()`]).
+//! An [`Output`] is written atomically: it replaces the previous file only when it is complete, and
+//! so does a folder ([`write_folder`]). Leftovers of killed processes are removed, files in use are
+//! not ([`leftovers`]). An interrupt of the process ends all writing ([`mod@interrupt`]). Files
+//! that other files name are in the same folder or below ([`beside()`]).
 
 mod beside;
 pub mod interrupt;

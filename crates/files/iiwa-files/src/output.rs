@@ -1,4 +1,4 @@
-//! Output files, which appear whole or not at all.
+//! Atomic output files.
 
 use std::{
     error::Error,
@@ -11,18 +11,18 @@ use tempfile::NamedTempFile;
 
 use crate::{interrupt, leftovers::Name};
 
-/// Why a file could not be written.
+/// Reason why a file could not be written.
 #[derive(Debug, thiserror::Error)]
 pub enum OutputError {
-    /// The file could not be made, written or put in its place.
+    /// The file could not be created, written or renamed.
     #[error("cannot write {}", path.display())]
     Write {
-        /// Where it was to be.
+        /// Path of the output.
         path: PathBuf,
-        /// Why.
+        /// Cause.
         source: Box<dyn Error + Send + Sync>,
     },
-    /// An interrupt came.
+    /// The process was interrupted.
     #[error("interrupted")]
     Interrupted,
 }
@@ -33,16 +33,16 @@ impl OutputError {
     }
 }
 
-/// A file under construction, beside the one that it will replace.
+/// File under construction, in the same folder as the file that it will replace.
 #[derive(Debug)]
 pub struct Output {
     path: PathBuf,
     file: NamedTempFile,
-    /// While it is open, no other process removes the file as a leftover.
+    /// While the lock is open, no other process removes the file as a leftover.
     _lock: Option<File>,
 }
 
-/// Files under construction.
+/// Naming of files under construction.
 const PART: Name = Name { prefix: ".iiwasim-", suffix: ".part", is_folder: false };
 
 impl Output {
@@ -50,15 +50,16 @@ impl Output {
     ///
     /// # Errors
     ///
-    /// [`OutputError::Write`] if there is no such folder, if a folder or a device is at `path`, or if no file can be made.
+    /// [`OutputError::Write`] if the folder does not exist, if a folder or a device is at `path`,
+    /// or if the temporary file cannot be created.
     pub fn new(path: &Path) -> Result<Self, OutputError> {
         let refuse = |error: io::Error| OutputError::new(path, error);
         let folder = path.parent().unwrap_or(Path::new(""));
         if !folder.as_os_str().is_empty() && !folder.exists() {
-            let what = format!("there is no folder {}", folder.display());
+            let what = format!("no such folder: {}", folder.display());
             return Err(refuse(io::Error::other(what)));
         }
-        // Of a symbolic link, the target is replaced.
+        // The target of a symbolic link is replaced, not the link.
         let real = path.canonicalize().unwrap_or_else(|_| path.to_owned());
         match real.metadata() {
             Ok(kind) if kind.is_dir() => {
@@ -74,7 +75,7 @@ impl Output {
         let make = |name: &mut tempfile::Builder<'_, '_>| {
             #[cfg(unix)]
             {
-                // Temporary files are private; this one will be an ordinary file.
+                // Temporary files are private; the output is an ordinary file.
                 use std::os::unix::fs::PermissionsExt;
                 name.permissions(std::fs::Permissions::from_mode(0o666));
             }
@@ -82,31 +83,31 @@ impl Output {
         };
         let (file, lock) = PART
             .make(folder, make, NamedTempFile::path)
-            // Without the name of the temporary file.
+            // Omits the name of the temporary file.
             .map_err(|error| refuse(io::Error::from(error.kind())))?;
         Ok(Self { path: real, file, _lock: lock })
     }
 
-    /// A stream for the content.
+    /// Returns a stream for the content.
     ///
     /// # Errors
     ///
-    /// [`OutputError`] if the process may not open another file.
+    /// [`OutputError`] if the process cannot open another file.
     pub fn stream(&self) -> Result<BufWriter<Stream>, OutputError> {
         let file = self.file.as_file().try_clone().map_err(|error| self.failure(error))?;
         Ok(BufWriter::new(Stream(file)))
     }
 
-    /// Writes all of it.
+    /// Writes the whole content.
     ///
     /// # Errors
     ///
-    /// [`OutputError`], as of a full disk.
+    /// [`OutputError`], for example if the disk is full.
     pub fn write(&self, content: &[u8]) -> Result<(), OutputError> {
         self.file.as_file().write_all(content).map_err(|error| self.failure(error))
     }
 
-    /// The failure to write it.
+    /// Returns the error for a failed write.
     pub fn failure(&self, error: impl Into<Box<dyn Error + Send + Sync>>) -> OutputError {
         // An interrupt makes writes fail.
         if interrupt::has_come() {
@@ -115,11 +116,11 @@ impl Output {
         OutputError::new(&self.path, error)
     }
 
-    /// Puts the file in its place, unless an interrupt has come.
+    /// Renames the file to its final path, unless the process was interrupted.
     ///
     /// # Errors
     ///
-    /// [`OutputError`] after an interrupt, and if the file cannot be put there.
+    /// [`OutputError`] after an interrupt, or if the file cannot be renamed.
     pub fn complete(self) -> Result<(), OutputError> {
         if interrupt::has_come() {
             return Err(OutputError::Interrupted);
@@ -127,18 +128,18 @@ impl Output {
         self.complete_always()
     }
 
-    /// Puts the file in its place.
+    /// Renames the file to its final path, even after an interrupt.
     ///
     /// # Errors
     ///
-    /// [`OutputError::Write`] if it cannot be put there.
+    /// [`OutputError::Write`] if the file cannot be renamed.
     pub fn complete_always(self) -> Result<(), OutputError> {
         let path = self.path;
         self.file.persist(&path).map(drop).map_err(|error| OutputError::new(&path, error.error))
     }
 }
 
-/// A file that can no longer be written after an interrupt.
+/// Stream into the file that fails after an interrupt.
 #[derive(Debug)]
 pub struct Stream(File);
 

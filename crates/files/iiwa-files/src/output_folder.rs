@@ -1,4 +1,4 @@
-//! Output folders, which appear whole or not at all.
+//! Output folders: a new folder is written atomically, an existing one file by file.
 
 use std::{
     fs::{self, File},
@@ -10,23 +10,23 @@ use tempfile::TempDir;
 
 use crate::{Output, OutputError, interrupt, leftovers::Name};
 
-/// Folders under construction.
+/// Naming of folders under construction.
 const PART: Name = Name { prefix: ".iiwasim-", suffix: ".folder", is_folder: true };
 
-/// Writes all of these files into a folder, by their paths in it.
+/// Writes all these files into a folder, by their paths relative to the folder.
 ///
-/// A new folder appears with all of them. In one that is there already, each file is replaced as a whole, once all of them
-/// have been written; other files stay.
+/// A new folder appears with all files. In an existing folder, each file is replaced atomically,
+/// once all files have been written; other files are kept.
 ///
 /// # Errors
 ///
-/// [`OutputError`] if a file cannot be written, or after an interrupt: then a new folder does not appear, and the files of an
-/// old one are as they were, unless one of them cannot be put in its place.
+/// [`OutputError`] if a file cannot be written, or after an interrupt: then a new folder does not
+/// appear, and the files of an existing folder are unchanged, unless one of them cannot be renamed.
 pub fn write_folder(folder: &Path, files: &[(&Path, &[u8])]) -> Result<(), OutputError> {
     if is_new(folder) { make(folder, files) } else { replace(folder, files) }
 }
 
-/// Whether there is nothing in a folder, or no such folder.
+/// Returns true if a folder is empty or does not exist.
 fn is_new(folder: &Path) -> bool {
     match fs::read_dir(folder) {
         Ok(mut entries) => entries.next().is_none(),
@@ -39,13 +39,13 @@ fn make(folder: &Path, files: &[(&Path, &[u8])]) -> Result<(), OutputError> {
     let parent = folder.parent().filter(|parent| !parent.as_os_str().is_empty());
     let parent = parent.unwrap_or(Path::new("."));
     if !parent.exists() {
-        let what = format!("there is no folder {}", parent.display());
+        let what = format!("no such folder: {}", parent.display());
         return Err(refuse(io::Error::other(what)));
     }
     let make = |name: &mut tempfile::Builder<'_, '_>| {
         #[cfg(unix)]
         {
-            // Temporary folders are private; this one will be an ordinary folder.
+            // Temporary folders are private; the output is an ordinary folder.
             use std::os::unix::fs::PermissionsExt;
             name.permissions(fs::Permissions::from_mode(0o777));
         }
@@ -53,7 +53,7 @@ fn make(folder: &Path, files: &[(&Path, &[u8])]) -> Result<(), OutputError> {
     };
     let (part, _lock): (TempDir, Option<File>) = PART
         .make(parent, make, TempDir::path)
-        // Without the name of the temporary folder.
+        // Omits the name of the temporary folder.
         .map_err(|error| refuse(io::Error::from(error.kind())))?;
     for (path, content) in files {
         let target = folder.join(path);
@@ -70,7 +70,7 @@ fn make(folder: &Path, files: &[(&Path, &[u8])]) -> Result<(), OutputError> {
         return Err(OutputError::Interrupted);
     }
     fs::rename(part.path(), folder).map_err(refuse)?;
-    // There is nothing left to remove.
+    // The folder has been renamed: nothing is left to remove.
     let _ = part.keep();
     Ok(())
 }
@@ -111,7 +111,7 @@ mod tests {
             assert_eq!(fs::read(folder.join(path)).unwrap(), content);
         }
         assert_eq!(fs::read_dir(above.path()).unwrap().count(), 1);
-        // An empty one is as good as none.
+        // An empty folder counts as new.
         let empty = above.path().join("empty");
         fs::create_dir(&empty).unwrap();
         write_folder(&empty, &files()).unwrap();

@@ -1,4 +1,4 @@
-//! A bound on repeated log lines. A peer that repeats a fault must not fill the disk.
+//! Rate limit for repeated log lines. A peer that repeats a fault must not fill the disk.
 
 use std::{
     collections::HashMap,
@@ -29,7 +29,8 @@ impl<S> Default for Repetition<S> {
 }
 
 impl<S: Eq + Hash> Repetition<S> {
-    /// Counts a line. Returns whether to print it, and the number of lines that were suppressed in the window before.
+    /// Counts a line. Returns true if the line is to be printed, and the number of lines suppressed
+    /// in the window before.
     pub fn admit(&mut self, source: S, now: Instant) -> (bool, u64) {
         let lines = self.0.entry(source).or_insert(Lines { since: now, count: 0 });
         let mut suppressed = 0;
@@ -52,7 +53,7 @@ mod tests {
         let from = Instant::now();
         let mut admitted = 0;
         let mut suppressed = 0;
-        // A hundred lines per second for a minute.
+        // 100 lines per second for a minute.
         for hundredth in 0..6000 {
             let now = from + Duration::from_millis(10 * hundredth);
             let (is_printed, before) = lines.admit("source", now);

@@ -1,9 +1,8 @@
-//! Records a made-up motion at 1 kHz, in real time and until it is killed:
-//! `record FILE.mcap [PERIOD_MS]`. For programs that read recordings to be tried on, and to be
-//! killed.
+//! Records a synthetic motion at 1 kHz, in real time and until it is killed: `record FILE.mcap
+//! [PERIOD_MS]`. For testing programs that read recordings, and for tests that kill the recorder.
 //!
-//! `record FILE.mcap PERIOD_MS SECONDS RATE_HZ POSE_RATE_HZ` goes as fast as it can, finishes the
-//! file and says what it cost.
+//! `record FILE.mcap PERIOD_MS SECONDS RATE_HZ POSE_RATE_HZ` records as fast as possible, finishes
+//! the file and prints its cost.
 
 use std::collections::BTreeMap;
 use std::error::Error;
@@ -61,7 +60,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// Swings with different periods, and noise as from an encoder on top, some 1e-5 rad.
+/// Returns oscillations with different periods, plus encoder noise of some 1e-5 rad.
 fn joints(k: u32) -> Joints {
     let mut noise = k;
     std::array::from_fn(|joint| {

@@ -1,7 +1,7 @@
-//! Writes a made-up recording: `sample FILE.mcap [FIGURES.json]`.
+//! Writes a synthetic recording: `sample FILE.mcap [FIGURES.json]`.
 //!
-//! The arm swings for 10 s at 250 Hz. It takes everything that a recording can hold, for programs
-//! that read recordings to be tried on, and says how long the writing took.
+//! The arm oscillates for 10 s at 250 Hz. The recording has all types of content, for testing
+//! programs that read recordings; the example prints the time needed for writing.
 
 use std::collections::BTreeMap;
 use std::error::Error;
@@ -20,7 +20,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let mut arguments = std::env::args_os().skip(1);
     let file = arguments.next().ok_or("usage: sample FILE.mcap [FIGURES.json]")?;
 
-    // The best of a few, into memory: the disk and the first touch of memory are not the matter.
+    // The best of several runs, into memory: disk and first memory access are not measured.
     let mut best = Duration::MAX;
     let mut bytes = Vec::new();
     for _ in 0..10 {
@@ -40,7 +40,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// The figures of the run, as a program that plans prints them.
+/// Returns the figures of the run, as a planning program prints them.
 fn figures() -> serde_json::Value {
     serde_json::json!({
         "cycle_time_s": (TICK * TICKS).as_secs_f64(),
@@ -57,7 +57,7 @@ fn figures() -> serde_json::Value {
     })
 }
 
-/// One entry a key: text bare, everything else as JSON.
+/// Returns one entry per key: texts unchanged, all other values as JSON.
 fn metadata() -> BTreeMap<String, String> {
     let figures = figures();
     let entries = figures.as_object().into_iter().flatten().map(|(key, value)| {
@@ -117,7 +117,7 @@ fn write<W: Write + Seek>(stream: W) -> Result<W, WriteError> {
     writer.finish()
 }
 
-/// A turn by `angle`, every other one about another axis.
+/// Returns a rotation by `angle`, with alternating axes.
 fn turn(i: usize, angle: f64) -> [f64; 4] {
     let (sin, cos) = (angle / 2.0).sin_cos();
     if i.is_multiple_of(2) { [0.0, 0.0, sin, cos] } else { [0.0, sin, 0.0, cos] }

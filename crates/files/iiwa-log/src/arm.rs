@@ -1,4 +1,4 @@
-//! The arm in a recording: its description, and where its links and its flange are.
+//! Robot description and kinematics of a recording: link frames and flange pose.
 
 use std::collections::BTreeMap;
 use std::io::Write;
@@ -9,19 +9,19 @@ use iiwa_kin::{Joints, Pose, Robot, RosNames};
 use crate::recorded_robot::PROFILE;
 use crate::{Frame, WriteError, Writer};
 
-/// A robot with what every message about it needs: its description, and where its links and its flange
-/// are, from the positions of its joints.
+/// Robot with the data that its messages need: URDF, link frames and flange pose as functions of
+/// the joint positions.
 #[derive(Clone, Debug)]
 pub struct Arm {
     robot: Robot,
     links: [FixedPart; 8],
-    /// Of the links and the flange.
+    /// Names of the links and the flange.
     names: [String; 9],
     urdf: String,
 }
 
-/// What of a link's frame does not change: the shift along the axis before it, and sine and cosine of half
-/// the twist.
+/// Constant part of a link frame: the translation along the previous axis, and sine and cosine of
+/// half the twist.
 #[derive(Clone, Copy, Debug)]
 struct FixedPart {
     d_m: f64,
@@ -29,13 +29,13 @@ struct FixedPart {
 }
 
 impl Arm {
-    /// What messages about `robot` need.
+    /// Prepares the messages of `robot`, with default names.
     #[must_use]
     pub fn new(robot: &Robot) -> Self {
         Self::with_names(robot, &RosNames::default())
     }
 
-    /// The same with other names of its joints and links.
+    /// Prepares the messages of `robot`, with other joint and link names.
     #[must_use]
     pub fn with_names(robot: &Robot, names: &RosNames) -> Self {
         let dh = robot.dh();
@@ -48,14 +48,14 @@ impl Arm {
         Self { robot: robot.clone(), links, names: names.links(), urdf }
     }
 
-    /// The robot's description, for `/robot_description`.
+    /// URDF of the robot, for `/robot_description`.
     #[must_use]
     pub fn urdf(&self) -> &str {
         &self.urdf
     }
 
-    /// Each link's frame in the one before it, as in the URDF, for `/tf`: past the shift and the twist
-    /// of the joint before, turned by the joint.
+    /// Frame of each link in the previous link, as in the URDF, for `/tf`: the shift and the twist
+    /// of the previous joint, then the rotation of the joint.
     #[must_use]
     pub fn links(&self, joints_rad: &Joints) -> [Frame<'_>; 8] {
         std::array::from_fn(|link| {
@@ -70,7 +70,7 @@ impl Arm {
         })
     }
 
-    /// The flange's frame in that of the base, for `/tcp_pose` where the flange is the TCP.
+    /// Flange frame in the base frame, for `/tcp_pose` where the flange is the TCP.
     #[must_use]
     pub fn flange(&self, joints_rad: &Joints) -> Frame<'_> {
         let pose = self.robot.flange_pose(joints_rad);
@@ -99,7 +99,8 @@ impl Arm {
         writer.tcp_pose(t, parent, translation_m, rotation_xyzw)
     }
 
-    /// Writes `/tf`, `/tcp_pose` of a TCP that is given in the flange's frame, and `/flange_pose` for these joints.
+    /// Writes `/tf`, `/tcp_pose` of a TCP given in the flange frame, and `/flange_pose` for these
+    /// joints.
     pub(crate) fn poses_with_tool<W: Write>(
         &self,
         writer: &mut Writer<W>,

@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 /// Representation `CDR_LE` and two option bytes (DDSI-RTPS 2.3, section 10.5).
 pub(crate) const ENCAPSULATION: [u8; 4] = [0, 1, 0, 0];
 
-/// Some writers fill up the last word of a body; more than that is another type.
+/// Some writers pad the last word of a body; more bytes indicate another type.
 const MAX_PADDING: usize = 7;
 
 /// Replaces the content of `buffer` with the encoded message.
@@ -27,7 +27,7 @@ pub(crate) fn append<T: Serialize>(
     cdr_encoding::to_writer::<_, LittleEndian, _>(buffer, message)
 }
 
-/// Decodes a whole message. The error says what does not fit, without saying where it came from.
+/// Decodes a whole message. The error describes the mismatch, without its position in the file.
 pub(crate) fn decode<'de, T: Deserialize<'de>>(bytes: &'de [u8]) -> Result<T, String> {
     let Some((head, body)) = bytes.split_first_chunk::<4>() else {
         return Err(format!("{} bytes cannot hold an encapsulation header", bytes.len()));

@@ -12,33 +12,35 @@ use crate::record::{
     put_schema, record_header,
 };
 
-/// Memory that is kept for the next chunk, at most: a long trajectory takes tens of megabytes once.
+/// Upper bound on the memory kept for the next chunk: a long trajectory needs tens of megabytes
+/// once.
 const KEPT_BYTES: usize = 2 * 1024 * 1024;
 
-/// The messages since the last chunk, with an index of each topic. It keeps its memory for the next.
+/// Messages since the last chunk, with an index per topic. The buffers are reused for the next
+/// chunk.
 #[derive(Debug)]
 pub(crate) struct Chunk {
     bytes: Vec<u8>,
     indexes: [MessageIndex; Topic::ALL.len()],
-    /// The earliest and the latest time.
+    /// Earliest and latest log time.
     bounds: Option<(u64, u64)>,
-    /// The chunk as it was written last.
+    /// Records of the last written chunk.
     written: Vec<u8>,
 }
 
-/// A chunk as it goes into the file.
+/// Encoded chunk.
 #[derive(Debug)]
 pub(crate) struct FinishedChunk<'a> {
-    /// Its record and those of its indexes.
+    /// Records of the chunk and its indexes.
     pub(crate) records: &'a [u8],
-    /// What the summary says of it.
+    /// Entry of the chunk in the summary.
     pub(crate) index: ChunkIndex,
-    /// Messages by topic.
+    /// Number of messages per topic.
     pub(crate) counts: [u64; Topic::ALL.len()],
 }
 
 impl Chunk {
-    /// An empty one, with room for so many bytes.
+    /// Creates an empty chunk with this capacity in bytes.
     pub(crate) fn with_capacity(bytes: usize) -> Self {
         let indexes =
             Topic::ALL.map(|topic| MessageIndex { channel_id: topic.id(), records: Vec::new() });
@@ -49,12 +51,12 @@ impl Chunk {
         self.bytes.is_empty()
     }
 
-    /// Bytes with one more message of so many.
+    /// Size in bytes with one more message of `data_bytes`.
     pub(crate) fn len_with(&self, data_bytes: usize) -> usize {
         self.bytes.len() + MESSAGE_HEADER_BYTES + data_bytes
     }
 
-    /// Defines the channel of a topic, which goes before its first message.
+    /// Defines the channel of a topic; must precede its first message.
     pub(crate) fn define(&mut self, topic: Topic) -> Result<(), McapError> {
         put_schema(&mut self.bytes, topic)?;
         put_channel(&mut self.bytes, topic)
@@ -65,7 +67,7 @@ impl Chunk {
         self.bytes.extend_from_slice(data);
     }
 
-    /// The same for a message that may be a giant, whose memory it takes over.
+    /// Appends a message that may be very large, and reuses its buffer.
     pub(crate) fn long_message(
         &mut self,
         topic: Topic,
@@ -82,7 +84,7 @@ impl Chunk {
         }
     }
 
-    /// All of a message but its data.
+    /// Appends all of a message except its data.
     fn header(&mut self, topic: Topic, sequence: u32, time: u64, data_bytes: usize) {
         let entry = MessageIndexEntry { log_time: time, offset: self.bytes.len() as u64 };
         self.indexes[topic as usize].records.push(entry);
@@ -93,7 +95,8 @@ impl Chunk {
         self.bytes.extend_from_slice(&message_header(&header, data_bytes));
     }
 
-    /// Compresses the messages into the records of a chunk at `offset` in the file, and starts a new one.
+    /// Compresses the messages into the records of a chunk at `offset` in the file, and starts a
+    /// new chunk.
     pub(crate) fn finish(
         &mut self,
         offset: u64,
@@ -118,7 +121,7 @@ impl Chunk {
         bytes.shrink_to(KEPT_BYTES);
         let chunk_length = written.len() as u64;
 
-        // Now that the length is known.
+        // The compressed length is known only now.
         header.compressed_size = (written.len() - messages_at) as u64;
         let mut start =
             record_header(op::CHUNK, chunk_length - RECORD_HEADER_BYTES as u64).to_vec();

@@ -1,8 +1,8 @@
-//! An MCAP file under construction.
+//! MCAP file under construction.
 //!
-//! The `mcap` crate has a writer, too. It hands every field of every message to zstd's stream by itself,
-//! which takes as long as compressing them, and its levels do not go below zero. What a record consists
-//! of is that crate's matter.
+//! The writer of the `mcap` crate passes every field of every message to the zstd stream
+//! separately, which takes as long as the compression itself, and does not support negative
+//! compression levels. The record contents are encoded by the `mcap` crate.
 
 use std::collections::BTreeMap;
 use std::io::Write;
@@ -44,8 +44,8 @@ impl<W: Write> Container<W> {
         })
     }
 
-    /// Where a message with so many bytes of data goes: into the current chunk or a new one. A reader
-    /// unpacks a chunk as a whole, so that a giant gets one for itself.
+    /// Returns the chunk for a message with `data_bytes` bytes of data: the current chunk or a new
+    /// one. A reader unpacks a chunk as a whole, so a very large message gets a chunk of its own.
     pub(crate) fn chunk_for(&mut self, data_bytes: usize) -> Result<&mut Chunk, McapError> {
         if self.chunk.len_with(data_bytes) > self.chunk_bytes {
             self.end_chunk()?;
@@ -53,7 +53,7 @@ impl<W: Write> Container<W> {
         Ok(&mut self.chunk)
     }
 
-    /// Ends the current chunk: all messages so far are in the stream then.
+    /// Ends the current chunk; all messages so far are then in the stream.
     pub(crate) fn end_chunk(&mut self) -> Result<(), McapError> {
         if self.chunk.is_empty() {
             return Ok(());
@@ -102,13 +102,13 @@ impl<W: Write> Container<W> {
         self.index.metadata(&MetadataIndex { offset, length, name })
     }
 
-    /// Ends the current chunk and fills up with a record that readers pass over.
+    /// Ends the current chunk and pads the file with a record that readers skip.
     pub(crate) fn pad(&mut self, bytes: &[u8]) -> Result<(), McapError> {
         self.end_chunk()?;
         self.put(PADDING, bytes).map(drop)
     }
 
-    /// Writes the tail and gives the stream back.
+    /// Writes the tail and returns the stream.
     pub(crate) fn finish(mut self) -> Result<W, McapError> {
         self.end_chunk()?;
         let tail = self.index.tail(self.sink.offset, self.sink.crc.clone().finalize())?;
@@ -117,12 +117,12 @@ impl<W: Write> Container<W> {
         Ok(self.sink.stream)
     }
 
-    /// How much of the file is written.
+    /// Bytes of the file written so far.
     pub(crate) fn offset(&self) -> u64 {
         self.sink.offset
     }
 
-    /// What the summary would say now.
+    /// Content of the summary up to now.
     pub(crate) fn index(&self) -> &Index {
         &self.index
     }
@@ -131,7 +131,7 @@ impl<W: Write> Container<W> {
         &mut self.sink.stream
     }
 
-    /// Writes a record and gives its place and length.
+    /// Writes a record and returns its offset and length.
     fn put(&mut self, opcode: u8, content: &[u8]) -> Result<(u64, u64), McapError> {
         let mut record = Vec::new();
         put(&mut record, opcode, content);
@@ -141,7 +141,7 @@ impl<W: Write> Container<W> {
     }
 }
 
-/// A stream, with the length and the checksum of what is written.
+/// Stream with the length and the checksum of the written bytes.
 struct Sink<W> {
     stream: W,
     offset: u64,
@@ -150,7 +150,7 @@ struct Sink<W> {
 }
 
 impl<W: Write> Sink<W> {
-    /// Writes all bytes. After an error the length of the file is unknown, and every further write fails.
+    /// Writes all bytes. After an error, the file length is unknown and every further write fails.
     fn write(&mut self, bytes: &[u8]) -> Result<(), McapError> {
         if std::mem::replace(&mut self.failed, true) {
             return Err(McapError::AttemptedWriteAfterFailure);
@@ -213,7 +213,7 @@ mod tests {
         container.finish().unwrap()
     }
 
-    /// The same by the writer of the `mcap` crate.
+    /// Encodes the test messages with the writer of the `mcap` crate.
     fn peer() -> Vec<u8> {
         let mut writer = mcap::WriteOptions::new()
             .profile("ros2")
@@ -278,7 +278,7 @@ mod tests {
         records
     }
 
-    /// Cross-validated against the writer of the `mcap` crate.
+    /// Cross-validation against the writer of the `mcap` crate.
     #[test]
     fn a_file_is_the_one_of_mcap() {
         let theirs = peer();

@@ -1,34 +1,34 @@
-//! How a part of a machine is.
+//! Status of machine components.
 
 use std::borrow::Cow;
 
 use serde::Serialize;
 
-/// How a part of a machine is, as `diagnostic_msgs/msg/DiagnosticStatus` has it.
+/// Status of a machine component, as in `diagnostic_msgs/msg/DiagnosticStatus`.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Diagnostic<'a> {
-    /// Whether all is well.
+    /// Severity.
     pub level: DiagnosticLevel,
-    /// Which part, as `drive`.
+    /// Component, for example `drive`.
     pub name: Cow<'a, str>,
-    /// How it is, in words.
+    /// Status text.
     pub message: Cow<'a, str>,
-    /// The machine.
+    /// Identifier of the machine.
     pub hardware_id: Cow<'a, str>,
     /// Keys and values.
     pub values: Vec<(Cow<'a, str>, Cow<'a, str>)>,
 }
 
-/// How well a part of a machine is.
+/// Severity of a component status.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum DiagnosticLevel {
-    /// All is well.
+    /// Normal operation.
     Ok,
-    /// Something is about to be wrong.
+    /// A fault is imminent.
     Warning,
-    /// It does not work.
+    /// The component does not work.
     Error,
-    /// It is not known: nothing comes from it.
+    /// Status unknown: no data arrives.
     Stale,
 }
 

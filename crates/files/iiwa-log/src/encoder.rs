@@ -1,4 +1,4 @@
-//! Messages as bytes.
+//! Message encoding.
 
 use std::borrow::Cow;
 use std::iter;
@@ -15,25 +15,25 @@ use crate::ros::{
 use crate::template::{Template, Word, stamp_word};
 use crate::{Diagnostic, Motion, Topic, cdr};
 
-/// The pose of one coordinate frame in another.
+/// Pose of one coordinate frame in another.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Frame<'a> {
-    /// The frame that the pose is given in.
+    /// Frame in which the pose is expressed.
     pub parent: &'a str,
-    /// The frame whose pose it is.
+    /// Frame whose pose is given.
     pub child: &'a str,
-    /// The origin of `child` in `parent`, m.
+    /// Origin of `child` in `parent`, m.
     pub translation_m: [f64; 3],
-    /// The rotation from `child` to `parent`, unit quaternion x, y, z, w.
+    /// Rotation from `child` to `parent`, unit quaternion x, y, z, w.
     pub rotation_xyzw: [f64; 4],
 }
 
-/// Encodes messages one by one, as [`Topic`] says: what a [`Writer`](crate::Writer) puts into a file,
-/// for those who send it elsewhere.
+/// Encodes single messages as [`Topic`] specifies: the bytes that a [`Writer`](crate::Writer) puts
+/// into a file, for other transports.
 ///
-/// Every method takes the time `t` since the epoch and gives the bytes of one message, which the next
-/// call overwrites. Nothing is held against the messages before: that times increase is for the
-/// caller to see to.
+/// Every method takes the time `t` since the epoch and returns the bytes of one message, which the
+/// next call overwrites. The encoder does not compare messages with earlier ones: the caller
+/// ensures that times increase.
 ///
 /// ```
 /// use std::time::Duration;
@@ -53,11 +53,11 @@ pub struct Frame<'a> {
 #[derive(Clone, Debug)]
 pub struct Encoder {
     epoch: Duration,
-    /// What the joints' names begin with.
+    /// Prefix of the joint names.
     joint_stem: String,
     buffer: Vec<u8>,
     words: Vec<Word>,
-    /// Of the last messages on topics that are written again and again.
+    /// Templates of the last messages on frequently written topics.
     joint_state: Option<Template>,
     joint_effort: Option<Template>,
     transforms: Option<Template>,
@@ -67,7 +67,8 @@ pub struct Encoder {
 }
 
 impl Encoder {
-    /// For messages with times since `epoch`, which is the time since 1970-01-01T00:00:00Z.
+    /// Creates an encoder for messages with times since `epoch`, which is the time since
+    /// 1970-01-01T00:00:00Z.
     ///
     /// # Errors
     ///
@@ -76,11 +77,11 @@ impl Encoder {
         Self::with_names(epoch, &RosNames::default())
     }
 
-    /// The same with other names of the joints. Names of links are given with each message.
+    /// Creates an encoder with other joint names. Link names are given with each message.
     ///
     /// # Errors
     ///
-    /// As [`new`](Self::new).
+    /// See [`new`](Self::new).
     pub fn with_names(epoch: Duration, names: &RosNames) -> Result<Self, WriteError> {
         Time::from_duration(epoch).ok_or(WriteError::EpochOutOfRange { epoch })?;
         Ok(Self {
@@ -97,8 +98,8 @@ impl Encoder {
         })
     }
 
-    /// Positions (rad) and velocities (rad/s) of the seven joints, and torques (Nm) as `effort` if there are any, for
-    /// `/joint_states`.
+    /// Encodes positions (rad) and velocities (rad/s) of the seven joints, and torques (Nm) as
+    /// `effort` if given, for `/joint_states`.
     ///
     /// # Errors
     ///
@@ -134,11 +135,11 @@ impl Encoder {
         Ok(template.fill(&self.words))
     }
 
-    /// The poses of all `frames` in one message, for `/tf`.
+    /// Encodes the poses of all `frames` in one message, for `/tf`.
     ///
     /// # Errors
     ///
-    /// As [`joint_state`](Self::joint_state).
+    /// See [`joint_state`](Self::joint_state).
     pub fn transforms(&mut self, t: Duration, frames: &[Frame<'_>]) -> Result<&[u8], WriteError> {
         let topic = Topic::Tf;
         let stamp = self.stamp(topic, t)?;
@@ -149,7 +150,8 @@ impl Encoder {
         Ok(template.fill(transform_words(&mut self.words, stamp, frames)))
     }
 
-    /// The same for frames whose names never change: they are not compared with those of the first call.
+    /// Encodes the poses of `frames` whose names never change: the names are not compared with
+    /// those of the first call.
     pub(crate) fn chain(&mut self, t: Duration, frames: &[Frame<'_>]) -> Result<&[u8], WriteError> {
         let topic = Topic::Tf;
         let stamp = self.stamp(topic, t)?;
@@ -159,11 +161,12 @@ impl Encoder {
         Ok(template.fill(transform_words(&mut self.words, stamp, frames)))
     }
 
-    /// The pose of the TCP in `frame_id`, for `/tcp_pose`: position in m, rotation as a unit quaternion x, y, z, w.
+    /// Encodes the TCP pose in `frame_id`, for `/tcp_pose`: position in m, rotation as a unit
+    /// quaternion x, y, z, w.
     ///
     /// # Errors
     ///
-    /// As [`joint_state`](Self::joint_state).
+    /// See [`joint_state`](Self::joint_state).
     pub fn tcp_pose(
         &mut self,
         t: Duration,
@@ -174,11 +177,11 @@ impl Encoder {
         self.pose(Topic::TcpPose, t, frame_id, position_m, rotation_xyzw)
     }
 
-    /// The pose of the flange in `frame_id`, for `/flange_pose`, where that is not the TCP.
+    /// Encodes the flange pose in `frame_id`, for `/flange_pose`, if the flange is not the TCP.
     ///
     /// # Errors
     ///
-    /// As [`joint_state`](Self::joint_state).
+    /// See [`joint_state`](Self::joint_state).
     pub fn flange_pose(
         &mut self,
         t: Duration,
@@ -219,21 +222,21 @@ impl Encoder {
         Ok(template.fill(&self.words))
     }
 
-    /// The robot's URDF, for `/robot_description`, which has no stamp.
+    /// Encodes the robot's URDF, for `/robot_description`, which has no stamp.
     ///
     /// # Errors
     ///
-    /// None that a caller can cause: [`WriteError::Encode`] if the encoder gives up.
+    /// [`WriteError::Encode`] if the encoder fails, which no input causes.
     pub fn robot_description(&mut self, urdf: &str) -> Result<&[u8], WriteError> {
         let message = Text { data: urdf.into() };
         self.encode(Topic::RobotDescription, &message)
     }
 
-    /// How parts of a machine are, for `/diagnostics`.
+    /// Encodes the status of machine components, for `/diagnostics`.
     ///
     /// # Errors
     ///
-    /// As [`joint_state`](Self::joint_state).
+    /// See [`joint_state`](Self::joint_state).
     pub fn diagnostics(
         &mut self,
         t: Duration,
@@ -244,11 +247,11 @@ impl Encoder {
         self.encode(topic, &DiagnosticArray { header, status: parts })
     }
 
-    /// The start of a piece of the path, for `/motion`.
+    /// Encodes the start of a path piece, for `/motion`.
     ///
     /// # Errors
     ///
-    /// [`WriteError::NoSuchJoint`] for a limiting joint other than 1 to 7, and as
+    /// [`WriteError::NoSuchJoint`] for a limiting joint other than 1 to 7, and the errors of
     /// [`joint_state`](Self::joint_state).
     pub fn motion(&mut self, t: Duration, motion: &Motion<'_>) -> Result<&[u8], WriteError> {
         let topic = Topic::Motion;
@@ -265,12 +268,12 @@ impl Encoder {
         self.encode(topic, &message)
     }
 
-    /// What the joints' names begin with.
+    /// Prefix of the joint names.
     pub(crate) fn joint_stem(&self) -> &str {
         &self.joint_stem
     }
 
-    /// The instant of `t` as a message carries it.
+    /// Stamp of `t` as in messages.
     pub(crate) fn stamp(&self, topic: Topic, t: Duration) -> Result<Time, WriteError> {
         self.epoch.checked_add(t).and_then(Time::from_duration).ok_or(WriteError::StampOutOfRange {
             topic,
@@ -295,7 +298,7 @@ impl Encoder {
     }
 }
 
-/// `tf2_msgs/msg/TFMessage` with one stamp and one double in all places.
+/// Encodes a `tf2_msgs/msg/TFMessage` with the same stamp and the same double everywhere.
 fn encode_transforms(
     buffer: &mut Vec<u8>,
     stamp: Time,
@@ -311,7 +314,7 @@ fn encode_transforms(
     cdr::encode(buffer, &frames.iter().map(transform).collect::<Vec<_>>())
 }
 
-/// The stamps and doubles of such a message.
+/// Returns the stamps and doubles of a `tf2_msgs/msg/TFMessage`.
 fn transform_words<'a>(words: &'a mut Vec<Word>, stamp: Time, frames: &[Frame<'_>]) -> &'a [Word] {
     words.clear();
     for frame in frames {
@@ -322,7 +325,8 @@ fn transform_words<'a>(words: &'a mut Vec<Word>, stamp: Time, frames: &[Frame<'_
     words
 }
 
-/// The template of messages with these names: the last one, or else a new one.
+/// Returns the template of messages with these names: the last template if the names match,
+/// otherwise a new one.
 fn up_to_date<'a, 'n, N: Iterator<Item = &'n str>>(
     template: &'a mut Option<Template>,
     topic: Topic,
@@ -367,7 +371,7 @@ mod tests {
         let stamp = |t: Duration| Time::from_duration(Duration::from_secs(7) + t).unwrap();
         let value = |k: usize| 0.1 + k as f64;
         let shifted = |t: Duration, k: usize| value(k) + t.as_secs_f64();
-        // Other names in between would show what is left over from an earlier message.
+        // Different names in between would reveal remains of an earlier message.
         let chains: [&[&str]; 4] =
             [&["a", "bc", "def"], &["world", "a"], &["a", "bc", "def"], &["a"]];
         for (tick, chain) in chains.into_iter().enumerate() {

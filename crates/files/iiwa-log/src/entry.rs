@@ -1,4 +1,4 @@
-//! What a recording consists of: samples, attachments and metadata.
+//! Content of a recording: samples, attachments and metadata.
 
 use std::borrow::Cow;
 use std::collections::BTreeMap;
@@ -20,16 +20,16 @@ pub enum Entry {
     Motion(MotionSample),
     /// A message of `/joint_trajectory`.
     Trajectory {
-        /// The start of the trajectory, s.
+        /// Start of the trajectory, s.
         t_s: f64,
-        /// Its nodes.
+        /// Nodes of the trajectory.
         points: Vec<TrajectoryPoint>,
     },
     /// A message of `/robot_description`.
     RobotDescription {
-        /// When it was published, s.
+        /// Publication time, s.
         t_s: f64,
-        /// The robot.
+        /// Robot description.
         urdf: String,
     },
     /// An attachment.
@@ -38,12 +38,12 @@ pub enum Entry {
     Metadata {
         /// Name of the record.
         name: String,
-        /// Its keys and values.
+        /// Keys and values of the record.
         entries: BTreeMap<String, String>,
     },
 }
 
-/// The state of the seven joints at one time.
+/// State of the seven joints at one time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct JointSample {
     /// Time since the epoch, s.
@@ -52,47 +52,48 @@ pub struct JointSample {
     pub q: [f64; 7],
     /// Joint velocities, rad/s.
     pub dq: [f64; 7],
-    /// Torques, Nm, if the file has them: in a plan those that the joints exert, in a recording those that were measured.
+    /// Torques, Nm, if the file has them: in a plan the torques that the joints exert, in a
+    /// recording the measured ones.
     pub torques_nm: Option<[f64; 7]>,
 }
 
-/// The pose of the TCP, or of the flange, at one time.
+/// Pose of the TCP or the flange at one time.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PoseSample {
     /// Time since the epoch, s.
     pub t_s: f64,
-    /// The frame that the pose is given in.
+    /// Frame in which the pose is expressed.
     pub frame_id: Arc<str>,
-    /// Its origin, m.
+    /// Origin, m.
     pub position_m: [f64; 3],
-    /// Its rotation, unit quaternion x, y, z, w.
+    /// Rotation, unit quaternion x, y, z, w.
     pub rotation_xyzw: [f64; 4],
 }
 
-/// A piece of the path, for the time at which it begins.
+/// Path piece, written at its start time.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Motion<'a> {
-    /// The place in the program, from 1.
+    /// Number of the motion in the program, from 1.
     pub index: u32,
-    /// What it is: `line`, `lin`, `circ`, `spline`, `blend`, `settle` or `wait`.
+    /// Kind: `line`, `lin`, `circ`, `spline`, `blend`, `settle` or `wait`.
     pub kind: Cow<'a, str>,
-    /// The joint whose limit bites first, 1 to 7; none if it is one of the TCP.
+    /// Joint of the active limit, 1 to 7; `None` if the active limit is a TCP limit.
     pub limiting_joint: Option<u8>,
-    /// Which of its limits: `velocity`, `acceleration` or `jerk`, after `cart_` or `orientation_` if it is one of the
-    /// TCP; empty where nothing moves.
+    /// Active limit: `velocity`, `acceleration` or `jerk`, with the prefix `cart_` or
+    /// `orientation_` for TCP limits; empty at standstill.
     pub limiting_kind: Cow<'a, str>,
 }
 
-/// The start of a piece of the path.
+/// Start of a path piece.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MotionSample {
     /// Time since the epoch, s.
     pub t_s: f64,
-    /// The piece that begins.
+    /// Piece that begins.
     pub motion: Motion<'static>,
 }
 
-/// A file inside the file.
+/// File inside the recording.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Attachment {
     /// File name.

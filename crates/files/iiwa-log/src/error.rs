@@ -1,18 +1,18 @@
-//! What can go wrong when a recording is written or read.
+//! Errors of writing and reading recordings.
 
 use std::io;
 use std::time::Duration;
 
 use crate::Topic;
 
-/// Why a recording could not be written.
+/// Reason why a recording could not be written.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum WriteError {
-    /// The stream or the container refused.
+    /// The stream or the container failed.
     #[error("cannot write the MCAP file")]
     Mcap {
-        /// What the container says.
+        /// Error of the container.
         #[source]
         source: mcap::McapError,
     },
@@ -21,7 +21,7 @@ pub enum WriteError {
     Encode {
         /// The topic of the message.
         topic: Topic,
-        /// What the encoder says.
+        /// Error of the encoder.
         #[source]
         source: cdr_encoding::Error,
     },
@@ -30,9 +30,9 @@ pub enum WriteError {
     NotIncreasing {
         /// The topic.
         topic: Topic,
-        /// The refused time.
+        /// Rejected time.
         t: Duration,
-        /// The time before it.
+        /// Time of the stamp before.
         previous: Duration,
     },
     /// A stamp that does not fit into a ROS 2 time, which ends in 2038.
@@ -54,7 +54,7 @@ pub enum WriteError {
     /// A limiting joint that the robot does not have.
     #[error("limiting joint {joint} at {t:?}: the joints are 1 to 7")]
     NoSuchJoint {
-        /// The refused joint.
+        /// Rejected joint.
         joint: u8,
         /// The time of the motion.
         t: Duration,
@@ -70,7 +70,7 @@ impl From<mcap::McapError> for WriteError {
     }
 }
 
-/// Why a recording could not be read.
+/// Reason why a recording could not be read.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum ReadError {
@@ -79,66 +79,66 @@ pub enum ReadError {
     Io {
         /// Bytes read so far.
         offset: u64,
-        /// What the stream says.
+        /// Error of the stream.
         #[source]
         source: io::Error,
     },
-    /// The file stops in the middle, as one does whose writer was killed.
+    /// The file ends early, for example because its writer was killed.
     #[error("the file is cut off: it ends after {offset} bytes and {messages} whole messages")]
     Truncated {
-        /// The length of what there is.
+        /// Length of the existing part, bytes.
         offset: u64,
         /// Messages read up to there.
         messages: u64,
     },
-    /// Not an MCAP file, or a damaged one.
+    /// The file is not an MCAP file, or is damaged.
     #[error(
         "not a sound MCAP file: damaged in its first {offset} bytes, after {messages} messages"
     )]
     Mcap {
-        /// Bytes read so far; the damage lies before.
+        /// Bytes read so far; the damage is before this offset.
         offset: u64,
         /// Messages read so far.
         messages: u64,
-        /// What the container says.
+        /// Error of the container.
         #[source]
         source: mcap::McapError,
     },
-    /// A topic of a recording that carries something else.
+    /// A topic of a recording has another message type.
     #[error("{topic} carries {found}, expected {expected}")]
     WrongType {
         /// The topic.
         topic: Topic,
-        /// Type and encodings that a recording has there.
+        /// Type and encodings expected on the topic.
         expected: String,
         /// Type and encodings in the file.
         found: String,
     },
-    /// A message that does not decode.
+    /// A message that cannot be decoded.
     #[error("{topic} at {t_s} s: {what}")]
     Message {
         /// The topic.
         topic: Topic,
         /// Log time since the first message, s.
         t_s: f64,
-        /// What does not fit.
+        /// Mismatch found.
         what: String,
     },
-    /// Joints with other names.
+    /// A joint name differs.
     #[error("{topic} at {t_s} s: joint {index} is `{found}`, expected `{expected}`")]
     JointName {
         /// The topic.
         topic: Topic,
         /// Log time since the first message, s.
         t_s: f64,
-        /// The place in the list, from 1.
+        /// Position in the list, from 1.
         index: usize,
-        /// The name that belongs there.
+        /// Expected name.
         expected: String,
-        /// The name that is there.
+        /// Name found.
         found: String,
     },
-    /// A list that does not have one entry a joint.
+    /// A list that does not have one entry per joint.
     #[error("{topic} at {t_s} s: {found} entries in `{field}`, expected 7")]
     JointCount {
         /// The topic.
@@ -147,10 +147,10 @@ pub enum ReadError {
         t_s: f64,
         /// The field of the message.
         field: &'static str,
-        /// How many entries it has.
+        /// Number of entries.
         found: usize,
     },
-    /// A second message where a recording has one.
+    /// A second message on a topic that has exactly one.
     #[error("{topic} at {t_s} s: a second message, expected one in the file")]
     Repeated {
         /// The topic.

@@ -1,4 +1,4 @@
-//! What the joints did, whatever file it was in.
+//! Joint positions over time, from any supported file format.
 
 mod check;
 mod columns;
@@ -26,41 +26,41 @@ pub use options::{AngleUnit, LogOptions, Positions};
 use crate::RecordedRobotError;
 use crate::recorded_robot::recorded_robot;
 
-/// Joint positions over time: what is left of a recording when all else is taken away.
+/// Joint positions over time, without the other content of a recording.
 ///
 /// # Formats
 ///
-/// [`read`](Self::read) tells by a file's content, not by its name, which of these it is:
+/// [`read`](Self::read) detects the format by the content of a file, not by its name:
 ///
-/// - An MCAP file with `/joint_states`, as this crate writes. The robot is that of the metadata
-///   record `iiwasim`; without one, as in a file whose recorder was killed, it is the one of
+/// - An MCAP file with `/joint_states`, as this crate writes it. The robot is read from the
+///   metadata record `iiwasim`; without that record, as in a file whose recorder was killed, from
 ///   `/robot_description`. The program is the attachment `program.json`.
-/// - A table: a line of column names, then a line a sample, with commas, semicolons, tabs or spaces
-///   between fields. Names may be in quotes and in capitals or not. A decimal point is a point.
+/// - A table: a line of column names, then a line per sample, with commas, semicolons, tabs or
+///   spaces between fields. Names may be quoted; case is ignored. The decimal separator is a point.
 ///
 /// - An Apache Parquet file with such columns, with the feature `parquet`.
 ///
 /// | column | accepted names |
 /// |---|---|
 /// | time, s | `t_s`, `time_s`, `time` or `t`; or both of `ZeitInSec` and `ZeitInNanoSec` |
-/// | joint 1, rad | `joint_1`, `iiwa_joint_1`, `q1` or `A1`, with `_rad` behind it or nothing |
-/// | joint 1, degrees | the same with `_deg` |
+/// | joint 1, rad | `joint_1`, `iiwa_joint_1`, `q1` or `A1`, each with or without the suffix `_rad` |
+/// | joint 1, degrees | the same names with the suffix `_deg` |
 /// | joint 1 of a KUKA `DataRecorder` | `axisQMsr_ROBOT[0]`, or else `axisQCmd_ROBOT[0]` or `axisQCmdT1m_ROBOT[0]` |
 /// | torque of joint 1, Nm | `torque_1_nm`, `effort_1`, with or without `joint_` or `iiwa_joint_` before the number |
 /// | torque of joint 1 of a KUKA `DataRecorder` | `axisTauMsr_ROBOT[0]`, with the controller's sign |
 ///
-/// Torques are read if all seven are there. In tables they are what joints exert, but for those of a `DataRecorder`.
-/// Measured positions (`axisQMsr_`) are taken where there are any, then commanded ones, then the
-/// others; [`source`](Self::source) says which it was. A `DataRecorder` names the robot in its
-/// columns and no unit of its positions, and its header may begin with `%`. All other columns are passed over.
-/// [`LogOptions`] choose commanded positions, and a unit.
+/// Torques are read if all seven columns exist. Torques in tables are those that the joints exert,
+/// except in a `DataRecorder` log. Measured positions (`axisQMsr_`) have priority over commanded
+/// ones, and these over the others; [`source`](Self::source) reports the choice. A `DataRecorder`
+/// names the robot in its columns but no unit of its positions, and its header may begin with `%`.
+/// All other columns are ignored. [`LogOptions`] select commanded positions, and a unit.
 ///
-/// # What is refused, and what is lost
+/// # Errors and losses
 ///
-/// A value that is missing or is no number, two samples of one time with different values, time
-/// that runs backwards, positions or speeds that no LBR iiwa has: an error, with the line. A file
-/// that breaks off, a section without samples, a sample that is there twice: a [`Loss`]. Nothing is
-/// made up in its place.
+/// A value that is missing or not a number, two samples at one time with different values, time
+/// that runs backwards, positions or speeds that no LBR iiwa reaches: an error, with the line. A
+/// file that ends early, a section without samples, a repeated sample: a [`Loss`]. Missing data are
+/// never invented.
 ///
 /// ```
 /// use iiwa_log::JointLog;
@@ -77,45 +77,46 @@ use crate::recorded_robot::recorded_robot;
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[non_exhaustive]
 pub struct JointLog {
-    /// Times, in s from any instant; they increase strictly.
+    /// Times, in s since an arbitrary origin, strictly increasing.
     pub t_s: Vec<f64>,
     /// Joint positions at these times, in rad.
     pub q_rad: Vec<[f64; 7]>,
-    /// Torques at these times, in Nm, where the file has any; empty if it has none. Those of a plan are what the joints
-    /// exert; those that a controller measured have the sign that it gives them, which KUKA's turns round.
+    /// Torques at these times, in Nm, where the file has them; empty if the file has none. The
+    /// torques of a plan are those that the joints exert; measured torques have the sign of the
+    /// controller, which is the opposite one for KUKA.
     pub torques_nm: Vec<Option<[f64; 7]>>,
-    /// The motion program that was run, if the recording has it: JSON.
+    /// Motion program of the recording, if known: JSON.
     pub program: Option<String>,
-    /// Whether it is a plan, of which nothing was measured.
+    /// `true` for a plan, which contains no measurements.
     pub is_plan: bool,
-    /// The robot's name, if the recording has it.
+    /// Name of the robot, if the recording contains it.
     pub robot: Option<String>,
-    /// The robot's profile, if the recording has it: JSON.
+    /// Profile of the robot, if the recording contains it: JSON.
     pub profile: Option<String>,
-    /// The cycle time that the recording states, in s.
+    /// Cycle time stated by the recording, in s.
     pub cycle_time_s: Option<f64>,
-    /// What that was taken from.
+    /// Clock of the stated cycle time.
     pub timed_by: CycleClock,
-    /// Where the positions were read; `None` if they were not read.
+    /// Origin of the positions; `None` if they were not read.
     pub source: Option<Source>,
-    /// What the file does not have of the motion, in the order of time.
+    /// Parts of the motion that the file lacks, in the order of time.
     pub losses: Vec<Loss>,
 }
 
-/// What a stated cycle time was taken from.
+/// Clock of a stated cycle time.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[non_exhaustive]
 pub enum CycleClock {
-    /// The robot program: from its beginning to its end.
+    /// Robot program: from its beginning to its end.
     #[default]
     RobotProgram,
-    /// The positions that the controller commanded: from their first change to their last one, without standing before
-    /// and after, such as the time to settle.
+    /// Commanded positions of the controller: from their first change to their last one, without
+    /// standstill before and after, such as the settle time.
     CommandedPosition,
 }
 
 impl CycleClock {
-    /// Its name in recordings and in JSON.
+    /// Name in recordings and in JSON.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -124,24 +125,24 @@ impl CycleClock {
         }
     }
 
-    /// Of a name.
+    /// Parses a name.
     #[must_use]
     pub fn from_name(name: &str) -> Option<Self> {
         [Self::RobotProgram, Self::CommandedPosition].into_iter().find(|it| it.name() == name)
     }
 }
 
-/// Where joint positions were read.
+/// Origin of joint positions.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[non_exhaustive]
 pub enum Source {
     /// `/joint_states` of an MCAP file.
     Mcap,
-    /// A table with a column a joint.
+    /// Table with a column per joint.
     Table,
-    /// `axisQMsr_` of a `DataRecorder`: measured positions.
+    /// Measured positions of a `DataRecorder` (`axisQMsr_`).
     Measured,
-    /// `axisQCmd_` of a `DataRecorder`, which had no measured ones: commanded positions.
+    /// Commanded positions of a `DataRecorder` (`axisQCmd_`).
     Commanded,
 }
 
@@ -157,19 +158,19 @@ impl fmt::Display for Source {
 }
 
 impl JointLog {
-    /// A log of these positions at these times.
+    /// Creates a log of these positions at these times.
     #[must_use]
     pub fn new(t_s: Vec<f64>, q_rad: Vec<[f64; 7]>) -> Self {
         Self { t_s, q_rad, ..Self::default() }
     }
 
     /// Writes a table that [`read`](Self::read) reads back to the same times and positions: the
-    /// columns `t_s` and `joint_1_rad` to `joint_7_rad`, with commas between them; if all samples have torques,
-    /// what the joints exert as `torque_1_nm` to `torque_7_nm`.
+    /// columns `t_s` and `joint_1_rad` to `joint_7_rad`, separated by commas; if all samples have
+    /// torques, also the exerted torques as `torque_1_nm` to `torque_7_nm`.
     ///
     /// # Errors
     ///
-    /// If the stream refuses.
+    /// Errors of the stream.
     pub fn write_csv<W: Write>(&self, mut stream: W) -> std::io::Result<()> {
         stream.write_all(b"t_s")?;
         for joint in 1..=7 {
@@ -184,7 +185,7 @@ impl JointLog {
         }
         stream.write_all(b"\n")?;
         for (i, (t_s, q_rad)) in self.t_s.iter().zip(&self.q_rad).enumerate() {
-            // The shortest text that gives the same number.
+            // Shortest text that gives the same number.
             write!(stream, "{t_s:?}")?;
             let torques = torques.get(i).filter(|_| with_torques);
             for number in q_rad.iter().chain(torques.into_iter().flatten()) {
@@ -195,24 +196,25 @@ impl JointLog {
         stream.flush()
     }
 
-    /// The robot of the recording's profile, or the built-in one that it names; none if it tells neither.
+    /// Robot of the recorded profile, or the built-in robot that the recording names; `None` if the
+    /// recording contains neither.
     ///
     /// # Errors
     ///
-    /// [`RecordedRobotError`] if it names a robot that is not built in and has no profile of it, or its
-    /// profile cannot be read.
+    /// [`RecordedRobotError`] if the recording names a robot that is not built in and lacks its
+    /// profile, or its profile cannot be read.
     pub fn recorded_robot(&self) -> Result<Option<Robot>, RecordedRobotError> {
         recorded_robot(self.robot.as_deref(), self.profile.as_deref())
     }
 
-    /// What the joints exert, in Nm, where the file has torques: those of a plan as they are, and measured ones turned,
-    /// since KUKA's controller gives them the other sign.
+    /// Torques that the joints exert, in Nm, where the file has torques: the torques of a plan
+    /// unchanged, measured ones negated, since KUKA's controller uses the opposite sign.
     pub fn exerted_nm(&self) -> impl Iterator<Item = Option<[f64; 7]>> {
         let sign = if self.is_plan { 1.0 } else { -1.0 };
         self.torques_nm.iter().map(move |torques| torques.map(|nm| nm.map(|it| sign * it)))
     }
 
-    /// From the first sample to the last, s.
+    /// Time from the first sample to the last, s.
     #[must_use]
     pub fn duration_s(&self) -> f64 {
         match (self.t_s.first(), self.t_s.last()) {
@@ -221,7 +223,7 @@ impl JointLog {
         }
     }
 
-    /// The usual time from one sample to the next, s: the median. `None` for fewer than two samples.
+    /// Median time between consecutive samples, s. `None` for fewer than two samples.
     #[must_use]
     pub fn period_s(&self) -> Option<f64> {
         let mut steps: Vec<f64> = self.t_s.windows(2).map(|pair| pair[1] - pair[0]).collect();

@@ -1,14 +1,14 @@
-//! Recordings of a KUKA LBR iiwa as MCAP files that ROS 2 tools and viewers open.
+//! Recordings of a KUKA LBR iiwa as MCAP files for ROS 2 tools and viewers.
 //!
-//! A [`Writer`] takes joint states, transforms, poses, motions and a trajectory by the time since
-//! the start of the motion and writes them, compressed, into anything that is [`Write`].
-//! A [`Recorder`] writes what the robot did, as it happens, into a file that is whole at every
-//! moment. [`Recording`] reads such a file back, and [`Reader`] does it entry by entry. A [`PlanWriter`] writes
-//! a plan, and a [`PlanRecord`] is read back from its file. The topics and their types are those of [`Topic`]. For messages
-//! that go elsewhere than into a file, an [`Encoder`] gives their bytes, and an [`Arm`] what they say.
+//! A [`Writer`] writes joint states, transforms, poses, motions and a trajectory, with times since
+//! the start of the motion, compressed, into any [`Write`]. A [`Recorder`] records the robot while
+//! it moves, into a file that is complete at every moment. [`Recording`] reads such a file back,
+//! and [`Reader`] reads it entry by entry. A [`PlanWriter`] writes a plan, and a [`PlanRecord`] is
+//! read back from its file. [`Topic`] lists the topics and their types. For other transports, an
+//! [`Encoder`] encodes single messages, and an [`Arm`] computes their content.
 //!
-//! [`JointLog`] is what the joints did and nothing else, from such a file, from CSV or from a log of
-//! KUKA's `DataRecorder`. It refuses what cannot be right, and states what a file has lost.
+//! [`JointLog`] contains the joint positions over time only, from such a file, from CSV or from a
+//! log of KUKA's `DataRecorder`. It rejects implausible data, and reports what a file has lost.
 //!
 //! Lengths are in m, angles in rad, times in s. The same calls give the same bytes.
 //!

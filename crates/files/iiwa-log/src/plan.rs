@@ -14,25 +14,25 @@ use crate::{
     plan_metadata,
 };
 
-/// How a plan is written.
+/// Options of a plan file.
 #[derive(Clone, Debug)]
 pub struct PlanConfig {
-    /// Joint states a second.
+    /// Joint states per second.
     pub rate_hz: f64,
-    /// How the file is written.
+    /// Options of the file.
     pub file: Config,
 }
 
 impl Default for PlanConfig {
-    /// 250 joint states a second and [`Compression::Fast`].
+    /// Returns 250 joint states per second and [`Compression::Fast`].
     fn default() -> Self {
         let file = Config { compression: Compression::Fast, ..Config::default() };
         Self { rate_hz: 250.0, file }
     }
 }
 
-/// Writes a trajectory into an MCAP file while it is planned: what it needs of memory does not grow
-/// with the program.
+/// Writes a trajectory into an MCAP file while it is planned: memory use does not grow with the
+/// program.
 ///
 /// ```
 /// use std::io::Cursor;
@@ -57,29 +57,29 @@ impl Default for PlanConfig {
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 ///
-/// The trajectory itself is one message on `/joint_trajectory`. Above a hundred thousand points,
-/// some twenty megabytes, it goes on in another message, stamped with its own start and beginning
-/// with the last point of the one before.
+/// The trajectory is one message on `/joint_trajectory`. Above a hundred thousand points, some
+/// twenty megabytes, it continues in further messages, each stamped with its own start and
+/// beginning with the last point of the message before.
 #[derive(Debug)]
 pub struct PlanWriter<W: Write> {
     writer: Writer<W>,
     arm: Arm,
     rate_hz: f64,
-    /// Joint states written so far.
+    /// Number of joint states written so far.
     ticks: u64,
     part: TrajectoryMessage,
     part_start: Duration,
-    /// The end of the last section.
+    /// End of the last section.
     last: Option<Instant>,
 }
 
-/// What the arm does at one time.
+/// State of the arm at one time.
 #[derive(Debug)]
 struct Instant {
     state: State,
-    /// What the joints exert, in Nm.
+    /// Torques that the joints exert, in Nm.
     torque_nm: Joints,
-    /// The TCP that moves, in the flange's frame, if the program has tools.
+    /// Moving TCP in the flange frame, if the program has tools.
     tcp: Option<Pose>,
 }
 
@@ -92,7 +92,7 @@ impl Instant {
     }
 }
 
-/// Points of a trajectory in one message.
+/// Maximum number of trajectory points per message.
 const POINTS: usize = 100_000;
 
 impl<W: Write> PlanWriter<W> {
@@ -116,7 +116,7 @@ impl<W: Write> PlanWriter<W> {
         })
     }
 
-    /// Writes a section; they come in order.
+    /// Writes a section; sections must come in order.
     ///
     /// # Errors
     ///
@@ -158,15 +158,15 @@ impl<W: Write> PlanWriter<W> {
         Ok(())
     }
 
-    /// Writes the end, the figures, the robot's profile and URDF, and the program's text if there is one;
-    /// completes the file and gives the stream back.
+    /// Writes the end, the figures, the robot's profile and URDF, and the text of the program if
+    /// given; completes the file and returns the stream.
     ///
     /// # Errors
     ///
     /// Any [`WriteError`].
     pub fn finish(mut self, figures: &PlanFigures, program: Option<&str>) -> Result<W, WriteError> {
         if let Some(end) = self.last.take() {
-            // The last tick may be the end already, but for rounding.
+            // The last tick may already be the end, up to rounding.
             let last_tick = self.ticks.checked_sub(1).map(|k| k as f64 / self.rate_hz);
             if last_tick.is_none_or(|t_s| duration(t_s) < duration(end.state.t_s)) {
                 self.sample(&end)?;
@@ -178,7 +178,8 @@ impl<W: Write> PlanWriter<W> {
         self.arm.finish(self.writer, &plan_metadata::of_figures(figures), program.as_slice())
     }
 
-    /// One instant on `/joint_states`, `/tf` and `/tcp_pose`; where there is a tool, on `/flange_pose` as well.
+    /// Writes one instant on `/joint_states`, `/tf` and `/tcp_pose`; with a tool, on `/flange_pose`
+    /// as well.
     fn sample(&mut self, instant: &Instant) -> Result<(), WriteError> {
         let Instant { state, torque_nm, tcp } = instant;
         let t = duration(state.t_s);
@@ -189,7 +190,7 @@ impl<W: Write> PlanWriter<W> {
         }
     }
 
-    /// One point of `/joint_trajectory`.
+    /// Writes one point of `/joint_trajectory`.
     fn node(&mut self, state: &State) -> Result<(), WriteError> {
         let t = duration(state.t_s);
         let point = |start: Duration| TrajectoryPoint {
@@ -200,7 +201,7 @@ impl<W: Write> PlanWriter<W> {
         };
         let next = point(self.part_start);
         if self.part.last().is_some_and(|last| next.time_from_start <= last) {
-            // Closer to the point before than a nanosecond.
+            // Less than a nanosecond after the previous point.
             return Ok(());
         }
         self.part.push(&next)?;
@@ -214,12 +215,12 @@ impl<W: Write> PlanWriter<W> {
     }
 }
 
-/// A time in s, to the nearest nanosecond.
+/// Converts a time in s to the nearest nanosecond.
 fn duration(t_s: f64) -> Duration {
     Duration::try_from_secs_f64(t_s).unwrap_or_default()
 }
 
-/// Writes a plan with the text of its program, and gives the stream back.
+/// Writes a plan with the text of its program, and returns the stream.
 ///
 /// # Errors
 ///

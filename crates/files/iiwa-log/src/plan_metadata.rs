@@ -1,11 +1,11 @@
-//! The figures of a plan as entries of a metadata record.
+//! Figures of a plan as entries of a metadata record.
 
 use std::collections::BTreeMap;
 
 use iiwa_plan::PlanFigures;
 use serde_json::Value;
 
-/// An entry for each key of the figures: texts as they are, everything else as JSON.
+/// Converts the figures to entries, one per key: texts unchanged, all other values as JSON.
 pub(crate) fn of_figures(figures: &PlanFigures) -> BTreeMap<String, String> {
     let Ok(Value::Object(object)) = serde_json::to_value(figures) else {
         return BTreeMap::new();
@@ -17,7 +17,8 @@ pub(crate) fn of_figures(figures: &PlanFigures) -> BTreeMap<String, String> {
     object.into_iter().map(|(key, value)| (key, text(value))).collect()
 }
 
-/// The entries as a JSON object: an entry that is JSON is taken as such, any other one is a text.
+/// Converts the entries to a JSON object: an entry that is valid JSON is parsed, any other entry is
+/// a text.
 pub(crate) fn to_json(entries: &BTreeMap<String, String>) -> Value {
     let value =
         |text: &String| serde_json::from_str(text).unwrap_or_else(|_| Value::String(text.clone()));

@@ -1,4 +1,4 @@
-//! A plan, read back from the file that [`PlanWriter`](crate::PlanWriter) made of it.
+//! Plan read back from the file of a [`PlanWriter`](crate::PlanWriter).
 
 use std::collections::BTreeMap;
 use std::io::Read;
@@ -13,26 +13,26 @@ use crate::plan_metadata::to_json;
 use crate::recorded_robot::{PROFILE, RecordedRobotError, recorded_robot};
 use crate::{Entry, ReadError, Reader, Topic};
 
-/// A plan: its figures, the nodes of its trajectory, the pieces of its path, its program and its robot.
+/// Plan: its figures, trajectory nodes, path pieces, program and robot.
 ///
-/// [`read`](Self::read) takes whole plans only. [`read_part`](Self::read_part) also takes what is left of a
-/// file that is cut off, and recordings, which have no nodes and no pieces.
+/// [`read`](Self::read) accepts complete plans only. [`read_part`](Self::read_part) also accepts
+/// files that are cut off, and recordings, which have no nodes and no pieces.
 #[derive(Clone, Debug, Default)]
 #[non_exhaustive]
 pub struct PlanRecord {
     /// The nodes of the trajectory, in the order of time.
     pub nodes: Vec<PlanNode>,
-    /// Lines, paths of the TCP, blends, settles and waits, in the order of time.
+    /// Path pieces: lines, TCP paths, blends, settle times and waits, in the order of time.
     pub pieces: Vec<PlanPiece>,
-    /// The program, JSON.
+    /// Program, JSON.
     pub program: Option<String>,
-    /// A kind of pieces that is not known here.
+    /// Unknown piece kind found in the file.
     unknown_kind: Option<String>,
     metadata: BTreeMap<String, String>,
     profile: Option<String>,
 }
 
-/// A node of a trajectory.
+/// Node of a trajectory.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PlanNode {
     /// Time since the start of the plan, in s.
@@ -45,46 +45,47 @@ pub struct PlanNode {
     pub ddq: Joints,
 }
 
-/// A piece of the path of a plan.
+/// Path piece of a plan.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct PlanPiece {
-    /// The motion of the program, from 1.
+    /// Number of the motion in the program, from 1.
     pub motion: u32,
-    /// What the arm does.
+    /// Kind of piece.
     #[serde(serialize_with = "name")]
     pub kind: PieceKind,
-    /// When it starts, in s.
+    /// Start time, in s.
     pub start_s: f64,
-    /// When it ends, in s.
+    /// End time, in s.
     pub end_s: f64,
-    /// The joint whose limit binds, 1 to 7; none if it is one of the TCP.
+    /// Joint of the active limit, 1 to 7; `None` if the active limit is a TCP limit.
     pub joint: Option<u8>,
-    /// Which of its limits: `velocity`, `acceleration` or `jerk`, after `cart_` or `orientation_` if it is one of the
-    /// TCP; empty where nothing moves.
+    /// Active limit: `velocity`, `acceleration` or `jerk`, with the prefix `cart_` or
+    /// `orientation_` for TCP limits; empty at standstill.
     pub limit: String,
 }
 
+#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde passes references")]
 fn name<S: Serializer>(kind: &PieceKind, serializer: S) -> Result<S::Ok, S::Error> {
     serializer.serialize_str(kind.name())
 }
 
-/// Why a file is not a whole plan.
+/// Reason why a file is not a complete plan.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum PlanRecordError {
     /// The file cannot be read.
     #[error(transparent)]
     Read(#[from] ReadError),
-    /// A part of a plan is not in the file.
+    /// The file lacks a part of a plan.
     #[error("not a plan: the file has no {what}")]
     Missing {
-        /// What is missing.
+        /// Missing part.
         what: &'static str,
     },
-    /// The parts do not fit together, or contain values that no plan has.
+    /// The parts are inconsistent, or contain values that no plan has.
     #[error("the plan is damaged: {what}")]
     Damaged {
-        /// What is wrong.
+        /// Inconsistency found.
         what: String,
     },
     /// The robot is unknown.
@@ -93,12 +94,12 @@ pub enum PlanRecordError {
 }
 
 impl PlanRecord {
-    /// Reads a whole plan.
+    /// Reads a complete plan.
     ///
     /// # Errors
     ///
-    /// [`PlanRecordError::Read`] if the file is cut off or damaged, [`PlanRecordError::Missing`] and
-    /// [`PlanRecordError::Damaged`] if its nodes and pieces are not those of a plan.
+    /// [`PlanRecordError::Read`] if the file is cut off or damaged, [`PlanRecordError::Missing`]
+    /// and [`PlanRecordError::Damaged`] if its nodes and pieces are not those of a plan.
     pub fn read<R: Read>(stream: R) -> Result<Self, PlanRecordError> {
         match Self::read_part(stream) {
             (_, Some(error)) => Err(error.into()),
@@ -106,7 +107,7 @@ impl PlanRecord {
         }
     }
 
-    /// Reads what a file has of a plan, up to where it cannot be read any more; and why not.
+    /// Reads the part of a plan before the first error in the file; returns that error as well.
     pub fn read_part<R: Read>(stream: R) -> (Self, Option<ReadError>) {
         let mut record = Self::default();
         let topics = [Topic::JointTrajectory, Topic::Motion];
@@ -126,7 +127,8 @@ impl PlanRecord {
     fn take(&mut self, entry: Entry) {
         match entry {
             Entry::Trajectory { t_s, points } => {
-                // A part of a long trajectory begins with the last point of the part before.
+                // Each further part of a long trajectory begins with the last point of the part
+                // before.
                 let last_s = self.nodes.last().map_or(f64::NEG_INFINITY, |last| last.t_s);
                 let nodes = points.into_iter().map(|point| PlanNode {
                     t_s: t_s + point.time_from_start.as_secs_f64(),
@@ -164,12 +166,12 @@ impl PlanRecord {
         }
     }
 
-    /// Refuses what is not a whole plan.
+    /// Checks that the plan is complete.
     ///
     /// # Errors
     ///
-    /// [`PlanRecordError::Missing`] and [`PlanRecordError::Damaged`] if the nodes and pieces are not those
-    /// of a plan.
+    /// [`PlanRecordError::Missing`] and [`PlanRecordError::Damaged`] if the nodes and pieces are
+    /// not those of a plan.
     pub fn check(&self) -> Result<(), PlanRecordError> {
         if self.nodes.len() < 2 {
             return Err(PlanRecordError::Missing { what: "/joint_trajectory" });
@@ -197,30 +199,32 @@ impl PlanRecord {
         Ok(())
     }
 
-    /// The figures; none if the file has none of a plan.
+    /// Figures of the plan; `None` if the file lacks them.
     #[must_use]
     pub fn figures(&self) -> Option<PlanFigures> {
         serde_json::from_value(self.to_json()).ok()
     }
 
-    /// All entries of the metadata record `iiwasim` as a JSON object: of a plan, the figures.
+    /// All entries of the metadata record `iiwasim` as a JSON object: the figures, if the file is a
+    /// plan.
     #[must_use]
     pub fn to_json(&self) -> Value {
         to_json(&self.metadata)
     }
 
-    /// How the plan was timed: `acceleration` or `jerk`.
+    /// Time parameterisation of the plan: `acceleration` or `jerk`.
     #[must_use]
     pub fn timing(&self) -> Option<&str> {
         self.metadata.get("timing").map(String::as_str)
     }
 
-    /// The robot that the plan was made for, with its own limits; none if the file does not tell.
+    /// Robot of the plan, with its own limits; `None` if the file contains neither name nor
+    /// profile.
     ///
     /// # Errors
     ///
-    /// [`RecordedRobotError`] if the file names a robot that is not built in and has no profile of it, or
-    /// its profile cannot be read.
+    /// [`RecordedRobotError`] if the file names a robot that is not built in and lacks its profile,
+    /// or its profile cannot be read.
     pub fn robot(&self) -> Result<Option<Robot>, RecordedRobotError> {
         recorded_robot(self.metadata.get("robot").map(String::as_str), self.profile.as_deref())
     }

@@ -1,50 +1,51 @@
-//! How large the file of a plan becomes, before it is written.
+//! Estimate of the size of a plan file, before it is written.
 
 use std::iter::zip;
 
 use iiwa_traj::{Section, Trajectory};
 
-/// An estimate of the file that [`PlanWriter`](crate::PlanWriter) makes of a trajectory, from its duration
-/// and its nodes: nothing is sampled for it, however long the trajectory takes.
+/// Estimated size of the file that [`PlanWriter`](crate::PlanWriter) makes of a trajectory, from
+/// its duration and its nodes: nothing is sampled, however long the trajectory is.
 ///
-/// The bytes are those in the file, after compression with [`Compression::Fast`](crate::Compression::Fast).
-/// What a sample and a node take was fitted to the files of 28 programs at 50, 250 and 1000 Hz, with one to
-/// seven joints in motion, at 0.5 to 100 % of their speed, with blends, stops and waits: the estimate was 0.90
-/// to 1.11 times the file.
+/// The size is that after compression with [`Compression::Fast`](crate::Compression::Fast). The
+/// bytes per sample and per node were fitted to the files of 28 programs at 50, 250 and 1000 Hz,
+/// with one to seven joints in motion, at 0.5 to 100 % of their speed, with blends, stops and
+/// waits: the estimate was 0.90 to 1.11 times the file.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PlanSize {
     rate_hz: f64,
     moving_s: f64,
-    /// The same, times the number of joints that move.
+    /// Moving time, times the number of moving joints.
     turning_s: f64,
     resting_s: f64,
-    /// The part of the moving time in which there is a tool.
+    /// Moving time with a tool.
     with_tool_s: f64,
-    /// Nodes, times the number of joints that move.
+    /// Number of nodes, times the number of moving joints.
     turning_nodes: f64,
 }
 
-/// Bytes of a sample on `/joint_states`, `/tf` and `/tcp_pose` while the arm moves, and more of it for each
-/// joint that does. Before compression it is 1.3 kB. Of these, 56 are seven torques: they change where any joint does.
+/// Bytes per sample on `/joint_states`, `/tf` and `/tcp_pose` in motion: constant part, and part
+/// per moving joint. A sample is 1.3 kB before compression. Of these, 56 bytes are the seven
+/// torques, which all change if any joint moves.
 const MOVING_SAMPLE: [f64; 2] = [177.0, 58.0];
 
-/// More of a sample on `/flange_pose` while the arm moves, where the program has a tool.
+/// Additional bytes per sample on `/flange_pose` in motion, if the program has a tool.
 const FLANGE_SAMPLE: f64 = 70.0;
 
-/// Of one while the arm stands: only the stamps differ from those before.
+/// Bytes per sample at standstill: only the stamps change.
 const RESTING_SAMPLE: f64 = 122.0;
 
-/// Of a node on `/joint_trajectory`, for each joint that moves.
+/// Bytes per node on `/joint_trajectory`, for each moving joint.
 const TURNING_NODE: f64 = 28.3;
 
-/// Of all that is in the file once: schemas, the URDF, the index.
+/// Bytes of the content that is written once: schemas, the URDF, the index.
 const ONCE: f64 = 29_000.0;
 
-/// A joint that turns by less along a segment stands.
+/// A joint that turns by less along a segment counts as at rest.
 const NO_MOTION_RAD: f64 = 1e-9;
 
 impl PlanSize {
-    /// Of a file without any section yet, with `rate_hz` joint states a second.
+    /// Starts the estimate of a file without sections, with `rate_hz` joint states per second.
     #[must_use]
     pub fn new(rate_hz: f64) -> Self {
         Self {
@@ -57,7 +58,7 @@ impl PlanSize {
         }
     }
 
-    /// Of a whole trajectory.
+    /// Estimates the file of a whole trajectory.
     #[must_use]
     pub fn of(trajectory: &Trajectory, rate_hz: f64) -> Self {
         let mut size = Self::new(rate_hz);
@@ -65,7 +66,7 @@ impl PlanSize {
         size
     }
 
-    /// Takes in the next section of the trajectory.
+    /// Adds the next section of the trajectory.
     pub fn add(&mut self, section: &Section) {
         for piece in section.pieces() {
             let Some(segment) = section.segment(piece) else {
@@ -84,19 +85,19 @@ impl PlanSize {
         }
     }
 
-    /// How long the trajectory takes, in s.
+    /// Duration of the trajectory, in s.
     #[must_use]
     pub fn duration_s(&self) -> f64 {
         self.moving_s + self.resting_s
     }
 
-    /// Joint states in the file.
+    /// Number of joint states in the file.
     #[must_use]
     pub fn samples(&self) -> u64 {
         count(self.rate_hz * self.duration_s() + 1.0)
     }
 
-    /// Bytes of the file, without those of its attachments.
+    /// Bytes of the file, without its attachments.
     #[must_use]
     pub fn bytes(&self) -> u64 {
         let [each, more] = MOVING_SAMPLE;
@@ -108,7 +109,7 @@ impl PlanSize {
     }
 }
 
-/// A count as an integer; what is too large for one is as large as that can be.
+/// Rounds up to an integer; saturates if the value is too large.
 #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "it saturates")]
 fn count(value: f64) -> u64 {
     value.ceil() as u64

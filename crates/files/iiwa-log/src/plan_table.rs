@@ -1,4 +1,4 @@
-//! A plan as a table, section by section: CSV or Parquet.
+//! Plan as a table, section by section: CSV or Parquet.
 
 #[cfg(feature = "parquet")]
 mod parquet;
@@ -10,7 +10,7 @@ use iiwa_traj::Section;
 
 use row::{PlanRow, names};
 
-/// A table under construction: a row an instant, at a fixed rate, and one for the end.
+/// Table under construction: a row per sample, at a fixed rate, and a row for the end.
 ///
 /// | columns | content |
 /// |---|---|
@@ -19,18 +19,18 @@ use row::{PlanRow, names};
 /// | `joint_1_rad` ... `joint_7_rad` | positions |
 /// | `joint_1_rad_s` ... | velocities |
 /// | `joint_1_rad_s2` ... | accelerations |
-/// | `tcp_x_m`, `tcp_y_m`, `tcp_z_m` | the TCP of the motion's tool, or the flange, in the frame of the robot's foot |
-/// | `tcp_a_rad`, `tcp_b_rad`, `tcp_c_rad` | its orientation: about z, then y, then x, as on the robot |
-/// | `torque_1_nm` ... `torque_7_nm` | what the joints exert behind the gears |
+/// | `tcp_x_m`, `tcp_y_m`, `tcp_z_m` | the TCP of the motion's tool, or the flange, in the base frame of the robot |
+/// | `tcp_a_rad`, `tcp_b_rad`, `tcp_c_rad` | orientation of that frame: about z, then y, then x, as on the robot |
+/// | `torque_1_nm` ... `torque_7_nm` | torques that the joints exert, on the output side of the gears |
 ///
-/// [`JointLog::read`](crate::JointLog::read) reads its times and positions back.
+/// [`JointLog::read`](crate::JointLog::read) reads times and positions back.
 #[derive(Debug)]
 pub struct PlanTable<W: Write> {
     sheet: Sheet<W>,
     rate_hz: f64,
-    /// Rows so far.
+    /// Number of rows so far.
     ticks: u64,
-    /// The end of the last section.
+    /// End of the last section.
     end: Option<PlanRow>,
 }
 
@@ -42,11 +42,11 @@ enum Sheet<W: Write> {
 }
 
 impl<W: Write> PlanTable<W> {
-    /// Begins a table with commas between fields, at a rate in rows a second.
+    /// Begins a table with commas between fields, at a rate in rows per second.
     ///
     /// # Errors
     ///
-    /// That of the stream.
+    /// Errors of the stream.
     pub fn csv(mut stream: W, rate_hz: f64) -> io::Result<Self> {
         write!(stream, "t_s,motion")?;
         names().try_for_each(|name| write!(stream, ",{name}"))?;
@@ -60,7 +60,7 @@ impl<W: Write> PlanTable<W> {
 }
 
 impl<W: Write + Send> PlanTable<W> {
-    /// Begins an Apache Parquet file, compressed by Zstandard, at a rate in rows a second.
+    /// Begins an Apache Parquet file, compressed by Zstandard, at a rate in rows per second.
     ///
     /// # Errors
     ///
@@ -80,11 +80,11 @@ impl<W: Write + Send> PlanTable<W> {
         Err(io::Error::new(io::ErrorKind::Unsupported, "this build lacks the feature `parquet`"))
     }
 
-    /// Writes a section; they come in order.
+    /// Writes a section; sections must come in order.
     ///
     /// # Errors
     ///
-    /// That of the stream.
+    /// Errors of the stream.
     pub fn section(&mut self, section: &Section) -> io::Result<()> {
         loop {
             let t_s = self.ticks as f64 / self.rate_hz;
@@ -98,11 +98,11 @@ impl<W: Write + Send> PlanTable<W> {
         Ok(())
     }
 
-    /// Writes the end and gives the stream back.
+    /// Writes the end and returns the stream.
     ///
     /// # Errors
     ///
-    /// That of the stream.
+    /// Errors of the stream.
     pub fn finish(mut self) -> io::Result<W> {
         if let Some(end) = self.end {
             // The last row may already be the end, up to rounding.
@@ -132,7 +132,7 @@ impl<W: Write + Send> Sheet<W> {
     }
 }
 
-/// A line of a CSV file. Its numbers are the shortest texts that give the same numbers.
+/// Writes a line of a CSV file. Numbers are the shortest texts that parse back exactly.
 fn line(stream: &mut impl Write, row: &PlanRow) -> io::Result<()> {
     write!(stream, "{:?},{}", row.t_s, row.motion)?;
     row.values.iter().try_for_each(|value| write!(stream, ",{value:?}"))?;

@@ -1,4 +1,4 @@
-//! Reading a recording, one entry after the other.
+//! Reading a recording entry by entry.
 
 use std::borrow::Cow;
 use std::collections::BTreeMap;
@@ -19,30 +19,31 @@ use crate::{
     Attachment, Entry, JointSample, Motion, MotionSample, PoseSample, Topic, TrajectoryPoint, cdr,
 };
 
-/// No record or chunk may be longer: 512 MiB, a trajectory of 2.6 million points. It keeps a
-/// damaged length from asking for more memory than there is.
+/// Maximum length of a record or chunk: 512 MiB, a trajectory of 2.6 million points. The bound
+/// prevents a damaged length from requesting more memory than exists.
 const RECORD_LIMIT_BYTES: usize = 512 * 1024 * 1024;
 
-/// The least and the most to ask of the stream at once, bytes.
+/// Smallest and largest request to the stream, bytes.
 const READ_BYTES: std::ops::RangeInclusive<usize> = 64 * 1024..=1024 * 1024;
 
-/// Reads a recording from a stream in one pass, holding a chunk at a time.
+/// Reads a recording from a stream in one pass, with one chunk in memory at a time.
 ///
-/// An iterator over the entries in the order of the file; it ends after the first error. Topics
-/// other than those of [`Topic`] are passed over, and so is `/tf`, which follows from the joint
-/// positions. All checksums of the file are checked. Bytes after its end are an error, unless they
-/// end as a file does: a [`Recorder`](crate::Recorder) that was killed may leave such.
+/// The reader is an iterator over the entries in file order; it ends after the first error. Topics
+/// other than those of [`Topic`] are skipped, and so is `/tf`, which follows from the joint
+/// positions. All checksums of the file are verified. Bytes after the end of the file are an error,
+/// unless they end like a complete file: a killed [`Recorder`](crate::Recorder) may leave such
+/// bytes.
 pub struct Reader<R> {
     stream: R,
     mcap: LinearReader,
     schemas: BTreeMap<u16, (String, String)>,
     channels: BTreeMap<u16, Option<Topic>>,
-    /// Topics that are read; all if `None`.
+    /// Topics to read; all if `None`.
     wanted: Option<Vec<Topic>>,
     epoch_ns: Option<u64>,
     frame_id: Arc<str>,
     offset: u64,
-    /// The last bytes that were read.
+    /// Last bytes read, up to the length of the magic bytes.
     end: Vec<u8>,
     messages: u64,
     done: bool,
@@ -61,7 +62,7 @@ impl<R> std::fmt::Debug for Reader<R> {
 }
 
 impl<R: Read> Reader<R> {
-    /// Begins to read at the current position of `stream`. Buffering it is not needed.
+    /// Starts reading at the current position of `stream`, which needs no buffering.
     pub fn new(stream: R) -> Self {
         let options = LinearReaderOptions::default()
             .with_prevalidate_chunk_crcs(true)
@@ -84,15 +85,15 @@ impl<R: Read> Reader<R> {
         }
     }
 
-    /// Passes over messages of all other topics, whatever they carry, which takes less time than to
-    /// read them. Attachments and metadata are read.
+    /// Skips messages of all other topics, whatever they contain, which is faster than decoding
+    /// them. Attachments and metadata are read.
     #[must_use]
     pub fn only(self, topics: &[Topic]) -> Self {
         Self { wanted: Some(topics.to_vec()), ..self }
     }
 
-    /// The instant of `t_s` = 0 as the time since 1970-01-01T00:00:00Z: the log time of the first
-    /// message. `None` before there was one.
+    /// Instant of `t_s` = 0 as the time since 1970-01-01T00:00:00Z: the log time of the first
+    /// message. `None` before the first message.
     #[must_use]
     pub fn epoch(&self) -> Option<Duration> {
         self.epoch_ns.map(Duration::from_nanos)
@@ -139,7 +140,7 @@ impl<R: Read> Reader<R> {
         }
     }
 
-    /// Reads on to the end of the stream: whether it ends as a file does.
+    /// Reads to the end of the stream, and returns true if it ends like a complete file.
     fn rest_ends_a_file(&mut self) -> Result<bool, ReadError> {
         let mut room = vec![0; *READ_BYTES.start()];
         loop {
@@ -168,7 +169,7 @@ impl<R: Read> Iterator for Reader<R> {
     }
 }
 
-/// Reads once, however often it is interrupted.
+/// Reads once, and repeats the call after interrupts.
 pub(crate) fn read<R: Read>(stream: &mut R, room: &mut [u8]) -> std::io::Result<usize> {
     loop {
         match stream.read(room) {
@@ -178,7 +179,7 @@ pub(crate) fn read<R: Read>(stream: &mut R, room: &mut [u8]) -> std::io::Result<
     }
 }
 
-/// Appends to what is kept of the end of the stream, as long as the magic at the end of a file.
+/// Updates the kept end of the stream, which is as long as the magic bytes at the end of a file.
 fn keep_end(end: &mut Vec<u8>, read: &[u8]) {
     end.extend(&read[read.len().saturating_sub(MAGIC.len())..]);
     end.drain(..end.len().saturating_sub(MAGIC.len()));
@@ -191,7 +192,7 @@ fn broken(offset: u64, messages: u64, source: McapError) -> ReadError {
     }
 }
 
-/// Parses the records that a recording is made of, and passes over the others.
+/// Parses the record types of a recording, and skips all others.
 fn parse(opcode: u8, data: &[u8]) -> Result<Option<Record<'_>>, McapError> {
     if !matches!(opcode, op::SCHEMA | op::CHANNEL | op::MESSAGE | op::METADATA | op::ATTACHMENT) {
         return Ok(None);
@@ -202,8 +203,8 @@ fn parse(opcode: u8, data: &[u8]) -> Result<Option<Record<'_>>, McapError> {
     mcap::parse_record(opcode, data).map(Some)
 }
 
-/// Whether there is room for what the lengths in a record say. The parser counts on it, and asks for
-/// as much memory as they say.
+/// Returns `Some` if the lengths in a record fit its data. The parser relies on this, and allocates
+/// as much memory as they state.
 fn lengths_fit(opcode: u8, data: &[u8]) -> Option<()> {
     match opcode {
         // A number; name, encoding and content.
@@ -221,7 +222,7 @@ fn lengths_fit(opcode: u8, data: &[u8]) -> Option<()> {
     }
 }
 
-/// What follows `count` texts, each behind its length.
+/// Returns the data after `count` texts, each preceded by its length.
 fn texts(mut rest: &[u8], count: usize) -> Option<&[u8]> {
     for _ in 0..count {
         let (len, tail) = rest.split_first_chunk()?;
@@ -230,7 +231,7 @@ fn texts(mut rest: &[u8], count: usize) -> Option<&[u8]> {
     Some(rest)
 }
 
-/// Whether a map, behind its length in bytes, is whole.
+/// Returns `Some` if a map, preceded by its length in bytes, is complete.
 fn map(data: &[u8]) -> Option<()> {
     let (len, tail) = data.split_first_chunk()?;
     let mut entries = tail.get(..usize::try_from(u32::from_le_bytes(*len)).ok()?)?;
@@ -240,7 +241,7 @@ fn map(data: &[u8]) -> Option<()> {
     Some(())
 }
 
-/// The reader's knowledge of the file, apart from the container that lends the records.
+/// State of the reader apart from the container, which lends the records.
 struct Content<'a> {
     schemas: &'a mut BTreeMap<u16, (String, String)>,
     channels: &'a mut BTreeMap<u16, Option<Topic>>,
@@ -420,14 +421,14 @@ impl<'a> Body<'a> {
         })
     }
 
-    /// A header's stamp, s since the epoch.
+    /// Stamp of a header, s since the epoch.
     fn stamp_s(&self, stamp: Time) -> Result<f64, ReadError> {
         let since_1970 =
             stamp.to_duration().ok_or_else(|| self.error(format!("stamp {stamp:?}")))?;
         Ok(self.since_epoch(since_1970))
     }
 
-    /// The log time, s since the epoch.
+    /// Log time, s since the epoch.
     fn t_s(&self) -> f64 {
         self.since_epoch(Duration::from_nanos(self.log_ns))
     }

@@ -9,16 +9,16 @@ use mcap::records::{Channel, MessageHeader, SchemaHeader, op};
 
 use crate::Topic;
 
-/// Type and length of a record, before its content.
+/// Bytes of type and length, before the content of a record.
 pub(crate) const RECORD_HEADER_BYTES: usize = 9;
 
-/// Of a message: all but its data.
+/// Bytes of a message record without its data.
 pub(crate) const MESSAGE_HEADER_BYTES: usize = RECORD_HEADER_BYTES + 22;
 
-/// The first of the record types that MCAP leaves to its users, and readers pass over.
+/// First record type that MCAP reserves for users; readers skip it.
 pub(crate) const PADDING: u8 = 0x80;
 
-/// Type and length of a record.
+/// Encodes type and length of a record.
 pub(crate) fn record_header(opcode: u8, length: u64) -> [u8; RECORD_HEADER_BYTES] {
     let mut header = [opcode; RECORD_HEADER_BYTES];
     header[1..].copy_from_slice(&length.to_le_bytes());
@@ -44,7 +44,7 @@ where
     Ok(())
 }
 
-/// Appends what a record contains.
+/// Appends the content of a record.
 pub(crate) fn append<T>(out: &mut Vec<u8>, content: &T) -> Result<(), McapError>
 where
     T: for<'a> BinWrite<Args<'a> = ()>,
@@ -55,7 +55,8 @@ where
     Ok(cursor.write_le(content)?)
 }
 
-/// A message up to its data. There are thousands in a second of motion: written without a serializer.
+/// Encodes a message up to its data. Written without a serializer, since a second of motion has
+/// thousands of messages.
 pub(crate) fn message_header(
     header: &MessageHeader,
     data_bytes: usize,

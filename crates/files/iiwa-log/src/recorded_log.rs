@@ -1,4 +1,4 @@
-//! A recording of a joint log as a file.
+//! Conversion of a joint log to a recording.
 
 use std::{collections::BTreeMap, io::Cursor, iter, time::Duration};
 
@@ -7,11 +7,11 @@ use iiwa_kin::Robot;
 use crate::{Config, CycleClock, JointLog, Recorder, RecorderConfig, WriteError};
 
 impl JointLog {
-    /// The log as an MCAP file, with the text of the program that was run.
+    /// Encodes the log as an MCAP file, with the text of the program that was run.
     ///
     /// # Errors
     ///
-    /// A sample that cannot be written.
+    /// [`WriteError`] for a sample that cannot be written.
     pub fn to_mcap(
         &self,
         file: Config,

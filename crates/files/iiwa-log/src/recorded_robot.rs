@@ -1,29 +1,30 @@
-//! The robot that a file was made with.
+//! Robot of a recording.
 
 use iiwa_kin::Robot;
 
-/// The attachment with the robot's profile.
+/// Name of the attachment with the robot profile.
 pub(crate) const PROFILE: &str = "robot.json";
 
-/// Why a file does not tell its robot.
+/// Reason why the robot of a file is unknown.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum RecordedRobotError {
-    /// The file names a robot that is not built in, and holds no profile of it.
+    /// The file names a robot that is not built in, and lacks its profile.
     #[error("the robot `{name}` is not built in, and the file has no profile of it")]
     Unknown {
-        /// The robot's name in the file.
+        /// Name of the robot in the file.
         name: String,
     },
     /// The attachment `robot.json` is not a robot profile.
     #[error("the attachment `{PROFILE}` is not a robot profile: {what}")]
     Profile {
-        /// What is wrong with it.
+        /// Error found in the profile.
         what: String,
     },
 }
 
-/// The robot of the `profile` in a file, or the built-in one that the file names; none if it has neither.
+/// Returns the robot of the `profile` in a file, or the built-in one that the file names; `None` if
+/// the file has neither.
 pub(crate) fn recorded_robot(
     name: Option<&str>,
     profile: Option<&str>,

@@ -1,4 +1,4 @@
-//! Recording what the robot does, as it happens.
+//! Recording of a moving robot.
 
 use std::collections::BTreeMap;
 use std::fs::{self, File};
@@ -14,33 +14,35 @@ use crate::tail::Index;
 use crate::whole_file::{WholeFile, header_is_torn};
 use crate::{Config, Diagnostic, Topic, WriteError, Writer};
 
-/// How a recording is made.
+/// Options of a recording.
 #[derive(Clone, Debug)]
 pub struct RecorderConfig {
-    /// How much of the motion may be missing when the program is killed. The file gets a chunk
-    /// that often.
+    /// Longest part of the motion that is lost if the program is killed. The file gets a chunk once
+    /// per period.
     pub period: Duration,
-    /// The most messages a second on `/tf` and `/tcp_pose`, which follow from the joint positions
-    /// and are there for viewers. Zero for none.
+    /// Maximum number of messages per second on `/tf` and `/tcp_pose`, which follow from the joint
+    /// positions and are meant for viewers. Zero for none.
     pub pose_rate_hz: u32,
-    /// How the file is written.
+    /// Options of the file.
     pub file: Config,
 }
 
 impl Default for RecorderConfig {
-    /// A second, and 100 poses a second.
+    /// Returns a period of 1 s, and 100 poses per second.
     fn default() -> Self {
         Self { period: Duration::from_secs(1), pose_rate_hz: 100, file: Config::default() }
     }
 }
 
-/// What the name of the writing program ends with, in the header of a recording.
+/// Suffix of the name of the writing program in the header of a recording.
 const RECORDS: &str = " recorder";
 
-/// Whether a file that begins with `head` is an MCAP file that no plan was written into: a [`Recorder`]'s, or another program's.
+/// Returns true if a file that begins with `head` is an MCAP file without a plan: written by a
+/// [`Recorder`], or by another program.
 #[must_use]
 pub fn is_recording(head: &[u8]) -> bool {
-    // The magic bytes, the header's opcode and length, then two texts with their lengths: profile and library.
+    // The magic bytes, opcode and length of the header, then two texts with their lengths: profile
+    // and library.
     let text = |bytes: &[u8]| -> Option<(usize, String)> {
         let length = u32::from_le_bytes(bytes.get(..4)?.try_into().ok()?) as usize;
         let text = bytes.get(4..4_usize.checked_add(length)?)?;
@@ -53,43 +55,43 @@ pub fn is_recording(head: &[u8]) -> bool {
     library.is_none_or(|library| !library.starts_with("iiwa-log/") || library.ends_with(RECORDS))
 }
 
-/// The checksum of a data section that is not complete: none.
+/// Checksum of an incomplete data section: 0 means that there is no checksum.
 const NO_CRC: u32 = 0;
 
-/// Writes joint positions into an MCAP file as they come in, for hours and up to 1 kHz.
+/// Writes joint positions into an MCAP file as they arrive, for hours and at up to 1 kHz.
 ///
-/// The file is whole and indexed at every moment: a program that is killed loses at most the last
-/// [`period`](RecorderConfig::period) and the sample after it. (Not so when the machine loses its
-/// power: nothing waits for the disk.) What a reader sees that has the file open meanwhile is not
-/// part of the promise.
+/// The file is complete and indexed at every moment: a killed program loses at most the last
+/// [`period`](RecorderConfig::period) and the sample after it. (This does not hold for a power
+/// failure: writes are not synchronised to the disk.) A reader that has the file open during a
+/// write may see an intermediate state.
 ///
 /// Every sample gets a message on `/joint_states`. Its velocity is the slope, at the sample, of the
-/// parabola through it and its two neighbours: the central difference, where the stamps are even.
-/// At the ends, it is the slope to the only neighbour. `/robot_description` stands at the epoch;
-/// `/tf` and `/tcp_pose` come with the first sample of every interval of their rate, and with the
-/// last one of all.
+/// parabola through the sample and its two neighbours: the central difference if the stamps are
+/// equidistant. At the ends, the velocity is the slope to the only neighbour. `/robot_description`
+/// is stamped with the epoch; `/tf` and `/tcp_pose` are written with the first sample of every
+/// interval of their rate, and with the last sample of all.
 ///
-/// At 1 kHz an hour is some 600 MB, of which the poses are a fifth; at 200 Hz it is a third of that.
-/// Every period ends with the index of the whole file being written anew, some 110 bytes for every
-/// period before: 4 MB after ten hours of periods of a second, which takes some 10 ms then. Memory
-/// grows by some 2 kB a period. Longer periods make both less.
+/// At 1 kHz an hour is some 600 MB, of which the poses are a fifth; at 200 Hz it is a third of
+/// that. Every period ends with rewriting the index of the whole file, some 110 bytes for every
+/// period before: 4 MB after ten hours of periods of 1 s, which takes some 10 ms then. Memory grows
+/// by some 2 kB per period. Longer periods reduce both.
 ///
-/// The same calls give the same bytes. The end of a period goes by the stamps, never by the clock:
-/// a caller whose samples stop coming calls [`flush`](Self::flush).
+/// The same calls give the same bytes. The end of a period is determined by the stamps, never by
+/// the clock: a caller whose samples stop arriving calls [`flush`](Self::flush).
 pub struct Recorder<S: Storage> {
-    /// Its stream is what `file` does not have yet.
+    /// Writer whose stream contains the data that `file` lacks.
     writer: Writer<Vec<u8>>,
-    /// What the file's summary says.
+    /// Summary of the file.
     index: Index,
     file: WholeFile<S>,
     arm: Arm,
     config: RecorderConfig,
-    /// The last sample but one.
+    /// Sample before the last one.
     previous: Option<Sample>,
     last: Option<Last>,
-    /// The interval of the pose rate that has its pose.
+    /// Interval of the pose rate whose pose is written.
     posed: Option<u128>,
-    /// The first sample that the file does not have.
+    /// First sample that the file lacks.
     open_since: Option<Duration>,
 }
 
@@ -103,7 +105,8 @@ struct Sample {
 #[derive(Clone, Copy, Debug)]
 struct Last {
     sample: Sample,
-    /// It usually waits for the next one, which its velocity depends on.
+    /// `true` if the sample is written; usually it waits for the next one, which its velocity
+    /// depends on.
     written: bool,
 }
 
@@ -117,8 +120,9 @@ impl<S: Storage> std::fmt::Debug for Recorder<S> {
 }
 
 impl Recorder<File> {
-    /// Begins a recording of `robot` in a new file, or with `overwrite` in place of one that exists. A recording that
-    /// cannot begin leaves no file, and a file that exists as it was, unless the disk is full.
+    /// Begins a recording of `robot` in a new file, or with `overwrite` in place of an existing
+    /// one. A recording that cannot begin creates no file, and leaves an existing file unchanged,
+    /// unless the disk is full.
     ///
     /// # Errors
     ///
@@ -137,8 +141,8 @@ impl Recorder<File> {
 }
 
 impl<S: Storage> Recorder<S> {
-    /// Begins a recording of `robot` in an empty storage: a file with its description. It is whole
-    /// when this returns.
+    /// Begins a recording of `robot` in an empty storage: a complete file with the robot
+    /// description.
     ///
     /// # Errors
     ///
@@ -165,24 +169,23 @@ impl<S: Storage> Recorder<S> {
         })
     }
 
-    /// Takes the positions of the joints at `t` after the epoch. Brings the file up to date when a
-    /// period is full.
+    /// Adds the joint positions at `t` after the epoch. Updates the file at the end of each period.
     ///
     /// # Errors
     ///
-    /// [`WriteError::NotIncreasing`] for a stamp that is not later than the one before, and
-    /// [`WriteError::StampOutOfRange`]: the sample is left out, and the recording goes on.
-    /// [`WriteError::Mcap`] when the storage refuses: the file stays as it was, and takes nothing
-    /// more.
+    /// [`WriteError::NotIncreasing`] for a stamp that is not later than the previous one, and
+    /// [`WriteError::StampOutOfRange`]: the sample is omitted, and the recording continues.
+    /// [`WriteError::Mcap`] if the storage fails: the file keeps its content, and accepts no more
+    /// samples.
     pub fn sample(&mut self, t: Duration, joints_rad: &Joints) -> Result<(), WriteError> {
         self.sample_with_torques(t, joints_rad, None)
     }
 
-    /// The same with the joints' torques, in Nm, if they are known.
+    /// Adds the joint positions with the joint torques, in Nm, if known.
     ///
     /// # Errors
     ///
-    /// As [`sample`](Self::sample).
+    /// See [`sample`](Self::sample).
     pub fn sample_with_torques(
         &mut self,
         t: Duration,
@@ -209,33 +212,32 @@ impl<S: Storage> Recorder<S> {
         Ok(())
     }
 
-    /// Takes how parts of the machine are at `t` after the epoch.
+    /// Adds the status of machine components at `t` after the epoch.
     ///
     /// # Errors
     ///
-    /// As [`sample`](Self::sample).
+    /// See [`sample`](Self::sample).
     pub fn diagnostics(&mut self, t: Duration, parts: &[Diagnostic<'_>]) -> Result<(), WriteError> {
         self.writer.diagnostics(t, parts)
     }
 
-    /// Brings the file up to date, with every sample so far. For a caller that gets no more
-    /// samples, but does not know whether that is the end; [`sample`](Self::sample) does it by
-    /// itself after every period.
+    /// Updates the file with every sample so far, for callers whose samples stop arriving, perhaps
+    /// temporarily; [`sample`](Self::sample) does the same after every period.
     ///
-    /// The last sample then has the slope to the one before it as its velocity.
+    /// The velocity of the last sample is then the slope to the previous one.
     ///
     /// # Errors
     ///
-    /// [`WriteError::Mcap`], as [`sample`](Self::sample).
+    /// [`WriteError::Mcap`], see [`sample`](Self::sample).
     pub fn flush(&mut self) -> Result<(), WriteError> {
         self.write_last()?;
         self.open_since = None;
         self.save()
     }
 
-    /// Writes the end, the `metadata` record `iiwasim`, the robot's profile and URDF and the `attachments`
-    /// (name, media type, content), and completes the file: the checksum of its data section is the only thing
-    /// that it did not have before.
+    /// Writes the end, the `metadata` record `iiwasim`, the robot's profile and URDF and the
+    /// `attachments` (name, media type, content), and completes the file, which so far lacks only
+    /// the checksum of its data section.
     ///
     /// # Errors
     ///
@@ -248,7 +250,7 @@ impl<S: Storage> Recorder<S> {
         self.write_last()?;
         if let (Some(Last { sample, .. }), Some(_)) = (self.last, self.posed) {
             match self.arm.poses(&mut self.writer, sample.t, &sample.q) {
-                // It had its pose already.
+                // The pose of this sample is already written.
                 Ok(()) | Err(WriteError::NotIncreasing { .. }) => {}
                 Err(error) => return Err(error),
             }
@@ -258,7 +260,7 @@ impl<S: Storage> Recorder<S> {
         Ok(self.file.into_inner())
     }
 
-    /// Writes the last sample if it still waits.
+    /// Writes the last sample if it is still pending.
     fn write_last(&mut self) -> Result<(), WriteError> {
         if let Some(Last { sample, written: false }) = self.last {
             self.write(&sample, &slope(self.previous.as_ref(), &sample, None))?;
@@ -267,7 +269,7 @@ impl<S: Storage> Recorder<S> {
         Ok(())
     }
 
-    /// Writes a sample, with the poses when it is their turn.
+    /// Writes a sample, with the poses if their interval has begun.
     fn write(&mut self, sample: &Sample, velocity: &Joints) -> Result<(), WriteError> {
         self.writer.joint_state(sample.t, &sample.q, velocity, sample.torques_nm.as_ref())?;
         let interval = sample.t.as_nanos() * u128::from(self.config.pose_rate_hz) / 1_000_000_000;
@@ -278,7 +280,7 @@ impl<S: Storage> Recorder<S> {
         Ok(())
     }
 
-    /// Brings the file up to date with what is written.
+    /// Adds the encoded data to the file.
     fn save(&mut self) -> Result<(), WriteError> {
         end_chunk(&mut self.writer)?;
         let mut new = std::mem::take(self.writer.stream_mut());
@@ -293,7 +295,7 @@ impl<S: Storage> Recorder<S> {
     }
 }
 
-/// Ends the chunk, and the data section so that the header of the next record is in one page.
+/// Ends the chunk, and pads the data section so that the header of the next record is in one page.
 fn end_chunk(writer: &mut Writer<Vec<u8>>) -> Result<(), WriteError> {
     writer.end_chunk()?;
     if header_is_torn(writer.offset()) {
@@ -302,8 +304,8 @@ fn end_chunk(writer: &mut Writer<Vec<u8>>) -> Result<(), WriteError> {
     Ok(())
 }
 
-/// The slope at `at` of the parabola through the three, rad/s: of the line where there are two, and
-/// zero where there is one.
+/// Slope at `at` of the parabola through the three samples, rad/s: of the straight line through two
+/// samples, and zero for one sample.
 fn slope(before: Option<&Sample>, at: &Sample, after: Option<&Sample>) -> Joints {
     let span = |from: &Sample, to: &Sample| to.t.saturating_sub(from.t).as_secs_f64();
     let line = |from: &Sample, to: &Sample| -> Joints {
@@ -315,7 +317,7 @@ fn slope(before: Option<&Sample>, at: &Sample, after: Option<&Sample>) -> Joints
         (None, Some(after)) => line(at, after),
         (Some(before), Some(after)) => {
             let (left, right) = (line(before, at), line(at, after));
-            // The nearer neighbour counts more.
+            // The nearer neighbour has the larger weight.
             let weight = span(at, after) / span(before, after);
             std::array::from_fn(|joint| weight * left[joint] + (1.0 - weight) * right[joint])
         }

@@ -1,4 +1,4 @@
-//! A recording in memory.
+//! Recording in memory.
 
 use std::collections::BTreeMap;
 use std::io::Read;
@@ -9,30 +9,31 @@ use crate::{
     Attachment, Entry, JointSample, MotionSample, PoseSample, Reader, Topic, TrajectoryPoint,
 };
 
-/// A whole recording in memory.
+/// Whole recording in memory.
 ///
-/// `/tf` is not read: it follows from the joint positions. For a file that should not be held in
-/// memory there is [`Reader`].
+/// `/tf` is not read: it follows from the joint positions. [`Reader`] reads files that are too
+/// large for memory.
 #[derive(Clone, Debug, Default, PartialEq)]
 #[non_exhaustive]
 pub struct Recording {
-    /// The stamp of the first message since 1970-01-01T00:00:00Z: the instant of `t_s` = 0.
+    /// Stamp of the first message since 1970-01-01T00:00:00Z: the instant of `t_s` = 0.
     pub epoch: Duration,
     /// `/joint_states`, in the order of the file.
     pub joint_states: Vec<JointSample>,
     /// `/tcp_pose`, in the order of the file.
     pub tcp_poses: Vec<PoseSample>,
-    /// `/flange_pose`, in the order of the file; empty where the flange is the TCP.
+    /// `/flange_pose`, in the order of the file; empty if the flange is the TCP.
     pub flange_poses: Vec<PoseSample>,
     /// `/motion`, in the order of the file.
     pub motions: Vec<MotionSample>,
-    /// The nodes of `/joint_trajectory`; empty when there is none.
+    /// Nodes of `/joint_trajectory`; empty without such a message.
     pub trajectory: Vec<TrajectoryPoint>,
     /// `/robot_description`, a URDF.
     pub robot_description: Option<String>,
     /// Attachments, in the order of the file.
     pub attachments: Vec<Attachment>,
-    /// Metadata records by name; a later record of a name replaces entries of an earlier one.
+    /// Metadata records by name; later records overwrite entries of earlier records with the same
+    /// name.
     pub metadata: BTreeMap<String, BTreeMap<String, String>>,
 }
 
@@ -41,7 +42,7 @@ impl Recording {
     ///
     /// # Errors
     ///
-    /// As [`read`](Self::read).
+    /// See [`read`](Self::read).
     pub fn from_bytes(bytes: &[u8]) -> Result<Self, ReadError> {
         Self::read(bytes)
     }
@@ -63,7 +64,8 @@ impl Recording {
                 Entry::Motion(sample) => recording.motions.push(sample),
                 Entry::Trajectory { t_s, points } => {
                     let start = Duration::try_from_secs_f64(t_s).unwrap_or_default();
-                    // A part of a long trajectory begins with the last point of the part before.
+                    // Each further part of a long trajectory begins with the last point of the part
+                    // before.
                     let last = recording.trajectory.last().map(|point| point.time_from_start);
                     recording.trajectory.extend(
                         points

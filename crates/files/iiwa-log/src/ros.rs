@@ -1,4 +1,4 @@
-//! The ROS 2 messages of a recording as CDR sees them: fields in order, one type both ways.
+//! ROS 2 messages of a recording in CDR: fields in order, the same type for both directions.
 
 use std::borrow::Cow;
 use std::fmt;
@@ -17,13 +17,13 @@ pub(crate) struct Time {
 }
 
 impl Time {
-    /// `None` past 2^31 - 1 seconds.
+    /// Converts a duration; `None` past 2^31 - 1 seconds.
     pub(crate) fn from_duration(duration: Duration) -> Option<Self> {
         let sec = i32::try_from(duration.as_secs()).ok()?;
         Some(Self { sec, nanosec: duration.subsec_nanos() })
     }
 
-    /// `None` when negative or when the nanoseconds do not fit into a second.
+    /// Converts to a duration; `None` if negative or if the nanoseconds exceed a second.
     pub(crate) fn to_duration(self) -> Option<Duration> {
         let sec = u64::try_from(self.sec).ok()?;
         (self.nanosec < 1_000_000_000).then(|| Duration::new(sec, self.nanosec))
@@ -53,7 +53,7 @@ pub(crate) struct JointState<'a> {
     pub(crate) effort: Joints,
 }
 
-/// `geometry_msgs/msg/PoseStamped`. Vectors and quaternions are runs of doubles on the wire.
+/// `geometry_msgs/msg/PoseStamped`. Vectors and quaternions are sequences of doubles on the wire.
 #[derive(Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct PoseStamped<'a> {
     pub(crate) header: Header<'a>,
@@ -105,7 +105,7 @@ pub(crate) struct MotionMessage<'a> {
     pub(crate) limiting_kind: Cow<'a, str>,
 }
 
-/// A `float64[]` that should have one value a joint. Keeps the length that was found.
+/// `float64[]` with one value per joint. Keeps the length that was found.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Joints {
     pub(crate) len: usize,
@@ -162,18 +162,18 @@ impl<'de> Deserialize<'de> for Joints {
 /// Stem of the joint names in most files.
 pub(crate) const USUAL_STEM: &str = "iiwa_joint_";
 
-/// The joints' numbers.
+/// Numbers of the joints.
 const NUMBERS: [&str; 7] = ["1", "2", "3", "4", "5", "6", "7"];
 
-/// A `string[]` that should be seven names of joints: the same stem with the numbers 1 to 7. Keeps the first difference
-/// that was found.
+/// `string[]` with the seven joint names: the same stem with the numbers 1 to 7. Keeps the first
+/// difference that was found.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) enum Names<'a> {
     /// Seven names with this stem, in order.
     Of(Cow<'a, str>),
-    /// The name at `index` is another one.
+    /// The name at `index` differs.
     Other { index: usize, expected: String, found: String },
-    /// More or fewer than seven names, the common ones right.
+    /// More or fewer than seven names; the common ones are right.
     Count(usize),
 }
 
@@ -184,7 +184,7 @@ impl Serialize for Names<'_> {
                 serializer.collect_seq(NUMBERS.map(|number| format!("{stem}{number}")))
             }
             Self::Other { .. } | Self::Count(_) => {
-                Err(serde::ser::Error::custom("these are no names of seven joints"))
+                Err(serde::ser::Error::custom("expected seven joint names"))
             }
         }
     }
@@ -223,7 +223,7 @@ impl<'de> Deserialize<'de> for Names<'_> {
     }
 }
 
-/// Reads one name and tells only if it is not the expected one. The first one gives the stem.
+/// Reads one name and compares it with the expected one. The first name determines the stem.
 struct Name<'a> {
     index: usize,
     stem: &'a mut Cow<'static, str>,

@@ -1,15 +1,15 @@
-//! Where a recorder keeps its file.
+//! Storage of a recorder.
 
 use std::fs::File;
 use std::io::{self, Cursor, Seek, Write};
 
-/// A stream that can also be cut off, which `std` has no trait for.
+/// Stream that can also be truncated, for which `std` has no trait.
 pub trait Storage: Write + Seek {
-    /// Sets the length of the content to `len` bytes; what is beyond is lost.
+    /// Sets the length of the content to `len` bytes; the rest is lost.
     ///
     /// # Errors
     ///
-    /// Whatever the storage says.
+    /// Errors of the storage.
     fn set_len(&mut self, len: u64) -> io::Result<()>;
 }
 

@@ -1,4 +1,4 @@
-//! The end of an MCAP file, from the end of its messages on, at any time.
+//! Tail of an MCAP file: everything after its messages.
 
 use std::ops::Range;
 
@@ -10,31 +10,31 @@ use mcap::{MAGIC, McapError};
 use crate::Topic;
 use crate::record::{RECORD_HEADER_BYTES, put_channel, put_record, put_schema};
 
-/// The footer's content: two offsets and a checksum.
+/// Bytes of the footer content: two offsets and a checksum.
 const FOOTER_CONTENT_BYTES: usize = 20;
 
-/// The footer and the magic after it, at the end of every file.
+/// Bytes of the footer and the following magic, at the end of every file.
 pub(crate) const FOOTER_BYTES: usize = RECORD_HEADER_BYTES + FOOTER_CONTENT_BYTES + MAGIC.len();
 
-/// The footer's content, as a place in its bytes.
+/// Range of the content in the bytes of the footer.
 pub(crate) const FOOTER_CONTENT: Range<usize> =
     RECORD_HEADER_BYTES..RECORD_HEADER_BYTES + FOOTER_CONTENT_BYTES;
 
-/// The checksum in the footer, as a place in its bytes.
+/// Range of the checksum in the bytes of the footer.
 pub(crate) const FOOTER_CRC: Range<usize> = FOOTER_CONTENT.end - 4..FOOTER_CONTENT.end;
 
-/// What the summary of a file says about the rest.
+/// Summary of a file.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Index {
     statistics: Statistics,
-    /// The records, as they stand in the file: a chunk is written into many tails.
+    /// Encoded records: a chunk index is written into many tails.
     chunks: Vec<u8>,
     attachments: Vec<u8>,
     metadata: Vec<u8>,
 }
 
 impl Index {
-    /// Takes up a chunk with so many messages by topic.
+    /// Adds a chunk with `counts` messages per topic.
     pub(crate) fn chunk(
         &mut self,
         chunk: &ChunkIndex,
@@ -56,19 +56,20 @@ impl Index {
         put_record(&mut self.chunks, op::CHUNK_INDEX, chunk)
     }
 
-    /// Takes up an attachment.
+    /// Adds an attachment.
     pub(crate) fn attachment(&mut self, attachment: &AttachmentIndex) -> Result<(), McapError> {
         self.statistics.attachment_count += 1;
         put_record(&mut self.attachments, op::ATTACHMENT_INDEX, attachment)
     }
 
-    /// Takes up a metadata record.
+    /// Adds a metadata record.
     pub(crate) fn metadata(&mut self, metadata: &MetadataIndex) -> Result<(), McapError> {
         self.statistics.metadata_count += 1;
         put_record(&mut self.metadata, op::METADATA_INDEX, metadata)
     }
 
-    /// The tail of a file whose data section ends at `data_end` and has this checksum; 0 leaves it out.
+    /// Encodes the tail of a file whose data section ends at `data_end` and has this checksum; 0
+    /// omits the checksum.
     pub(crate) fn tail(&self, data_end: u64, data_section_crc: u32) -> Result<Vec<u8>, McapError> {
         let counts = &self.statistics.channel_message_counts;
         let topics = || Topic::ALL.into_iter().filter(|topic| counts.contains_key(&topic.id()));
@@ -125,7 +126,7 @@ impl Index {
         };
         let start = tail.len();
         put_record(&mut tail, op::FOOTER, &footer)?;
-        // The checksum covers the footer up to itself.
+        // The checksum covers the footer up to the checksum itself.
         footer.summary_crc = crc32fast::hash(&tail[summary..start + FOOTER_CRC.start]);
         tail.truncate(start);
         put_record(&mut tail, op::FOOTER, &footer)?;

@@ -1,37 +1,39 @@
-//! The topics of a recording: their ROS 2 types, schemas and quality of service.
+//! Topics of a recording: their ROS 2 types, schemas and quality of service.
 
 use std::fmt;
 
-/// A topic of a recording, with its ROS 2 type.
+/// Topic of a recording, with its ROS 2 type.
 ///
-/// Every topic carries CDR, with the schema beside it as `ros2msg` text.
+/// Every topic is encoded as CDR; its schema is stored as `ros2msg` text.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 #[non_exhaustive]
 pub enum Topic {
-    /// `/joint_states`, `sensor_msgs/msg/JointState`: positions in rad, velocities in rad/s, efforts in Nm: of plans
-    /// what the joints exert behind the gears, of recordings what the controller measures, if it does, with its sign.
+    /// `/joint_states`, `sensor_msgs/msg/JointState`: positions in rad, velocities in rad/s,
+    /// efforts in Nm: in plans the torques that the joints exert on the output side of the gears,
+    /// in recordings the torques that the controller measures, if any, with its sign.
     JointStates,
     /// `/tf`, `tf2_msgs/msg/TFMessage`: the pose of every link in its parent; in recordings at most
-    /// [`pose_rate_hz`](crate::RecorderConfig::pose_rate_hz) times a second, like `/tcp_pose`.
+    /// [`pose_rate_hz`](crate::RecorderConfig::pose_rate_hz) times per second, like `/tcp_pose`.
     Tf,
     /// `/robot_description`, `std_msgs/msg/String`: the URDF of the robot.
     RobotDescription,
-    /// `/tcp_pose`, `geometry_msgs/msg/PoseStamped`: the pose of the TCP that moves; of the flange if there is no
-    /// tool, and in recordings, which do not know the tool.
+    /// `/tcp_pose`, `geometry_msgs/msg/PoseStamped`: the pose of the moving TCP; of the flange
+    /// without a tool, and in recordings, which do not know the tool.
     TcpPose,
     /// `/joint_trajectory`, `trajectory_msgs/msg/JointTrajectory`: the whole trajectory.
     JointTrajectory,
-    /// `/motion`, `iiwasim_msgs/msg/Motion`: the start of a piece of the path.
+    /// `/motion`, `iiwasim_msgs/msg/Motion`: the start of a path piece.
     Motion,
-    /// `/flange_pose`, `geometry_msgs/msg/PoseStamped`: the pose of the flange; only of programs with a tool.
+    /// `/flange_pose`, `geometry_msgs/msg/PoseStamped`: the flange pose; only for programs with a
+    /// tool.
     FlangePose,
-    /// `/diagnostics`, `diagnostic_msgs/msg/DiagnosticArray`: the drive's state, temperatures, inputs and outputs; only of
-    /// recordings.
+    /// `/diagnostics`, `diagnostic_msgs/msg/DiagnosticArray`: the drive's state, temperatures,
+    /// inputs and outputs; only in recordings.
     Diagnostics,
 }
 
 impl Topic {
-    /// Every topic, in the order of their channel numbers in a file.
+    /// All topics, in the order of their channel numbers in a file.
     pub const ALL: [Self; 8] = [
         Self::JointStates,
         Self::Tf,
@@ -43,19 +45,19 @@ impl Topic {
         Self::Diagnostics,
     ];
 
-    /// How messages are encoded, as MCAP calls it.
+    /// MCAP name of the message encoding.
     pub const MESSAGE_ENCODING: &str = "cdr";
 
-    /// How schemas are written down, as MCAP calls it.
+    /// MCAP name of the schema encoding.
     pub const SCHEMA_ENCODING: &str = "ros2msg";
 
-    /// The number of the topic's channel and schema in a file, from 1: fixed, so that it does not
-    /// follow the order of the calls.
+    /// Number of the topic's channel and schema in a file, from 1: fixed, so that it does not
+    /// depend on the order of the calls.
     pub(crate) fn id(self) -> u16 {
         self as u16 + 1
     }
 
-    /// The topic's name, with its leading slash.
+    /// Name of the topic, with its leading slash.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -70,13 +72,13 @@ impl Topic {
         }
     }
 
-    /// The topic of this name, if it is one of a recording.
+    /// Returns the topic of this name, if a recording has it.
     #[must_use]
     pub fn from_name(name: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|topic| topic.name() == name)
     }
 
-    /// The full name of the ROS 2 type, `package/msg/Name`.
+    /// Full name of the ROS 2 type, `package/msg/Name`.
     #[must_use]
     pub fn type_name(self) -> &'static str {
         match self {
@@ -90,7 +92,7 @@ impl Topic {
         }
     }
 
-    /// The schema as `ros2msg` text: the fields of the type, then for every type they need a line
+    /// Schema as `ros2msg` text: the fields of the type, then for every type that they need a line
     /// of 80 equals signs, a line `MSG: package/Name` and its fields.
     #[must_use]
     pub fn schema(self) -> String {
@@ -135,9 +137,10 @@ impl Topic {
         text
     }
 
-    /// The quality of service a publisher of this topic offers, as rosbag2 writes it into a bag of
-    /// format version 8 and earlier: numbers for the policies of `rmw`, and 2^63 - 1 ns for no
-    /// limit in time. A description is kept for late subscribers, everything else is volatile.
+    /// Quality of service that a publisher of this topic offers, as rosbag2 writes it into a bag of
+    /// format version 8 and earlier: numbers for the policies of `rmw`, and 2^63 - 1 ns for no time
+    /// limit. Descriptions and trajectories are kept for late subscribers, all other topics are
+    /// volatile.
     #[must_use]
     pub fn offered_qos_profiles(self) -> &'static str {
         match self {
@@ -158,7 +161,7 @@ impl fmt::Display for Topic {
     }
 }
 
-/// Name and fields of a type that others are made of.
+/// Name and fields of a nested type.
 type Definition = (&'static str, &'static str);
 
 const TIME: Definition = ("builtin_interfaces/Time", "int32 sec\nuint32 nanosec\n");
@@ -207,16 +210,16 @@ macro_rules! qos {
     };
 }
 
-/// Keep the last one, reliable, transient-local.
+/// Quality of service: keep the last message, reliable, transient-local.
 const LATCHED: &str = qos!(depth: "1", durability: "1");
-/// Keep the last hundred, reliable, volatile.
+/// Quality of service: keep the last hundred messages, reliable, volatile.
 const VOLATILE: &str = qos!(depth: "100", durability: "2");
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    /// What ROS 2 builds is what files say.
+    /// Compares the schema with the message definition that ROS 2 builds.
     #[test]
     fn the_package_of_messages_has_the_fields_of_the_schema() {
         let path =

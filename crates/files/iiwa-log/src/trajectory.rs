@@ -1,4 +1,4 @@
-//! A trajectory message that grows point by point.
+//! Trajectory message that is built point by point.
 
 use std::iter::{self, zip};
 use std::time::Duration;
@@ -8,7 +8,7 @@ use crate::ros::{Header, JointTrajectory, JointTrajectoryPoint, Joints, Names, T
 use crate::template::{Template, stamp_word};
 use crate::{Topic, cdr};
 
-/// One node of a trajectory.
+/// Node of a trajectory.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TrajectoryPoint {
     /// Time since the start of the trajectory.
@@ -21,20 +21,20 @@ pub struct TrajectoryPoint {
     pub accelerations: [f64; 7],
 }
 
-/// Of a point, in a message.
+/// Bytes of a point in a message.
 const POINT_BYTES: usize = 200;
 
-/// Room for what goes before a message in its chunk, so that its bytes need not move to other memory.
+/// Reserved bytes for the data before a message in its chunk, which avoids reallocating its bytes.
 const BEFORE_BYTES: usize = 4096;
 
-/// A `/joint_trajectory` message under construction, kept as the bytes it will be in the file.
+/// `/joint_trajectory` message under construction, kept in encoded form.
 ///
-/// A point takes 200 bytes, so an hour at 250 Hz takes 180 MB.
+/// A point has 200 bytes, so an hour at 250 Hz has 180 MB.
 #[derive(Clone, Debug)]
 pub struct TrajectoryMessage {
-    /// The head has the usual names until the message is stamped.
+    /// Encoded message; the head has the default names until the message is stamped.
     bytes: Vec<u8>,
-    /// A point, with the word before it.
+    /// Template of a point, with the word before it.
     point: Template,
     head_bytes: usize,
     count: u32,
@@ -42,16 +42,16 @@ pub struct TrajectoryMessage {
 }
 
 impl TrajectoryMessage {
-    /// A trajectory without points.
+    /// Creates a trajectory without points.
     ///
     /// # Errors
     ///
-    /// None that a caller can cause: [`WriteError::Encode`] if the encoder gives up.
+    /// [`WriteError::Encode`] if the encoder fails, which no input causes.
     pub fn new() -> Result<Self, WriteError> {
         let bytes = head(Time { sec: 0, nanosec: 0 }, USUAL_STEM, 0)?;
         let head_bytes = bytes.len();
-        // Doubles are aligned to 8 in the whole message, and a point begins 4 past a multiple of 8. So the
-        // word before it (the count, or nanoseconds) is encoded with it.
+        // Doubles are aligned to 8 in the whole message, and a point begins 4 past a multiple of 8.
+        // So the word before it (the count, or nanoseconds) is encoded with the point.
         let point = Template::new(iter::empty(), |buffer, time_from_start, value| {
             let point = JointTrajectoryPoint {
                 positions: Joints::from([value; 7]),
@@ -66,16 +66,16 @@ impl TrajectoryMessage {
         Ok(Self { bytes, point, head_bytes, count: 0, last: None })
     }
 
-    /// Makes room for so many points more.
+    /// Reserves memory for this number of further points.
     pub(crate) fn reserve(&mut self, points: usize) {
         self.bytes.reserve(points * POINT_BYTES + BEFORE_BYTES);
     }
 
-    /// A trajectory of all `points`.
+    /// Creates a trajectory of all `points`.
     ///
     /// # Errors
     ///
-    /// As [`push`](Self::push).
+    /// See [`push`](Self::push).
     pub fn from_points(
         points: impl IntoIterator<Item = TrajectoryPoint>,
     ) -> Result<Self, WriteError> {
@@ -86,7 +86,7 @@ impl TrajectoryMessage {
         Ok(message)
     }
 
-    /// The time of the last point, since the start of the trajectory.
+    /// Time of the last point, since the start of the trajectory.
     #[must_use]
     pub fn last(&self) -> Option<Duration> {
         self.last
@@ -96,8 +96,8 @@ impl TrajectoryMessage {
     ///
     /// # Errors
     ///
-    /// [`WriteError::NotIncreasing`] when the point is not later than the one before,
-    /// [`WriteError::StampOutOfRange`] when its time does not fit into 2^31 s,
+    /// [`WriteError::NotIncreasing`] if the point is not later than the previous one,
+    /// [`WriteError::StampOutOfRange`] if its time does not fit into 2^31 s,
     /// [`WriteError::TooManyPoints`] beyond 2^32 - 1 points.
     pub fn push(&mut self, point: &TrajectoryPoint) -> Result<(), WriteError> {
         let topic = Topic::JointTrajectory;
@@ -123,30 +123,30 @@ impl TrajectoryMessage {
         Ok(())
     }
 
-    /// The number of points.
+    /// Number of points.
     #[must_use]
     pub fn len(&self) -> usize {
         self.count as usize
     }
 
-    /// Whether there are no points yet.
+    /// Returns true if there are no points yet.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.count == 0
     }
 
-    /// The size of the message with the names of `iiwa_stack` before compression, bytes.
+    /// Size of the message with the names of `iiwa_stack` before compression, bytes.
     #[must_use]
     pub fn len_bytes(&self) -> usize {
         self.bytes.len()
     }
 
-    /// The finished message, stamped, of joints whose names begin with `joint_stem`.
+    /// Returns the finished, stamped message for joints whose names begin with `joint_stem`.
     pub(crate) fn stamped(mut self, stamp: Time, joint_stem: &str) -> Result<Vec<u8>, WriteError> {
         let mut head = head(stamp, joint_stem, self.count)?;
         let mut replaced = self.head_bytes;
-        // Behind a head of this length, the first point begins at a multiple of 8: its first doubles are 4 farther behind
-        // their count. All points after it are where they would be.
+        // After a head of this length, the first point begins at a multiple of 8: its first doubles
+        // are 4 bytes farther from the count. All later points keep their alignment.
         if !self.is_empty() && (head.len() - cdr::ENCAPSULATION.len()).is_multiple_of(8) {
             head.extend_from_slice(&self.bytes[replaced..replaced + 4]);
             head.extend([0; 4]);
@@ -157,7 +157,7 @@ impl TrajectoryMessage {
     }
 }
 
-/// What comes before the points: all up to their number.
+/// Encodes the head: everything up to the number of points.
 fn head(stamp: Time, joint_stem: &str, count: u32) -> Result<Vec<u8>, WriteError> {
     let mut bytes = Vec::new();
     let empty = JointTrajectory {
@@ -201,7 +201,7 @@ mod tests {
         }
         let stamp = Time { sec: 1_577_836_800, nanosec: 5 };
         let mut ends = [false; 2];
-        // Points are aligned behind names of any length.
+        // Points are aligned after names of any length.
         for stem in [USUAL_STEM, "lbr_A", "right_A", "a_A", "a_joint_", "another_A"] {
             for (message, points) in
                 [(message.clone(), points.clone()), (TrajectoryMessage::new().unwrap(), Vec::new())]
@@ -218,7 +218,7 @@ mod tests {
                 assert_eq!(cdr::decode::<JointTrajectory<'_>>(&expected).unwrap(), whole);
             }
         }
-        // Heads of both alignments were among those without points.
+        // The heads without points include both alignments.
         assert_eq!(ends, [true; 2]);
     }
 

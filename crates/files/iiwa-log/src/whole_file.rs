@@ -1,22 +1,22 @@
-//! A file that grows and is whole at every moment.
+//! File that grows and is complete at every moment.
 //!
-//! An MCAP file ends with an index of everything before it, so what is added comes before the old
-//! end and a new end after it. A process can be killed between any two pages (4 KiB) of a write.
-//! So every step here either changes nothing that a reader looks at, or is so small that it happens
-//! as one; between the steps, the file is whole as seen from its end, through the index, as well as
-//! from its start, record by record:
+//! An MCAP file ends with an index of everything before it, so new data go before the old tail,
+//! with a new tail after them. A process can be killed between any two pages (4 KiB) of a write. So
+//! every step here either changes no byte that a reader looks at, or is small enough to be atomic;
+//! between the steps, the file is complete as seen from its end, through the index, as well as from
+//! its start, record by record:
 //!
-//! 1. A second footer, at the end of a page far enough beyond the end: it points to the old
-//!    summary. What lies between is a hole.
-//! 2. A copy of the old tail into the hole, before that footer.
-//! 3. The second footer points to the copy.
-//! 4. The old tail turns into the content of a record that readers pass over, up to the copy.
-//! 5. In there, what is added and the new tail are written.
-//! 6. The header of that record becomes the one of the first record that was added.
-//! 7. The file is cut off behind the new tail.
+//! 1. Write a second footer, at the end of a page far enough beyond the end: it points to the old
+//!    summary. Between the two is a hole.
+//! 2. Copy the old tail into the hole, before that footer.
+//! 3. Let the second footer point to the copy.
+//! 4. Turn the old tail into the content of a record that readers skip, up to the copy.
+//! 5. Write the new data and the new tail into that record.
+//! 6. Replace the header of that record by the header of the first new record.
+//! 7. Truncate the file after the new tail.
 //!
-//! From 1 to 4 and from 6 to 7, who reads from the start finds bytes after the end of the file; and
-//! from 6 to 7, what was added, which the index does not have yet.
+//! From 1 to 4 and from 6 to 7, a reader that starts at the beginning finds bytes after the end of
+//! the file; and from 6 to 7, also the new data, which the index does not contain yet.
 
 use std::io::{self, SeekFrom};
 
@@ -26,19 +26,19 @@ use crate::record::{PADDING, RECORD_HEADER_BYTES, record_header};
 use crate::storage::Storage;
 use crate::tail::{FOOTER_BYTES, FOOTER_CONTENT, FOOTER_CRC};
 
-/// What Linux writes as one, at least: a page of memory.
+/// Number of bytes that Linux writes atomically, at least: a page of memory.
 pub(crate) const PAGE_BYTES: u64 = 4096;
 
-/// Whether a record's header at `offset` would lie in two pages.
+/// Returns true if a record header at `offset` would span two pages.
 pub(crate) fn header_is_torn(offset: u64) -> bool {
     offset % PAGE_BYTES > PAGE_BYTES - RECORD_HEADER_BYTES as u64
 }
 
-/// A file that grows and is whole at every moment.
+/// File that grows and is complete at every moment.
 #[derive(Debug)]
 pub(crate) struct WholeFile<S> {
     storage: S,
-    /// Where the data section ends and the tail begins.
+    /// Offset where the data section ends and the tail begins.
     data_end: u64,
     end: u64,
     failed: bool,
@@ -58,10 +58,11 @@ impl<S: Storage> WholeFile<S> {
         self.storage
     }
 
-    /// Puts `new` in the place of the tail: whole records, of which the first `data_bytes` are the
-    /// data section's, and a tail. `old_tail` gives the tail of now for an end of the data section.
+    /// Replaces the tail by `new`: complete records, of which the first `data_bytes` belong to the
+    /// data section, and a tail. `old_tail` returns the current tail for an end of the data
+    /// section.
     ///
-    /// After an error the file has what it had before, and takes nothing more.
+    /// After an error the file keeps its previous content, and accepts no more data.
     pub(crate) fn grow(
         &mut self,
         old_tail: impl Fn(u64) -> Result<Vec<u8>, McapError>,
@@ -78,8 +79,8 @@ impl<S: Storage> WholeFile<S> {
 
         let made_room = self.make_room(&old_tail, copy, copy_end);
         if made_room.is_err() {
-            // The old file is still there, in front. If not even this succeeds, the second footer
-            // points to its summary.
+            // The old file is still intact at the beginning. If even the truncation fails, the
+            // second footer points to its summary.
             let _ = self.storage.set_len(self.end);
         }
         made_room?;
@@ -95,7 +96,7 @@ impl<S: Storage> WholeFile<S> {
         Ok(())
     }
 
-    /// Moves the tail to `copy` and leaves a record to pass over in its place.
+    /// Moves the tail to `copy` and leaves a record that readers skip in its place.
     fn make_room(
         &mut self,
         old_tail: &impl Fn(u64) -> Result<Vec<u8>, McapError>,
@@ -105,7 +106,7 @@ impl<S: Storage> WholeFile<S> {
         let footer_start = copy_end - FOOTER_BYTES as u64;
 
         let mut footer = footer_of(old_tail(self.data_end)?);
-        // It would count what lies between.
+        // The checksum would include the bytes in between.
         footer[FOOTER_CRC].fill(0);
         self.write(footer_start, &footer)?;
 
@@ -125,7 +126,7 @@ impl<S: Storage> WholeFile<S> {
     }
 }
 
-/// The footer and the magic at the end of a tail.
+/// Returns the footer and the magic at the end of a tail.
 fn footer_of(mut tail: Vec<u8>) -> Vec<u8> {
     tail.split_off(tail.len() - FOOTER_BYTES)
 }

@@ -16,25 +16,26 @@ use crate::{Compression, Diagnostic, Encoder, Frame, Motion, Topic, TrajectoryMe
 
 /// 2020-01-01T00:00:00Z as the time since 1970-01-01T00:00:00Z (Unix time 1 577 836 800 s).
 ///
-/// A fixed instant, so that the same program gives the same bytes, and late enough for viewers
-/// that take early stamps for durations.
+/// The instant is fixed, so that the same program gives the same bytes, and late enough for viewers
+/// that interpret early stamps as durations.
 pub const DEFAULT_EPOCH: Duration = Duration::from_secs(1_577_836_800);
 
-/// What a recording is written with.
+/// Options of a recording file.
 #[derive(Clone, Debug)]
 pub struct Config {
-    /// The instant of `t` = 0, as the time since 1970-01-01T00:00:00Z.
+    /// Instant of `t` = 0, as the time since 1970-01-01T00:00:00Z.
     pub epoch: Duration,
-    /// The name of the writing program, as it stands in the file's header.
+    /// Name of the writing program in the file header.
     pub library: String,
-    /// How it is compressed.
+    /// Compression of the file.
     pub compression: Compression,
-    /// The names of joints and links.
+    /// Names of joints and links.
     pub names: RosNames,
 }
 
 impl Default for Config {
-    /// [`DEFAULT_EPOCH`], this crate's name and version, [`Compression::Small`], and the names of `iiwa_stack`.
+    /// Returns [`DEFAULT_EPOCH`], this crate's name and version, [`Compression::Small`], and the
+    /// names of `iiwa_stack`.
     fn default() -> Self {
         Self {
             epoch: DEFAULT_EPOCH,
@@ -47,14 +48,13 @@ impl Default for Config {
 
 /// Writes a recording into a stream, in one pass.
 ///
-/// Every method takes the time `t` since the start of the motion and stamps its message with
-/// [`Config::epoch`] + `t`, as header stamp, log time and publish time alike. Within a topic the
-/// times must increase; between topics they may come in any order, and viewers are fastest when
-/// they come in the order of time.
+/// Every method accepts the time `t` since the start of the motion and stamps its message with
+/// [`Config::epoch`] + `t`, as header stamp, log time and publish time alike. Times must increase
+/// within a topic; across topics their order is free, but viewers are fastest if all messages are
+/// in the order of time.
 ///
-/// Memory stays at a few megabytes: what grows with the length is an index entry of some 200
-/// bytes a chunk, that is for every megabyte of messages, or every eighth of one with
-/// [`Compression::Fast`].
+/// Memory use stays at a few megabytes: only the index grows, by some 200 bytes per chunk, that is
+/// for every megabyte of messages, or every eighth of one with [`Compression::Fast`].
 ///
 /// The bytes depend on the calls and on [`Config`] alone. Call [`finish`](Self::finish): a writer
 /// that is dropped leaves a file that is cut off.
@@ -63,7 +63,7 @@ pub struct Writer<W: Write> {
     file: File<W>,
 }
 
-/// The container, apart from the encoder that lends it the bytes of a message.
+/// Container, apart from the encoder that lends it the bytes of a message.
 struct File<W: Write> {
     container: Container<W>,
     epoch: Duration,
@@ -71,7 +71,7 @@ struct File<W: Write> {
     channels: [Channel; Topic::ALL.len()],
 }
 
-/// What a topic has seen so far.
+/// State of a topic.
 #[derive(Clone, Copy, Debug, Default)]
 struct Channel {
     open: bool,
@@ -93,8 +93,8 @@ impl<W: Write> Writer<W> {
     ///
     /// # Errors
     ///
-    /// [`WriteError::EpochOutOfRange`] for an epoch past 2038, [`WriteError::Mcap`] when the
-    /// stream refuses.
+    /// [`WriteError::EpochOutOfRange`] for an epoch past 2038, [`WriteError::Mcap`] if the stream
+    /// fails.
     pub fn new(stream: W, config: Config) -> Result<Self, WriteError> {
         let Config { epoch, library, compression, names } = config;
         let encoder = Encoder::with_names(epoch, &names)?;
@@ -105,8 +105,8 @@ impl<W: Write> Writer<W> {
         Ok(Self { encoder, file: File { container, epoch, epoch_ns, channels } })
     }
 
-    /// Writes positions (rad) and velocities (rad/s) of the seven joints, and torques (Nm) as `effort` if there are any, to
-    /// `/joint_states`.
+    /// Writes positions (rad) and velocities (rad/s) of the seven joints, and torques (Nm) as
+    /// `effort` if given, to `/joint_states`.
     ///
     /// # Errors
     ///
@@ -122,11 +122,11 @@ impl<W: Write> Writer<W> {
         self.file.write(Topic::JointStates, t, message)
     }
 
-    /// Writes how parts of a machine are to `/diagnostics`.
+    /// Writes the status of machine components to `/diagnostics`.
     ///
     /// # Errors
     ///
-    /// As [`joint_state`](Self::joint_state).
+    /// See [`joint_state`](Self::joint_state).
     pub fn diagnostics(&mut self, t: Duration, parts: &[Diagnostic<'_>]) -> Result<(), WriteError> {
         self.file.write(Topic::Diagnostics, t, self.encoder.diagnostics(t, parts)?)
     }
@@ -135,21 +135,22 @@ impl<W: Write> Writer<W> {
     ///
     /// # Errors
     ///
-    /// As [`joint_state`](Self::joint_state).
+    /// See [`joint_state`](Self::joint_state).
     pub fn transforms(&mut self, t: Duration, frames: &[Frame<'_>]) -> Result<(), WriteError> {
         self.file.write(Topic::Tf, t, self.encoder.transforms(t, frames)?)
     }
 
-    /// The same for frames that have the names of the first call.
+    /// Writes the poses of `frames`, which have the same names as in the first call.
     pub(crate) fn chain(&mut self, t: Duration, frames: &[Frame<'_>]) -> Result<(), WriteError> {
         self.file.write(Topic::Tf, t, self.encoder.chain(t, frames)?)
     }
 
-    /// Writes the pose of the TCP in `frame_id` to `/tcp_pose`: position in m, rotation as a unit quaternion x, y, z, w.
+    /// Writes the TCP pose in `frame_id` to `/tcp_pose`: position in m, rotation as a unit
+    /// quaternion x, y, z, w.
     ///
     /// # Errors
     ///
-    /// As [`joint_state`](Self::joint_state).
+    /// See [`joint_state`](Self::joint_state).
     pub fn tcp_pose(
         &mut self,
         t: Duration,
@@ -161,11 +162,11 @@ impl<W: Write> Writer<W> {
         self.file.write(Topic::TcpPose, t, message)
     }
 
-    /// Writes the pose of the flange in `frame_id` to `/flange_pose`, where that is not the TCP.
+    /// Writes the flange pose in `frame_id` to `/flange_pose`, if the flange is not the TCP.
     ///
     /// # Errors
     ///
-    /// As [`joint_state`](Self::joint_state).
+    /// See [`joint_state`](Self::joint_state).
     pub fn flange_pose(
         &mut self,
         t: Duration,
@@ -181,7 +182,7 @@ impl<W: Write> Writer<W> {
     ///
     /// # Errors
     ///
-    /// As [`joint_state`](Self::joint_state).
+    /// See [`joint_state`](Self::joint_state).
     pub fn robot_description(&mut self, t: Duration, urdf: &str) -> Result<(), WriteError> {
         self.file.write(Topic::RobotDescription, t, self.encoder.robot_description(urdf)?)
     }
@@ -190,7 +191,7 @@ impl<W: Write> Writer<W> {
     ///
     /// # Errors
     ///
-    /// As [`joint_state`](Self::joint_state).
+    /// See [`joint_state`](Self::joint_state).
     pub fn joint_trajectory(
         &mut self,
         t: Duration,
@@ -204,11 +205,11 @@ impl<W: Write> Writer<W> {
         Ok(())
     }
 
-    /// Writes the start of a piece of the path to `/motion`.
+    /// Writes the start of a path piece to `/motion`.
     ///
     /// # Errors
     ///
-    /// [`WriteError::NoSuchJoint`] for a limiting joint other than 1 to 7, and as
+    /// [`WriteError::NoSuchJoint`] for a limiting joint other than 1 to 7, and the errors of
     /// [`joint_state`](Self::joint_state).
     pub fn motion(&mut self, t: Duration, motion: &Motion<'_>) -> Result<(), WriteError> {
         self.file.write(Topic::Motion, t, self.encoder.motion(t, motion)?)
@@ -243,7 +244,7 @@ impl<W: Write> Writer<W> {
         Ok(self.file.container.metadata(name, entries)?)
     }
 
-    /// Writes the summary, flushes and gives the stream back.
+    /// Writes the summary, flushes and returns the stream.
     ///
     /// # Errors
     ///
@@ -252,22 +253,22 @@ impl<W: Write> Writer<W> {
         Ok(self.file.container.finish()?)
     }
 
-    /// Ends the current chunk: all messages so far are in the stream then.
+    /// Ends the current chunk; all messages so far are then in the stream.
     pub(crate) fn end_chunk(&mut self) -> Result<(), WriteError> {
         Ok(self.file.container.end_chunk()?)
     }
 
-    /// Ends the current chunk and fills up with a record that readers pass over.
+    /// Ends the current chunk and pads the file with a record that readers skip.
     pub(crate) fn pad(&mut self, bytes: &[u8]) -> Result<(), WriteError> {
         Ok(self.file.container.pad(bytes)?)
     }
 
-    /// How much of the file is written.
+    /// Bytes of the file written so far.
     pub(crate) fn offset(&self) -> u64 {
         self.file.container.offset()
     }
 
-    /// What the summary would say now.
+    /// Content of the summary up to now.
     pub(crate) fn index(&self) -> &Index {
         self.file.container.index()
     }
@@ -276,7 +277,7 @@ impl<W: Write> Writer<W> {
         self.file.container.stream_mut()
     }
 
-    /// The instant of `t` as a message carries it.
+    /// Stamp of `t` as in messages.
     pub(crate) fn stamp(&self, topic: Topic, t: Duration) -> Result<Time, WriteError> {
         self.encoder.stamp(topic, t)
     }
@@ -289,7 +290,7 @@ impl<W: Write> File<W> {
         Ok(())
     }
 
-    /// The chunk for the next message of a topic, its sequence number and its log time.
+    /// Returns the chunk for the next message of a topic, its sequence number and its log time.
     fn place(
         &mut self,
         topic: Topic,

@@ -1,4 +1,4 @@
-//! Joint positions from files of every kind: what is read, what is refused, and what is lost.
+//! Joint positions from files of every format: accepted and rejected content, and losses.
 
 #![expect(
     clippy::unwrap_used,
@@ -26,17 +26,17 @@ fn read(text: &str) -> Result<JointLog, JointLogError> {
     JointLog::read(text.as_bytes())
 }
 
-/// The error's text.
+/// Returns the error text.
 fn refused(text: &str) -> String {
     read(text).unwrap_err().to_string()
 }
 
-/// A swing.
+/// Returns the joint positions of a test motion.
 fn swing(t_s: f64) -> Joints {
     std::array::from_fn(|joint| 0.5 * ((joint + 1) as f64 * t_s).sin())
 }
 
-/// A table of the swing at these times, as `write_csv` writes it.
+/// Returns a table of the test motion at these times, as `write_csv` writes it.
 fn table(t_s: &[f64]) -> String {
     let log = JointLog::new(t_s.to_vec(), t_s.iter().map(|t_s| swing(*t_s)).collect());
     let mut bytes = Vec::new();
@@ -48,7 +48,7 @@ fn millis(count: u32) -> Vec<f64> {
     (0..count).map(|k| Duration::from_millis(k.into()).as_secs_f64()).collect()
 }
 
-/// A recording of the swing at 1 kHz, with a chunk every 100 ms.
+/// Returns a recording of the test motion at 1 kHz, with a chunk every 100 ms.
 fn recording(samples: u32, metadata: &[(&str, &str)]) -> Vec<u8> {
     let config = RecorderConfig { period: Duration::from_millis(100), ..RecorderConfig::default() };
     let robot = Robot::lbr_iiwa_14_r820();

@@ -1,4 +1,4 @@
-//! A plan reads back as it was written: its figures, nodes, pieces, program and robot.
+//! Round trip of a plan: its figures, nodes, pieces, program and robot.
 
 #![expect(clippy::unwrap_used, reason = "a test fails by it")]
 
@@ -14,7 +14,7 @@ use iiwa_traj::{SweepOptions, Timing};
 
 const TEXT: &str = include_str!("../../../../fixtures/waits-and-stops.json");
 
-/// A robot with the built-in one's name and other limits.
+/// Returns a robot with the name of a built-in one and other limits.
 fn slow() -> Robot {
     let mut limits = *Robot::default().limits();
     limits.velocity_rad_s = limits.velocity_rad_s.map(|v| 0.5 * v);
@@ -120,7 +120,7 @@ fn a_recording_is_no_plan_and_knows_its_robot() {
     let log = iiwa_log::JointLog::read(&*file).unwrap();
     assert_eq!(log.recorded_robot().unwrap(), Some(slow()));
 
-    // A recorder that was killed has described its robot, and no more.
+    // A killed recorder has written its robot description, and no metadata.
     let mut recorder = recorder(&slow().with_name("slow robot"));
     recorder.flush().unwrap();
     let file = recorder.finish(&[].into(), &[]).unwrap().into_inner();

@@ -1,4 +1,4 @@
-//! How large a plan's file becomes is known before it is written.
+//! Estimated size of plan files, compared with the written files.
 
 #![expect(clippy::unwrap_used, reason = "a test fails by it")]
 
@@ -20,7 +20,7 @@ fn size(plan: &Trajectory, rate_hz: f64) -> PlanSize {
     PlanSize::of(plan, rate_hz)
 }
 
-/// The bytes of the file.
+/// Returns the bytes of the file.
 fn written(plan: &Trajectory, rate_hz: f64) -> usize {
     written_as(plan, PlanConfig { rate_hz, ..PlanConfig::default() })
 }
@@ -31,12 +31,12 @@ fn written_as(plan: &Trajectory, config: PlanConfig) -> usize {
     for section in plan.sections() {
         writer.section(section).unwrap();
     }
-    // The figures are not part of the estimate.
+    // The estimate does not include the figures.
     let figures = PlanFigures::new(Timing::default(), plan.path().robot(), 0);
     writer.finish(&figures, None).unwrap().into_inner().len()
 }
 
-/// Some motions of so many joints at this share of their speed.
+/// Returns a program with `joints` moving joints at this share of their speed.
 fn motions(joints: usize, velocity_rel: f64, count: u32) -> Program {
     let target = |i: u32| {
         let swing = |j: usize| (1.3 * f64::from(i) + 2.1 * j as f64).sin();
@@ -93,7 +93,7 @@ fn months_have_a_size_too() {
     let found = size(&plan, 250.0);
     assert!((found.samples() as f64 / (250.0 * months_s) - 1.0).abs() < 1e-6);
     assert!(found.bytes() > 50_000_000_000, "{found:?}");
-    // As large as a number can be, and no smaller one.
+    // The estimate saturates at the largest integer.
     assert_eq!(size(&plan, 1e300).bytes(), u64::MAX);
 }
 

@@ -1,4 +1,4 @@
-//! Torques in a plan's figures, in its files and in its tables.
+//! Torques in plan figures, plan files and tables.
 
 #![expect(clippy::unwrap_used, reason = "a test fails by it")]
 
@@ -10,7 +10,7 @@ use iiwa_plan::{Plan, PlanFigures, PlanOptions, PlanRequest, ProgramSource};
 use iiwa_traj::{SweepOptions, Timing};
 use serde_json::Value;
 
-/// Picks up a load where the arm stands, and puts it down; at the ceiling.
+/// Program that picks up a load at the start pose, and puts it down; ceiling-mounted robot.
 const TEXT: &str = r#"{
     "version": 1,
     "mount": { "rpy_deg": [180, 0, 0] },
@@ -94,7 +94,7 @@ fn files_have_the_torques_of_the_trajectory() {
             let row: Vec<f64> = row.split(',').map(|field| field.parse().unwrap()).collect();
             assert_eq!(row[29..], torques);
         }
-        // The load counts from where it is picked up, until it is put down.
+        // The load acts from the pick-up to the put-down.
         let a2 = |t_s: f64| plan.trajectory.torques_at(t_s).torque_nm[1];
         let figures = plan.figures();
         let wait = figures.motions.iter().find(|motion| motion.r#type == "wait").unwrap();
@@ -113,7 +113,8 @@ fn measured_torques_are_turned_to_the_sign_of_plans() {
     assert_eq!(read.exerted_nm().collect::<Vec<_>>(), [None, Some([-0.5; 7])]);
 }
 
-/// Tables have what joints exert, those of a `DataRecorder` what the controller measures; a joint that lacks its torque lacks all.
+/// Tables contain the torques that joints exert, `DataRecorder` logs those that the controller
+/// measures; without the torque of one joint, none are read.
 #[test]
 fn tables_have_torques() {
     let mut log = JointLog::new(vec![0.0, 0.01], vec![[0.1; 7]; 2]);
@@ -166,7 +167,7 @@ fn figures_are_in_the_files() {
     assert_eq!(json["energy_j"]["negative"].as_array().unwrap().len(), 7);
 }
 
-/// A load at the end of the outstretched arm: lifted, or held.
+/// Returns the figures of a plan with a load at the end of the outstretched arm: lifted, then held.
 fn outstretched(mass_kg: f64) -> PlanFigures {
     let text = format!(
         r#"{{ "version": 1, "start": {{ "joints_deg": [0, 90, 0, 0, 0, 0, 0] }},
@@ -182,7 +183,7 @@ fn outstretched(mass_kg: f64) -> PlanFigures {
 #[test]
 fn what_is_too_much_for_a_joint_is_said() {
     assert!(outstretched(2.0).torque_warnings().is_empty());
-    // 65 Nm of the arm, and 1.05 m to the load.
+    // 65 Nm for the arm, and a lever of 1.05 m for the load.
     let lifted = outstretched(9.0).torque_warnings();
     assert_eq!(lifted.len(), 1, "{lifted:?}");
     assert!(lifted[0].starts_with("motion 2: A2 needs 1"), "{lifted:?}");
@@ -190,7 +191,7 @@ fn what_is_too_much_for_a_joint_is_said() {
     let held = outstretched(12.0).torque_warnings();
     assert_eq!(
         held[0],
-        "motion 1: A2 cannot hold the arm and its load on this way: to stand still takes 189 Nm of its 176"
+        "motion 1: A2 cannot hold the arm and its payload at rest on this path: holding takes 189 Nm of its 176"
     );
     assert!(held[1].starts_with("motion 2: A2 cannot hold"), "{held:?}");
 }

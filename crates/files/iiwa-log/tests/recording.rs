@@ -1,4 +1,4 @@
-//! Recordings from the outside: written, read back, and damaged.
+//! Recordings through the public interface: written, read back, and damaged.
 
 #![expect(
     clippy::unwrap_used,

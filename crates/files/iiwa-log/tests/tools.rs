@@ -1,4 +1,4 @@
-//! Plans of programs with a tool: where its TCP is, and where the flange.
+//! Plans of programs with a tool: TCP pose and flange pose.
 
 #![expect(clippy::unwrap_used, reason = "a test fails by it")]
 
@@ -33,7 +33,7 @@ fn poses_are_of_the_tcp_that_moves_and_of_the_flange() {
         let pose = robot.flange_pose(&state.q);
         assert_eq!(flange.position_m, pose.position_m);
         assert_eq!(flange.rotation_xyzw, pose.quaternion_xyzw());
-        // Of the two TCPs one is the program's, and the other one of its seventh motion.
+        // One of the two TCPs belongs to the program, the other to its seventh motion.
         let motion = plan.at(state.t_s).motion;
         let offset_m = if motion.number() == 7 { [0.0, 0.04, 0.12] } else { [0.0, 0.0, 0.12] };
         tips += usize::from(motion.number() == 7);
@@ -66,7 +66,7 @@ fn figures_of_the_tcp_read_back() {
     let json = record.to_json();
     let keys = ["tcp_speed_peak_mm_s", "singularity", "status", "e1_deg"];
     for (index, motion) in json["motions"].as_array().unwrap().iter().enumerate() {
-        // All but a wait: the program has a tool.
+        // All motions except a wait: the program has a tool.
         let has = index != 2;
         assert!(keys.iter().all(|key| motion.get(key).is_some() == has), "{motion}");
     }

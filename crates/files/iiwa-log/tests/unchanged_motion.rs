@@ -1,6 +1,6 @@
-//! Programs without a load: what their files say of the motion has not changed since files have torques.
+//! Motion data in the files of programs without a load are unchanged since files contain torques.
 
-// The last bits of sines and cosines are those of one C library.
+// The last bits of sines and cosines depend on the C library.
 #![cfg(all(target_arch = "x86_64", target_os = "linux", target_env = "gnu"))]
 #![expect(clippy::unwrap_used, reason = "a test fails by it")]
 
@@ -11,7 +11,7 @@ use iiwa_plan::{PlanOptions, PlanRequest, ProgramSource};
 use iiwa_traj::{SweepOptions, Timing};
 use mcap::MessageStream;
 
-/// The hash FNV-1a of some bytes.
+/// FNV-1a hash.
 #[derive(Debug, PartialEq, Eq)]
 struct Hash(u64);
 
@@ -27,7 +27,8 @@ impl Hash {
     }
 }
 
-/// The messages on `/joint_trajectory` with their stamps, and stamps, positions and velocities on `/joint_states`.
+/// Hashes of the messages on `/joint_trajectory` with their stamps, and of stamps, positions and
+/// velocities on `/joint_states`.
 fn hashes(name: &str, timing: Timing) -> [u64; 2] {
     let fixtures = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../fixtures");
     let text = fs::read_to_string(fixtures.join(name).with_extension("json")).unwrap();
@@ -54,7 +55,7 @@ fn hashes(name: &str, timing: Timing) -> [u64; 2] {
     [trajectory.0, states.0]
 }
 
-/// Of the last version whose files had no torques, e4417f5: with limits of jerk, and without.
+/// Hashes of the last version whose files had no torques, e4417f5: with jerk limits, and without.
 const BEFORE: [(&str, [u64; 2], [u64; 2]); 4] = [
     (
         "appendix-b",
@@ -80,7 +81,7 @@ const BEFORE: [(&str, [u64; 2], [u64; 2]); 4] = [
 
 #[test]
 fn motions_without_a_load_are_written_as_before() {
-    // A product and a sum are rounded once by processors with this instruction, and twice by those before 2013.
+    // Processors with this instruction round a product and a sum once, those before 2013 twice.
     let rounds_once = is_x86_feature_detected!("fma") && is_x86_feature_detected!("avx2");
     for (name, jerk, acceleration) in BEFORE {
         if rounds_once {

@@ -1,4 +1,4 @@
-//! The planned path as a curve through the nodes of its trajectory.
+//! Planned path as a curve through the nodes of its trajectory.
 
 use iiwa_kin::{
     Joints, hermite,
@@ -6,35 +6,35 @@ use iiwa_kin::{
 };
 use iiwa_log::PlanNode;
 
-/// A polynomial between each two nodes: of degree five, which meets position, velocity and acceleration at
-/// both, as plans with limits on jerk have it; or a cubic without the acceleration, where that jumps.
+/// Piecewise polynomial between nodes: of degree five with continuous position, velocity and
+/// acceleration, as in jerk-limited plans; or cubic without the acceleration, if it jumps.
 #[derive(Clone, Debug)]
 pub(crate) struct Curve {
     knots: Vec<PlanNode>,
-    /// Length of the chords up to each node, in rad.
+    /// Chord length up to each node, in rad.
     arc_rad: Vec<f64>,
     smooth: bool,
 }
 
-/// A place on the curve.
+/// Point on the curve.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Place {
     /// Interval between nodes.
     pub(crate) interval: usize,
-    /// When the plan is there, in s.
+    /// Planned time, in s.
     pub(crate) t_s: f64,
-    /// Length up to there, in rad.
+    /// Length up to the point, in rad.
     pub(crate) arc_rad: f64,
-    /// How far what was looked for is away, in rad.
+    /// Distance of the query from the point, in rad.
     pub(crate) distance_rad: f64,
 }
 
-/// Steps after which a root is known to the last digit.
+/// Number of steps after which a root is exact to the last digit.
 const STEPS: usize = 80;
 
 impl Curve {
-    /// The curve through some nodes, of which there are at least two, later and later; `smooth` if
-    /// the acceleration never jumps.
+    /// Creates the curve through at least two nodes in increasing time; `smooth` if the
+    /// acceleration is continuous.
     pub(crate) fn new(knots: Vec<PlanNode>, smooth: bool) -> Self {
         let mut arc = 0.0;
         let mut arc_rad = Vec::with_capacity(knots.len());
@@ -54,39 +54,39 @@ impl Curve {
         self.knots.len() - 1
     }
 
-    /// Length up to a node, in rad.
+    /// Returns the length up to a node, in rad.
     pub(crate) fn arc(&self, knot: usize) -> f64 {
         self.arc_rad[knot]
     }
 
-    /// Length of all of it, in rad.
+    /// Returns the total length, in rad.
     pub(crate) fn length(&self) -> f64 {
         self.arc_rad[self.knots.len() - 1]
     }
 
-    /// The interval that a time is in.
+    /// Returns the interval that contains a time.
     pub(crate) fn interval_at(&self, t_s: f64) -> usize {
         self.knots.partition_point(|knot| knot.t_s <= t_s).clamp(1, self.knots.len() - 1) - 1
     }
 
-    /// The interval that a length is in.
+    /// Returns the interval that contains a length.
     pub(crate) fn interval_at_arc(&self, arc_rad: f64) -> usize {
         self.arc_rad.partition_point(|arc| *arc <= arc_rad).clamp(1, self.knots.len() - 1) - 1
     }
 
-    /// Length up to a time, in rad.
+    /// Returns the length up to a time, in rad.
     pub(crate) fn arc_at(&self, t_s: f64) -> f64 {
         let interval = self.interval_at(t_s);
         let q = self.in_interval(interval, t_s).0;
         self.arc_rad[interval] + norm(&sub(&q, &self.knots[interval].q))
     }
 
-    /// Position and velocity at a time.
+    /// Returns position and velocity at a time.
     pub(crate) fn at(&self, t_s: f64) -> (Joints, Joints) {
         self.in_interval(self.interval_at(t_s), t_s)
     }
 
-    /// The same, in an interval that is known.
+    /// Returns position and velocity at a time in a known interval.
     pub(crate) fn in_interval(&self, interval: usize, t_s: f64) -> (Joints, Joints) {
         let (a, b) = (&self.knots[interval], &self.knots[interval + 1]);
         let h = b.t_s - a.t_s;
@@ -100,7 +100,7 @@ impl Curve {
         state
     }
 
-    /// The way along a direction in an interval, from its first node on.
+    /// Returns the displacement along a direction in an interval, from its first node.
     fn along(&self, interval: usize, unit: &Joints) -> Polynomial {
         let (a, b) = (&self.knots[interval], &self.knots[interval + 1]);
         let ends =
@@ -108,8 +108,8 @@ impl Curve {
         Polynomial::new(ends[0], ends[1], b.t_s - a.t_s, self.smooth)
     }
 
-    /// How far `q` is from the chord of an interval, beginning at the length `from_rad`, squared;
-    /// and how far along the chord the nearest point is.
+    /// Returns the squared distance of `q` from the chord of an interval, beyond the length
+    /// `from_rad`, and the position of the nearest point along the chord.
     pub(crate) fn to_chord(&self, interval: usize, q: &Joints, from_rad: f64) -> (f64, f64) {
         let (a, b) = (&self.knots[interval], &self.knots[interval + 1]);
         let (chord, to) = (sub(&b.q, &a.q), sub(q, &a.q));
@@ -123,7 +123,8 @@ impl Curve {
         (dot(&off, &off), along)
     }
 
-    /// The place in an interval that is nearest to `q`, given how far along the chord it is about.
+    /// Returns the point of an interval nearest to `q`, given its approximate position along the
+    /// chord.
     pub(crate) fn refine(&self, interval: usize, q: &Joints, along_rad: f64) -> Place {
         let (a, b) = (&self.knots[interval], &self.knots[interval + 1]);
         let h = b.t_s - a.t_s;
@@ -133,7 +134,7 @@ impl Curve {
             let unit = scale(1.0 / length, &sub(&b.q, &a.q));
             x = self.along(interval, &unit).solve(along_rad);
         }
-        // On a blend the nearest point of the curve is not above that of its chord.
+        // On a blend, the nearest point of the curve is not exactly above that of its chord.
         let mut t_s = a.t_s + x * h;
         let (mut at, mut v) = self.in_interval(interval, t_s);
         for _ in 0..3 {
@@ -154,8 +155,8 @@ impl Curve {
         }
     }
 
-    /// When the plan, from `from_s` on (or before it), has gone `along_rad` in the direction `unit`;
-    /// none if it turns away before.
+    /// Returns the time at which the plan, forwards or backwards from `knot`, has moved by
+    /// `along_rad` in the direction `unit`; none if the path turns away before.
     pub(crate) fn time_along(
         &self,
         knot: usize,
@@ -173,7 +174,8 @@ impl Curve {
             if (to - gone).abs() <= 0.0 && at != knot {
                 return None;
             }
-            // Turned by 8 degrees, the direction is no measure of the way any more.
+            // Beyond a turn of 8 degrees, the displacement along the direction is no longer a
+            // measure of the way.
             let chord = self.arc_rad[second] - self.arc_rad[first];
             if (to - gone).abs() < 0.99 * chord {
                 return None;
@@ -189,11 +191,12 @@ impl Curve {
     }
 }
 
-/// A polynomial over 0..=1, the lowest power first.
+/// Polynomial over 0..=1, lowest power first.
 struct Polynomial([f64; 6]);
 
 impl Polynomial {
-    /// The one that meets positions, velocities and, if it is smooth, accelerations at both ends.
+    /// Creates the polynomial with the given positions, velocities and, if smooth, accelerations at
+    /// both ends.
     fn new(a: [f64; 3], b: [f64; 3], h: f64, smooth: bool) -> Self {
         let [a, b] = [a, b].map(|[q, dq, ddq]| [q, h * dq, h * h * ddq]);
         if smooth {
@@ -211,7 +214,8 @@ impl Polynomial {
         hermite::slope(&self.0, x)
     }
 
-    /// Where it has a value between those at its ends: Newton's method, kept in a bracket.
+    /// Finds the argument of a value between those at the ends, by Newton's method within a
+    /// bracket.
     fn solve(&self, value: f64) -> f64 {
         let (first, last) = (self.at(0.0), self.at(1.0));
         let sign = (last - first).signum();

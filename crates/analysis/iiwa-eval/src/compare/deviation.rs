@@ -1,4 +1,4 @@
-//! How far the arm is from the planned path, whenever it is there.
+//! Deviation of the robot from the planned path, regardless of time.
 
 use iiwa_kin::{
     Joints, Robot,
@@ -10,65 +10,65 @@ use iiwa_program::MotionIndex;
 use super::motion_deviation::{MotionDeviation, MotionDeviations};
 use super::plan::Plan;
 
-/// How far the recorded path is from the planned one.
+/// Deviation of the recorded path from the planned one.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Deviation {
-    /// The mean along the planned path: in rad of joint space, or in m of the TCP.
+    /// Mean along the planned path: in rad in joint space, or in m for the TCP.
     pub mean: f64,
-    /// The largest one.
+    /// Largest deviation.
     pub max: f64,
-    /// Where it is the largest.
+    /// Location of the largest deviation.
     pub at: Location,
 }
 
-/// A place on both paths.
+/// Location on both paths.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Location {
-    /// The motion of the program.
+    /// Motion of the program.
     pub motion: MotionIndex,
-    /// When the plan is there, in s from the program's start.
+    /// Planned time, in s from the program's start.
     pub plan_s: f64,
-    /// When the arm was there, in s of the recording.
+    /// Recorded time, in s of the recording.
     pub recording_s: f64,
-    /// The planned joints, in rad.
+    /// Planned joints, in rad.
     pub planned_rad: Joints,
-    /// The measured joints, in rad.
+    /// Measured joints, in rad.
     pub measured_rad: Joints,
-    /// The planned TCP, in m.
+    /// Planned TCP (the flange centre), in m.
     pub planned_tcp_m: [f64; 3],
-    /// The measured TCP, in m.
+    /// Measured TCP (the flange centre), in m.
     pub measured_tcp_m: [f64; 3],
 }
 
-/// A sample that is kept for pictures.
+/// Sample for plots.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TracePoint {
-    /// When the plan is there, in s from the program's start.
+    /// Planned time, in s from the program's start.
     pub plan_s: f64,
-    /// When the arm was there, in s from the start of its motion.
+    /// Recorded time, in s from the start of the motion.
     pub measured_s: f64,
-    /// The measured TCP, in m.
+    /// Measured TCP (the flange centre), in m.
     pub tcp_m: [f64; 3],
     /// Distance to the planned path in joint space, in rad.
     pub joints_rad: f64,
-    /// Distance to the planned path of the TCP, in m.
+    /// Distance to the planned TCP path, in m.
     pub tcp_deviation_m: f64,
 }
 
-/// Points of a trace at most.
+/// Maximum number of points of a trace.
 const TRACE: usize = 10_000;
 
-/// The deviations over some samples.
+/// Deviations over a range of samples.
 pub(super) struct Deviations {
     pub(super) joints_rad: Deviation,
     pub(super) tcp_m: Deviation,
-    /// The largest ones of each motion.
+    /// Largest deviations of each motion.
     pub(super) motions: Vec<MotionDeviation>,
-    /// Some of the samples.
+    /// Subset of the samples.
     pub(super) trace: Vec<TracePoint>,
 }
 
-/// The deviations in joint space and of the TCP over some samples, and some of them.
+/// Computes the deviations in joint space and of the TCP over a range of samples.
 pub(super) fn deviations(
     plan: &Plan,
     log: &JointLog,
@@ -88,7 +88,7 @@ pub(super) fn deviations(
         let interval = curve.interval_at(plan_s);
         let (planned, rate) = curve.in_interval(interval, plan_s);
         let arc = curve.arc(interval) + distance(&planned, &curve.knots()[interval].q);
-        // Standing, and back within the noise, is no way.
+        // Rests, and backward steps within the noise, do not count as way.
         let way = if farthest.is_finite() { (arc - farthest).max(0.0) } else { 0.0 };
         farthest = farthest.max(arc);
         let off_rad = distance(q, &planned);
@@ -115,8 +115,8 @@ pub(super) fn deviations(
     })
 }
 
-/// Distance of a point from the planned path of the TCP near the place that the plan's joints are at: the
-/// nearest point of the TCP's path is not quite that of the nearest joints.
+/// Returns the distance of a point from the planned TCP path near the matched planned time: the
+/// nearest point of the TCP path is not exactly that of the nearest joint positions.
 fn tcp_distance(
     plan: &Plan,
     plan_s: f64,
@@ -136,7 +136,7 @@ fn tcp_distance(
         }
         nearest = off;
         let (along, speed) = (dot(&to, &v), dot(&v, &v));
-        // Where the TCP hardly moves, or the point is abreast already, there is nothing to gain.
+        // No gain if the TCP hardly moves, or if the point is already perpendicular to the path.
         if speed <= 1e-12 || along.abs() <= 1e-3 * off * speed.sqrt() {
             break;
         }
@@ -153,7 +153,7 @@ struct Sum {
     way: f64,
     before: f64,
     max: f64,
-    /// The sample with the largest, and its place.
+    /// Sample with the largest deviation, and its planned time.
     at: Option<(usize, f64)>,
 }
 

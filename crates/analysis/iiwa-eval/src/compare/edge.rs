@@ -1,10 +1,10 @@
-//! When the arm leaves a stop and when it arrives at one.
+//! Times of departure from and arrival at a stop.
 //!
-//! A ramp begins so gently that noise hides it: with a jerk of 180 rad/s^3 and noise of 1e-5 rad the arm
-//! is 10 ms on its way before a threshold would notice. So the time is found from where the arm is well
-//! seen, just after: the way is set against how the plan goes that way, or, if that does not fit, against
-//! ramps of constant jerk and acceleration, and the line through the points is followed back to where the
-//! way is zero.
+//! A ramp begins so gently that noise hides it: with a jerk of 180 rad/s^3 and noise of 1e-5 rad, a
+//! threshold would notice the motion 10 ms late. Therefore the time is extrapolated from the
+//! clearly visible samples just after: their way is compared with the planned one or, if that does
+//! not fit, with ramps of constant jerk and acceleration, and the fitted line is followed back to
+//! zero way.
 
 use iiwa_kin::{
     Joints,
@@ -17,68 +17,70 @@ use super::start_fit::StartFit;
 use crate::noise::Noise;
 use crate::quantile::median;
 
-/// The way over which a ramp is looked at, in rad, if noise does not ask for more.
+/// Evaluated length of a ramp, in rad, unless noise requires more.
 const WAY_RAD: f64 = 3e-3;
 
-/// Farther than this from where it should, the arm does not stand for this stop, in rad.
+/// Distance from the planned position up to which a rest belongs to the stop, in rad.
 pub(super) const STANDS_RAD: f64 = 5e-3;
 
-/// Farther off its path, in rad, and by more than noise, an arm does not follow what is asked of it exactly.
+/// Distance from the path, in rad, above which (if also above the noise) the robot does not track
+/// its set-points exactly.
 const TRACKS_RAD: f64 = 5e-6;
 
-/// By how much the means of the halves of a window may differ while the arm stands, in rad: an arm that was just braked sways,
-/// which is tried only where it is never as still as it could be.
+/// Allowed differences between the means of the halves of a window at rest, in rad. A robot that
+/// has just braked sways; the larger values are tried only if it is never as still as the first one
+/// requires.
 const SWAYS_RAD: [f64; 3] = [2e-6, 1e-5, 5e-5];
 
-/// The least samples of a ramp.
+/// Minimum number of samples of a ramp.
 const SAMPLES: usize = 5;
 
-/// Leaving a stop or arriving at one.
+/// Departure or arrival.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Side {
     Leaves,
     Arrives,
 }
 
-/// The instant of it.
+/// Instant of departure or arrival.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Edge {
-    /// In s of the recording.
+    /// Time, in s of the recording.
     pub(crate) t_s: f64,
     /// Standard deviation due to noise, in s.
     pub(crate) deviation_s: f64,
-    /// The longest time without a sample around it: from, to.
+    /// Longest time without a sample around the instant: from, to.
     pub(crate) gap_s: (f64, f64),
-    /// Whether the arm was seen to stand.
+    /// `true` if a rest was recorded.
     pub(crate) stands: bool,
 }
 
-/// A stop in the plan.
+/// Stop in the plan.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Stop<'a> {
     pub(crate) curve: &'a Curve,
-    /// When the plan leaves it or arrives, in s.
+    /// Planned time of departure or arrival, in s.
     pub(crate) at_s: f64,
-    /// The length of the leg after it or before it, in rad.
+    /// Length of the leg after or before the stop, in rad.
     pub(crate) leg_rad: f64,
-    /// The leg's mean speed in the plan, in rad/s.
+    /// Mean planned speed of the leg, in rad/s.
     pub(crate) speed_rad_s: f64,
-    /// For how long the plan stands there, in s.
+    /// Planned duration of the rest, in s.
     pub(crate) stand_s: f64,
     pub(crate) side: Side,
 }
 
-/// Why an edge was not found.
+/// Failure to find an edge.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Unclear {
-    /// The sample that is nearest to the stop, in s of the recording.
+    /// Time of the sample nearest to the stop, in s of the recording.
     pub(crate) t_s: f64,
-    /// How far away it is, in rad.
+    /// Distance of that sample, in rad.
     pub(crate) distance_rad: f64,
 }
 
 impl Stop<'_> {
-    /// Finds when the arm leaves or arrives, within some samples about the stop.
+    /// Finds the time of departure or arrival, within a range of samples around the stop.
     pub(crate) fn find(
         &self,
         log: &JointLog,
@@ -109,7 +111,7 @@ impl Stop<'_> {
         self.ramp(log, knot, &rest, at, noise).map(|edge| Edge { stands, ..edge }).ok_or(unclear)
     }
 
-    /// The node of the plan at the stop.
+    /// Returns the node of the plan at the stop.
     fn knot(&self) -> usize {
         let knots = self.curve.knots();
         let after = knots.partition_point(|knot| knot.t_s < self.at_s);
@@ -118,7 +120,7 @@ impl Stop<'_> {
         if nearer(&before) < nearer(&after) { before } else { after.min(knots.len() - 1) }
     }
 
-    /// Where the arm stands, and the sample of the stand next to the ramp.
+    /// Returns the joint positions at rest, and the sample of the rest next to the ramp.
     fn stand(
         &self,
         log: &JointLog,
@@ -135,10 +137,10 @@ impl Stop<'_> {
             return None;
         }
         let count = 2 * half;
-        // By how much the means of the halves of a window differ, while the arm stands.
+        // Expected difference between the means of the halves of a window at rest.
         let noise_of_mean = noise.norm_rad() / (half as f64).sqrt();
         let noise_still = 3.0 * std::f64::consts::SQRT_2 * noise_of_mean;
-        // Creeping is not standing, even at a tenth of the planned speed.
+        // Creeping does not count as rest, even at a tenth of the planned speed.
         let creeps = 0.1 * self.speed_rad_s * half as f64 * noise.step_s;
         let q = |i: usize| &log.q_rad[i];
         let find = |still: f64| {
@@ -158,7 +160,7 @@ impl Stop<'_> {
             found
         };
         let at = find((noise_still + sway_rad).min(creeps))?;
-        // The window next to the ramp has its gentle beginning in it; those beyond have not.
+        // The window next to the ramp contains its gentle start; those further away do not.
         let still = (noise_still + sway_rad).min(creeps);
         let beyond = |k: usize| match self.side {
             Side::Leaves => at.checked_sub(k * count).filter(|at| *at >= samples.start),
@@ -178,7 +180,7 @@ impl Stop<'_> {
         Some((rest, if self.side == Side::Leaves { at } else { at + count - 1 }))
     }
 
-    /// Fits the ramp next to a stand; `at` is a sample of the stand.
+    /// Fits the ramp next to a rest; `at` is a sample of the rest.
     fn ramp(
         &self,
         log: &JointLog,
@@ -193,8 +195,8 @@ impl Stop<'_> {
         let mut sigma = noise.along_rad(&unit);
         let (mut last_rest, mut ramp) = self.samples_of_ramp(log, &unit, rest, at, sigma);
         let plan_at = |p: f64| curve.time_along(knot, leaves, &unit, sign * p);
-        // Friction, elasticity and vibration take a real arm off its path as much as along it, and are no noise from sample
-        // to sample.
+        // Friction, elasticity and vibration displace a real robot across its path as much as along
+        // it, and are correlated from sample to sample.
         let off = off_path(ramp.iter().filter_map(|&(i, p)| {
             let planned = sub(&curve.at(plan_at(p)?).0, &curve.knots()[knot].q);
             let off = sub(&sub(&log.q_rad[i], rest), &planned);
@@ -228,7 +230,8 @@ impl Stop<'_> {
         })
     }
 
-    /// The last sample at rest, and those of the ramp next to it that are above the noise, each with its way.
+    /// Returns the last sample at rest, and the samples of the adjacent ramp above the noise, each
+    /// with its way.
     fn samples_of_ramp(
         &self,
         log: &JointLog,
@@ -254,7 +257,7 @@ impl Stop<'_> {
                 last_rest = i;
                 continue;
             }
-            // Coarse samples take what they need of the leg, up to half of it.
+            // Coarse samples require more of the leg, up to half of it.
             if p > top && (ramp.len() >= SAMPLES || p > 0.5 * self.leg_rad) {
                 break;
             }
@@ -266,14 +269,14 @@ impl Stop<'_> {
         (last_rest, ramp)
     }
 
-    /// The direction of the leg at the stop.
+    /// Returns the direction of the leg at the stop.
     fn direction(&self, knot: usize) -> Option<Joints> {
         let curve = self.curve;
         let knots = curve.knots();
         let far = (0.1 * self.leg_rad).min(0.01);
         let arc = curve.arc(knot);
         let mut k = knot;
-        // The farthest node that is not beyond, or the next one.
+        // Advances to the farthest node within the distance, or to the next one.
         loop {
             let next = if self.side == Side::Leaves { k + 1 } else { k.checked_sub(1)? };
             if next >= knots.len() {
@@ -295,18 +298,19 @@ impl Stop<'_> {
     }
 }
 
-/// Root mean square distance of samples from the path, per direction of the six across it, in rad.
+/// Returns the root mean square distance of samples from the path in each of the six directions
+/// across it, in rad.
 fn off_path(off: impl Iterator<Item = Joints>) -> f64 {
     let (count, squares) = off.fold((0, 0.0), |sum, off| (sum.0 + 1, sum.1 + dot(&off, &off)));
     (squares / (6.0 * f64::from(count.max(1)))).sqrt()
 }
 
-/// The means of the two halves of a window that moves on.
+/// Difference between the two half-means of a moving window.
 struct HalfMeans<'a> {
     log: &'a JointLog,
     at: usize,
     half: usize,
-    /// Sum of the second half minus sum of the first one.
+    /// Sum of the second half minus sum of the first half.
     difference: Joints,
 }
 
@@ -330,7 +334,7 @@ impl<'a> HalfMeans<'a> {
             self.difference[j] += first[j] - 2.0 * middle[j] + last[j];
         }
         self.at += 1;
-        // Rounding does not add up.
+        // Recomputed at times, so that rounding errors do not accumulate.
         if self.at.is_multiple_of(1000) {
             self.sum();
         }

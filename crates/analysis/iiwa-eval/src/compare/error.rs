@@ -1,110 +1,108 @@
-//! Why a recording cannot be held against a plan.
+//! Errors of comparing a recording with a plan.
 
 use iiwa_program::MotionIndex;
 
-/// Why there are no figures. A figure that would be wrong is not given.
+/// Reason why a comparison is not possible. Figures that would be wrong are never returned.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum CompareError {
-    /// The plan has nothing to compare.
+    /// The plan has no motion.
     #[error("nothing moves in the plan")]
     PlanStands,
-    /// The recording has next to nothing.
+    /// The recording has too few samples.
     #[error("{samples} samples are in the recording; at least 4 are needed")]
     TooFewSamples {
-        /// How many it has.
+        /// Number of samples.
         samples: usize,
     },
-    /// The recording's numbers cannot be compared.
+    /// The recording contains invalid values.
     #[error("the recording's sample {index}, counted from 1, {what}")]
     BadSample {
-        /// Its place in the recording, from 1.
+        /// Index in the recording, from 1.
         index: usize,
-        /// What is wrong with it.
+        /// Description of the fault.
         what: &'static str,
     },
-    /// The arm stands all the time.
-    #[error(
-        "there is no motion in the recording: no joint moves by more than {extent_rad:.1e} rad"
-    )]
+    /// The recorded robot does not move.
+    #[error("no motion in the recording: no joint moves by more than {extent_rad:.1e} rad")]
     NoMotion {
-        /// The largest range of a joint, in rad.
+        /// Largest range of a joint, in rad.
         extent_rad: f64,
     },
-    /// The files are about different robots.
+    /// The files belong to different robots.
     #[error("the plan is for the robot {planned}, the recording is of {measured}")]
     OtherRobot {
-        /// The plan's robot.
+        /// Robot of the plan.
         planned: String,
-        /// The recording's robot.
+        /// Robot of the recording.
         measured: String,
     },
-    /// The arm is never where the program starts.
+    /// The robot is never at the program's start.
     #[error(
         "this is not the same program, or not from its start: the arm is never nearer to the plan's \
          start than {distance_rad:.3} rad, at {t_s:.3} s of the recording"
     )]
     OtherStart {
-        /// How near it comes, in rad.
+        /// Smallest distance, in rad.
         distance_rad: f64,
-        /// When, in s of the recording.
+        /// Time, in s of the recording.
         t_s: f64,
     },
-    /// The arm gets to the start and remains there.
+    /// The robot reaches the start and remains there.
     #[error(
         "the recording ends before the program begins: the arm is at the plan's start at {t_s:.3} s \
          and does not leave it"
     )]
     NeverLeaves {
-        /// When it is there, in s of the recording.
+        /// Time at the start, in s of the recording.
         t_s: f64,
     },
-    /// The arm leaves the path.
+    /// The robot leaves the path.
     #[error(
         "this is not the same program: {distance_rad:.3} rad off the plan's path at {t_s:.3} s of the \
          recording, in motion {motion}"
     )]
     OtherPath {
-        /// How far it is off, in rad.
+        /// Distance from the path, in rad.
         distance_rad: f64,
-        /// When, in s of the recording.
+        /// Time, in s of the recording.
         t_s: f64,
-        /// The motion in the plan.
+        /// Motion in the plan.
         motion: MotionIndex,
     },
-    /// The arm is off the path all along.
+    /// The robot is off the path throughout.
     #[error(
         "this is not the same program: the arm is {mean_rad:.3} rad off the plan's path on average"
     )]
     OffAllAlong {
-        /// The mean, in rad.
+        /// Mean distance, in rad.
         mean_rad: f64,
     },
-    /// The arm does not get to the end.
+    /// The robot does not reach the end.
     #[error(
         "the recorded motion ends early: at its last sample, {t_s:.3} s, the arm is in motion {motion}, \
          {left_rad:.3} rad before the end of the plan's path"
     )]
     EndsEarly {
-        /// The last sample, in s of the recording.
+        /// Time of the last sample, in s of the recording.
         t_s: f64,
-        /// The motion in the plan.
+        /// Motion in the plan.
         motion: MotionIndex,
-        /// What is left of the path, in rad.
+        /// Remaining length of the path, in rad.
         left_rad: f64,
     },
-    /// The recording has no stand before the motion.
+    /// The recording contains no rest before the motion.
     #[error(
         "the recording begins in motion: at {t_s:.3} s the arm is {distance_rad:.1e} rad past the \
          plan's start already"
     )]
     BeginsInMotion {
-        /// When it is nearest to the start, in s of the recording.
+        /// Time nearest to the start, in s of the recording.
         t_s: f64,
-        /// How far it is away, in rad.
+        /// Distance from the start, in rad.
         distance_rad: f64,
     },
-    /// The arm passes the start or the end of the program and stands elsewhere.
+    /// The robot passes the start or the end of the program and rests elsewhere.
     #[error(
         "the arm does not stand where the plan's {edge} is: at {t_s:.3} s of the recording it is {:.2} deg \
          away from there",
@@ -113,20 +111,20 @@ pub enum CompareError {
     StandsElsewhere {
         /// `start` or `end`.
         edge: &'static str,
-        /// When, in s of the recording.
+        /// Time, in s of the recording.
         t_s: f64,
-        /// How far away it is, in rad.
+        /// Distance, in rad.
         distance_rad: f64,
     },
-    /// The arm does not stand where the program ends.
+    /// The robot does not rest at the program's end.
     #[error(
         "the recorded motion does not end with the plan's: at {t_s:.3} s the arm is {distance_rad:.1e} rad \
          from its end, and does not stand there"
     )]
     DoesNotStop {
-        /// When it is nearest to the end, in s of the recording.
+        /// Time nearest to the end, in s of the recording.
         t_s: f64,
-        /// How far it is away, in rad.
+        /// Distance from the end, in rad.
         distance_rad: f64,
     },
     /// A gap hides the start or the end.
@@ -139,7 +137,7 @@ pub enum CompareError {
         edge: &'static str,
         /// Last sample before the gap, in s of the recording.
         from_s: f64,
-        /// First sample after it, in s of the recording.
+        /// First sample after the gap, in s of the recording.
         to_s: f64,
     },
 }

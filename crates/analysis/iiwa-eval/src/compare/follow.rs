@@ -1,4 +1,4 @@
-//! Finding the program in a recording, and following the arm along the planned path.
+//! Location of a program in a recording, and matching of samples to the planned path.
 
 use iiwa_kin::{
     Joints,
@@ -11,37 +11,37 @@ use super::error::CompareError;
 use super::plan::{Leg, Plan};
 use crate::noise::Noise;
 
-/// How far from the plan's start and end the arm may stand, in rad.
+/// Largest distance of a rest from the plan's start or end, in rad.
 const ENDS_RAD: f64 = 0.05;
 
-/// So far from where it stood the arm has left, in rad.
+/// Distance from a rest at which the robot has left it, in rad.
 pub(crate) const LEFT_RAD: f64 = 2e-4;
 
-/// So far off the path it is another path, in rad.
+/// Distance from the path at which the recording is of another path, in rad.
 const STRAYS_RAD: f64 = 0.5;
 
-/// So far off all along, on average, it is another program, in rad.
+/// Mean distance from the path at which the recording is of another program, in rad.
 const STRAYS_ON_AVERAGE_RAD: f64 = 0.1;
 
-/// The samples that are the program, and where on the plan's path each of them is.
+/// Samples of the program, with the matched position on the planned path for each.
 #[derive(Debug)]
 pub(crate) struct Followed {
-    /// The first sample.
+    /// First sample.
     pub(crate) first: usize,
-    /// For each sample from the first on, when the plan is there, in s.
+    /// Matched planned time of each sample from the first one, in s.
     pub(crate) place_s: Vec<f64>,
-    /// The program is in the recording once more, from this time on, in s of the recording.
+    /// Time at which a second run of the program starts, in s of the recording.
     pub(crate) again_s: Option<f64>,
 }
 
-/// What came of following the arm from one of its visits to the start.
+/// Result of following the robot from one of its visits to the start.
 enum Attempt {
     Done(Vec<f64>),
     Failed { arc_rad: f64, error: CompareError },
 }
 
-/// Finds the plan in a recording: the first time that the arm leaves its start and gets along its path
-/// to its end.
+/// Finds the plan in a recording: the first time that the robot leaves its start and follows its
+/// path to the end.
 pub(crate) fn find(
     plan: &Plan,
     legs: &[Leg],
@@ -53,7 +53,7 @@ pub(crate) fn find(
     let radius = reach(curve, &legs[0], &start);
     let mut found: Option<Followed> = None;
     let mut best: Option<(f64, CompareError)> = None;
-    // Whatever is in the recording, it is read a few times at most.
+    // Bounds the work for any recording to a few passes over it.
     let mut budget = 20 * log.t_s.len();
     for visit in Visits::new(log, start, radius) {
         if visit.to >= log.t_s.len() || budget == 0 {
@@ -87,8 +87,8 @@ pub(crate) fn find(
     }
 }
 
-/// How near to an end of a leg the arm has to be for being there: half of the way to where the leg is
-/// farthest from it, at most.
+/// Returns the distance from an end of a leg within which the robot counts as being there: at most
+/// half of the leg's largest distance from that end.
 fn reach(curve: &Curve, leg: &Leg, end: &Joints) -> f64 {
     let knots = curve.knots();
     let from = curve.interval_at(leg.start_s);
@@ -97,14 +97,14 @@ fn reach(curve: &Curve, leg: &Leg, end: &Joints) -> f64 {
     (0.5 * farthest).min(ENDS_RAD)
 }
 
-/// A stay of the arm near the start: samples from..to.
+/// Stay of the robot near the start: samples from..to.
 struct Visit {
     from: usize,
     to: usize,
 }
 
 impl Visit {
-    /// The last sample of the stay that is as near to the start as any, or nearly so.
+    /// Returns the last sample of the stay at almost the smallest distance from the start.
     fn leaves(&self, log: &JointLog, start: &Joints, noise: &Noise) -> usize {
         let away = |i: &usize| distance(&log.q_rad[*i], start);
         let nearest = (self.from..self.to).map(|i| away(&i)).fold(f64::MAX, f64::min);
@@ -152,7 +152,7 @@ fn never_left(log: &JointLog, start: &Joints, radius: f64) -> CompareError {
     }
 }
 
-/// Follows the arm from a sample at the start on.
+/// Follows the robot from a sample at the start.
 fn follow(plan: &Plan, legs: &[Leg], log: &JointLog, noise: &Noise, first: usize) -> Attempt {
     let curve = &plan.curve;
     let (leg, last) = (&legs[legs.len() - 1], log.t_s.len() - 1);
@@ -194,17 +194,17 @@ fn follow(plan: &Plan, legs: &[Leg], log: &JointLog, noise: &Noise, first: usize
     Attempt::Done(place_s)
 }
 
-/// Goes along the curve with the arm: each sample's nearest place is looked for from where the arm was
-/// on, and no farther ahead than it can have got. So a path that crosses itself, or goes back the way
-/// that it came, is not mixed up.
+/// Matches samples to the curve: the nearest point of each sample is searched from the last
+/// position on, and no farther ahead than the robot can have moved. A path that crosses itself or
+/// reverses is therefore matched correctly.
 struct Follower<'a> {
     curve: &'a Curve,
-    /// How far back noise alone may take a sample, in rad.
+    /// Largest backward displacement by noise alone, in rad.
     slack_rad: f64,
     gap_s: f64,
-    /// The farthest place so far, as a length in rad.
+    /// Farthest position so far, as a length in rad.
     arc_rad: f64,
-    /// The interval in which the search begins.
+    /// Interval at which the search begins.
     interval: usize,
     before: (f64, Joints),
     distance_rad: f64,
@@ -231,7 +231,7 @@ impl<'a> Follower<'a> {
         let mut ahead = 3.0 * moved + 2.0 * self.distance_rad + self.slack_rad;
         let passed_s = t_s - self.before.0;
         if passed_s > self.gap_s {
-            // It may have been anywhere meanwhile, even there and back again.
+            // During a gap the robot may have moved anywhere, even forth and back.
             let plan_s = curve.knots()[curve.interval_at_arc(self.arc_rad)].t_s;
             ahead += curve.arc_at(plan_s + 1.5 * passed_s) - self.arc_rad;
         }
@@ -245,7 +245,7 @@ impl<'a> Follower<'a> {
                 break;
             }
             let (square, along) = curve.to_chord(interval, q, back);
-            // A place that is as near as an earlier one, but for rounding, is on the way back.
+            // Of two points at the same distance up to rounding, the later one is on the way back.
             if square < best.0 - 1e-9 * best.0 - 1e-24 {
                 best = (square, interval, along);
             }

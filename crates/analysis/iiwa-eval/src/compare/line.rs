@@ -1,21 +1,21 @@
-//! A straight line through weighted points.
+//! Straight line through weighted points.
 
-/// A line t = zero + slope tau through weighted points.
+/// Line t = zero + slope tau through weighted points.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Line {
-    /// t where tau is 0.
+    /// t at tau = 0.
     pub(crate) zero: f64,
     slope: f64,
     pub(super) points: usize,
-    /// Sum of weighted squares of what is left.
+    /// Sum of weighted squared residuals.
     left: f64,
     /// Sums of w, w tau, w tau^2.
     sums: [f64; 3],
 }
 
 impl Line {
-    /// Through points (tau, t, weight). A single one is passed with slope 1. None without points, or if
-    /// t falls with tau.
+    /// Fits a line through points (tau, t, weight); through a single point with slope 1. None
+    /// without points, or if t decreases with tau.
     pub(crate) fn fit(points: impl Iterator<Item = (f64, f64, f64)>) -> Option<Self> {
         let points: Vec<_> = points.filter(|point| point.2 > 0.0).collect();
         let [first, .., last] = points[..] else {
@@ -23,7 +23,7 @@ impl Line {
             let sums = [w, w * tau, w * tau * tau];
             return Some(Self { zero: t - tau, slope: 1.0, points: 1, left: 0.0, sums });
         };
-        // About the first point: times of a clock are large.
+        // Relative to the first point: clock times are large.
         let (tau0, t0) = (first.0, first.1);
         let mut s = [0.0; 5];
         for &(tau, t, w) in &points {
@@ -54,8 +54,8 @@ impl Line {
         (self.left / self.points as f64).sqrt() / self.slope
     }
 
-    /// A bound of the error of where tau is 0: what noise makes of it, and, where more is left than noise, how a wrong law may
-    /// bend it, which does not average out.
+    /// Returns a bound of the error of the zero: its standard deviation from noise, multiplied for
+    /// residuals above the noise, since a wrong law may bend the line, which does not average out.
     pub(super) fn error(&self, sigma: f64) -> f64 {
         let excess = (self.miss() / sigma.max(1e-12)).powi(2) * self.points as f64;
         let allowed = self.points as f64 + 3.0 * (2.0 * self.points as f64).sqrt();
@@ -63,12 +63,12 @@ impl Line {
         systematic * self.deviation(sigma)
     }
 
-    /// Excess of chi squared over its expected value, the number of points.
+    /// Returns chi squared minus its expected value, the number of points.
     pub(super) fn misfit(&self, sigma: f64) -> f64 {
         (self.miss() / sigma.max(1e-12)).powi(2) * self.points as f64 - self.points as f64
     }
 
-    /// Standard deviation of where tau is 0, when the way has that of noise, in s.
+    /// Returns the standard deviation of the zero for ways with noise `sigma`, in s.
     pub(super) fn deviation(&self, sigma: f64) -> f64 {
         let [w, wt, wtt] = self.sums;
         let sigma = sigma.max(self.miss());

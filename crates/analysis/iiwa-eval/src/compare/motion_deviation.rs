@@ -3,25 +3,25 @@
 use iiwa_kin::{Joint, Joints};
 use iiwa_program::MotionIndex;
 
-/// The largest deviations of a motion from its planned path, regardless of time.
+/// Largest deviations of a motion from its planned path, regardless of time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MotionDeviation {
-    /// The motion.
+    /// Motion.
     pub motion: MotionIndex,
-    /// The joint that is farthest off the nearest place of the path.
+    /// Joint with the largest deviation from the nearest point of the path.
     pub joint: Joint,
-    /// By how much, in rad.
+    /// Deviation of that joint, in rad.
     pub joint_rad: f64,
     /// Distance of the TCP from its path, in m.
     pub tcp_m: f64,
 }
 
-/// Takes samples in the order of motions.
+/// Collects samples in the order of motions.
 #[derive(Debug, Default)]
 pub(super) struct MotionDeviations(Vec<MotionDeviation>);
 
 impl MotionDeviations {
-    /// Adds a sample of a motion: by how much each joint and the TCP are off.
+    /// Adds a sample of a motion: the deviations of the joints and of the TCP.
     pub(super) fn add(&mut self, motion: MotionIndex, off_rad: &Joints, off_m: f64) {
         let mut worst = (Joint::A1, 0.0);
         for (joint, off) in Joint::ALL.into_iter().zip(off_rad) {

@@ -1,4 +1,4 @@
-//! The plan that a recording is held against.
+//! Plan that a recording is compared with.
 
 use std::io::Read;
 
@@ -9,29 +9,29 @@ use iiwa_traj::{PieceKind, Trajectory};
 
 use super::curve::Curve;
 
-/// A planned trajectory: where the arm is to be, when, and for which motion of the program.
+/// Planned trajectory: joint positions over time, and the motion of the program at each time.
 #[derive(Clone, Debug)]
 pub struct Plan {
     robot: Robot,
     pub(crate) curve: Curve,
     pub(crate) pieces: Vec<Piece>,
     types: Vec<(MotionIndex, MotionType)>,
-    /// What hangs on the flange during each motion, and how the foot stands.
+    /// Payload during each motion, and mounting of the robot.
     loads: Vec<Option<Load>>,
     mount: Mount,
 }
 
-/// A line, a blend or a rest.
+/// Line, blend or rest.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Piece {
-    /// The motion, from 1.
+    /// Motion of the program.
     pub(crate) motion: MotionIndex,
     pub(crate) kind: PieceKind,
     pub(crate) start_s: f64,
     pub(crate) end_s: f64,
 }
 
-/// A part of a plan from one stop to the next.
+/// Part of a plan from one stop to the next.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Leg {
     pub(crate) start_s: f64,
@@ -39,7 +39,7 @@ pub(crate) struct Leg {
 }
 
 impl Plan {
-    /// A plan that was just made.
+    /// Creates a plan from a trajectory.
     #[must_use]
     pub fn from_trajectory(trajectory: &Trajectory) -> Self {
         let mut knots: Vec<PlanNode> = Vec::new();
@@ -68,22 +68,22 @@ impl Plan {
         Self { types, loads, mount, ..Self::of(path.robot().clone(), knots, pieces) }
     }
 
-    /// Reads a plan from an MCAP file as [`PlanWriter`](iiwa_log::PlanWriter) writes it. The robot is the
-    /// one that the file was made with, unless `robot` is another one.
+    /// Reads a plan from an MCAP file written by [`PlanWriter`](iiwa_log::PlanWriter). The robot is
+    /// that of the file, unless `robot` is given.
     ///
     /// # Errors
     ///
-    /// [`PlanRecordError`] if the file is damaged or no plan, or its robot is unknown.
+    /// [`PlanRecordError`] if the file is damaged or not a plan, or its robot is unknown.
     pub fn read_mcap<R: Read>(stream: R, robot: Option<Robot>) -> Result<Self, PlanRecordError> {
         Self::from_record(PlanRecord::read(stream)?, robot)
     }
 
-    /// The plan of a file that was read. The robot is the one that the file was made with, unless `robot`
-    /// is another one.
+    /// Creates the plan of a file that was read. The robot is that of the file, unless `robot` is
+    /// given.
     ///
     /// # Errors
     ///
-    /// [`PlanRecordError`] if it is not a whole plan, or its robot is unknown.
+    /// [`PlanRecordError`] if the plan is incomplete, or its robot is unknown.
     pub fn from_record(record: PlanRecord, robot: Option<Robot>) -> Result<Self, PlanRecordError> {
         record.check()?;
         let robot = match robot {
@@ -114,7 +114,7 @@ impl Plan {
         Ok(Self { types, loads, mount, ..Self::of(robot, record.nodes, pieces) })
     }
 
-    /// The type of a motion; that of PTP motions where the plan does not tell.
+    /// Returns the type of a motion; the default type (PTP) if the plan does not contain it.
     pub(crate) fn motion_type(&self, motion: MotionIndex) -> MotionType {
         let place = self.types.binary_search_by_key(&motion, |(motion, _)| *motion);
         place.map_or_else(|_| MotionType::default(), |place| self.types[place].1)
@@ -128,7 +128,7 @@ impl Plan {
         if let [only] = knots[..] {
             knots.push(PlanNode { t_s: only.t_s + 1e-9, ..only });
         }
-        // With limits on jerk, the arm leaves its stops without acceleration.
+        // In jerk-limited plans, the robot leaves its stops with zero acceleration.
         let leaves = |pair: &&[PlanNode]| pair[0].dq == [0.0; 7] && pair[1].dq != [0.0; 7];
         let smooth = knots
             .windows(2)
@@ -139,19 +139,20 @@ impl Plan {
         Self { robot, curve, pieces, types: Vec::new(), loads, mount }
     }
 
-    /// The robot it is for.
+    /// Returns the robot of the plan.
     #[must_use]
     pub fn robot(&self) -> &Robot {
         &self.robot
     }
 
-    /// From the start to the end of the last settling, in s.
+    /// Returns the time from the start to the end of the last settling, in s.
     #[must_use]
     pub fn cycle_time_s(&self) -> f64 {
         self.curve.knots()[self.curve.knots().len() - 1].t_s
     }
 
-    /// For how long the arm stands at the start and the end, to settle and to wait, in s: what joint positions do not tell.
+    /// Returns the planned rest at the start and at the end (settling and waits), in s, which joint
+    /// positions do not show.
     #[must_use]
     pub fn standing_s(&self) -> f64 {
         match self.legs().as_slice() {
@@ -161,13 +162,13 @@ impl Plan {
         }
     }
 
-    /// Where the arm is to be at `t_s`, in rad.
+    /// Returns the planned joint positions at `t_s`, in rad.
     #[must_use]
     pub fn at(&self, t_s: f64) -> Joints {
         self.curve.at(t_s).0
     }
 
-    /// The motion at `t_s`.
+    /// Returns the motion at `t_s`.
     #[must_use]
     pub fn motion_at(&self, t_s: f64) -> MotionIndex {
         let next = self.pieces.partition_point(|piece| piece.end_s <= t_s);
@@ -177,14 +178,14 @@ impl Plan {
             .map_or_else(MotionIndex::default, |piece| piece.motion)
     }
 
-    /// The robot as it stands, with what hangs on its flange during a motion.
+    /// Returns the dynamics of the mounted robot with the payload of a motion.
     pub(crate) fn dynamics(&self, motion: MotionIndex) -> Dynamics {
         let empty = self.robot.dynamics().with_mount(&self.mount);
         let load = self.loads.get(motion.index()).and_then(Option::as_ref);
         load.map_or(empty, |load| empty.with_load(load))
     }
 
-    /// The torques at `t_s`, with friction, in Nm.
+    /// Returns the torques at `t_s`, including friction, in Nm.
     pub(crate) fn torques_at(&self, t_s: f64, dynamics: &Dynamics) -> Joints {
         let interval = self.curve.interval_at(t_s);
         let (q, dq) = self.curve.in_interval(interval, t_s);
@@ -200,7 +201,7 @@ impl Plan {
         std::array::from_fn(|j| rigid[j] + friction[j])
     }
 
-    /// The parts from stop to stop, in order.
+    /// Returns the parts from stop to stop, in order.
     pub(crate) fn legs(&self) -> Vec<Leg> {
         self.pieces
             .chunk_by(|a, b| a.kind.moves() == b.kind.moves())

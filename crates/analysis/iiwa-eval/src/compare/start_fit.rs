@@ -1,36 +1,39 @@
-//! When a start was, from the samples after it.
+//! Start time of a motion, from the samples after the start.
 
 use super::line::Line;
 use super::start_law::StartLaw;
 
-/// Number of times that the fitted part of the path is halved, in search of a part with one law.
+/// Number of times that the fitted part of the way is halved to find a part with one law.
 const TOPS: usize = 8;
 
-/// The least samples of a part of the way.
+/// Minimum number of samples of a part of the way.
 const FEWEST: usize = 15;
 
-/// A plan that fits as well, in rad, is what the arm did.
+/// Residual in rad up to which the plan counts as the exact motion.
 const EXACT_RAD: f64 = 1e-9;
 
-/// So much more chi squared is by chance once in a thousand times, or less.
+/// Increase of chi squared that occurs by chance once in a thousand times, or less.
 const CLEARLY: f64 = 12.0;
 
-/// The samples of a start from standstill. Of an arrival, time runs backwards.
+/// Samples of a start from standstill. For an arrival, time runs backwards.
 pub(super) struct StartFit<'a> {
-    /// Way in rad and time in s, the shortest way first.
+    /// Way in rad and time in s, in order of the way.
     pub(super) points: &'a [(f64, f64)],
     /// Standard deviation of the ways, in rad.
     pub(super) sigma: f64,
-    /// True if the arm deviates from its set-points, so that residuals are correlated from sample to sample.
+    /// `true` if the robot deviates from its set-points, so that residuals are correlated from
+    /// sample to sample.
     pub(super) tracks: bool,
 }
 
 impl StartFit<'_> {
-    /// The line whose zero is the start; `plan` is the plan's time and speed for a way, which is preferred.
+    /// Returns the line whose zero is the start. `plan` returns the planned time and speed for a
+    /// way, and is preferred.
     pub(super) fn best(&self, plan: &dyn Fn(f64) -> Option<(f64, f64)>) -> Option<Line> {
         let whole = self.points.last()?.0;
         let planned = self.fit(plan, whole);
-        // Soft starts look like hard ones that begin later, so that the whole way decides which it is.
+        // Soft starts look like hard ones that begin later: only the whole way shows the
+        // difference.
         let on_whole = |is_soft| self.any(std::iter::once(whole), is_soft);
         let hard = if self.tracks { None } else { on_whole(false) };
         let soft = on_whole(true);
@@ -45,7 +48,7 @@ impl StartFit<'_> {
         }
     }
 
-    /// True if a line fits significantly worse than another one through the same points.
+    /// Returns true if a line fits significantly worse than another one through the same points.
     fn is_worse(&self, line: &Line, other: &Line) -> bool {
         if self.tracks {
             return other.miss() < 0.8 * line.miss();
@@ -53,7 +56,7 @@ impl StartFit<'_> {
         line.misfit(self.sigma.max(other.miss()).max(EXACT_RAD)) > CLEARLY
     }
 
-    /// The ways up to which the points are looked at.
+    /// Returns the ways up to which the points are evaluated.
     fn tops(&self) -> impl Iterator<Item = f64> {
         let whole = self.points.last().map(|point| point.0);
         let tops = std::iter::successors(whole, |top| Some(0.5 * top));
@@ -66,7 +69,7 @@ impl StartFit<'_> {
         })
     }
 
-    /// The law that fits best, of all that are soft, or are not.
+    /// Returns the best fit of all soft or of all other laws.
     fn any(&self, tops: impl Iterator<Item = f64>, is_soft: bool) -> Option<Line> {
         let whole = self.points.last()?.0;
         let laws =

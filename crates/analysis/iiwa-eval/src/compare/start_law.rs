@@ -5,37 +5,38 @@
 //! | with constant jerk, then constant | t^3, then t^2: plans with limits of jerk |
 //! | with constant snap, then slower | t^4, then t^3: an LBR iiwa under Sunrise, see [`RampLaw`](iiwa_kin::RampLaw) |
 
-/// A law of a start.
+/// Law of a start.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct StartLaw {
-    /// True if the jerk grows from 0; false if it begins with its constant value.
+    /// `true` if the jerk grows from 0; `false` if it begins with its constant value.
     is_soft: bool,
-    /// The way after which the first phase ends, in rad.
+    /// Way at the end of the first phase, in rad.
     bend_rad: f64,
 }
 
-/// The ways after which the first phase may end, in rad: from a start with its full acceleration to one in which the first
-/// phase is all that is seen.
+/// Candidates for the way at the end of the first phase, in rad: from a start with full
+/// acceleration to one of which only the first phase is visible.
 const BENDS_RAD: [f64; 18] = [
     1e-9, 3e-6, 1e-5, 2e-5, 5e-5, 1e-4, 2e-4, 3e-4, 5e-4, 8e-4, 1.3e-3, 2e-3, 3e-3, 5e-3, 8e-3,
     1.3e-2, 2e-2, 1.0,
 ];
 
-/// A first phase that ends after a shorter way, in rad, is hidden by friction.
+/// Way in rad below which friction hides the first phase.
 const SEEN_RAD: f64 = 1e-3;
 
-/// The jerk after a phase of constant snap, as a share of that at its end. Measured: 0.06 to 0.61.
+/// Jerk after a phase of constant snap, as a share of the jerk at its end. Measured: 0.06 to 0.61.
 const JERK_SHARE: f64 = 0.35;
 
 impl StartLaw {
-    /// The laws that are tried, of those that are soft or of the others; `seen` for those whose first phase is seen with an arm
-    /// that does not follow exactly: friction hides a short one.
+    /// Returns the candidate laws, soft or not; with `seen` only those whose first phase is visible
+    /// on a robot that does not track exactly: friction hides a short one.
     pub(super) fn all(is_soft: bool, seen: bool) -> impl Iterator<Item = Self> {
         let all = BENDS_RAD.into_iter().map(move |bend_rad| Self { is_soft, bend_rad });
         all.filter(move |law| !seen || law.bend_rad >= SEEN_RAD)
     }
 
-    /// The time for a way from standstill, in units of the time to the bend, and the speed there, in rad in such units.
+    /// Returns the time for a way from standstill, in units of the time to the end of the first
+    /// phase, and the speed there, in rad per unit.
     pub(super) fn time(self, way_rad: f64) -> (f64, f64) {
         let y = way_rad / self.bend_rad;
         let (tau, slope) = match (self.is_soft, y <= 1.0) {
@@ -54,11 +55,12 @@ impl StartLaw {
     }
 }
 
-/// The time for the way `y` (1 at the end of the phase of constant snap) and its slope:
-/// y = 1 + 4 x + 6 x^2 + 4 share x^3 for tau = 1 + x.
+/// Returns the time for the way `y` (1 at the end of the phase of constant snap) and the slope: y =
+/// 1 + 4 x + 6 x^2 + 4 share x^3 for tau = 1 + x.
 fn after_snap(y: f64) -> (f64, f64) {
     let slope = |x: f64| 4.0 + x * (12.0 + 12.0 * JERK_SHARE * x);
-    // Above the root, as without the cubic term; Newton's method then falls to the root.
+    // The start value without the cubic term is above the root, so that Newton's method descends to
+    // the root.
     let mut x = ((16.0 + 24.0 * (y - 1.0)).sqrt() - 4.0) / 12.0;
     for _ in 0..40 {
         let step = (1.0 + x * (4.0 + x * (6.0 + 4.0 * JERK_SHARE * x)) - y) / slope(x);

@@ -1,4 +1,4 @@
-//! Recorded torques beside those of the plan.
+//! Recorded torques compared with those of the plan.
 
 use std::ops::Range;
 
@@ -9,25 +9,27 @@ use iiwa_program::MotionIndex;
 use super::plan::Plan;
 use crate::exerted::exerted;
 
-/// Recorded torques less those that the plan needs at the same place, in Nm. Both are what joints exert.
+/// Recorded torques minus the torques required by the plan at the same point, in Nm. Both are
+/// torques exerted by the joints.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct TorqueDifference {
     /// Root mean square over the samples of the motion.
     pub rms_nm: Joints,
-    /// The largest one, with its sign.
+    /// Largest difference, with its sign.
     pub largest_nm: Joints,
-    /// When it is the largest, in s of the recording.
+    /// Time of the largest difference, in s of the recording.
     pub largest_at_s: Joints,
-    /// The largest that the plan needs at these samples, with its sign, in Nm.
+    /// Largest torque required by the plan at these samples, with its sign, in Nm.
     pub planned_peak_nm: Joints,
-    /// Samples that have torques.
+    /// Number of samples with torques.
     pub samples: usize,
-    /// Whether the recording has the sign of plans already, and not that of KUKA's controller.
+    /// `true` if the recording already has the sign of plans, not that of KUKA's controller.
     pub turned: bool,
 }
 
-/// The differences over some samples, each at its place in the plan; none if none of them has torques.
+/// Computes the differences over a range of samples with their matched planned times; none without
+/// torques.
 pub(super) fn differences(
     plan: &Plan,
     log: &JointLog,

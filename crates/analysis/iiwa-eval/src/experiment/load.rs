@@ -1,12 +1,13 @@
-//! Swings with and without a load, which show what a controller's planner makes of it.
+//! Swings with and without a payload, which show its effect on a controller's planner.
 
 use iiwa_kin::{Joint, Joints, Load};
 use iiwa_program::{Motion, Ptp};
 
 use super::trial::{Trial, program};
 
-/// Joints A2 and A4 at the middle of the swings, in degrees, and the joint that swings: upright and to the side, stretched
-/// and bent. What gravity takes of the joint's torque differs by an order of magnitude.
+/// Joints A2 and A4 at the centre of the swings, in degrees, and the joint that swings: upright and
+/// to the side, stretched and bent. The share of gravity in the joint torque varies by an order of
+/// magnitude.
 const POSES: [([f64; 2], Joint); 8] = [
     ([0.0, 0.0], Joint::A2),
     ([40.0, 0.0], Joint::A2),
@@ -18,29 +19,29 @@ const POSES: [([f64; 2], Joint); 8] = [
     ([60.0, -30.0], Joint::A4),
 ];
 
-/// To either side of the middle, in degrees.
+/// Swing to either side of the centre, in degrees.
 const SWING_DEG: f64 = 20.0;
 
-/// There and back so often.
+/// Repetitions of each swing.
 const TIMES: usize = 2;
 
 /// Speed between poses, as a share of full speed.
 const TRANSFER_REL: f64 = 0.25;
 
-/// A joint's swings about a pose: one place of the experiment.
+/// Swings of a joint about one pose of the experiment.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LoadSwing {
-    /// The joint.
+    /// Joint that swings.
     pub joint: Joint,
-    /// A2 and A4 in the middle, in degrees.
+    /// A2 and A4 at the centre, in degrees.
     pub middle_deg: [f64; 2],
-    /// From where to where, in rad.
+    /// End positions, in rad.
     pub ends_rad: [Joints; 2],
-    /// Its motions, from the place of the first in a program on.
+    /// Indices of its motions in the program.
     pub(crate) motions: std::ops::Range<usize>,
 }
 
-/// The swings, in the order of the programs.
+/// Returns the swings, in the order of the programs.
 #[must_use]
 pub fn load_swings() -> Vec<LoadSwing> {
     let per_swing = 1 + 2 * TIMES;
@@ -51,7 +52,7 @@ pub fn load_swings() -> Vec<LoadSwing> {
             at_deg[joint.index()] += deg;
             at_deg.map(f64::to_radians)
         };
-        // The first entry is the load, and the first motion of each takes the arm there.
+        // The first entry sets the load, and the first motion of each swing moves to its start.
         let first = 1 + i * per_swing + 1;
         LoadSwing {
             joint: *joint,
@@ -63,8 +64,9 @@ pub fn load_swings() -> Vec<LoadSwing> {
     POSES.iter().enumerate().map(swing).collect()
 }
 
-/// The swings of A2 and A4 without and with a load, two programs: each joint alone, by 20 deg to either side of eight
-/// poses, at full speed. Between poses the arm goes slowly.
+/// Creates two programs, of the swings of A2 and A4 without and with a payload: each joint
+/// separately, by 20 deg to either side of eight poses, at full speed. Motions between poses are
+/// slow.
 #[must_use]
 pub fn load(load: &Load) -> [Trial; 2] {
     [None, Some(*load)].map(|load| {

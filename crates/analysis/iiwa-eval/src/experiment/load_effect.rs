@@ -1,4 +1,4 @@
-//! What a planner makes of a load, from swings without and with it.
+//! Effect of a payload on a planner, from swings without and with the payload.
 
 use iiwa_kin::{Joints, Load, Robot};
 use iiwa_plan::PlanOptions;
@@ -14,67 +14,73 @@ use crate::{
     identify::Identified,
 };
 
-/// Swings without and with a load, and what they tell of the planner.
+/// Swings without and with a payload, and the conclusion about the planner.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct LoadEffect {
-    /// The swings that were seen in both recordings.
+    /// Swings that were observed in both recordings.
     pub swings: Vec<SwingEffect>,
-    /// What explains them.
+    /// Explanation of the swings.
     pub verdict: LoadVerdict,
-    /// Root mean square of what each explanation leaves of the accelerations' ratios: no effect, a factor, torque.
+    /// Root mean square residual of the acceleration ratios for each explanation: no effect, a
+    /// factor, torque.
     pub left_over: [f64; 3],
 }
 
-/// A joint's acceleration about a pose.
+/// Acceleration of a joint about a pose.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct SwingEffect {
-    /// The joint and the pose.
+    /// Joint and pose.
     pub swing: LoadSwing,
-    /// Accelerations without and with the load, in rad/s^2.
+    /// Accelerations without and with the payload, in rad/s^2.
     pub acceleration_rad_s2: [Estimate; 2],
-    /// The one with the load over the one without.
+    /// Acceleration with the payload over the acceleration without.
     pub ratio: f64,
-    /// Its standard deviation.
+    /// Standard deviation of the ratio.
     pub deviation: f64,
-    /// The share of a joint's torque limit that the swing takes with the load at the acceleration without it, by the model.
+    /// Modelled share of a joint's torque limit for the swing with the payload at the acceleration
+    /// without it.
     pub needs_rel: f64,
-    /// The same share by shares of the acceleration.
+    /// Required torque shares by shares of the acceleration.
     needs: Vec<(f64, f64)>,
 }
 
-/// What a planner makes of a load.
+/// Effect of a payload on a planner.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum LoadVerdict {
-    /// Nothing: accelerations are the same with it.
+    /// No effect: accelerations are the same with the payload.
     Ignored,
-    /// They are the same, but this load is too light to tell: planning with torques would not show either.
+    /// Accelerations are the same, but the payload is too light for a conclusion: planning with
+    /// torques would have no visible effect either.
     TooLight,
-    /// They are smaller by this share for each kg, in all poses.
+    /// Accelerations are lower by this share for each kg, in all poses.
     FactorPerKg(Estimate),
-    /// They are smaller where the joint would need more than this share of its torque limit, as far as they have to be.
+    /// Accelerations are lower where the joint would otherwise exceed this share of its torque
+    /// limit, as far as necessary.
     Torque(Estimate),
-    /// None of these explains them, or two do alike.
+    /// No explanation fits, or two fit equally well.
     Undecided,
 }
 
-/// No ratio is taken to be known better.
+/// Lower bound of the standard deviation of a ratio.
 const LEAST_DEVIATION: f64 = 0.005;
 
-/// Mean squares of ratios, in standard deviations, up to which an explanation holds, and by how much others have to be worse.
+/// Mean squared residual, in squared standard deviations, up to which an explanation is accepted,
+/// and the factor by which others have to be worse.
 const HOLDS: f64 = 4.0;
 const WORSE: f64 = 3.0;
 
-/// An effect of torque planning that shows.
+/// Minimum visible effect of planning with torques.
 const SHOWS: f64 = 0.03;
 
-/// Shares of acceleration that torques are computed at.
+/// Number of acceleration shares at which torques are computed.
 const SHARES: usize = 16;
 
 impl LoadEffect {
-    /// Of what was `found` in two recordings, in the order of `experiment::load`: without `load`, and with it.
+    /// Evaluates the results of two recordings, in the order of `experiment::load`: without `load`,
+    /// and with it.
     ///
     /// # Errors
     ///
@@ -130,7 +136,7 @@ impl LoadEffect {
         let ratios: Vec<_> = swings.iter().map(|swing| (swing.ratio, swing.deviation)).collect();
         let factor = Estimate::mean(&ratios);
         let factor_value = factor.map_or(1.0, |factor| factor.value);
-        // The share of the limit that fits best, to a thousandth.
+        // The best fit of the share of the limit, to a thousandth.
         let shares = (200..=2000).map(|i| f64::from(i) / 1000.0);
         let torque_misfit = |limit: f64| misfit(&|swing| swing.share_at(limit));
         let fits = shares.map(|limit| (limit, torque_misfit(limit)));
@@ -148,7 +154,8 @@ impl LoadEffect {
                 LoadVerdict::FactorPerKg(factor.scaled(-1.0 / mass_kg))
             }
             Some(_) if torque_left <= HOLDS && by_factor > WORSE * torque_left.max(1.0) => {
-                // As far as the misfit grows by that of two standard deviations.
+                // The uncertainty extends to where the misfit grows by that of two standard
+                // deviations.
                 let bound = torque_left + 4.0 / count;
                 let beyond = |step: f64| {
                     (1..500)
@@ -166,13 +173,14 @@ impl LoadEffect {
 }
 
 impl SwingEffect {
-    /// The share of its acceleration at which the swing takes this share of a torque limit: at most 1.
+    /// Returns the share of the acceleration at which the swing uses this share of a torque limit:
+    /// at most 1.
     #[must_use]
     pub fn share_at(&self, limit_rel: f64) -> f64 {
         let mut before = (0.0, 0.0);
         for &(share, needs) in &self.needs {
             if needs > limit_rel {
-                // Standing still may take more already: then no share is small enough.
+                // The holding torque alone may exceed the limit: then no share is small enough.
                 let part = (limit_rel - before.1) / (needs - before.1);
                 return (before.0 + part.clamp(0.0, 1.0) * (share - before.0)).clamp(0.0, 1.0);
             }
@@ -182,7 +190,8 @@ impl SwingEffect {
     }
 }
 
-/// The largest share of a joint's torque limit that a swing takes, there and back, at an acceleration in rad/s^2.
+/// Returns the largest share of a joint's torque limit that a swing uses in either direction, at an
+/// acceleration in rad/s^2.
 fn torque_rel(
     swing: &LoadSwing,
     acceleration_rad_s2: f64,

@@ -1,4 +1,4 @@
-//! Corners of paths of the TCP: what a robot has to be asked to learn how it blends them.
+//! Corners of TCP paths, designed to identify how a robot blends them.
 
 use iiwa_kin::Status;
 use iiwa_program::{
@@ -8,53 +8,58 @@ use iiwa_program::{
 
 use super::trial::Trial;
 
-/// A series of corners.
+/// Series of corners.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum TcpSeries {
-    /// Two LINs of unequal lengths, at angles every 10 deg from 0 to 170: kappa over gamma, and the reach of blends.
+    /// Two LINs of unequal lengths, at angles every 10 deg from 0 to 170: kappa over gamma, and the
+    /// reach of blends.
     Angles,
-    /// Blends that are longer than half of the shorter of two LINs: whether both sides are made equally long.
+    /// Blends longer than half of the shorter of two LINs: they show if both sides are made equally
+    /// long.
     Shares,
-    /// LINs on which orientation and E1 change.
+    /// LINs with changes of orientation and E1.
     Turns,
-    /// A LIN into a CIRC, and a CIRC into a LIN.
+    /// LIN into CIRC, and CIRC into LIN.
     Circles,
-    /// A PTP into a LIN, and a LIN into a PTP.
+    /// PTP into LIN, and LIN into PTP.
     Joints,
 }
 
 impl TcpSeries {
-    /// All of them.
+    /// All series.
     pub const ALL: [Self; 5] =
         [Self::Angles, Self::Shares, Self::Turns, Self::Circles, Self::Joints];
 }
 
-/// Where the corners are, in mm: in front of the robot, with the flange downwards. Both models reach all about it with
-/// the elbow bent, far from singular poses and from the joints' limits.
+/// Position of the corners, in mm: in front of the robot, with the flange pointing downwards. Both
+/// robot models reach all points around it with the elbow bent, far from singular poses and joint
+/// limits.
 const CORNER_MM: [f64; 3] = [520.0, 0.0, 350.0];
 
-/// The speed of the TCP, in m/s: that of the operating mode T1. The path is taken not to depend on it.
+/// TCP speed, in m/s: that of the operating mode T1. The path is assumed to be independent of the
+/// speed.
 const SPEED_M_S: f64 = 0.25;
 
-/// Share of full speed in motions from point to point.
+/// Share of full speed in point-to-point motions.
 const PTP_SPEED_REL: f64 = 0.3;
 
-/// A frame, and E1 there.
+/// Frame with its E1.
 #[derive(Clone, Copy)]
 struct Waypoint {
     xyz_mm: [f64; 3],
-    /// By how much it is turned from straight downwards: a, b, c in degrees.
+    /// Rotation from the orientation straight downwards: a, b, c in degrees.
     turn_deg: [f64; 3],
     e1_deg: f64,
 }
 
 impl Waypoint {
-    /// At so many mm from the corner in the direction that is turned by `angle_deg` from y towards x.
+    /// Creates a waypoint at a distance in mm from the corner, in the direction rotated by
+    /// `angle_deg` from y towards x.
     fn about(mm: f64, angle_deg: f64) -> Self {
         Self::beside([mm, 0.0], angle_deg)
     }
 
-    /// The same, with the distance along that direction and to the right of it.
+    /// Creates a waypoint at a distance along that direction and at another one to its right.
     fn beside([along_mm, right_mm]: [f64; 2], angle_deg: f64) -> Self {
         let (sin, cos) = angle_deg.to_radians().sin_cos();
         let [x, y, z] = CORNER_MM;
@@ -77,7 +82,7 @@ impl Waypoint {
     }
 
     fn ptp(&self) -> CartesianMotion {
-        // The elbow up, the wrist as it is with the flange downwards.
+        // Elbow up, and the wrist configuration of the downward flange.
         let target = Target { status: Status::new(ELBOW_UP), ..self.target() };
         let mut ptp = CartesianMotion::new(Course::Ptp { to: TargetRef::Given(target) });
         ptp.shares[LimitKind::Velocity] = [PTP_SPEED_REL; 7];
@@ -96,7 +101,7 @@ impl Waypoint {
     }
 }
 
-/// The status of the arm: A4 is negative, A6 is not.
+/// Status bits: A4 is negative, A6 is not.
 const ELBOW_UP: u8 = 0b010;
 
 fn motion(course: Course) -> CartesianMotion {
@@ -110,8 +115,8 @@ fn blended(mut motion: CartesianMotion, mm: f64) -> CartesianMotion {
     motion
 }
 
-/// The corners of some series, in one program: one recording has all of them. Nothing is at the flange, and the TCP is
-/// its face.
+/// Creates one program with the corners of all `series`, for a single recording. There is no tool:
+/// the TCP is the flange centre.
 #[must_use]
 pub fn tcp_blends(series: &[TcpSeries]) -> Trial {
     let home = Waypoint::about(INTO_MM, 180.0);
@@ -133,7 +138,7 @@ pub fn tcp_blends(series: &[TcpSeries]) -> Trial {
     Trial { name: "tcp-blends".to_owned(), program }
 }
 
-/// The ways into a corner and out of it, and how much of both is blended, in mm.
+/// Lengths of the lines into and out of a corner, and the blend distance, in mm.
 const INTO_MM: f64 = 120.0;
 const OUT_MM: f64 = 90.0;
 const BLEND_MM: f64 = 40.0;
@@ -148,7 +153,8 @@ fn angles() -> Vec<CartesianMotion> {
 }
 
 fn shares() -> Vec<CartesianMotion> {
-    /// So that the blend is longer than the half of the shorter way, and not of the longer.
+    /// Lengths such that the blend is longer than half of the shorter line, but not of the longer
+    /// one.
     const WAYS_MM: [f64; 2] = [160.0, 70.0];
     const ASKED_MM: f64 = 60.0;
     let [long, short] = WAYS_MM;
@@ -162,7 +168,8 @@ fn shares() -> Vec<CartesianMotion> {
 }
 
 fn turns() -> Vec<CartesianMotion> {
-    /// The angle of the corner; turn and E1 there; turn and E1 behind it. All in degrees.
+    /// Angle of the corner; rotation and E1 at the corner; rotation and E1 after it. All in
+    /// degrees.
     type Turn = (f64, [f64; 3], f64, [f64; 3], f64);
     const TURNS: [Turn; 7] = [
         (90.0, [15.0, 0.0, 0.0], 0.0, [15.0, 20.0, 0.0], 0.0),
@@ -202,7 +209,7 @@ fn circles() -> Vec<CartesianMotion> {
 }
 
 fn joints() -> Vec<CartesianMotion> {
-    /// Where motions from point to point begin and end, in mm.
+    /// Ends of the point-to-point motions, in mm.
     const AWAY_MM: [[f64; 3]; 2] = [[400.0, -250.0, 450.0], [600.0, -200.0, 300.0]];
     let there_and_back = |xyz_mm: [f64; 3], angle_deg: f64| {
         let (corner, end) = (Waypoint::about(0.0, 0.0), Waypoint::about(INTO_MM, angle_deg));
@@ -229,7 +236,7 @@ mod tests {
 
     use super::*;
 
-    /// With either flange, no pose is near a singular one, and no joint near its limit.
+    /// With either flange, no pose is near a singularity, and no joint near its limit.
     #[test]
     fn both_models_reach_it_easily() {
         let trial = tcp_blends(&TcpSeries::ALL);

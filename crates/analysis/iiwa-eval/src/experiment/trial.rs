@@ -1,18 +1,18 @@
-//! A program of an experiment.
+//! Program of an experiment.
 
 use iiwa_kin::Joints;
 use iiwa_program::{Motion, Program, Ptp, Sources, Start, Workcell};
 
-/// A program of an experiment.
+/// Program of an experiment.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Trial {
-    /// Its name: letters, digits and `-`.
+    /// Name, of letters, digits and `-`.
     pub name: String,
-    /// The program.
+    /// Program.
     pub program: Program,
 }
 
-/// The program of PTP motions from a start, in rad.
+/// Creates a program of PTP motions from a start, in rad.
 pub(super) fn program(start_rad: Joints, motions: impl IntoIterator<Item = Ptp>) -> Program {
     Program {
         robot: None,

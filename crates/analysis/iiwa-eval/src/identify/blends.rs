@@ -1,20 +1,20 @@
-//! The curve of blends: kappa, and where they begin and end, fitted to the samples about a corner.
+//! Blend curve: kappa, start and end of a blend, fitted to the samples around a corner.
 //!
-//! The path does not depend on time, so neither does the fit: it makes the distances of the samples from
-//! the curve small.
+//! The path does not depend on time, and neither does the fit: it minimises the distances of the
+//! samples from the curve.
 
 use crate::least_squares::{self, Model};
 
-/// Corners that are straighter, or turn farther back, in degrees, show nothing of their curve.
+/// Range of corner angles, in degrees, at which samples show the curve.
 const GAMMA_DEG: std::ops::RangeInclusive<f64> = 3.0..=177.0;
 
-/// A corner of a path, in joint space or of the TCP: the target that is blended away, the directions into and out of
-/// it.
+/// Corner of a path, in joint space or of the TCP: the target that is blended away, and the
+/// directions into and out of the corner.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Corner<const N: usize> {
     target: [f64; N],
     into: [f64; N],
-    /// Unit vector across `into`, on the side of the way out.
+    /// Unit vector perpendicular to `into`, on the side of the outgoing line.
     across: [f64; N],
     gamma_rad: f64,
 }
@@ -33,7 +33,7 @@ fn unit<const N: usize>(a: &[f64; N]) -> [f64; N] {
 }
 
 impl<const N: usize> Corner<N> {
-    /// Of the ways to the target and away from it; none if it is too straight or too sharp.
+    /// Creates the corner at a target between two points; none if it is too straight or too sharp.
     pub(super) fn new(target: &[f64; N], before: &[f64; N], after: &[f64; N]) -> Option<Self> {
         let into = unit(&sub(target, before));
         let out = unit(&sub(after, target));
@@ -52,13 +52,14 @@ impl<const N: usize> Corner<N> {
         self.gamma_rad.to_degrees()
     }
 
-    /// A sample in the plane of the corner, about the target: along the way in, and across it.
+    /// Returns a sample in the plane of the corner, relative to the target: along the incoming
+    /// line, and perpendicular to it.
     pub(super) fn in_plane(&self, at: &[f64; N]) -> [f64; 2] {
         let from_target = sub(at, &self.target);
         [dot(&from_target, &self.into), dot(&from_target, &self.across)]
     }
 
-    /// How far a sample is from that plane.
+    /// Returns the distance of a sample from that plane.
     pub(super) fn off_plane(&self, at: &[f64; N]) -> f64 {
         let from_target = sub(at, &self.target);
         let [along, across] = self.in_plane(at);
@@ -66,30 +67,31 @@ impl<const N: usize> Corner<N> {
     }
 }
 
-/// Where, about the kappa that is expected, the fit begins.
+/// Initial values of the fit, relative to the expected kappa.
 const STARTS: [f64; 3] = [0.0, -1.5, 1.5];
 
-/// From this angle on, in degrees, more than one start is tried.
+/// Angle in degrees from which more than one initial value is tried.
 const SHARP_DEG: f64 = 140.0;
 
 const KAPPA: usize = 0;
 const BEFORE: usize = 1;
 const AFTER: usize = 2;
 
-/// Samples about a corner, in its plane and in order.
+/// Samples around a corner, in its plane and in order.
 struct Bend<'a> {
     samples: &'a [[f64; 2]],
     out: [f64; 2],
 }
 
-/// A point of the curve: where it is, which way it goes, and how it moves with each parameter.
+/// Point of the curve, its tangent, and its derivatives by the parameters.
 struct Point {
     at: [f64; 2],
     slope: [f64; 2],
     by: [[f64; 2]; 3],
 }
 
-/// alpha and beta (Larsen 2019, Eq. 18 and 21) for N = 2 with their derivatives, for `s` in [0, 1].
+/// Returns alpha and beta (Larsen 2019, Eq. 18 and 21) for N = 2 with their derivatives, for `s` in
+/// [0, 1].
 fn weights(s: f64) -> [[f64; 2]; 2] {
     let rest = 1.0 - s;
     let hump = s * rest;
@@ -98,13 +100,14 @@ fn weights(s: f64) -> [[f64; 2]; 2] {
 }
 
 impl Bend<'_> {
-    /// The curve (Larsen 2019, Eq. 39) for `s` in [0, 1], and the lines that it joins before and after.
+    /// Returns a point of the curve (Larsen 2019, Eq. 39) for `s` in [0, 1], or of the lines before
+    /// and after it.
     fn point(&self, [kappa, before, after]: [f64; 3], s: f64) -> Point {
         let out = self.out;
         let on_curve = s.clamp(0.0, 1.0);
         let beyond = s - on_curve;
         let [[alpha, alpha_slope], [beta, beta_slope]] = weights(on_curve);
-        // Shares of the two ways, in lengths of the blend's reach on either side.
+        // Shares of the two directions, in units of the blend's reach on either side.
         let first = -(1.0 - alpha) * (1.0 - on_curve) + kappa * beta;
         let second = alpha * on_curve - kappa * beta;
         let first_slope = (1.0 - alpha) + alpha_slope * (1.0 - on_curve) + kappa * beta_slope;
@@ -127,7 +130,7 @@ impl Bend<'_> {
 impl Model<3> for Bend<'_> {
     fn samples(&self, parameters: &[f64; 3], mut each: impl FnMut(f64, [f64; 3])) {
         let [_, before, _] = *parameters;
-        // Samples are in order, so that the nearest point of one is a good guess for the next.
+        // Samples are in order: the nearest point of one sample is a good guess for the next.
         let mut s = self.samples.first().map_or(0.0, |first| first[0] / before + 1.0);
         for sample in self.samples {
             let mut point = self.point(*parameters, s);
@@ -155,33 +158,33 @@ impl Model<3> for Bend<'_> {
     }
 }
 
-/// A blend as it was observed. Lengths are in the unit of the samples: rad in joint space, m of the TCP.
+/// Observed blend. Lengths are in the unit of the samples: rad in joint space, m for the TCP.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct BlendCurve {
-    /// kappa and its standard deviation, the blend beginning and ending where it should.
+    /// kappa and its standard deviation, with the blend's planned start and end.
     pub(super) kappa: (f64, f64),
-    /// Where it begins and ends as it does; none if the samples do not tell.
+    /// Fit with free start and end; none if the samples do not determine them.
     pub(super) free: Option<FreeBlend>,
-    /// Root mean square of the distances from the curve.
+    /// Root mean square distance from the curve.
     pub(super) residual: f64,
 }
 
-/// A blend that begins and ends anywhere.
+/// Blend with free start and end.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct FreeBlend {
     /// kappa and its standard deviation.
     pub(super) kappa: (f64, f64),
-    /// How far before the target it begins, and how far behind it ends, each with its standard deviation.
+    /// Distances of the start and the end from the target, each with its standard deviation.
     pub(super) reach: [(f64, f64); 2],
-    /// Standard deviation of the difference of the two.
+    /// Standard deviation of the difference between both distances.
     pub(super) difference_deviation: f64,
-    /// Root mean square of the distances from the curve.
+    /// Root mean square distance from the curve.
     pub(super) residual: f64,
 }
 
 impl BlendCurve {
-    /// Fits the curve of a blend that should have about this `kappa` and this `reach` on either side;
-    /// none if the samples do not determine it.
+    /// Fits the curve of a blend with the expected `kappa` and `reach` on either side; none if the
+    /// samples do not determine it.
     pub(super) fn fit<const N: usize>(
         corner: &Corner<N>,
         samples: &[[f64; 2]],
@@ -190,7 +193,8 @@ impl BlendCurve {
     ) -> Option<Self> {
         let (sin, cos) = corner.gamma_rad.sin_cos();
         let bend = Bend { samples, out: [cos, sin] };
-        // In a sharp corner both branches are near each other: samples are to find their own.
+        // In a sharp corner both branches are close to each other, and samples may be matched to
+        // the wrong one.
         let starts = if corner.gamma_deg() < SHARP_DEG { &STARTS[..1] } else { &STARTS };
         let bound = starts
             .iter()
@@ -226,7 +230,7 @@ mod tests {
 
     use super::*;
 
-    /// The curve is that of the plans.
+    /// The curve equals that of the planner.
     #[test]
     fn the_curve_is_the_planners() {
         const STEP: f64 = 1e-6;
@@ -244,7 +248,7 @@ mod tests {
             let expected = corner.in_plane(&blend.at(s).q);
             let point = bend.point([kappa, reach, reach], s);
             assert!((point.at[0] - expected[0]).hypot(point.at[1] - expected[1]) < 1e-15);
-            // Slopes and derivatives by the parameters are those of the point itself.
+            // Slopes and derivatives by the parameters agree with finite differences.
             let slope = |to: &Point| [0, 1].map(|k| (to.at[k] - point.at[k]) / STEP);
             let near = |a: [f64; 2], b: [f64; 2]| (a[0] - b[0]).hypot(a[1] - b[1]) < 1e-4;
             if s < 1.0 {

@@ -1,5 +1,5 @@
-//! Paths of the TCP and the blends at their ends, held against what is assumed of them: positions, orientations and E1,
-//! wherever in time.
+//! Comparison of TCP paths and the blends at their ends with the assumptions about them: positions,
+//! orientations and E1, regardless of time.
 
 use std::ops::Range;
 
@@ -15,44 +15,46 @@ use crate::identify::{
     watched::{CornerSpace, Watched},
 };
 
-/// Chords that a segment is followed along.
+/// Number of chords of a segment.
 const CHORDS: usize = 256;
 
-/// So many chords ahead are looked at for one that is nearer.
+/// Number of chords ahead that are searched for a nearer one.
 const AHEAD: usize = 12;
 
-/// A way of the TCP that is shorter, in m, does not tell where along it a sample is.
+/// Minimum length of a TCP path, in m: on a shorter one, the TCP position does not determine the
+/// path parameter.
 const LEAST_WAY_M: f64 = 1e-3;
 
-/// Farther away, in m, the arm does something else.
+/// Distance from the path, in m, above which the robot performs another motion.
 const ASTRAY_M: f64 = 0.02;
 
-/// A section of a recording: steps of its path, and samples.
+/// Section of a recording: steps of its path, and samples.
 #[derive(Clone, Debug)]
 pub(super) struct Section {
     pub(super) steps: Range<usize>,
     pub(super) samples: Range<usize>,
 }
 
-/// What was observed, or why it was not.
+/// Observations, and parts that were not used.
 #[derive(Debug, Default)]
 pub(super) struct Courses {
     pub(super) observed: Vec<CourseObservation>,
     pub(super) left_out: Vec<LeftOut>,
 }
 
-/// A segment that the arm follows.
+/// Segment that is matched with samples.
 struct FollowedStep<'a> {
     segment: &'a dyn Segment,
-    /// Whose TCP it is, and what is said of it; none if nothing is assumed.
+    /// Motion that defines the TCP.
     motion: MotionIndex,
     part: Option<CoursePart>,
-    /// Positions of the TCP at the ends of its chords, in m.
+    /// TCP positions at the ends of the chords, in m.
     places: Vec<[f64; 3]>,
 }
 
 impl Courses {
-    /// Looks at one section; `path` is that of the program as it is assumed, with the kappa that was found.
+    /// Evaluates one section; `path` is the path of the program under the assumptions, with the
+    /// identified kappa.
     pub(super) fn observe(&mut self, watched: &Watched<'_>, path: &JointPath, section: &Section) {
         let steps = path.steps().get(section.steps.clone()).unwrap_or_default();
         let followed: Vec<_> = steps.iter().filter_map(|step| follow(watched, step)).collect();
@@ -63,7 +65,7 @@ impl Courses {
         let (mut at, mut chord) = (0, 0);
         for joints in &watched.log.q_rad[section.samples.clone()] {
             let flange = watched.path.robot().flange_pose(joints);
-            // From one TCP to another, each step has its own.
+            // The TCP depends on the motion of each step.
             let tcp = |step: &FollowedStep<'_>| flange.then(watched.path.tcp(step.motion));
             (at, chord) = nearest(&followed, (at, chord), |step| tcp(step).position_m);
             let tcp = tcp(&followed[at]);
@@ -113,7 +115,7 @@ fn follow<'a>(watched: &Watched<'_>, step: &'a Step) -> Option<FollowedStep<'a>>
     Some(FollowedStep { segment: &**segment, motion, part, places })
 }
 
-/// From a chord of a step on, downhill to the one that is nearest.
+/// Finds the nearest chord by descending from a given one.
 fn nearest(
     followed: &[FollowedStep<'_>],
     mut best: (usize, usize),
@@ -143,7 +145,7 @@ fn nearest(
     best
 }
 
-/// The angle between two orientations, in rad.
+/// Returns the angle between two orientations, in rad.
 fn angle(a: &Pose, b: &Pose) -> f64 {
     norm(&log(&product(&transposed(&a.rotation), &b.rotation)))
 }
@@ -153,7 +155,7 @@ impl FollowedStep<'_> {
         sub(&self.places[chord + 1], &self.places[chord])
     }
 
-    /// How far along a chord a place is, as a share of it.
+    /// Returns the position of a point along a chord, as a share of its length.
     fn along(&self, chord: usize, place: &[f64; 3]) -> f64 {
         let way = self.chord(chord);
         dot(&sub(place, &self.places[chord]), &way) / dot(&way, &way).max(f64::MIN_POSITIVE)
@@ -165,14 +167,14 @@ impl FollowedStep<'_> {
         norm(&std::array::from_fn(|i| place[i] - self.places[chord][i] - share * way[i]))
     }
 
-    /// Where along the segment a place is; none before its start and behind its end.
+    /// Returns the path parameter of a point; none before the start and beyond the end.
     fn parameter(&self, chord: usize, place: &[f64; 3]) -> Option<f64> {
         let share = self.along(chord, place);
         let is_outside = (chord == 0 && share < 0.0) || (chord + 1 == CHORDS && share > 1.0);
         (!is_outside).then(|| (chord as f64 + share.clamp(0.0, 1.0)) / CHORDS as f64)
     }
 
-    /// The length of what of `off` is across a chord.
+    /// Returns the length of the part of `off` perpendicular to a chord.
     fn across(&self, chord: usize, off: &[f64; 3]) -> f64 {
         let way = self.chord(chord);
         let share = dot(off, &way) / dot(&way, &way).max(f64::MIN_POSITIVE);
@@ -183,7 +185,7 @@ impl FollowedStep<'_> {
         self.places.windows(2).map(|ends| norm(&sub(&ends[1], &ends[0]))).sum()
     }
 
-    /// Of no sample yet.
+    /// Creates the observation without samples.
     fn observation(&self, watched: &Watched<'_>) -> CourseObservation {
         let ends = [0.0, 1.0].map(|s| self.segment.at(s).q);
         let [start, end] = ends.each_ref().map(|joints| watched.tcp(self.motion, joints));

@@ -1,4 +1,4 @@
-//! Observations of all recordings, until something is concluded from them.
+//! Observations of all recordings, and the conclusions from them.
 
 use iiwa_kin::{Joints, Robot};
 
@@ -13,10 +13,11 @@ use crate::{
     },
 };
 
-/// Within what share of their largest figure joints may be the one that limits a motion: for each kind.
+/// Relative distance from their largest figure within which joints may be the one that limits a
+/// motion, for each kind of limit.
 const TOLERANCES: [f64; 3] = [0.005, 0.02, 0.1];
 
-/// No mean time is taken to be known better than to this share of the time between samples.
+/// Lower bound of the uncertainty of a mean time, as a share of the time between samples.
 const TIME_SHARE: f64 = 0.01;
 
 /// Observations so far.
@@ -27,11 +28,12 @@ pub(super) struct Findings {
     pub(super) ramps: RampFindings,
     pub(super) settles: Vec<Observed>,
     pub(super) unequal: Vec<Observed>,
-    /// Of blends of the TCP: how far before and behind the target they begin and end, as shares of what the program asks
-    /// for, and how far the two are from being equal.
+    /// Distances of the start and the end of TCP blends from the target, as shares of the
+    /// programmed distance.
     pub(super) tcp_reach: [Vec<Observed>; 2],
+    /// Differences between both distances, as shares of those with independent sides.
     pub(super) tcp_unequal: Vec<Observed>,
-    /// The longest time between samples of a recording, in s.
+    /// Longest time between samples of a recording, in s.
     pub(super) period_s: f64,
 }
 
@@ -61,8 +63,8 @@ impl Findings {
     }
 }
 
-/// The limits that the observations show; of joints that they leave open, those that they show if the ratios of the limits
-/// are about the model's.
+/// Returns the limits shown by the observations alone. For joints that remain open, returns those
+/// shown under the assumption that the ratios of the limits are about the model's.
 fn with_model(bounds: &[Bound], model: &Joints, tolerance: f64) -> [Option<Estimate>; 7] {
     let shown = limits::estimate(bounds, tolerance);
     let by = Plausible { limits: model, factor: 1.35, share: 0.8 };

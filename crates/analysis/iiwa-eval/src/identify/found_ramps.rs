@@ -1,4 +1,4 @@
-//! The law of the ramps, from what motions along lines show of it.
+//! Ramp law identified from motions along lines.
 
 use iiwa_kin::{Joints, RampEnd, RampLaw};
 
@@ -11,45 +11,46 @@ use crate::{
     },
 };
 
-/// Within what share of their largest figure joints may be the one that limits a ramp: inertias of the model are off by some
-/// per cent.
+/// Relative distance from their largest figure within which joints may be the one that limits a
+/// ramp: the inertias of the model have errors of some per cent.
 const TOLERANCE: f64 = 0.08;
 
-/// Limits of a model are right to about such factors, S and R; a first phase that noise made too wide or too narrow shows
-/// others.
+/// Expected error factors of the model's limits S and R (start and stop). Larger deviations are
+/// first phases that noise made too wide or too narrow.
 const FACTORS: [f64; 3] = [1.2, 1.35, 1.35];
 
-/// The least share of its limit that a joint uses which may limit a ramp, in that of the one that uses most of its own.
+/// Minimum usage of its limit by a joint that may limit a ramp, as a share of the largest usage of
+/// any joint.
 const SHARE: f64 = 0.7;
 
-/// Standard deviation of snap that inertias of the model cause, as a share.
+/// Relative standard deviation of the snap due to errors of the model's inertias.
 const INERTIA_SHARE: f64 = 0.02;
 
-/// Standard deviation of jerk that the law does not explain, as a share: see `docs/evidence.md`.
+/// Relative standard deviation of the jerk that the law does not explain: see `docs/evidence.md`.
 const LAW_SHARE: f64 = 0.011;
 
-/// The law of the ramps as recordings show it; joints that were not seen to limit a ramp are `None`.
+/// Identified ramp law; joints that did not limit a ramp are `None`.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct FoundRamps {
     /// Largest second derivative of each joint's torque, in Nm/s^2: S.
     pub torque_snap_nm_s2: [Option<Estimate>; 7],
-    /// Limit of the jerk of ramps that start, in Nm/s: R.
+    /// Jerk limit of starting ramps, in Nm/s: R.
     pub start_nm_s: [Option<Estimate>; 7],
-    /// R of ramps that stop.
+    /// Jerk limit R of stopping ramps, in Nm/s.
     pub stop_nm_s: [Option<Estimate>; 7],
-    /// Motions that begin and end with constant snap.
+    /// Number of motions that begin and end with constant snap.
     pub motions: usize,
-    /// Root mean square of what the law leaves over in them, in rad.
+    /// Root mean square residual of these motions under the law, in rad.
     pub residual_rad: f64,
-    /// Root mean square of what seven phases of constant jerk leave over in them, in rad.
+    /// Root mean square residual of these motions with seven phases of constant jerk, in rad.
     pub jerk_residual_rad: f64,
-    /// Noise of the recordings along these motions, root mean square, in rad.
+    /// Root mean square noise of the recordings along these motions, in rad.
     pub noise_rad: f64,
 }
 
 impl FoundRamps {
-    /// `model` with what was found.
+    /// Returns `model` with the identified values.
     #[must_use]
     pub fn law(&self, model: &RampLaw) -> RampLaw {
         let mut law = *model;
@@ -69,16 +70,16 @@ impl FoundRamps {
 /// Observations of ramps so far.
 #[derive(Debug, Default)]
 pub(super) struct RampFindings {
-    /// Bounds of S, of R at the start and of R at the end.
+    /// Bounds of S, of R at the start and of R at the stop.
     bounds: [Vec<Bound>; 3],
     motions: usize,
-    /// Sums of squares: what the law leaves over, what constant jerk does, noise.
+    /// Sums of squared residuals under the law and under constant jerk, and of the noise.
     squares: [f64; 3],
 }
 
 impl RampFindings {
-    /// Adds one end of a motion: the direction away from rest there, and the torques of an acceleration that way, in Nm per
-    /// rad/s^2.
+    /// Adds one end of a motion: the direction away from rest, and the torques of an acceleration
+    /// in that direction, in Nm per rad/s^2.
     pub(super) fn add_end(
         &mut self,
         end: RampEnd,
@@ -106,7 +107,7 @@ impl RampFindings {
         }
     }
 
-    /// Adds a motion: what the law leaves over, what constant jerk does, and its noise, in rad.
+    /// Adds a motion: its residuals under the law and under constant jerk, and its noise, in rad.
     pub(super) fn add_motion(&mut self, residuals_rad: [f64; 3]) {
         self.motions += 1;
         for (squares, residual) in self.squares.iter_mut().zip(residuals_rad) {
@@ -114,7 +115,7 @@ impl RampFindings {
         }
     }
 
-    /// What all motions show together; none if none has such ramps.
+    /// Returns the result of all motions; none without such ramps.
     pub(super) fn conclude(&self, model: &RampLaw) -> Option<FoundRamps> {
         if self.motions == 0 {
             return None;

@@ -1,43 +1,47 @@
-//! Loads and friction as recorded torques show them.
+//! Payloads and friction identified from recorded torques.
 
 use iiwa_kin::{Friction, Load};
 
 use crate::Estimate;
 
-/// What recorded torques show.
+/// Result of the evaluation of recorded torques.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct FoundTorques {
-    /// What hangs on the flange; recordings whose programs state the same load are taken to have the same.
+    /// Payloads. Recordings whose programs state the same payload are assumed to have the same one.
     pub loads: Vec<FoundLoad>,
-    /// Viscous friction of each joint, in Nm s/rad, and Coulomb's, in Nm; none where the joint hardly moves.
+    /// Viscous friction of each joint, in Nm s/rad; none where the joint hardly moves.
     pub viscous_nm_s_rad: [Option<Estimate>; 7],
-    /// The same of what is there at any speed.
+    /// Coulomb friction of each joint, in Nm, independent of the speed; none where the joint hardly
+    /// moves.
     pub coulomb_nm: [Option<Estimate>; 7],
-    /// Root mean square of what is left over of each joint's torque, as averaged over [`window_s`](Self::window_s), in Nm.
+    /// Root mean square residual of each joint's torque, averaged over
+    /// [`window_s`](Self::window_s), in Nm.
     pub residual_nm: [f64; 7],
-    /// Over how long torques are averaged, in s.
+    /// Averaging time of torques, in s.
     pub window_s: f64,
-    /// Whether torques had the sign of plans already, and not that of KUKA's controller.
+    /// `true` if torques already had the sign of plans, not that of KUKA's controller.
     pub turned: bool,
 }
 
-/// A load.
+/// Identified payload.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct FoundLoad {
-    /// The recordings, from 0.
+    /// Indices of the recordings, from 0.
     pub recordings: Vec<usize>,
-    /// What their programs state.
+    /// Payload stated by their programs.
     pub stated: Option<Load>,
-    /// Mass, in kg, if the recordings tell.
+    /// Mass, in kg, if the recordings determine it.
     pub mass_kg: Option<Estimate>,
-    /// Centre of mass in the flange's frame, in mm, as far as the recordings tell.
+    /// Centre of mass in the flange frame, in mm, for the coordinates that the recordings
+    /// determine.
     pub center_mm: [Option<Estimate>; 3],
 }
 
 impl FoundLoad {
-    /// The load for programs, without moments of inertia; none if mass or centre are not known.
+    /// Returns the payload for programs, without moments of inertia; none if mass or centre of mass
+    /// is unknown.
     #[must_use]
     pub fn load(&self) -> Option<Load> {
         let [Some(x), Some(y), Some(z)] = self.center_mm else { return None };
@@ -45,7 +49,7 @@ impl FoundLoad {
         Some(Load { mass_kg: self.mass_kg?.value, center_mm, ..Load::default() })
     }
 
-    /// What the recordings do not tell of it, in words.
+    /// Returns the names of the quantities that the recordings do not determine.
     #[must_use]
     pub fn untold(&self) -> Vec<&'static str> {
         const CENTER: [&str; 3] = ["x of the centre", "y of the centre", "z of the centre"];
@@ -54,7 +58,7 @@ impl FoundLoad {
         self.mass_kg.is_none().then_some("the mass").into_iter().chain(center).collect()
     }
 
-    /// Whether it is none at all, within its uncertainty.
+    /// Returns true if the mass is zero within its uncertainty.
     #[must_use]
     pub fn is_nothing(&self) -> bool {
         self.mass_kg.is_some_and(|mass| mass.holds(0.0))
@@ -62,7 +66,8 @@ impl FoundLoad {
 }
 
 impl FoundTorques {
-    /// Friction as it was found; that of `model` where it was not. What is below 0 within its uncertainty is 0.
+    /// Returns the identified friction, or that of `model` where it was not identified. Negative
+    /// values are set to 0.
     #[must_use]
     pub fn friction(&self, model: &Friction) -> Friction {
         let value = |found: &Option<Estimate>, known: f64| match found {

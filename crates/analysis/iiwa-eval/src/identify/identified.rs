@@ -1,4 +1,4 @@
-//! What is known of a robot from recordings.
+//! Result of the identification of a robot.
 
 use iiwa_kin::Robot;
 
@@ -14,60 +14,62 @@ use crate::{
     },
 };
 
-/// What is known of a robot from recordings. Angles are in rad.
+/// Result of the identification of a robot. Angles are in rad.
 #[derive(Clone, Debug, Default)]
 #[non_exhaustive]
 pub struct Identified {
-    /// Limits of speed, in rad/s, of the joints that show theirs.
+    /// Velocity limits, in rad/s, of the joints whose limits the recordings show.
     pub velocity_rad_s: [Option<Estimate>; 7],
-    /// Limits of acceleration, in rad/s^2.
+    /// Acceleration limits, in rad/s^2.
     pub acceleration_rad_s2: [Option<Estimate>; 7],
-    /// Limits of jerk, in rad/s^3.
+    /// Jerk limits, in rad/s^3.
     pub jerk_rad_s3: [Option<Estimate>; 7],
-    /// The law of the ramps, if motions have ramps that begin with constant snap.
+    /// Ramp law, if motions have ramps that begin with constant snap.
     pub ramps: Option<FoundRamps>,
-    /// The time to settle.
+    /// Settle time.
     pub settle: Option<Settle>,
     /// kappa over gamma.
     pub kappa: Option<Kappa>,
-    /// By what share blends begin and end where a program without Algorithm 3 would put them: 0 if they
-    /// begin and end at equal distances, 1 if they do not.
+    /// Position of the start and end of blends relative to a planner without Algorithm 3: 0 if they
+    /// are at equal distances from the target, 1 if they are where that planner would put them.
     pub unequal_share: Option<Estimate>,
     /// All motions along lines.
     pub lines: Vec<LineObservation>,
     /// All blends.
     pub blends: Vec<BlendObservation>,
-    /// kappa over gamma of blends between straight ways of the TCP.
+    /// kappa over gamma of blends between straight TCP paths.
     pub tcp_kappa: Option<Kappa>,
-    /// How far before and behind their targets such blends begin and end, as shares of the program's `cart_mm`: of those
-    /// that neither the half of a motion nor the other side makes smaller.
+    /// Distances of the start and the end of such blends from their targets, as shares of the
+    /// program's `cart_mm`: only blends that are not shortened by half of a motion or by the other
+    /// side.
     pub tcp_reach: Option<[Estimate; 2]>,
-    /// By what share they begin and end where each side by itself would put them: 0 if they begin and end at equal ways,
-    /// 1 if they do not.
+    /// Position of the start and end of such blends relative to independent sides: 0 if both are at
+    /// equal distances from the target, 1 if each is where its side alone would put it.
     pub tcp_unequal_share: Option<Estimate>,
-    /// All blends between straight ways of the TCP.
+    /// All blends between straight TCP paths.
     pub tcp_blends: Vec<TcpBlendObservation>,
-    /// All paths of the TCP and the blends at their ends, against what is assumed of them, with kappa as found.
+    /// All TCP paths and the blends at their ends, compared with the assumptions about them, with
+    /// the identified kappa.
     pub courses: Vec<CourseObservation>,
-    /// Loads and friction, if any recording has torques.
+    /// Payloads and friction, if any recording has torques.
     pub torques: Option<FoundTorques>,
-    /// The recordings, from 0, whose torques were not used, and why.
+    /// Indices, from 0, of the recordings whose torques were not used, and the reason.
     pub unused_torques: Vec<(usize, &'static str)>,
-    /// What the recordings have that was not used, and why.
+    /// Parts of the recordings that were not used, and the reason.
     pub left_out: Vec<LeftOut>,
 }
 
-/// The time to settle (Larsen 2019, Table 6).
+/// Settle time (Larsen 2019, Table 6).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Settle {
-    /// Its mean, in s.
+    /// Mean, in s.
     pub mean_s: Estimate,
     /// Standard deviation of the observations, in s.
     pub deviation_s: f64,
 }
 
 impl Identified {
-    /// `model` with all that was found.
+    /// Returns `model` with all identified values.
     #[must_use]
     pub fn robot(&self, model: &Robot) -> Robot {
         let mut limits = *model.limits();
@@ -102,5 +104,5 @@ impl Identified {
     }
 }
 
-/// Robots that do not settle do so for this long, in s.
+/// Minimum settle time of an identified robot, in s.
 const SHORTEST_SETTLE_S: f64 = 0.001;

@@ -1,4 +1,4 @@
-//! kappa over gamma, from the blends in which it was found.
+//! kappa over gamma, from the observed blends.
 
 use crate::estimate::{Estimate, Linear, Row};
 
@@ -6,22 +6,22 @@ use crate::estimate::{Estimate, Linear, Row};
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Kappa {
     polynomial: Linear<3>,
-    /// The smallest and the largest angle that was observed, in degrees.
+    /// Smallest and largest observed angle, in degrees.
     pub gamma_deg: [f64; 2],
-    /// Root mean square of the observed kappa minus the polynomial's.
+    /// Root mean square difference between the observed kappa and the polynomial.
     pub residual: f64,
-    /// Root mean square of the observed kappa minus that of Eq. 38.
+    /// Root mean square difference between the observed kappa and the model's.
     pub residual_of_model: f64,
 }
 
 impl Kappa {
-    /// Coefficients for gamma in degrees, the constant first.
+    /// Returns the coefficients for gamma in degrees, the constant first.
     #[must_use]
     pub fn coefficients(&self) -> &[f64; 3] {
         &self.polynomial.coefficients
     }
 
-    /// kappa at an angle.
+    /// Returns kappa at an angle.
     #[must_use]
     pub fn at(&self, gamma_deg: f64) -> Estimate {
         self.polynomial.at(powers(gamma_deg))
@@ -32,15 +32,15 @@ fn powers(gamma_deg: f64) -> [f64; 3] {
     [1.0, gamma_deg, gamma_deg * gamma_deg]
 }
 
-/// kappa is fitted if the angles differ by so much, in degrees.
+/// Minimum range of the angles, in degrees, for a fit of kappa.
 const SPREAD_DEG: f64 = 45.0;
 
-/// A blend in which kappa was found: gamma in degrees, kappa and its standard deviation.
+/// Observed blend: gamma in degrees, kappa and its standard deviation.
 pub(super) type KappaAt = (f64, (f64, f64));
 
 impl Kappa {
-    /// The polynomial through what was found in `blends`, of a robot that is taken to have the kappa of `model`; none if
-    /// their angles do not differ by enough.
+    /// Fits the polynomial to `blends`, of a robot that is assumed to have the kappa of `model`;
+    /// none if the range of their angles is too small.
     pub(super) fn fit(blends: &[KappaAt], model: impl Fn(f64) -> f64) -> Option<Self> {
         let rows: Vec<_> = blends
             .iter()

@@ -1,29 +1,28 @@
-//! Limits of the joints, from motions along lines.
+//! Joint limits from motions along lines.
 
 use iiwa_kin::Joints;
 
 use crate::{estimate::Estimate, identify::ramps::Observed, quantile::median};
 
-/// The top speed of a motion along a line, or its acceleration or jerk: the largest that all joints
-/// allow. At least one of them is at its limit.
+/// Top speed, acceleration or jerk of a motion along a line: the largest one within the limits of
+/// all joints. At least one joint is at its limit.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Bound {
-    /// What each joint's limit would be if it were the one, and its standard deviation; zero for joints
-    /// that do not move.
+    /// Limit of each joint if that joint limited the motion; zero for joints at rest.
     of_joint: Joints,
-    /// Standard deviation over figure.
+    /// Relative standard deviation.
     deviation: f64,
 }
 
-/// A joint with a smaller share in a motion does not move: targets in degrees are rounded.
+/// Share of a motion below which a joint counts as at rest: targets in degrees are rounded.
 pub(super) const ROUNDING: f64 = 1e-9;
 
-/// Nothing is taken to be off by more standard deviations.
+/// Number of standard deviations that bounds the error of an observation.
 const SURE_DEVIATIONS: f64 = 3.0;
 
 impl Bound {
-    /// From a figure along the way, the direction of the way (a unit vector) and the shares of the
-    /// limits that the motion was allowed.
+    /// Creates the bounds from a figure along the way, the direction of the way (a unit vector) and
+    /// the motion's shares of the limits.
     pub(super) fn new(along: Observed, direction: &Joints, shares: &Joints) -> Self {
         let (figure, deviation) = along;
         let moves = |j: usize| direction[j].abs() > ROUNDING;
@@ -33,19 +32,19 @@ impl Bound {
     }
 }
 
-/// A model whose limits are about right.
+/// Model with approximately correct limits.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Plausible<'a> {
-    /// Its limits.
+    /// Limits of the model.
     pub(super) limits: &'a Joints,
-    /// A motion that shows limits which are, compared with what the others show, larger or smaller by more than this factor
-    /// was not fitted well.
+    /// Factor around the typical result; motions whose limits are further off were not fitted well.
     pub(super) factor: f64,
-    /// A joint that uses less of its limit than this share of what the joint uses that is nearest to its own is not the one.
+    /// Minimum usage of its limit by a joint that may limit a motion, as a share of the largest
+    /// usage of any joint.
     pub(super) share: f64,
 }
 
-/// The bounds without what is not plausible by a model.
+/// Returns the bounds that are plausible under a model.
 pub(super) fn plausible(bounds: &[Bound], by: Plausible<'_>) -> Vec<Bound> {
     let Plausible { limits: model, factor, share } = by;
     let largest = |bound: &Bound| (0..7).map(|j| bound.of_joint[j] / model[j]).fold(0.0, f64::max);
@@ -65,18 +64,18 @@ pub(super) fn plausible(bounds: &[Bound], by: Plausible<'_>) -> Vec<Bound> {
     alike.map(with_near_joints).collect()
 }
 
-/// The joint, if it is only one.
+/// Returns the joint if there is exactly one.
 pub(super) fn only(mut joints: impl Iterator<Item = usize>) -> Option<usize> {
     joints.next().filter(|_| joints.next().is_none())
 }
 
-/// The limits of one kind, for the joints whose limits the observations show.
+/// Returns the limits of one kind, for the joints whose limits the observations show.
 ///
-/// No joint exceeds its limit, so that the largest figure that was seen of it is a lower bound. In each
-/// motion some joint is at its limit: one of those that come near to their own largest figure, within
-/// `tolerance` (a share). Where that is one joint only, its limit is shown. Noise is not to make one
-/// figure of a joint so large that the motions which it limits seem to be limited by others: the largest
-/// is what surely was reached, and near it is what may be.
+/// No joint exceeds its limit, so that its largest observed figure is a lower bound. In each motion
+/// some joint is at its limit: one of those within `tolerance` (a share) of their own largest
+/// figure. If there is only one such joint, its limit is shown. A figure that noise makes too large
+/// must not have the effect that motions limited by this joint seem to be limited by others: the
+/// largest figure is a lower confidence bound, and its neighbourhood an upper one.
 pub(super) fn estimate(bounds: &[Bound], tolerance: f64) -> [Option<Estimate>; 7] {
     let mut largest = [0.0; 7];
     for bound in bounds {
@@ -102,7 +101,7 @@ pub(super) fn estimate(bounds: &[Bound], tolerance: f64) -> [Option<Estimate>; 7
 mod tests {
     use super::*;
 
-    /// A motion of joints 1 and 2, by so much each, limited by `limits`.
+    /// Creates a motion of joints 1 and 2 with displacements `by`, limited by `limits`.
     fn bound(by: [f64; 2], limits: [f64; 2]) -> Bound {
         let length = by[0].hypot(by[1]);
         let direction = [by[0] / length, by[1] / length, 0.0, 0.0, 0.0, 0.0, 0.0];
@@ -117,7 +116,7 @@ mod tests {
         assert_eq!(found[1..], [None; 6]);
     }
 
-    /// One motion of two joints may be limited by either; a second one tells.
+    /// One motion of two joints may be limited by either of them; a second motion decides.
     #[test]
     fn what_several_motions_show_together() {
         let limits = [3.0, 5.0];
@@ -128,7 +127,7 @@ mod tests {
         assert!((found[1].unwrap().value - 5.0).abs() < 1e-12);
     }
 
-    /// Joint 1 limits all motions; one of them, in noise, seems to be faster.
+    /// Joint 1 limits all motions; noise makes one of them seem faster.
     #[test]
     fn noise_does_not_blame_another_joint() {
         let limits = [3.0, 50.0];

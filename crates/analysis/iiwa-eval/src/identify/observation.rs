@@ -1,23 +1,23 @@
-//! What was observed motion by motion, and what was not used.
+//! Observations of individual motions, and the parts that were not used.
 
 use iiwa_kin::{Joint, Joints};
 use iiwa_program::MotionIndex;
 
-/// A motion along a line from rest to rest.
+/// Motion along a line from rest to rest.
 #[derive(Clone, Copy, Debug)]
 #[non_exhaustive]
 pub struct LineObservation {
-    /// The recording, from 0.
+    /// Index of the recording, from 0.
     pub recording: usize,
-    /// The motion.
+    /// Index of the motion.
     pub motion: MotionIndex,
-    /// The joint, if only one moves.
+    /// Joint, if only one moves.
     pub joint: Option<Joint>,
-    /// The way, in rad.
+    /// Start, in rad.
     pub from_rad: Joints,
-    /// The way, in rad.
+    /// End, in rad.
     pub to_rad: Joints,
-    /// When it began and ended, in s of the recording.
+    /// Start and end times, in s of the recording.
     pub time_s: [f64; 2],
     /// Top speed along the way, in rad/s, if it was kept for a time.
     pub speed_rad_s: Option<f64>,
@@ -25,26 +25,27 @@ pub struct LineObservation {
     pub acceleration_rad_s2: Option<f64>,
     /// Jerk along the way, in rad/s^3, if it shows.
     pub jerk_rad_s3: Option<f64>,
-    /// The law that explains it.
+    /// Law that explains the motion.
     pub law: LineLaw,
-    /// Root mean square of what that law leaves over, in rad.
+    /// Root mean square residual of that law, in rad.
     pub residual_rad: f64,
     /// Noise of the recording along the way, in rad.
     pub noise_rad: f64,
 }
 
 impl LineObservation {
-    /// Whether far more is left over than noise: no law that is known here explains the motion.
+    /// Returns true if the residual is far above the noise: none of the known laws explains the
+    /// motion.
     #[must_use]
     pub fn is_unexplained(&self) -> bool {
         self.residual_rad > UNEXPLAINED_RAD.max(30.0 * self.noise_rad)
     }
 }
 
-/// Less is never called unexplained, in rad: lag and friction of measured positions.
+/// Residual in rad that is never called unexplained: lag and friction of measured positions.
 const UNEXPLAINED_RAD: f64 = 2e-5;
 
-/// How a motion along a line speeds up and slows down.
+/// Law of acceleration and deceleration along a line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum LineLaw {
     /// Seven phases of constant jerk.
@@ -53,86 +54,88 @@ pub enum LineLaw {
     Snap,
 }
 
-/// A blend.
+/// Observed blend in joint space.
 #[derive(Clone, Copy, Debug)]
 #[non_exhaustive]
 pub struct BlendObservation {
-    /// The recording, from 0.
+    /// Index of the recording, from 0.
     pub recording: usize,
-    /// The motion whose target is blended away.
+    /// Motion whose target is blended away.
     pub motion: MotionIndex,
     /// Angle of the corner, in degrees.
     pub gamma_deg: f64,
     /// kappa and its standard deviation.
     pub kappa: (f64, f64),
-    /// How far before and behind the target it begins and ends by the program (with Algorithm 3), in rad.
+    /// Planned distance of the start and the end from the target (with Algorithm 3), in rad.
     pub reach_rad: f64,
-    /// How far it does, in rad, if the samples tell.
+    /// Observed distances of the start and the end from the target, in rad, if the samples show
+    /// them.
     pub found_reach_rad: Option<[f64; 2]>,
-    /// Root mean square of the samples' distances from the curve, in rad.
+    /// Root mean square distance of the samples from the curve, in rad.
     pub residual_rad: f64,
 }
 
-/// A blend between two straight ways of the TCP.
+/// Observed blend between two straight TCP paths.
 #[derive(Clone, Copy, Debug)]
 #[non_exhaustive]
 pub struct TcpBlendObservation {
-    /// The recording, from 0.
+    /// Index of the recording, from 0.
     pub recording: usize,
-    /// The motion whose target is blended away.
+    /// Motion whose target is blended away.
     pub motion: MotionIndex,
-    /// From when to when it was looked at, in s of the recording.
+    /// Start and end times of the evaluated samples, in s of the recording.
     pub time_s: [f64; 2],
-    /// Angle between the TCP's directions, in degrees.
+    /// Angle between the TCP directions, in degrees.
     pub gamma_deg: f64,
     /// kappa and its standard deviation.
     pub kappa: (f64, f64),
-    /// How far before and behind the target it begins and ends as planned, in m.
+    /// Planned distance of the start and the end from the target, in m.
     pub reach_m: f64,
-    /// How far it does, in m, if the samples tell.
+    /// Observed distances of the start and the end from the target, in m, if the samples show them.
     pub found_reach_m: Option<[f64; 2]>,
-    /// Root mean square of the samples' distances from the curve, those across its plane among them, in m.
+    /// Root mean square distance of the samples from the curve, including the distance from its
+    /// plane, in m.
     pub residual_m: f64,
 }
 
-/// A path of the TCP, or a blend at an end of one, against what is assumed of it, wherever in time: each sample is held
-/// against the place of the assumed path that is nearest to its TCP.
+/// Comparison of a TCP path, or of a blend at its end, with the assumed path, regardless of time:
+/// each sample is compared with the point of the assumed path nearest to its TCP.
 #[derive(Clone, Copy, Debug)]
 #[non_exhaustive]
 pub struct CourseObservation {
-    /// The recording, from 0.
+    /// Index of the recording, from 0.
     pub recording: usize,
-    /// The motion; of a blend the one whose target is blended away.
+    /// Motion; for a blend the motion whose target is blended away.
     pub motion: MotionIndex,
-    /// What it is.
+    /// Kind of the part.
     pub part: CoursePart,
-    /// By how much the orientation of the TCP changes from its start to its end, in rad.
+    /// Change of the TCP orientation from start to end, in rad.
     pub turn_rad: f64,
-    /// By how much E1 changes, in rad.
+    /// Change of E1, in rad.
     pub e1_rad: f64,
-    /// The largest distance of the TCP from the assumed path, in m.
+    /// Largest distance of the TCP from the assumed path, in m.
     pub off_m: f64,
-    /// The largest angle between its orientation and the assumed one, in rad.
+    /// Largest angle between the measured and the assumed orientation, in rad.
     pub turn_off_rad: f64,
-    /// The largest distance of E1 from the assumed one, in rad.
+    /// Largest difference between the measured and the assumed E1, in rad.
     pub e1_off_rad: f64,
-    /// How many samples.
+    /// Number of samples.
     pub samples: usize,
 }
 
-/// A part of a path that a law is assumed of.
+/// Part of a path with an assumed law.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum CoursePart {
-    /// A path of the TCP: where it goes is known; how orientation and E1 go along it is assumed.
+    /// TCP path: the position is known, orientation and E1 along the path are assumed.
     Path,
-    /// A blend between two paths of the TCP.
+    /// Blend between two TCP paths.
     TcpBlend,
-    /// A blend between a motion in joint space and a path of the TCP, or between two TCPs.
+    /// Blend between a motion in joint space and a TCP path, or between paths of two TCPs.
     JointBlend,
 }
 
 impl CoursePart {
-    /// All of them.
+    /// All kinds of parts.
     pub const ALL: [Self; 3] = [Self::Path, Self::TcpBlend, Self::JointBlend];
 }
 
@@ -146,39 +149,39 @@ impl std::fmt::Display for CoursePart {
     }
 }
 
-/// What may be left over of a motion that is taken for one along a line, or for a blend, as a share of the way.
+/// Largest residual of a motion along a line, or of a blend, as a share of the way.
 pub(super) const LEFT_SHARE: f64 = 0.01;
 
-/// Least number of samples of a motion.
+/// Minimum number of samples of a motion.
 pub(super) const FEWEST: usize = 20;
 
-/// A part of a recording that was not used.
+/// Part of a recording that was not used.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LeftOut {
-    /// The recording, from 0.
+    /// Index of the recording, from 0.
     pub recording: usize,
-    /// The motion.
+    /// Index of the motion.
     pub motion: MotionIndex,
-    /// Why.
+    /// Reason.
     pub why: Why,
 }
 
-/// Why a part of a recording was not used.
+/// Reason why a part of a recording was not used.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Why {
-    /// The arm did not do it, nor anything of the program after it.
+    /// The robot did not perform the motion, nor the rest of the program.
     NotFollowed,
-    /// There are too few samples.
+    /// Too few samples.
     TooFewSamples,
-    /// The arm did not speed up and slow down as along a line from rest to rest; the distance left over,
-    /// in rad.
+    /// The motion does not follow a known law along a line from rest to rest; with its residual, in
+    /// rad.
     NoLine(f64),
-    /// The arm did not round the corner as a blend does; the distance left over, in rad.
+    /// The path around the corner does not fit the blend curve; with its residual, in rad.
     NoBlend(f64),
-    /// The TCP did not round the corner as a blend does; the distance left over, in m.
+    /// The TCP path around the corner does not fit the blend curve; with its residual, in m.
     NoTcpBlend(f64),
-    /// The TCP was elsewhere than the program says; by so much, in m.
+    /// The TCP was off the programmed path; with its distance, in m.
     OffCourse(f64),
 }
 

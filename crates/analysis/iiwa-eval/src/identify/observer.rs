@@ -1,4 +1,4 @@
-//! Looks at what a recording shows in joint space: motions along lines, stops, blends.
+//! Evaluation of a recording in joint space: motions along lines, stops, blends.
 
 use std::f64::consts::SQRT_2;
 
@@ -22,19 +22,21 @@ use crate::identify::{
     watched::{CornerSpace, Watched},
 };
 
-/// From this share of the largest speed on that the least time of a motion allows, it is that speed.
+/// Share of the speed allowed by the minimum cruise time from which a top speed counts as limited
+/// by that time.
 const CRUISE_SHARE: f64 = 0.99;
 
-/// What may be left over of a motion that is taken for one along a line, or for a blend, in rad, beside a share of the
-/// way: what robots lag behind.
+/// Largest residual of a motion along a line, or of a blend, in rad, beside a share of the way: the
+/// tracking error of robots.
 const LEFT_RAD: f64 = 1e-3;
 
-/// Constant jerk explains a motion if it leaves no more over than so many times the noise, and so much in rad.
+/// Largest residual at which constant jerk explains a motion: multiples of the noise, plus a
+/// constant in rad.
 const EXPLAINED_NOISE: f64 = 1.5;
 const EXPLAINED_RAD: f64 = 1e-8;
 
-/// Ramps that begin with constant snap are what the arm did if they leave no more over than this share of what constant jerk
-/// does: filters and lag make constant jerk look softer, too.
+/// Largest residual of ramps with constant snap, as a share of that of constant jerk, for them to
+/// be accepted: filters and lag make constant jerk look softer, too.
 const SNAP_SHARE: f64 = 0.5;
 
 /// Samples of a motion along a line, with times at full override.
@@ -48,7 +50,8 @@ struct LineSamples<'a> {
 }
 
 impl LineSamples<'_> {
-    /// Both ends: the direction away from rest there, and the torques of an acceleration that way, in Nm per rad/s^2.
+    /// Returns for both ends the direction away from rest, and the torques of an acceleration in
+    /// that direction, in Nm per rad/s^2.
     fn ends(&self, path: &JointPath) -> [(RampEnd, Joints, Joints); 2] {
         let dynamics = path.dynamics(self.motion);
         [(RampEnd::Start, 1.0, 0.0), (RampEnd::Stop, -1.0, self.length)].map(|(end, sign, way)| {
@@ -59,20 +62,20 @@ impl LineSamples<'_> {
     }
 }
 
-/// What was fitted to a line.
+/// Result of fitting a line.
 struct FittedLine {
-    /// When it begins and ends, in s.
+    /// Start and end times, in s.
     time_s: [Observed; 2],
-    /// Top speed, acceleration and jerk, of those that show.
+    /// Top speed, acceleration and jerk, as far as the samples show them.
     figures: [Option<Observed>; 3],
     law: LineLaw,
     residual: f64,
-    /// What constant jerk leaves over.
+    /// Residual of constant jerk.
     jerk_residual: f64,
     ends: Option<[SoftEnd; 2]>,
 }
 
-/// Looks at one recording.
+/// Evaluation of one recording.
 pub(super) struct Observer<'a> {
     pub(super) watched: &'a Watched<'a>,
     pub(super) found: &'a mut Findings,
@@ -94,8 +97,8 @@ impl Observer<'_> {
             {
                 let count = f64::from(stop.settles);
                 let stood_s = next_s.0 - last_s.0 - stop.waits_s;
-                // Ramps that are found too long make the stops at both ends of their motion too short:
-                // each error counts in two of them.
+                // Ramps that are fitted too long make the stops at both ends of their motion too
+                // short: each error counts in two stops.
                 let deviation_s = SQRT_2 * next_s.1.hypot(last_s.1);
                 self.found.settles.push((stood_s / count, deviation_s / count));
             }
@@ -120,7 +123,7 @@ impl Observer<'_> {
             self.leave_out(motion, Why::TooFewSamples);
             return None;
         }
-        // At full override, from the first sample on.
+        // Times at full override, from the first sample.
         let first_s = clock_s[0];
         let scaled = |at_s: &f64| (at_s - first_s) * self.watched.override_share;
         let t_s: Vec<f64> = clock_s.iter().map(scaled).collect();
@@ -151,7 +154,7 @@ impl Observer<'_> {
         if law == LineLaw::Snap
             && figures[0].is_some_and(|(speed, _)| speed * least_s > CRUISE_SHARE * length)
         {
-            // No motion is shorter than this at its top speed: that is no limit of a joint.
+            // The speed is limited by the minimum duration of the cruise, not by a joint.
             figures[0] = None;
         }
         for ((bounds, along), shares) in self.found.bounds.iter_mut().zip(figures).zip(shares) {
@@ -190,7 +193,8 @@ impl Observer<'_> {
         Some(time_s)
     }
 
-    /// Fits constant jerk to a line, and, where that leaves more than noise over, ramps as under Sunrise.
+    /// Fits constant jerk to a line and, if its residual is above the noise, ramps as under
+    /// Sunrise.
     fn fit_line(&self, line: &LineSamples<'_>) -> Option<FittedLine> {
         let noise_rad = self.watched.noise.along_rad(line.direction);
         let jerk = Ramps::fit(line.t_s, line.along, line.length);
@@ -219,11 +223,12 @@ impl Observer<'_> {
             jerk_residual,
             ends: ramps.ends,
         });
-        // More parameters leave less over anyway.
+        // More parameters reduce the residual in any case.
         by_snap.filter(|fitted| fitted.residual < worth).or(by_jerk)
     }
 
-    /// The line as the model would do it, with the speed and the acceleration that were found; and when it is half-way.
+    /// Returns the line as planned by the model with the fitted speed and acceleration, and the
+    /// time of its middle.
     fn expected(&self, line: &LineSamples<'_>, found: Option<&Ramps>) -> (SoftLine, f64) {
         let robot = self.watched.path.robot();
         let (limits, law) = (robot.limits(), robot.ramp_law());
@@ -269,7 +274,8 @@ impl Observer<'_> {
             let Some(corner) = Corner::new(&target, &before, &after) else { continue };
             let (start, end) = (segment.at(0.0).q, segment.at(1.0).q);
             let reach_rad = distance(&target, &start);
-            // The lines on either side show where the blend begins and ends; the next blend is not to.
+            // The lines on either side show the start and end of the blend; the next blend must not
+            // be included.
             let free = |line: Option<&Step>| match line {
                 Some(Step::Move { segment, blend: None, .. }) => segment.tangent_lengths_rad()[0],
                 _ => 0.0,
@@ -278,7 +284,7 @@ impl Observer<'_> {
             let before_rad = margin(i.checked_sub(1).and_then(|i| steps.get(i)));
             let after_rad = margin(steps.get(i + 1));
             let q = &self.watched.log.q_rad[from_sample..passage.samples.end];
-            // Nearest to the middle of the blend, of what is near it first.
+            // The sample nearest to the middle of the blend, within the first pass near it.
             let middle = segment.at(0.5).q;
             let near = |q: &Joints| distance(q, &middle) < reach_rad;
             let Some(first) = q.iter().position(near) else { continue };
@@ -323,7 +329,7 @@ impl Observer<'_> {
         }
     }
 
-    /// Where the blend would begin and end without Algorithm 3, against where it does.
+    /// Compares the observed start and end of a blend with those without Algorithm 3.
     fn observe_reach(&mut self, motion: MotionIndex, corner: [&Joints; 3], curve: &BlendCurve) {
         let [before, target, after] = corner;
         let (Some(free), Motion::Ptp(ptp)) =
@@ -338,7 +344,7 @@ impl Observer<'_> {
         };
         if let (Some(own_before), Some(own_after)) = (own_reach(before), own_reach(after)) {
             let by = own_after - own_before;
-            // Where both are equal anyway, nothing is shown.
+            // If both are equal, the observation shows nothing.
             if by.abs() > 0.1 * own_after.max(own_before) {
                 let [found_before, found_after] = free.reach;
                 let share = (found_after.0 - found_before.0) / by;

@@ -1,13 +1,13 @@
-//! How fast the arm went along a straight line from rest to rest: the seven phases of constant jerk,
-//! fitted to all of its samples at once.
+//! Speed along a straight line from rest to rest: the seven phases of constant jerk, fitted to all
+//! samples of a motion at once.
 //!
 //! Nothing is differentiated, so that noise is averaged over the whole motion instead of being
-//! amplified: top speed, acceleration and jerk are parameters of the way over time.
+//! amplified: top speed, acceleration and jerk follow from the parameters of the way over time.
 
 use crate::least_squares::{self, Fit, Model};
 
-/// Parameters: where it begins and how far it goes, the middle of the time it takes, and the durations of
-/// its phases: jerk, constant acceleration, constant speed.
+/// Parameters: start position, length of the way, middle of the duration, and the durations of the
+/// phases: jerk, constant acceleration, constant speed.
 const START: usize = 0;
 const WAY: usize = 1;
 const MIDDLE: usize = 2;
@@ -16,35 +16,35 @@ const PUSH: usize = 4;
 const CRUISE: usize = 5;
 const COUNT: usize = 6;
 
-/// No phase of jerk is shorter, in s: it is not to vanish.
+/// Minimum duration of a jerk phase, in s: it must not vanish.
 const SHORTEST_S: f64 = 1e-4;
 
-/// A phase is there if leaving it out costs so many standard deviations.
+/// Increase of the residual, in standard deviations, above which a phase cannot be omitted.
 const SHOWN_DEVIATIONS: f64 = 5.0;
 
-/// It is, without looking, if its duration is so many times its standard deviation.
+/// Ratio of a phase's duration to its standard deviation above which the phase is clearly present.
 const CLEAR_DEVIATIONS: f64 = 30.0;
 
-/// It shows a limit if it is at least this long, in s.
+/// Minimum duration in s of a phase that shows a limit.
 const SHOWN_S: f64 = 2e-3;
 
-/// A figure and its standard deviation.
+/// Value and its standard deviation.
 pub(super) type Observed = (f64, f64);
 
-/// A motion along a line, as it was observed; ways are those of the samples.
+/// Observed motion along a line; ways are those of the samples.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Ramps {
-    /// When the arm began to move, in s.
+    /// Start time, in s.
     pub(super) start_s: Observed,
-    /// When it came to rest, in s.
+    /// End time, in s.
     pub(super) end_s: Observed,
     /// Top speed, if it was kept for a time.
     pub(super) speed: Option<Observed>,
     /// Acceleration, if it was kept for a time.
     pub(super) acceleration: Option<Observed>,
-    /// Jerk, if speeding up took so long that it shows.
+    /// Jerk, if the jerk phase was long enough.
     pub(super) jerk: Option<Observed>,
-    /// Root mean square of what the model leaves over.
+    /// Root mean square residual of the model.
     pub(super) residual: f64,
 }
 
@@ -54,7 +54,7 @@ struct RampLine<'a> {
     way: &'a [f64],
 }
 
-/// The way from 0 to 1 at `t` from its middle, for durations of the phases.
+/// Returns the way from 0 to 1 at `t` from its middle, for given durations of the phases.
 fn shape(t: f64, [jerk_s, push_s, cruise_s]: [f64; 3]) -> f64 {
     let rise_s = 2.0 * jerk_s + push_s;
     let speed = (rise_s + cruise_s).recip();
@@ -105,15 +105,15 @@ impl Model<COUNT> for RampLine<'_> {
 }
 
 impl Ramps {
-    /// Fits the phases to a way of about `length` from rest to rest; none if it has another form than
-    /// could be fitted.
+    /// Fits the phases to a way of about `length` from rest to rest; none if the motion has another
+    /// form.
     pub(super) fn fit(t_s: &[f64], way: &[f64], length: f64) -> Option<Self> {
         let line = RampLine { t_s, way };
         let start = line.guess(length)?;
         let mut held = [false; COUNT];
         let free = least_squares::fit(&line, start, held)?;
         let mut best = free.clone();
-        // What is not shown is taken to be absent, so that it does not blur the rest.
+        // Phases that are not significant are omitted, so that they do not blur the others.
         for (phase, absent) in [(CRUISE, 0.0), (PUSH, 0.0), (JERK, SHORTEST_S)] {
             if best.parameters[phase] > CLEAR_DEVIATIONS * best.deviation(phase) {
                 continue;
@@ -130,11 +130,11 @@ impl Ramps {
         Some(Self::of(&free, &best))
     }
 
-    /// From the fit in which all phases were free and the one without those that are not there. Whether
-    /// they are is not certain: what that makes of the times counts as their uncertainty. A limit for
-    /// which it makes more of a difference than the scatter is told by the fit that leaves it open:
-    /// without acceleration at its limit, which noise had hidden, jerk would come out too small in all
-    /// motions alike, and no number of them would tell.
+    /// Combines the fit in which all phases were free and the one without insignificant phases. The
+    /// choice of phases is not certain: its effect on the times is part of their uncertainty. If
+    /// its effect on a limit is larger than the scatter, the limit is that of the free fit: without
+    /// a phase of constant acceleration that noise had hidden, jerk would be too small in all
+    /// motions alike, and averaging would not reveal it.
     fn of(free: &Fit<COUNT>, fit: &Fit<COUNT>) -> Self {
         type Parameters = [f64; COUNT];
         let half = |p: &Parameters| 0.5 * p[CRUISE] + 2.0 * p[JERK] + p[PUSH];
@@ -165,7 +165,7 @@ impl Ramps {
 }
 
 impl RampLine<'_> {
-    /// Parameters to begin with: from when the arm is at some shares of its way.
+    /// Returns initial parameters, from the times at which the robot passes some shares of its way.
     fn guess(&self, length: f64) -> Option<[f64; COUNT]> {
         let first_beyond = |share: f64| {
             let at = self.way.iter().position(|way| *way >= share * length)?;
@@ -180,7 +180,7 @@ impl RampLine<'_> {
         ];
         let speed = 0.4 / (late_s - quarter_s).max(1e-6);
         let total_s = 1.15 * (end_s - near_s).max(4.0 * SHORTEST_S);
-        // The way is speed times rise and cruise; the time is twice the rise and the cruise.
+        // The way is speed times (rise + cruise); the duration is twice the rise plus the cruise.
         let rise_s = (total_s - speed.recip()).clamp(0.1 * total_s, 0.5 * total_s);
         let cruise_s = (total_s - 2.0 * rise_s).max(0.0);
         let mut p = [0.0; COUNT];
@@ -194,7 +194,7 @@ impl RampLine<'_> {
 mod tests {
     use super::*;
 
-    /// Joint 1 by 40 deg at the limits of Larsen 2019, in degrees: the durations are known.
+    /// Joint 1 by 40 deg at the limits of Larsen 2019, in degrees, with known durations.
     #[test]
     fn finds_what_was_put_in() {
         let (v, a, j) = (98.0, 490.0, 10384.86);
@@ -209,7 +209,7 @@ mod tests {
         assert!((found.end_s.0 - found.start_s.0 - 0.655_347).abs() < 1e-6);
     }
 
-    /// A phase that is not there is not made up.
+    /// A phase that does not exist is not found.
     #[test]
     fn what_is_not_shown_is_not_found() {
         let t_s: Vec<f64> = (0..600).map(|i| f64::from(i) * 1e-3).collect();

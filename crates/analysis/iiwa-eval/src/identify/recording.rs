@@ -1,13 +1,13 @@
-//! What is identified from.
+//! Input of identification.
 
 use iiwa_log::JointLog;
 use iiwa_program::Program;
 
-/// A program, and what the robot did when it ran it.
+/// Program with the recording of its execution.
 #[derive(Clone, Copy, Debug)]
 pub struct Recording<'a> {
-    /// The program.
+    /// Program.
     pub program: &'a Program,
-    /// What was recorded; before and after the program the arm may stand or do anything else.
+    /// Recording; before and after the program the robot may be at rest or perform other motions.
     pub log: &'a JointLog,
 }

@@ -1,4 +1,4 @@
-//! Motions along a line with ramps as under Sunrise, fitted to all of their samples at once.
+//! Motions along a line with ramps as under Sunrise, fitted to all samples at once.
 
 use iiwa_traj::RampStart;
 
@@ -10,8 +10,9 @@ use crate::{
     least_squares::{self, Fit, Model},
 };
 
-/// Parameters: where and when it begins, how far it goes, its top speed and acceleration, and of the first phase of each ramp
-/// the speed at its end and what is left then of the square of the acceleration, as a share: 0 for a ramp of one phase.
+/// Parameters: start position and time, length of the way, top speed and acceleration, and for the
+/// first phase of each ramp the speed at its end and the remaining share of the squared
+/// acceleration: 0 for a ramp of one phase.
 const FROM: usize = 0;
 const BEGIN: usize = 1;
 const WAY: usize = 2;
@@ -22,17 +23,18 @@ const COUNT: usize = 9;
 
 type SoftParameters = [f64; COUNT];
 
-/// A phase shows a limit if it is at least this long, in s.
+/// Minimum duration in s of a phase that shows a limit.
 const SHOWN_S: f64 = 2e-3;
 
-/// A first phase that reaches a larger share of the acceleration shows no limit of jerk.
+/// Share of the acceleration above which a first phase shows no jerk limit.
 const WHOLE_SHARE: f64 = 0.98;
 
-/// A first phase that is wider than the narrowest one by a smaller share is taken to be as narrow.
+/// Relative difference up to which a first phase counts as having the minimum width.
 const APART: f64 = 0.02;
 
-/// Where ramps may be, beside what is expected: the width of the first phase, in those of the narrowest one, and what is left
-/// of the square of the acceleration. The last phase has three forms, and a fit stays in the one in which it begins.
+/// Initial values for ramps, beside the expected ones: the width of the first phase relative to the
+/// minimum, and the remaining share of the squared acceleration. The last phase has three forms,
+/// and a fit remains in the form of its initial value.
 const STARTS: [[f64; 2]; 9] = [
     [1.02, 0.05],
     [1.02, 0.25],
@@ -45,36 +47,37 @@ const STARTS: [[f64; 2]; 9] = [
     [1.7, 0.55],
 ];
 
-/// With less noise, in rad, the right form is clear.
+/// Residual in rad below which the form is clear.
 const CLEAR_RAD: f64 = 1e-7;
 
-/// So many samples are enough to find the form.
+/// Number of samples that is sufficient to find the form.
 const ROUGHLY: usize = 160;
 
-/// A motion along a line, as it was observed; ways are those of the samples.
+/// Observed motion along a line; ways are those of the samples.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct SoftRamps {
-    /// When the arm began to move, in s.
+    /// Start time, in s.
     pub(super) start_s: Observed,
-    /// When it came to rest, in s.
+    /// End time, in s.
     pub(super) end_s: Observed,
     /// Top speed, if it was kept for a time.
     pub(super) speed: Option<Observed>,
     /// Acceleration, if it was kept for a time.
     pub(super) acceleration: Option<Observed>,
-    /// What both ramps show, if acceleration was kept for a time.
+    /// Results of both ramps, if acceleration was kept for a time.
     pub(super) ends: Option<[SoftEnd; 2]>,
-    /// Root mean square of what the model leaves over.
+    /// Root mean square residual of the model.
     pub(super) residual: f64,
 }
 
-/// What a ramp shows.
+/// Result of a ramp.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct SoftEnd {
-    /// The largest snap that would reach the acceleration in one phase, which sets the speed at the end of the first phase, in
-    /// rad/s^4; none if that speed is as low as it can be.
+    /// Largest snap that would reach the acceleration in one phase, which determines the speed at
+    /// the end of the first phase, in rad/s^4; none if that speed is the minimum.
     pub(super) snap: Option<Observed>,
-    /// Jerk at the end of the first phase, in rad/s^3, and the acceleration there, in rad/s^2; none if that is all of it.
+    /// Jerk at the end of the first phase, in rad/s^3, and the acceleration there, in rad/s^2; none
+    /// if the phase reaches the whole acceleration.
     pub(super) jerk: Option<(Observed, f64)>,
 }
 
@@ -85,7 +88,7 @@ struct SoftSamples<'a> {
     width: f64,
 }
 
-/// The first phase of a ramp.
+/// Returns the first phase of a ramp.
 fn first_phase(p: &SoftParameters, [speed, left]: [usize; 2]) -> RampStart {
     let square = (1.0 - p[left]).max(1e-3) * p[ACCELERATION].powi(2);
     RampStart { speed: p[speed], jerk: square / (1.5 * p[speed]) }
@@ -102,18 +105,18 @@ impl SoftSamples<'_> {
         }
     }
 
-    /// The best parameters that fits from several starts lead to.
+    /// Returns the best parameters of fits from several initial values.
     fn explore(&self, start: SoftParameters, [enough, worth]: [f64; 2]) -> Option<SoftParameters> {
         let fit = |start| least_squares::fit(self, start, [false; COUNT]);
         let mut best = fit(start);
         if best.as_ref().is_some_and(|best| best.residual > worth) {
             return None;
         }
-        // Noise hides which form is the right one, so that all are tried.
+        // Noise hides the correct form, so that all forms are tried.
         let is_enough = |best: &Option<Fit<COUNT>>| {
             enough <= CLEAR_RAD && best.as_ref().is_some_and(|best| best.residual <= enough)
         };
-        // What one end is changes what is best for the other one.
+        // The form of one end affects the optimum of the other one: both are tried in turn, twice.
         for [speed, left] in RAMPS.into_iter().cycle().take(2 * RAMPS.len()) {
             let from = best.as_ref().map_or(start, |best| best.parameters);
             for [width, share] in STARTS {
@@ -123,7 +126,7 @@ impl SoftSamples<'_> {
                 let mut other = from;
                 (other[speed], other[left]) = (width * self.width, share);
                 let found = fit(other);
-                // The first one that fits at all shows whether others are worth it.
+                // The first fit shows if others are worthwhile.
                 if best.is_none() && found.as_ref().is_some_and(|found| found.residual > worth) {
                     return None;
                 }
@@ -166,7 +169,7 @@ impl Model<COUNT> for SoftSamples<'_> {
     fn least(&self) -> SoftParameters {
         let mut least = [1e-3; COUNT];
         (least[FROM], least[BEGIN]) = (f64::NEG_INFINITY, f64::NEG_INFINITY);
-        // No first phase is narrower.
+        // Minimum width of the first phase.
         for [speed, left] in RAMPS {
             (least[speed], least[left]) = (self.width, 0.0);
         }
@@ -175,9 +178,9 @@ impl Model<COUNT> for SoftSamples<'_> {
 }
 
 impl SoftRamps {
-    /// Fits a way from rest to rest that is expected to be about `line`, with its middle at `middle_s`; none if it has
-    /// another form than could be fitted. A fit that leaves no more than `enough` is not improved on, nor is one that at first
-    /// leaves more than `worth`.
+    /// Fits a way from rest to rest that is expected to be about `line`, with its middle at
+    /// `middle_s`; none if the motion has another form. A fit with a residual of at most `enough`
+    /// is not improved further, nor is one with an initial residual above `worth`.
     pub(super) fn fit(
         t_s: &[f64],
         way: &[f64],

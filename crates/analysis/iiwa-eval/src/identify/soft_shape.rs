@@ -1,9 +1,10 @@
-//! The way of a motion along a line from rest to rest, as Sunrise plans it: ramps that begin with constant snap, plateaus, a
-//! cruise. [`RampLaw`](iiwa_kin::RampLaw) has the law; here, its figures are those of one motion.
+//! Way over time of a motion along a line from rest to rest as planned by Sunrise: ramps with
+//! constant snap at their start, plateaus and a cruise. [`RampLaw`](iiwa_kin::RampLaw) has the law;
+//! the values here are those of one motion.
 
 use iiwa_traj::{RampPhase, RampStart};
 
-/// The figures of a motion; lengths in rad along the line.
+/// Parameters of a motion; lengths in rad along the line.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct SoftLine {
     pub(super) way: f64,
@@ -11,13 +12,13 @@ pub(super) struct SoftLine {
     pub(super) speed: f64,
     /// Largest acceleration, in rad/s^2.
     pub(super) acceleration: f64,
-    /// The ramps at the start and at the end.
+    /// Ramps at the start and at the end.
     pub(super) ends: [RampStart; 2],
     /// Width of a phase in speed, in rad/s.
     pub(super) width: f64,
 }
 
-/// The state at the start of a phase: time, way, speed, acceleration; and the phase's jerk and snap.
+/// State at the start of a phase: time, way, speed, acceleration; and the phase's jerk and snap.
 #[derive(Clone, Copy, Debug)]
 struct PhaseStart {
     t_s: f64,
@@ -28,20 +29,21 @@ struct PhaseStart {
     snap: f64,
 }
 
-/// The way over time.
+/// Way over time.
 #[derive(Clone, Debug)]
 pub(super) struct SoftShape {
     instants: Vec<PhaseStart>,
     way: f64,
-    /// From start to end, in s.
+    /// Duration, in s.
     pub(super) duration_s: f64,
-    /// The plateaus of acceleration, and the cruise, in s; below 0 if there is no room for them.
+    /// Durations of the acceleration plateaus and of the cruise, in s; below 0 if there is no room
+    /// for them.
     pub(super) plateau_s: [f64; 2],
     pub(super) cruise_s: f64,
 }
 
 impl PhaseStart {
-    /// Way, speed and acceleration after a time.
+    /// Returns way, speed and acceleration after a time.
     fn after(&self, t: f64) -> [f64; 3] {
         let Self { way, speed, acceleration: a, jerk, snap, .. } = *self;
         [
@@ -52,7 +54,7 @@ impl PhaseStart {
     }
 }
 
-/// The state after some phases, from rest; each phase is added to `instants`.
+/// Returns the state after some phases; each phase is added to `instants`.
 fn run(
     phases: impl Iterator<Item = RampPhase>,
     from: [f64; 4],
@@ -66,7 +68,7 @@ fn run(
     })
 }
 
-/// A time without jerk; none if it is below 0.
+/// Returns a phase without jerk; of zero duration for negative `seconds`.
 fn constant(seconds: f64) -> RampPhase {
     RampPhase { seconds: seconds.max(0.0), ..RampPhase::default() }
 }
@@ -89,7 +91,8 @@ impl SoftShape {
         });
         let cruise_s = (line.way - ways[0] - ways[1]) / line.speed;
         let [(start, start_plateau_s), (stop, stop_plateau_s)] = halves;
-        // Backwards in time, jerk begins with what it ended with, and acceleration and snap have the other sign.
+        // In reverse, jerk starts with its former end value, and acceleration and snap have the
+        // opposite sign.
         let backwards = stop.into_iter().rev().map(|phase| RampPhase {
             jerk: phase.jerk + phase.snap * phase.seconds,
             snap: -phase.snap,
@@ -107,7 +110,7 @@ impl SoftShape {
         }
     }
 
-    /// Way and speed at a time since the start.
+    /// Returns way and speed at a time since the start.
     pub(super) fn at(&self, t_s: f64) -> [f64; 2] {
         if t_s <= 0.0 {
             return [0.0; 2];
@@ -131,7 +134,7 @@ mod tests {
 
     use super::*;
 
-    /// Lines as the planner plans them, with two and with three phases in their ramps.
+    /// Lines as planned by the planner, with two and with three phases in their ramps.
     #[test]
     fn lines_are_those_of_the_planner() {
         for target in

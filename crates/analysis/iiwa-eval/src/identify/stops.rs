@@ -1,4 +1,4 @@
-//! Where in a recording the motions of a program are: from stop to stop, by the targets.
+//! Location of a program's motions in a recording: from stop to stop, by the targets.
 
 use std::ops::Range;
 
@@ -10,39 +10,40 @@ use iiwa_log::JointLog;
 use iiwa_path::{JointPath, Segment, Step};
 use iiwa_program::MotionIndex;
 
-/// Nearer than this, in rad, the arm is taken to be about to leave a stop, or to arrive: more than robots
-/// lag behind or measure wrong, and little of a motion.
+/// Distance from a stop, in rad, within which the robot is about to leave or to arrive: above
+/// tracking and measurement errors, and a small part of a motion.
 const NEAR_RAD: f64 = 2e-3;
 
-/// Farther than this beside the line that it should go along, in rad, the arm does something else. If it
-/// arrived all the same, what it does next would be taken for what it does not.
+/// Distance from the path, in rad, above which the robot performs another motion. Without this
+/// check, a robot that reaches the target in another way would be evaluated as if it had followed
+/// the path.
 const ASTRAY_RAD: f64 = 0.1;
 
-/// A section of a path from one stop to the next, and its samples.
+/// Section of a path from one stop to the next, with its samples.
 #[derive(Clone, Debug)]
 pub(super) struct Passage {
     /// Steps of the path.
     pub(super) steps: Range<usize>,
     pub(super) from: Joints,
     pub(super) to: Joints,
-    /// Samples from standing before to standing after.
+    /// Samples from the rest before the section to the rest after it.
     pub(super) samples: Range<usize>,
-    /// The first sample near its end.
+    /// First sample near the end of the section.
     pub(super) arrives: usize,
-    /// How often the arm settles at its end, and how long it waits there besides, in s.
+    /// Number of settlings at the end, and additional waiting time, in s.
     pub(super) settles: u32,
     pub(super) waits_s: f64,
 }
 
-/// The sections of a path, as far as the recording follows it.
+/// Sections of a path, as far as the recording follows it.
 #[derive(Debug)]
 pub(super) struct FollowedStops {
     pub(super) passages: Vec<Passage>,
-    /// The motion, from 0, in which the recording is not where the path is any more.
+    /// Motion in which the recording leaves the path.
     pub(super) lost_in: Option<MotionIndex>,
 }
 
-/// A section as it is planned.
+/// Planned section.
 struct Planned {
     steps: Range<usize>,
     from: Joints,
@@ -51,7 +52,7 @@ struct Planned {
     waits_s: f64,
 }
 
-/// From stop to stop.
+/// Divides a path into sections from stop to stop.
 fn planned(path: &JointPath) -> Vec<Planned> {
     let mut sections: Vec<Planned> = Vec::new();
     let mut at = *path.start_rad();
@@ -82,7 +83,8 @@ fn planned(path: &JointPath) -> Vec<Planned> {
                 }
             }
             Step::Wait { motion, .. } if overlaps(motion) => {
-                // How long the arm stands for it goes by when motions began: the time to settle cannot be told.
+                // The rest for this wait depends on the start times of motions: the settle time
+                // cannot be separated.
                 if let Some(section) = sections.last_mut() {
                     section.settles = 0;
                 }
@@ -99,8 +101,8 @@ fn planned(path: &JointPath) -> Vec<Planned> {
     sections
 }
 
-/// Finds the sections of `path` in `log`, from the sample `from` on; none if the arm is never where the
-/// path begins.
+/// Finds the sections of `path` in `log`, from the sample `from` on; none if the robot is never at
+/// the start of the path.
 pub(super) fn follow(path: &JointPath, log: &JointLog, from: usize) -> Option<FollowedStops> {
     let q = &log.q_rad;
     let find = |from: usize, holds: &dyn Fn(&Joints) -> bool| {
@@ -108,12 +110,12 @@ pub(super) fn follow(path: &JointPath, log: &JointLog, from: usize) -> Option<Fo
     };
     let mut at = find(from, &|q| distance(q, path.start_rad()) < NEAR_RAD)?;
     let mut lost_in = None;
-    // Where the arm leaves each stop, and where it is near the next one.
+    // Samples from leaving each stop to arriving near the next one.
     let mut cores = Vec::new();
     let sections = planned(path);
     for section in &sections {
         let core = (|| {
-            // A short way is left and arrived at within less. It may end where it begins.
+            // The distance is smaller for short ways. A section may end at its start.
             let near = NEAR_RAD.min(0.1 * farthest(path, section)).max(1e-9);
             let leaves = find(at, &|q| distance(q, &section.from) > near)?;
             let mut passed = leaves;
@@ -164,7 +166,7 @@ pub(super) fn follow(path: &JointPath, log: &JointLog, from: usize) -> Option<Fo
     Some(FollowedStops { passages, lost_in })
 }
 
-/// How far a section leads from where it begins.
+/// Returns the largest distance of a section from its start.
 fn farthest(path: &JointPath, section: &Planned) -> f64 {
     const PLACES: u32 = 8;
     let away = |segment: &dyn Segment| {
@@ -178,21 +180,22 @@ fn farthest(path: &JointPath, section: &Planned) -> f64 {
     segments.fold(0.0, f64::max)
 }
 
-/// The distance from the line through two points.
+/// Returns the distance from the line through two points.
 fn beside(q: &Joints, from: &Joints, to: &Joints) -> f64 {
     let (way, off) = (sub(to, from), sub(q, from));
     let along = dot(&off, &way) / dot(&way, &way).max(f64::MIN_POSITIVE);
     norm(&add_scaled(&off, -along, &way))
 }
 
-/// Chords of a curve in joint space: some fifty, each far nearer to it than [`ASTRAY_RAD`].
+/// Number of chords of a curve in joint space, which are much closer to the curve than
+/// [`ASTRAY_RAD`].
 const CHORDS: usize = 48;
 
 fn chords(segment: &dyn Segment) -> Vec<Joints> {
     (0..=CHORDS).map(|i| segment.at(i as f64 / CHORDS as f64).q).collect()
 }
 
-/// The distance from the nearest of a curve's chords.
+/// Returns the distance from the nearest chord of a curve.
 fn off(q: &Joints, chords: &[Joints]) -> f64 {
     let from_chord = |ends: &[Joints]| {
         let (way, to) = (sub(&ends[1], &ends[0]), sub(q, &ends[0]));
@@ -202,10 +205,10 @@ fn off(q: &Joints, chords: &[Joints]) -> f64 {
     chords.windows(2).map(from_chord).fold(f64::INFINITY, f64::min)
 }
 
-/// How much of the standing before the first motion and after the last one is looked at, in s.
+/// Evaluated time at rest before the first motion and after the last one, in s.
 const STANDING_S: f64 = 0.5;
 
-/// Before it stood at `from`, the arm may have done something else.
+/// Returns the first sample of the rest at `from`; other motions before that rest are excluded.
 fn standing_before(log: &JointLog, leaves: usize, from: &Joints) -> usize {
     let from_s = log.t_s[leaves] - STANDING_S;
     let there = |i: &usize| log.t_s[*i] >= from_s && distance(&log.q_rad[*i], from) < AWAY_RAD;
@@ -214,7 +217,7 @@ fn standing_before(log: &JointLog, leaves: usize, from: &Joints) -> usize {
     if came { slowest(log, first..leaves) } else { first }
 }
 
-/// Nor is what it does after it stood at `to` a part of this.
+/// Returns the end of the samples at rest at `to`; other motions after that rest are excluded.
 fn standing_after(log: &JointLog, arrives: usize, to: &Joints) -> usize {
     let until_s = log.t_s[arrives] + STANDING_S;
     let there = |i: &usize| log.t_s[*i] <= until_s && distance(&log.q_rad[*i], to) < AWAY_RAD;
@@ -223,13 +226,13 @@ fn standing_after(log: &JointLog, arrives: usize, to: &Joints) -> usize {
     if went { slowest(log, arrives..end) } else { end }
 }
 
-/// Farther from a stop, in rad, the arm does not stand there, whatever the noise.
+/// Distance from a stop, in rad, above which the robot is not at rest there, for any noise.
 const AWAY_RAD: f64 = 2.0 * NEAR_RAD;
 
-/// The mean of so many samples tells standing from creeping, in s.
+/// Averaging time that distinguishes rest from creeping, in s.
 const MEAN_S: f64 = 0.008;
 
-/// The sample about which the arm moves least.
+/// Returns the sample around which the robot moves least.
 fn slowest(log: &JointLog, within: Range<usize>) -> usize {
     let Some(last) = within.clone().last() else { return within.start };
     let period_s = (log.t_s[last] - log.t_s[within.start]) / within.len().max(1) as f64;

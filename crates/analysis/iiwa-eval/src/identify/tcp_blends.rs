@@ -1,4 +1,4 @@
-//! Blends between two straight ways of the TCP: kappa, and where they begin and end, in the plane of both.
+//! Blends between two straight TCP paths: kappa, start and end, in the plane of both paths.
 
 use iiwa_kin::{
     Joints,
@@ -15,21 +15,22 @@ use crate::identify::{
     watched::{CornerSpace, Watched},
 };
 
-/// What may be left over of a blend, in m, beside two shares of its reach: what robots lag behind.
+/// Largest residual of a blend, in m, beside two shares of its reach: the tracking error of robots.
 const LEFT_M: f64 = 3e-4;
 
-/// A blend begins and ends where it should if it does within this share, or within so many standard deviations.
+/// Largest deviation of a blend's start and end from the plan, as a share of its reach and in
+/// standard deviations.
 const AS_PLANNED: f64 = 0.005;
 const SURE_DEVIATIONS: f64 = 4.0;
 
-/// How far beyond its ends, as a share of its reach, samples show where a blend begins and ends.
+/// Evaluated range beyond the ends of a blend, as a share of its reach.
 const BEYOND: f64 = 0.5;
 
 fn distance(a: &Vec3<f64>, b: &Vec3<f64>) -> f64 {
     norm(&sub(a, b))
 }
 
-/// Looks at the blends of one section of a recording.
+/// Evaluates the blends of one section of a recording.
 pub(super) fn observe(watched: &Watched<'_>, passage: &Passage, found: &mut Findings) {
     let steps = &watched.path.steps()[passage.steps.clone()];
     let mut from_sample = passage.samples.start;
@@ -73,7 +74,7 @@ pub(super) fn observe(watched: &Watched<'_>, passage: &Passage, found: &mut Find
             leave_out(Why::TooFewSamples);
             continue;
         };
-        // That a blend begins and ends where it is planned is an assumption: where it does not hold, it is not used.
+        // The planned start and end are an assumption, which is not used where it does not hold.
         let elsewhere = curve.free.filter(|free| {
             free.reach.iter().any(|(reach, deviation)| {
                 let off = (reach - reach_m).abs();
@@ -115,16 +116,16 @@ pub(super) fn observe(watched: &Watched<'_>, passage: &Passage, found: &mut Find
     }
 }
 
-/// The samples about a corner.
+/// Samples around a corner.
 struct About {
     first: usize,
-    /// The one that is nearest to the middle of the blend.
+    /// Sample nearest to the middle of the blend.
     nearest: usize,
     last: usize,
 }
 
-/// Those about the one nearest to the middle of the blend, of what is near it first, as far as the margins before and
-/// behind the target.
+/// Returns the samples around the one nearest to the middle of the blend, within the first pass
+/// near it, up to the margins before and after the target.
 fn about(
     places: &[Vec3<f64>],
     target: &Vec3<f64>,
@@ -144,14 +145,15 @@ fn about(
     Some(About { first: nearest - before, nearest, last: nearest + after })
 }
 
-/// The way that a program asks for, in m, if it is a way and nothing else that it gives.
+/// Returns the programmed distance, in m, if the program gives only a distance.
 fn asked_m(watched: &Watched<'_>, motion: MotionIndex) -> Option<f64> {
     let Motion::Cartesian(own) = &watched.program.motions[motion.index()] else { return None };
     let blend = own.blend.filter(|b| b.orientation_rad.is_none() && b.sunrise_rel.is_none())?;
     blend.cart_mm.map(|mm| 1e-3 * mm)
 }
 
-/// How far either side of a blend would reach without the other, in m: at most to the half of its way.
+/// Returns the reach of each side of a blend without the other side, in m: at most half of its
+/// path.
 fn own_reach(
     watched: &Watched<'_>,
     motion: MotionIndex,

@@ -1,21 +1,22 @@
-//! Torques and the motion that they belong to, over short windows of a recording.
+//! Torques and the corresponding motion, over short windows of a recording.
 
 use iiwa_kin::Joints;
 use iiwa_log::JointLog;
 use nalgebra::{Matrix4, Vector4};
 
-/// A window of a recording.
+/// Window of a recording.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct TorqueWindow {
-    /// The mean torque.
+    /// Mean torque.
     pub(super) torque_nm: Joints,
-    /// Instants whose weighted sum is the mean of anything over the window (Gauss's rule with three points).
+    /// Instants whose weighted sum is the mean of any quantity over the window (Gauss's rule with
+    /// three points).
     pub(super) instants: [Instant; 3],
-    /// What each joint does all the time, if it does one thing all the time.
+    /// Activity of each joint, if it is the same throughout the window.
     pub(super) does: [Option<JointDoes>; 7],
 }
 
-/// How the arm moves at an instant, and its share of the mean over a window.
+/// Motion state at an instant, and its weight in the mean over a window.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Instant {
     pub(super) share: f64,
@@ -24,7 +25,7 @@ pub(super) struct Instant {
     pub(super) acceleration_rad_s2: Joints,
 }
 
-/// What a joint does.
+/// Activity of a joint.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum JointDoes {
     Stands,
@@ -37,28 +38,30 @@ impl TorqueWindow {
     }
 }
 
-/// Half of a window at least, in s, and in steps between samples.
+/// Minimum half-width of a window, in s, and in sampling periods.
 const HALF_S: f64 = 0.02;
 const HALF_STEPS: f64 = 4.0;
 
-/// A joint that turns by less in half a window is at rest or reverses, in rad.
+/// Rotation in half a window, in rad, below which a joint is at rest or reverses.
 const MOVES_RAD: f64 = 2e-4;
 
-/// A joint that stands is not off by more, in rad, and in standard deviations of its samples.
+/// Largest displacement of a joint at rest, in rad, plus multiples of the standard deviation of its
+/// samples.
 const STANDS_RAD: f64 = 1e-5;
 const STANDS_DEVIATIONS: f64 = 8.0;
 
-/// Half of a window of a recording, in s.
+/// Returns the half-width of the windows of a recording, in s.
 pub(super) fn half_s(log: &JointLog) -> f64 {
     HALF_S.max(HALF_STEPS * log.period_s().unwrap_or_default())
 }
 
-/// Windows side by side, as far as they have samples with torques all along.
+/// Returns adjacent windows, as far as they have samples with torques throughout.
 ///
-/// Accelerations are the second derivatives of cubics (Savitzky and Golay 1964). Those are averages of the acceleration
-/// over the window, with weights that are 0 at its ends; torques, and those of the model along the cubics, are averaged with
-/// the same weights, so that what the window smooths is smoothed alike on both sides of the equations of motion. No sample is in two windows: noise of
-/// one is not that of another.
+/// Accelerations are the second derivatives of cubics (Savitzky and Golay 1964). They are averages
+/// of the acceleration over the window, with weights that are 0 at its ends. Recorded torques, and
+/// those of the model along the cubics, are averaged with the same weights, so that both sides of
+/// the equations of motion are smoothed alike. No sample belongs to two windows: their noise is
+/// independent.
 pub(super) fn windows(log: &JointLog, exerted_nm: &[Option<Joints>]) -> Vec<TorqueWindow> {
     let count = log.t_s.len().min(exerted_nm.len());
     let Some(period_s) = log.period_s() else { return Vec::new() };
@@ -97,9 +100,9 @@ fn window(
     };
     let normal: Matrix4<f64> = t_s.iter().map(|t_s| powers(*t_s) * powers(*t_s).transpose()).sum();
     let inverse = normal.cholesky()?.inverse();
-    // Each derivative is a sum of the samples with weights.
+    // Each derivative is a weighted sum of the samples.
     let weights: Vec<Vector4<f64>> = t_s.iter().map(|t_s| inverse * powers(*t_s)).collect();
-    // An acceleration at a sample turns all that follows: what it counts for in the second derivative.
+    // An acceleration at a sample shifts all later ones: its weight in the second derivative.
     let kernel: Vec<f64> = (0..t_s.len())
         .map(|k| (k..t_s.len()).map(|i| weights[i][2] * (t_s[i] - t_s[k])).sum::<f64>().max(0.0))
         .collect();
@@ -115,7 +118,7 @@ fn window(
     let (second, fourth) = (moment(2), moment(4));
     let (at, share) = ((fourth / second).sqrt(), 0.5 * second * second / fourth);
     let fitted = |j: usize| -> Vector4<f64> {
-        // Small numbers keep their digits.
+        // Relative to the first value, to avoid cancellation.
         q.iter().zip(&weights).map(|(q_i, weight)| weight * (q_i[j] - q[0][j])).sum()
     };
     let cubics: [Vector4<f64>; 7] = std::array::from_fn(fitted);

@@ -1,16 +1,19 @@
-//! Loads and friction from recorded torques.
+//! Payloads and friction from recorded torques.
 //!
-//! Torques are linear in the moments of what hangs on the flange (mass, first and second moments) and in friction:
+//! Torques are linear in the moments of the payload (mass, first and second moments) and in
+//! friction:
 //!
 //! ```text
 //! torque - torque of the empty arm = Y(q, q', q'') moments + viscous q' + Coulomb sign(q')
 //! ```
 //!
-//! All are found at once by least squares, with one load for all recordings whose programs state the same one. Second
-//! moments hardly show in what an arm does: they are taken to be 0, give or take that of a compact body of some kg, so that
-//! mass and centre are as uncertain as they are with any. A joint counts with the scatter of its own torques, those while it
-//! stands apart from those while it moves, since a joint that stands may hold by friction; scatter that lasts from
-//! window to window, as errors of the model do, counts as so much less knowledge.
+//! All unknowns are found at once by least squares, with one payload for all recordings whose
+//! programs state the same one. Second moments have little effect on the motion of an arm: their
+//! prior is 0 with the standard deviation of a compact body of some kg, so that the uncertainties
+//! of mass and centre of mass include any such body. Each joint is weighted by the scatter of its
+//! own torques, separately at rest and in motion, since a joint at rest may be held by friction.
+//! Scatter that is correlated from window to window, such as errors of the model, counts as fewer
+//! observations.
 
 use iiwa_kin::{Dynamics, Joints, Load, RigidBody, Robot};
 use iiwa_program::{Motion, Program};
@@ -26,39 +29,40 @@ use crate::{
     },
 };
 
-/// Unknowns of a load: mass, first moments, second moments (xx, yy, zz, xy, xz, yz).
+/// Unknowns of a payload: mass, first moments, second moments (xx, yy, zz, xy, xz, yz).
 const MOMENTS: usize = 10;
-/// Unknowns of friction: viscous and Coulomb of each joint.
+/// Unknowns of friction: viscous and Coulomb friction of each joint.
 const FRICTION: usize = 14;
 
-/// Standard deviations of what is known before, in kg, kg m, kg m^2, and Nm or Nm s/rad: next to nothing but of second
-/// moments.
+/// Prior standard deviations, in kg, kg m, kg m^2, and Nm or Nm s/rad: almost no prior knowledge,
+/// except of second moments.
 const MASS_KG: f64 = 100.0;
 const FIRST_KG_M: f64 = 100.0;
 const SECOND_KG_M2: f64 = 0.3;
 const FRICTION_NM: f64 = 100.0;
 
-/// What is less certain is not told: kg and shares of the mass, mm, Nm or Nm s/rad.
+/// Largest uncertainty of reported results: kg and share of the mass, mm, Nm or Nm s/rad.
 const TOLD_MASS_KG: f64 = 0.5;
 const TOLD_MASS_SHARE: f64 = 0.3;
 const TOLD_CENTER_MM: f64 = 50.0;
 const TOLD_FRICTION_NM: f64 = 0.5;
 
-/// No load is taken to be known better, as a share of the mass and in mm: by so much, twice over, windows of samples every
-/// 5 ms are off without any noise.
+/// Lower bounds of the uncertainty of a payload, as a share of the mass and in mm: twice the error
+/// of windows with samples every 5 ms without any noise.
 const LEAST_MASS_SHARE: f64 = 3e-4;
 const LEAST_CENTER_MM: f64 = 0.15;
 
-/// No torque is taken to be known better, in Nm.
+/// Lower bound of the standard deviation of a torque, in Nm.
 const LEAST_NM: f64 = 2e-3;
 
-/// Rounds of weighting by the scatter that the one before left.
+/// Rounds of weighting by the scatter of the previous round.
 const ROUNDS: usize = 4;
 
-/// Fewest windows with torques.
+/// Minimum number of windows with torques.
 const FEWEST: usize = 10;
 
-/// What recordings with torques show of load and friction; none if they have none. The others say why they were not used.
+/// Evaluates the recordings with torques; none if there are none. Also returns the recordings whose
+/// torques were not used, with the reason.
 pub(super) fn find(
     recordings: &[Recording<'_>],
     model: &Robot,
@@ -97,7 +101,8 @@ pub(super) fn find(
     (observed.fit(groups), unused)
 }
 
-/// The load that a program states for all of its motions, if it states one; why its torques are of no use if it changes.
+/// Returns the payload that a program states for all of its motions, if any; an error if it
+/// changes, since the torques are then not used.
 fn stated_load(program: &Program) -> Result<Option<Load>, &'static str> {
     let loads = program.loads();
     let of_motions = loads.iter().zip(&program.motions);
@@ -110,14 +115,14 @@ fn stated_load(program: &Program) -> Result<Option<Load>, &'static str> {
     Err("the load changes on the way: its torques were not used")
 }
 
-/// Torques by the moments of a load.
+/// Regressor of the torques: their derivatives by the moments of a payload.
 struct Regressor {
     arm: Dynamics,
-    /// With 1 kg at each of these points.
+    /// Dynamics with 1 kg at each of the points.
     points: [Dynamics; MOMENTS],
 }
 
-/// How far points are from the flange's centre, in m: where loads are.
+/// Distance of the points from the flange centre, in m: typical of payloads.
 const POINT_M: f64 = 0.1;
 
 impl Regressor {
@@ -138,7 +143,7 @@ impl Regressor {
         Self { arm: *arm, points: POINTS.map(with) }
     }
 
-    /// The mean torques of the empty arm, and those of each moment.
+    /// Returns the mean torques of the empty arm, and those of each moment.
     fn over(&self, window: &TorqueWindow) -> (Joints, [Joints; MOMENTS]) {
         let torques = |arm: &Dynamics| -> Joints {
             let mut mean = [0.0; 7];
@@ -149,7 +154,7 @@ impl Regressor {
             mean
         };
         let empty = torques(&self.arm);
-        // Torque of a point is a quadratic function of where it is.
+        // The torque of a point mass is a quadratic function of its position.
         let p = self.points.each_ref().map(torques);
         let by = |f: &dyn Fn(usize) -> f64| -> Joints { std::array::from_fn(f) };
         let first = |k: usize| by(&|j| (p[k][j] - p[k + 1][j]) / (2.0 * POINT_M));
@@ -174,7 +179,7 @@ impl Regressor {
     }
 }
 
-/// A joint's torque in a window.
+/// Torque of a joint in a window.
 struct TorqueRow {
     joint: usize,
     does: JointDoes,
@@ -189,7 +194,7 @@ impl TorqueRow {
         2 * self.joint + usize::from(self.does == JointDoes::Moves)
     }
 
-    /// Unknowns and their factors.
+    /// Returns the unknowns of the row with their factors.
     fn factors(&self) -> impl Iterator<Item = (usize, f64)> {
         let first = FRICTION + MOMENTS * self.load;
         let moments = self.by_moments.iter().enumerate().map(move |(k, by)| (first + k, *by));
@@ -261,7 +266,7 @@ impl Observations {
         })
     }
 
-    /// The unknowns and their covariance.
+    /// Returns the unknowns and their covariance.
     fn solve(&self, loads: usize, variances: &[f64; 14]) -> Option<(DVector<f64>, DMatrix<f64>)> {
         let count = FRICTION + MOMENTS * loads;
         let mut normal = DMatrix::<f64>::zeros(count, count);
@@ -285,7 +290,7 @@ impl Observations {
                 }
             }
         }
-        // Unknowns differ by orders of magnitude.
+        // Scaled, since the unknowns differ by orders of magnitude.
         let scale = normal.diagonal().map(|d| d.sqrt().recip());
         let scaled = DMatrix::from_fn(count, count, |i, k| normal[(i, k)] * scale[i] * scale[k]);
         let inverse = scaled.cholesky()?.inverse();
@@ -314,8 +319,8 @@ impl Observations {
         sums.map(|(squares, count): (f64, f64)| (squares / count.max(1.0)).sqrt())
     }
 
-    /// Variances of torques by joint and what it does, larger where residuals last from one to the next: so many count as
-    /// one. By a first-order autoregression.
+    /// Returns the variances of torques by joint and activity, larger where residuals are
+    /// correlated from one window to the next, as in a first-order autoregression.
     fn scatter(&self, unknowns: &DVector<f64>) -> [f64; 14] {
         let mut sums = [(0.0, 0.0, 0.0, 0.0_f64); 14];
         for (row, left) in self.left(unknowns) {
@@ -329,7 +334,7 @@ impl Observations {
             let count = count.max(1.0);
             let variance = (squares / count).max(LEAST_NM.powi(2));
             let correlation: f64 = products / f64::max(squares, f64::MIN_POSITIVE);
-            // White noise shows as much by chance.
+            // White noise shows this correlation by chance.
             if correlation < 2.0 / count.sqrt() {
                 return variance;
             }
@@ -358,7 +363,7 @@ fn found_load(
     let center_mm = std::array::from_fn(|axis| {
         let first = at + 1 + axis;
         let center_m = unknowns[first] / mass;
-        // The centre is first moment over mass.
+        // The centre of mass is the first moment over the mass.
         let variance = covariance[(first, first)] - 2.0 * center_m * covariance[(first, at)]
             + center_m.powi(2) * covariance[(at, at)];
         let uncertainty =

@@ -1,4 +1,4 @@
-//! A recording, and what its program asks for.
+//! Recording with its program and planned path.
 
 use std::sync::Arc;
 
@@ -9,30 +9,30 @@ use iiwa_program::{Course, Fault, Motion, MotionIndex, OrientationType, Program}
 
 use crate::noise::Noise;
 
-/// A recording, and what its program asks for.
+/// Recording with its program and planned path.
 pub(super) struct Watched<'a> {
-    /// Its place, from 0.
+    /// Index of the recording, from 0.
     pub(super) recording: usize,
     pub(super) program: &'a Program,
     pub(super) log: &'a JointLog,
     pub(super) path: JointPath,
-    /// The override at which the robot ran, as a share.
+    /// Override of the recording, as a share.
     pub(super) override_share: f64,
     pub(super) noise: Noise,
-    /// Each motion as it were without blends: its segments.
+    /// Segments of each motion without blends.
     motions: Vec<Vec<Arc<dyn Segment>>>,
 }
 
-/// In which space a corner is rounded.
+/// Space in which a corner is rounded.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum CornerSpace {
     /// Both motions are straight in joint space.
     Joints,
-    /// Both are straight ways of one TCP.
+    /// Both motions are straight paths of the same TCP.
     StraightWays,
-    /// Both are paths of one TCP, and not both are straight.
+    /// Both motions are paths of the same TCP, at least one of them curved.
     Ways,
-    /// One is a path of the TCP, the other is not, or they are of different TCPs: in joint space, as far as known.
+    /// Only one motion is a TCP path, or the TCPs differ: rounded in joint space, as far as known.
     Mixed,
 }
 
@@ -46,7 +46,7 @@ impl<'a> Watched<'a> {
         let override_share = program.workcell.speed_override.unwrap_or(1.0);
         let mut at_full = program.clone();
         at_full.workcell.speed_override = None;
-        // Recordings may be of another robot than the one that their programs name.
+        // The recorded robot may differ from the one that the program names.
         let path_of =
             |program: &Program| JointPath::on_other_robot(program, model, PathOptions::default());
         let path = path_of(&at_full)?;
@@ -60,7 +60,7 @@ impl<'a> Watched<'a> {
         Ok(Self { recording, program, log, path, override_share, noise, motions })
     }
 
-    /// Whether a motion is a path of the TCP.
+    /// Returns true if a motion is a TCP path.
     pub(super) fn is_course(&self, motion: MotionIndex) -> bool {
         self.course(motion).is_some()
     }
@@ -72,7 +72,7 @@ impl<'a> Watched<'a> {
         }
     }
 
-    /// In which space the corner at the end of a motion is rounded.
+    /// Returns the space in which the corner at the end of a motion is rounded.
     pub(super) fn corner_space(&self, motion: MotionIndex) -> CornerSpace {
         let next = motion.next();
         let by_wrist = |motion: MotionIndex| {
@@ -98,14 +98,15 @@ impl<'a> Watched<'a> {
         }
     }
 
-    /// Where a motion, its target and that of the next one are: what a corner is between.
+    /// Returns the start and the target of a motion and the target of the next one, between which
+    /// the corner is.
     pub(super) fn corner(&self, motion: MotionIndex) -> Option<[Joints; 3]> {
         let into = self.motions.get(motion.index())?;
         let out = self.motions.get(motion.next().index())?;
         Some([into.first()?.at(0.0).q, into.last()?.at(1.0).q, out.last()?.at(1.0).q])
     }
 
-    /// The TCP of a motion, with the joints there.
+    /// Returns the TCP pose of a motion at given joint positions.
     pub(super) fn tcp(&self, motion: MotionIndex, joints_rad: &Joints) -> Pose {
         self.path.robot().flange_pose(joints_rad).then(self.path.tcp(motion))
     }

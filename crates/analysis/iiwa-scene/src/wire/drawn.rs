@@ -1,4 +1,4 @@
-//! Scenes as a drawing needs them: m, unit vectors, matrices.
+//! Form of a scene for drawings: m, unit vectors, matrices.
 
 use serde::{Serialize, Serializer};
 
@@ -17,16 +17,16 @@ enum Drawn<'a> {
         name: Option<&'a str>,
         center_m: [f64; 3],
         size_m: [f64; 3],
-        /// Three rows; the columns are the box's axes.
+        /// Three rows; the columns are the box axes.
         rotation: [[f64; 3]; 3],
     },
     Plane {
         name: &'a str,
         point_m: [f64; 3],
-        /// Of length 1.
+        /// Unit vector.
         normal: [f64; 3],
     },
-    /// Along its z axis.
+    /// Cylinder along its z axis.
     Cylinder {
         center_m: [f64; 3],
         radius_m: f64,
@@ -37,7 +37,7 @@ enum Drawn<'a> {
         center_m: [f64; 3],
         radius_m: f64,
     },
-    /// Its corners are in its own frame.
+    /// Hull with corners in its own frame.
     Hull {
         origin_m: [f64; 3],
         rotation: [[f64; 3]; 3],
@@ -79,20 +79,21 @@ impl<'a> From<&'a ToolShape> for Drawn<'a> {
     }
 }
 
-/// The rotation, without a minus in front of a zero.
+/// Returns the rotation, without negative zeros.
 fn rows(rpy_rad: [f64; 3]) -> [[f64; 3]; 3] {
     rotation(rpy_rad).map(|row| row.map(|v| v + 0.0))
 }
 
-/// Corners to the micrometre: finer than any screen, and short as text.
+/// Rounds corners to the micrometre: finer than any screen, and short as text.
 fn rounded(hull: &ConvexHull) -> Vec<[f64; 3]> {
     hull.corners_m().iter().map(|corner| corner.map(|v| (v * 1e6).round() / 1e6 + 0.0)).collect()
 }
 
-/// The obstacles in the base frame and the tool's shapes in the flange's, with positions in m: a box as `center_m`, `size_m` and
-/// `rotation` (three rows; the columns are its axes), a plane as `point_m` and `normal` (of length 1), a cylinder as
-/// `center_m`, `radius_m`, `length_m` and `rotation`, a sphere as `center_m` and `radius_m`, a hull as `origin_m`, `rotation`, and
-/// `corners_m` with `triangles` of them.
+/// Serialises the obstacles in the base frame and the tool shapes in the flange frame, with
+/// positions in m: a box as `center_m`, `size_m` and `rotation` (three rows; the columns are its
+/// axes), a plane as `point_m` and `normal` (a unit vector), a cylinder as `center_m`, `radius_m`,
+/// `length_m` and `rotation`, a sphere as `center_m` and `radius_m`, a hull as `origin_m`,
+/// `rotation`, and `corners_m` with the indices in `triangles`.
 impl Serialize for Scene {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         #[derive(Serialize)]

@@ -1,46 +1,46 @@
-//! What can be wrong with a text that should be a scene.
+//! Errors of reading a scene.
 
 use iiwa_json::{Place, element_at, problem};
 
 use crate::fault::Fault;
 
-/// The version of the scene format that this library reads.
+/// Supported version of the scene format.
 pub(super) const VERSION: u64 = 1;
 
-/// Why a text is no scene.
+/// Error of reading a scene.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum SceneError {
-    /// The text is not JSON, or not the JSON that is asked for.
+    /// The text is not JSON, or not the expected JSON.
     #[error("{}{what}, at {place}", prefix(*.obstacle))]
     Json {
-        /// What was found, and what was expected.
+        /// Found and expected contents.
         what: String,
-        /// The obstacle, from 0, if it is in one.
+        /// Index of the obstacle, from 0, if the fault is in one.
         obstacle: Option<usize>,
-        /// Where.
+        /// Place in the text.
         place: Place,
     },
-    /// The scene is of another version.
+    /// The scene has another version.
     #[error("this is a scene of version {found}; version {VERSION} is understood, at {place}")]
     Version {
-        /// The version found.
+        /// Version of the scene.
         found: u64,
-        /// Where.
+        /// Place in the text.
         place: Place,
     },
-    /// The scene is well-formed and cannot be.
+    /// The scene is well-formed but invalid.
     #[error("{fault}, at {place}")]
     Fault {
-        /// What is wrong.
+        /// Fault.
         fault: Fault,
-        /// Where.
+        /// Place in the text.
         place: Place,
     },
 }
 
 impl SceneError {
-    /// Where in the text.
+    /// Returns the place in the text.
     #[must_use]
     pub fn place(&self) -> &Place {
         match self {
@@ -50,7 +50,7 @@ impl SceneError {
         }
     }
 
-    /// What is wrong, without the place.
+    /// Returns the message without the place.
     #[must_use]
     pub fn what(&self) -> String {
         match self {
@@ -67,7 +67,7 @@ fn prefix(obstacle: Option<usize>) -> String {
     obstacle.map_or_else(String::new, |index| format!("obstacle {}: ", index + 1))
 }
 
-/// A fault of the JSON in a part of the text.
+/// Creates the error of a JSON fault in a part of the text.
 pub(super) fn json_error(
     text: &str,
     part: &str,
@@ -75,7 +75,7 @@ pub(super) fn json_error(
     error: &serde_json::Error,
 ) -> SceneError {
     let place = Place::of_error(text, part, error);
-    // What is no JSON at all is found before the text is taken apart.
+    // Text that is not JSON at all is detected before it is divided into parts.
     let obstacle = obstacle.or_else(|| element_at(text, "obstacles", place.span.start));
     SceneError::Json { what: problem(error), obstacle, place }
 }

@@ -14,7 +14,7 @@ use crate::{
 #[schemars(inline, extend("enum" = PARTS))]
 pub(super) struct IgnoredPart(#[expect(dead_code, reason = "the schema is made of it")] String);
 
-/// Reads a pair, as `["link 2", "pedestal"]`; `obstacles` are those of the scene.
+/// Reads a pair such as `["link 2", "pedestal"]`; `obstacles` are those of the scene.
 pub(super) fn ignored_pair(
     text: &str,
     index: usize,
@@ -38,7 +38,7 @@ pub(super) fn ignored_pair(
         .map(|place| FIRST_LINK + place)
         .ok_or_else(|| wrong(unknown("part of the arm", &part, &PARTS), at(0)))?;
     let obstacle = obstacles.iter().position(|it| it.name == obstacle).ok_or_else(|| {
-        /// More of them would hide the message.
+        /// Limits the list of names, so that it does not hide the message.
         const SHOWN: usize = 8;
         let names: Vec<&str> = obstacles.iter().map(|it| it.name.as_str()).collect();
         let what = match iiwa_json::meant(&obstacle, names.iter().copied()) {

@@ -1,4 +1,4 @@
-//! Numbers in scenes: how they are read, and what the schema says of them.
+//! Reading and schemas of numbers in scenes.
 
 use iiwa_json::numbers;
 use serde::Deserializer;
@@ -18,7 +18,8 @@ pub(super) fn angle() -> serde_json::Value {
     serde_json::json!({ "type": "number", "minimum": -360, "maximum": 360 })
 }
 
-/// Divided rather than multiplied: 100 mm are 0.1 m and not 0.1 and a bit.
+/// Converts mm to m. Division avoids the rounding of a factor of 1e-3: 100 mm are exactly the
+/// number 0.1 m.
 pub(super) fn from_mm(mm: f64) -> f64 {
     mm / 1e3
 }

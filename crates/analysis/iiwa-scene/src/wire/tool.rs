@@ -1,4 +1,4 @@
-//! The tool in a scene's JSON form.
+//! JSON form of the tool of a scene.
 
 use iiwa_json::{Object, Step, are_known, excerpt, locate, tag, unknown};
 use schemars::JsonSchema;
@@ -130,7 +130,7 @@ fn one() -> f64 {
     1.0
 }
 
-/// From nm to km.
+/// Range of the scale, from nm to km.
 const MIN_SCALE: f64 = 1e-6;
 const MAX_SCALE: f64 = 1e6;
 
@@ -161,10 +161,10 @@ impl From<ToolSphereWire> for ToolForm {
     }
 }
 
-/// Files that come with a scene, by the names that it has for them.
+/// Reader of the files that a scene refers to, by their names in the scene.
 pub(super) type ReadFile<'a> = &'a mut dyn FnMut(&str) -> Result<Vec<u8>, String>;
 
-/// The shape at `index`, whose text is `raw`.
+/// Reads the shape at `index` from its text `raw`.
 pub(super) fn tool_shape(
     text: &str,
     index: usize,
@@ -205,7 +205,7 @@ pub(super) fn tool_shape(
     Ok(ToolShape { form })
 }
 
-/// Reads what the wire names; the error has the key that it belongs to.
+/// Reads the mesh of a shape; the error contains the key that it belongs to.
 fn mesh(wire: ToolMeshWire, read: ReadFile<'_>) -> Result<ToolForm, (&'static str, String)> {
     let ToolMeshWire { file, origin_mm, rpy_deg, scale, .. } = wire;
     if !(MIN_SCALE..=MAX_SCALE).contains(&scale) {

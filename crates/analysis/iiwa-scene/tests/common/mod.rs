@@ -4,7 +4,8 @@
 
 use iiwa_scene::{Form, Obstacle, Scene};
 
-/// Up to `most` boxes and planes within reach of the arm; a third of the boxes stand straight.
+/// Creates up to `most` boxes and planes within reach of the arm; a third of the boxes are
+/// axis-aligned.
 pub(crate) fn scene(random: &mut fastrand::Rng, most: usize) -> Scene {
     let count = random.usize(1..=most);
     let obstacles = (0..count).map(|i| {

@@ -1,4 +1,4 @@
-//! Which column of a table is what, by its names.
+//! Roles of table columns, derived from their names.
 
 use iiwa_kin::Robot;
 
@@ -6,7 +6,7 @@ use super::samples::Unit;
 use super::shown::shown;
 use super::{AngleUnit, JointLogError, LogOptions, Positions, Source};
 
-/// What a column is.
+/// Role of a column.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Role {
     /// Time, s.
@@ -17,27 +17,28 @@ pub(super) enum Role {
     Nanoseconds,
     /// Position of the joint with this index, in this unit.
     Position(usize, Unit),
-    /// Torque that the joint with this index exerts, Nm.
+    /// Torque exerted by the joint with this index, Nm.
     Exerted(usize),
-    /// The same with the other sign, as KUKA's controller measures it.
+    /// Torque of the joint with this index, Nm, with the opposite sign, as KUKA's controller
+    /// measures it.
     Measured(usize),
-    /// Anything else.
+    /// Any other column.
     PassedOver,
 }
 
-/// The columns of a table.
+/// Columns of a table.
 #[derive(Debug)]
 pub(super) struct Columns {
-    /// What each column is.
+    /// Role of each column.
     pub(super) roles: Vec<Role>,
-    /// What each column is called.
+    /// Name of each column.
     pub(super) names: Vec<String>,
     pub(super) source: Source,
     pub(super) robot: Option<String>,
 }
 
 impl Columns {
-    /// The columns of these names, which stand in this line.
+    /// Assigns roles to the columns with these names; `line` is the header line.
     pub(super) fn new(
         line: u64,
         names: Vec<String>,
@@ -104,12 +105,12 @@ impl Columns {
         Ok(Self { roles, names, source, robot })
     }
 
-    /// Whether there are torques of all joints.
+    /// Returns true if there are torques of all joints.
     pub(super) fn has_torques(&self) -> bool {
         self.roles.iter().any(|role| matches!(role, Role::Exerted(_) | Role::Measured(_)))
     }
 
-    /// The unit of each joint in the file.
+    /// Unit of each joint in the file.
     pub(super) fn units(&self) -> [Unit; 7] {
         let mut units = [Unit::Radians; 7];
         for role in &self.roles {
@@ -121,7 +122,7 @@ impl Columns {
     }
 }
 
-/// Columns while their roles are found.
+/// Columns while their roles are assigned.
 struct Choice<'a> {
     line: u64,
     names: &'a [String],
@@ -129,7 +130,7 @@ struct Choice<'a> {
 }
 
 impl Choice<'_> {
-    /// Gives `role` to the one column whose name fits.
+    /// Gives `role` to the only column whose name matches.
     fn choose(
         &mut self,
         what: &str,
@@ -146,7 +147,7 @@ impl Choice<'_> {
         found.map(drop).ok_or_else(|| self.missing(what, expected.to_owned()))
     }
 
-    /// Gives `role` to a column, unless another one, in `found`, has it.
+    /// Gives `role` to a column, unless another column, in `found`, has that role.
     fn set(
         &mut self,
         what: &str,
@@ -166,7 +167,7 @@ impl Choice<'_> {
         Ok(())
     }
 
-    /// Finds the torques of all joints, or passes them over.
+    /// Assigns roles to the torque columns if they cover all joints, otherwise ignores them.
     fn find_torques(&mut self) {
         let torques: Vec<_> =
             self.names.iter().map(|name| torque(&name.to_ascii_lowercase())).collect();
@@ -191,7 +192,7 @@ fn title(joint: usize) -> String {
     format!("joint A{}", joint + 1)
 }
 
-/// The joint that a column of this source, by its name in small letters, has the position of.
+/// Returns the joint whose position a column of this source contains, by its lower-case name.
 fn joint(source: Source, name: &str, unit: Option<AngleUnit>) -> Option<(usize, Role)> {
     if source != Source::Table {
         let (joint, _) = axis(source, name)?;
@@ -213,7 +214,7 @@ fn joint(source: Source, name: &str, unit: Option<AngleUnit>) -> Option<(usize, 
     Some((joint, Role::Position(joint, unit))).filter(|_| joint < 7)
 }
 
-/// The torque that a column has, by its name in small letters.
+/// Returns the torque role of a column, by its lower-case name.
 fn torque(name: &str) -> Option<Role> {
     if let Some(recorded) = name.strip_prefix("axistaumsr") {
         let (_, index) = recorded.strip_suffix(']')?.split_once('[')?;
@@ -227,13 +228,13 @@ fn torque(name: &str) -> Option<Role> {
     Some(Role::Exerted(joint)).filter(|_| joint < 7)
 }
 
-/// Joint and robot of a `DataRecorder`'s column, by its name in small letters:
+/// Returns joint and robot of a `DataRecorder` column, by its lower-case name:
 /// `axisqmsr_lbr_iiwa_7_r800_1[0]` is joint 0 of an `lbr_iiwa_7_r800`.
 fn axis(source: Source, name: &str) -> Option<(usize, Option<String>)> {
     let prefix = if source == Source::Measured { "axisqmsr" } else { "axisqcmd" };
     let (device, index) = name.strip_prefix(prefix)?.strip_suffix(']')?.split_once('[')?;
     let joint = digit(index).filter(|joint| *joint < 7)?;
-    // Behind what goes on with the signal's name: `axisqcmdt1m_` has more than `axisqcmd_`.
+    // Skips the rest of the signal name: `axisqcmdt1m_` is longer than `axisqcmd_`.
     let device = device.split_once('_').map_or("", |(_, device)| device).trim_start_matches('_');
     let built_in = Robot::BUILT_IN.iter().find(|robot| device.starts_with(*robot));
     let robot = built_in.map_or_else(|| shown(device.as_bytes()), |robot| (*robot).to_owned());

@@ -1,4 +1,4 @@
-//! Why there are no joint positions.
+//! Errors of reading joint positions.
 
 use std::io;
 
@@ -7,40 +7,40 @@ use iiwa_kin::Joint;
 use super::{Place, Positions};
 use crate::ReadError;
 
-/// Why joint positions could not be read, or do not fit a robot.
+/// Reason why joint positions could not be read, or do not fit a robot.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum JointLogError {
     /// The stream failed.
     #[error("reading failed")]
     Io {
-        /// What the stream says.
+        /// Error of the stream.
         #[from]
         source: io::Error,
     },
     /// A file without content.
     #[error("the file is empty")]
     Empty,
-    /// Neither an MCAP file nor a table.
+    /// The file is neither an MCAP file nor a table.
     #[error(
         "neither an MCAP file nor a table of joint positions: expected a header line such as \
          `t_s,joint_1_rad,...,joint_7_rad`, found {found}"
     )]
     Unknown {
-        /// What the file begins with.
+        /// Beginning of the file.
         found: String,
     },
-    /// A Parquet file, and this build lacks the feature `parquet`.
+    /// The file is a Parquet file, and this build lacks the feature `parquet`.
     #[error("Apache Parquet files are not supported by this build (feature `parquet`)")]
     ParquetNotSupported,
-    /// A column that a table needs.
+    /// A required column of a table is missing.
     #[error("line {line}: no column for {what}, expected {expected}")]
     MissingColumn {
         /// The header line, from 1.
         line: u64,
-        /// What would be in it.
+        /// Quantity of the column.
         what: String,
-        /// The names that it may have.
+        /// Accepted names.
         expected: String,
     },
     /// A `DataRecorder` log without the positions that are required.
@@ -52,47 +52,47 @@ pub enum JointLogError {
     MissingPositions {
         /// The header line, from 1.
         line: u64,
-        /// Those that are missing.
+        /// Missing positions.
         positions: Positions,
     },
-    /// Two columns of the same content.
+    /// Two columns of the same quantity.
     #[error("line {line}: `{first}` and `{second}` are both a column for {what}")]
     DuplicateColumn {
         /// The header line, from 1.
         line: u64,
-        /// What is in it.
+        /// Quantity of the columns.
         what: String,
-        /// The name of one.
+        /// Name of the first column.
         first: String,
-        /// The name of the other.
+        /// Name of the second column.
         second: String,
     },
-    /// A line that does not have the fields of the header.
+    /// A line with another number of fields than the header.
     #[error("line {line} has {found} fields, the header has {expected}")]
     FieldCount {
         /// The line, from 1.
         line: u64,
-        /// Its fields.
+        /// Number of its fields.
         found: usize,
-        /// The header's.
+        /// Number of fields in the header.
         expected: usize,
     },
-    /// A field of a table that is not the number it should be.
+    /// A field of a table that is not the expected number.
     #[error("line {line}, column `{column}`: `{found}` is not {expected}")]
     Field {
         /// The line, from 1.
         line: u64,
-        /// The column's name.
+        /// Name of the column.
         column: String,
-        /// The field.
+        /// Content of the field.
         found: String,
-        /// What it should be.
+        /// Expected content.
         expected: &'static str,
     },
-    /// The container of a recording, or a message in it.
+    /// The container of a recording, or a message in it, is invalid.
     #[error("not a sound recording")]
     Recording {
-        /// What is wrong with it.
+        /// Error of the reader.
         #[from]
         source: ReadError,
     },
@@ -103,28 +103,28 @@ pub enum JointLogError {
         place: Place,
         /// The joint.
         joint: Joint,
-        /// Its position, rad.
+        /// Position of the joint, rad.
         found_rad: f64,
     },
-    /// A file that has no sample.
+    /// The file contains no samples.
     #[error("no joint positions in the file")]
     NoSamples,
     /// A sample that is earlier than the one before it.
     #[error("{place}: time runs backwards, from {previous_s} s to {t_s} s")]
     Backwards {
-        /// The later sample in the file.
+        /// Sample that comes later in the file.
         place: Place,
-        /// Its time, s.
+        /// Time of that sample, s.
         t_s: f64,
-        /// The time before, s.
+        /// Time of the sample before, s.
         previous_s: f64,
     },
-    /// Two samples of one time with different positions.
+    /// Two samples at one time with different positions.
     #[error("{place}: a second sample at {t_s} s, with other positions")]
     SameTime {
         /// The second sample.
         place: Place,
-        /// The time, s.
+        /// Time of both samples, s.
         t_s: f64,
     },
     /// An angle in rad that no LBR iiwa reaches.
@@ -138,7 +138,7 @@ pub enum JointLogError {
         place: Place,
         /// The joint.
         joint: Joint,
-        /// Its position as if it were in rad.
+        /// Position of the joint, read as rad.
         found_rad: f64,
     },
     /// An angle in degrees that no LBR iiwa reaches.
@@ -151,10 +151,10 @@ pub enum JointLogError {
         place: Place,
         /// The joint.
         joint: Joint,
-        /// Its position, degrees.
+        /// Position of the joint, degrees.
         found_deg: f64,
     },
-    /// A speed that no LBR iiwa has.
+    /// A speed that no LBR iiwa reaches.
     #[error(
         "joint {joint} turns at {found_rad_s:.1} rad/s about {t_s:.3} s, where at most \
          {most_rad_s:.1} rad/s are possible: wrong units (degrees as radians, or a time that is not \
@@ -163,54 +163,55 @@ pub enum JointLogError {
     TooFast {
         /// The joint.
         joint: Joint,
-        /// When, s.
+        /// Time, s.
         t_s: f64,
-        /// Its speed, over a section of at least 0.05 s, rad/s.
+        /// Mean speed over a section of at least 0.05 s, rad/s.
         found_rad_s: f64,
-        /// The most that is accepted, rad/s.
+        /// Highest accepted speed, rad/s.
         most_rad_s: f64,
     },
-    /// A sample rate at which no motion of a robot is recorded.
+    /// An implausible sample rate for the motion of a robot.
     #[error(
         "implausible sample rate: {:.3} Hz; is the time column in seconds?",
         .period_s.recip()
     )]
     Rate {
-        /// The usual time from one sample to the next, s.
+        /// Time between consecutive samples, s: the median if it is too long, the mean if it is too
+        /// short.
         period_s: f64,
     },
-    /// A position outside a robot's range.
+    /// A position outside the joint range of the robot.
     #[error(
         "joint {joint} is at {:.2} degrees at {t_s:.3} s, and the range of {robot} ends at {:.2}: \
          wrong robot or wrong units",
         found_rad.to_degrees(), limit_rad.to_degrees()
     )]
     OutsideLimits {
-        /// The robot's name.
+        /// Name of the robot.
         robot: String,
         /// The joint.
         joint: Joint,
-        /// When, s.
+        /// Time, s.
         t_s: f64,
-        /// Its position, rad.
+        /// Position of the joint, rad.
         found_rad: f64,
-        /// The end of its range, rad.
+        /// Nearest bound of the joint range, rad.
         limit_rad: f64,
     },
     /// A recording of another built-in robot.
     #[error("a recording of {found}, not of {expected}: wrong robot")]
     WrongRobot {
-        /// The robot of the recording.
+        /// Robot of the recording.
         found: String,
-        /// The robot that it was held against.
+        /// Robot that the recording was checked against.
         expected: String,
     },
-    /// A recording in which nothing moves.
+    /// A recording without motion.
     #[error("no motion: no joint moves by more than {most_rad:.1e} rad in {duration_s:.3} s")]
     NoMotion {
-        /// The widest motion of any joint, rad.
+        /// Largest extent of any joint, rad.
         most_rad: f64,
-        /// The time from the first sample to the last, s.
+        /// Time from the first sample to the last, s.
         duration_s: f64,
     },
 }

@@ -1,4 +1,4 @@
-//! Which format a file has.
+//! Format detection.
 
 use std::io::{Cursor, Read};
 
@@ -6,14 +6,14 @@ use super::table::HEAD_BYTES;
 use super::{JointLog, JointLogError, LogOptions, recording, table};
 use crate::reader::read as read_once;
 
-/// Start of an Apache Parquet file.
+/// First bytes of an Apache Parquet file.
 pub(super) const PARQUET_MAGIC: &[u8] = b"PAR1";
 
 impl JointLog {
-    /// Reads a recording in any of the [formats](Self#formats), in one pass. Buffering the stream
-    /// is not needed.
+    /// Reads a recording in any of the [formats](Self#formats), in one pass. The stream needs no
+    /// buffering.
     ///
-    /// A recording that is read has at least one sample.
+    /// On success, the log has at least one sample.
     ///
     /// # Errors
     ///
@@ -22,11 +22,11 @@ impl JointLog {
         Self::read_with(stream, LogOptions::default())
     }
 
-    /// The same, with choices for what a table's columns leave open.
+    /// Reads a recording, with options for the information that column names leave open.
     ///
     /// # Errors
     ///
-    /// As [`read`](Self::read).
+    /// See [`read`](Self::read).
     pub fn read_with<R: Read>(mut stream: R, options: LogOptions) -> Result<Self, JointLogError> {
         let mut head = vec![0; HEAD_BYTES];
         let mut len = 0;

@@ -1,16 +1,16 @@
-//! What a file does not have of the motion that it recorded.
+//! Parts of a motion that its recording lacks.
 
 use std::fmt;
 
 use serde::{Deserialize, Serialize};
 
-/// Where in a file something is.
+/// Position in a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 #[non_exhaustive]
 pub enum Place {
-    /// A line of a table, from 1; the header is one.
+    /// Line of a table, from 1; the header counts.
     Line(u64),
-    /// A sample of a recording, from 1.
+    /// Sample of a recording, from 1.
     Sample(u64),
 }
 
@@ -23,50 +23,51 @@ impl fmt::Display for Place {
     }
 }
 
-/// A part of a motion that its recording does not have, or that was left out of it, or assumed.
+/// Part of a motion that its recording lacks, or that was omitted or assumed.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[non_exhaustive]
 pub enum Loss {
-    /// A section without samples: a step of more than 2.5 times the usual one.
+    /// A section without samples: a step of more than 2.5 times the median one.
     Gap {
-        /// The last sample before, s.
+        /// Last sample before, s.
         from_s: f64,
-        /// The first sample after, s.
+        /// First sample after, s.
         to_s: f64,
-        /// How many samples would fit in between, at the usual period.
+        /// Number of samples that fit in between at the median period.
         missing: u64,
     },
-    /// Samples with the time and the positions of the one before them. They were left out.
+    /// Samples with the time and the positions of the sample before. They were omitted.
     Repeated {
-        /// The first of them.
+        /// First of these samples.
         first: Place,
-        /// Its time, s.
+        /// Time of that sample, s.
         t_s: f64,
-        /// How many there are.
+        /// Number of these samples.
         count: u64,
     },
-    /// Positions without a unit were read as degrees: one of them is beyond every range in rad.
+    /// Positions without a unit were read as degrees: one of them is beyond every joint range in
+    /// rad.
     DegreesAssumed {
         /// The sample.
         place: Place,
         /// The joint's number, from 1.
         joint: usize,
-        /// Its position, degrees.
+        /// Position of the joint, degrees.
         found_deg: f64,
     },
-    /// The last line of a table has no end, so that its last number may lack digits. It was left
-    /// out.
+    /// The last line of a table does not end with a line break, so its last number may lack digits.
+    /// The line was omitted.
     LastLine {
-        /// Its number.
+        /// Number of the line.
         line: u64,
     },
-    /// The file is cut off or damaged: what comes behind is not known.
+    /// The file is cut off or damaged: the rest is unknown.
     BrokenOff {
-        /// The last sample before, s.
+        /// Last sample before the damage, s.
         t_s: f64,
-        /// How many samples there are.
+        /// Number of samples read.
         samples: u64,
-        /// What is wrong with the file.
+        /// Damage found.
         reason: String,
     },
 }

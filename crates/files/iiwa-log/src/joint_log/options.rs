@@ -1,19 +1,21 @@
 //! Choices for reading a table of joint positions.
 
-/// Choices for reading a table: what its columns leave open.
+/// Options for reading a table, for the information that column names leave open.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct LogOptions {
-    /// The unit of positions whose columns name none. Left out, a `DataRecorder`'s are in rad unless one of them is beyond
-    /// every range in rad: then they are in degrees, and [`Loss::DegreesAssumed`](crate::Loss::DegreesAssumed) says so.
+    /// Unit of positions whose columns name none. If unset, the positions of a `DataRecorder` are
+    /// in rad unless one of them is beyond every joint range in rad: then they are in degrees, and
+    /// [`Loss::DegreesAssumed`](crate::Loss::DegreesAssumed) reports this.
     pub unit: Option<AngleUnit>,
-    /// The positions that are read where a `DataRecorder` has both; by default, measured ones.
+    /// Preferred positions if a `DataRecorder` log has both; default: measured ones.
     pub positions: Positions,
-    /// Whether a `DataRecorder` log without these positions is refused; by default, the others are read.
+    /// `true` if a `DataRecorder` log without these positions is an error; by default, the other
+    /// ones are read.
     pub positions_required: bool,
 }
 
-/// The unit of an angle.
+/// Unit of an angle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum AngleUnit {
     /// Radians.
@@ -22,7 +24,7 @@ pub enum AngleUnit {
     Degrees,
 }
 
-/// The positions of a `DataRecorder`.
+/// Kind of positions of a `DataRecorder`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Positions {
     /// Measured positions (encoders).
@@ -33,7 +35,7 @@ pub enum Positions {
 }
 
 impl Positions {
-    /// Their name, and the beginning of the names of their columns.
+    /// Name of the positions, and prefix of their columns.
     pub(super) fn names(self) -> (&'static str, &'static str) {
         match self {
             Self::Measured => ("measured", "axisQMsr"),
@@ -41,7 +43,7 @@ impl Positions {
         }
     }
 
-    /// The others.
+    /// The other kind.
     pub(super) fn other(self) -> Self {
         match self {
             Self::Measured => Self::Commanded,
@@ -65,7 +67,7 @@ impl LogOptions {
         self
     }
 
-    /// Sets the only positions that are read of a `DataRecorder`.
+    /// Restricts a `DataRecorder` log to these positions.
     #[must_use]
     pub fn with_only(mut self, positions: Positions) -> Self {
         self.positions = positions;

@@ -1,4 +1,4 @@
-//! Joint positions of an Apache Parquet file, read as the table that it is.
+//! Joint positions of an Apache Parquet file, read via a CSV table.
 
 use std::io::{self, Read, Write};
 
@@ -11,7 +11,7 @@ use parquet::{
 
 use super::{JointLog, JointLogError, LogOptions, table};
 
-/// Reads a file that begins with `head` and goes on in `stream`.
+/// Reads a file whose first bytes are `head`; `stream` contains the rest.
 pub(super) fn read<R: Read>(
     mut head: Vec<u8>,
     mut stream: R,
@@ -23,7 +23,7 @@ pub(super) fn read<R: Read>(
     table::read(&text[..split], &text[split..], options)
 }
 
-/// The file's rows with commas between the fields, numbers to the last bit.
+/// Converts the rows to CSV; numbers are exact.
 fn csv(file: Bytes) -> Result<Vec<u8>, ParquetError> {
     let reader = SerializedFileReader::new(file)?;
     let fields = reader.metadata().file_metadata().schema().get_fields();
@@ -40,7 +40,7 @@ fn csv(file: Bytes) -> Result<Vec<u8>, ParquetError> {
                 Field::Float(value) => write!(text, "{value:?}")?,
                 Field::Int(value) => write!(text, "{value}")?,
                 Field::Long(value) => write!(text, "{value}")?,
-                // Passed over, or refused where a number is needed.
+                // Ignored, or rejected where a number is required.
                 _ => text.push(b'?'),
             }
         }

@@ -9,7 +9,7 @@ use super::{CycleClock, JointLog, JointLogError, Loss, Place, Source};
 use crate::recorded_robot::PROFILE;
 use crate::{Entry, ReadError, Reader, Topic};
 
-/// Whether a file begins as an MCAP file does; it may be cut off within the magic.
+/// Returns true if a file begins like an MCAP file; it may be cut off within the magic bytes.
 pub(super) fn is_mcap(head: &[u8]) -> bool {
     let len = head.len().min(MAGIC.len());
     head[..len] == MAGIC[..len]
@@ -55,12 +55,11 @@ pub(super) fn read<R: Read>(stream: R) -> Result<JointLog, JointLogError> {
     samples.finish(end)
 }
 
-/// What is lost with the rest of a file that is cut off or damaged, if what was read before is to
-/// be trusted.
+/// Returns the loss for a file that is cut off or damaged, if the part read so far is reliable.
 fn broken_off(samples: &mut Samples, error: ReadError) -> Result<Loss, JointLogError> {
     let reason = match &error {
-        // The checksum of everything, when each chunk's was right. It may be that a chunk was not
-        // recognised as one, and there is no telling where.
+        // The checksum of the whole file is wrong although each chunk's was right: perhaps a chunk
+        // was not recognised as such, at an unknown position.
         ReadError::Mcap { source: McapError::BadDataCrc { .. }, .. } => return Err(error.into()),
         ReadError::Mcap { source, .. } => format!("{error}: {source}"),
         ReadError::Truncated { .. } => error.to_string(),
@@ -72,7 +71,7 @@ fn broken_off(samples: &mut Samples, error: ReadError) -> Result<Loss, JointLogE
     }
 }
 
-/// The name in a URDF's first element.
+/// Returns the name in the first element of a URDF.
 fn robot_of(urdf: &str) -> Option<String> {
     let (_, element) = urdf.split_once("<robot")?;
     let (attributes, _) = element.split_once('>')?;

@@ -1,14 +1,15 @@
-//! Samples as they come from a file, each held against the one before it.
+//! Samples in file order, each compared with the previous one.
 
 use iiwa_kin::Joint;
 
 use super::{JointLog, JointLogError, Loss, Place, Source};
 
-/// No LBR iiwa turns further: the widest range is 175 degrees, 3.054 rad. The rest is for joints
-/// that are measured a little outside of it.
+/// Bound on joint positions, rad. The widest joint range of any LBR iiwa is 175 degrees (3.054
+/// rad); the margin is for joints measured slightly outside their range.
 const REACH_RAD: f64 = 3.2;
 
-/// A step this many times the usual one is a gap: two samples are missing, not one that is late.
+/// A step this many times the median one is a gap: two samples are missing, rather than one being
+/// late.
 const GAP_STEPS: f64 = 2.5;
 
 /// The unit of a joint's positions in a file.
@@ -17,18 +18,18 @@ pub(super) enum Unit {
     #[default]
     Radians,
     Degrees,
-    /// Radians, unless a position is beyond every range in rad: then degrees.
+    /// Radians, unless a position is beyond every joint range in rad: then degrees.
     Unstated,
 }
 
-/// Takes samples in the order of a file.
+/// Collects samples in the order of the file.
 #[derive(Debug, Default)]
 pub(super) struct Samples {
     log: JointLog,
-    /// What became of samples that are there twice.
+    /// Loss by repeated samples.
     repeated: Option<Loss>,
     units: [Unit; 7],
-    /// The assumption of degrees for positions without a unit, if it was made.
+    /// Assumption of degrees for positions without a unit, if made.
     assumed: Option<Loss>,
 }
 
@@ -46,8 +47,8 @@ impl Samples {
         self.log.t_s.len() as u64
     }
 
-    /// Converts positions without a unit from degrees if one of them is beyond every range in rad, those of earlier samples as
-    /// well.
+    /// Converts positions without a unit from degrees if one of them is beyond every joint range in
+    /// rad, including those of earlier samples.
     fn assume_degrees(&mut self, place: Place, found: &[f64; 7]) {
         let is_far = |(unit, q): (Unit, f64)| unit == Unit::Unstated && q.abs() > REACH_RAD;
         let Some(far) = self.units.into_iter().zip(*found).position(is_far) else { return };
@@ -59,7 +60,7 @@ impl Samples {
         }
     }
 
-    /// Takes a sample: a finite time, and positions in the units of the file.
+    /// Adds a sample: a finite time, and positions in the units of the file.
     pub(super) fn push(
         &mut self,
         place: Place,
@@ -73,7 +74,7 @@ impl Samples {
                 *q = q.to_radians();
             }
         }
-        // Not `any(|q| q > REACH)`: that would let what is not a number through.
+        // Not `any(|q| q > REACH)`: that would accept NaN.
         if !q_rad.iter().all(|q| q.abs() <= REACH_RAD) {
             return Err(self.out_of_reach(place, &q_rad));
         }
@@ -97,7 +98,7 @@ impl Samples {
         Ok(())
     }
 
-    /// Adds torques, in Nm, to the sample that was taken last.
+    /// Adds torques, in Nm, to the last sample.
     pub(super) fn add_torques(&mut self, torques_nm: [f64; 7]) {
         self.log.torques_nm.resize(self.log.t_s.len(), None);
         if let Some(last) = self.log.torques_nm.last_mut() {
@@ -123,7 +124,7 @@ impl Samples {
         JointLogError::NoSamples
     }
 
-    /// The log, with its gaps and `end`, what is lost at its end.
+    /// Returns the log with its gaps, and `end`, the loss at the end of the file.
     pub(super) fn finish(mut self, end: Option<Loss>) -> Result<JointLog, JointLogError> {
         if self.log.t_s.is_empty() {
             return Err(JointLogError::NoSamples);

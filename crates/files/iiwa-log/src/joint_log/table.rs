@@ -1,4 +1,4 @@
-//! Joint positions and torques of a table: CSV, and what a `DataRecorder` writes.
+//! Joint positions and torques of a table: CSV, and the format of a `DataRecorder`.
 
 use std::io::{self, Cursor, Read};
 
@@ -10,10 +10,10 @@ use super::shown::{MAX_NAME, shown};
 use super::{JointLog, JointLogError, LogOptions, Loss, Place};
 use crate::reader::read as read_once;
 
-/// How much of a file is looked at to tell what it is, bytes. A header line that is longer is none.
+/// Bytes of a file that are used to detect its format. A longer header line is rejected.
 pub(super) const HEAD_BYTES: usize = 64 * 1024;
 
-/// Reads a table that begins with `head` and goes on in `stream`.
+/// Reads a table whose first bytes are `head`; `stream` contains the rest.
 pub(super) fn read<R: Read>(
     head: &[u8],
     stream: R,
@@ -26,7 +26,7 @@ pub(super) fn read<R: Read>(
 
     let mut samples = Samples::new(columns.source, columns.units());
     samples.log().robot.clone_from(&columns.robot);
-    // Numbers need no quotes. If quotes counted, a single one would swallow the lines behind it.
+    // Numbers need no quotes. If quotes counted, a stray one would swallow the following lines.
     let mut table = ReaderBuilder::new()
         .has_headers(false)
         .flexible(true)
@@ -37,7 +37,7 @@ pub(super) fn read<R: Read>(
     let mut origin = None;
     let mut end = None;
     let (mut line, mut next) = (ByteRecord::new(), ByteRecord::new());
-    // The header, which comes behind blank lines.
+    // The header, which may follow blank lines.
     while read_line(&mut table, &mut line)? && layout.is_blank(&line) {}
     let mut more = read_line(&mut table, &mut line)?;
     while more {
@@ -61,14 +61,14 @@ pub(super) fn read<R: Read>(
     Ok(log)
 }
 
-/// The first line that is not blank, and its number.
+/// Returns the first line that is not blank, and its number.
 fn header(head: &[u8]) -> Result<(u64, &[u8]), JointLogError> {
     let head = head.strip_prefix(b"\xef\xbb\xbf").unwrap_or(head);
     let mut lines = (1..).zip(head.split(|byte| *byte == b'\n'));
     let (number, header) =
         lines.find(|(_, line)| !line.trim_ascii().is_empty()).ok_or(JointLogError::NoSamples)?;
     let header = header.trim_ascii();
-    // As of MATLAB, where it begins a comment.
+    // MATLAB begins the header with a comment sign.
     let header = header.strip_prefix(b"%").unwrap_or(header).trim_ascii_start();
     let is_text = std::str::from_utf8(header).is_ok_and(|text| !text.contains('\0'));
     let is_whole = header.len() < HEAD_BYTES && !header.contains(&b'\r');
@@ -84,7 +84,7 @@ fn names(header: &[u8], delimiter: u8, layout: Layout) -> Result<Vec<String>, Jo
         ReaderBuilder::new().has_headers(false).delimiter(delimiter).from_reader(header);
     read_line(&mut table, &mut line)?;
     let names = layout.fields(&line).map(bare).map(|name| match name {
-        // Long names are none that are known, and `shown` keeps the known ones as they are.
+        // No known name is that long, and `shown` leaves known names unchanged.
         name if name.len() > MAX_NAME => String::new(),
         name => name.iter().map(|byte| char::from(*byte)).flat_map(char::escape_debug).collect(),
     });
@@ -108,10 +108,10 @@ fn read_line<R: Read>(
     })
 }
 
-/// How fields are parted.
+/// Field separation.
 #[derive(Clone, Copy, Debug)]
 struct Layout {
-    /// By spaces, any number of them.
+    /// `true` if any number of spaces separates fields.
     spaces: bool,
 }
 
@@ -125,15 +125,15 @@ impl Layout {
     }
 }
 
-/// The numbers of a line that count.
+/// Numbers of a line in the columns that are read.
 #[derive(Debug, Default)]
 struct Row {
     time_s: f64,
     /// Whole seconds and nanoseconds, where the time is in two columns.
     split: Option<[f64; 2]>,
-    /// In the file's units.
+    /// Positions, in the units of the file.
     positions: [f64; 7],
-    /// With the controller's sign.
+    /// Torques, Nm, with the controller's sign.
     measured_nm: [f64; 7],
 }
 
@@ -177,7 +177,7 @@ impl Row {
         Ok(row)
     }
 
-    /// Takes a field. The error is what it should be.
+    /// Stores a field. The error is the expected content.
     fn take(&mut self, role: Role, field: &[u8]) -> Result<(), &'static str> {
         if role == Role::PassedOver {
             return Ok(());
@@ -201,8 +201,8 @@ impl Row {
         Ok(())
     }
 
-    /// The time, s. Where it is in two columns, it counts from `origin`, the first one: seconds since
-    /// 1970 would leave no room for digits behind the point.
+    /// Time, s. If the time has two columns, it counts from `origin`, the first time: seconds since
+    /// 1970 would leave too few digits for the fraction.
     fn t_s(&self, origin: &mut Option<[f64; 2]>) -> f64 {
         let Some([seconds, nanoseconds]) = self.split else { return self.time_s };
         let [first_seconds, first_nanoseconds] = *origin.get_or_insert([seconds, nanoseconds]);
@@ -210,10 +210,10 @@ impl Row {
     }
 }
 
-/// Far beyond any clock, and differences are exact.
+/// Upper bound on seconds: beyond any clock, and differences are still exact.
 const MOST_SECONDS: f64 = 1e12;
 
-/// A field without quotes around it.
+/// Removes quotes around a field.
 fn bare(field: &[u8]) -> &[u8] {
     let inner = field.strip_prefix(b"\"").and_then(|field| field.strip_suffix(b"\""));
     inner.unwrap_or(field)
@@ -224,7 +224,7 @@ fn number(field: &[u8]) -> Option<f64> {
     text.parse().ok().filter(|value: &f64| value.is_finite())
 }
 
-/// A stream that keeps the last byte that was read.
+/// Stream that stores the last byte read.
 struct Ended<R> {
     stream: R,
     last: u8,

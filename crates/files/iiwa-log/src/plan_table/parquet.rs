@@ -1,4 +1,4 @@
-//! The rows of a plan in an Apache Parquet file.
+//! Plan rows in an Apache Parquet file.
 
 use std::{
     fmt,
@@ -15,10 +15,10 @@ use parquet::{
 };
 
 use super::row::{PlanRow, names};
-/// Rows that are held in memory until they are written as a group, some 25 MB.
+/// Number of rows per group, which are held in memory until they are written: some 25 MB.
 const GROUP: usize = 100_000;
 
-/// A file under construction.
+/// File under construction.
 pub(super) struct ParquetSheet<W: Write> {
     writer: SerializedFileWriter<W>,
     rows: Vec<PlanRow>,

@@ -1,17 +1,17 @@
-//! A row of the table of a plan.
+//! Row of a plan table.
 
 use iiwa_traj::Section;
 
-/// Time since the start, the motion's number, and all columns behind them.
+/// Time since the start, number of the motion, and all further columns.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct PlanRow {
     pub(super) t_s: f64,
     pub(super) motion: usize,
-    /// In the order of [`names`].
+    /// Values in the order of [`names`].
     pub(super) values: [f64; 34],
 }
 
-/// The names of all columns but the first two.
+/// Names of all columns but the first two.
 pub(super) fn names() -> impl Iterator<Item = String> {
     let joints = |unit| (1..=7).map(move |joint| format!("joint_{joint}_{unit}"));
     let tcp = ["x_m", "y_m", "z_m", "a_rad", "b_rad", "c_rad"];
@@ -23,7 +23,7 @@ pub(super) fn names() -> impl Iterator<Item = String> {
 }
 
 impl PlanRow {
-    /// That of an instant.
+    /// Returns the row at a time.
     pub(super) fn at(section: &Section, t_s: f64) -> Self {
         let state = section.at(t_s);
         let path = section.path();

@@ -1,4 +1,4 @@
-//! What is read of each format.
+//! Content read from each format.
 
 use std::io::{self, Read};
 
@@ -71,7 +71,7 @@ fn other_columns_in_any_order() {
          ;0.7;-90.0;0.5;0.4;0.3;0.2;0.1;;0;\n",
     );
     let log = log.unwrap_err().to_string();
-    // 190 degrees are beyond any joint, and the line counts from the file's first.
+    // 190 degrees exceed every joint range, and lines count from the first line of the file.
     assert!(log.starts_with("line 4: joint A6 at 190 degrees"), "{log}");
     let log = read(
         "note;q7;q6_deg;q5;q4;q3;q2;q1_rad;force_n;time_s;\n\
@@ -93,7 +93,7 @@ fn data_recorder() {
         "a DataRecorder log, measured positions (axisQMsr)"
     );
     assert_eq!(log.robot.as_deref(), Some("lbr_iiwa_7_r800"));
-    // The stamps pass a whole second, and are too large for a double with all their digits.
+    // The stamps pass a whole second, and have too many digits for a double.
     assert_eq!(log.t_s, [0.0, 0.001, 0.002, 0.003, 0.004]);
     assert_eq!(log.q_rad[0], [0.1, 0.2, -0.3, -1.5, 0.5, 0.6, -0.7]);
     assert_eq!(log.q_rad[4], [0.1004, 0.2004, -0.3004, -1.5004, 0.5004, 0.6004, -0.7004]);
@@ -112,7 +112,8 @@ fn data_recorder() {
     assert_eq!(other.robot.as_deref(), Some("arm"));
 }
 
-/// As the controller writes it: with a header that is a comment, degrees, and another name of commanded positions.
+/// Tests the format of the controller: a header that is a comment, degrees, and another name for
+/// commanded positions.
 #[test]
 fn a_data_recorder_in_degrees() {
     let signal = |name: &str| {
@@ -138,7 +139,7 @@ fn a_data_recorder_in_degrees() {
     let said = "the file states no unit of its positions: read as degrees, as joint A7 is at 90.000 in line 3";
     assert_eq!(log.losses[0].to_string(), said);
 
-    // What is stated is not guessed, and small degrees cannot be told from rad.
+    // A stated unit has priority, and small angles in degrees look like rad.
     let with = |text: &str, options| JointLog::read_with(text.as_bytes(), options);
     let in_degrees = LogOptions::default().with_unit(AngleUnit::Degrees);
     let stated = with(&text, in_degrees).unwrap();
@@ -156,7 +157,7 @@ fn a_data_recorder_in_degrees() {
     assert_eq!(commanded.source, Some(Source::Commanded));
     assert_eq!(commanded.robot.as_deref(), Some("lbr_iiwa_7_r800"));
     assert_eq!(commanded.q_rad[1][6], 90.02_f64.to_radians());
-    // Where there are none, the others, unless none but those may be read.
+    // Without commanded positions, the others are read, unless the options exclude them.
     let measured_only = text.replace("axisQCmdT1m", "axisTauMsr");
     assert_eq!(with(&measured_only, options).unwrap().source, Some(Source::Measured));
     let only = LogOptions::default().with_only(Positions::Commanded);
@@ -169,7 +170,7 @@ fn a_data_recorder_in_degrees() {
     assert_eq!(with(&table(&millis(3)), options).unwrap().source, Some(Source::Table));
 }
 
-/// The unit of a table is that of its names, or the stated one where they have none.
+/// The unit in a column name has priority; the stated unit applies to the other columns.
 #[test]
 fn names_of_columns_win_over_options() {
     let options = LogOptions::default().with_unit(AngleUnit::Degrees);
@@ -180,7 +181,7 @@ fn names_of_columns_win_over_options() {
 
 #[test]
 fn what_a_file_is_does_not_depend_on_how_it_comes() {
-    /// Gives a byte at a time, and is interrupted every other time.
+    /// Stream that returns one byte at a time, and is interrupted every other time.
     struct Slow<'a>(&'a [u8], bool);
 
     impl Read for Slow<'_> {
@@ -206,7 +207,7 @@ proptest! {
         t_s in proptest::collection::btree_set(-1_000_000_000_000_i64..1_000_000_000_000, 1..40),
         q_rad in proptest::collection::vec(proptest::array::uniform7(-3.0..3.0_f64), 40),
     ) {
-        // Far enough apart that no joint is too fast.
+        // The time steps are long enough for plausible joint speeds.
         let t_s: Vec<f64> = t_s.into_iter().map(|t| t as f64 / 7.0).collect();
         let log = JointLog::new(t_s.clone(), q_rad[..t_s.len()].to_vec());
         let mut bytes = Vec::new();

@@ -1,4 +1,4 @@
-//! What a file lacks is stated.
+//! Reported losses of a file.
 
 use iiwa_log::{JointLog, JointLogError, Loss, Place};
 
@@ -7,7 +7,7 @@ use crate::joint_log::{HEADER, millis, read, recording, table};
 #[test]
 fn gaps() {
     let mut t_s = millis(1000);
-    // One sample, then two, then half a second.
+    // Gaps of one sample, of two samples, and of half a second.
     t_s.drain(300..800);
     t_s.drain(200..202);
     t_s.remove(100);
@@ -63,7 +63,8 @@ fn a_table_that_is_cut_off() {
     }
 }
 
-/// Whether this is a beginning of the swing, and says so if it is not all of it.
+/// Returns true if the log is a part of the test motion from its start; checks that a loss reports
+/// the missing rest.
 fn check_prefix(file: &[u8], whole: &JointLog, what: &str) -> bool {
     let Ok(log) = JointLog::read(file) else { return false };
     let count = log.t_s.len();
@@ -92,7 +93,7 @@ fn a_recording_that_is_cut_off() {
 
     let log = JointLog::read(&file[..file.len() / 2]).unwrap();
     assert!((0.3..0.6).contains(&log.duration_s()), "{}", log.duration_s());
-    // Killed, it has no metadata.
+    // The file of a killed recorder has no metadata.
     assert_eq!(log.robot.as_deref(), Some("lbr_iiwa_14_r820"));
     let text = log.losses[0].to_string();
     assert!(text.contains("samples: the file is cut off: it ends after"), "{text}");
@@ -105,7 +106,7 @@ fn a_recording_that_is_damaged() {
     for at in (0..file.len()).step_by(61).chain(0..200) {
         let mut bytes = file.clone();
         bytes[at] ^= 0x55;
-        // Nothing after the last sample is one, so that the loss may be of no sample.
+        // Data after the last sample contain no samples, so the loss may concern none.
         check_prefix(&bytes, &whole, &format!("byte {at}"));
     }
 }

@@ -1,4 +1,4 @@
-//! What is refused, and with which words.
+//! Rejected content, and the error texts.
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -115,7 +115,7 @@ fn fields() {
     ];
     for (line, expected) in cases {
         assert_eq!(refused(&format!("{HEADER}\n{good}{line}0.2,0,0,0,0,0,0,0\n")), expected);
-        // The same in the last line, which has an end.
+        // The same line as the last one, with a line break.
         assert_eq!(refused(&format!("{HEADER}\n{good}{line}")), expected);
     }
     let commas = format!("{}\n0,5;0;0;0;0;0;0;0\n", HEADER.replace(',', ";"));
@@ -167,7 +167,7 @@ fn degrees_for_radians() {
     let degrees = read(&text.replace("_rad", "_deg")).unwrap();
     assert_eq!(degrees.q_rad[0][1], 45_f64.to_radians());
 
-    // Three degrees at 20 degrees a second: within the range, yet too fast for radians.
+    // Three degrees at 20 degrees per second: within the range, yet too fast for radians.
     let mut text = format!("{HEADER}\n");
     for k in 0..150 {
         writeln!(text, "{:?},0,0,0,{:?},0,0,0", f64::from(k) * 1e-3, f64::from(k) * 0.02).unwrap();
@@ -201,7 +201,7 @@ fn time_that_is_not_in_seconds() {
     for period_s in [1e-4, 1e-3, 2e-2, 0.1] {
         log(period_s).unwrap();
     }
-    // Milliseconds as seconds, and seconds as milliseconds.
+    // Milliseconds read as seconds, and seconds read as milliseconds.
     for period_s in [1.0, 20.0, 1e-6, 2e-5] {
         assert!(matches!(log(period_s), Err(JointLogError::Rate { .. })), "{period_s}");
     }
@@ -221,7 +221,7 @@ fn another_robot() {
 
     let mut log = JointLog::new(vec![0.0, 1.0], vec![[0.0; 7]; 2]);
     log.check_robot(&small).unwrap();
-    // Measured a little outside of it.
+    // A position measured slightly outside the range.
     log.q_rad[1][3] = -120.4_f64.to_radians();
     log.t_s[1] = 2.0;
     log.check_robot(&small).unwrap();
@@ -234,7 +234,7 @@ fn another_robot() {
     log.q_rad[1][3] = f64::NAN;
     assert!(log.check_robot(&small).is_err());
 
-    // Joint 4 of the large one is slower.
+    // Joint 4 of the large robot is slower.
     let log = JointLog::new(vec![0.0, 1.0], vec![[0.0; 7], [0.0, 0.0, 0.0, 2.0, 0.0, 0.0, 0.0]]);
     log.check_robot(&small).unwrap();
     let error = log.check_robot(&large).unwrap_err();

@@ -1,4 +1,4 @@
-//! Files that are cut off, damaged or not of this robot give errors that say so.
+//! Errors for files that are cut off, damaged or from another robot.
 
 use std::borrow::Cow;
 use std::collections::BTreeMap;
@@ -8,7 +8,7 @@ use std::sync::Arc;
 use crate::recording::sample::sample;
 use iiwa_log::{DEFAULT_EPOCH, ReadError, Recording, Topic};
 
-/// As most files have them.
+/// Joint names of most files.
 const JOINT_NAMES: [&str; 7] = [
     "iiwa_joint_1",
     "iiwa_joint_2",
@@ -20,7 +20,7 @@ const JOINT_NAMES: [&str; 7] = [
 ];
 use mcap::{Channel, Message, Schema, WriteOptions};
 
-/// A file with one message, of this schema and content.
+/// Returns a file with one message of this schema and content.
 fn foreign(topic: Topic, type_name: &str, encoding: &str, data: &[u8]) -> Vec<u8> {
     let schema = Schema {
         id: 1,
@@ -50,7 +50,7 @@ fn foreign(topic: Topic, type_name: &str, encoding: &str, data: &[u8]) -> Vec<u8
     writer.into_inner().into_inner()
 }
 
-/// A CDR body, field by field.
+/// CDR body, built field by field.
 #[derive(Default)]
 struct Body(Vec<u8>);
 
@@ -157,10 +157,10 @@ fn messages_that_do_not_decode() {
     let longer = [&*good, &[0; 16]].concat();
     let error = read_joint_state(&longer).unwrap_err().to_string();
     assert!(error.contains("16 bytes left over"), "{error}");
-    // A count that no memory could hold.
+    // A count that exceeds any memory.
     let data = Body::header(0, 0).word(u32::MAX).finish();
     assert!(matches!(read_joint_state(&data), Err(ReadError::Message { .. })));
-    // A stamp that is not one.
+    // An invalid stamp.
     let mut stamp = good;
     stamp[8..12].copy_from_slice(&u32::MAX.to_le_bytes());
     let error = read_joint_state(&stamp).unwrap_err().to_string();
@@ -205,7 +205,8 @@ fn damaged_bytes_never_panic() {
         for flip in [0x01, 0x80, 0xff] {
             let mut bytes = file.clone();
             bytes[at] ^= flip;
-            // The header's library and summary offsets may change without harm to the content.
+            // The library in the header and the summary offsets may change without effect on the
+            // content.
             if let Ok(recording) = Recording::from_bytes(&bytes) {
                 assert_eq!(recording, whole, "byte {at} went unnoticed");
                 survivors += 1;

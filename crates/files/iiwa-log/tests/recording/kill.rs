@@ -1,4 +1,4 @@
-//! A recorder that is killed leaves a whole file.
+//! A killed recorder leaves a complete file.
 
 use std::env;
 use std::fs::{self, File};
@@ -12,7 +12,7 @@ use iiwa_log::{Recorder, RecorderConfig};
 
 use crate::recording::whole::both_ways;
 
-/// Says where the recording goes and how long a period is, ms, and asks for a process to be killed.
+/// Environment variables of the process to be killed: path of the recording, and period in ms.
 const FILE: &str = "IIWA_LOG_TEST_FILE";
 const PERIOD_MS: &str = "IIWA_LOG_TEST_PERIOD_MS";
 const REAL_TIME: &str = "IIWA_LOG_TEST_REAL_TIME";
@@ -23,7 +23,7 @@ fn joints(k: u32) -> Joints {
     std::array::from_fn(|joint| (f64::from(k) * 1e-3 + joint as f64).sin())
 }
 
-/// Records at 1 kHz and says on its standard output how many samples it has handed over.
+/// Records at 1 kHz and prints on standard output how many samples it has passed on.
 #[test]
 #[ignore = "the process that the other tests start, and kill"]
 fn victim() {
@@ -44,7 +44,7 @@ fn victim() {
     }
 }
 
-/// Kills a recorder `after` its first sample, and holds the file against what it was given.
+/// Kills a recorder `after` its first sample, and compares the file with the recorded samples.
 fn kill(file: &Path, period_ms: u32, real_time: bool, after: Duration) {
     let mut command = Command::new(env::current_exe().unwrap());
     command
@@ -75,7 +75,7 @@ fn kill(file: &Path, period_ms: u32, real_time: bool, after: Duration) {
 
     let (states, indexed) = both_ways(&fs::read(file).unwrap());
     for count in [states.len(), indexed] {
-        // One more may have been taken and not said.
+        // One more sample may be recorded but not yet reported.
         assert!(count <= given + 1, "{count} of {given}");
         assert!(count + period_ms as usize + 1 >= given, "{count} of {given}");
     }

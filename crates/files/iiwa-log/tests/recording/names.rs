@@ -1,4 +1,4 @@
-//! Names of joints and links for other ROS packages, and with a prefix.
+//! Joint and link names for other ROS packages, and with a prefix.
 
 use std::collections::BTreeMap;
 use std::io::Cursor;
@@ -8,20 +8,20 @@ use crate::recording::sample::{TICK, point, state};
 use iiwa_kin::{Robot, RosNames, RosStack};
 use iiwa_log::{Config, Recorder, RecorderConfig, Recording, TrajectoryMessage, Writer};
 
-/// Names, and what joints and links begin with then.
+/// Returns names with the prefixes of their joints and links.
 fn namings() -> [(RosNames, &'static str, &'static str); 5] {
     let of = |stack, prefix: &str| RosNames::new(stack, Some(prefix.parse().unwrap()));
     [
         (RosNames::default(), "iiwa_joint_", "iiwa_link_"),
         (RosNames::new(RosStack::LbrFriRos2Stack, None), "lbr_A", "lbr_link_"),
         (of(RosStack::LbrFriRos2Stack, "left"), "left_A", "left_link_"),
-        // A trajectory's first doubles are aligned in another way behind these.
+        // After these names, the first doubles of a trajectory have another alignment.
         (of(RosStack::LbrFriRos2Stack, "right"), "right_A", "right_link_"),
         (of(RosStack::IiwaStack, "right_2"), "right_2_joint_", "right_2_link_"),
     ]
 }
 
-/// Strings of a CDR body in their order, as far as they are names: a length, letters, and a zero.
+/// Returns the strings of a CDR body that look like names: a length, letters, and a zero.
 fn names(data: &[u8]) -> Vec<String> {
     let is_name = |text: &[u8]| text.iter().all(|c| c.is_ascii_alphanumeric() || *c == b'_');
     let at = |at: usize| {
@@ -34,7 +34,7 @@ fn names(data: &[u8]) -> Vec<String> {
     (0..data.len()).step_by(4).filter_map(at).collect()
 }
 
-/// The messages on a topic, still encoded.
+/// Returns the encoded messages on a topic.
 fn messages(file: &[u8], topic: &str) -> Vec<Vec<u8>> {
     mcap::MessageStream::new(file)
         .unwrap()

@@ -1,4 +1,4 @@
-//! A recording as it grows: what is in it, and that it is whole after every step.
+//! Growing recordings: content, and completeness after every step.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -25,7 +25,7 @@ fn memory() -> Cursor<Vec<u8>> {
     Cursor::new(Vec::new())
 }
 
-/// A swing, and its velocity.
+/// Returns positions and velocities of a test motion.
 fn swing(t: Duration) -> (Joints, Joints) {
     let phase = |joint: usize| (joint + 1) as f64 * t.as_secs_f64();
     (
@@ -85,7 +85,7 @@ fn everything_comes_back() {
     let names: Vec<_> = recording.attachments.iter().map(|a| a.name.as_str()).collect();
     assert_eq!(names, ["program.json", "robot.json", "robot.urdf"]);
 
-    // A hundred poses a second, and one at the end.
+    // 100 poses per second, and one at the end.
     let times = by_index(&file);
     assert_eq!(recording.tcp_poses.len(), 252);
     assert_eq!(times["/tf"], times["/tcp_pose"]);
@@ -95,7 +95,7 @@ fn everything_comes_back() {
     assert_eq!(recording.tcp_poses[1].position_m, tcp.position_m);
     assert_eq!(recording.tcp_poses[1].rotation_xyzw, tcp.quaternion_xyzw());
 
-    // A chunk a second, and one for what is left.
+    // A chunk per second, and one for the rest.
     let summary = mcap::Summary::read(&file).unwrap().unwrap();
     assert_eq!(summary.chunk_indexes.len(), 4);
 }
@@ -114,7 +114,7 @@ fn the_same_calls_give_the_same_bytes() {
 
 #[test]
 fn velocities_are_those_of_the_motion() {
-    // Stamps that are anything but even.
+    // Stamps at uneven distances.
     let stamps: Vec<Duration> =
         (0..400_u64).map(|k| Duration::from_micros(1000 * k + 700 * (k * k % 7) / 7)).collect();
     let mut recorder = recorder(memory(), MS * 50);
@@ -125,8 +125,9 @@ fn velocities_are_those_of_the_motion() {
     let states = joint_states(&file);
     assert_eq!(states.len(), stamps.len());
     for (place, (t, state)) in stamps.iter().zip(&states).enumerate() {
-        // The error of a parabola is of second order: third derivative, 343 rad/s³, by the product
-        // of the steps over six. Of a line, at the ends: second derivative by half the step.
+        // The error of the parabola is of second order: third derivative, 343 rad/s³, times the
+        // product of the steps over six. At the ends, the error of the line: second derivative
+        // times half the step.
         let ends = [0, stamps.len() - 1];
         let bound =
             if ends.contains(&place) { 49.0 * 1e-3 } else { 343.0 * 1.7e-3_f64.powi(2) / 6.0 };
@@ -135,7 +136,7 @@ fn velocities_are_those_of_the_motion() {
         }
     }
 
-    // A parabola comes out exactly, but for rounding, however the stamps lie.
+    // A parabola is reproduced exactly, up to rounding, for any stamps.
     let mut recorder = self::recorder(memory(), MS * 50);
     let parabola = |t: f64| 0.3 * t * t - 0.2 * t + 0.1;
     for t in &stamps {
@@ -206,12 +207,12 @@ fn stamps_that_do_not_increase_are_refused() {
     assert!(matches!(error, WriteError::EpochOutOfRange { .. }), "{error}");
 }
 
-/// Memory that notes every change, in pieces that no kill can split: a write, page by page.
+/// Memory that records every change, in pieces that a kill cannot split: a write, page by page.
 #[derive(Default)]
 struct Journal {
     content: Cursor<Vec<u8>>,
     changes: Vec<Change>,
-    /// How many changes it takes before it is full.
+    /// Number of changes until the storage is full.
     room: Option<usize>,
 }
 
@@ -269,7 +270,7 @@ impl Seek for Journal {
 
 impl Storage for Journal {
     fn set_len(&mut self, len: u64) -> io::Result<()> {
-        // Cutting off takes no room.
+        // Truncation needs no space.
         let room = self.room.take();
         let result = self.note(Change::Length(usize::try_from(len).unwrap()));
         self.room = room;
@@ -277,7 +278,7 @@ impl Storage for Journal {
     }
 }
 
-/// How many changes there are before anything can be recorded.
+/// Returns the number of changes before anything can be recorded.
 fn changes_of_new() -> usize {
     let mut journal = Journal::default();
     drop(recorder(&mut journal, Duration::MAX));
@@ -286,7 +287,7 @@ fn changes_of_new() -> usize {
 
 #[test]
 fn the_file_is_whole_after_every_step() {
-    // Samples so far, whenever the file has been brought up to date.
+    // Number of samples after each update of the file.
     let mut marks = Vec::new();
     let mut recorder = recorder(Journal::default(), Duration::MAX);
     for k in 0..600 {
@@ -314,7 +315,7 @@ fn the_file_is_whole_after_every_step() {
             assert!(count == before || Some(count) == after, "{before} {count} {after:?}");
         }
         if let Change::Length(_) = change {
-            // A call is done: all of it is there, and nothing else.
+            // A call is complete: all its data are in the file, and nothing else.
             assert_eq!((Some(states.len()), Some(indexed)), (after, after));
             assert!(mcap::MessageStream::new(&file).unwrap().all(|message| message.is_ok()));
             (before, after) = (indexed, marks.next());
@@ -330,7 +331,7 @@ fn a_full_disk_leaves_the_last_whole_file() {
         let mut recorder = Recorder::new(&mut *journal, &Robot::lbr_iiwa_7_r800(), config)?;
         for k in 0..200 {
             if let Err(error) = recorder.sample(MS * k, &[0.0; 7]) {
-                // It stays with the error, even if there were room again.
+                // The error is permanent, even if there were space again.
                 recorder.sample(MS * (k + 1), &[0.0; 7])?;
                 assert!(recorder.flush().is_err());
                 assert!(recorder.finish(&BTreeMap::new(), &[]).is_err());

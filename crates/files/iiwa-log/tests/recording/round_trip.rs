@@ -1,4 +1,4 @@
-//! What goes in comes out, and the same calls give the same bytes.
+//! Round trip of all content; the same calls give the same bytes.
 
 use std::io::Cursor;
 use std::time::Duration;
@@ -106,7 +106,8 @@ fn a_header_that_foreign_tools_know() {
     let latched = ["/joint_trajectory", "/robot_description"];
     let mut expected: Vec<_> = Topic::ALL
         .iter()
-        // What has no message has no channel: only plans with a tool, and only recordings, have these.
+        // Topics without messages have no channel: these two occur only in plans with a tool, and
+        // only in recordings.
         .filter(|topic| !matches!(topic, Topic::FlangePose | Topic::Diagnostics))
         .map(|topic| {
             let name = topic.name();
@@ -198,7 +199,7 @@ fn time_does_not_run_backwards() {
     writer.joint_state(TICK, &[0.0; 7], &[0.0; 7], None).unwrap();
     let error = writer.joint_state(TICK, &[0.0; 7], &[0.0; 7], None).unwrap_err();
     assert_eq!(error.to_string(), "/joint_states at 4ms after 4ms: stamps must increase");
-    // Another topic has its own time, and the file is still good.
+    // Another topic has its own time, and the file is still valid.
     writer.transforms(Duration::ZERO, &[]).unwrap();
     writer.joint_state(TICK * 2, &[0.0; 7], &[0.0; 7], None).unwrap();
     let recording = Recording::from_bytes(writer.finish().unwrap().get_ref()).unwrap();
@@ -233,7 +234,7 @@ fn what_does_not_fit_is_refused() {
 fn a_full_disk_is_an_error() {
     let mut room = [0; 4096];
     let mut writer = Writer::new(Cursor::new(&mut room[..]), Config::default()).unwrap();
-    // The chunk holds these back; the end of the file cannot.
+    // The chunk buffers these messages; at the end of the file they must be written.
     let mut result = Ok(());
     for i in 0..1000 {
         let (q, dq) = state(TICK * i);

@@ -1,4 +1,4 @@
-//! A small recording with everything in it.
+//! Small recording with all types of content.
 
 use std::collections::BTreeMap;
 use std::io::Cursor;

@@ -1,11 +1,12 @@
-//! What a reader finds in a file, from its end by the index and from its start record by record.
+//! Content of a file as seen by readers: from its end through the index, and from its start record
+//! by record.
 
 use std::collections::BTreeMap;
 
 use iiwa_log::{JointSample, Recording};
 use mcap::sans_io::indexed_reader::{IndexedReadEvent, IndexedReader};
 
-/// The log times by topic that the index leads to, held against everything that the summary says.
+/// Returns the log times by topic that the index leads to; checks them against the summary.
 pub(crate) fn by_index(file: &[u8]) -> BTreeMap<String, Vec<u64>> {
     let summary = mcap::Summary::read(file).unwrap().unwrap();
     let mut times: BTreeMap<String, Vec<u64>> = BTreeMap::new();
@@ -46,7 +47,7 @@ pub(crate) fn by_index(file: &[u8]) -> BTreeMap<String, Vec<u64>> {
     times
 }
 
-/// The joint states, read from the start and counted by the index.
+/// Returns the joint states, read from the start, and their number according to the index.
 pub(crate) fn both_ways(file: &[u8]) -> (Vec<JointSample>, usize) {
     let recording = Recording::from_bytes(file).unwrap();
     assert!(recording.robot_description.is_some());
@@ -54,7 +55,7 @@ pub(crate) fn both_ways(file: &[u8]) -> (Vec<JointSample>, usize) {
     (recording.joint_states, indexed.len())
 }
 
-/// The joint states, on which both ways of reading agree.
+/// Returns the joint states; checks that both ways of reading agree.
 pub(crate) fn joint_states(file: &[u8]) -> Vec<JointSample> {
     let (states, indexed) = both_ways(file);
     assert_eq!(states.len(), indexed);
