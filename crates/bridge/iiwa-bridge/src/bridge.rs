@@ -1,4 +1,4 @@
-//! A bridge: robots, sinks, and what holds them together.
+//! A bridge between robots and sinks.
 
 use std::{
     collections::{BTreeMap, HashSet},
@@ -22,31 +22,31 @@ use crate::{
     trouble::pause,
 };
 
-/// How often a bridge says how it is.
+/// Interval of the bridge's status messages.
 const STATUS_EVERY: Duration = Duration::from_secs(10);
 
-/// What a bridge connects.
+/// Configuration of a bridge.
 #[derive(Clone, Debug, Default)]
 pub struct BridgeOptions {
     /// The robots.
     pub robots: Vec<BridgedRobot>,
-    /// Whether commands are taken.
+    /// `true` if commands are accepted.
     pub allow_commands: bool,
-    /// Kafka, if it is wanted.
+    /// Kafka, if used.
     #[cfg(feature = "kafka")]
     pub kafka: Option<KafkaOptions>,
-    /// MQTT, if it is wanted.
+    /// MQTT, if used.
     #[cfg(feature = "mqtt")]
     pub mqtt: Option<MqttOptions>,
-    /// Sparkplug, if it is wanted.
+    /// Sparkplug, if used.
     #[cfg(feature = "mqtt")]
     pub sparkplug: Option<SparkplugOptions>,
 }
 
-/// A running bridge. When it is dropped, it sends what it still can for two seconds; the rest stays in the spools for the next
-/// time.
+/// A running bridge. Dropping it sends queued messages for up to two seconds; the rest remains in
+/// the spools for the next start.
 pub struct Bridge {
-    // In this order they end: what feeds sinks before the sinks.
+    // Drop order: the feeds end before the sinks.
     _status: ThreadGroup,
     feeds: Arc<Vec<Feed>>,
     gate: Arc<CommandGate>,
@@ -59,7 +59,7 @@ impl std::fmt::Debug for Bridge {
     }
 }
 
-/// The sinks that report how full their spools are, and all of them.
+/// The sinks that report their spool levels, and all sinks.
 #[derive(Default)]
 struct Sinks {
     #[cfg(feature = "kafka")]
@@ -70,12 +70,12 @@ struct Sinks {
 }
 
 impl Bridge {
-    /// Starts a bridge; further sinks may be given.
+    /// Starts a bridge, with `further` sinks in addition to the configured ones.
     ///
     /// # Errors
     ///
-    /// Two robots have the same name, a file cannot be used, settings contradict each other, or a broker refuses the connection.
-    /// Drives and brokers that cannot be reached are waited for.
+    /// Two robots have the same name, a file cannot be used, settings contradict each other, or a
+    /// broker refuses the connection. Unreachable drives and brokers are retried.
     pub fn start(
         options: &BridgeOptions,
         further: Vec<Arc<dyn Sink>>,
@@ -102,20 +102,20 @@ impl Bridge {
         Ok(Self { _status: status, feeds, gate, sinks })
     }
 
-    /// Counts of commands so far.
+    /// Returns the command counts so far.
     #[must_use]
     pub fn commands(&self) -> CommandCounts {
         self.gate.counts()
     }
 
-    /// How full the spool for each broker is.
+    /// Returns the spool level for each broker.
     #[must_use]
     pub fn spools(&self) -> BTreeMap<String, Level> {
         self.sinks.spools()
     }
 }
 
-/// Where spools are, if nothing else is said: beside the user's other data.
+/// Returns the default spool folder, in the user's state directory.
 #[must_use]
 pub fn default_spool() -> PathBuf {
     let data = std::env::var_os("XDG_STATE_HOME").map(PathBuf::from);

@@ -1,15 +1,17 @@
-//! Requests that come by brokers: who may ask for what, and when it is too late.
+//! Commands from brokers: authorisation, expiry and replay protection.
 //!
-//! A command is a drive's request in an envelope, so that a broker that stores or repeats messages cannot move the robot:
+//! A command wraps a drive request in an envelope, so that a broker that stores or repeats messages
+//! cannot move the robot:
 //!
 //! ```json
 //! { "version": 1, "robot": "cell-1", "id": "7f3c", "at": "2026-11-25T22:00:00Z", "request": { "type": "stop" } }
 //! ```
 //!
-//! It is refused if the bridge takes no commands, if it is malformed or too long, if `at` is not within
-//! [`MAX_AGE`] of the bridge's clock, or if its `id` has been seen before; broker connections refuse further
-//! commands because of their delivery ([`CommandGate::refuse`]). The drive checks and executes accepted commands. The reply
-//! contains the `id`.
+//! A command is refused if the bridge does not accept commands, if the command is malformed or too
+//! long, if `at` is not within [`MAX_AGE`] of the bridge clock, or if its `id` has been seen
+//! before; broker connections refuse further commands because of their delivery
+//! ([`CommandGate::refuse`]). The drive checks and executes accepted commands. The reply contains
+//! the `id`.
 
 mod envelope;
 mod replies;
@@ -36,19 +38,19 @@ use envelope::Envelope;
 pub use replies::{Answer, CommandReply};
 use worker::Worker;
 
-/// Longest command, in bytes: as the longest list of motions of a drive.
+/// Maximum length of a command, in bytes, equal to the maximum length of a drive's list of motions.
 pub const MAX_COMMAND_BYTES: usize = iiwa_link::message::MAX_MOTIONS_BYTES;
 
-/// How far `at` of a command may be from the bridge's clock.
+/// Maximum difference between `at` of a command and the bridge clock.
 pub const MAX_AGE: Duration = Duration::from_secs(10);
 
-/// Most ids that are remembered: more commands within twice [`MAX_AGE`] are refused.
+/// Maximum number of remembered ids: further commands within twice [`MAX_AGE`] are refused.
 const MAX_IDS: usize = 10_000;
 
-/// Further ids that stops have for themselves.
+/// Number of additional ids reserved for stops.
 const STOPS: usize = 1000;
 
-/// Checks commands and passes them on to drives.
+/// Checks commands and forwards them to drives.
 #[derive(Debug)]
 pub struct CommandGate {
     allowed: bool,
@@ -59,7 +61,7 @@ pub struct CommandGate {
 }
 
 impl CommandGate {
-    /// A gate to these robots that lets commands pass only if they are `allowed`.
+    /// Creates a gate to these robots that accepts commands only if they are `allowed`.
     ///
     /// # Errors
     ///
@@ -76,8 +78,8 @@ impl CommandGate {
         })
     }
 
-    /// Takes a command; `robot` is the one of the topic, if that names one. The reply may come from another thread, at the end
-    /// of a run.
+    /// Checks and forwards a command; `robot` is the robot of the topic, if the topic names one.
+    /// The reply may be sent from another thread, at the end of a run.
     pub fn command(&self, robot: Option<&str>, body: &[u8], answer: Answer) {
         let (envelope, checked) = self.check(robot, body);
         let robot = envelope.robot.as_deref().or(robot).map(str::to_owned);
@@ -95,7 +97,7 @@ impl CommandGate {
         }
     }
 
-    /// Refuses a command because of the way in which it was delivered, and replies, whatever the command is.
+    /// Refuses a command because of its delivery, and replies, regardless of its content.
     pub fn refuse(&self, robot: Option<&str>, body: &[u8], refusal: &Refusal, answer: Answer) {
         let named = if body.len() > MAX_COMMAND_BYTES {
             Envelope::default()
@@ -106,14 +108,14 @@ impl CommandGate {
         self.reply(robot, named.id, refusal, answer);
     }
 
-    /// Counts and logs a refusal, and replies with it.
+    /// Counts and logs a refusal, and sends it as the reply.
     fn reply(&self, robot: Option<String>, id: Option<String>, refusal: &Refusal, answer: Answer) {
         self.refused.fetch_add(1, Ordering::Relaxed);
         tracing::warn!("a command was refused: {refusal}");
         answer(CommandReply::refused(robot, id, refusal));
     }
 
-    /// The counts so far.
+    /// Returns the counts so far.
     #[must_use]
     pub fn counts(&self) -> CommandCounts {
         CommandCounts {
@@ -169,17 +171,17 @@ impl CommandGate {
     }
 }
 
-/// The ids of recent commands.
+/// Ids of recent commands.
 #[derive(Debug)]
 struct SeenIds {
-    /// What was sent before may have been carried out by the bridge before this one.
+    /// Start time of the bridge: a previous bridge may have executed commands sent before.
     since: Timestamp,
-    /// In the order of their arrival.
+    /// Times and ids in order of arrival.
     ids: VecDeque<(Timestamp, String)>,
 }
 
 impl SeenIds {
-    /// Lets a command pass that is new.
+    /// Admits a new command.
     fn admit(
         &mut self,
         id: &str,
@@ -203,7 +205,7 @@ impl SeenIds {
             let why = "the command was sent before the bridge was started";
             return Err(Refusal::new(Code::Timeout, why));
         }
-        // An older one is refused by its age.
+        // Commands with forgotten ids are refused because of their age.
         let forgotten = now.micros().saturating_sub(2_000_000 * MAX_AGE.as_secs());
         while self.ids.front().is_some_and(|(since, _)| since.micros() < forgotten) {
             self.ids.pop_front();
@@ -232,7 +234,7 @@ mod tests {
         assert!(seen.admit("b", s(116), s(105), MAX_IDS).is_err());
         assert!(seen.admit("c", s(94), s(105), MAX_IDS).is_err());
         assert!(seen.admit("c", s(115), s(105), MAX_IDS).is_ok());
-        // As old as it can be and pass the check of its age, it is still remembered.
+        // The id is still remembered at the maximum age that passes the check.
         assert!(seen.admit("c", s(115), s(125), MAX_IDS).is_err());
         assert!(seen.admit("a", s(126), s(126), MAX_IDS).is_ok());
     }

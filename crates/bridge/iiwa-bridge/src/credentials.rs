@@ -1,4 +1,4 @@
-//! How a broker is reached safely: TLS, and a name with a password.
+//! Broker security: TLS, user name and password.
 
 use std::fmt;
 #[cfg(any(feature = "tls", test))]
@@ -7,26 +7,26 @@ use std::net::IpAddr;
 #[cfg(feature = "tls")]
 use crate::tls::TlsFiles;
 
-/// What it takes to be let in by a broker.
+/// Access settings of a broker.
 #[cfg(feature = "tls")]
 #[derive(Clone, Debug, Default)]
 pub struct BrokerAccess {
-    /// TLS, if the broker has it.
+    /// TLS, if used by the broker.
     pub tls: Option<TlsFiles>,
-    /// The user, if the broker asks for one.
+    /// The user, if required by the broker.
     pub credentials: Option<Credentials>,
 }
 
-/// A user of a broker.
+/// A broker user.
 #[derive(Clone)]
 pub struct Credentials {
-    /// The name.
+    /// User name.
     pub user: String,
-    /// The password.
+    /// Password.
     pub password: String,
 }
 
-/// Without the password.
+/// Omits the password.
 impl fmt::Debug for Credentials {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.debug_struct("Credentials").field("user", &self.user).finish_non_exhaustive()
@@ -34,7 +34,8 @@ impl fmt::Debug for Credentials {
 }
 
 #[cfg(any(feature = "tls", test))]
-/// Whether an address, `HOST:PORT`, is this machine for sure, so that what is sent there stays on it.
+/// Returns true if an address, `HOST:PORT`, certainly refers to this machine, so that transmitted
+/// data does not leave it.
 pub(crate) fn is_this_machine(address: &str) -> bool {
     let host = address.rsplit_once(':').map_or(address, |(host, _)| host);
     let host = host.trim_start_matches('[').trim_end_matches(']');

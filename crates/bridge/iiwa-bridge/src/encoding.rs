@@ -1,4 +1,4 @@
-//! Formats of messages: JSON, and for joints CDR or Protobuf on request.
+//! Message formats: JSON, and optionally CDR or Protobuf for joints.
 
 use std::str::FromStr;
 
@@ -9,22 +9,22 @@ use iiwa_kin::Joints;
 
 use crate::message::{Content, JointSample, Message, Timestamp, VERSION};
 
-/// The format of `joints` messages; all others are JSON.
+/// Format of `joints` messages; all other messages are JSON.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum JointFormat {
-    /// As all messages.
+    /// JSON, like all other messages.
     #[default]
     Json,
-    /// `sensor_msgs/JointState` in CDR, little-endian, as ROS 2 has it; the frame is the robot's name.
+    /// `sensor_msgs/JointState` in CDR, little-endian, as in ROS 2; the frame is the robot name.
     Cdr,
-    /// [`JointsProto`].
+    /// Protobuf: [`JointsProto`].
     Protobuf,
 }
 
 impl FromStr for JointFormat {
     type Err = ();
 
-    /// By its name: `json`, `cdr` or `protobuf`.
+    /// Parses the name: `json`, `cdr` or `protobuf`.
     fn from_str(name: &str) -> Result<Self, ()> {
         match name {
             "json" => Ok(Self::Json),
@@ -55,19 +55,19 @@ impl FromStr for JointFormat {
 /// ```
 #[derive(Clone, PartialEq, prost::Message)]
 pub struct JointsProto {
-    /// The version of the schema.
+    /// Schema version.
     #[prost(uint32, tag = "1")]
     pub version: u32,
-    /// Name of the robot.
+    /// Robot name.
     #[prost(string, tag = "2")]
     pub robot: String,
-    /// As in JSON.
+    /// Start time of the bridge session, as in JSON.
     #[prost(uint64, tag = "3")]
     pub session: u64,
-    /// As in JSON.
+    /// Sequence number, as in JSON.
     #[prost(uint64, tag = "4")]
     pub seq: u64,
-    /// When the bridge received the data, in microseconds since 1970.
+    /// Time at which the bridge received the data, in microseconds since 1970.
     #[prost(uint64, tag = "5")]
     pub at_us: u64,
     /// Time stamp, in s.
@@ -76,7 +76,7 @@ pub struct JointsProto {
     /// Positions, in rad.
     #[prost(double, repeated, tag = "7")]
     pub joints_rad: Vec<f64>,
-    /// Torques, in Nm.
+    /// Measured torques, in Nm.
     #[prost(double, repeated, tag = "8")]
     pub measured_nm: Vec<f64>,
     /// External torques, in Nm.
@@ -84,11 +84,11 @@ pub struct JointsProto {
     pub external_nm: Vec<f64>,
 }
 
-/// The first bytes of CDR, little-endian.
+/// CDR header, little-endian.
 const CDR_HEAD: [u8; 4] = [0, 1, 0, 0];
 
 impl JointFormat {
-    /// The bytes of a message.
+    /// Encodes a message.
     #[must_use]
     pub fn encode(self, message: &Message) -> Vec<u8> {
         match (&message.content, self) {
@@ -98,7 +98,7 @@ impl JointFormat {
         }
     }
 
-    /// A `joints` message in Protobuf; `None` for anything else.
+    /// Decodes a `joints` message in Protobuf; `None` for other bytes.
     #[must_use]
     pub fn decode_protobuf(bytes: &[u8]) -> Option<Message> {
         let joints = JointsProto::decode(bytes).ok()?;
@@ -118,7 +118,7 @@ impl JointFormat {
         })
     }
 
-    /// Whether bytes of [`encode`](Self::encode) are JSON.
+    /// Returns true if bytes of [`encode`](Self::encode) are JSON.
     #[must_use]
     pub fn is_json(bytes: &[u8]) -> bool {
         bytes.first() == Some(&b'{')

@@ -1,14 +1,14 @@
-//! Errors of setting up a bridge.
+//! Setup errors of a bridge.
 
 use std::{io, path::PathBuf};
 
 use iiwa_link::LinkError;
 
-/// Why a bridge could not be set up.
+/// Setup error of a bridge.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum BridgeError {
-    /// The name of a robot cannot be part of topics and paths.
+    /// The robot name cannot be part of topics and paths.
     #[error("invalid robot name `{name}`: use 1 to 64 letters, digits, `-` and `_`")]
     RobotName {
         /// The name.
@@ -40,7 +40,7 @@ pub enum BridgeError {
     /// A certificate or key cannot be used.
     #[error("cannot use {}: {what}", .file.display())]
     Certificate {
-        /// Its file.
+        /// The file.
         file: PathBuf,
         /// The fault.
         what: String,
@@ -48,15 +48,15 @@ pub enum BridgeError {
     /// The settings of a broker contradict each other.
     #[error("{what}")]
     Settings {
-        /// The fault, and what to do about it.
+        /// The fault and its remedy.
         what: String,
     },
-    /// A broker refuses the connection, or cannot be reached.
+    /// A broker refuses the connection or is unreachable.
     #[error("{broker} at {at}: {what}")]
     Broker {
         /// `Kafka` or `MQTT`.
         broker: &'static str,
-        /// Its address.
+        /// The address.
         at: String,
         /// The fault.
         what: String,

@@ -1,4 +1,4 @@
-//! Follows a robot: its stream in one thread, what has to be asked for in another.
+//! Observation of a robot: its stream in one thread, polled data in another.
 
 use std::{
     sync::{
@@ -24,19 +24,19 @@ use crate::{
     trouble::{Trouble, pause},
 };
 
-/// How long to wait for the stream before the end is checked for.
+/// Time-out of the stream, after which the shutdown flag is checked.
 const POLL: Duration = Duration::from_millis(100);
 
-/// How often the drive is asked for its state, and an idle robot for sensors, inputs and outputs.
+/// Poll interval of the drive state, and of the sensors, inputs and outputs of an idle robot.
 const ASK_EVERY: Duration = Duration::from_secs(1);
 
-/// What has not changed is repeated after so long.
+/// Interval after which unchanged values are repeated.
 const REPEAT_AFTER: Duration = Duration::from_secs(10);
 
 /// Pause after a refused connection.
 const REFUSED_PAUSE: Duration = Duration::from_secs(5);
 
-/// The threads that follow a robot; they end when it is dropped.
+/// Threads that observe a robot. Dropping the feed ends them.
 pub struct Feed {
     numbered: Arc<Numbered>,
     _threads: ThreadGroup,
@@ -49,7 +49,7 @@ impl std::fmt::Debug for Feed {
 }
 
 impl Feed {
-    /// Follows a robot, and gives what it does to the sinks.
+    /// Observes a robot, and forwards its data to the sinks.
     ///
     /// # Errors
     ///
@@ -69,7 +69,7 @@ impl Feed {
         Ok(Self { numbered, _threads: threads })
     }
 
-    /// Gives the bridge's own status to the sinks, as a message of this robot.
+    /// Forwards the bridge's own status to the sinks, as a message of this robot.
     pub(crate) fn send(&self, status: BridgeStatus) {
         self.numbered.send(Content::Bridge(status));
     }
@@ -79,7 +79,8 @@ impl Feed {
 struct Numbered {
     robot: String,
     session: u64,
-    /// The number of the next message of each kind, held while one is given to the sinks: their order is that of their numbers.
+    /// Number of the next message of each kind, locked while a message is forwarded to the sinks,
+    /// so that messages arrive in the order of their numbers.
     next: [Mutex<u64>; Kind::ALL.len()],
     sinks: Arc<[Arc<dyn Sink>]>,
 }
@@ -89,7 +90,7 @@ impl Numbered {
         Self { robot: robot.to_owned(), session, next: Default::default(), sinks }
     }
 
-    /// Gives it to all sinks.
+    /// Forwards content to all sinks.
     fn send(&self, content: Content) {
         let mut next =
             self.next[content.kind().index()].lock().unwrap_or_else(PoisonError::into_inner);
@@ -109,9 +110,9 @@ impl Numbered {
     }
 }
 
-/// Passes on the stream.
+/// Forwards the stream.
 fn follow(mut stream: Stream, to: &Numbered, shutdown: &AtomicBool) {
-    // Torques come before the positions of the same time.
+    // Torques precede the positions of the same time.
     let mut torques = None;
     let mut refused = Trouble::default();
     while !shutdown.load(Ordering::Relaxed) {
@@ -139,7 +140,7 @@ fn follow(mut stream: Stream, to: &Numbered, shutdown: &AtomicBool) {
     }
 }
 
-/// Asks for what the stream does not have.
+/// Polls data that the stream does not contain.
 fn ask(mut client: Client, to: &Numbered, shutdown: &AtomicBool) {
     let mut conditions = Repeated::default();
     let mut io: Repeated<Vec<Signal>> = Repeated::default();
@@ -159,7 +160,7 @@ fn ask(mut client: Client, to: &Numbered, shutdown: &AtomicBool) {
         let is_idle = status.as_ref().is_some_and(|status| {
             status.state == DriveState::Idle && status.robot_program == Presence::Connected
         });
-        // The stream has changes only.
+        // The stream contains changes only.
         match &status {
             Some(Status { state, t_s: Some(t_s), .. }) if !is_known => {
                 is_known = true;
@@ -171,7 +172,7 @@ fn ask(mut client: Client, to: &Numbered, shutdown: &AtomicBool) {
         if let Some(changed) = conditions.changed(conditions_of(status)) {
             to.send(Content::Conditions(Box::new(changed)));
         }
-        // A robot program does not tell them while the robot moves.
+        // A robot program does not report these values while the robot moves.
         if is_idle {
             if let Ok(sensors) = client.read_sensors() {
                 to.send(Content::Sensors(sensors));
@@ -209,7 +210,7 @@ fn conditions_of(status: Option<Status>) -> RobotConditions {
     }
 }
 
-/// A value that is passed on when it has changed, or after a while.
+/// A value that is forwarded when it has changed, or after an interval.
 struct Repeated<T> {
     last: Option<(T, Instant)>,
 }

@@ -6,59 +6,60 @@ use serde::Serialize;
 
 use crate::message::{Content, Message, RunMessage, RunPhase, Timestamp};
 
-/// The runs of programs.
+/// Runs of programs.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct History {
-    /// By robot and name; runs without a name of their program are together.
+    /// Programs by robot and name; runs without a program name are grouped together.
     pub programs: Vec<ProgramHistory>,
 }
 
-/// The runs of a program on a robot.
+/// Runs of a program on a robot.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ProgramHistory {
     /// The robot.
     pub robot: String,
     /// The program, if clients state its name.
     pub program: Option<String>,
-    /// Its runs, in order.
+    /// Runs in order.
     pub runs: Vec<PastRun>,
-    /// Median of the measured cycle times, in s, if there is any.
+    /// Median of the measured cycle times, in s, if any.
     pub median_s: Option<f64>,
-    /// How much the latest runs take longer than those before, in per cent.
+    /// Increase of the cycle time of the latest runs over the previous ones.
     pub drift: Option<Drift>,
 }
 
-/// A run that has ended.
+/// A completed run.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct PastRun {
-    /// When it ended.
+    /// End time.
     pub at: Timestamp,
-    /// Its number.
+    /// Number of the run.
     pub run: u64,
     /// The planned cycle time, in s, if the client stated it.
     pub planned_s: Option<f64>,
-    /// The measured cycle time, in s, if it is known.
+    /// Measured cycle time, in s, if known.
     pub measured_s: Option<f64>,
-    /// Why it did not succeed.
+    /// The reason for a failure.
     pub error: Option<String>,
 }
 
-/// How much the latest runs take longer than those before.
+/// Increase of the cycle time of the latest runs over the previous ones.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Drift {
-    /// In per cent; negative if they are faster.
+    /// Increase in per cent; negative if the latest runs are faster.
     pub percent: f64,
-    /// The number of latest runs.
+    /// Number of latest runs.
     pub recent: usize,
-    /// The number of runs before.
+    /// Number of previous runs.
     pub before: usize,
-    /// What is compared: `measured_over_planned` where all runs have a plan, so that edits of the program do not count;
-    /// `measured` otherwise.
+    /// Compared quantity: `measured_over_planned` if all runs have a plan, so that edits of the
+    /// program do not count; `measured` otherwise.
     pub of: &'static str,
 }
 
 impl History {
-    /// From messages in order; `recent` is the number of latest runs that are compared with those before.
+    /// Creates the history from messages in order; `recent` is the number of latest runs that are
+    /// compared with the previous ones.
     #[must_use]
     pub fn of(messages: impl IntoIterator<Item = Message>, recent: usize) -> Self {
         let mut programs: BTreeMap<(String, Option<String>), Vec<PastRun>> = BTreeMap::new();
@@ -85,7 +86,7 @@ impl History {
 }
 
 impl ProgramHistory {
-    /// The number of runs that did not succeed.
+    /// Returns the number of runs that did not succeed.
     #[must_use]
     pub fn failed(&self) -> usize {
         self.runs.iter().filter(|run| run.error.is_some()).count()
@@ -93,7 +94,7 @@ impl ProgramHistory {
 }
 
 impl ProgramHistory {
-    /// The latest measured times as a line of bars, from the shortest to the longest.
+    /// Returns the latest measured times as a line of bars, from the shortest to the longest.
     #[must_use]
     pub fn trend(&self) -> String {
         const BARS: [char; 8] = ['▁', '▂', '▃', '▄', '▅', '▆', '▇', '█'];
@@ -102,7 +103,7 @@ impl ProgramHistory {
         let times = &times[times.len().saturating_sub(SHOWN)..];
         let low = times.iter().copied().fold(f64::INFINITY, f64::min);
         let high = times.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-        // Noise of a few ms is no trend.
+        // A variation of a few ms is noise.
         let range = (high - low).max(0.01 * high);
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "0 to 7")]
         let bar = |time: &f64| BARS[(((time - low) / range * 7.0).round() as usize).min(7)];
@@ -206,7 +207,7 @@ mod tests {
         let [unnamed, named] = &history.programs[..] else { panic!("{history:?}") };
         assert_eq!((unnamed.program.as_deref(), named.program.as_deref()), (None, Some("a")));
         assert_eq!((named.runs.len(), named.failed(), named.median_s), (2, 1, Some(2.0)));
-        // There is nothing before the latest five.
+        // No runs precede the latest five.
         assert_eq!(named.drift, None);
     }
 

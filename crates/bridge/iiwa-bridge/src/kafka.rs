@@ -1,8 +1,9 @@
-//! Apache Kafka: a topic a kind of message, the robot as key.
+//! Apache Kafka: one topic per message kind, with the robot as key.
 //!
-//! Records are spooled first, and sent in batches by one task, in order and at least once: after a lost acknowledgement the
-//! batch is sent again. Consumers tell repetitions by `session` and `seq`, which only grow. Samples have a spool of their own, so
-//! that they displace no events when the broker is away for long.
+//! Records are spooled first, and sent in batches by one task, in order and at least once: after a
+//! lost acknowledgement the batch is sent again. Consumers detect duplicates by `session` and
+//! `seq`, which increase monotonically. Samples have a separate spool, so that they do not displace
+//! events while the broker is unavailable for long.
 
 mod connection;
 mod options;
@@ -31,7 +32,7 @@ use crate::{
     spooling::SpoolTarget,
 };
 
-/// The share of the spools that is for samples: events are few.
+/// Share of the spools for samples; events are rare.
 const SAMPLES_SHARE: u64 = 15;
 const SHARES: u64 = 16;
 
@@ -45,12 +46,13 @@ pub struct Kafka {
 }
 
 impl Kafka {
-    /// Starts to send, once the brokers are found; `gate` takes the commands that come by the topic of requests.
+    /// Starts sending, once the brokers are found; `gate` receives the commands of the request
+    /// topic.
     ///
     /// # Errors
     ///
-    /// A file cannot be used, the settings contradict each other, or the broker refuses the user. A broker that cannot be
-    /// reached is waited for.
+    /// A file cannot be used, the settings contradict each other, or the broker refuses the user.
+    /// An unreachable broker is retried.
     pub fn start(options: &KafkaOptions, gate: Arc<CommandGate>) -> Result<Self, BridgeError> {
         let connector = Arc::new(options.connection.connector()?);
         let runtime = crate::runtime()?;
@@ -83,7 +85,7 @@ impl Kafka {
         Ok(Self { samples, events, joints: options.joints, _threads: threads })
     }
 
-    /// How full its spools are together.
+    /// Returns the total level of the spools.
     #[must_use]
     pub fn level(&self) -> Level {
         let [samples, events] = [self.samples.level(), self.events.level()];

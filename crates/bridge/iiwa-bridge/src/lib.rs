@@ -1,4 +1,5 @@
-//! Passes what robots do to brokers, and requests back: one client of any number of drives, one schema of messages.
+//! Bridge between robots and message brokers: publishes robot data and forwards requests. It is a
+//! client of any number of drives, with one message schema.
 //!
 //! ```text
 //! drives --stream, requests--> Feed --Message--> Sink (Kafka, MQTT, Sparkplug)
@@ -6,14 +7,15 @@
 //!        <----- CommandGate <------ requests -----+   only if commands are allowed
 //! ```
 //!
-//! A [`Feed`](feed::Feed) follows a robot and numbers what it sees as [`Message`]s. A [`Sink`] takes each of them without
-//! waiting: those of brokers write it to a [`Spool`](spool::Spool), a bounded queue on disk, from which it is sent once the
-//! broker can be reached. Messages arrive at least once and in order; consumers tell repetitions by `session` and `seq`.
+//! A [`Feed`](feed::Feed) observes a robot and numbers its data as [`Message`]s. A [`Sink`] accepts
+//! each message without blocking: broker sinks write it to a [`Spool`](spool::Spool), a bounded
+//! queue on disk, and send it once the broker is reachable. Messages arrive at least once and in
+//! order; consumers detect duplicates by `session` and `seq`.
 //!
-//! Requests pass a [`CommandGate`](commands::CommandGate), which refuses what is malformed, too old or repeated, and then the
-//! drive's own checks, as those of any client.
+//! Requests pass a [`CommandGate`](commands::CommandGate), which refuses malformed, expired or
+//! repeated requests, and then the same drive checks as requests of any client.
 //!
-//! Nothing listens: the bridge opens connections to drives and brokers, and no ports.
+//! The bridge opens connections to drives and brokers. It does not listen on any port.
 
 pub mod bridge;
 pub mod commands;
@@ -46,7 +48,7 @@ pub use message::{Content, Kind, Message, Timestamp};
 pub use robot::BridgedRobot;
 pub use sink::Sink;
 
-/// The runtime of a thread that speaks with a broker.
+/// Creates the runtime of a thread that communicates with a broker.
 #[cfg(feature = "tls")]
 fn runtime() -> Result<tokio::runtime::Runtime, BridgeError> {
     let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build();

@@ -1,7 +1,8 @@
-//! The messages of the bridge, version 1.
+//! Bridge messages, version 1.
 //!
-//! All brokers get the same JSON; [`schema`] is its JSON Schema. Lengths and angles are in SI units and rad, `t_s` is the
-//! controller's clock in s, `at` is when the bridge received the data.
+//! All brokers receive the same JSON; [`schema`] is its JSON Schema. Lengths and angles are in SI
+//! units and rad, `t_s` is the controller time in s, `at` is the time at which the bridge received
+//! the data.
 
 use std::{
     collections::BTreeMap,
@@ -20,7 +21,7 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer, de};
 
 use crate::spool::Level;
 
-/// The version of the schema.
+/// Schema version.
 pub const VERSION: u32 = 1;
 
 /// A message.
@@ -35,23 +36,23 @@ pub const VERSION: u32 = 1;
 /// ```
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Message {
-    /// The version of the schema.
+    /// Schema version.
     pub version: u32,
-    /// Name of the robot.
+    /// Robot name.
     pub robot: String,
-    /// When the bridge started that sent it, in ms since 1970: different for each start, and later ones are larger.
+    /// Start time of the bridge session, in ms since 1970: unique and increasing.
     pub session: u64,
-    /// The number of the message among those of its robot, kind and session, from 0 without gaps.
+    /// Number of the message within its robot, kind and session, from 0 without gaps.
     pub seq: u64,
-    /// When the bridge received the data.
+    /// Time at which the bridge received the data.
     pub at: Timestamp,
-    /// The content.
+    /// Content.
     #[serde(flatten)]
     pub content: Content,
 }
 
 impl Message {
-    /// The message as JSON.
+    /// Returns the message as JSON.
     #[must_use]
     pub fn to_json(&self) -> String {
         iiwa_link::message::to_json(self)
@@ -74,28 +75,28 @@ impl Message {
         }
     }
 
-    /// Its kind.
+    /// Returns the kind.
     #[must_use]
     pub fn kind(&self) -> Kind {
         self.content.kind()
     }
 }
 
-/// The JSON Schema of messages.
+/// Returns the JSON Schema of messages.
 #[must_use]
 pub fn schema() -> serde_json::Value {
-    // A test validates messages with it, so it parses.
+    // The schema is valid JSON: a test validates messages with it.
     serde_json::from_str(include_str!("message.schema.json")).unwrap_or_default()
 }
 
-/// The kinds of messages. Brokers have a topic for each.
+/// Message kinds. Brokers have one topic per kind.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Kind {
     /// Measured positions and torques.
     Joints,
-    /// What the drive does.
+    /// State of the drive.
     State,
-    /// Beginnings and ends of runs.
+    /// Run start and end events.
     Run,
     /// Inputs and outputs.
     Io,
@@ -103,7 +104,7 @@ pub enum Kind {
     Sensors,
     /// Connections, operation mode, safety.
     Conditions,
-    /// What the bridge says of itself.
+    /// Status of the bridge.
     Bridge,
 }
 
@@ -119,7 +120,7 @@ impl Kind {
         Self::Bridge,
     ];
 
-    /// Its name in JSON and in topics.
+    /// Returns the name in JSON and in topics.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -133,7 +134,7 @@ impl Kind {
         }
     }
 
-    /// Its place in [`ALL`](Self::ALL).
+    /// Returns the index in [`ALL`](Self::ALL).
     #[must_use]
     pub fn index(self) -> usize {
         self as usize
@@ -145,7 +146,7 @@ impl Kind {
 #[serde(tag = "kind", rename_all = "snake_case")]
 #[non_exhaustive]
 pub enum Content {
-    /// Measured positions and torques, every cycle of FRI.
+    /// Measured positions and torques, every FRI cycle.
     Joints(JointSample),
     /// The new state of the drive.
     State {
@@ -154,23 +155,23 @@ pub enum Content {
         /// The state.
         state: DriveState,
     },
-    /// The beginning or the end of a run.
+    /// Start or end of a run.
     Run(RunMessage),
-    /// Inputs and outputs, when one has changed, and every ten seconds.
+    /// Inputs and outputs, on every change, and every ten seconds.
     Io {
-        /// All of them.
+        /// All inputs and outputs.
         io: Vec<Signal>,
     },
-    /// Readings of sensors, once a second while the robot is idle.
+    /// Sensor readings, once per second while the robot is idle.
     Sensors(Sensors),
-    /// Conditions, when they change, and every ten seconds.
+    /// Conditions, on every change, and every ten seconds.
     Conditions(Box<RobotConditions>),
-    /// What the bridge says of itself, every ten seconds.
+    /// Status of the bridge, every ten seconds.
     Bridge(BridgeStatus),
 }
 
 impl Content {
-    /// Its kind.
+    /// Returns the kind.
     #[must_use]
     pub fn kind(&self) -> Kind {
         match self {
@@ -185,14 +186,14 @@ impl Content {
     }
 }
 
-/// What the controller has measured in a cycle of FRI.
+/// Measurements of the controller in an FRI cycle.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct JointSample {
     /// Time stamp, in s.
     pub t_s: f64,
     /// Positions, in rad.
     pub joints_rad: Joints,
-    /// Torques, in Nm, if they are measured.
+    /// Torques, in Nm, if measured.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub measured_nm: Option<Joints>,
     /// External torques, in Nm, if torques are measured.
@@ -200,21 +201,21 @@ pub struct JointSample {
     pub external_nm: Option<Joints>,
 }
 
-/// The beginning or the end of a run.
+/// Start or end of a run.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct RunMessage {
     /// Time stamp, in s.
     pub t_s: f64,
-    /// The number of the run, the same at its beginning and its end.
+    /// Number of the run, equal at its start and its end.
     pub run: RunId,
-    /// Whether it begins or ends.
+    /// Phase: start or end.
     pub event: RunPhase,
-    /// What runs: `motions` or `trajectory`.
+    /// Kind of the run: `motions` or `trajectory`.
     pub what: RunKind,
-    /// Program and plan, as the client states them that has started the run.
+    /// Program and plan, as stated by the client that started the run.
     #[serde(flatten)]
     pub label: RunLabel,
-    /// At the end: measured times, and why it failed, if it did.
+    /// Measured times, and the error of a failed run; at the end only.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub result: Option<RunEnd>,
 }
@@ -230,17 +231,17 @@ impl From<RunEvent> for RunMessage {
     }
 }
 
-/// The beginning or the end of a run.
+/// Phase of a run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum RunPhase {
-    /// It begins.
+    /// The run begins.
     Begin,
-    /// It has ended.
+    /// The run has ended.
     End,
 }
 
-/// What a run consists of.
+/// Kind of a run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum RunKind {
@@ -253,21 +254,21 @@ pub enum RunKind {
 /// Connections and conditions of a robot.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct RobotConditions {
-    /// Whether the drive answers; the rest is unknown otherwise.
+    /// Connection state of the drive; if silent, the other values are unknown.
     pub drive: Presence,
-    /// What the drive does.
+    /// State of the drive.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub state: Option<DriveState>,
     /// The FRI connection.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub fri: Option<FriStatus>,
-    /// Whether the robot program is connected.
+    /// Connection state of the robot program.
     #[serde(default)]
     pub robot_program: Presence,
-    /// Whether the robot is a simulated one.
+    /// `true` if the robot is simulated.
     #[serde(default)]
     pub simulated: bool,
-    /// The versions of the robot program.
+    /// Versions of the robot program.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub hello: Option<Hello>,
     /// Operation mode, override, safety stop, tool.
@@ -275,30 +276,30 @@ pub struct RobotConditions {
     pub conditions: Option<Conditions>,
 }
 
-/// Counts of commands since the start.
+/// Command counts since the start.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct CommandCounts {
-    /// Passed on to a drive.
+    /// Commands forwarded to a drive.
     pub accepted: u64,
-    /// Refused by the bridge.
+    /// Commands refused by the bridge.
     pub refused: u64,
 }
 
-/// What a bridge says of itself.
+/// Status of a bridge.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct BridgeStatus {
-    /// False in the last message of a bridge, and in its last will.
+    /// `false` in the last message of a bridge, and in its last will.
     pub online: bool,
-    /// Commands so far.
+    /// Command counts so far.
     #[serde(default)]
     pub commands: CommandCounts,
-    /// How full the spool for each broker is.
+    /// Spool level for each broker.
     #[serde(default)]
     pub spools: BTreeMap<String, Level>,
 }
 
 impl BridgeStatus {
-    /// What a broker publishes when the connection breaks off.
+    /// Returns the message that a broker publishes when the connection is lost.
     #[must_use]
     pub fn last_will(robot: &str, session: u64) -> Message {
         Message {
@@ -317,25 +318,25 @@ impl BridgeStatus {
 pub struct Timestamp(u64);
 
 impl Timestamp {
-    /// The current time.
+    /// Returns the current time.
     #[must_use]
     pub fn now() -> Self {
         Self::from(SystemTime::now())
     }
 
-    /// From microseconds since 1970, before the year 10000.
+    /// Creates a time from microseconds since 1970, clamped to the year 9999.
     #[must_use]
     pub fn from_micros(micros: u64) -> Self {
         Self(micros.min(Self::LAST))
     }
 
-    /// In microseconds since 1970.
+    /// Returns the time in microseconds since 1970.
     #[must_use]
     pub fn micros(self) -> u64 {
         self.0
     }
 
-    /// The end of the year 9999, the last one that RFC 3339 knows.
+    /// End of the year 9999, the last year of RFC 3339.
     const LAST: u64 = 253_402_300_799_999_999;
 }
 

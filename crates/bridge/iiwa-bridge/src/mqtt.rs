@@ -1,8 +1,8 @@
-//! MQTT 3.1.1 and 5: a topic a robot and kind of message, such as `iiwasim/cell-1/state`.
+//! MQTT 3.1.1 and 5: one topic per robot and message kind, such as `iiwasim/cell-1/state`.
 //!
-//! Events are spooled, and sent in order with `QoS` 1 and retained. Joints are sent with `QoS` 0, not more often than asked for, and
-//! never late. Each robot has a connection of its own, with a last will: `iiwasim/cell-1/bridge` says whether the bridge is
-//! online.
+//! Events are spooled, and sent in order with `QoS` 1 and the retain flag. Joints are sent with
+//! `QoS` 0, at most at the configured rate, and never late. Each robot has a separate connection
+//! with a last will: `iiwasim/cell-1/bridge` reports whether the bridge is online.
 
 mod connection;
 mod payload;
@@ -32,27 +32,27 @@ use crate::{
     spooling::SpoolTarget,
 };
 
-/// How messages reach the broker.
+/// MQTT settings.
 #[derive(Clone, Debug)]
 pub struct MqttOptions {
     /// The broker.
     pub connection: MqttConnection,
-    /// What topics begin with, before `/cell-1/joints` and so on.
+    /// Topic prefix, before `/cell-1/joints` and so on.
     pub prefix: String,
-    /// Most `joints` messages per second and robot; `None` for all.
+    /// Maximum rate of `joints` messages per robot, in Hz; `None` for all messages.
     pub rate_hz: Option<f64>,
-    /// The format of joints.
+    /// Format of `joints` messages.
     pub joints: JointFormat,
     /// Folder of the spools.
     pub spool: PathBuf,
-    /// The most that the spool of a robot may hold, in bytes.
+    /// Maximum size of a robot's spool, in bytes.
     pub spool_bytes: u64,
 }
 
-/// Samples that wait to be sent; later ones replace none of them, but are left out.
+/// Maximum number of samples that wait to be sent; further samples are dropped.
 const SAMPLES: usize = 64;
 
-/// Sends the messages of robots to an MQTT broker, and receives commands.
+/// Sends robot messages to an MQTT broker, and receives commands.
 #[derive(Debug)]
 pub struct Mqtt {
     robots: Vec<RobotTarget>,
@@ -60,24 +60,25 @@ pub struct Mqtt {
     _threads: ThreadGroup,
 }
 
-/// Where the messages of a robot go.
+/// Destination of a robot's messages.
 #[derive(Debug)]
 struct RobotTarget {
     name: String,
     events: Arc<SpoolTarget>,
-    /// What the bridge said last of itself.
+    /// Last status message of the bridge.
     status: Arc<Mutex<Vec<u8>>>,
     samples: Sender<Vec<u8>>,
     pace: Pace,
 }
 
 impl Mqtt {
-    /// Starts to send, once the broker is found; `gate` takes the commands that come by the topics of requests.
+    /// Starts sending, once the broker is found; `gate` receives the commands of the request
+    /// topics.
     ///
     /// # Errors
     ///
-    /// A file cannot be used, the settings contradict each other, or the broker refuses the user. A broker that cannot be
-    /// reached is waited for.
+    /// A file cannot be used, the settings contradict each other, or the broker refuses the user.
+    /// An unreachable broker is retried.
     pub fn start(
         options: &MqttOptions,
         robots: &[BridgedRobot],
@@ -117,7 +118,7 @@ impl Mqtt {
         Ok(Self { robots: targets, joints: options.joints, _threads: threads })
     }
 
-    /// How full its spools are together.
+    /// Returns the total level of the spools.
     #[must_use]
     pub fn level(&self) -> Level {
         let levels = self.robots.iter().map(|robot| robot.events.level());
@@ -140,7 +141,7 @@ impl Sink for Mqtt {
         if message.kind() != Kind::Joints {
             robot.events.append_now(&SpooledEvent::of(message).to_bytes());
         } else if robot.pace.is_due() {
-            // While the broker is away, the queue is full, and samples are dropped.
+            // While the broker is unavailable, the queue is full, and samples are dropped.
             let _ = robot.samples.try_send(self.joints.encode(message));
         }
     }

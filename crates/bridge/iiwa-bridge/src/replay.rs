@@ -1,5 +1,5 @@
-//! Plays messages back as a drive: its stream, and its state. Clients, such as the twin, follow it as a read-only
-//! robot.
+//! Replays messages as a drive, with its stream and its state. Clients, such as the twin, follow
+//! the replay as a read-only robot.
 
 use std::{
     ops::ControlFlow::{self, Break, Continue},
@@ -18,13 +18,13 @@ use iiwa_link::{
 
 use crate::message::{Content, JointSample, Message};
 
-/// Messages that wait for a subscriber, at most, as those of a drive.
+/// Maximum number of messages that wait for a subscriber, as in a drive.
 const BACKLOG: usize = 2000;
 
-/// How long to sleep at a time, so that the end comes soon.
+/// Maximum duration of a sleep, so that a replay ends soon.
 const NAP: Duration = Duration::from_millis(50);
 
-/// Looks like a drive, and plays messages back.
+/// A simulated drive that replays messages.
 pub struct ReplayDrive {
     requests: Arc<Listener>,
     stream: Listener,
@@ -38,7 +38,7 @@ impl std::fmt::Debug for ReplayDrive {
 }
 
 impl ReplayDrive {
-    /// Listens at the addresses for requests and for subscribers, such as `tcp://127.0.0.1:5560`.
+    /// Listens at the addresses for requests and subscribers, such as `tcp://127.0.0.1:5560`.
     ///
     /// # Errors
     ///
@@ -47,7 +47,7 @@ impl ReplayDrive {
         let fri = FriStatus::new(FriStatus::SILENT, "poor");
         let status = Arc::new(Mutex::new(Status::new(DriveState::Idle, fri)));
         let known = Arc::clone(&status);
-        // Replies leave by the socket that the request came by.
+        // Replies are sent over the socket that received the request.
         let socket: Arc<Mutex<Weak<Listener>>> = Arc::default();
         let back = Arc::clone(&socket);
         let config =
@@ -68,13 +68,13 @@ impl ReplayDrive {
         Ok(Self { requests: listener, stream, status })
     }
 
-    /// The bound address for requests.
+    /// Returns the bound address for requests.
     #[must_use]
     pub fn requests(&self) -> &str {
         self.requests.at()
     }
 
-    /// The bound address of the stream.
+    /// Returns the bound address of the stream.
     #[must_use]
     pub fn stream(&self) -> &str {
         self.stream.at()
@@ -117,17 +117,17 @@ impl ReplayDrive {
     }
 }
 
-/// Plays messages of a robot at the pace at which they came.
+/// Replays messages of a robot with their original timing.
 #[derive(Debug)]
 pub struct Player<'a> {
     drive: &'a ReplayDrive,
     speed: f64,
-    /// When the first message was played, and its time in µs.
+    /// Start time of the replay, and the time of its first message in µs.
     began: Option<(Instant, u64)>,
 }
 
 impl<'a> Player<'a> {
-    /// A player `speed` times as fast as the messages were.
+    /// Creates a player with `speed` times the original rate.
     #[must_use]
     pub fn new(drive: &'a ReplayDrive, speed: f64) -> Self {
         Self { drive, speed, began: None }
@@ -150,7 +150,7 @@ impl<'a> Player<'a> {
     }
 }
 
-/// Answers a request: with the state, or with a refusal.
+/// Answers a request with the state, or with a refusal.
 fn answer(socket: &Listener, peer: PeerId, received: Received, status: Status) {
     let mut frames = received.frames;
     let Some(body) = frames.pop() else { return };

@@ -1,10 +1,10 @@
-//! The robots of a bridge.
+//! Robots of a bridge.
 
 use iiwa_link::{Client, LinkError, Remote, Stream};
 
 use crate::BridgeError;
 
-/// A robot whose data is passed on.
+/// A robot whose data is forwarded.
 #[derive(Clone, Debug)]
 pub struct BridgedRobot {
     name: String,
@@ -14,12 +14,13 @@ pub struct BridgedRobot {
 }
 
 impl BridgedRobot {
-    /// A robot with a name of letters, digits, `-` and `_`, and the addresses of its drive for requests and of its
-    /// stream, such as `tcp://127.0.0.1:5560` and `tcp://127.0.0.1:5561`.
+    /// Creates a robot with a name of letters, digits, `-` and `_`, and the addresses of its drive
+    /// for requests and of its stream, such as `tcp://127.0.0.1:5560` and `tcp://127.0.0.1:5561`.
     ///
     /// # Errors
     ///
-    /// The name is empty, longer than 64 characters or has others than these: it is part of topics and the name of a folder.
+    /// The name is empty, longer than 64 characters or contains other characters: it is part of
+    /// topics and a folder name.
     pub fn new(
         name: impl Into<String>,
         remote: Remote,
@@ -27,7 +28,7 @@ impl BridgedRobot {
         stream: impl Into<String>,
     ) -> Result<Self, BridgeError> {
         let name = name.into();
-        // Without dots, no name is that of another folder, such as `..`.
+        // Without dots, a name cannot refer to another folder, such as `..`.
         let fits = |letter: char| letter.is_ascii_alphanumeric() || "_-".contains(letter);
         if name.is_empty() || name.len() > 64 || !name.chars().all(fits) {
             return Err(BridgeError::RobotName { name });
@@ -35,19 +36,19 @@ impl BridgedRobot {
         Ok(Self { name, remote, drive: drive.into(), stream: stream.into() })
     }
 
-    /// Its name.
+    /// Returns the name.
     #[must_use]
     pub fn name(&self) -> &str {
         &self.name
     }
 
-    /// The address of its drive.
+    /// Returns the address of the drive.
     #[must_use]
     pub fn drive(&self) -> &str {
         &self.drive
     }
 
-    /// A new client of its drive.
+    /// Creates a client of the drive.
     ///
     /// # Errors
     ///
@@ -56,7 +57,7 @@ impl BridgedRobot {
         Client::new(&self.remote, &self.drive)
     }
 
-    /// A new subscription to its stream, with torques and runs.
+    /// Creates a subscription to the stream, with torques and runs.
     ///
     /// # Errors
     ///

@@ -1,9 +1,10 @@
-//! Where messages go.
+//! Message destinations.
 
 use crate::message::Message;
 
-/// A destination of messages.
+/// A message destination.
 pub trait Sink: Send + Sync {
-    /// Takes a message. It must not wait: the feeds of all robots call it, up to a thousand times a second each.
+    /// Accepts a message. The method must not block: the feeds of all robots call it, each up to a
+    /// thousand times per second.
     fn take(&self, message: &Message);
 }

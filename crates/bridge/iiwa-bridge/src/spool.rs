@@ -1,13 +1,16 @@
-//! A bounded queue on disk: what a broker has not taken yet.
+//! A bounded queue on disk for messages that a broker has not yet accepted.
 //!
-//! Records are appended to segments, files of a few MB. The reader sends a batch and then commits it; segments that are
-//! committed are removed, mostly before the system has written them out. If the queue is full, the oldest segment is removed
-//! uncommitted, and its records are counted as dropped.
+//! Records are appended to segments, files of a few MB. The reader sends a batch and then commits
+//! it; committed segments are removed, mostly before the system has written them to disk. If the
+//! queue is full, the oldest segment is removed uncommitted, and its records are counted as
+//! dropped.
 //!
-//! A process that is killed loses what was appended in the last 50 ms and not [flushed](Spool::flush). After a restart the queue
-//! continues where the last commit was saved, at most a second before the end: records may be sent twice, not left out.
+//! A killed process loses records that were appended in the last 50 ms and not
+//! [flushed](Spool::flush). After a restart the queue continues at the last saved commit, which is
+//! at most one second old: records may be sent twice, but are not omitted.
 //!
-//! A segment is `iiwaspl1`, and then records of length, CRC-32 of the data, data; numbers are little-endian.
+//! Format of a segment: `iiwaspl1`, followed by records of length, CRC-32 of the data, data;
+//! numbers are little-endian.
 
 mod cursor;
 mod own_file;
@@ -20,7 +23,8 @@ use std::{io, path::Path};
 pub use queue::{Level, Spool};
 pub use reader::{Record, SpoolReader};
 
-/// Opens the queue in a folder, which is created if it is missing, and the reader of what is left in it.
+/// Opens the queue in a folder, which is created if it is missing, and the reader of its remaining
+/// records.
 ///
 /// ```
 /// use iiwa_bridge::spool;
@@ -38,8 +42,8 @@ pub use reader::{Record, SpoolReader};
 ///
 /// # Errors
 ///
-/// The folder cannot be created or read, another process uses it ([`io::ErrorKind::WouldBlock`]), or a symbolic link or a folder
-/// has the name of one of its files.
+/// The folder cannot be created or read, another process uses it ([`io::ErrorKind::WouldBlock`]),
+/// or a symbolic link or a folder has the name of one of its files.
 pub fn open(folder: &Path, max_bytes: u64) -> io::Result<(Spool, SpoolReader)> {
     let (spool, cursor) = Spool::open(folder, max_bytes)?;
     Ok((spool, SpoolReader::new(cursor)))

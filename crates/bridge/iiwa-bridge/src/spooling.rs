@@ -1,4 +1,4 @@
-//! A spool, with what wakes its reader and warns of its overflow.
+//! A spool that wakes its reader and warns of overflow.
 
 use std::{
     io,
@@ -17,14 +17,14 @@ use crate::{
     trouble::Trouble,
 };
 
-/// A spool that is written to by feeds and read by one task.
+/// A spool that feeds write to and one task reads.
 #[derive(Debug)]
 pub(crate) struct SpoolTarget {
     spool: Spool,
     appended: Notify,
-    /// The number of dropped records at the last warning.
+    /// Number of dropped records at the last warning.
     dropped: AtomicU64,
-    /// The number of records that the broker has refused.
+    /// Number of records that the broker has refused.
     refused: AtomicU64,
     trouble: Mutex<Trouble>,
 }
@@ -52,7 +52,7 @@ impl SpoolTarget {
         Ok((Arc::new(target), reader))
     }
 
-    /// Appends an event, which has to be there after the process.
+    /// Appends an event, which must survive the process.
     pub(crate) fn append_now(&self, record: &[u8]) {
         let appended = self.spool.append(record).and_then(|()| self.spool.flush());
         self.say(appended);
@@ -64,7 +64,7 @@ impl SpoolTarget {
         self.say(appended);
     }
 
-    /// Wakes the reader; failures are said and counted.
+    /// Wakes the reader, and logs failures.
     fn say(&self, appended: io::Result<()>) {
         self.appended.notify_one();
         let dropped = self.spool.level().dropped;
@@ -96,7 +96,7 @@ impl SpoolTarget {
         self.refused.fetch_add(count, Ordering::Relaxed);
     }
 
-    /// The bytes on disk, and the number of records that were lost.
+    /// Returns the number of bytes on disk, and of lost records.
     pub(crate) fn level(&self) -> Level {
         let level = self.spool.level();
         Level { dropped: level.dropped + self.refused.load(Ordering::Relaxed), ..level }

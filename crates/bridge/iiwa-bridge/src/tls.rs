@@ -1,4 +1,4 @@
-//! TLS of connections to brokers.
+//! TLS for broker connections.
 
 use std::{
     path::{Path, PathBuf},
@@ -12,12 +12,13 @@ use rustls::{
 
 use crate::BridgeError;
 
-/// Files of certificates, in PEM.
+/// Certificate files, in PEM format.
 #[derive(Clone, Debug, Default)]
 pub struct TlsFiles {
-    /// Certificates of the authorities that may have signed the broker's; by default those of the system.
+    /// Certificates of the authorities that may have signed the broker certificate; the system's by
+    /// default.
     pub authority: Option<PathBuf>,
-    /// The own certificate and its key, for brokers that ask for one.
+    /// Client certificate and key, for brokers that require them.
     pub own: Option<(PathBuf, PathBuf)>,
 }
 
@@ -49,7 +50,7 @@ impl TlsFiles {
     fn roots(&self) -> Result<RootCertStore, BridgeError> {
         let mut roots = RootCertStore::empty();
         let Some(file) = &self.authority else {
-            // Some of a system's certificates are always odd.
+            // Systems usually contain some invalid certificates.
             roots.add_parsable_certificates(rustls_native_certs::load_native_certs().certs);
             return Ok(roots);
         };

@@ -1,4 +1,4 @@
-//! Warnings about what lasts: the first at once, then one a minute.
+//! Warnings about persistent problems: the first one immediately, then one per minute.
 
 use std::{
     fmt,
@@ -7,17 +7,17 @@ use std::{
     time::{Duration, Instant},
 };
 
-/// Time between two warnings about the same trouble.
+/// Interval between warnings about the same problem.
 const EVERY: Duration = Duration::from_mins(1);
 
-/// Trouble that may last, or come again and again.
+/// A problem that may persist or recur.
 #[derive(Debug, Default)]
 pub(crate) struct Trouble {
     warned: Option<Instant>,
 }
 
 impl Trouble {
-    /// Warns, unless a warning about the same trouble is recent.
+    /// Logs a warning, unless a warning about the same problem is recent.
     pub(crate) fn warn(&mut self, what: fmt::Arguments<'_>) {
         if self.warned.is_none_or(|at| at.elapsed() >= EVERY) {
             self.warned = Some(Instant::now());
@@ -25,7 +25,8 @@ impl Trouble {
         }
     }
 
-    /// It is over: the next trouble is a new one. Returns whether there was any.
+    /// Marks the problem as solved: the next one is a new problem. Returns true if there was a
+    /// problem.
     pub(crate) fn clear(&mut self) -> bool {
         self.warned.take().is_some()
     }

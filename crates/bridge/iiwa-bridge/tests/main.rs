@@ -1,4 +1,4 @@
-//! The bridge from outside: messages, spool, and a robot that accepts commands.
+//! Integration tests of the bridge: messages, spool, and a robot that accepts commands.
 
 mod messages;
 #[cfg(feature = "mqtt")]

@@ -1,4 +1,4 @@
-//! Messages in all formats. That they fit their JSON Schema is tested in `tests/peers`.
+//! Messages in all formats. `tests/peers` validates them against their JSON Schema.
 
 use iiwa_bridge::{Kind, Message, encoding::JointFormat};
 
@@ -40,7 +40,7 @@ fn joints_in_protobuf_come_back_as_they_were() {
 #[test]
 fn joints_in_cdr_are_a_joint_state() {
     let bytes = JointFormat::Cdr.encode(&all()[1]);
-    // Little-endian CDR, seconds, nanoseconds, the frame with its length and zero.
+    // Little-endian CDR header, seconds, nanoseconds, frame with length and terminating zero.
     assert_eq!(bytes[..4], [0, 1, 0, 0]);
     assert_eq!(bytes[4..8], 1_764_108_000_i32.to_le_bytes());
     assert_eq!(bytes[8..12], 123_456_000_u32.to_le_bytes());

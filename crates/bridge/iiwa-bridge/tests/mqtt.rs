@@ -1,4 +1,4 @@
-//! Commands by MQTT 5, from a broker that reads and writes single packets.
+//! Commands over MQTT 5, from a broker that reads and writes single packets.
 
 #![expect(clippy::panic, clippy::unwrap_used, reason = "a failed test panics")]
 
@@ -39,7 +39,7 @@ struct Peer {
 }
 
 impl Peer {
-    /// Accepts a client and its subscription; `None` of one that only tries the connection.
+    /// Accepts a client and its subscription; `None` for a client that only probes the connection.
     fn accept(listener: &TcpListener) -> Option<(Self, Filter)> {
         let (stream, _) = listener.accept().unwrap();
         stream.set_read_timeout(Some(LONG)).unwrap();
@@ -56,13 +56,13 @@ impl Peer {
         Some((peer, filter.clone()))
     }
 
-    /// The next packet of the client.
+    /// Reads the next packet of the client.
     fn next(&mut self) -> io::Result<Packet> {
         loop {
             match Packet::read(&mut self.read, None) {
                 Ok(packet) => return Ok(packet),
                 Err(Error::InsufficientBytes(_)) => {}
-                // Such as a farewell without a reason.
+                // Such as a DISCONNECT packet without a reason.
                 Err(error) => return Err(io::Error::other(error)),
             }
             let mut bytes = [0; 4096];
@@ -96,7 +96,8 @@ impl Peer {
         self.send(&Packet::Publish(publish)).unwrap();
     }
 
-    /// The next message of the client: its topic and content. It names what was delivered.
+    /// Returns topic and content of the next client message, which contains the correlation data of
+    /// the delivery.
     fn published(&mut self) -> (String, Value) {
         loop {
             match self.next().unwrap() {
@@ -115,7 +116,7 @@ impl Peer {
     }
 }
 
-/// A bridge that accepts commands for a robot whose drive is away, and its broker.
+/// A bridge that accepts commands for a robot with an unavailable drive, and its broker.
 struct Rig {
     gate: Arc<CommandGate>,
     peer: Peer,
@@ -150,19 +151,19 @@ impl Rig {
             let gate = Arc::clone(&gate);
             thread::spawn(move || Mqtt::start(&options, &robots, 1, &gate).unwrap())
         };
-        // The bridge tries the connection before it subscribes.
+        // The bridge probes the connection before it subscribes.
         let (peer, filter) =
             iter::repeat_with(|| Peer::accept(&listener)).flatten().next().unwrap();
         Self { gate, peer, filter, _mqtt: started.join().unwrap(), _spool: spool }
     }
 
-    /// The numbers of accepted and of refused commands.
+    /// Returns the numbers of accepted and refused commands.
     fn counts(&self) -> (u64, u64) {
         (self.gate.counts().accepted, self.gate.counts().refused)
     }
 }
 
-/// A command that moves the robot, if it is accepted.
+/// Returns a command that moves the robot, if accepted.
 fn command(id: &str) -> String {
     let at = serde_json::to_string(&Timestamp::now()).unwrap();
     let request =
@@ -186,7 +187,8 @@ fn retained_commands_are_seen_and_refused() {
     assert_eq!(rig.filter.retain_forward_rule, RetainForwardRule::OnEverySubscribe);
     rig.peer.deliver(&command("a"), true, None);
     check_refusal(&rig.peer.published(), "a", "the command is retained");
-    // Invalid retained commands are refused, too, as are retained commands with a permitted response topic.
+    // Invalid retained commands are also refused, as are retained commands with a permitted
+    // response topic.
     rig.peer.deliver("nonsense", true, None);
     assert_eq!(rig.peer.published().1["reply"]["ok"], false);
     rig.peer.deliver(&command("b"), true, Some("plant/cell-1/reply/b"));
@@ -201,7 +203,7 @@ fn removal_of_a_retained_command_is_no_command() {
     let mut rig = Rig::new();
     rig.peer.deliver("", true, None);
     rig.peer.deliver(&command("a"), true, None);
-    // The first reply is that to the second message.
+    // The first reply is the reply to the second message.
     check_refusal(&rig.peer.published(), "a", "the command is retained");
     assert_eq!(rig.counts(), (0, 1));
 }
@@ -224,7 +226,7 @@ fn commands_with_a_foreign_response_topic_are_refused() {
         check_refusal(&rig.peer.published(), &id, why);
     }
     assert_eq!(rig.counts(), (0, foreign.len() as u64));
-    // Replies go below the robot's topic, here that of a command that the gate refuses.
+    // Replies are published below the robot's topic, here for a command that the gate refuses.
     for topic in ["plant/cell-1/reply", "plant/cell-1/reply/client/7"] {
         rig.peer.deliver("{}", false, Some(topic));
         let (to, message) = rig.peer.published();

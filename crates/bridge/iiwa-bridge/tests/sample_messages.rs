@@ -1,4 +1,4 @@
-//! A message of each kind, also for the JSON Schema in `tests/peers`.
+//! One message of each kind, also for the JSON Schema in `tests/peers`.
 
 use std::net::{IpAddr, Ipv4Addr};
 
@@ -51,7 +51,7 @@ fn conditions() -> RobotConditions {
     }
 }
 
-/// A message of each kind, with all keys and with as few as there may be.
+/// Returns one message of each kind, with all keys and with as few as permitted.
 pub(crate) fn all() -> Vec<Message> {
     let sample =
         JointSample { t_s: 12.345, joints_rad: [0.1; 7], measured_nm: None, external_nm: None };

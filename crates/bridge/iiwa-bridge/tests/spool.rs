@@ -49,13 +49,13 @@ fn what_is_committed_is_not_read_again_after_a_restart() {
         assert_eq!(reader.batch(&spool, 400, usize::MAX).unwrap().len(), 400);
         reader.commit(&spool).unwrap();
         reader.save(&spool).unwrap();
-        // Read, but not committed.
+        // The records are read, but not committed.
         assert_eq!(reader.batch(&spool, 100, usize::MAX).unwrap().len(), 100);
     }
     let (spool, mut reader) = spool::open(folder.path(), 64 * MB).unwrap();
     spool.append(&record(5000, 8)).unwrap();
     let expected: Vec<u64> = (400..500).chain(500..1000).chain([5000]).collect();
-    // All but the tail that was never handed to the system.
+    // All records except the tail that was never written to the system.
     assert_eq!(rest(&spool, &mut reader), expected);
 }
 
@@ -121,7 +121,7 @@ fn damage_costs_a_segment_and_no_more() {
     let left = rest(&spool, &mut reader);
     assert!(left.is_sorted_by(|a, b| a < b));
     assert_eq!(left[0], 0);
-    // Half of a segment is gone, and what had not been handed to the system.
+    // Half of a segment is lost, and the records that had not been written to the system.
     assert!(left.len() > 8000, "{}", left.len());
     let gaps = left.windows(2).filter(|pair| pair[1] != pair[0] + 1).count();
     assert_eq!(gaps, 1);
@@ -147,7 +147,7 @@ fn files_that_are_no_segments_are_left_alone() {
     assert_eq!(fs::read_to_string(folder.path().join("notes.txt")).unwrap(), "mine");
 }
 
-/// A folder with a file outside of the spool, to which a link of the spool leads.
+/// A folder with a file outside of the spool, to which a link in the spool refers.
 #[cfg(unix)]
 struct Victim {
     above: tempfile::TempDir,
@@ -172,7 +172,7 @@ impl Victim {
             .unwrap();
     }
 
-    /// The error names the link and what to do, and the victim is as it was.
+    /// Asserts that the error names the link and the remedy, and that the victim is unchanged.
     fn check(&self, name: &str, error: &io::Error) {
         let error = error.to_string();
         let link = self.spool().join(name);
@@ -191,7 +191,7 @@ fn a_spool_with_a_link_is_not_opened() {
         let victim = Victim::new();
         victim.link(name);
         victim.check(name, &spool::open(&victim.spool(), 64 * MB).unwrap_err());
-        // As the error says.
+        // The remedy from the error message.
         fs::remove_file(victim.spool().join(name)).unwrap();
         spool::open(&victim.spool(), 64 * MB).unwrap();
     }
@@ -205,7 +205,7 @@ fn links_that_appear_later_are_not_followed() {
     victim.link("cursor.new");
     victim.check("cursor.new", &reader.save(&spool).unwrap_err());
     fs::remove_file(victim.spool().join("cursor.new")).unwrap();
-    // Left behind by a process that was killed.
+    // A file left behind by a killed process.
     fs::write(victim.spool().join("cursor.new"), "1").unwrap();
     reader.save(&spool).unwrap();
     assert!(!victim.spool().join("cursor.new").exists());
@@ -249,7 +249,8 @@ fn steps() -> impl Strategy<Value = Vec<Step>> {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(40))]
 
-    /// As a list with a mark at the last commit: read in order, each once between commits.
+    /// The queue behaves like a list with a mark at the last commit: records are read in order,
+    /// each once between commits.
     #[test]
     fn it_is_a_queue(steps in steps()) {
         let folder = tempfile::tempdir().unwrap();
@@ -276,7 +277,8 @@ proptest! {
                     next = committed;
                 }
                 Step::Reopen => {
-                    // As at the end of a bridge: all is read, so that nothing is only in memory.
+                    // Same as at the end of a bridge: all records are read, so that none is only in
+                    // memory.
                     while !reader.batch(&spool, 1000, usize::MAX).unwrap().is_empty() {}
                     reader.save(&spool).unwrap();
                     drop(spool);

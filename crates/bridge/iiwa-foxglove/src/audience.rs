@@ -1,4 +1,4 @@
-//! Who is subscribed to what, and what has not been sent to them yet.
+//! Subscriptions of viewers, and messages that have not been sent to them yet.
 
 use std::{
     collections::{BTreeMap, VecDeque},
@@ -11,35 +11,35 @@ use tokio::sync::{Notify, watch};
 
 use super::protocol::{Channel, Level, ServerMessage, Subscription, ViewerMessage, message_data};
 
-/// Messages queued for a slow viewer, less than two seconds and a megabyte of them; then the oldest are
-/// dropped.
+/// Maximum number of messages queued for a slow viewer, less than two seconds and a megabyte;
+/// beyond this, the oldest are dropped.
 const BACKLOG: usize = 512;
 
-/// The channels and their viewers.
+/// Channels and their viewers.
 #[derive(Debug)]
 pub(super) struct Audience {
     pub(super) channels: Vec<Channel>,
     state: Mutex<State>,
-    /// Whether the server ends.
+    /// `true` once the server ends.
     ended: watch::Sender<bool>,
 }
 
 #[derive(Debug, Default)]
 struct State {
-    /// Viewers by their numbers.
+    /// Viewers by number.
     viewers: BTreeMap<u64, Viewer>,
-    /// Number of the next one.
+    /// Number of the next viewer.
     next: u64,
-    /// The last message of latched channels.
+    /// Last message of each latched channel.
     last: BTreeMap<u64, Vec<u8>>,
 }
 
 #[derive(Debug)]
 struct Viewer {
-    /// Numbers of its subscriptions by channels.
+    /// Subscription ids by channel.
     subscriptions: BTreeMap<u64, u32>,
     queue: VecDeque<Message>,
-    /// Told when there is something in the queue.
+    /// Notified when the queue has messages.
     wake: Arc<Notify>,
 }
 
@@ -66,7 +66,7 @@ impl Audience {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Adds a viewer: its number, and what is told when there is something for it.
+    /// Adds a viewer; returns its number, and the notification for its queue.
     pub(super) fn add(&self) -> (u64, Arc<Notify>) {
         let mut state = self.state();
         let number = state.next;
@@ -86,12 +86,12 @@ impl Audience {
         self.state().viewers.is_empty()
     }
 
-    /// The next message for a viewer.
+    /// Returns the next message for a viewer.
     pub(super) fn next_for(&self, number: u64) -> Option<Message> {
         self.state().viewers.get_mut(&number)?.queue.pop_front()
     }
 
-    /// Whether anybody is subscribed to a channel.
+    /// Returns true if any viewer has subscribed to a channel.
     pub(super) fn has_viewers(&self, channel: u64) -> bool {
         self.state().viewers.values().any(|viewer| viewer.subscriptions.contains_key(&channel))
     }
@@ -101,9 +101,9 @@ impl Audience {
         Self::send(&mut self.state(), channel, time_ns, data);
     }
 
-    /// The same; viewers that subscribe later get it, too.
+    /// Sends a message to the viewers of a channel, including later subscribers.
     pub(super) fn latch(&self, channel: u64, time_ns: u64, data: Vec<u8>) {
-        // Under one lock, so that no viewer gets an older message after a newer one.
+        // Under one lock, so that a viewer never receives an older message after a newer one.
         let mut state = self.state();
         Self::send(&mut state, channel, time_ns, &data);
         state.last.insert(channel, data);
@@ -118,7 +118,7 @@ impl Audience {
         }
     }
 
-    /// Does what a viewer asks for, or tells it why not.
+    /// Handles a viewer request, or replies with the reason for a refusal.
     pub(super) fn receive(&self, number: u64, text: &str) {
         let mut state = self.state();
         let State { viewers, last, .. } = &mut *state;
@@ -146,7 +146,7 @@ impl Audience {
         Subscription { id, channel_id }: Subscription,
     ) {
         if !self.channels.iter().any(|channel| channel.id == channel_id) {
-            viewer.tell(Level::Error, &format!("there is no channel {channel_id}"));
+            viewer.tell(Level::Error, &format!("unknown channel {channel_id}"));
         } else if viewer.subscriptions.contains_key(&channel_id) {
             viewer.tell(Level::Warning, &format!("already subscribed to channel {channel_id}"));
         } else if viewer.subscriptions.values().any(|other| *other == id) {
@@ -154,25 +154,25 @@ impl Audience {
         } else {
             viewer.subscriptions.insert(channel_id, id);
             if let Some(data) = last.get(&channel_id) {
-                // It still holds.
+                // The latched message is still valid.
                 viewer.queue(Message::binary(message_data(id, now_ns(), data)));
             }
         }
     }
 
-    /// Sends all viewers away.
+    /// Disconnects all viewers.
     pub(super) fn end(&self) {
         self.ended.send_replace(true);
     }
 
-    /// Returns when the server ends.
+    /// Waits until the server ends.
     pub(super) async fn ended(&self) {
-        // The sender lives as long as this.
+        // The sender lives as long as `self`.
         let _ = self.ended.subscribe().wait_for(|ended| *ended).await;
     }
 }
 
-/// Since 1970.
+/// Returns the current time since 1970, in ns.
 fn now_ns() -> u64 {
     let since = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
     u64::try_from(since.as_nanos()).unwrap_or(u64::MAX)

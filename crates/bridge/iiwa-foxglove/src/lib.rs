@@ -1,12 +1,13 @@
 //! Publishes a KUKA LBR iiwa live to Foxglove and Lichtblick.
 //!
-//! Viewers connect to a WebSocket and find the topics of a recording, with the same types, so that a
-//! layout made for one works for the other; and the state of the drive, as JSON. They only read: the
-//! server does not allow them to publish, set parameters or call services. There is no authentication,
-//! and so the server should listen to this machine only. (Any web page in a browser on this machine
-//! can connect, which is how viewers that are web pages do it.)
+//! Viewers connect to a WebSocket and find the topics of a recording, with the same types, so that
+//! a layout created for one works for the other; and the drive state, as JSON. Viewers have read
+//! access only: the server does not allow them to publish, set parameters or call services. There
+//! is no authentication, so the server should listen to this machine only. (Any web page in a
+//! browser on this machine can connect; viewers that are web pages connect in this way.)
 //!
-//! Viewers need the protocol `foxglove.sdk.v1`, as in Foxglove and newer versions of Lichtblick.
+//! Viewers need the protocol `foxglove.sdk.v1`, which Foxglove and newer versions of Lichtblick
+//! support.
 
 mod audience;
 mod protocol;
@@ -27,11 +28,11 @@ use serde_json::{Value, json};
 
 use self::{protocol::Channel, server::Server};
 
-/// Joint states a second that are published, at most: more than a screen shows, and a divisor of the
-/// usual rates of streams.
+/// Maximum number of published joint states per second: more than a screen shows, and a divisor of
+/// the usual stream rates.
 const RATE_HZ: u32 = 100;
 
-/// The channels that are advertised, by their numbers.
+/// Numbers of the advertised channels.
 const JOINT_STATES: u64 = 1;
 const TF: u64 = 2;
 const TCP_POSE: u64 = 3;
@@ -40,13 +41,13 @@ const DRIVE_STATE: u64 = 5;
 const SENSORS: u64 = 6;
 const INPUTS_OUTPUTS: u64 = 7;
 
-/// Why viewers cannot be served.
+/// Error of serving viewers.
 #[derive(Debug, thiserror::Error)]
 #[error("{what}: {cause}")]
 pub struct ViewersError {
-    /// What cannot be done.
+    /// The failed operation.
     pub what: String,
-    /// Why.
+    /// The cause.
     pub cause: Box<dyn Error + Send + Sync>,
 }
 
@@ -56,10 +57,10 @@ impl ViewersError {
     }
 }
 
-/// A server for viewers. When dropped, it disconnects them and closes the port.
+/// A server for viewers. Dropping it disconnects them and closes the port.
 ///
-/// It has a thread of its own. [`Self::listen`] and the drop block, so that asynchronous code must not call
-/// them.
+/// The server has a separate thread. [`Self::listen`] and the drop block, so asynchronous code must
+/// not call them.
 pub struct Viewers {
     encoder: Encoder,
     arm: Arm,
@@ -70,17 +71,18 @@ pub struct Viewers {
 /// The joint state published last.
 #[derive(Clone, Copy)]
 struct Sample {
-    /// Since 1970.
+    /// Time since 1970.
     t: Duration,
     joints_rad: Joints,
 }
 
 impl Viewers {
-    /// Listens at `at` for viewers of `robot`, whose joints and links have these names; port 0 takes a free one.
+    /// Listens at `at` for viewers of `robot`, whose joints and links have these names; port 0
+    /// selects a free port.
     ///
     /// # Errors
     ///
-    /// [`ViewersError`] if the address is not free, or not one of this machine.
+    /// [`ViewersError`] if the address is in use, or does not belong to this machine.
     pub fn listen(robot: &Robot, names: &RosNames, at: SocketAddr) -> Result<Self, ViewersError> {
         let mut encoder = Encoder::with_names(Duration::ZERO, names).map_err(unencoded)?;
         let arm = Arm::with_names(robot, names);
@@ -107,19 +109,20 @@ impl Viewers {
         Ok(Self { encoder, arm, last: None, server })
     }
 
-    /// The address at which it listens.
+    /// Returns the bound address.
     pub fn address(&self) -> SocketAddr {
         self.server.address()
     }
 
-    /// Publishes a sample, with positions in rad: the joint state, the frames of the links and the pose of the
-    /// flange. Of the samples of each hundredth of a second, only the first one is published.
+    /// Publishes a sample, with positions in rad: the joint state, the link frames and the flange
+    /// pose. Of the samples in each hundredth of a second, only the first one is published.
     ///
-    /// The velocities are the mean ones since the sample published before.
+    /// The velocities are means since the previously published sample.
     ///
     /// # Errors
     ///
-    /// [`ViewersError`] if a message cannot be written, as of a time that its format does not have.
+    /// [`ViewersError`] if a message cannot be encoded, such as for a time that its format cannot
+    /// represent.
     pub fn joints(&mut self, at: SystemTime, joints_rad: &Joints) -> Result<(), ViewersError> {
         let t = since_1970(at);
         let slot = |t: Duration| t.as_nanos() * u128::from(RATE_HZ) / 1_000_000_000;
@@ -156,18 +159,18 @@ impl Viewers {
         Ok(())
     }
 
-    /// Publishes the status of the drive and the robot on `/drive_state`.
+    /// Publishes the drive and robot status on `/drive_state`.
     pub fn drive_state(&self, at: SystemTime, status: &Status) {
         self.publish_json(DRIVE_STATE, at, status);
     }
 
-    /// Publishes the values of the sensors on `/sensors`.
+    /// Publishes the sensor values on `/sensors`.
     pub fn sensors(&self, at: SystemTime, sensors: &Sensors) {
         self.publish_json(SENSORS, at, sensors);
     }
 
-    /// Publishes the values of inputs and outputs, by name, on `/inputs_outputs`. Booleans become 0 or 1,
-    /// which viewers can plot.
+    /// Publishes the values of inputs and outputs, by name, on `/inputs_outputs`. Booleans become 0
+    /// or 1, which viewers can plot.
     pub fn inputs_outputs(&self, at: SystemTime, values: &[(&str, IoValue)]) {
         let number = |value: IoValue| match value {
             IoValue::Boolean(value) => u8::from(value).into(),
@@ -179,8 +182,8 @@ impl Viewers {
         self.publish_json(INPUTS_OUTPUTS, at, &json!({ "values": entries.collect::<Value>() }));
     }
 
-    /// Publishes a message as JSON, without unknown fields: for viewers a field has one type, and null is
-    /// another.
+    /// Publishes a message as JSON, without unknown values: in viewers, each field has one type,
+    /// and null would be another.
     fn publish_json(&self, channel: u64, at: SystemTime, message: &impl Serialize) {
         let Ok(mut message) = serde_json::to_value(message) else { return };
         if let Value::Object(fields) = &mut message {
@@ -191,7 +194,7 @@ impl Viewers {
     }
 }
 
-/// A topic of a recording.
+/// Creates a channel for a topic of a recording.
 fn ros_channel(id: u64, topic: Topic) -> Channel {
     Channel {
         id,
@@ -203,7 +206,7 @@ fn ros_channel(id: u64, topic: Topic) -> Channel {
     }
 }
 
-/// A topic in JSON.
+/// Creates a channel for a JSON topic.
 fn json_channel(id: u64, topic: &str, type_name: &str, schema: &Value) -> Channel {
     Channel {
         id,
@@ -215,7 +218,7 @@ fn json_channel(id: u64, topic: &str, type_name: &str, schema: &Value) -> Channe
     }
 }
 
-/// Mean velocities since the sample before, in rad/s; zero without one.
+/// Returns mean velocities since the previous sample, in rad/s; zero without one.
 fn mean_velocities(before: Option<&Sample>, t: Duration, joints_rad: &Joints) -> Joints {
     let Some(before) = before else { return [0.0; 7] };
     // The clock may have been set back.

@@ -1,8 +1,8 @@
-//! Messages of the protocol `foxglove.sdk.v1`, as far as viewers need them that only read.
+//! Messages of the protocol `foxglove.sdk.v1`, limited to the needs of read-only viewers.
 
 use serde::{Deserialize, Serialize};
 
-/// Its name in the handshake.
+/// Protocol name in the handshake.
 pub(super) const PROTOCOL: &str = "foxglove.sdk.v1";
 
 /// First byte of a message on a topic.
@@ -20,11 +20,11 @@ pub(super) struct Channel {
     pub(super) schema_encoding: &'static str,
 }
 
-/// What the server says as text.
+/// Text message of the server.
 #[derive(Debug, Serialize)]
 #[serde(tag = "op", rename_all = "camelCase")]
 pub(super) enum ServerMessage<'a> {
-    /// The first message; viewers may do what `capabilities` lists.
+    /// The first message; `capabilities` lists the permitted operations of viewers.
     ServerInfo {
         name: &'a str,
         capabilities: [&'a str; 0],
@@ -40,12 +40,12 @@ pub(super) enum ServerMessage<'a> {
 
 impl ServerMessage<'_> {
     pub(super) fn text(&self) -> String {
-        // Strings and numbers have no way to fail.
+        // Serialising strings and numbers does not fail.
         serde_json::to_string(self).unwrap_or_default()
     }
 }
 
-/// How bad it is.
+/// Severity of a status message.
 #[derive(Clone, Copy, Debug, Serialize)]
 #[serde(into = "u8")]
 pub(super) enum Level {
@@ -62,7 +62,7 @@ impl From<Level> for u8 {
     }
 }
 
-/// What a viewer asks for.
+/// Viewer request.
 #[derive(Debug, Deserialize)]
 #[serde(tag = "op", rename_all = "camelCase")]
 pub(super) enum ViewerMessage {
@@ -73,12 +73,12 @@ pub(super) enum ViewerMessage {
     Unsubscribe {
         subscription_ids: Vec<u32>,
     },
-    /// What only viewers with more rights may do.
+    /// A request that requires more rights.
     #[serde(other)]
     Other,
 }
 
-/// The number by which a viewer knows the messages of a channel.
+/// Subscription id by which a viewer identifies the messages of a channel.
 #[derive(Clone, Copy, Debug, Deserialize)]
 #[serde(rename_all = "camelCase")]
 pub(super) struct Subscription {
@@ -86,7 +86,7 @@ pub(super) struct Subscription {
     pub(super) channel_id: u64,
 }
 
-/// A message on a topic, for the subscription of this number.
+/// Encodes a message on a topic, for this subscription.
 pub(super) fn message_data(subscription: u32, time_ns: u64, data: &[u8]) -> Vec<u8> {
     let mut message = Vec::with_capacity(13 + data.len());
     message.push(MESSAGE_DATA);

@@ -1,10 +1,10 @@
 //! Schemas of the JSON topics.
 //!
-//! Viewers support a subset of JSON Schema: every field has one type, and an array holds no arrays.
+//! Viewers support a subset of JSON Schema: every field has one type, and arrays cannot be nested.
 
 use serde_json::{Value, json};
 
-/// Of `/drive_state`: the reply of iiwaDrive to the request `state`.
+/// Returns the schema of `/drive_state`: iiwaDrive's reply to the request `state`.
 pub(super) fn drive_state() -> Value {
     object(&json!({
         "state": { "type": "string", "description": "idle, running_motion or running_trajectory" },
@@ -20,7 +20,7 @@ pub(super) fn drive_state() -> Value {
     }))
 }
 
-/// Of `/sensors`.
+/// Returns the schema of `/sensors`.
 pub(super) fn sensors() -> Value {
     object(&json!({
         "joint_temperature_c": joints("Temperatures of the joints, degrees Celsius"),
@@ -28,7 +28,7 @@ pub(super) fn sensors() -> Value {
     }))
 }
 
-/// Of `/inputs_outputs`.
+/// Returns the schema of `/inputs_outputs`.
 pub(super) fn inputs_outputs() -> Value {
     object(&json!({
         "values": {

@@ -34,35 +34,35 @@ use super::{
     protocol::{Channel, PROTOCOL, ServerMessage},
 };
 
-/// Connections, at most; more are closed at once.
+/// Maximum number of connections; further ones are closed immediately.
 const MAX_CONNECTIONS: usize = 16;
 
-/// How long a connection may take to become one of a viewer.
+/// Time-out of the WebSocket handshake.
 const HANDSHAKE: Duration = Duration::from_secs(5);
 
-/// Length of what a viewer may say, in bytes.
+/// Maximum length of a viewer request, in bytes.
 const MAX_REQUEST_BYTES: usize = 64 << 10;
 
-/// How long to wait for viewers to disconnect. One that does not read never would.
+/// Time-out of disconnecting viewers: a viewer that does not read would never disconnect.
 const SHUTDOWN_TIMEOUT: Duration = Duration::from_millis(200);
 
-/// Pause after the system could not accept a connection.
+/// Pause after a failure to accept a connection.
 const PAUSE: Duration = Duration::from_millis(20);
 
-/// A server, which listens until it is dropped.
+/// A server that listens until it is dropped.
 ///
-/// It has a thread of its own. [`Self::listen`] and the drop block, so that asynchronous code must not call
-/// them.
+/// The server has a separate thread. [`Self::listen`] and the drop block, so asynchronous code must
+/// not call them.
 #[derive(Debug)]
 pub(super) struct Server {
     audience: Arc<Audience>,
     address: SocketAddr,
-    /// None once it has ended.
+    /// `None` once the server has ended.
     runtime: Option<Runtime>,
 }
 
 impl Server {
-    /// Listens at `at`; port 0 takes a free one.
+    /// Listens at `at`; port 0 selects a free port.
     pub(super) fn listen(at: SocketAddr, channels: Vec<Channel>) -> io::Result<Self> {
         let listener = Listener::bind(at)?;
         listener.set_nonblocking(true)?;
@@ -99,13 +99,13 @@ impl Drop for Server {
                 sleep(Duration::from_millis(1)).await;
             }
         };
-        // Viewers still connected after it are cut off.
+        // Viewers that are still connected afterwards are cut off.
         let _ = runtime.block_on(async { timeout(SHUTDOWN_TIMEOUT, gone).await });
         runtime.shutdown_timeout(SHUTDOWN_TIMEOUT);
     }
 }
 
-/// Accepts connections until the end.
+/// Accepts connections until the server ends.
 async fn accept(listener: TcpListener, audience: Arc<Audience>) {
     let places = Arc::new(Semaphore::new(MAX_CONNECTIONS));
     let router = Router::new().fallback(upgrade).with_state(audience.clone());
@@ -120,18 +120,18 @@ async fn accept(listener: TcpListener, audience: Arc<Audience>) {
                     tokio::spawn(shake_hands(stream, Arc::new(place), router.clone()));
                 }
             }
-            // The other end has gone, or the process has too many open files.
+            // The other side has disconnected, or the process has too many open files.
             Err(_) => sleep(PAUSE).await,
         }
     }
 }
 
-/// Answers the one request of a connection, which makes it a viewer's.
+/// Answers the single request of a connection, which upgrades it to a viewer connection.
 async fn shake_hands(stream: TcpStream, place: Arc<OwnedSemaphorePermit>, router: Router) {
     let service = TowerToHyperService::new(router.layer(Extension(place)));
     let exchange =
         http1::Builder::new().serve_connection(TokioIo::new(stream), service).with_upgrades();
-    // A failure concerns the other end only.
+    // A failure affects the other side only.
     let _ = timeout(HANDSHAKE, exchange).await;
 }
 
@@ -150,7 +150,7 @@ async fn upgrade(
     })
 }
 
-/// Sends a viewer what it has subscribed to, until it goes or the server ends.
+/// Sends a viewer the messages of its subscriptions, until it disconnects or the server ends.
 async fn serve(socket: WebSocket, audience: &Audience) {
     let (mut to_viewer, from_viewer) = socket.split();
     let (number, wake) = audience.add();
@@ -159,7 +159,7 @@ async fn serve(socket: WebSocket, audience: &Audience) {
         () = receive(from_viewer, audience, number) => {}
         () = audience.ended() => {}
     }
-    // It may have gone already.
+    // The viewer may have disconnected already.
     let _ = timeout(SHUTDOWN_TIMEOUT / 2, to_viewer.send(Message::Close(None))).await;
     audience.remove(number);
 }

@@ -1,4 +1,4 @@
-//! The arm: a motion device with seven axes, their power trains, and the load at its flange.
+//! Motion device with seven axes, their power trains, and the flange load.
 
 use iiwa_kin::{Joints, Robot};
 use opcua::types::{DataTypeId, DataValue, ExtensionObject, LocalizedText, NodeId, Range, Variant};
@@ -10,7 +10,7 @@ use crate::{
     units::{DEGREE_CELSIUS, RADIAN, RADIAN_PER_SECOND, RADIAN_PER_SECOND_SQUARED, Unit},
 };
 
-// Numbers of OPC 40010-1.
+// Node numbers of OPC 40010-1.
 const MOTION_DEVICE_TYPE: u32 = 1004;
 const AXIS_TYPE: u32 = 16601;
 const POWER_TRAIN_TYPE: u32 = 16794;
@@ -21,10 +21,10 @@ const AXIS_MOTION_PROFILE: u32 = 3008;
 const ROTARY: i32 = 1;
 const MOVES: u32 = 18178;
 
-/// Who makes the arm, and its controller.
+/// Manufacturer of the robot and its controller.
 pub(crate) const MANUFACTURER: &str = "KUKA";
 
-/// The nodes of the arm that change.
+/// Variable nodes of the motion device.
 pub(crate) struct ArmNodes {
     pub(crate) id: NodeId,
     speed_override: NodeId,
@@ -40,7 +40,7 @@ struct AxisNodes {
 }
 
 impl ArmNodes {
-    /// An arm among the motion devices of a system.
+    /// Inserts a motion device into the devices of a system.
     pub(crate) fn insert(tree: &mut Tree<'_>, devices: &NodeId, robot: &Robot) -> Self {
         let id = tree.object(devices, Of::Instances, "Arm", tree.robotics(MOTION_DEVICE_TYPE));
         identify(tree, &id, model(robot.name()));
@@ -56,7 +56,7 @@ impl ArmNodes {
         let parts: [(AxisNodes, NodeId); 7] = std::array::from_fn(|joint| {
             let (axis, nodes) = AxisNodes::insert(tree, &axes_folder, robot, joint);
             let (train, temperature) = insert_power_train(tree, &trains_folder, joint);
-            // Not the reverse, too: browsers that follow references would go round in circles.
+            // The reverse reference is omitted: browsers that follow references would loop.
             tree.refer(&train, MOVES, &axis);
             (nodes, temperature)
         });
@@ -64,7 +64,7 @@ impl ArmNodes {
         Self { id, speed_override, axes: parts.map(|(axis, _)| axis), motor_temperatures, load }
     }
 
-    /// The values of a state.
+    /// Appends the values of a state.
     pub(crate) fn values(&self, state: &RobotState, values: &mut Vec<(NodeId, DataValue)>) {
         let percent = state.override_rel.map(|share| share * 100.0);
         values.push((self.speed_override.clone(), state.value(percent)));
@@ -112,7 +112,8 @@ impl AxisNodes {
     }
 }
 
-/// Motor and power train of an axis; gives the train, and where the motor's temperature goes.
+/// Inserts motor and power train of an axis; returns the power train, and the node of the motor
+/// temperature.
 fn insert_power_train(tree: &mut Tree<'_>, folder: &NodeId, joint: usize) -> (NodeId, NodeId) {
     let name = format!("A{}", joint + 1);
     let train = tree.object(folder, Of::Instances, &name, tree.robotics(POWER_TRAIN_TYPE));
@@ -122,7 +123,8 @@ fn insert_power_train(tree: &mut Tree<'_>, folder: &NodeId, joint: usize) -> (No
     (train, tree.measurement(&parameters, "MotorTemperature", DEGREE_CELSIUS))
 }
 
-/// What identifies a device. Codes and serial numbers are not told over the network: they are empty.
+/// Inserts the identification of a device. Codes and serial numbers are left empty, because they
+/// are not published.
 pub(crate) fn identify(tree: &mut Tree<'_>, device: &NodeId, model: &str) {
     let mut text = |name: &str, value: &str| {
         let value = LocalizedText::from(value);
@@ -135,7 +137,7 @@ pub(crate) fn identify(tree: &mut Tree<'_>, device: &NodeId, model: &str) {
     }
 }
 
-/// What KUKA calls a model.
+/// Returns KUKA's name of a model.
 fn model(name: &str) -> &str {
     match name {
         "lbr_iiwa_7_r800" => "LBR iiwa 7 R800",

@@ -1,4 +1,4 @@
-//! The server's certificate, and those of clients that it trusts.
+//! Server certificate, and certificates of trusted clients.
 //!
 //! ```text
 //! own/cert.der          the server's certificate, for clients to trust
@@ -19,25 +19,25 @@ use opcua::crypto::{CertificateStore, X509, X509Data};
 
 use crate::OpcUaError;
 
-/// Bits of the server's key.
+/// Key length of the server, in bits.
 const KEY_BITS: u32 = 2048;
-/// How long a certificate is valid that the server makes for itself, in days. Clients trust it by name, and each new one
-/// has to be trusted again.
+/// Validity of a self-signed server certificate, in days. Clients trust it explicitly, and each new
+/// certificate has to be trusted again.
 const VALID_DAYS: u32 = 3650;
-/// Most rejected certificates that are kept: whoever reaches the port can add to them.
+/// Maximum number of stored rejected certificates: anyone who can reach the port can add to them.
 const MOST_REJECTED: usize = 50;
 
-/// A folder of certificates.
+/// A certificate folder.
 #[derive(Debug)]
 pub(crate) struct Certificates {
     folder: PathBuf,
-    /// Those that were rejected, as far as it was told.
+    /// Rejected certificates that have been logged.
     rejected: HashSet<PathBuf>,
 }
 
 impl Certificates {
-    /// Certificates in a folder, which is created if it is missing; and with it, a certificate of the server, if there is
-    /// none, for an application and the hosts that clients may call it by.
+    /// Opens a certificate folder, which is created if it is missing. If the server certificate is
+    /// missing, it is also created, for an application and the host names that clients may use.
     pub(crate) fn open(
         folder: &Path,
         application_uri: &str,
@@ -83,7 +83,7 @@ impl Certificates {
         Ok(these)
     }
 
-    /// The folder.
+    /// Returns the folder.
     pub(crate) fn folder(&self) -> &Path {
         &self.folder
     }
@@ -96,7 +96,7 @@ impl Certificates {
         self.folder.join("private/private.pem")
     }
 
-    /// Trusts a client's certificate, a file in DER or PEM.
+    /// Trusts a client certificate, a file in DER or PEM.
     pub(crate) fn trust(&self, file: &Path) -> Result<(), OpcUaError> {
         let certificate = CertificateStore::read_cert(file).map_err(|error| bad(file, &error))?;
         self.store(&certificate).map_err(|error| bad(file, &error))
@@ -106,14 +106,14 @@ impl Certificates {
         let name = CertificateStore::cert_file_name(certificate);
         let der = certificate.to_der().map_err(io::Error::other)?;
         let path = self.folder.join("trusted").join(&name);
-        // In place of what has this name, such as a link, which is not followed.
+        // Replaces any file with this name, such as a link, without following it.
         remove(&path)?;
         File::create_new(path)?.write_all(&der)?;
-        // One that lies here, too, would be refused.
+        // A copy in the folder of rejected certificates would be refused.
         remove(&self.folder.join("rejected").join(&name))
     }
 
-    /// Tells which certificates were rejected lately, and deletes the oldest if there are many.
+    /// Logs recently rejected certificates, and deletes the oldest ones beyond the limit.
     pub(crate) fn look_at_rejected(&mut self) {
         let Ok(entries) = fs::read_dir(self.folder.join("rejected")) else { return };
         let dated = entries.filter_map(|entry| {
@@ -141,7 +141,7 @@ impl Certificates {
     }
 }
 
-/// Removes a file or a link, if there is one.
+/// Removes a file or a link, if it exists.
 fn remove(path: &Path) -> io::Result<()> {
     match fs::remove_file(path) {
         Err(error) if error.kind() != io::ErrorKind::NotFound => Err(error),
@@ -153,7 +153,7 @@ fn bad(file: &Path, what: &impl ToString) -> OpcUaError {
     OpcUaError::Certificate { file: file.to_owned(), what: what.to_string() }
 }
 
-/// A folder; if it is `private`, for its owner alone.
+/// Creates a folder; if `private`, accessible to its owner only.
 fn create_folder(at: &Path, private: bool) -> io::Result<()> {
     let mut builder = fs::DirBuilder::new();
     builder.recursive(true);

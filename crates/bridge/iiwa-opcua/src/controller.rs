@@ -1,4 +1,4 @@
-//! The controller: its software, and the task control with the program that runs.
+//! Controller with its software, and the task control with the running program.
 
 use opcua::types::{
     Argument, DataTypeId, DataValue, EnumValueType, ExtensionObject, LocalizedText, NodeId,
@@ -12,7 +12,7 @@ use crate::{
     tree::{Of, Tree},
 };
 
-// Numbers of OPC 40010-1, and of OPC 10000-100.
+// Node numbers of OPC 40010-1 and OPC 10000-100.
 const CONTROLLER_TYPE: u32 = 1003;
 const USER_TYPE: u32 = 18175;
 const TASK_CONTROL_TYPE: u32 = 1011;
@@ -23,10 +23,10 @@ const CONTROLS: u32 = 4002;
 const HAS_SAFETY_STATES: u32 = 18182;
 const SOFTWARE_TYPE: u32 = 15106;
 
-/// The only way to stop: on the path, and then at rest.
+/// The only stop mode: on the path, to standstill.
 pub(crate) const STOP_ON_PATH: i64 = 0;
 
-/// The nodes of the controller that change.
+/// Variable nodes of the controller.
 pub(crate) struct ControllerNodes {
     system_software: NodeId,
     robot_program: NodeId,
@@ -36,12 +36,13 @@ pub(crate) struct ControllerNodes {
     state_id: NodeId,
     transition: NodeId,
     transition_id: NodeId,
-    /// Where stops are asked for, if they may be.
+    /// Node of the stop method, if permitted.
     pub(crate) stop: Option<NodeId>,
 }
 
 impl ControllerNodes {
-    /// The controller of a system with this arm and this safety state. With `commands`, stops can be asked for.
+    /// Inserts the controller of a system with this motion device and this safety state. With
+    /// `commands`, clients can request stops.
     pub(crate) fn insert(
         tree: &mut Tree<'_>,
         folder: &NodeId,
@@ -95,7 +96,7 @@ impl ControllerNodes {
         }
     }
 
-    /// The values of a state; `last` is the state of the task before, and the last transition.
+    /// Appends the values of a state; `last` is the previous state of the task.
     pub(crate) fn values(
         &self,
         state: &RobotState,
@@ -108,7 +109,8 @@ impl ControllerNodes {
         push(&self.robot_program, state.value(state.robot_program.clone()));
         let task = TaskState::of(state);
         let executes = task == TaskState::Executing;
-        // A run without a name is one, too; before the first run, there is none.
+        // The name is empty for a run without a name and before the first run, and unknown before
+        // the first drive state.
         let name = state.program.clone().or_else(|| state.drive.map(|_| String::new()));
         push(&self.program, state.value(name));
         push(&self.loaded, state.value(state.drive.map(|_| executes)));
@@ -125,7 +127,7 @@ impl ControllerNodes {
     }
 }
 
-/// The state of the task that was published last.
+/// The task state that was published last.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct TaskHistory {
     state: TaskState,
@@ -138,7 +140,7 @@ impl TaskHistory {
     }
 }
 
-/// Software of the controller; gives where its version goes.
+/// Inserts a software item of the controller; returns the node of its version.
 fn insert_software(
     tree: &mut Tree<'_>,
     folder: &NodeId,
@@ -154,7 +156,7 @@ fn insert_software(
     tree.property(&software, Of::Devices, "SoftwareRevision", string, Variant::Empty)
 }
 
-/// The state machine of a task control.
+/// Inserts the state machine of a task control.
 fn insert_state_machine(tree: &mut Tree<'_>, task: &NodeId, arm: &NodeId) -> NodeId {
     let operation = tree.linked_object(
         task,
@@ -171,7 +173,7 @@ fn insert_state_machine(tree: &mut Tree<'_>, task: &NodeId, arm: &NodeId) -> Nod
         "TaskControlStateMachine",
         tree.robotics(TASK_CONTROL_STATE_MACHINE_TYPE),
     );
-    // Why a state was left is not told.
+    // The reason of a transition is unknown.
     let reason = tree.variable(
         &machine,
         (Of::Robotics, "LastTransitionReason"),
@@ -186,7 +188,7 @@ fn insert_state_machine(tree: &mut Tree<'_>, task: &NodeId, arm: &NodeId) -> Nod
     machine
 }
 
-/// A state or transition: its text, and which node of the type it is.
+/// Inserts a state or transition: its text, and the id of the corresponding type node.
 fn insert_finite(
     tree: &mut Tree<'_>,
     machine: &NodeId,
@@ -199,7 +201,7 @@ fn insert_finite(
     (variable, id)
 }
 
-/// The method that stops, and which ways of stopping there are.
+/// Inserts the stop method and the available stop modes.
 fn insert_stop(tree: &mut Tree<'_>, machine: &NodeId) -> NodeId {
     let modes = [EnumValueType {
         value: STOP_ON_PATH,

@@ -1,43 +1,45 @@
-//! Speed and acceleration of joints, which robots do not report, from their measured positions.
+//! Joint speeds and accelerations, which robots do not report, from measured positions.
 //!
-//! A parabola is laid through the positions of the last [`WINDOW_S`], by least squares. Its slope at the newest position
-//! is the speed, and its curvature the acceleration. Differences of neighbouring positions would multiply the noise of
-//! the encoders by the rate; the parabola averages it, has no lag as long as the acceleration is constant, and takes
-//! time stamps as they are: messages that were lost, or come at another rate, leave it correct. Where the jerk is not
-//! zero, the acceleration is that of the middle of the window.
+//! A parabola is fitted to the positions of the last [`WINDOW_S`], by least squares. Its slope at
+//! the newest position is the speed, and its curvature the acceleration. Differences of
+//! neighbouring positions would multiply the encoder noise by the rate; the parabola averages the
+//! noise, has no lag as long as the acceleration is constant, and uses the actual time stamps: lost
+//! messages, or another rate, do not affect its correctness. If the jerk is not zero, the
+//! acceleration is that of the middle of the window.
 
 use std::collections::VecDeque;
 
 use iiwa_kin::Joints;
 
-/// Length of the window, in s. A joint of an iiwa at its limits takes 0.2 s to its full speed; of 12 positions at 5 ms
-/// with a noise of 10 µrad, speeds are within 0.5 mrad/s, and accelerations within 0.04 rad/s² (both one sigma).
+/// Length of the window, in s. A joint of an iiwa at its limits takes 0.2 s to its full speed; with
+/// 12 positions at 5 ms and a noise of 10 µrad, speeds are within 0.5 mrad/s, and accelerations
+/// within 0.04 rad/s² (both one sigma).
 const WINDOW_S: f64 = 0.06;
-/// Fewest positions that a parabola is laid through: at rates below 100 Hz, the window is longer.
+/// Minimum number of positions for a fit: at rates below 100 Hz, the window is longer.
 const FEWEST: usize = 6;
-/// Most positions that are kept. At 1 kHz, the window has 60.
+/// Maximum number of stored positions. At 1 kHz, the window has 60.
 const MOST: usize = 128;
-/// A gap in time after which the positions before it say nothing any more, in s.
+/// Gap in time after which previous positions are discarded, in s.
 const LONGEST_GAP_S: f64 = 0.5;
 
-/// What moves with which speed and acceleration.
+/// Joint speeds and accelerations.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Derivatives {
-    /// In rad/s.
+    /// Speeds in rad/s.
     pub(crate) speed: Joints,
-    /// In rad/s².
+    /// Accelerations in rad/s².
     pub(crate) acceleration: Joints,
 }
 
-/// The positions of the last moments.
+/// Recent positions.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Window {
     samples: VecDeque<(f64, Joints)>,
 }
 
 impl Window {
-    /// Positions at a time, in s. Those that are not newer than the ones before, as after a restart of the robot's clock,
-    /// begin anew.
+    /// Adds positions at a time, in s. A repeated time stamp is ignored; an earlier one, such as
+    /// after a restart of the robot clock, or a gap of [`LONGEST_GAP_S`] restarts the window.
     pub(crate) fn push(&mut self, t_s: f64, joints_rad: Joints) {
         if let Some((last_s, _)) = self.samples.back() {
             let gap_s = t_s - last_s;
@@ -49,7 +51,8 @@ impl Window {
             }
         }
         self.samples.push_back((t_s, joints_rad));
-        // One position at the border of the window is kept, so that it is never shorter than meant.
+        // One position at the border of the window is kept, so that the window is never shorter
+        // than specified.
         while self.samples.len() > FEWEST && self.samples[1].0 <= t_s - WINDOW_S
             || self.samples.len() > MOST
         {
@@ -57,17 +60,19 @@ impl Window {
         }
     }
 
-    /// Speed and acceleration at the newest position; `None` with too few of them.
+    /// Returns speed and acceleration at the newest position; `None` with too few positions.
     pub(crate) fn derivatives(&self) -> Option<Derivatives> {
         let (now_s, newest) = *self.samples.back()?;
         if self.samples.len() < FEWEST {
             return None;
         }
-        // Times before now and positions relative to the newest: small numbers keep their digits.
+        // Times and positions are relative to the newest ones, because small numbers keep their
+        // digits.
         let ages = || self.samples.iter().map(|(t_s, _)| t_s - now_s);
         let moment = |power: i32| ages().map(|t| t.powi(power)).sum::<f64>();
         let (m0, m1, m2, m3, m4) = (moment(0), moment(1), moment(2), moment(3), moment(4));
-        // Cofactors of the normal equations' matrix [m0 m1 m2; m1 m2 m3; m2 m3 m4], which is symmetric.
+        // Cofactors of the matrix of the normal equations [m0 m1 m2; m1 m2 m3; m2 m3 m4], which is
+        // symmetric.
         let (c01, c02) = (m2 * m3 - m1 * m4, m1 * m3 - m2 * m2);
         let (c11, c12, c22) = (m0 * m4 - m2 * m2, m1 * m2 - m0 * m3, m0 * m2 - m1 * m1);
         let determinant = m0 * (m2 * m4 - m3 * m3) + m1 * c01 + m2 * c02;
@@ -103,7 +108,7 @@ mod tests {
     }
 
     fn every(step: f64, count: usize) -> impl Iterator<Item = f64> {
-        // Hours after the start: digits must not be lost in the time.
+        // Hours after the start: the large time must not cost digits.
         (0..count).map(move |i| 20_000.0 + step * i as f64)
     }
 
@@ -123,7 +128,7 @@ mod tests {
 
     #[test]
     fn motions_at_the_limits_are_followed() {
-        // 1.7 rad/s and 8.5 rad/s² at their highest, as A1 of the LBR iiwa 7.
+        // Maxima of 1.7 rad/s and 8.5 rad/s², as for A1 of the LBR iiwa 7.
         let w = 5.0;
         for step in [0.001, 0.005, 0.01] {
             let end = every(step, 400).last().unwrap() - 20_000.0;
@@ -131,7 +136,7 @@ mod tests {
             let speed = 0.34 * w * (w * end).cos();
             let acceleration = -0.34 * w * w * (w * end).sin();
             assert!((found.speed[0] - speed).abs() < 0.03, "{} {speed}", found.speed[0]);
-            // Half a window of 60 ms at a jerk of up to 43 rad/s³.
+            // Half of a 60 ms window at a jerk of up to 43 rad/s³.
             assert!((found.acceleration[0] - acceleration).abs() < 1.4);
         }
     }
@@ -140,7 +145,7 @@ mod tests {
     fn noise_of_the_encoders_stays_small() {
         let mut seed = 1_u64;
         let mut noise = || {
-            // Uniform: a sigma of 10 µrad.
+            // Uniformly distributed with a sigma of 10 µrad.
             seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
             ((seed >> 33) as f64 / f64::from(1_u32 << 31) - 0.5) * 1e-5 * 12_f64.sqrt()
         };
@@ -171,7 +176,7 @@ mod tests {
         assert_eq!(window.derivatives(), None);
         window.push(5.0, [0.0; 7]);
         assert_eq!(window.samples.len(), 1);
-        // The same message twice says nothing new.
+        // A repeated message does not add information.
         window.push(5.0, [1.0; 7]);
         assert_eq!(window.samples.len(), 1);
     }

@@ -1,14 +1,14 @@
-//! Errors of setting up the server.
+//! Setup errors of the server.
 
 use std::{io, net::SocketAddr, path::PathBuf};
 
 use iiwa_link::LinkError;
 
-/// Why a server could not be set up.
+/// Setup error of the server.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum OpcUaError {
-    /// An address cannot be listened at.
+    /// The server cannot listen at an address.
     #[error("cannot listen at {at}")]
     Listen {
         /// The address.
@@ -19,7 +19,7 @@ pub enum OpcUaError {
     /// A certificate or key cannot be used.
     #[error("cannot use {}: {what}", .file.display())]
     Certificate {
-        /// Its file.
+        /// The file.
         file: PathBuf,
         /// The fault.
         what: String,
@@ -27,7 +27,7 @@ pub enum OpcUaError {
     /// The settings contradict each other.
     #[error("{what}")]
     Settings {
-        /// The fault, and what to do about it.
+        /// The fault and its remedy.
         what: String,
     },
     /// Two robots have the same name.

@@ -1,13 +1,15 @@
-//! Robots of the bridge as an OPC UA server, after OPC 40010-1 (OPC UA for Robotics, 1.02).
+//! Bridged robots as an OPC UA server, according to OPC 40010-1 (OPC UA for Robotics, 1.02).
 //!
-//! Each robot is a `MotionDeviceSystem` in the `DeviceSet`: a motion device with seven axes, their power trains and the
-//! load at the flange; a controller with its software and a task control; a safety state. Ids of nodes are paths, such
-//! as `ns=5;s=cell-1/MotionDevices/Arm/Axes/A1/ParameterSet/ActualPosition`.
+//! Each robot is a `MotionDeviceSystem` in the `DeviceSet`: a motion device with seven axes, their
+//! power trains and the flange load; a controller with its software and a task control; a safety
+//! state. Node ids are paths, such as
+//! `ns=5;s=cell-1/MotionDevices/Arm/Axes/A1/ParameterSet/ActualPosition`.
 //!
-//! Unlike the other sinks, it listens: clients connect to it, with certificates and, unless configured otherwise, names and
-//! passwords. They read; if it is allowed, users with names can stop robots.
+//! Unlike the other sinks, the server listens: clients connect with certificates and, unless
+//! configured otherwise, user names and passwords. Clients have read access; if permitted, named
+//! users can stop robots.
 //!
-//! Without its feature `server`, the crate is empty: the server brings two hundred crates.
+//! Without its feature `server`, the crate is empty, because the server adds two hundred crates.
 #![cfg(feature = "server")]
 
 mod arm;
@@ -49,22 +51,22 @@ use robots::RobotPlan;
 use server::Running;
 use state::RobotState;
 
-/// Time between two updates of all values.
+/// Interval between updates of all values.
 const UPDATE_EVERY: Duration = Duration::from_millis(50);
-/// Time between two looks at the certificates that were rejected.
+/// Interval between checks of the rejected certificates.
 const LOOK_EVERY: Duration = Duration::from_secs(2);
 
-/// A robot to show.
+/// A robot to publish.
 pub struct ServedRobot {
-    /// Its name, as messages have it.
+    /// Name of the robot, as in messages.
     pub name: String,
-    /// Its arm.
+    /// Model and load.
     pub arm: BridgedArm,
-    /// How clients stop it; `None` if they may not.
+    /// Stop callback; `None` if clients may not stop the robot.
     pub stop: Option<Arc<dyn Stop>>,
 }
 
-/// The OPC UA server; it ends when it is dropped.
+/// The OPC UA server. Dropping it ends the server.
 pub struct OpcUa {
     robots: Arc<[(String, Mutex<RobotState>)]>,
     address: SocketAddr,
@@ -82,7 +84,8 @@ impl OpcUa {
     ///
     /// # Errors
     ///
-    /// The address cannot be listened at, a certificate cannot be used, nobody could log in, or an arm is of no robot.
+    /// The server cannot listen at the address, a certificate cannot be used, login is impossible
+    /// for all clients, or an arm refers to an unknown robot.
     pub fn start(
         options: &OpcUaOptions,
         robots: &[BridgedRobot],
@@ -101,11 +104,12 @@ impl OpcUa {
         Self::serve(options, served.collect())
     }
 
-    /// Starts the server of robots that need not be those of a bridge; [`OpcUaOptions::arms`] is not used.
+    /// Starts the server of robots that may be independent of a bridge; [`OpcUaOptions::arms`] is
+    /// not used.
     ///
     /// # Errors
     ///
-    /// As [`start`](Self::start), and if two robots have the same name.
+    /// Same as [`start`](Self::start), and if two robots have the same name.
     pub fn serve(options: &OpcUaOptions, robots: Vec<ServedRobot>) -> Result<Self, OpcUaError> {
         for (i, robot) in robots.iter().enumerate() {
             if robots[..i].iter().any(|other| other.name == robot.name) {
@@ -129,7 +133,7 @@ impl OpcUa {
         Ok(Self { robots: states, address, _threads: threads })
     }
 
-    /// The address that it listens at.
+    /// Returns the bound address.
     #[must_use]
     pub fn address(&self) -> SocketAddr {
         self.address
@@ -145,14 +149,14 @@ impl Sink for OpcUa {
     }
 }
 
-/// Publishes the robots' states, and tells which clients were rejected.
+/// Publishes the robot states, and logs rejected clients.
 fn update(mut server: Running, robots: &[(String, Mutex<RobotState>)], shutdown: &AtomicBool) {
     let mut histories = vec![TaskHistory::default(); robots.len()];
     let mut looked = Instant::now();
     while !shutdown.load(Ordering::Relaxed) {
         let began = Instant::now();
         for (index, (_, state)) in robots.iter().enumerate() {
-            // A copy: feeds must not wait for what comes now.
+            // A copy, because feeds must not wait for the following operations.
             let state = state.lock().unwrap_or_else(PoisonError::into_inner).clone();
             let values = server.robots.inner().values(index, &state, &mut histories[index]);
             server.publish(&values);

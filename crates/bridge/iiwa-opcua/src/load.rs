@@ -1,4 +1,4 @@
-//! The load at the flange.
+//! Flange load.
 
 use iiwa_kin::Load;
 use opcua::types::{
@@ -14,7 +14,7 @@ use crate::{
 
 const LOAD_TYPE: u32 = 1018;
 
-/// The nodes of a load.
+/// Nodes of a load.
 pub(crate) struct LoadNodes {
     mass: NodeId,
     frame: NodeId,
@@ -27,7 +27,7 @@ pub(crate) struct LoadNodes {
 }
 
 impl LoadNodes {
-    /// The load of a motion device.
+    /// Inserts the load of a motion device.
     pub(crate) fn insert(tree: &mut Tree<'_>, device: &NodeId) -> Self {
         let load = tree.object(device, Of::Robotics, "FlangeLoad", tree.robotics(LOAD_TYPE));
         let mass = tree.measurement(&load, "Mass", KILOGRAM);
@@ -43,7 +43,7 @@ impl LoadNodes {
         Self { mass, frame, position, coordinates, orientation, angles, inertia, moments }
     }
 
-    /// The values of a state.
+    /// Appends the values of a state.
     pub(crate) fn values(&self, state: &RobotState, values: &mut Vec<(NodeId, DataValue)>) {
         let parts = state.load.as_ref().map(Parts::of);
         let mut push = |node: &NodeId, value: Option<Variant>| {
@@ -62,18 +62,18 @@ impl LoadNodes {
     }
 }
 
-/// A load as OPC UA has it.
+/// A load in the representation of OPC UA.
 #[derive(Clone, Copy)]
 struct Parts {
     center_m: [f64; 3],
-    /// About x, y and z: roll, pitch and yaw.
+    /// Angles about x, y and z: roll, pitch and yaw.
     angles_rad: [f64; 3],
     inertia_kg_m2: [f64; 3],
 }
 
 impl Parts {
     fn of(load: &Load) -> Self {
-        // KUKA's a, b, c are about z, y and x.
+        // KUKA's a, b, c are angles about z, y and x.
         let [a, b, c] = load.abc_rad;
         Self {
             center_m: load.center_mm.map(|mm| mm / 1e3),
@@ -102,7 +102,7 @@ impl Parts {
     }
 }
 
-/// Type of a structure: of its variable, and of its data.
+/// Type of a structure: variable type and data type.
 type Structure = (VariableTypeId, DataTypeId);
 
 const FRAME: Structure = (VariableTypeId::ThreeDFrameType, DataTypeId::ThreeDFrame);

@@ -1,5 +1,5 @@
-//! The types of the companion specifications: Devices (OPC 10000-100), Industrial Automation (OPC 10000-200) and
-//! Robotics (OPC 40010-1), as the OPC Foundation publishes them.
+//! Types of the companion specifications: Devices (OPC 10000-100), Industrial Automation (OPC
+//! 10000-200) and Robotics (OPC 40010-1), as published by the OPC Foundation.
 
 use opcua::{
     nodes::{ImportedItem, NodeSet2Import, NodeSetImport},
@@ -13,7 +13,7 @@ pub(crate) const DEVICES: &str = "http://opcfoundation.org/UA/DI/";
 /// Namespace of Robotics.
 pub(crate) const ROBOTICS: &str = "http://opcfoundation.org/UA/Robotics/";
 
-/// The files, in the order in which they need each other. Packed, they have a twentieth of their size.
+/// The files, in dependency order. Compressed, they have a twentieth of their size.
 const FILES: [(&str, &[u8]); 3] = [
     ("Opc.Ua.Di.NodeSet2.xml", include_bytes!("../nodesets/Opc.Ua.Di.NodeSet2.xml.zst")),
     ("Opc.Ua.IA.NodeSet2.xml", include_bytes!("../nodesets/Opc.Ua.IA.NodeSet2.xml.zst")),
@@ -23,10 +23,10 @@ const FILES: [(&str, &[u8]); 3] = [
     ),
 ];
 
-/// One file, ready to be imported.
+/// A file, ready for import.
 pub(crate) struct NodeSet(NodeSet2Import);
 
-/// All files, in the order in which they need each other.
+/// Returns all files, in dependency order.
 pub(crate) fn all() -> Result<Vec<NodeSet>, OpcUaError> {
     FILES.iter().map(|(name, packed)| read(name, packed)).collect()
 }
@@ -39,7 +39,8 @@ fn read(name: &'static str, packed: &[u8]) -> Result<NodeSet, OpcUaError> {
     import.map(NodeSet).map_err(|error| bad(error.to_string()))
 }
 
-/// The text without white space in its byte strings: files have it there, and the importer leaves such values out.
+/// Returns the text without white space in its byte strings: files contain it there, and the
+/// importer omits such values.
 fn without_breaks(text: &str) -> String {
     let mut out = String::with_capacity(text.len());
     let mut is_byte_string = false;
@@ -57,7 +58,7 @@ fn without_breaks(text: &str) -> String {
 }
 
 impl NodeSetImport for NodeSet {
-    // The importer's own prints to standard output, which is the program's.
+    // The importer's own method prints to standard output, which is reserved for the program.
     fn register_namespaces(&self, namespaces: &mut NodeSetNamespaceMapper<'_>) {
         for (index, uri) in (1..).zip(self.get_own_namespaces()) {
             namespaces.add_namespace(&uri, index);

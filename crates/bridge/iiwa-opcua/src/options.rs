@@ -1,4 +1,4 @@
-//! Where the server listens, and who may come.
+//! Server settings: address and access.
 
 use std::{collections::BTreeMap, net::SocketAddr, path::PathBuf};
 
@@ -6,33 +6,36 @@ use iiwa_kin::{Load, Robot};
 
 use iiwa_bridge::Credentials;
 
-/// How clients reach the server.
+/// Server settings.
 #[derive(Clone, Debug)]
 pub struct OpcUaOptions {
-    /// The address to listen at; with port 0, the system chooses one. OPC UA's own is 4840.
+    /// The address to listen at; with port 0, the system chooses a port. The default OPC UA port is
+    /// 4840.
     pub listen: SocketAddr,
-    /// The name that clients call this computer by; `None` for its host name, or the address if that is a particular one.
+    /// The name under which clients reach this computer; `None` for its host name, or for the
+    /// address if it is a specific one.
     pub host: Option<String>,
-    /// The folder of certificates; it is made if it does not exist.
+    /// Certificate folder, which is created if it is missing.
     pub certificates: PathBuf,
-    /// Files of clients' certificates to trust, in DER or PEM, beside those that the folder has.
+    /// Files of client certificates to trust, in DER or PEM, in addition to the trusted ones in the
+    /// folder.
     pub trusted: Vec<PathBuf>,
-    /// Who may read, and stop robots if that is allowed.
+    /// Users, who may read, and stop robots if permitted.
     pub users: Vec<Credentials>,
-    /// Whether clients may read without a user's name, if their certificates are trusted.
+    /// `true` if clients may read without a user name, if their certificates are trusted.
     pub anonymous: bool,
-    /// Whether clients may read without a certificate and without a name, by messages that are neither signed nor
-    /// encrypted.
+    /// `true` if clients may read without certificate and user name, by messages that are neither
+    /// signed nor encrypted.
     pub unsecured: bool,
-    /// The arms of robots, by the robots' names. Those that are not named are LBR iiwa 7 R800, with a load that is not known.
+    /// Arms by robot name. The default is an LBR iiwa 7 R800 with an unknown load.
     pub arms: BTreeMap<String, BridgedArm>,
 }
 
-/// What is known of an arm before it is heard of.
+/// Data of an arm that are known before its first message.
 #[derive(Clone, Debug, Default)]
 pub struct BridgedArm {
-    /// Its model: limits are taken from it.
+    /// Model, which defines the limits.
     pub model: Robot,
-    /// What hangs on its flange, if it is known.
+    /// Payload, if known.
     pub load: Option<Load>,
 }

@@ -1,4 +1,4 @@
-//! The robots in the address space, and what clients may do there: read, and stop a robot if that is allowed.
+//! Robots in the address space, and client access: reading, and stopping a robot if permitted.
 
 use std::{collections::HashMap, sync::Arc};
 
@@ -33,18 +33,18 @@ const MOTION_DEVICE_SYSTEM_TYPE: u32 = 1002;
 /// Namespace of the instances.
 pub(crate) const INSTANCES: &str = "urn:iiwasim:robots";
 
-/// A robot to put into the address space.
+/// A robot to be inserted into the address space.
 pub(crate) struct RobotPlan {
     pub(crate) name: String,
     pub(crate) model: Robot,
-    /// How it is stopped; `None` if clients may not.
+    /// Stop callback; `None` if clients may not stop the robot.
     pub(crate) stop: Option<Arc<dyn Stop>>,
 }
 
-/// The node manager of all that is not OPC UA's own.
+/// Node manager of all nodes outside of the base namespace.
 pub(crate) type RobotsManager = InMemoryNodeManager<Robots>;
 
-/// The robots.
+/// Robots of the server.
 pub(crate) struct Robots {
     namespaces: Vec<NamespaceMetadata>,
     robotics: u16,
@@ -52,7 +52,7 @@ pub(crate) struct Robots {
     stops: HashMap<NodeId, Arc<dyn Stop>>,
 }
 
-/// The nodes of a robot that change.
+/// Variable nodes of a robot.
 struct SystemNodes {
     arm: ArmNodes,
     safety: SafetyNodes,
@@ -60,7 +60,7 @@ struct SystemNodes {
 }
 
 impl Robots {
-    /// Imports the types, and puts the robots in.
+    /// Imports the types, and inserts the robots.
     pub(crate) fn insert(
         robots: Vec<RobotPlan>,
         node_sets: Vec<NodeSet>,
@@ -95,7 +95,7 @@ impl Robots {
         Self { namespaces, robotics, systems, stops }
     }
 
-    /// The values of a robot's state.
+    /// Returns the values of a robot's state.
     pub(crate) fn values(
         &self,
         robot: usize,
@@ -143,7 +143,7 @@ impl InMemoryNodeManagerImpl for Robots {
         self.namespaces.clone()
     }
 
-    // The types have variables that may be written, and none of them means anything here.
+    // The types contain writable variables, none of which is supported here.
     async fn write(
         &self,
         _: &RequestContext,
@@ -174,7 +174,7 @@ impl InMemoryNodeManagerImpl for Robots {
                     }
                 }
                 Some(_) => call.set_argument_error(vec![StatusCode::BadOutOfRange]),
-                // Methods of types, which have no robot.
+                // Methods of types, which do not belong to a robot.
                 None => call.set_status(StatusCode::BadMethodInvalid),
             }
         }
@@ -182,7 +182,7 @@ impl InMemoryNodeManagerImpl for Robots {
     }
 }
 
-/// Stops a robot. Its client waits for the reply, so it has a thread of its own.
+/// Stops a robot in a separate thread, because the drive client blocks until the reply.
 async fn stop_robot(stop: &Arc<dyn Stop>) -> Result<(), StatusCode> {
     let stop = Arc::clone(stop);
     match tokio::task::spawn_blocking(move || stop.stop()).await {

@@ -1,4 +1,4 @@
-//! The safety state: operational mode, emergency stop, protective stop.
+//! Safety state: operational mode, emergency stop, protective stop.
 
 use iiwa_link::message::OperationMode;
 use opcua::types::{DataTypeId, DataValue, NodeId, StatusCode, Variant};
@@ -11,7 +11,7 @@ use crate::{
 const SAFETY_STATE_TYPE: u32 = 1013;
 const OPERATIONAL_MODE: u32 = 3006;
 
-/// The nodes of the safety state.
+/// Nodes of the safety state.
 pub(crate) struct SafetyNodes {
     pub(crate) id: NodeId,
     mode: NodeId,
@@ -20,7 +20,7 @@ pub(crate) struct SafetyNodes {
 }
 
 impl SafetyNodes {
-    /// The safety state of a system.
+    /// Inserts the safety state of a system.
     pub(crate) fn insert(tree: &mut Tree<'_>, folder: &NodeId) -> Self {
         let type_id = tree.robotics(SAFETY_STATE_TYPE);
         let id = tree.object(folder, Of::Instances, "SafetyState", type_id);
@@ -32,7 +32,7 @@ impl SafetyNodes {
         Self { id, mode, emergency_stop, protective_stop }
     }
 
-    /// The values of a state.
+    /// Appends the values of a state.
     pub(crate) fn values(&self, state: &RobotState, values: &mut Vec<(NodeId, DataValue)>) {
         values.push((self.mode.clone(), state.value(state.mode.as_ref().map(mode))));
         values.push((self.protective_stop.clone(), state.value(state.safety_stop)));
@@ -40,7 +40,7 @@ impl SafetyNodes {
     }
 }
 
-/// The number of a mode in OPC 40010-1.
+/// Returns the number of a mode in OPC 40010-1.
 fn mode(mode: &OperationMode) -> i32 {
     match mode {
         OperationMode::T1 => 1,
@@ -50,8 +50,8 @@ fn mode(mode: &OperationMode) -> i32 {
     }
 }
 
-/// Whether an emergency stop is pressed. The controller says that there is a safety stop, and not by what: no stop is
-/// certainly no emergency stop, and a stop may be one.
+/// Returns the state of the emergency stop. The controller reports a safety stop without its cause:
+/// without a safety stop, the emergency stop is certainly not pressed; with one, it may be.
 fn emergency_stop(state: &RobotState) -> DataValue {
     match state.safety_stop {
         Some(true) if state.connected => state.value_with(Some(true), StatusCode::Uncertain),

@@ -1,4 +1,4 @@
-//! The server: its endpoints and limits, and the threads that it runs in.
+//! Server endpoints, limits and threads.
 
 use std::{
     net::{IpAddr, SocketAddr, TcpListener},
@@ -25,16 +25,16 @@ use crate::{
     users::Users,
 };
 
-/// How often subscriptions are looked after, in ms, and the shortest interval that clients can have them in.
+/// Update interval of subscriptions, in ms, and the shortest interval available to clients.
 const TICK_MS: u64 = 10;
-/// Most sessions at a time.
+/// Maximum number of concurrent sessions.
 const MAX_SESSIONS: usize = 32;
-/// How long open connections have to end.
+/// Time-out of open connections at shutdown.
 const SHUTDOWN: Duration = Duration::from_secs(1);
 
 /// A server that runs until it is dropped.
 pub(crate) struct Running {
-    /// `None` once it ends.
+    /// `None` during shutdown.
     runtime: Option<Runtime>,
     handle: ServerHandle,
     pub(crate) robots: Arc<RobotsManager>,
@@ -99,7 +99,7 @@ impl Running {
             .enable_all()
             .build()
             .map_err(|source| OpcUaError::Runtime { source })?;
-        // It starts tasks.
+        // The builder starts tasks, so it needs the runtime context.
         let (server, handle) = {
             let _inside = runtime.enter();
             builder.build().map_err(failed)?
@@ -140,7 +140,8 @@ async fn run(server: Server, listener: TcpListener) {
     }
 }
 
-/// What clients call this computer by: an address that stands for all of it is nowhere to connect to.
+/// Returns the host name for clients. An unspecified address cannot be connected to, so the
+/// computer name replaces it.
 fn host_of(address: IpAddr, computer: &str) -> String {
     match address {
         address if address.is_unspecified() => computer.to_owned(),
@@ -149,7 +150,8 @@ fn host_of(address: IpAddr, computer: &str) -> String {
     }
 }
 
-/// The endpoints. Policies that the OPC Foundation has withdrawn, `Basic128Rsa15` and `Basic256`, are not among them.
+/// Returns the endpoints. The policies `Basic128Rsa15` and `Basic256`, which the OPC Foundation has
+/// withdrawn, are not included.
 fn endpoints(unsecured: bool) -> Vec<(String, ServerEndpoint)> {
     let policies = [
         SecurityPolicy::Basic256Sha256,

@@ -1,4 +1,4 @@
-//! What is known of a robot, as far as OPC 40010-1 has a place for it.
+//! Robot state, limited to the variables of OPC 40010-1.
 
 use std::time::{Duration, Instant, SystemTime};
 
@@ -10,43 +10,43 @@ use iiwa_bridge::message::{Content, JointSample, Message, RobotConditions, RunPh
 
 use crate::derivatives::{Derivatives, Window};
 
-/// How old positions may be that are taken for the current ones. The slowest streams have one each 100 ms.
+/// Maximum age of positions that count as current. The slowest streams have one sample per 100 ms.
 const FRESH: Duration = Duration::from_secs(1);
 
-/// What is known of a robot.
+/// Robot state.
 #[derive(Clone, Debug)]
 pub(crate) struct RobotState {
-    /// When it was heard of, by this computer's clock.
+    /// Time of the last message, by this computer's clock.
     pub(crate) at: DateTime,
-    /// Whether the drive answers; what follows is from before, if not.
+    /// `true` if the drive answers; otherwise the following values are old.
     pub(crate) connected: bool,
     pub(crate) motion: Option<Motion>,
     pub(crate) window: Window,
     pub(crate) drive: Option<DriveState>,
-    /// Whether the robot program is there.
+    /// `true` if the robot program is connected.
     pub(crate) ready: bool,
-    /// Whether the safety controller demands a stop.
+    /// `true` if the safety controller demands a stop.
     pub(crate) safety_stop: Option<bool>,
     pub(crate) mode: Option<OperationMode>,
-    /// From 0 to 1.
+    /// Override, from 0 to 1.
     pub(crate) override_rel: Option<f64>,
-    /// Name of the program that runs, or ran last; empty if it has none.
+    /// Name of the running or last program; empty for a program without name.
     pub(crate) program: Option<String>,
     /// Name and version of the robot program.
     pub(crate) robot_program: Option<String>,
     /// Version of the controller's system software.
     pub(crate) system_software: Option<String>,
-    /// In degrees Celsius.
+    /// Joint temperatures, in degrees Celsius.
     pub(crate) temperatures: Option<Joints>,
     pub(crate) load: Option<Load>,
 }
 
-/// Where the joints are.
+/// Joint positions.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Motion {
     joints_rad: Joints,
     at: DateTime,
-    /// When that was heard, by the monotonic clock.
+    /// Time of reception, by the monotonic clock.
     came: Instant,
 }
 
@@ -72,12 +72,12 @@ impl Default for RobotState {
 }
 
 impl RobotState {
-    /// A robot that nothing has been heard of, with this load.
+    /// Creates the state of a robot without messages, with this load.
     pub(crate) fn unheard_of(load: Option<Load>) -> Self {
         Self { load, ..Self::default() }
     }
 
-    /// Adds what a message says.
+    /// Updates the state from a message.
     pub(crate) fn take(&mut self, message: &Message) {
         let at = DateTime::from(chrono::DateTime::from(SystemTime::from(message.at)));
         self.at = at;
@@ -93,7 +93,7 @@ impl RobotState {
             }
             Content::Sensors(sensors) => self.temperatures = sensors.joint_temperature_c,
             Content::Conditions(conditions) => self.take_conditions(conditions),
-            // Ends of runs, inputs and outputs, the bridge itself.
+            // Run ends, inputs and outputs, the bridge itself.
             _ => {}
         }
     }
@@ -101,7 +101,7 @@ impl RobotState {
     fn take_conditions(&mut self, now: &RobotConditions) {
         self.connected = now.drive == Presence::Connected;
         self.ready = now.robot_program == Presence::Connected;
-        // What is not told any more stays known: the status of its values says that it is old.
+        // Values that are not reported any more are kept: their status marks them as old.
         if let Some(state) = now.state {
             self.drive = Some(state);
         }
@@ -120,7 +120,7 @@ impl RobotState {
         }
     }
 
-    /// A value of this state. `None` is what is not known.
+    /// Returns a value of this state. `None` means unknown.
     pub(crate) fn value(&self, value: Option<impl Into<Variant>>) -> DataValue {
         let status = match (self.connected, &value) {
             (true, Some(_)) => StatusCode::Good,
@@ -131,7 +131,7 @@ impl RobotState {
         self.value_with(value, status)
     }
 
-    /// A value with a status of its own.
+    /// Returns a value with a specific status.
     pub(crate) fn value_with(
         &self,
         value: Option<impl Into<Variant>>,
@@ -141,7 +141,8 @@ impl RobotState {
         DataValue::new_at_status(value, self.at, status)
     }
 
-    /// A value of the motion, which comes by the stream: current as long as that flows, whatever the drive answers.
+    /// Returns a value of the motion, which the stream provides: current as long as samples arrive,
+    /// regardless of the drive's connection state.
     pub(crate) fn moving_value(&self, value: Option<f64>) -> DataValue {
         let fresh = self.motion.is_some_and(|motion| motion.came.elapsed() < FRESH);
         let status = match (fresh, &value) {
@@ -154,18 +155,18 @@ impl RobotState {
         DataValue::new_at_status(value.map_or(Variant::Empty, Variant::from), at, status)
     }
 
-    /// The positions, in rad.
+    /// Returns the positions, in rad.
     pub(crate) fn positions(&self) -> Option<Joints> {
         self.motion.map(|motion| motion.joints_rad)
     }
 
-    /// Speeds and accelerations, if there are positions enough.
+    /// Returns speeds and accelerations, if there are enough positions.
     pub(crate) fn derivatives(&self) -> Option<Derivatives> {
         self.window.derivatives()
     }
 }
 
-/// Whether the safety controller demands a stop, as FRI or the robot program reports it.
+/// Returns true if the safety controller demands a stop, as reported by FRI or the robot program.
 fn safety_stop(fri: Option<&FriStatus>, told: Option<bool>) -> Option<bool> {
     let heard = fri.filter(|fri| !fri.session.is_empty() && fri.session != FriStatus::SILENT);
     match (heard.map(|fri| fri.safety_stop), told) {
@@ -208,7 +209,7 @@ mod tests {
         assert_eq!(state.program.as_deref(), Some("pick"));
         assert_eq!(state.moving_value(state.positions().map(|it| it[6])).value, Some(7.0.into()));
 
-        // What was known is still there when the drive has gone, and marked as old.
+        // Known values are kept when the drive is disconnected, and marked as old.
         state.take(&message(r#""kind": "conditions", "drive": "silent""#));
         assert_eq!(state.mode, Some(OperationMode::Aut));
         assert_eq!(

@@ -1,12 +1,13 @@
-//! Stops robots.
+//! Robot stops.
 
 use iiwa_link::ClientError;
 
 use iiwa_bridge::BridgedRobot;
 
-/// Stops a robot on its path, and returns when it is at rest.
+/// A robot that can be stopped.
 pub trait Stop: Send + Sync + 'static {
-    /// Stops the robot. It may wait for some seconds.
+    /// Stops the robot on its path, and returns when it is at rest. The call may block for some
+    /// seconds.
     ///
     /// # Errors
     ///
@@ -14,19 +15,19 @@ pub trait Stop: Send + Sync + 'static {
     fn stop(&self) -> Result<(), StopFailure>;
 }
 
-/// Why a robot has not been stopped.
+/// Reason why a robot has not been stopped.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum StopFailure {
-    /// Nobody answers.
+    /// The drive does not answer.
     Unreachable,
-    /// The drive, or the robot, has refused it.
+    /// The drive or the robot has refused the stop.
     Refused,
 }
 
-/// By the robot's drive.
+/// Stops the robot through its drive.
 impl Stop for BridgedRobot {
     fn stop(&self) -> Result<(), StopFailure> {
-        // A client of its own: a stop does not wait for what others ask for.
+        // A separate client, so that a stop does not wait for other requests.
         let stopped = self.client().map_err(ClientError::from).and_then(|mut it| it.stop());
         stopped.map_err(|error| {
             tracing::warn!("{}: the stop of a client of OPC UA failed: {error}", self.name());
@@ -44,7 +45,7 @@ mod tests {
 
     use super::*;
 
-    // A client has a runtime of its own, which may not be entered from tasks of another one.
+    // A client has its own runtime, which may not be entered from tasks of another one.
     #[test]
     fn a_drive_that_is_not_there_is_said_to_be_unreachable() {
         let [drive, stream] = ["tcp://127.0.0.1:9", "tcp://127.0.0.1:10"];

@@ -1,26 +1,27 @@
-//! Which state a task control is in (OPC 40010-1, `TaskControlStateMachineType`), and how it came there.
+//! State of a task control (OPC 40010-1, `TaskControlStateMachineType`), and its last transition.
 
 use iiwa_link::message::DriveState;
 
 use crate::state::RobotState;
 
-/// A state of the task control.
+/// State of the task control.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) enum TaskState {
-    /// Nothing would run: the robot is not heard of, its program is not there, or a safety stop holds it.
+    /// Not ready: the robot is disconnected, its program is not connected, or a safety stop is
+    /// active.
     #[default]
     Idle,
-    /// A program would be run at once.
+    /// Ready to run a program immediately.
     Ready,
-    /// A program runs.
+    /// A program is running.
     Executing,
 }
 
-/// A node of the specification: what people call it, and its number.
+/// A node of the specification: name and number.
 pub(crate) type Named = (&'static str, u32);
 
 impl TaskState {
-    /// The state of a robot.
+    /// Returns the state of a robot.
     pub(crate) fn of(state: &RobotState) -> Self {
         match state.drive {
             Some(DriveState::RunningMotion | DriveState::RunningTrajectory) if state.connected => {
@@ -35,7 +36,7 @@ impl TaskState {
         }
     }
 
-    /// The state in the specification.
+    /// Returns the state in the specification.
     pub(crate) fn named(self) -> Named {
         match self {
             Self::Idle => ("Idle", 5040),
@@ -44,12 +45,13 @@ impl TaskState {
         }
     }
 
-    /// The last transition on the way from a state to this one; `None` if it is the same.
+    /// Returns the last transition on the way from a state to this one; `None` if the state has not
+    /// changed.
     pub(crate) fn reached_from(self, before: Self) -> Option<Named> {
         match (before, self) {
             (Self::Idle, Self::Ready) => Some(("IdleToReady", 5044)),
             (Self::Ready, Self::Idle) => Some(("ReadyToIdle", 5045)),
-            // From Idle, a run that begins at once has been ready between two looks.
+            // From Idle, a run that begins immediately has been ready between two updates.
             (Self::Idle | Self::Ready, Self::Executing) => Some(("ReadyToExecuting", 5046)),
             (Self::Executing, Self::Ready) => Some(("ExecutingToReady", 5047)),
             (Self::Executing, Self::Idle) => Some(("ExecutingToIdle", 5048)),

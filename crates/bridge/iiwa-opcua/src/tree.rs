@@ -1,4 +1,4 @@
-//! Puts instances into the address space: each node under its parent, named by its path.
+//! Insertion of instances into the address space: each node below its parent, named by its path.
 
 use opcua::{
     nodes::{AccessLevel, MethodBuilder, ObjectBuilder, ReferenceDirection, VariableBuilder},
@@ -11,27 +11,27 @@ use opcua::{
 
 use crate::units::Unit;
 
-/// Indices of the namespaces, as the server numbers them.
+/// Namespace indices of the server.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Namespaces {
     pub(crate) devices: u16,
     pub(crate) robotics: u16,
-    /// Of the instances.
+    /// Namespace of the instances.
     pub(crate) instances: u16,
 }
 
-/// The specification that a browse name is of.
+/// The specification that defines a browse name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Of {
     /// OPC UA itself.
     Base,
     Devices,
     Robotics,
-    /// This server: names of robots, axes, ...
+    /// This server: names of robots, axes and so on.
     Instances,
 }
 
-/// The address space while instances are put into it.
+/// The address space during the insertion of instances.
 pub(crate) struct Tree<'a> {
     space: &'a mut AddressSpace,
     namespaces: Namespaces,
@@ -42,17 +42,17 @@ impl<'a> Tree<'a> {
         Self { space, namespaces }
     }
 
-    /// A node of Robotics, such as a type, by its number in OPC 40010-1.
+    /// Returns a Robotics node, such as a type, by its number in OPC 40010-1.
     pub(crate) fn robotics(&self, number: u32) -> NodeId {
         NodeId::new(self.namespaces.robotics, number)
     }
 
-    /// A node of Devices, by its number in OPC 10000-100.
+    /// Returns a Devices node, by its number in OPC 10000-100.
     pub(crate) fn devices(&self, number: u32) -> NodeId {
         NodeId::new(self.namespaces.devices, number)
     }
 
-    /// An object that is a component of its parent.
+    /// Inserts an object as a component of its parent.
     pub(crate) fn object(
         &mut self,
         parent: &NodeId,
@@ -63,7 +63,7 @@ impl<'a> Tree<'a> {
         self.linked_object(parent, ReferenceTypeId::HasComponent, of, name, type_id)
     }
 
-    /// An object that its parent has by another reference.
+    /// Inserts an object with another reference from its parent.
     pub(crate) fn linked_object(
         &mut self,
         parent: &NodeId,
@@ -80,17 +80,18 @@ impl<'a> Tree<'a> {
         id
     }
 
-    /// A folder that is a component of its parent.
+    /// Inserts a folder as a component of its parent.
     pub(crate) fn folder(&mut self, parent: &NodeId, name: &str) -> NodeId {
         self.object(parent, Of::Robotics, name, ObjectTypeId::FolderType)
     }
 
-    /// The values of a device, which OPC UA for Devices keeps in one place.
+    /// Inserts the parameter set of a device, which contains its values according to OPC UA for
+    /// Devices.
     pub(crate) fn parameters(&mut self, device: &NodeId) -> NodeId {
         self.object(device, Of::Devices, "ParameterSet", ObjectTypeId::BaseObjectType)
     }
 
-    /// A property.
+    /// Inserts a property.
     pub(crate) fn property(
         &mut self,
         parent: &NodeId,
@@ -107,7 +108,7 @@ impl<'a> Tree<'a> {
         id
     }
 
-    /// A variable that is a component of its parent, of the given type.
+    /// Inserts a variable of the given type as a component of its parent.
     pub(crate) fn variable(
         &mut self,
         parent: &NodeId,
@@ -124,7 +125,7 @@ impl<'a> Tree<'a> {
         id
     }
 
-    /// A variable of Robotics without further structure.
+    /// Inserts a Robotics variable without further structure.
     pub(crate) fn data(
         &mut self,
         parent: &NodeId,
@@ -136,7 +137,7 @@ impl<'a> Tree<'a> {
         self.variable(parent, (Of::Robotics, name), type_id, data_type, value)
     }
 
-    /// A number with its unit. Without a value yet.
+    /// Inserts a number with its unit, without a value yet.
     pub(crate) fn measurement(&mut self, parent: &NodeId, name: &str, unit: Unit) -> NodeId {
         let type_id = VariableTypeId::AnalogUnitType;
         let double = DataTypeId::Double;
@@ -145,13 +146,13 @@ impl<'a> Tree<'a> {
         id
     }
 
-    /// A unit as a property of a variable.
+    /// Inserts a unit as a property of a variable.
     pub(crate) fn unit(&mut self, of: &NodeId, name: &str, unit: Unit) {
         let value = ExtensionObject::from_message(unit.information());
         self.property(of, Of::Base, name, DataTypeId::EUInformation, value);
     }
 
-    /// A method without a meaning yet: its call is the node manager's matter.
+    /// Inserts a method; the node manager implements its call.
     pub(crate) fn method(
         &mut self,
         parent: &NodeId,
@@ -172,13 +173,13 @@ impl<'a> Tree<'a> {
         id
     }
 
-    /// A reference of Robotics, by the number of its type in OPC 40010-1.
+    /// Inserts a Robotics reference, by the number of its type in OPC 40010-1.
     pub(crate) fn refer(&mut self, from: &NodeId, reference: u32, to: &NodeId) {
         let reference = self.robotics(reference);
         self.space.insert_reference(from, to, reference);
     }
 
-    /// What a variable that has been imported has as its value.
+    /// Returns the value of an imported variable.
     pub(crate) fn value_of(&self, variable: &NodeId) -> Variant {
         let node = self.space.find(variable);
         let value = node.and_then(|node| {
@@ -209,7 +210,7 @@ impl<'a> Tree<'a> {
             .insert(self.space);
     }
 
-    /// An instance's id is the path to it: it stays what it is over restarts, and can be read.
+    /// Returns the id of an instance, which is its path: stable over restarts, and readable.
     fn child_id(&self, parent: &NodeId, name: &str) -> NodeId {
         let path = match &parent.identifier {
             opcua::types::Identifier::String(path)

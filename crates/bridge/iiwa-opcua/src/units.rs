@@ -1,4 +1,4 @@
-//! Units as OPC UA names them: by their codes of UN/ECE Recommendation 20.
+//! OPC UA units, identified by their codes in UN/ECE Recommendation 20.
 
 use opcua::types::{EUInformation, UAString};
 
@@ -11,23 +11,23 @@ pub(crate) struct Unit {
     name: &'static str,
 }
 
-/// Of angles.
+/// Unit of angles.
 pub(crate) const RADIAN: Unit = Unit { code: "C81", symbol: "rad", name: "radian" };
-/// Of speeds of joints.
+/// Unit of joint speeds.
 pub(crate) const RADIAN_PER_SECOND: Unit =
     Unit { code: "2A", symbol: "rad/s", name: "radian per second" };
-/// Of accelerations of joints.
+/// Unit of joint accelerations.
 pub(crate) const RADIAN_PER_SECOND_SQUARED: Unit =
     Unit { code: "2B", symbol: "rad/s²", name: "radian per second squared" };
-/// Of masses.
+/// Unit of masses.
 pub(crate) const KILOGRAM: Unit = Unit { code: "KGM", symbol: "kg", name: "kilogram" };
-/// Of lengths.
+/// Unit of lengths.
 pub(crate) const METRE: Unit = Unit { code: "MTR", symbol: "m", name: "metre" };
-/// Of temperatures.
+/// Unit of temperatures.
 pub(crate) const DEGREE_CELSIUS: Unit = Unit { code: "CEL", symbol: "°C", name: "degree Celsius" };
 
 impl Unit {
-    /// As values have it.
+    /// Returns the unit in the representation of OPC UA.
     pub(crate) fn information(self) -> EUInformation {
         EUInformation {
             namespace_uri: UAString::from("http://www.opcfoundation.org/UA/units/un/cefact"),
@@ -37,7 +37,8 @@ impl Unit {
         }
     }
 
-    /// The code's characters as a number, the first one highest (OPC 10000-8, 5.6.3).
+    /// Returns the characters of the code as a number, the first one in the highest byte (OPC
+    /// 10000-8, 5.6.3).
     fn id(self) -> i32 {
         self.code.bytes().fold(0, |id, byte| (id << 8) | i32::from(byte))
     }
@@ -47,7 +48,8 @@ impl Unit {
 mod tests {
     use super::*;
 
-    // The list that the OPC Foundation publishes with its nodes, UNECE_to_OPCUA.csv.
+    // Expected values are from the list that the OPC Foundation publishes with its nodes,
+    // UNECE_to_OPCUA.csv.
     #[test]
     fn ids_are_those_of_the_opc_foundation() {
         let ids =

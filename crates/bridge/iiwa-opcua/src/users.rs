@@ -1,4 +1,4 @@
-//! Who may read, and who may stop robots.
+//! User access: reading, and stopping robots.
 
 use std::time::Duration;
 
@@ -16,20 +16,20 @@ use iiwa_bridge::Credentials;
 
 use crate::OpcUaError;
 
-/// The identifier of the policy that the server library knows for users without a name.
+/// Policy identifier of the server library for users without a name.
 const ANONYMOUS_POLICY: &str = "anonymous";
 
-/// How long a wrong name or password is left without an answer, so that few can be tried.
+/// Delay of the response to a wrong name or password, which limits the number of attempts.
 const REFUSAL_DELAY: Duration = Duration::from_secs(1);
 
-/// Decides who may log in.
+/// Authenticates users.
 pub(crate) struct Users {
     users: Vec<Credentials>,
     anonymous: bool,
 }
 
 impl Users {
-    /// These users, and those without a name if `anonymous`.
+    /// Creates the authenticator for these users, and for anonymous ones if `anonymous`.
     pub(crate) fn new(users: Vec<Credentials>, anonymous: bool) -> Result<Self, OpcUaError> {
         for (i, Credentials { user, password }) in users.iter().enumerate() {
             let fault = if user.is_empty() || password.is_empty() {
@@ -44,8 +44,8 @@ impl Users {
         Ok(Self { users, anonymous })
     }
 
-    /// Whether the password is that of the user. All are compared, and whole, so that the time it takes tells neither
-    /// names nor beginnings of passwords.
+    /// Returns true if the password belongs to the user. All entries are compared completely, so
+    /// that the duration reveals neither names nor prefixes of passwords.
     fn knows(&self, name: &str, password: &str) -> bool {
         self.users.iter().fold(false, |known, user| {
             known | (same(&user.user, name) & same(&user.password, password))
@@ -57,7 +57,7 @@ impl Users {
     }
 }
 
-/// Whether two texts are the same, in a time that only their lengths tell.
+/// Returns true if two texts are equal, in a time that depends on their lengths only.
 fn same(expected: &str, found: &str) -> bool {
     let lengths = u8::from(expected.len() != found.len());
     let bytes = expected.bytes().zip(found.bytes());
@@ -79,7 +79,8 @@ impl AuthManager for Users {
         name: &str,
         password: &Password,
     ) -> Result<UserToken, Error> {
-        // Without security, the password would be readable on the network: it is not asked for there.
+        // Without security, the password would be readable on the network, so it is not accepted
+        // there.
         let secure = endpoint.security_policy() != SecurityPolicy::None;
         if secure && self.knows(name, password.get()) {
             return Ok(UserToken(name.to_owned()));
@@ -89,7 +90,7 @@ impl AuthManager for Users {
         Err(Error::new(StatusCode::BadUserAccessDenied, "wrong user name or password"))
     }
 
-    // Who has no name may read, and no more.
+    // Anonymous users have read access only.
     fn is_user_executable(&self, token: &UserToken, _: &NodeId) -> bool {
         token.0 != ANONYMOUS_USER_TOKEN_ID
     }

@@ -1,6 +1,6 @@
-//! The OPC UA server with a client that shares no code with it: the script `tests/opcua/check.py` of the workspace. It
-//! needs a Python with what `tests/opcua/requirements.txt` names, at the path in `IIWASIM_PYTHON`; without it these tests are
-//! left out.
+//! The OPC UA server with a client that shares no code with it: the script `tests/opcua/check.py`
+//! of the workspace. It requires a Python with the packages of `tests/opcua/requirements.txt`, at
+//! the path in `IIWASIM_PYTHON`; otherwise these tests are skipped.
 #![cfg(feature = "server")]
 #![expect(
     clippy::unwrap_used,
@@ -33,10 +33,10 @@ use iiwa_opcua::{BridgedArm, OpcUa, OpcUaError, OpcUaOptions, ServedRobot, Stop,
 use serde_json::{Value, json};
 use tempfile::TempDir;
 
-/// How the joints swing: joint j is at `AMPLITUDE_RAD * sin(RAD_PER_S * t + j)`.
+/// Joint oscillation: joint j is at `AMPLITUDE_RAD * sin(RAD_PER_S * t + j)`.
 const AMPLITUDE_RAD: f64 = 0.5;
 const RAD_PER_S: f64 = 1.5;
-/// How long a stop takes.
+/// Duration of a stop.
 const STOP_TAKES: Duration = Duration::from_millis(200);
 
 const TASK: &str = "Controllers/I:Controller/TaskControls/I:Task";
@@ -53,7 +53,7 @@ impl Stop for CountedStops {
     }
 }
 
-/// A server with two robots: the left one runs a program, the right one is held by a safety stop.
+/// A server with two robots: the left one runs a program, the right one has an active safety stop.
 struct Rig {
     folder: TempDir,
     server: Arc<OpcUa>,
@@ -85,7 +85,7 @@ impl Rig {
         Self { folder, server, since, stops, ended, feed: Some(feed) }
     }
 
-    /// What the script is to find, in a file.
+    /// Writes the values that the script expects to a file.
     fn expected(&self, stop: &str) -> PathBuf {
         let robots = [("left", Robot::lbr_iiwa_7_r800()), ("right", Robot::lbr_iiwa_14_r820())];
         let robots = robots.map(|(name, model)| {
@@ -173,7 +173,7 @@ fn now_s() -> f64 {
     SystemTime::now().duration_since(UNIX_EPOCH).unwrap().as_secs_f64()
 }
 
-/// Messages as the feeds of two robots send them.
+/// Sends messages like the feeds of two robots.
 fn feed(server: &OpcUa, since: f64, ended: &AtomicBool) {
     let send = |robot: &str, at: Timestamp, content: Content| {
         let robot = robot.to_owned();
@@ -221,7 +221,7 @@ fn feed(server: &OpcUa, since: f64, ended: &AtomicBool) {
     }
 }
 
-/// Runs the script, and gives its last line.
+/// Runs the script, and returns its last line.
 fn check(python: &OsString, arguments: &[&str]) -> String {
     let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../tests/opcua/check.py");
     let output = Command::new(python).arg("-B").arg(script).args(arguments).output().unwrap();
@@ -253,7 +253,7 @@ fn a_client_with_certificate_and_password_reads_robots_and_stops_them() {
     let last = check(&python, &["secured", &url, &clients_text, expected.to_str().unwrap()]);
     let figures: Value = serde_json::from_str(&last).unwrap();
     assert!(figures["checked"].as_u64().unwrap() > 500, "{figures}");
-    // One for each robot, and none for what was asked wrongly.
+    // One stop per robot, and none for invalid requests.
     assert_eq!(rig.stops.load(Ordering::SeqCst), 2);
 }
 

@@ -1,4 +1,4 @@
-//! Nodes: what they publish, the action and the service that they serve.
+//! ROS nodes: publications, and the action and service servers.
 
 mod action;
 mod error;

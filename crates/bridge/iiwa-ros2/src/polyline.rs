@@ -1,4 +1,4 @@
-//! Joint positions with straight lines between them: their length, and where the arm has to stop on them.
+//! Polylines in joint space: arc length, and the points at which the robot has to stop.
 
 use std::f64::consts::FRAC_1_SQRT_2;
 
@@ -7,14 +7,15 @@ use iiwa_kin::{
     vector::{self, distance},
 };
 
-/// Points that are closer to the one before are left out, in rad: their direction would be rounding.
+/// Distance below which a point is omitted, in rad: the direction from the previous point would be
+/// dominated by rounding.
 const SAME_RAD: f64 = 1e-7;
 
-/// The cosine of the sharpest corner that is rounded, as the angle between the directions before and after: 135 degrees.
-/// Of a sharper one nothing is left to round: the way goes back where it came from.
+/// Cosine of the sharpest corner that is rounded, as the angle between the directions before and
+/// after: 135 degrees. At a sharper corner the path reverses and cannot be rounded.
 const SHARPEST: f64 = -FRAC_1_SQRT_2;
 
-/// Points with straight lines between them, and the length of the way up to each, in rad.
+/// Points connected by straight lines, and the arc length up to each point, in rad.
 #[derive(Clone, Debug)]
 pub(super) struct Polyline {
     points: Vec<Joints>,
@@ -22,7 +23,8 @@ pub(super) struct Polyline {
 }
 
 impl Polyline {
-    /// Through `points`, without those that stand still. The first and the last one stay.
+    /// Creates a polyline through `points`, without repeated points. The first and the last point
+    /// are kept.
     pub(super) fn new(points: &[Joints]) -> Self {
         let mut kept: Vec<Joints> = Vec::with_capacity(points.len());
         for point in points {
@@ -30,7 +32,7 @@ impl Polyline {
                 kept.push(*point);
             }
         }
-        // The end is exact, whichever of two close points was left out.
+        // The end is exact, regardless of which one of two close points was omitted.
         if let (Some(kept), Some(last)) = (kept.last_mut(), points.last()) {
             *kept = *last;
         }
@@ -55,7 +57,7 @@ impl Polyline {
         self.ways.last().copied().unwrap_or_default()
     }
 
-    /// The points at these ways, which rise.
+    /// Returns the points at these increasing arc lengths.
     pub(super) fn at(&self, ways: &[f64]) -> Vec<Joints> {
         let mut i = 1;
         ways.iter()
@@ -72,7 +74,8 @@ impl Polyline {
             .collect()
     }
 
-    /// The parts between the points at which the way turns back, seen with this `tolerance`, in rad.
+    /// Returns the parts between the points at which the path reverses, detected with this
+    /// `tolerance`, in rad.
     pub(super) fn parts(&self, tolerance: f64) -> Vec<Self> {
         let corners = self.corners(tolerance);
         let mut stops = vec![0];
@@ -88,13 +91,13 @@ impl Polyline {
         stops.windows(2).map(|ends| Self::new(&self.points[ends[0]..=ends[1]])).collect()
     }
 
-    /// Whether all points lie on the line from the first to the last, one after the other.
+    /// Returns true if all points lie on the line from the first to the last, in order.
     pub(super) fn is_straight(&self, tolerance: f64) -> bool {
         self.corners(tolerance).len() <= 2
     }
 
-    /// The points that are left when those are taken out that are within `tolerance` of the lines between the others
-    /// (Douglas and Peucker 1973), the first and the last among them.
+    /// Returns the indices of the remaining points after removal of points within `tolerance` of
+    /// the lines between the others (Douglas and Peucker 1973), including the first and the last.
     fn corners(&self, tolerance: f64) -> Vec<usize> {
         let last = self.points.len().saturating_sub(1);
         let mut corners = vec![0];
@@ -113,7 +116,7 @@ impl Polyline {
     }
 }
 
-/// The distance of a point from the line between two.
+/// Returns the distance of a point from the line segment between two points.
 fn line_distance(point: &Joints, from: &Joints, to: &Joints) -> f64 {
     let [line, way] = [vector::sub(to, from), vector::sub(point, from)];
     let length = vector::dot(&line, &line);
@@ -146,7 +149,7 @@ mod tests {
     fn the_way_is_straight_with_points_in_between() {
         assert!(plane(&[[0.0, 0.0], [0.3, 0.3], [1.0, 1.0]]).is_straight(1e-9));
         assert!(!plane(&[[0.0, 0.0], [0.3, 0.31], [1.0, 1.0]]).is_straight(1e-9));
-        // Beyond its end and back.
+        // Beyond the end and back.
         assert!(!plane(&[[0.0, 0.0], [1.5, 1.5], [1.0, 1.0]]).is_straight(1e-9));
     }
 

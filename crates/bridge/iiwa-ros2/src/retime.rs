@@ -1,4 +1,4 @@
-//! Times for a path through joint positions that came without, or with times that break limits of jerk.
+//! Time parameterisation of joint paths without times, or with times that violate jerk limits.
 
 use std::sync::Arc;
 
@@ -9,76 +9,77 @@ use iiwa_traj::{Timing, TimingError, Trajectory};
 
 use super::{polyline::Polyline, rounded::Rounded};
 
-/// How far the arm may pass the points of a path, in rad in joint space, unless it is said.
+/// Default of the maximum deviation from the points of a path, in rad in joint space.
 pub const DEFAULT_TOLERANCE_RAD: f64 = 0.01;
 
-/// The least tolerance: below it, corners are stops but for rounding.
+/// Minimum tolerance: below it, the robot practically stops at corners.
 pub const LEAST_TOLERANCE_RAD: f64 = 1e-4;
 
-/// Most points of a path.
+/// Maximum number of points of a path.
 pub const MOST_PATH_POINTS: usize = 20_000;
 
-/// How far points may be off a line that is taken for straight, as a share of the tolerance.
+/// Maximum distance of points from a line that counts as straight, as a share of the tolerance.
 const STRAIGHT: f64 = 1e-3;
 
-/// A path with times.
+/// A timed path.
 #[derive(Clone, Debug)]
 pub struct Retimed {
     /// The motion, from rest to rest.
     pub trajectory: Trajectory,
-    /// The greatest distance of a given point from the path, in rad in joint space.
+    /// Maximum distance of a given point from the path, in rad in joint space.
     pub deviation_rad: f64,
-    /// Points, but for the last, at which the arm stops: the path turns back there.
+    /// Number of points, except the last one, at which the robot stops because the path reverses.
     pub stops: usize,
 }
 
-/// Why a path gets no times.
+/// Reason why a path cannot be timed.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum RetimeError {
-    /// There is nothing to move through.
+    /// The path is empty.
     #[error("the path has no points")]
     Empty,
-    /// There are too many points.
+    /// The path has too many points.
     #[error("the path has {found} points, at most {MOST_PATH_POINTS} are allowed")]
     TooLong {
-        /// Their number.
+        /// Number of points.
         found: usize,
     },
-    /// A number is not finite.
+    /// A value is not finite.
     #[error("point {} of the path contains a value that is not finite", .point + 1)]
     NotFinite {
-        /// The point, from 0.
+        /// Index of the point, from 0.
         point: usize,
     },
-    /// A point is out of reach.
+    /// A point is outside the joint ranges.
     #[error("point {} of the path: {what}", .point + 1)]
     Outside {
-        /// The point, from 0.
+        /// Index of the point, from 0.
         point: usize,
-        /// Which joint, and by how much.
+        /// The joint, and its excess.
         what: String,
     },
-    /// The tolerance is none.
+    /// The tolerance is out of range.
     #[error(
         "a tolerance of {found} rad; it has to be from {LEAST_TOLERANCE_RAD} to 1 rad, or 0 for {DEFAULT_TOLERANCE_RAD} rad"
     )]
     Tolerance {
-        /// What was given.
+        /// The given tolerance.
         found: f64,
     },
-    /// The curve is no path.
+    /// The curve is not a continuous path.
     #[error("the path through the points does not join: {0}")]
     Join(#[from] JoinError),
-    /// The planner found no times.
+    /// The planner did not find a time parameterisation.
     #[error("no times were found for the path: {0}")]
     Timing(#[from] TimingError),
 }
 
-/// The fastest motion of `robot` through these points within its limits, at rest in the first and in the last one.
+/// Returns the fastest motion of `robot` through these points within its limits, at rest at the
+/// first and the last point.
 ///
-/// Between points the arm moves straight in joint space, and rounds corners within `tolerance_rad`; 0 is
-/// [`DEFAULT_TOLERANCE_RAD`]. Where the way turns back, it stops.
+/// Between points the robot moves on a straight line in joint space, and rounds corners within
+/// `tolerance_rad`; 0 means [`DEFAULT_TOLERANCE_RAD`]. The robot stops where the path reverses.
 ///
 /// # Errors
 ///
@@ -140,7 +141,7 @@ fn check(robot: &Robot, points: &[Joints]) -> Result<(), RetimeError> {
     Ok(())
 }
 
-/// The segments of a part without stops, and how far they pass its points at most.
+/// Returns the segments of a part without stops, and their maximum distance from its points.
 fn segments(part: &Polyline, tolerance: f64) -> (Vec<Arc<dyn Segment>>, f64) {
     let straight = STRAIGHT * tolerance;
     if let ([from, .., to], true) = (part.points(), part.is_straight(straight)) {
@@ -150,7 +151,7 @@ fn segments(part: &Polyline, tolerance: f64) -> (Vec<Arc<dyn Segment>>, f64) {
     (curve.segments(), off)
 }
 
-/// How far the points are from the line between two of them at most.
+/// Returns the maximum distance of the points from the line between `from` and `to`.
 fn distance_from_line(part: &Polyline, from: &Joints, to: &Joints) -> f64 {
     let direction = vector::unit(&vector::sub(to, from));
     let off = |point: &Joints| {
@@ -169,7 +170,7 @@ mod tests {
         retime(&robot, MotionLimits::full(&robot), points, tolerance)
     }
 
-    /// From rest to rest within the limits, through all points.
+    /// Checks the motion from rest to rest within the limits, through all points.
     fn check_motion(points: &[Joints], tolerance: f64) -> Retimed {
         let retimed = full(points, tolerance).unwrap();
         let trajectory = &retimed.trajectory;
@@ -253,7 +254,7 @@ mod tests {
                     })
                 })
                 .collect();
-            // As OMPL hands them out: with points in between.
+            // Similar to OMPL paths, with points in between.
             let mut points = vec![corners[0]];
             let between = random.usize(1..30);
             for two in corners.windows(2) {

@@ -1,7 +1,8 @@
-//! A smooth curve along a polyline: a B-spline of degree 5 whose control points lie on it.
+//! A smooth curve along a polyline: a B-spline of degree 5 with control points on the polyline.
 //!
-//! The curve has four continuous derivatives, and stays within the hull of six control points next to each other: on
-//! straight parts it is the line itself, and at a corner it passes inside by half the distance of the control points.
+//! The curve has four continuous derivatives, and stays within the convex hull of six consecutive
+//! control points: on straight parts it coincides with the line, and at a corner it passes inside
+//! by half the distance of the control points.
 
 use std::sync::Arc;
 
@@ -10,10 +11,10 @@ use iiwa_path::{Derivatives, Segment};
 
 use super::{polyline::Polyline, spacing::Spacing};
 
-/// Control points that a point of the curve depends on.
+/// Number of control points that a point of the curve depends on.
 const ORDER: usize = 6;
 
-/// The polynomials of a uniform B-spline of degree 5, the lowest power first, over 120.
+/// Polynomials of a uniform B-spline of degree 5, with ascending powers, times 120.
 const BASIS: [[f64; 6]; ORDER] = [
     [1.0, -5.0, 10.0, -10.0, 5.0, -1.0],
     [26.0, -50.0, 20.0, 20.0, -20.0, 5.0],
@@ -23,17 +24,18 @@ const BASIS: [[f64; 6]; ORDER] = [
     [0.0, 0.0, 0.0, 0.0, 0.0, 1.0],
 ];
 
-/// Spans of a segment: as fine as the planner's cells in a blend are for one.
+/// Number of spans per segment, as fine as the planner's cells in a blend.
 const SPANS_A_SEGMENT: usize = 4;
 
-/// Least spans of a curve.
+/// Minimum number of spans of a curve.
 const LEAST_SPANS: usize = 8;
 
-/// Distance of the control points at most, in rad, and as a share of the length.
+/// Maximum distance of the control points, in rad, and as a share of the length.
 const MOST_RAD: f64 = 0.2;
 const MOST_SHARE: f64 = 0.1;
 
-/// Distance of the control points at least, as a share of the tolerance. The curve is closer to a corner than that.
+/// Minimum distance of the control points, as a share of the tolerance. The curve is closer to a
+/// corner than this distance.
 const LEAST_SHARE: f64 = 0.25;
 
 /// A curve along a polyline from its start to its end.
@@ -45,8 +47,8 @@ pub(super) struct Rounded {
 }
 
 impl Rounded {
-    /// The smoothest curve that passes all points within `tolerance`, in rad; the first and the last one are met. And the
-    /// greatest distance from a point.
+    /// Returns the smoothest curve that passes all points within `tolerance`, in rad, and through
+    /// the first and the last one, and its maximum distance from a point.
     pub(super) fn along(polyline: &Polyline, tolerance: f64) -> (Self, f64) {
         let most = MOST_RAD.min(MOST_SHARE * polyline.length());
         let least = LEAST_SHARE * tolerance;
@@ -56,7 +58,8 @@ impl Rounded {
             let places = spacing.samples(LEAST_SPANS);
             let curve = Self::with_control(&polyline.at(&places), polyline.length());
             let off = curve.distances(polyline, &places);
-            // Each halving brings a point nearer; the least distance ends it.
+            // Each halving reduces the distance from a point; the minimum spacing terminates the
+            // loop.
             let mut changed = false;
             for (i, off) in off.iter().enumerate() {
                 if *off > tolerance {
@@ -69,8 +72,9 @@ impl Rounded {
         }
     }
 
-    /// The curve of these control points. Two more at each end mirror their neighbours, so that the curve starts in the
-    /// first one and ends in the last.
+    /// Creates the curve with these control points. Two additional control points at each end
+    /// mirror their neighbours, so that the curve starts at the first and ends at the last given
+    /// one.
     fn with_control(points: &[Joints], length: f64) -> Self {
         let count = points.len();
         let mirror = |i: usize, at: usize| -> Joints {
@@ -87,7 +91,7 @@ impl Rounded {
         self.control.len() - (ORDER - 1)
     }
 
-    /// The curve in parts.
+    /// Returns the curve in parts.
     pub(super) fn segments(&self) -> Vec<Arc<dyn Segment>> {
         let spans = self.spans();
         let count = spans.div_ceil(SPANS_A_SEGMENT);
@@ -100,7 +104,8 @@ impl Rounded {
             .collect()
     }
 
-    /// How far the curve passes the points of the polyline on which its control points lie at `places`, in rad.
+    /// Returns the distances of the curve, with control points at `places`, from the points of the
+    /// polyline, in rad.
     fn distances(&self, polyline: &Polyline, places: &[f64]) -> Vec<f64> {
         const STEPS_A_SPAN: usize = 8;
         let spans = self.spans();
@@ -110,7 +115,7 @@ impl Rounded {
                 while span + 1 < spans && places[span + 1] <= *way {
                     span += 1;
                 }
-                // The nearest place is next to the one with the same way.
+                // The nearest point is close to the one with the same arc length.
                 let from = span.saturating_sub(1) * STEPS_A_SPAN;
                 let to = ((span + 2) * STEPS_A_SPAN).min(spans * STEPS_A_SPAN);
                 let at = |step: usize| self.at(step as f64 / STEPS_A_SPAN as f64);
@@ -121,7 +126,7 @@ impl Rounded {
                         off(a).total_cmp(&off(b))
                     })
                     .unwrap_or_else(|| at(from));
-                // One step on along the tangent.
+                // One further step along the tangent.
                 let off = vector::sub(point, &near.q);
                 let square = vector::dot(&near.dq, &near.dq).max(f64::MIN_POSITIVE);
                 let most = 1.0 / STEPS_A_SPAN as f64;
@@ -131,13 +136,13 @@ impl Rounded {
             .collect()
     }
 
-    /// Position and derivatives after so many spans, by spans.
+    /// Returns position and derivatives at the parameter `u`, in spans.
     fn at(&self, u: f64) -> Derivatives {
         evaluate(&self.control, self.spans(), u)
     }
 }
 
-/// Position and derivatives after so many of all `spans`.
+/// Returns position and derivatives at the parameter `u`, in spans, of a curve with `spans` spans.
 fn evaluate(control: &[Joints], spans: usize, u: f64) -> Derivatives {
     #[expect(
         clippy::cast_possible_truncation,
@@ -148,7 +153,8 @@ fn evaluate(control: &[Joints], spans: usize, u: f64) -> Derivatives {
     let t = u - span as f64;
     let [mut q, mut dq, mut ddq, mut dddq] = [[0.0; 7]; 4];
     for (weights, point) in BASIS.iter().zip(&control[span..span + ORDER]) {
-        // Horner's scheme on the value and, one step behind each, on the derivatives over their factorials.
+        // Horner's scheme for the value and, one step behind each other, for the derivatives
+        // divided by their factorials.
         let mut w = [0.0; 4];
         for power in weights.iter().rev() {
             w[3] = w[3] * t + w[2];
@@ -167,8 +173,8 @@ fn evaluate(control: &[Joints], spans: usize, u: f64) -> Derivatives {
     Derivatives { q, dq, ddq, dddq }
 }
 
-/// Some spans of a curve. All parts have one sigma in common, the curve's parameter: all derivatives by it go on from part
-/// to part.
+/// Some spans of a curve. All parts share the curve's parameter sigma, with respect to which all
+/// derivatives are continuous between parts.
 #[derive(Debug)]
 struct Part {
     control: Arc<[Joints]>,
@@ -192,7 +198,8 @@ impl Segment for Part {
     }
 
     fn bend_bound_rad(&self) -> Joints {
-        // The second derivative is a spline, too; its control points are the second differences of these.
+        // The second derivative is also a spline, whose control points are the second differences
+        // of these.
         let mut bound = [0.0_f64; 7];
         let control = &self.control[self.first..self.first + self.spans + ORDER - 1];
         for three in control.windows(3) {

@@ -1,23 +1,25 @@
-//! How densely a polyline is sampled along its length: as sparsely as its corners allow.
+//! Sampling density of a polyline along its length: as sparse as its corners allow.
 
-/// How fast the spacing may change along the way: neighbouring steps differ by this share of what lies between.
+/// Maximum slope of the spacing: neighbouring distances differ by at most this share of the arc
+/// length in between.
 const GRADE: f64 = 0.25;
 
-/// Wanted distances between samples, at places along a way; linear in between.
+/// Desired distances between samples, at places along the path; linear in between.
 #[derive(Clone, Debug)]
 pub(super) struct Spacing {
-    /// From 0 to the way's length, rising.
+    /// Arc lengths from 0 to the total length, increasing.
     places: Vec<f64>,
     distances: Vec<f64>,
-    /// Where among the places the points are.
+    /// Indices of the polyline points among the places.
     points: Vec<usize>,
 }
 
-/// Places between two points, and one: there the distance may be larger than at both.
+/// Number of places per polyline segment, including its first point: in between, the distance may
+/// be larger than at both ends.
 const BETWEEN: usize = 4;
 
 impl Spacing {
-    /// The same distance everywhere on a way with points after these ways.
+    /// Creates a uniform distance on a path with points at these arc lengths.
     pub(super) fn even(ways: &[f64], distance: f64) -> Self {
         let mut places = Vec::with_capacity(BETWEEN * ways.len());
         for two in ways.windows(2) {
@@ -29,7 +31,8 @@ impl Spacing {
         Self { distances: vec![distance; places.len()], places, points }
     }
 
-    /// Halves the distance at a point, to not less than `least`. Returns whether it became smaller.
+    /// Halves the distance at a point, but not below `least`. Returns true if the distance was
+    /// reduced.
     pub(super) fn halve(&mut self, point: usize, least: f64) -> bool {
         let distance = &mut self.distances[self.points[point]];
         let halved = (0.5 * *distance).max(least);
@@ -38,7 +41,7 @@ impl Spacing {
         smaller
     }
 
-    /// Lowers distances until they change slowly.
+    /// Reduces distances until the slope of the spacing is within [`GRADE`].
     pub(super) fn grade(&mut self) {
         let count = self.places.len();
         for i in 1..count {
@@ -51,7 +54,8 @@ impl Spacing {
         }
     }
 
-    /// Samples from the first place to the last, about as far apart as wanted; at least `least` steps.
+    /// Returns samples from the first place to the last, with approximately the desired distances;
+    /// at least `least` steps.
     pub(super) fn samples(&self, least: usize) -> Vec<f64> {
         // Steps up to each place: the integral of 1 over the distance, which is linear in between.
         let mut steps = vec![0.0];
@@ -59,7 +63,7 @@ impl Spacing {
             let way = self.places[i] - self.places[i - 1];
             let (a, b) = self.distances_between(i);
             let ratio = b / a;
-            // The logarithm's limit where both are the same.
+            // Limit of the logarithm for equal distances.
             let mean = if (ratio - 1.0).abs() < 1e-6 { a } else { (b - a) / ratio.ln() };
             steps.push(steps[i - 1] + way / mean);
         }
@@ -86,7 +90,7 @@ impl Spacing {
         (self.distances[i - 1], self.distances[i])
     }
 
-    /// So many steps after place `i - 1`, and not beyond place `i`.
+    /// Returns the arc length after a number of steps from place `i - 1`, clamped to place `i`.
     fn place_at(&self, i: usize, steps: f64) -> f64 {
         let way = self.places[i] - self.places[i - 1];
         let (a, b) = self.distances_between(i);

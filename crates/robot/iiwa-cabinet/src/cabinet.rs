@@ -1,10 +1,10 @@
-//! A simulated Sunrise cabinet: the controller with its FRI connection, and the robot program that carries
-//! out the instructions of iiwaDrive (Larsen 2019, section 3.1.1).
+//! A simulated Sunrise cabinet: the controller with its FRI connection, and the robot program that
+//! carries out iiwaDrive instructions (Larsen 2019, section 3.1.1).
 //!
 //! | thread | task |
 //! |---|---|
 //! | clock | moves the robot and sends an FRI message every cycle |
-//! | FRI | receives the answers of the FRI client |
+//! | FRI | receives the FRI client's answers |
 //! | instructions | receives instructions on a REP socket and acknowledges them |
 //! | planner | plans motions |
 //! | state | sends state changes to iiwaDrive until they are acknowledged |
@@ -40,7 +40,7 @@ use crate::{
     torque_sensors::TorqueSensors,
 };
 
-/// A running simulated cabinet. It shuts down when it is dropped.
+/// A running simulated cabinet. Dropping it shuts it down.
 ///
 /// ```
 /// use iiwa_cabinet::{Cabinet, CabinetConfig};
@@ -67,8 +67,8 @@ impl Cabinet {
     ///
     /// # Errors
     ///
-    /// An address is invalid, requires keys or cannot be bound, the initial position is outside the joint
-    /// ranges, or a thread cannot be started.
+    /// An address is invalid, requires keys or cannot be bound, the initial position is outside the
+    /// joint ranges, or a thread cannot be started.
     pub fn start(config: CabinetConfig, security: &Server) -> Result<Self, LinkError> {
         config
             .robot
@@ -87,7 +87,7 @@ impl Cabinet {
         };
         let acknowledged = Arc::new(AtomicBool::new(false));
         let state = {
-            // Without a backlog: only the latest state matters.
+            // Without a backlog, because only the latest state matters.
             let socket =
                 ListenerConfig::new("cabinet state", SocketKind::Dealer, SHORT_MESSAGE_BYTES);
             let acknowledged = acknowledged.clone();
@@ -135,7 +135,7 @@ impl Cabinet {
             fri::receive_answers(&robot_state, &answers, client, shutdown);
         })?;
         let (jobs, jobs_in) = mpsc::channel();
-        // It ends with the thread of instructions, which sends its jobs.
+        // This thread ends with the instruction thread, which sends its jobs.
         threads.spawn("cabinet planner", move |_| {
             program::plan_motions(&robot, &jobs_in, |planned| {
                 let _ = inputs.send(ProgramInput::Planned(planned));
@@ -153,13 +153,13 @@ impl Cabinet {
         Ok(Self { shared, instructions, state, _threads: threads })
     }
 
-    /// The bound address for instructions, such as `tcp://127.0.0.1:30001`.
+    /// Returns the bound address for instructions, such as `tcp://127.0.0.1:30001`.
     #[must_use]
     pub fn instructions(&self) -> &str {
         &self.instructions
     }
 
-    /// The bound address for state changes.
+    /// Returns the bound address for state changes.
     #[must_use]
     pub fn state(&self) -> &str {
         &self.state
@@ -171,28 +171,28 @@ impl Cabinet {
         lock(&self.shared.simulation).press_emergency_stop_at(faults.emergency_stop_at);
     }
 
-    /// Drops all FRI datagrams for a time.
+    /// Drops all FRI datagrams for `duration`.
     pub fn silence(&self, duration: Duration) {
         lock(&self.shared.link).silence(duration);
     }
 
-    /// Presses the emergency stop for two seconds of the controller's time.
+    /// Presses the emergency stop for two seconds of controller time.
     pub fn press_emergency_stop(&self) {
         lock(&self.shared.simulation).press_emergency_stop(EMERGENCY_STOP_HELD_S);
     }
 
-    /// Drops the FRI session; it opens again after a number of seconds of the controller's time.
+    /// Drops the FRI session, which opens again after a number of seconds of controller time.
     pub fn drop_session(&self, seconds: f64) {
         lock(&self.shared.simulation).drop_session(seconds);
     }
 
-    /// The current joint positions, in rad.
+    /// Returns the current joint positions, in rad.
     #[must_use]
     pub fn position(&self) -> Joints {
         *lock(&self.shared.simulation).position()
     }
 
-    /// Statistics of the FRI connection so far.
+    /// Returns the statistics of the FRI connection so far.
     #[must_use]
     pub fn report(&self) -> Report {
         let (session, quality) = {

@@ -7,7 +7,7 @@ use iiwa_link::{CABINET_INSTRUCTIONS_PORT, CABINET_STATE_PORT, FRI_PORT};
 
 use crate::position_sensors::{LAG_S, VIBRATION_RAD};
 
-/// Configuration of a simulated cabinet. Set what differs from the default:
+/// Configuration of a simulated cabinet. Set the fields that differ from the default:
 ///
 /// ```
 /// use iiwa_cabinet::{CabinetConfig, Faults};
@@ -24,26 +24,28 @@ pub struct CabinetConfig {
     pub robot: Robot,
     /// Initial joint positions, in rad.
     pub start_rad: Joints,
-    /// Send period of FRI, in ms: 1 to 100, and at most 10 for commanding.
+    /// FRI send period, in ms: 1 to 100, and at most 10 for commanding.
     pub period_ms: u32,
     /// Number of FRI messages per expected answer.
     pub receive_multiplier: u32,
-    /// Speed of the controller's clock, as a multiple of real time.
+    /// Speed of the controller clock, as a multiple of real time.
     pub speed: f64,
-    /// Lag of measured joint positions behind commanded ones, in s: 0 to 1. [`CabinetConfig::RECORDED_LAG_S`] is that of a
-    /// real robot.
+    /// Lag of measured joint positions behind commanded ones, in s: 0 to 1.
+    /// [`CabinetConfig::RECORDED_LAG_S`] is the lag of a real robot.
     pub lag_s: f64,
     /// Standard deviation of the vibration of measured positions while a joint moves, in rad.
-    /// [`CabinetConfig::RECORDED_VIBRATION_RAD`] is that of a real robot.
+    /// [`CabinetConfig::RECORDED_VIBRATION_RAD`] is the value of a real robot.
     pub vibration_rad: f64,
-    /// Standard deviation of measured joint positions, at rest as well, in rad.
+    /// Standard deviation of measured joint positions, also at rest, in rad.
     pub noise_rad: f64,
     /// Standard deviation of measured torques, in Nm.
     pub torque_noise_nm: f64,
-    /// What hangs on the flange, whatever the programs say. The controller explains torques by what they say: the rest is
-    /// external. Without it, programs are right.
+    /// Actual payload, regardless of the programs. The controller computes the expected torques
+    /// from the payload that a program states: the remainder is external. `None` uses the programs'
+    /// payloads.
     pub load: Option<Load>,
-    /// How the foot stands, whatever the programs say; the controller knows. Without it, they are right.
+    /// Actual mounting, regardless of the programs, known to the controller. `None` uses the
+    /// programs' mountings.
     pub mount: Option<Mount>,
     /// UDP address of the FRI client.
     pub fri_client: SocketAddr,
@@ -51,17 +53,19 @@ pub struct CabinetConfig {
     pub instructions: String,
     /// Address of the socket for state changes.
     pub state: String,
-    /// Leaves out what robot programs on real cabinets do not know: the times of outcomes, and joint temperatures.
+    /// Omits the values that robot programs on real cabinets do not know: the times of outcomes,
+    /// and joint temperatures.
     pub without_times: bool,
     /// Simulated faults.
     pub faults: Faults,
 }
 
 impl CabinetConfig {
-    /// Lag of measured positions of a real LBR iiwa 7 R800, in s; docs/evidence.md has the source.
+    /// Lag of measured positions of a real LBR iiwa 7 R800, in s; docs/evidence.md states the
+    /// source.
     pub const RECORDED_LAG_S: f64 = LAG_S;
 
-    /// Standard deviation of the vibration of its moving joints, in rad.
+    /// Standard deviation of the vibration of moving joints of that robot, in rad.
     pub const RECORDED_VIBRATION_RAD: f64 = VIBRATION_RAD;
 }
 
@@ -88,7 +92,7 @@ impl Default for CabinetConfig {
     }
 }
 
-/// Simulated faults; the default has none.
+/// Simulated faults, none by default.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[non_exhaustive]
 pub struct Faults {
@@ -101,19 +105,19 @@ pub struct Faults {
 }
 
 impl Faults {
-    /// With this share of lost FRI datagrams, 0 to 1.
+    /// Sets the share of lost FRI datagrams, 0 to 1.
     #[must_use]
     pub fn with_packet_loss(self, packet_loss: f64) -> Self {
         Self { packet_loss, ..self }
     }
 
-    /// With FRI messages that are delayed by so many cycles.
+    /// Sets the delay of FRI messages, in cycles.
     #[must_use]
     pub fn with_delay_cycles(self, delay_cycles: u32) -> Self {
         Self { delay_cycles, ..self }
     }
 
-    /// With the emergency stop pressed after this share of the next motion, 0 to 1.
+    /// Presses the emergency stop after this share of the next motion, 0 to 1.
     #[must_use]
     pub fn with_emergency_stop_at(self, share: f64) -> Self {
         Self { emergency_stop_at: Some(share), ..self }

@@ -7,13 +7,13 @@ use std::{
 
 use crate::{config::Faults, latency::LatencyMonitor};
 
-/// The link, and statistics of its datagrams.
+/// The link, and its datagram statistics.
 pub(crate) struct FaultyLink {
     pub(crate) faults: Faults,
     random: fastrand::Rng,
     /// Messages of the last cycles, kept for a delay; empty for cycles without a message.
     delayed: VecDeque<Vec<u8>>,
-    /// Until when all datagrams are dropped.
+    /// Time until which all datagrams are dropped.
     silent_until: Option<Instant>,
     /// Number of messages to be sent.
     pub(crate) cycles: u64,
@@ -37,12 +37,12 @@ impl FaultyLink {
         }
     }
 
-    /// Drops all datagrams for a time.
+    /// Drops all datagrams for `duration`.
     pub(crate) fn silence(&mut self, duration: Duration) {
         self.silent_until = Some(Instant::now() + duration);
     }
 
-    /// The datagram that leaves the link in this cycle when `message` enters it.
+    /// Returns the datagram that leaves the link in this cycle, in which `message` enters the link.
     pub(crate) fn send(&mut self, message: Option<&[u8]>) -> Option<Vec<u8>> {
         self.cycles += u64::from(message.is_some());
         self.delayed.push_back(message.map(<[u8]>::to_vec).unwrap_or_default());
@@ -58,7 +58,7 @@ impl FaultyLink {
         Some(datagram)
     }
 
-    /// Whether a received answer passes the link.
+    /// Returns true if a received answer passes the link.
     pub(crate) fn receive(&mut self, datagram: &[u8], now: Instant) -> bool {
         if self.loses() {
             return false;

@@ -1,4 +1,4 @@
-//! The threads of FRI: the controller's clock, and the reception of answers.
+//! FRI threads: the controller clock, and the reception of answers.
 
 use std::{
     net::{Ipv4Addr, Ipv6Addr, SocketAddr, UdpSocket},
@@ -15,11 +15,11 @@ use iiwa_link::{
 
 use crate::shared::{POLL_INTERVAL, Shared, lock};
 
-/// The UDP socket, for either thread.
+/// Binds the UDP socket; returns a handle for each of the two threads.
 pub(crate) fn sockets(client: SocketAddr, security: &Server) -> Result<[UdpSocket; 2], LinkError> {
     let local = match client {
         client if client.ip().is_loopback() => SocketAddr::new(client.ip(), 0),
-        // FRI is not authenticated: the other sockets have to be, at least.
+        // FRI is not authenticated, so at least the other sockets have to be.
         _ if !security.has_keys() => {
             return Err(LinkError::FriNeedsKeys { client });
         }
@@ -35,8 +35,9 @@ pub(crate) fn sockets(client: SocketAddr, security: &Server) -> Result<[UdpSocke
     bind().map_err(|source| LinkError::Udp { address: local.to_string(), source })
 }
 
-/// The controller's clock: a cycle per `period`. If the machine delays it by more than half a period, robot time waits
-/// and has no gaps: a controller leaves its client a whole cycle for each answer.
+/// Runs the controller clock: one cycle per `period`. If the machine delays the clock by more than
+/// half a period, robot time is shifted without gaps: a controller leaves its client a whole cycle
+/// for each answer.
 pub(crate) fn run_clock(
     shared: &Shared,
     udp: &UdpSocket,
@@ -50,7 +51,7 @@ pub(crate) fn run_clock(
     let mut message = Vec::with_capacity(1500);
     while !shutdown.load(Ordering::Relaxed) {
         thread::sleep(next.saturating_duration_since(Instant::now()));
-        // Not before it has slept: the process may have been suspended meanwhile.
+        // Read after sleeping, because the process may have been suspended meanwhile.
         let now = Instant::now();
         if now.saturating_duration_since(next) > period / 2 {
             next = now;
@@ -60,20 +61,20 @@ pub(crate) fn run_clock(
         let due = lock(&shared.simulation).tick(&mut message);
         let datagram = lock(&shared.link).send(due.then_some(message.as_slice()));
         if let Some(datagram) = datagram {
-            // The client may not listen yet.
+            // A send error is ignored: the client may not listen yet.
             let _ = udp.send_to(&datagram, client);
         }
     }
 }
 
-/// Receives the client's answers.
+/// Receives the client answers.
 pub(crate) fn receive_answers(
     shared: &Shared,
     udp: &UdpSocket,
     client: SocketAddr,
     shutdown: &AtomicBool,
 ) {
-    // At ordinary priority it works, too.
+    // The thread also works at ordinary priority.
     let _ = raise_priority();
     let mut buffer = [0; 2048];
     while !shutdown.load(Ordering::Relaxed) {

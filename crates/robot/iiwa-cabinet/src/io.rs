@@ -1,4 +1,4 @@
-//! The inputs and outputs of the simulated cabinet.
+//! Inputs and outputs of the simulated cabinet.
 
 use std::collections::BTreeMap;
 
@@ -15,7 +15,7 @@ struct Port {
 }
 
 impl Default for Ports {
-    /// The signals of a media flange "Touch", and one of each numeric type.
+    /// The signals of a media flange "Touch", and one signal of each numeric type.
     fn default() -> Self {
         use Direction::{Input, Output};
         use IoValue::{Analog, Boolean, Digital};
@@ -38,7 +38,7 @@ impl Default for Ports {
 }
 
 impl Ports {
-    /// All of them, by name.
+    /// Returns all inputs and outputs, by name.
     pub(crate) fn all(&self) -> Vec<Signal> {
         let signal = |(name, port): (&&'static str, &Port)| Signal {
             name: (*name).to_owned(),
@@ -79,7 +79,7 @@ impl Ports {
     fn unknown(&self, name: &str) -> Refusal {
         let known = self.0.keys().copied().collect::<Vec<_>>().join(", ");
         Refusal::bad(format!(
-            "there is no input or output `{}`; known names are {known}",
+            "unknown input or output `{}`; known names are {known}",
             shortened(name)
         ))
     }

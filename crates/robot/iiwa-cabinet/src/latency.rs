@@ -4,24 +4,24 @@ use std::time::{Duration, Instant};
 
 use iiwa_fri::Format;
 
-/// Times from messages to their answers.
+/// Latencies: times from messages to their answers.
 #[derive(Clone, Debug, Default)]
 pub struct Latency {
-    /// In ns, in order of arrival.
+    /// Latencies in ns, in order of arrival.
     nanoseconds: Vec<u32>,
 }
 
-/// Largest number of stored times: an hour at 1 ms.
+/// Maximum number of stored latencies: one hour at 1 ms.
 const MAX_SAMPLES: usize = 3_600_000;
 
 impl Latency {
-    /// Number of timed answers.
+    /// Returns the number of timed answers.
     #[must_use]
     pub fn count(&self) -> usize {
         self.nanoseconds.len()
     }
 
-    /// The quantile of a share (0 to 1) of the answers; `None` without answers.
+    /// Returns the quantile for a share (0 to 1) of the answers; `None` without answers.
     #[must_use]
     pub fn quantile(&self, share: f64) -> Option<Duration> {
         let mut sorted = self.nanoseconds.clone();
@@ -33,25 +33,25 @@ impl Latency {
     }
 }
 
-/// An answer more than a cycle after its message.
+/// An answer more than one cycle after its message.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct LateAnswer {
-    /// When the message was sent.
+    /// Time at which the message was sent.
     pub sent: Instant,
-    /// When the answer arrived.
+    /// Time at which the answer arrived.
     pub answered: Instant,
 }
 
-/// Largest number of stored late answers.
+/// Maximum number of stored late answers.
 const MAX_LATE: usize = 10_000;
 
-/// Matches answers with their messages.
+/// Matches answers to their messages.
 #[derive(Debug)]
 pub(crate) struct LatencyMonitor {
     /// The last messages without an answer, indexed by their counters.
     sent: Box<[Option<SentMessage>]>,
-    /// An answer that takes longer is late.
+    /// Latency above which an answer is late.
     cycle: Duration,
     late: Vec<LateAnswer>,
     unanswered: u64,
@@ -64,8 +64,8 @@ struct SentMessage {
     at: Instant,
 }
 
-/// Number of messages after which an answer is no longer timed: a power of two, so that indices remain valid
-/// when counters wrap around.
+/// Number of messages after which an answer is no longer timed: a power of two, so that indices
+/// remain valid when counters wrap around.
 const WINDOW: u32 = 1024;
 
 impl LatencyMonitor {

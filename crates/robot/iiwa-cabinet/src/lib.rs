@@ -1,7 +1,7 @@
-//! A simulated Sunrise cabinet of the KUKA LBR iiwa: the controller with its FRI connection, and the robot
-//! program that carries out the instructions of a drive. It knows nothing of the drive but the messages
-//! between them, [`iiwa_link::robot_program`] and FRI, and can be given faults: lost datagrams, delays,
-//! dropped sessions, an emergency stop.
+//! A simulated Sunrise cabinet of the KUKA LBR iiwa: the controller with its FRI connection, and
+//! the robot program that carries out the instructions of a drive. The cabinet depends only on the
+//! messages exchanged with the drive, [`iiwa_link::robot_program`] and FRI, and can simulate
+//! faults: lost datagrams, delays, dropped sessions, an emergency stop.
 //!
 //! ```
 //! use iiwa_cabinet::{Cabinet, CabinetConfig, Faults};

@@ -10,12 +10,12 @@ pub(crate) struct Noise {
 }
 
 impl Noise {
-    /// Noise with a standard deviation.
+    /// Creates noise with a standard deviation.
     pub(crate) fn new(deviation: f64, seed: u64) -> Self {
         Self { deviation, random: fastrand::Rng::with_seed(seed) }
     }
 
-    /// The next number.
+    /// Returns the next number.
     pub(crate) fn next(&mut self) -> f64 {
         if self.deviation == 0.0 { 0.0 } else { self.random.f64_normal(0.0, self.deviation) }
     }

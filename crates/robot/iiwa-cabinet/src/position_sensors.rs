@@ -1,8 +1,9 @@
-//! Measured joint positions: late, with a vibration while a joint moves, and with noise.
+//! Measured joint positions: delayed, with a vibration while a joint moves, and with noise.
 //!
-//! Source of the constants: a log of a real LBR iiwa 7 R800 at 1 kHz (docs/evidence.md). Its measured positions lag
-//! the commanded ones by 2.4 to 2.5 ms in all joints. While it moves, they vibrate by 3e-6 to 1e-5 rad (standard deviation),
-//! mostly below 40 Hz. Slower deviations and the offset at rest, up to 2e-4 rad, are not modelled.
+//! Source of the constants: a log of a real LBR iiwa 7 R800 at 1 kHz (docs/evidence.md). Its
+//! measured positions lag the commanded ones by 2.4 to 2.5 ms in all joints. During motion, the
+//! measured positions vibrate by 3e-6 to 1e-5 rad (standard deviation), mostly below 40 Hz. Slower
+//! deviations and the offset at rest, up to 2e-4 rad, are not modelled.
 
 use std::{collections::VecDeque, f64::consts::TAU};
 
@@ -13,28 +14,28 @@ use crate::noise::Noise;
 /// Lag of measured positions of a real robot, in s.
 pub(crate) const LAG_S: f64 = 0.0024;
 
-/// Longest lag of measured positions, in s.
+/// Maximum lag of measured positions, in s.
 const MAX_LAG_S: f64 = 1.0;
 
-/// Vibration of a moving joint of a real robot, its standard deviation in rad.
+/// Standard deviation of the vibration of a moving joint of a real robot, in rad.
 pub(crate) const VIBRATION_RAD: f64 = 6e-6;
 
 /// Frequency of the vibration, in Hz.
 const VIBRATION_HZ: f64 = 20.0;
 
-/// Time constant of its decay, in s.
+/// Time constant of the vibration decay, in s.
 const DECAY_S: f64 = 0.1;
 
-/// Amplitudes below this are rest, in rad.
+/// Amplitude below which a joint counts as at rest, in rad.
 const REST_RAD: f64 = 1e-9;
 
-/// Number of positions that a polynomial is put through.
+/// Number of interpolation points of a polynomial.
 const POINTS: usize = 4;
 
 const NOISE_SEED: u64 = 1;
 const VIBRATION_SEED: u64 = 2;
 
-/// Sensors of the joint positions.
+/// Joint position sensors.
 #[derive(Clone, Debug)]
 pub(crate) struct PositionSensors {
     /// Lag in cycles.
@@ -46,12 +47,13 @@ pub(crate) struct PositionSensors {
 }
 
 impl PositionSensors {
-    /// Sensors that report the commanded positions.
+    /// Creates sensors that report the commanded positions.
     pub(crate) fn ideal() -> Self {
         Self::new(1.0, 0.0, 0.0, 0.0)
     }
 
-    /// Sensors that are read every `period_s`. Vibration and noise are standard deviations in rad.
+    /// Creates sensors that are read every `period_s`. Vibration and noise are standard deviations
+    /// in rad.
     pub(crate) fn new(period_s: f64, lag_s: f64, vibration_rad: f64, noise_rad: f64) -> Self {
         Self {
             lag: lag_s.clamp(0.0, MAX_LAG_S) / period_s,
@@ -61,14 +63,15 @@ impl PositionSensors {
         }
     }
 
-    /// Measured positions in rad, one cycle after those before.
+    /// Returns the measured positions in rad, one cycle after the previous ones.
     pub(crate) fn read(&mut self, commanded_rad: &Joints) -> Joints {
         let before = self.trail.front().unwrap_or(commanded_rad);
         let moves = std::array::from_fn(|j| before[j] != commanded_rad[j]);
         self.trail.push_front(*commanded_rad);
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "small counts")]
         let whole = self.lag.floor() as usize;
-        // The place is between the second and the third position, where there are so late ones.
+        // The delayed time is between the second and the third interpolation point, if the lag is
+        // long enough.
         let first = whole.saturating_sub(1);
         self.trail.truncate(first + POINTS);
         let late = self.between(first);
@@ -76,13 +79,14 @@ impl PositionSensors {
         std::array::from_fn(|j| late[j] + vibration[j] + self.noise.next())
     }
 
-    /// The commanded positions at the lag, on the polynomial through those from `first` on.
+    /// Returns the commanded positions at the lag, on the polynomial through the positions from
+    /// `first` on.
     fn between(&self, first: usize) -> Joints {
         let now = self.trail[0];
         if self.lag == 0.0 {
             return now;
         }
-        // Before the first cycle, the arm was at rest.
+        // Before the first cycle, the robot was at rest.
         let oldest = self.trail[self.trail.len() - 1];
         let at = self.lag - first as f64;
         let mut late = now;
@@ -92,7 +96,7 @@ impl PositionSensors {
                 .map(|other| (at - other as f64) / (point as f64 - other as f64))
                 .product::<f64>();
             let position = self.trail.get(first + point).unwrap_or(&oldest);
-            // Of differences, so that it is exact at rest.
+            // Weighted differences instead of positions, so that the result is exact at rest.
             for (late, (position, now)) in late.iter_mut().zip(position.iter().zip(&now)) {
                 *late += weight * (position - now);
             }
@@ -101,19 +105,19 @@ impl PositionSensors {
     }
 }
 
-/// Oscillators, one for each joint, that random forces excite while the joint moves.
+/// Oscillators, one per joint, excited by random forces while the joint moves.
 #[derive(Clone, Debug)]
 struct Vibration {
     /// Deflection and, a quarter of a period ahead, its rate, in rad.
     state: [[f64; 2]; 7],
-    /// Factor and angle of a cycle's turn.
+    /// Decay factor and rotation angle of one cycle.
     decay: f64,
     turn: f64,
     force: Noise,
 }
 
 impl Vibration {
-    /// With a standard deviation of the deflection in rad.
+    /// Creates oscillators with a standard deviation of the deflection in rad.
     fn new(period_s: f64, deviation_rad: f64) -> Self {
         let decay = (-period_s / DECAY_S).exp();
         let force = deviation_rad * (1.0 - decay * decay).sqrt();
@@ -125,7 +129,7 @@ impl Vibration {
         }
     }
 
-    /// Deflections in rad, a cycle on.
+    /// Returns the deflections in rad, one cycle later.
     fn advance(&mut self, moves: [bool; 7]) -> Joints {
         let (sin, cos) = self.turn.sin_cos();
         for (state, moves) in self.state.iter_mut().zip(moves) {
@@ -147,7 +151,8 @@ impl Vibration {
 mod tests {
     use super::*;
 
-    /// Positions of a joint that accelerates, moves at constant speed from `at` s on, and then stops at once.
+    /// Returns positions of a joint that accelerates, moves at constant speed from 0.6 s on, and
+    /// stops abruptly at 5 s.
     fn motion(t_s: f64) -> Joints {
         let mut q = [0.3; 7];
         q[0] = if t_s < 0.2 {
@@ -175,7 +180,7 @@ mod tests {
             let sensors = PositionSensors::new(period_s, LAG_S, 0.0, 0.0);
             let mut checked = 0;
             for (t_s, measured) in readings(period_s, sensors, 6.0) {
-                // Not across the places where velocity or acceleration jump.
+                // Not across the times at which velocity or acceleration are discontinuous.
                 let smooth = [0.2, 0.6, 5.0]
                     .iter()
                     .all(|jump| !(-1e-9..3.1 * period_s + LAG_S).contains(&(t_s - jump)));

@@ -1,4 +1,4 @@
-//! The threads of the robot program.
+//! Threads of the robot program.
 
 use std::{
     sync::{
@@ -39,13 +39,13 @@ pub(crate) struct PlanningJob {
     motions: MotionList,
 }
 
-/// The result of planning.
+/// Result of planning.
 pub(crate) struct PlanningResult {
     run: RunId,
     result: Result<Trajectory, Refusal>,
 }
 
-/// Plans motions until the sender of jobs is dropped.
+/// Plans motions until the job sender is dropped.
 pub(crate) fn plan_motions(
     robot: &Robot,
     jobs: &Receiver<PlanningJob>,
@@ -56,15 +56,15 @@ pub(crate) fn plan_motions(
     }
 }
 
-/// Carries out the instructions of iiwaDrive and acknowledges them. Motions are planned first and begin with
-/// another instruction, so that they do not begin if they were withdrawn meanwhile.
+/// Carries out iiwaDrive instructions and acknowledges them. Motions are planned first and begin
+/// with another instruction, so that they do not begin if they were withdrawn meanwhile.
 pub(crate) struct RobotProgram<'a> {
     shared: &'a Shared,
     socket: Listener,
     planner: Sender<PlanningJob>,
-    /// The instruction that is acknowledged when its motions are planned.
+    /// The instruction that is acknowledged once its motions are planned.
     planning: Option<PendingPlan>,
-    /// Planned motions that wait for their beginning.
+    /// Planned motions that wait to begin.
     planned: Option<PlannedMotions>,
 }
 
@@ -100,7 +100,8 @@ impl<'a> RobotProgram<'a> {
                 Ok(ProgramInput::Socket(Event::Message(peer, received))) => {
                     self.receive(peer, received.frames);
                 }
-                // Motions planned for a disconnected drive expire: another one does not begin them.
+                // Motions planned for a disconnected drive expire: another drive does not begin
+                // them.
                 Ok(ProgramInput::Socket(Event::Disconnected(_)))
                 | Err(RecvTimeoutError::Timeout) => {}
                 Ok(ProgramInput::Planned(result)) => self.planned(result),
@@ -111,7 +112,7 @@ impl<'a> RobotProgram<'a> {
     }
 
     fn receive(&mut self, peer: PeerId, mut envelope: Frames) {
-        // An empty frame and the instruction, as from REQ.
+        // An empty frame and the instruction, as sent by REQ.
         let body = envelope.pop().unwrap_or_default();
         let (seq, instruction) = if envelope.len() <= 1 && envelope.iter().all(Bytes::is_empty) {
             Instruction::from_json(&body)
@@ -165,7 +166,7 @@ impl<'a> RobotProgram<'a> {
         }
     }
 
-    /// Motions have been planned.
+    /// Handles the result of planning.
     fn planned(&mut self, PlanningResult { run, result }: PlanningResult) {
         let Some(PendingPlan { source, is_withdrawn, .. }) =
             self.planning.take_if(|planning| planning.run == run)
@@ -199,13 +200,13 @@ impl<'a> RobotProgram<'a> {
     }
 }
 
-/// When an instruction is acknowledged.
+/// Time of the acknowledgement of an instruction.
 enum AcknowledgeWhen {
     Now(Acknowledgement),
     Planned(RunId),
 }
 
-/// Sends the state when it changes, repeatedly until it is acknowledged, and periodically in any case.
+/// Sends the state on every change, repeatedly until acknowledged, and periodically in any case.
 pub(crate) fn send_states(
     shared: &Shared,
     socket: &Listener,

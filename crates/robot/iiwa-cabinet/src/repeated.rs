@@ -1,8 +1,8 @@
-//! Faults that come again and again.
+//! Periodic faults.
 
 use std::time::{Duration, Instant};
 
-/// When a fault is due that comes again and again, in real time.
+/// Schedule of a periodic fault, in real time.
 #[derive(Clone, Copy, Debug)]
 pub struct Repeated {
     every: Option<Duration>,
@@ -10,14 +10,14 @@ pub struct Repeated {
 }
 
 impl Repeated {
-    /// With a period, in s, from now on; never without one.
+    /// Creates a schedule with a period, in s, from now on; `None` means never.
     #[must_use]
     pub fn new(every_s: Option<f64>) -> Self {
         let every = every_s.map(|s| Duration::try_from_secs_f64(s).unwrap_or(Duration::MAX));
         Self { every, last: Instant::now() }
     }
 
-    /// Whether a period has passed since it was due.
+    /// Returns true if a period has passed since the fault was last due.
     pub fn is_due(&mut self) -> bool {
         let due = self.every.is_some_and(|every| self.last.elapsed() >= every);
         if due {

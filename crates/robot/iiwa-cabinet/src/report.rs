@@ -14,22 +14,22 @@ pub struct Report {
     pub cycles: u64,
     /// Cycles in which the simulation itself was late and its clock waited.
     pub delayed_cycles: u64,
-    /// Whether the clock of the simulation has real-time priority.
+    /// `true` if the simulation clock has real-time priority.
     pub real_time: bool,
     /// Times from messages to their answers.
     pub latency: Latency,
-    /// Answers more than a cycle after their messages, at most the first ten thousand.
+    /// Answers more than one cycle after their messages, at most the first ten thousand.
     pub late: Vec<LateAnswer>,
-    /// Messages without an answer a thousand messages later. With a receive multiplier above 1, most require
-    /// none.
+    /// Messages without an answer a thousand messages later. With a receive multiplier above 1,
+    /// most messages do not require an answer.
     pub unanswered: u64,
-    /// The state of the session.
+    /// Session state.
     pub session: SessionState,
-    /// The connection quality.
+    /// Connection quality.
     pub quality: Quality,
 }
 
-/// Messages, and how long their answers took.
+/// Formats the number of messages and the answer latency.
 impl fmt::Display for Report {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let micros = |share| {

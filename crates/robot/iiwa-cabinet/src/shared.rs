@@ -1,4 +1,4 @@
-//! State that the threads of the cabinet share.
+//! State shared by the threads of the cabinet.
 
 use std::{
     sync::{Mutex, MutexGuard, PoisonError},
@@ -7,7 +7,7 @@ use std::{
 
 use crate::{faulty_link::FaultyLink, simulation::Simulation};
 
-/// The state that the threads share.
+/// State shared by the threads.
 pub(crate) struct Shared {
     pub(crate) simulation: Mutex<Simulation>,
     pub(crate) link: Mutex<FaultyLink>,
@@ -19,7 +19,7 @@ impl std::fmt::Debug for Shared {
     }
 }
 
-/// How often waiting threads check for shutdown.
+/// Interval at which waiting threads check for shutdown.
 pub(crate) const POLL_INTERVAL: Duration = Duration::from_millis(50);
 
 /// Locks a mutex.

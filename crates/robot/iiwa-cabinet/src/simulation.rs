@@ -1,4 +1,4 @@
-//! The simulated robot and robot program, sans I/O: advanced cycle by cycle.
+//! The simulated robot and robot program, sans I/O, advanced cycle by cycle.
 
 #[cfg(test)]
 mod tests;
@@ -27,14 +27,14 @@ use crate::{
     torque_sensors::{JointMotion, TorqueReading, TorqueSensors},
 };
 
-/// How long the controller waits for active commanding, in s.
+/// Time-out of the controller for active commanding, in s.
 const COMMANDING_TIMEOUT_S: f64 = 5.0;
 
-/// Longest send period for commanding, in s.
+/// Maximum send period for commanding, in s.
 const MAX_COMMANDING_PERIOD_S: f64 = 0.010;
 
-/// Permitted velocity of set-points, as a share of the limits: clocks are not exact, and positions are
-/// rounded.
+/// Permitted velocity of set-points, as a share of the limits, because clocks are inexact and
+/// positions are rounded.
 const SETPOINT_MARGIN: f64 = 1.1;
 
 /// Deceleration of a joint before the end of its range, as a share of the acceleration limits.
@@ -45,36 +45,37 @@ pub(crate) struct Simulation {
     robot: Robot,
     period_s: f64,
     receive_multiplier: u32,
-    /// Cycles since the start: the controller's clock.
+    /// Cycles since the start: the controller clock.
     cycle: u64,
     /// Commanded joint positions, in rad.
     q: Joints,
     /// Commanded joint velocities, in rad/s.
     dq: Joints,
-    /// Joint positions of the last cycles, in rad, the latest last: those between three set-points.
+    /// Joint positions of the last cycles, in rad, the latest last: the positions within three
+    /// set-points.
     trail: VecDeque<Joints>,
     activity: Activity,
     outcome: Option<Outcome>,
     boot: u64,
     fri: Controller,
-    /// The emergency stop is pressed until this cycle.
+    /// Cycle until which the emergency stop is pressed.
     pressed_until: Option<u64>,
-    /// The emergency stop is pressed at this share of the next motion.
+    /// Share of the next motion after which the emergency stop is pressed.
     press_at: Option<f64>,
     pub(crate) position_sensors: PositionSensors,
     temperatures: Temperatures,
     pub(crate) torque_sensors: TorqueSensors,
     torques: TorqueReading,
     ports: Ports,
-    /// Whether outcomes have no times, and sensors no temperatures.
+    /// `true` if outcomes have no times, and sensors no temperatures.
     without_times: bool,
     changed: bool,
 }
 
-/// The activity of the robot program.
+/// Activity of the robot program.
 enum Activity {
     Nothing,
-    /// Runs planned motions.
+    /// Executes planned motions.
     Motions {
         run: RunId,
         playback: Box<Playback<Trajectory>>,
@@ -83,21 +84,21 @@ enum Activity {
     },
     /// Follows the set-points of the client.
     Commanded(Commanded),
-    /// Brings the arm to rest, off any path.
+    /// Brings the robot to rest, independent of any path.
     Braking(JointBraking),
 }
 
 struct Commanded {
     run: RunId,
-    /// The cycle of the request.
+    /// Cycle of the request.
     since: u64,
     /// Joint positions at the request, in rad.
     at_rad: Joints,
-    /// The cycle in which commanding became active.
+    /// Cycle in which commanding became active.
     from: Option<u64>,
     /// The last set-point, in rad, and the sequence counter of the message that it answers.
     last: Option<(Joints, u32)>,
-    /// Number of cycles within which the arm has to reach it.
+    /// Number of cycles within which the robot has to reach the set-point.
     cycles_left: u32,
 }
 
@@ -105,7 +106,8 @@ struct JointBraking {
     run: RunId,
     state: DriveState,
     from: Option<u64>,
-    /// Initial positions, in rad, initial velocities, in rad/s, and braking times, in s, of the joints.
+    /// Initial positions, in rad, initial velocities, in rad/s, and braking times, in s, of the
+    /// joints.
     began_rad: Joints,
     speed_rad_s: Joints,
     takes_s: Joints,
@@ -114,7 +116,7 @@ struct JointBraking {
 }
 
 impl JointBraking {
-    /// The current joint positions, in rad: each joint brakes with constant deceleration.
+    /// Returns the current joint positions, in rad: each joint brakes with constant deceleration.
     fn position(&self) -> Joints {
         std::array::from_fn(|j| {
             let t_s = self.for_s.min(self.takes_s[j]);
@@ -167,12 +169,12 @@ impl Simulation {
         }
     }
 
-    /// Leaves out the times of outcomes and the temperatures of sensors, as a real cabinet does.
+    /// Omits the times of outcomes and the temperatures of sensors, like a real cabinet.
     pub(crate) fn leave_out_times(&mut self) {
         self.without_times = true;
     }
 
-    /// The time of the controller's clock, in s.
+    /// Returns the controller time, in s.
     fn now_s(&self) -> f64 {
         self.at_s(self.cycle)
     }
@@ -187,12 +189,12 @@ impl Simulation {
         cycles
     }
 
-    /// The state as sent to iiwaDrive, if it has changed since the last call.
+    /// Returns the state as sent to iiwaDrive, if it has changed since the last call.
     pub(crate) fn take_change(&mut self) -> Option<StateChange> {
         std::mem::take(&mut self.changed).then(|| self.state())
     }
 
-    /// The state as sent to iiwaDrive.
+    /// Returns the state as sent to iiwaDrive.
     pub(crate) fn state(&self) -> StateChange {
         let (state, run) = match &self.activity {
             Activity::Nothing => (DriveState::Idle, None),
@@ -218,7 +220,7 @@ impl Simulation {
         }
     }
 
-    /// The current joint positions, in rad.
+    /// Returns the current joint positions, in rad.
     pub(crate) fn position(&self) -> &Joints {
         &self.q
     }
@@ -280,8 +282,8 @@ impl Simulation {
         self.fri.message(&reading, message)
     }
 
-    /// Interpolated joint positions of the controller's own motion, in rad. While commanded, that motion holds
-    /// the position at the request: set-points do not change it.
+    /// Returns the interpolated joint positions of the controller's own motion, in rad. While the
+    /// client commands, this motion holds the position at the request: set-points do not change it.
     fn ipo_rad(&self) -> Joints {
         match &self.activity {
             Activity::Commanded(commanded) => commanded.at_rad,
@@ -289,7 +291,8 @@ impl Simulation {
         }
     }
 
-    /// How the joints move now: as planned, or, of set-points, by their differences, which are late by a set-point.
+    /// Returns the current joint motion: as planned or, for set-points, by their differences, which
+    /// are delayed by one set-point.
     fn joint_motion(&mut self) -> JointMotion {
         let stride = self.receive_multiplier as usize;
         self.trail.push_back(self.q);
@@ -352,7 +355,7 @@ impl Simulation {
             Activity::Commanded(commanded) => self.follow(commanded),
             Activity::Braking(mut braking) => {
                 braking.for_s += self.period_s;
-                // Outside the joint range no motion could begin any more.
+                // Outside the joint range, no further motion could begin.
                 self.q = self.robot.limits().clamp(&braking.position());
                 if braking.is_over() {
                     return self.end(braking.run, braking.from, Some(braking.error));
@@ -376,7 +379,7 @@ impl Simulation {
                 state.name(),
                 self.fri.quality().name()
             ))),
-            // Requested again: the session may have been lost meanwhile.
+            // Requested again, because the session may have been lost meanwhile.
             (state, None) => {
                 if !state.commands() {
                     self.fri.request_commanding();
@@ -387,7 +390,7 @@ impl Simulation {
         self.activity = Activity::Commanded(commanded);
         if let Some(error) = error {
             self.brake(error);
-            // In this cycle: waiting for the next one would stop the arm abruptly.
+            // In this cycle, because waiting for the next one would stop the robot abruptly.
             self.advance();
         }
     }
@@ -402,7 +405,7 @@ impl Simulation {
                     format!("a set-point is outside a range: {outside}"),
                 ));
             }
-            // Times by the answered messages: the latency of answers varies.
+            // Times are those of the answered messages, because the answer latency varies.
             let answered = self.fri.answered().unwrap_or_default();
             let first = (self.q, answered.wrapping_sub(self.receive_multiplier));
             let (last, before) = commanded.last.unwrap_or(first);
@@ -443,8 +446,8 @@ impl Simulation {
         Ok(())
     }
 
-    /// Brings the arm to rest on a straight line in joint space, except for joints that would leave their
-    /// range.
+    /// Brings the robot to rest on a straight line in joint space, except for joints that would
+    /// leave their range.
     fn brake(&mut self, error: Refusal) {
         if let Activity::Commanded(Commanded { run, from, .. }) = self.activity {
             self.fri.release();
@@ -504,7 +507,7 @@ impl Simulation {
         Ok(())
     }
 
-    /// Carries out an instruction other than those about motions.
+    /// Carries out an instruction other than motion instructions.
     pub(crate) fn carry_out(
         &mut self,
         instruction: Instruction,
@@ -571,10 +574,10 @@ impl Simulation {
     }
 }
 
-/// How long a simulated emergency stop stays pressed, in s.
+/// Duration of a simulated emergency stop, in s.
 pub(crate) const EMERGENCY_STOP_HELD_S: f64 = 2.0;
 
-/// Velocities below this are rest, in rad/s.
+/// Velocity below which a joint counts as at rest, in rad/s.
 const REST_RAD_S: f64 = 1e-3;
 
 /// Plans motions from `start_rad`, in rad.

@@ -4,12 +4,13 @@ use iiwa_kin::Joints;
 
 /// Room temperature, in degrees Celsius.
 const ROOM_C: f64 = 25.0;
-/// Final temperature rise of a joint that always moves at full speed, in K.
+/// Final temperature rise of a joint in continuous motion at full speed, in K.
 const HEATING_K: f64 = 25.0;
 /// Time constant of warming up, in s.
 const WARMING_S: f64 = 900.0;
 
-/// Joint temperatures, heated by motion and cooled by the air. The model is plausible, not measured.
+/// Joint temperatures, heated by motion and cooled by the air. The model is plausible, not
+/// measured.
 #[derive(Clone, Debug)]
 pub(crate) struct Temperatures(Joints);
 
@@ -26,7 +27,7 @@ impl Temperatures {
         }
     }
 
-    /// In degrees Celsius.
+    /// Returns the temperatures in degrees Celsius.
     pub(crate) fn celsius(&self) -> Joints {
         self.0
     }

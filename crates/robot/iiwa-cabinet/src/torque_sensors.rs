@@ -6,42 +6,43 @@ use iiwa_program::MotionIndex;
 
 use crate::noise::Noise;
 
-/// How the joints move at an instant.
+/// Joint motion at an instant.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct JointMotion {
     pub(crate) velocity_rad_s: Joints,
     pub(crate) acceleration_rad_s2: Joints,
 }
 
-/// What the sensors show, in Nm, with the sign of KUKA's controller: what loads a joint, not what the joint exerts.
+/// Sensor reading, in Nm, with the sign of KUKA's controller: the load on a joint, opposite to the
+/// torque that the joint exerts.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct TorqueReading {
     pub(crate) measured_nm: Joints,
-    /// What the controller cannot explain by the load that it was given.
+    /// Torque that the configured payload does not explain.
     pub(crate) external_nm: Joints,
 }
 
-/// The torque sensors of an arm. What hangs on its flange may differ from what the controller was given.
+/// Torque sensors of a robot. The actual payload may differ from the configured one.
 #[derive(Clone, Debug)]
 pub(crate) struct TorqueSensors {
-    /// On the floor, without a load.
+    /// Dynamics on the floor, without payload.
     empty: Dynamics,
-    /// What hangs on the flange, and how the foot stands, whatever programs say.
+    /// Actual payload and mounting, regardless of the programs.
     load: Option<Load>,
     mount: Option<Mount>,
-    /// What the last program said of both.
+    /// Payload and mounting of the last program.
     said: (Option<Load>, Mount),
     real: Dynamics,
     configured: Dynamics,
     noise: Noise,
 }
 
-/// Not that of positions.
+/// Differs from the seed of the position noise.
 const NOISE_SEED: u64 = 2;
 
 impl TorqueSensors {
-    /// Of a robot that nothing was configured of yet, with noise of a standard deviation in Nm. Without `load` and `mount`,
-    /// what hangs on it and how it stands is what programs say.
+    /// Creates sensors of a robot without configuration, with noise of a standard deviation in Nm.
+    /// Without `load` and `mount`, payload and mounting are taken from the programs.
     pub(crate) fn new(
         robot: &Robot,
         load: Option<Load>,
@@ -63,7 +64,7 @@ impl TorqueSensors {
         sensors
     }
 
-    /// The controller knows from now on what a program says of a motion.
+    /// Configures the controller with the payload and mounting that a program states for a motion.
     pub(crate) fn configure(&mut self, path: &JointPath, motion: MotionIndex) {
         let (load, mount) = (path.load(motion), path.mount());
         if self.said.0.as_ref() != load || self.said.1 != *mount {
@@ -81,7 +82,7 @@ impl TorqueSensors {
         self.said = (load.copied(), mount);
     }
 
-    /// What they show.
+    /// Returns the sensor reading.
     pub(crate) fn read(&mut self, joints_rad: &Joints, motion: &JointMotion) -> TorqueReading {
         let JointMotion { velocity_rad_s, acceleration_rad_s2 } = motion;
         let torques = |arm: &Dynamics| arm.torques(joints_rad, velocity_rad_s, acceleration_rad_s2);
@@ -111,7 +112,7 @@ mod tests {
         let still = JointMotion::default();
         let mut sensors = TorqueSensors::new(&robot, Some(load(3.0)), None, 0.0);
         let reading = sensors.read(&ASIDE, &still);
-        // 1.052 m from the shoulder. What pulls A2 to larger angles is positive.
+        // 1.052 m from the shoulder. A torque towards larger A2 angles is positive.
         assert!((reading.external_nm[1] - 3.0 * 9.81 * 1.052).abs() < 1e-9);
         let expected = -robot.dynamics().with_load(&load(3.0)).gravity_torques(&ASIDE)[1];
         assert!((reading.measured_nm[1] - expected).abs() < 1e-12);

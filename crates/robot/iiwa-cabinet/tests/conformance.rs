@@ -1,4 +1,5 @@
-//! The simulated robot program passes the conformance suite of robot programs, `sunrise/conformance`.
+//! The simulated robot program passes the conformance suite of robot programs,
+//! `sunrise/conformance`.
 
 #![expect(
     clippy::unwrap_used,
@@ -50,7 +51,7 @@ fn malformed_instructions_move_nothing() {
     assert_eq!(cabinet.position(), [0.0; 7]);
 }
 
-/// With a client of FRI. Commanding ends where its answers are late.
+/// Runs the suite with an FRI client. Commanding ends if its answers are late.
 #[test]
 fn trajectories_with_a_client_of_fri_conform() {
     let with_client = |config: &mut CabinetConfig| {
@@ -64,7 +65,7 @@ fn trajectories_with_a_client_of_fri_conform() {
     });
 }
 
-/// A cabinet without a client of FRI.
+/// Configures a cabinet without an FRI client.
 fn config() -> CabinetConfig {
     let mut config = CabinetConfig::default();
     config.instructions = "tcp://127.0.0.1:*".into();
@@ -96,7 +97,7 @@ fn assert_conforms(
     assert!(report.failed.is_empty() && report.passed > 0);
 }
 
-/// A client of FRI that keeps the arm where it is.
+/// An FRI client that holds the robot position.
 struct HoldingClient {
     at: SocketAddr,
     over: Arc<AtomicBool>,

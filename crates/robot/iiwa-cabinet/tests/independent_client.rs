@@ -1,6 +1,6 @@
-//! The simulated cabinet and a client of FRI that shares no code with this crate, in real time: the
-//! script `tests/fri/client.py` of the workspace. It needs a Python with what `tests/requirements.txt`
-//! names, at the path in `IIWASIM_PYTHON`; without it this test is skipped.
+//! The simulated cabinet with an FRI client that shares no code with this crate, in real time: the
+//! script `tests/fri/client.py` of the workspace. It requires a Python with the packages of
+//! `tests/requirements.txt`, at the path in `IIWASIM_PYTHON`; otherwise this test is skipped.
 
 #![expect(
     clippy::unwrap_used,
@@ -26,14 +26,14 @@ use serde_json::{Value, json};
 /// Time-out of all waits.
 const LONG: Duration = Duration::from_secs(20);
 
-/// The script; it ends with this value.
+/// The script. Dropping this value ends it.
 struct Script {
     child: Child,
     lines: Receiver<Value>,
 }
 
 impl Script {
-    /// `None` where there is no Python for it.
+    /// Starts the script; `None` if Python is not available for it.
     fn start() -> Option<Self> {
         let Some(python) = env::var_os("IIWASIM_PYTHON") else {
             eprintln!("skipped: IIWASIM_PYTHON names no Python for client.py");
@@ -63,7 +63,7 @@ impl Script {
 
 impl Drop for Script {
     fn drop(&mut self) {
-        // It may have ended.
+        // The script may have ended.
         let _ = self.child.kill();
         let _ = self.child.wait();
     }
@@ -80,16 +80,16 @@ fn read_lines(stdout: ChildStdout) -> Receiver<Value> {
     lines
 }
 
-/// Speed of the controller's clock, as a multiple of real time.
+/// Speed of the controller clock, as a multiple of real time.
 const SPEED: f64 = 0.5;
 
-/// The script's offset of joint 1, in rad, after a time of commanding, in s.
+/// Returns the script's offset of joint 1, in rad, after a time of commanding, in s.
 fn offset_rad(t_s: f64) -> f64 {
     let share = (t_s / 2.0).min(1.0);
     0.02 * share * share * (3.0 - 2.0 * share) * (0.5 * std::f64::consts::PI * t_s).sin()
 }
 
-/// Maximum and minimum, and the time between them in s.
+/// Returns the maximum, the minimum, and the time between them in s.
 fn extremes(trace: &[(f64, f64)]) -> (f64, f64, f64) {
     let by_position = |a: &&(f64, f64), b: &&(f64, f64)| a.1.total_cmp(&b.1);
     let (high_s, high) = trace.iter().max_by(by_position).unwrap();
@@ -97,14 +97,14 @@ fn extremes(trace: &[(f64, f64)]) -> (f64, f64, f64) {
     (*high, *low, low_s - high_s)
 }
 
-/// Cross-validated against a client that was written without this crate: it takes the session through all
-/// states, and the arm follows its set-points.
+/// Cross-validated against a client that was written without this crate: the session passes all
+/// states, and the robot follows the client's set-points.
 #[test]
 fn an_independent_client_moves_the_arm() {
     let Some(mut script) = Script::start() else { return };
     let mut config = CabinetConfig::default();
     config.fri_client = script.line()["bound"].as_str().unwrap().parse().unwrap();
-    // A cycle every 20 ms: a script has no real-time priority.
+    // One cycle every 20 ms: a script has no real-time priority.
     config.period_ms = 10;
     config.speed = SPEED;
     config.instructions = "tcp://127.0.0.1:*".into();
@@ -141,7 +141,7 @@ fn an_independent_client_moves_the_arm() {
         "{high} rad, {low} rad, {between_s} s; {expected_high} rad, {expected_low} rad, {expected_s} s"
     );
     assert!((high - expected_high).abs() < 1e-4 && (low - expected_low).abs() < 1e-4);
-    // The controller's clock waits when this machine is busy.
+    // The controller clock waits when this machine is busy.
     assert!((between_s - expected_s).abs() < 0.3);
 
     instruct(2, "end_trajectory");

@@ -1,4 +1,4 @@
-//! The simulated cabinet from outside: conformance, and an independent FRI client.
+//! Integration tests of the simulated cabinet: conformance, and an independent FRI client.
 
 mod conformance;
 mod independent_client;

@@ -1,17 +1,17 @@
-//! iiwaDrive: connects the robot with any number of clients (Larsen 2019, section 3.1.2).
+//! iiwaDrive: connects the robot to any number of clients (Larsen 2019, section 3.1.2).
 //!
 //! | thread | task |
 //! |---|---|
-//! | requests | receives requests of clients and sends replies |
+//! | requests | receives client requests and sends replies |
 //! | dispatcher | serves requests and instructs the robot program |
 //! | checks | parses and checks runs |
-//! | replies | writes replies with the measurements of runs |
+//! | replies | writes replies with run measurements |
 //! | state | receives and acknowledges state changes of the robot program |
-//! | FRI | answers the controller every cycle, sends the set-points of trajectories |
+//! | FRI | answers the controller every cycle, sends trajectory set-points |
 //! | stream | publishes measurements and states |
 //!
-//! A client can query the state or stop a motion while another one waits for its end. Requests, however many
-//! and however long, delay neither stops nor FRI.
+//! A client can query the state or stop a motion while another client waits for the end of that
+//! motion. Requests, regardless of their number and length, delay neither stops nor FRI.
 
 mod answer_latency;
 mod checks;
@@ -66,8 +66,8 @@ use crate::drive::{
 
 /// A running drive.
 ///
-/// It shuts down when it is dropped: a trajectory is stopped on its path, a run that has not begun is
-/// withdrawn, and a motion continues, as the robot program runs it.
+/// Dropping the drive shuts it down: a trajectory is stopped on its path, a run that has not begun
+/// is withdrawn, and a motion continues, because the robot program executes it.
 ///
 /// ```
 /// use iiwa_drive::{Drive, DriveConfig};
@@ -92,8 +92,8 @@ pub struct Drive {
     _threads: ThreadGroup,
 }
 
-/// Largest backlog of messages per subscriber: two seconds at 1 ms, about 1 MB. A subscriber misses messages
-/// beyond that, without effect on others.
+/// Maximum backlog per subscriber, in messages: two seconds at 1 ms, about 1 MB. Further messages
+/// to this subscriber are dropped, without effect on other subscribers.
 const STREAM_BACKLOG: usize = 2000;
 
 impl Drive {
@@ -107,6 +107,7 @@ impl Drive {
         clients: &Server,
         cabinet: &Remote,
     ) -> Result<Self, LinkError> {
+        // Other machines could reach FRI, but messages of this machine only would be accepted.
         if !config.fri.ip().is_loopback() && config.fri_controller.is_loopback() {
             return Err(LinkError::ControllerAddress { fri: config.fri });
         }
@@ -143,7 +144,7 @@ impl Drive {
         };
         threads.spawn("drive FRI", move |shutdown| fri.run(shutdown))?;
         ready.wait();
-        // It ends with the threads that publish.
+        // This thread ends with the publishing threads, which hold the senders.
         threads.spawn("drive publish", move |_| publish::publish(&to_publish, &stream))?;
         let (jobs, jobs_in) = mpsc::channel();
         let robot = config.robot;
@@ -202,7 +203,7 @@ impl Drive {
     }
 }
 
-/// The socket for requests of clients.
+/// Opens the socket for client requests.
 fn listen(
     clients: &Server,
     at: &str,
@@ -224,7 +225,7 @@ fn is_stop(frames: &[Bytes]) -> bool {
     )
 }
 
-/// The connection that receives states of the robot program.
+/// Opens the connection that receives states of the robot program.
 fn receive_states(
     cabinet: &Remote,
     at: &str,
@@ -242,8 +243,9 @@ fn receive_states(
     })
 }
 
-/// The connection for instructions to the robot program. It sends messages like REQ, but does not block after
-/// a lost reply, and undelivered instructions are dropped with it: a motion must not begin late.
+/// Opens the connection for instructions to the robot program. Like REQ, it sends messages with an
+/// empty delimiter frame, but it does not block after a lost reply. Undelivered instructions are
+/// dropped with the connection: a motion must not begin late.
 fn instruct(
     cabinet: &Remote,
     at: &str,

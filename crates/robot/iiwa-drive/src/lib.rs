@@ -1,7 +1,8 @@
-//! iiwaDrive: connects the KUKA LBR iiwa, or a simulated one, with any number of clients.
+//! iiwaDrive: connects the KUKA LBR iiwa, or a simulated one, to any number of clients.
 //!
-//! A [`Drive`] serves clients over the network; see the crate `iiwa-link` for these. The robot is a Sunrise
-//! cabinet with its FRI connection and a robot program, or the simulated one of the crate `iiwa-cabinet`.
+//! A [`Drive`] serves clients over the network; the crate `iiwa-link` contains these clients. The
+//! robot is a Sunrise cabinet with its FRI connection and a robot program, or the simulated cabinet
+//! of the crate `iiwa-cabinet`.
 //!
 //! ```text
 //! clients                    drive                        cabinet

@@ -1,6 +1,6 @@
-//! The drive from outside: with cabinet and clients, and its sockets.
+//! Integration tests of the drive: with cabinet and clients, and its sockets.
 //!
-//! `restarts` is a program of its own: it counts the threads and open files of its process.
+//! `restarts` is a separate program: it counts the threads and open files of its process.
 
 mod link;
 mod security_addresses;

@@ -1,5 +1,6 @@
-//! Drive and robot program come and go in any order. Threads and open files that are left are counted, so this is a process of
-//! its own with one test. The program is that in Java if the environment names it.
+//! Restarts of drive and robot program in any order. The test counts the remaining threads and open
+//! files, so it is a separate process with a single test. The program is the Java one if the
+//! environment names it.
 
 #![expect(clippy::unwrap_used, clippy::panic, reason = "a failed test panics")]
 
@@ -21,10 +22,10 @@ use iiwasim_tests::{
     realtime_guard::in_real_time,
 };
 
-/// How soon both sides are connected again.
+/// Time-out until both sides are connected again.
 const WITHIN: Duration = Duration::from_secs(3);
 
-/// How long threads and files may take to vanish after the end of what had them.
+/// Time-out until threads and files of ended components are gone.
 const VANISH: Duration = Duration::from_secs(10);
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -34,7 +35,7 @@ enum Which {
     Both,
 }
 
-/// What is restarted, and in which order.
+/// A restart: the component, and the order of stopping and starting.
 #[derive(Clone, Copy, Debug)]
 struct Restart {
     which: Which,
@@ -42,7 +43,7 @@ struct Restart {
     starts_drive_first: bool,
 }
 
-/// A hundred, in an order that is the same each time.
+/// Returns a hundred restarts, in a reproducible order.
 fn hundred() -> Vec<Restart> {
     let mut random = fastrand::Rng::with_seed(20_190_607);
     let kinds = [(Which::Drive, 40), (Which::Program, 30), (Which::Both, 30)];
@@ -63,12 +64,12 @@ enum Program {
     Java(ProgramProcess),
 }
 
-/// A drive and a robot program, each of which comes and goes.
+/// A drive and a robot program, each of which is restarted.
 struct Pair {
     jar: Option<PathBuf>,
     drive_config: DriveConfig,
     cabinet_config: CabinetConfig,
-    /// What the program in Java stands in front of.
+    /// The simulated cabinet behind the program in Java.
     behind: Option<Cabinet>,
     drive: Option<Drive>,
     program: Option<Program>,
@@ -155,7 +156,7 @@ impl Pair {
         }
     }
 
-    /// Waits until a new instruction is answered, and states arrive.
+    /// Waits until a new instruction is answered and states arrive.
     fn wait_until_connected(&self, within: Duration) -> Duration {
         let since = Instant::now();
         let mut client = Client::new(&Remote::open(), &self.drive_config.instructions).unwrap();
@@ -168,7 +169,7 @@ impl Pair {
         since.elapsed()
     }
 
-    /// Ends both; all ports are free then.
+    /// Ends both; all ports are free afterwards.
     fn end(mut self) {
         self.stop_program();
         let ports = [
@@ -185,7 +186,7 @@ impl Pair {
     }
 }
 
-/// How long each took until both were connected.
+/// Restarts the components; returns the times until both were connected.
 fn come_and_go(jar: Option<&Path>, restarts: &[Restart]) -> Vec<Duration> {
     let pair = RefCell::new(Pair::start(jar));
     let took = RefCell::new(Vec::new());
@@ -203,7 +204,7 @@ fn come_and_go(jar: Option<&Path>, restarts: &[Restart]) -> Vec<Duration> {
     took
 }
 
-/// Threads and open files of this process; none where the system does not tell.
+/// Returns the threads and open files of this process; zero where the system does not report them.
 fn threads_and_files() -> [usize; 2] {
     ["/proc/self/task", "/proc/self/fd"]
         .map(|folder| fs::read_dir(folder).map_or(0, Iterator::count))
@@ -215,7 +216,7 @@ fn drive_and_program_come_and_go_in_any_order() {
     // A restart takes a quarter of a second.
     let is_long = std::env::var_os("IIWASIM_LONG").is_some();
     let restarts = if is_long { &all[..] } else { &all[..25] };
-    // What is made once and kept is there after these.
+    // Resources that are created once and kept exist after these restarts.
     come_and_go(jar.as_deref(), &restarts[..2]);
     let before = threads_and_files();
     let took = come_and_go(jar.as_deref(), restarts);

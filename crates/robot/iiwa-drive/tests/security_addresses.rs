@@ -1,4 +1,4 @@
-//! Which addresses require keys.
+//! Addresses that require keys.
 
 #![expect(clippy::unwrap_used, reason = "a test fails by it")]
 

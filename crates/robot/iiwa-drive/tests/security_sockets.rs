@@ -34,7 +34,7 @@ fn remote(pair: &KeyPair, server: PublicKey) -> Remote {
     Remote::with_keys(ClientSecurity::new(pair.clone(), server))
 }
 
-/// A drive without a robot.
+/// Starts a drive without a robot.
 pub(crate) fn drive(server: &Server) -> Drive {
     let mut config = DriveConfig::default();
     config.instructions = "tcp://127.0.0.1:*".into();
@@ -49,7 +49,7 @@ fn ask(drive: &Drive, remote: &Remote) -> Result<Status, ClientError> {
     Client::new(remote, drive.instructions()).unwrap().state()
 }
 
-/// The reason by which the stream is refused.
+/// Returns the reason of the stream's refusal.
 fn refused_by_stream(drive: &Drive, remote: &Remote) -> String {
     let mut stream = Stream::new(remote, drive.stream()).unwrap();
     let since = Instant::now();
@@ -64,7 +64,7 @@ fn refused_by_stream(drive: &Drive, remote: &Remote) -> String {
     "nothing".to_owned()
 }
 
-/// The reasons by which a client and a stream are refused.
+/// Returns the reasons of the refusals of a client and a stream.
 fn refused(drive: &Drive, remote: &Remote) -> [String; 2] {
     let asked = match ask(drive, remote) {
         Err(ClientError::Unauthorized { what, .. }) => what.to_owned(),
@@ -97,7 +97,7 @@ fn without_keys_loopback_works() {
 fn an_unlisted_key_is_refused() {
     let keys = Keys::new();
     let drive = drive(&keys.server());
-    // The server's own key does not help either.
+    // The server's own key is not accepted either.
     for pair in [&keys.mallory, &keys.server] {
         assert_eq!(refused(&drive, &remote(pair, keys.server.public())), [NOT_ALLOWED; 2]);
     }
@@ -134,7 +134,7 @@ fn a_wrong_server_key_is_refused() {
 #[test]
 fn a_borrowed_public_key_is_refused() {
     let keys = Keys::new();
-    // Alice's public key, which is no secret, with another secret key.
+    // Alice's public key, which is not secret, with another secret key.
     let folder = tempfile::tempdir().unwrap();
     let (path, _) = keys.mallory.write(folder.path(), "mallory").unwrap();
     let text = std::fs::read_to_string(&path).unwrap();

@@ -1,10 +1,11 @@
 //! Braking of a joint before the end of its range.
 
-/// The largest velocity of a joint over the next `step_s`, in rad/s, from which it can stop within `room_rad`
-/// of its position, with constant deceleration afterwards, in rad/s^2, step by step.
+/// Returns the largest velocity of a joint over the next `step_s`, in rad/s, from which the joint
+/// can stop within `room_rad` of its position, with constant deceleration afterwards, in rad/s^2,
+/// step by step.
 #[must_use]
 pub fn fastest(room_rad: f64, deceleration_rad_s2: f64, step_s: f64) -> f64 {
-    // v h / 2 + v^2 / 2a is the distance of this step and of those after it, each slower by a h.
+    // v h / 2 + v^2 / 2a is the distance of this step and the following ones, each slower by a h.
     let half_s = 0.5 * step_s;
     let margin = 2.0 * room_rad.max(0.0) / deceleration_rad_s2;
     deceleration_rad_s2 * ((half_s * half_s + margin).sqrt() - half_s)

@@ -1,16 +1,16 @@
-//! The client's side of a session: receives monitoring messages and answers them.
+//! Client side of a session: receives monitoring messages and answers them.
 //!
 //! Datagrams may be lost, duplicated, reordered or invalid, and the controller may restart. Each
 //! message is compared with the latest one:
 //!
 //! | message | classified as |
 //! |---|---|
-//! | ahead of the latest one | new; the messages in between are counted as lost |
+//! | ahead of the latest one, unless restarted (below) | new; the messages in between are counted as lost |
 //! | equal to the latest one in every value | repeated |
 //! | behind, but with a later time stamp | restarted |
 //! | more than 1000 behind | restarted |
 //! | more than 20 behind, with a counter below 1000, in `Idle` or `MonitoringWait` | restarted |
-//! | more than 1000 ahead with a counter below 1000, in `Idle` or `MonitoringWait`, and the counter has not wrapped around | restarted |
+//! | more than 1000 ahead, but with a counter below 1000 and below the latest counter, in `Idle` or `MonitoringWait` | restarted |
 //! | the twentieth in a row behind the latest one, each ahead of its predecessor | restarted |
 //! | otherwise behind, or with the same counter | late |
 
@@ -23,16 +23,17 @@ use crate::{
     wire::Format,
 };
 
-/// A message further behind than this is from a restarted controller, in messages.
+/// Maximum distance of a late message, in messages: a message further behind is from a restarted
+/// controller.
 const LATE_WINDOW: i32 = 1000;
-/// The largest reordering distance while a session opens, in messages.
+/// Maximum reordering distance while a session opens, in messages.
 const REORDER_WINDOW: i32 = 20;
-/// Counters below this value may be of a controller that has just started.
+/// Counters below this value may come from a controller that has just started.
 const YOUNG_COUNTER: u32 = 1000;
-/// This many late messages in ascending order are from a restarted controller.
+/// Number of late messages in ascending order that indicate a restarted controller.
 const RESTART_ROW: u32 = 20;
 
-/// The client's session.
+/// Client session.
 ///
 /// ```
 /// use iiwa_fri::{Client, Format, Monitoring, Received, SessionState};
@@ -56,20 +57,20 @@ const RESTART_ROW: u32 = 20;
 pub struct Client {
     format: Format,
     latest: Option<Monitoring>,
-    /// Whether the latest message is not answered yet.
+    /// `true` if the latest message has not been answered yet.
     pending: bool,
-    /// Sequence counter of the message answered last.
+    /// Sequence counter of the last answered message.
     answered: Option<u32>,
-    /// The client's own sequence counter.
+    /// Sequence counter of the client.
     sequence: u32,
     /// The last set-point since commanding became active.
     held_rad: Option<Joints>,
-    /// Sequence counter of the last late message, and how many were in ascending order.
+    /// Sequence counter of the last late message, and the length of the ascending row.
     late_row: Option<(u32, u32)>,
     counters: Counters,
 }
 
-/// How a message relates to those before it.
+/// Relation of a message to the previous ones.
 ///
 /// ```
 /// use iiwa_fri::{Client, Monitoring, Received};
@@ -84,18 +85,18 @@ pub struct Client {
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Received {
-    /// The latest message so far.
+    /// The message is the latest so far.
     New,
-    /// Overtaken by a later one.
+    /// A later message has overtaken this message.
     Late,
-    /// The latest message again.
+    /// The message repeats the latest one.
     Repeated,
-    /// The first message of a restarted controller.
+    /// The message is the first one of a restarted controller.
     Restarted,
 }
 
 impl Received {
-    /// Whether it is the latest message, which may have to be answered.
+    /// Returns true if the message is the latest one, which may require an answer.
     #[must_use]
     pub const fn is_fresh(self) -> bool {
         matches!(self, Self::New | Self::Restarted)
@@ -106,7 +107,7 @@ impl Received {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct Counters {
-    /// Messages that were decoded.
+    /// Decoded messages.
     pub received: u64,
     /// Gaps in the controller's counter, including messages that arrived late.
     pub lost: u64,
@@ -121,13 +122,13 @@ pub struct Counters {
 }
 
 impl Client {
-    /// A client without any message so far.
+    /// Creates a client that has not received any message.
     #[must_use]
     pub fn new(format: Format) -> Self {
         Self { format, ..Self::default() }
     }
 
-    /// Decodes and accepts a datagram of the controller.
+    /// Decodes and accepts a controller datagram.
     ///
     /// # Errors
     ///
@@ -146,7 +147,7 @@ impl Client {
         message.inspect_err(|_| self.counters.invalid += 1)
     }
 
-    /// Accepts a message of the controller.
+    /// Accepts a controller message.
     pub fn accept(&mut self, message: Monitoring) -> Received {
         let received = self.classify(&message);
         match received {
@@ -169,7 +170,7 @@ impl Client {
         received
     }
 
-    /// Accepts a message as the first one of a restarted controller, whatever its counter.
+    /// Accepts a message as the first one of a restarted controller, for any counter.
     pub fn restart(&mut self, message: Monitoring) {
         self.answered = None;
         self.keep(message);
@@ -182,7 +183,7 @@ impl Client {
         self.latest = Some(message);
     }
 
-    /// Length of the row of late messages in ascending order, including this one.
+    /// Returns the length of the row of late messages in ascending order, including this message.
     fn row(&self, message: &Monitoring) -> u32 {
         match self.late_row {
             Some((last, row)) if ahead(message.sequence, last) > 0 => row + 1,
@@ -190,7 +191,7 @@ impl Client {
         }
     }
 
-    /// How [`accept`](Self::accept) would classify `message`.
+    /// Returns the classification of `message` by [`accept`](Self::accept), without accepting it.
     #[must_use]
     pub fn classify(&self, message: &Monitoring) -> Received {
         let Some(latest) = &self.latest else { return Received::New };
@@ -214,8 +215,9 @@ impl Client {
         Received::Late
     }
 
-    /// Whether an answer to the latest message is due: it is not answered yet, the session is not idle,
-    /// and the last answered message is at least `receive_multiplier` messages ago.
+    /// Returns true if an answer to the latest message is due: the message has not been answered
+    /// yet, the session is not idle, and the last answered message is at least `receive_multiplier`
+    /// messages ago.
     #[must_use]
     pub fn is_due(&self) -> bool {
         let Some(latest) = self.latest.as_ref().filter(|_| self.pending) else { return false };
@@ -226,9 +228,9 @@ impl Client {
 
     /// Encodes the answer to the latest message into `out`, whose content is replaced.
     ///
-    /// | session state | with a finite `setpoint_rad` (rad) | without |
+    /// | session state | with a finite `setpoint_rad` (rad) | without set-point |
     /// |---|---|---|
-    /// | monitoring | the commanded position of the message | the same |
+    /// | monitoring | the commanded position of the message | the commanded position of the message |
     /// | commanding, waiting | the set-point | the interpolated position, or else the commanded one |
     /// | commanding, active | the set-point | the last set-point since it became active, or else the commanded position |
     ///
@@ -261,13 +263,13 @@ impl Client {
         true
     }
 
-    /// The latest message.
+    /// Returns the latest message.
     #[must_use]
     pub const fn latest(&self) -> Option<&Monitoring> {
         self.latest.as_ref()
     }
 
-    /// Statistics of the received messages.
+    /// Returns the statistics of the received messages.
     #[must_use]
     pub const fn counters(&self) -> Counters {
         self.counters
@@ -386,7 +388,7 @@ mod tests {
         }
         assert_eq!(own, [u32::MAX - 1, u32::MAX, 0, 1, 2]);
         assert_eq!(sequence(&mut client, u32::MAX), Late);
-        // Even while the session opens.
+        // This also holds while the session opens.
         let mut client = Client::default();
         give(&mut client, &message(u32::MAX - 5, MonitoringWait));
         assert_eq!(give(&mut client, &message(5, MonitoringWait)), New);
@@ -409,7 +411,7 @@ mod tests {
         assert_eq!(after(500, &message(3, MonitoringWait)), Restarted);
         assert_eq!(after(500, &message(3, MonitoringReady)), Late);
         assert_eq!(after(60, &message(49, MonitoringWait)), Late);
-        // Half the counter's range ago, and more.
+        // Half of the counter's range ago, and more.
         assert_eq!(after(3_000_000_000, &message(0, MonitoringWait)), Restarted);
         assert_eq!(after(2_000_000_000, &message(0, MonitoringWait)), Restarted);
     }
@@ -438,7 +440,7 @@ mod tests {
         }
         assert_eq!(sequence(&mut client, 19), Restarted);
         assert_eq!(sequence(&mut client, 20), New);
-        // In no order, they are late.
+        // Late messages that are not in ascending order remain late.
         sequence(&mut client, 100);
         for n in (40..80).rev() {
             assert_eq!(sequence(&mut client, n), Late);

@@ -1,6 +1,6 @@
-//! The controller's side of a session: sends one monitoring message per cycle and rates the answers.
+//! Controller side of a session: sends one monitoring message per cycle and rates the answers.
 //!
-//! KUKA does not publish the rules of its controller. This one follows these:
+//! KUKA does not publish the rules of its controller. This controller applies these rules:
 //!
 //! | from | to | condition |
 //! |---|---|---|
@@ -13,16 +13,16 @@
 //! | `CommandingWait`, `CommandingActive` | `MonitoringReady` | [`Controller::release`] |
 //! | any | `Idle` | [`Controller::drop_session`] |
 //!
-//! The quality is the share of answers that arrived in time, out of the last 100 expected ones, or of
-//! all if there were fewer: `Excellent` from 99 %, `Good` from 95 %, `Fair` from 80 %, and `Poor`
-//! below, or as long as fewer than 50 were expected. The sixth missing answer of a hundred thus ends
-//! commanding, consecutive or not; in a new session it is the third of fifty.
+//! The quality is the share of answers that arrived in time, out of the last 100 expected ones, or
+//! of all if fewer were expected: `Excellent` from 99 %, `Good` from 95 %, `Fair` from 80 %, and
+//! `Poor` below, or as long as fewer than 50 were expected. Thus the sixth missing answer out of a
+//! hundred ends commanding, consecutive or not; in a new session, the third out of fifty does.
 //!
-//! One answer is expected per group of `receive_multiplier` messages, counted from the first message
-//! of the session. Its deadline is the beginning of the second group after it: with a multiplier of
-//! 1, the tick after next. Each answer counts once. In the commanding states it has to carry joint
-//! positions. Answers that are older than an accepted one, by either counter, are ignored; those of a
-//! restarted client are accepted.
+//! One answer is expected per group of `receive_multiplier` messages, counted from the first
+//! message of the session. Its deadline is the beginning of the second group after it: with a
+//! multiplier of 1, the tick after next. Each answer counts once. In the commanding states an
+//! answer has to contain joint positions. Answers that are older than an accepted one, by either
+//! counter, are ignored; answers of a restarted client are accepted.
 
 mod answer_window;
 #[cfg(test)]
@@ -43,9 +43,9 @@ use crate::{
     wire::Format,
 };
 
-/// Tolerance of set-points about the interpolated position when commanding begins, in rad.
+/// Tolerance of set-points about the interpolated position at the beginning of commanding, in rad.
 const IN_PLACE_RAD: f64 = 1e-3;
-/// Number of consecutive set-points within the tolerance.
+/// Required number of consecutive set-points within the tolerance.
 const IN_PLACE_ROW: u32 = 5;
 
 /// Configuration of a controller's FRI connection.
@@ -58,49 +58,49 @@ const IN_PLACE_ROW: u32 = 5;
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ControllerConfig {
-    /// Time from one message to the next, in ms, from 1 to 100.
+    /// Time between messages, in ms, from 1 to 100.
     pub period_ms: u32,
     /// Number of messages per expected answer, at least 1.
     pub receive_multiplier: u32,
-    /// The wire format.
+    /// Wire format.
     pub format: Format,
 }
 
 impl Default for ControllerConfig {
-    /// A message every 5 ms, and an answer to each.
+    /// One message every 5 ms, and one answer per message.
     fn default() -> Self {
         Self { period_ms: 5, receive_multiplier: 1, format: Format::default() }
     }
 }
 
-/// The robot's measured and commanded state in a cycle.
+/// Measured and commanded state of the robot in a cycle.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Reading {
     /// Measured joint positions, in rad.
     pub measured_rad: Joints,
     /// Commanded joint positions, in rad.
     pub commanded_rad: Joints,
-    /// Interpolated joint positions of the controller's own motion, in rad. In the commanding states
-    /// they default to the commanded positions.
+    /// Interpolated joint positions of the controller's own motion, in rad. In the commanding
+    /// states, the default is the commanded positions.
     pub ipo_rad: Option<Joints>,
     /// Measured joint torques, in Nm.
     pub measured_torque_nm: Joints,
     /// External joint torques, in Nm.
     pub external_torque_nm: Joints,
-    /// The controller's time stamp.
+    /// Controller time stamp.
     pub time: Duration,
-    /// The stop that the safety controller demands.
+    /// Stop category demanded by the safety controller.
     pub safety: Safety,
 }
 
-/// Statistics of the client's answers since the controller was created.
+/// Statistics of the client answers since the controller was created.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct AnswerCounters {
-    /// Answers that were accepted.
+    /// Accepted answers.
     pub accepted: u64,
-    /// Answers that were not: repeated, older than an accepted one, past their deadline, or to a
-    /// message that was not sent in this session.
+    /// Ignored answers: repeated, older than an accepted one, past their deadline, or to a message
+    /// that was not sent in this session.
     pub ignored: u64,
     /// Datagrams that could not be decoded.
     pub invalid: u64,
@@ -108,7 +108,7 @@ pub struct AnswerCounters {
     pub missed: u64,
 }
 
-/// The controller's session.
+/// Controller session.
 ///
 /// ```
 /// use iiwa_fri::{Controller, ControllerConfig, Format, Reading, SessionState};
@@ -127,19 +127,19 @@ pub struct AnswerCounters {
 pub struct Controller {
     config: ControllerConfig,
     state: SessionState,
-    /// Remaining idle cycles, and whether the client was sent the idle state.
+    /// Number of remaining idle cycles, and `true` if the idle state has been sent to the client.
     idle_cycles: u64,
     idle_sent: bool,
     /// Sequence counter of the next message.
     sequence: u32,
-    /// Sequence counters of the answer accepted last: the client's own and the reflected one.
+    /// Sequence counters of the last accepted answer: the client's counter and the reflected one.
     accepted: Option<(u32, u32)>,
     /// Messages sent in this session.
     sent: u64,
-    /// Whether the answers to the current and to the previous group of messages have arrived.
+    /// Flags of received answers to the current and to the previous group of messages.
     arrived: [bool; 2],
     window: AnswerWindow,
-    /// Answers expected since `MonitoringWait` was entered.
+    /// Number of answers expected since the session entered `MonitoringWait`.
     waited: u32,
     missed: u32,
     requested: bool,
@@ -149,8 +149,8 @@ pub struct Controller {
     in_place: u32,
     /// The interpolated position that was sent last, in rad.
     ipo_rad: Joints,
-    /// The set-point received since the last tick, the active one, and the age of the latter in
-    /// cycles.
+    /// The set-point received since the last tick, the active set-point, and the age of the active
+    /// set-point in cycles.
     next_setpoint: Option<Joints>,
     setpoint: Option<Joints>,
     setpoint_age: u32,
@@ -164,7 +164,7 @@ impl Default for Controller {
 }
 
 impl Controller {
-    /// A controller that has not sent anything. Values outside their bounds are clamped.
+    /// Creates a controller that has not sent anything. Values outside their bounds are clamped.
     #[must_use]
     pub fn new(config: ControllerConfig) -> Self {
         Self {
@@ -195,8 +195,8 @@ impl Controller {
         }
     }
 
-    /// Begins a cycle: evaluates the answers since the last one and updates the session state. The
-    /// robot moves next, and [`message`](Self::message) reports its state to the client.
+    /// Begins a cycle: evaluates the answers since the last cycle and updates the session state.
+    /// The robot moves next, and [`message`](Self::message) reports its state to the client.
     pub fn advance(&mut self) {
         self.lost_commanding = false;
         if self.state == SessionState::Idle {
@@ -212,7 +212,8 @@ impl Controller {
     }
 
     /// Encodes the message of the cycle into `out`, whose content is replaced. Returns `false` and
-    /// leaves `out` empty if the session is idle and the client was sent the idle state already.
+    /// leaves `out` empty if the session is idle and the idle state has already been sent to the
+    /// client.
     pub fn message(&mut self, reading: &Reading, out: &mut Vec<u8>) -> bool {
         out.clear();
         if self.state != SessionState::Idle {
@@ -228,14 +229,14 @@ impl Controller {
         true
     }
 
-    /// A whole cycle of a robot at rest at `reading`: [`advance`](Self::advance) and
+    /// Performs a whole cycle of a robot at rest at `reading`: [`advance`](Self::advance) and
     /// [`message`](Self::message).
     pub fn tick(&mut self, reading: &Reading, out: &mut Vec<u8>) -> bool {
         self.advance();
         self.message(reading, out)
     }
 
-    /// Decodes and evaluates an answer of the client.
+    /// Decodes and evaluates a client answer.
     ///
     /// # Errors
     ///
@@ -251,24 +252,24 @@ impl Controller {
         Ok(())
     }
 
-    /// The state of the session.
+    /// Returns the session state.
     #[must_use]
     pub const fn state(&self) -> SessionState {
         self.state
     }
 
-    /// The connection quality.
+    /// Returns the connection quality.
     #[must_use]
     pub fn quality(&self) -> Quality {
         self.window.quality()
     }
 
-    /// Requests commanding: it begins with the next tick in `MonitoringReady`.
+    /// Requests commanding, which begins with the next tick in `MonitoringReady`.
     pub const fn request_commanding(&mut self) {
         self.requested = true;
     }
 
-    /// Ends commanding, or clears the request for it.
+    /// Ends commanding, or clears the request for commanding.
     pub fn release(&mut self) {
         self.requested = false;
         if self.state.commands() {
@@ -276,8 +277,8 @@ impl Controller {
         }
     }
 
-    /// Drops the session. It stays idle for `cycles`, the first of which sends the idle state to the
-    /// client, and then opens again.
+    /// Drops the session. The session remains idle for `cycles`, the first of which sends the idle
+    /// state to the client, and then opens again.
     pub fn drop_session(&mut self, cycles: u64) {
         self.stop_commanding(SessionState::Idle);
         self.requested = false;
@@ -288,32 +289,32 @@ impl Controller {
         self.idle_sent = false;
     }
 
-    /// Whether the last tick ended commanding because of too many missing answers.
+    /// Returns true if the last tick ended commanding because of too many missing answers.
     #[must_use]
     pub const fn lost_commanding(&self) -> bool {
         self.lost_commanding
     }
 
-    /// Sequence counter of the message that the client answered last.
+    /// Returns the sequence counter of the message that the client answered last.
     #[must_use]
     pub fn answered(&self) -> Option<u32> {
         self.accepted.map(|(_, reflected)| reflected)
     }
 
-    /// The client's latest set-point, for the next cycle, in rad; in `CommandingActive` only. `None`
-    /// if the set-point due at the last tick has not arrived.
+    /// Returns the client's latest set-point, for the next cycle, in rad; in `CommandingActive`
+    /// only. `None` if the set-point due at the last tick has not arrived.
     #[must_use]
     pub fn setpoint(&self) -> Option<&Joints> {
         self.setpoint.as_ref().filter(|_| self.state == SessionState::CommandingActive)
     }
 
-    /// Number of consecutive expected answers that missed their deadline.
+    /// Returns the number of consecutive expected answers that missed their deadline.
     #[must_use]
     pub const fn missed(&self) -> u32 {
         self.missed
     }
 
-    /// Statistics of the client's answers.
+    /// Returns the statistics of the client answers.
     #[must_use]
     pub const fn counters(&self) -> AnswerCounters {
         self.counters
@@ -328,7 +329,7 @@ impl Controller {
         self.sent = 0;
     }
 
-    /// Activates the set-point that has arrived, or lets the active one expire.
+    /// Activates a received set-point, or lets the active one expire.
     fn take_setpoint(&mut self) {
         if let Some(setpoint) = self.next_setpoint.take() {
             self.setpoint = Some(setpoint);
@@ -341,7 +342,7 @@ impl Controller {
         }
     }
 
-    /// At the beginning of a group of messages, records the answer to the last but one.
+    /// Records the answer to the last but one group of messages at the beginning of a new group.
     fn close_group(&mut self) {
         let multiplier = u64::from(self.config.receive_multiplier);
         if !self.sent.is_multiple_of(multiplier) {
@@ -397,8 +398,8 @@ impl Controller {
         self.setpoint = None;
     }
 
-    /// The group of messages that an answer belongs to: 0 for the latest, 1 for the one before. `None`
-    /// for an answer to be ignored.
+    /// Returns the group of messages that an answer belongs to: 0 for the latest, 1 for the
+    /// previous one. `None` for an answer to be ignored.
     fn group(&self, command: &Command) -> Option<usize> {
         if self.state == SessionState::Idle {
             return None;

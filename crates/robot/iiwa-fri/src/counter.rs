@@ -1,8 +1,8 @@
 //! Sequence counters, which wrap around.
 
-/// How far a 32-bit sequence counter is ahead of an earlier value; negative when it is behind.
+/// Returns the lead of a 32-bit sequence counter over an earlier value; negative if it is behind.
 ///
-/// Valid as long as the two are less than half the range of the counter apart.
+/// Valid if the two values are less than half of the counter's range apart.
 ///
 /// ```
 /// use iiwa_fri::ahead;

@@ -1,8 +1,8 @@
-//! Errors of decoding.
+//! Decoding errors.
 
 use crate::message::MAX_DATAGRAM_BYTES;
 
-/// Why a datagram cannot be decoded. Fields have their names on the wire.
+/// Reason why a datagram cannot be decoded. Fields have their names on the wire.
 ///
 /// ```
 /// use iiwa_fri::{Format, WireError};
@@ -17,22 +17,22 @@ pub enum WireError {
     /// The datagram is longer than [`MAX_DATAGRAM_BYTES`].
     #[error("datagram of {found} bytes, expected at most {MAX_DATAGRAM_BYTES}")]
     TooLong {
-        /// The length of the datagram, in bytes.
+        /// Length of the datagram, in bytes.
         found: usize,
     },
     /// The bytes are not valid protobuf.
     #[error("the datagram is not valid protobuf")]
     Decode {
-        /// The decoder's error.
+        /// Error of the decoder.
         #[source]
         source: prost::DecodeError,
     },
     /// A message of another kind or version.
     #[error("message identifier {found:#x}, expected {expected:#x}")]
     Identifier {
-        /// The identifier of the requested message.
+        /// Expected message identifier.
         expected: u32,
-        /// The identifier in the datagram.
+        /// Message identifier in the datagram.
         found: u32,
     },
     /// A required field is missing.
@@ -46,7 +46,7 @@ pub enum WireError {
     UnknownValue {
         /// The field.
         field: &'static str,
-        /// Its value.
+        /// Value of the field.
         found: i32,
     },
     /// A list that does not have one value per joint.
@@ -54,7 +54,7 @@ pub enum WireError {
     JointCount {
         /// The field.
         field: &'static str,
-        /// Its number of values.
+        /// Number of values.
         found: usize,
     },
     /// A value that is not finite.

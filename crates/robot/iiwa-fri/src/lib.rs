@@ -1,8 +1,8 @@
-//! The Fast Robot Interface (FRI) of the KUKA LBR iiwa: messages, their bytes, and the sessions of
-//! both sides.
+//! The Fast Robot Interface (FRI) of the KUKA LBR iiwa: messages, their encoding, and the sessions
+//! of both sides.
 //!
-//! Everything is sans I/O: bytes in, bytes and events out, without sockets, threads and clocks. The
-//! controller sends one monitoring message per cycle. The client answers every n-th of them with a
+//! The crate is sans I/O: bytes in, bytes and events out, without sockets, threads and clocks. The
+//! controller sends one monitoring message per cycle. The client answers every n-th message with a
 //! command message, where n is the receive multiplier in the monitoring message.
 //!
 //! Joint values are `[f64; 7]`, A1 to A7, in rad and Nm.

@@ -1,10 +1,10 @@
-//! The messages of both sides, independent of the FRI version.
+//! Messages of both sides, independent of the FRI version.
 
 use std::time::Duration;
 
 use iiwa_kin::Joints;
 
-/// The longest datagram, in bytes.
+/// Maximum datagram length, in bytes.
 pub const MAX_DATAGRAM_BYTES: usize = 1500;
 
 /// Declares an enum whose variants have names.
@@ -17,7 +17,7 @@ macro_rules! named {
         }
 
         impl $type {
-            /// The name in JSON messages and reports, in snake case.
+            /// Returns the name in JSON messages and reports, in snake case.
             #[must_use]
             pub const fn name(self) -> &'static str {
                 match self {
@@ -29,7 +29,7 @@ macro_rules! named {
 }
 
 named! {
-    /// The state of a session.
+    /// Session state.
     ///
     /// ```
     /// use iiwa_fri::SessionState;
@@ -39,7 +39,7 @@ named! {
     /// assert!(SessionState::CommandingActive.commands());
     /// ```
     SessionState {
-        /// There is no session.
+        /// No session.
         #[default]
         Idle = "idle",
         /// The controller sends; the connection quality is not yet sufficient.
@@ -54,7 +54,8 @@ named! {
 }
 
 impl SessionState {
-    /// Whether the controller evaluates the client's set-points: the two commanding states.
+    /// Returns true in the two commanding states, in which the controller evaluates the client's
+    /// set-points.
     #[must_use]
     pub const fn commands(self) -> bool {
         matches!(self, Self::CommandingWait | Self::CommandingActive)
@@ -62,7 +63,7 @@ impl SessionState {
 }
 
 named! {
-    /// The controller's rating of the connection, by how reliably the client's answers arrive.
+    /// Connection quality rated by the controller, by the reliability of the client's answers.
     ///
     /// ```
     /// use iiwa_fri::Quality;
@@ -85,22 +86,22 @@ named! {
 }
 
 named! {
-    /// The stop that the safety controller demands (IEC 60204-1).
+    /// Stop category demanded by the safety controller (IEC 60204-1).
     Safety {
         /// No stop.
         #[default]
         Normal = "normal",
-        /// Stop 0: the drives are switched off at once.
+        /// Stop 0: the drives are switched off immediately.
         Stop0 = "stop_0",
         /// Stop 1: braking on the path, then the drives are switched off.
         Stop1 = "stop_1",
-        /// Stop 2: braking on the path; the drives stay on.
+        /// Stop 2: braking on the path; the drives remain switched on.
         Stop2 = "stop_2",
     }
 }
 
 named! {
-    /// The operating mode selected at the robot.
+    /// Operating mode selected at the robot.
     OperationMode {
         /// T1: manual, reduced velocity.
         T1 = "t1",
@@ -113,7 +114,7 @@ named! {
 }
 
 named! {
-    /// The state of the drives.
+    /// State of the drives.
     Drive {
         /// Switched off.
         #[default]
@@ -126,7 +127,7 @@ named! {
 }
 
 named! {
-    /// The control mode of the joints.
+    /// Control mode of the joints.
     ControlMode {
         /// Position control.
         #[default]
@@ -141,7 +142,7 @@ named! {
 }
 
 named! {
-    /// The quantity that the client commands.
+    /// Quantity that the client commands.
     CommandMode {
         /// None.
         #[default]
@@ -156,7 +157,7 @@ named! {
 }
 
 named! {
-    /// The motion that the client's commands are superimposed on.
+    /// Motion on which the client's commands are superimposed.
     Overlay {
         /// None.
         #[default]
@@ -168,7 +169,7 @@ named! {
     }
 }
 
-/// A monitoring message: sent by the controller once per cycle. Fields absent from a message are
+/// A monitoring message, sent by the controller once per cycle. Fields absent from a message are
 /// `None`.
 ///
 /// ```
@@ -188,25 +189,25 @@ named! {
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Monitoring {
-    /// The controller's sequence counter; it wraps around.
+    /// Sequence counter of the controller, which wraps around.
     pub sequence: u32,
-    /// The sequence counter of the answer that the controller accepted last; 0 before the first.
+    /// Sequence counter of the answer that the controller accepted last; 0 before the first.
     pub reflected: u32,
-    /// The state of the session.
+    /// Session state.
     pub session: SessionState,
-    /// The connection quality.
+    /// Connection quality.
     pub quality: Quality,
-    /// Time from one message to the next, in ms; 0 if not stated.
+    /// Time between messages, in ms; 0 if not stated.
     pub send_period_ms: u32,
     /// Number of messages per expected answer, at least 1.
     pub receive_multiplier: u32,
-    /// The stop that the safety controller demands.
+    /// Stop category demanded by the safety controller.
     pub safety: Option<Safety>,
-    /// The operating mode.
+    /// Operating mode.
     pub operation_mode: Option<OperationMode>,
-    /// The state of the drives; if they differ, the one furthest from active.
+    /// State of the drives; if they differ, the state furthest from active.
     pub drive: Option<Drive>,
-    /// The control mode of the joints.
+    /// Control mode of the joints.
     pub control_mode: Option<ControlMode>,
     /// Measured joint positions, in rad.
     pub measured_rad: Option<Joints>,
@@ -216,17 +217,18 @@ pub struct Monitoring {
     pub commanded_rad: Option<Joints>,
     /// Commanded joint torques, in Nm.
     pub commanded_torque_nm: Option<Joints>,
-    /// External joint torques, in Nm: the measured ones less those of the robot's weight and motion.
+    /// External joint torques, in Nm: the measured torques minus the torques due to the weight and
+    /// motion of the robot.
     pub external_torque_nm: Option<Joints>,
     /// Interpolated joint positions of the controller's own motion, in rad.
     pub ipo_rad: Option<Joints>,
-    /// The quantity that the client commands.
+    /// Quantity that the client commands.
     pub command_mode: Option<CommandMode>,
-    /// The motion that the client's commands are superimposed on.
+    /// Motion on which the client's commands are superimposed.
     pub overlay: Option<Overlay>,
-    /// How well the robot follows the commands, from 0 to 1.
+    /// Tracking performance of the robot, from 0 to 1.
     pub tracking_performance: Option<f64>,
-    /// The controller's time stamp.
+    /// Controller time stamp.
     pub time: Option<Duration>,
 }
 
@@ -258,7 +260,7 @@ impl Default for Monitoring {
     }
 }
 
-/// A command message: the client's answer to a monitoring message.
+/// A command message, the client's answer to a monitoring message.
 ///
 /// ```
 /// use iiwa_fri::{Command, Format};
@@ -271,9 +273,9 @@ impl Default for Monitoring {
 /// ```
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Command {
-    /// The client's sequence counter, from 0; it wraps around.
+    /// Sequence counter of the client, from 0, which wraps around.
     pub sequence: u32,
-    /// The sequence counter of the monitoring message that this answers.
+    /// Sequence counter of the answered monitoring message.
     pub reflected: u32,
     /// Joint set-points, in rad; `None` in an answer that consists of a header only.
     pub joints_rad: Option<Joints>,

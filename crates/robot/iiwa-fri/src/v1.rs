@@ -1,4 +1,4 @@
-//! The wire format of FRI 1.14 to 1.16: protobuf (proto2), one message per datagram.
+//! Wire format of FRI 1.14 to 1.16: protobuf (proto2), one message per datagram.
 
 use std::time::Duration;
 
@@ -258,7 +258,7 @@ impl Header {
 }
 
 impl TimeStamp {
-    /// Seconds have 32 bits on the wire: they wrap in 2106.
+    /// Creates a time stamp. Seconds have 32 bits on the wire, so they wrap around in 2106.
     #[expect(clippy::cast_possible_truncation, reason = "32 bits on the wire")]
     fn new(time: Duration) -> Self {
         Self { seconds: Some(time.as_secs() as u32), nanoseconds: Some(time.subsec_nanos()) }
@@ -271,7 +271,7 @@ impl TimeStamp {
     }
 }
 
-/// The sequence counters of a header: the sender's own and the reflected one.
+/// Returns the sequence counters of a header: the sender's counter and the reflected one.
 fn counters(header: Option<Header>, expected: u32) -> Result<(u32, u32), WireError> {
     let header = required(header, "header")?;
     let found = required(header.identifier, "header.messageIdentifier")?;
@@ -301,12 +301,12 @@ fn joints(values: Option<JointValues>, field: &'static str) -> Result<Option<Joi
     Ok(Some(joints))
 }
 
-/// The number of `state` on the wire.
+/// Returns the number of `state` on the wire.
 fn number<T: Copy + Eq>(states: &[T], state: T) -> i32 {
     states.iter().zip(0..).find_map(|(&s, number)| (s == state).then_some(number)).unwrap_or(0)
 }
 
-/// The state with the number `found` on the wire.
+/// Returns the state with the number `found` on the wire.
 fn state<T: Copy>(states: &[T], found: i32, field: &'static str) -> Result<T, WireError> {
     usize::try_from(found)
         .ok()
@@ -314,7 +314,7 @@ fn state<T: Copy>(states: &[T], found: i32, field: &'static str) -> Result<T, Wi
         .ok_or(WireError::UnknownValue { field, found })
 }
 
-/// The same for an optional field.
+/// Returns the state of an optional field with the number `found` on the wire.
 fn optional<T: Copy>(
     states: &[T],
     found: Option<i32>,
@@ -333,7 +333,7 @@ mod tests {
         parts.concat()
     }
 
-    /// `JOINTS`, one tag per value, encoded by hand: tag 1 with 64 bits, then the double.
+    /// Returns `JOINTS`, one tag per value, encoded by hand: tag 1 with 64 bits, then the double.
     fn unpacked() -> Vec<u8> {
         let mut out = Vec::new();
         for high in [0x3ff0_u16, 0xc000, 0x0000, 0x3fe0, 0x4008, 0xbfd0, 0x4020] {
@@ -422,7 +422,7 @@ mod tests {
         assert_eq!(decode_command(&answer).unwrap().joints_rad, Some(JOINTS));
     }
 
-    /// A command with `data` after its header.
+    /// Decodes a command with `data` after its header.
     fn command(data: &CommandData) -> Result<Command, WireError> {
         let header = Some(Header::new(COMMAND, 0, 0));
         decode_command(&CommandMessage { header, data: Some(data.clone()) }.encode_to_vec())
@@ -444,7 +444,7 @@ mod tests {
         assert_eq!(command(&CommandData { joints: None }).unwrap(), Command::default());
     }
 
-    /// The error of a valid message after `change`.
+    /// Returns the error of a valid message after `change`.
     fn error(change: impl Fn(&mut MonitoringMessage)) -> String {
         let mut message = MonitoringMessage {
             header: Some(Header::new(MONITORING, 1, 2)),

@@ -6,7 +6,7 @@ use crate::{
     v1,
 };
 
-/// A wire format of the messages. Sessions are independent of it.
+/// Wire format of the messages. Sessions are independent of the format.
 ///
 /// ```
 /// use iiwa_fri::{Command, Format, Monitoring, WireError};
@@ -59,8 +59,8 @@ impl Format {
         }
     }
 
-    /// Decodes a command message. Fields that [`Command`] does not model (wrenches, torques, outputs,
-    /// transformations) are ignored.
+    /// Decodes a command message. Fields that [`Command`] does not model (wrenches, torques,
+    /// outputs, transformations) are ignored.
     ///
     /// # Errors
     ///
@@ -73,7 +73,7 @@ impl Format {
     }
 }
 
-/// Refuses datagrams that are too long before any of their bytes is decoded.
+/// Refuses overlong datagrams before any of their bytes is decoded.
 fn check_length(datagram: &[u8]) -> Result<(), WireError> {
     if datagram.len() > MAX_DATAGRAM_BYTES {
         return Err(WireError::TooLong { found: datagram.len() });

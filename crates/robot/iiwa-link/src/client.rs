@@ -1,4 +1,4 @@
-//! A client of the drive.
+//! Drive client.
 
 use std::{
     io,
@@ -52,7 +52,7 @@ impl std::fmt::Debug for Client {
     }
 }
 
-/// Why a request failed.
+/// Errors of a request.
 ///
 /// ```no_run
 /// use iiwa_link::{Client, ClientError, Remote};
@@ -68,12 +68,12 @@ impl std::fmt::Debug for Client {
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum ClientError {
-    /// The drive, or the robot, has refused the request.
+    /// The drive or the robot has refused the request.
     #[error("{refusal}")]
     Refused {
         /// The reason.
         refusal: Refusal,
-        /// The measurements up to then, if it was a run.
+        /// The measurements up to the refusal, if the request was a run.
         run: Option<Box<Run>>,
     },
     /// No drive accepts connections at the address.
@@ -96,7 +96,7 @@ pub enum ClientError {
         /// The address.
         at: String,
     },
-    /// The drive has not replied in time.
+    /// The drive has not replied within the time-out.
     #[error("the drive at {at} did not reply within {} s", .after.as_secs_f64())]
     Timeout {
         /// The address.
@@ -107,7 +107,7 @@ pub enum ClientError {
     /// The request is longer than [`MAX_MESSAGE_BYTES`].
     #[error("the request has {found} bytes, at most {MAX_MESSAGE_BYTES} are allowed; split it")]
     TooLong {
-        /// Its length, in bytes.
+        /// Length of the request, in bytes.
         found: usize,
     },
     /// The reply is malformed.
@@ -122,7 +122,7 @@ pub enum ClientError {
 }
 
 impl ClientError {
-    /// The code of the protocol for this error.
+    /// Returns the protocol code for this error.
     #[must_use]
     pub fn code(&self) -> Code {
         match self {
@@ -138,37 +138,38 @@ impl ClientError {
 const CONNECT_TIMEOUT: Duration = Duration::from_secs(3);
 /// Time-out of requests without motion; some are forwarded to the robot program.
 const REPLY_TIMEOUT: Duration = Duration::from_secs(5);
-/// Time between attempts to connect.
+/// Interval between connection attempts.
 const RETRY_INTERVAL: Duration = Duration::from_millis(50);
 
-/// The extent of attempts to connect.
+/// Limits of the connection attempts.
 #[derive(Clone, Copy)]
 struct Patience {
-    /// Time-out of all of them together.
+    /// Time-out of all attempts together.
     total: Duration,
-    /// Time-out of each of them.
+    /// Time-out of each attempt.
     each: Duration,
     /// Number of consecutive handshakes that a drive may close before it counts as a refusal.
     closed_handshakes: u32,
 }
 
 impl Patience {
-    /// For requests that the caller may repeat.
+    /// Limits for requests that the caller may repeat.
     const USUAL: Self = Self {
         total: CONNECT_TIMEOUT,
         each: CONNECT_TIMEOUT,
         closed_handshakes: MAX_CLOSED_HANDSHAKES,
     };
 
-    /// For stops: to the last, as a drive under load may close connections. If there is no drive, as usual.
+    /// Limits for stops: closed handshakes are not limited, because a drive under load may close
+    /// connections. Without a drive, the time-out is the usual one.
     fn of_stop(total: Duration) -> Self {
         Self { total, each: Duration::from_secs(2), closed_handshakes: u32::MAX }
     }
 }
 
 impl Client {
-    /// A client of the drive at `at`, such as `tcp://127.0.0.1:5560`. It connects with the first
-    /// request, and again after a lost connection.
+    /// Creates a client of the drive at `at`, such as `tcp://127.0.0.1:5560`. The client connects
+    /// with the first request, and again after a lost connection.
     ///
     /// # Errors
     ///
@@ -179,7 +180,7 @@ impl Client {
         Ok(Self { at, config, wire: None, runtime })
     }
 
-    /// A snapshot of the drive and the robot.
+    /// Returns a snapshot of the drive and the robot.
     ///
     /// # Errors
     ///
@@ -188,12 +189,12 @@ impl Client {
         self.request(&Request::State, Some(REPLY_TIMEOUT))
     }
 
-    /// Runs motions and returns when they have ended; without `limit`, there is no time-out. A `Vec<Motion>` is a list of
-    /// motions that name no tool, base or frame.
+    /// Runs motions and returns when they have ended; without `limit`, there is no time-out. A
+    /// `Vec<Motion>` is a list of motions without tool, base or frame names.
     ///
     /// # Errors
     ///
-    /// Any [`ClientError`]; that of an aborted run contains the measurements so far.
+    /// Any [`ClientError`]; the error of an aborted run contains the measurements up to the abort.
     pub fn run_motions(
         &mut self,
         motions: impl Into<MotionList>,
@@ -206,7 +207,7 @@ impl Client {
     ///
     /// # Errors
     ///
-    /// As [`run_motions`](Self::run_motions).
+    /// Same as [`run_motions`](Self::run_motions).
     pub fn run_trajectory(
         &mut self,
         trajectory: TimedJoints,
@@ -215,20 +216,21 @@ impl Client {
         self.run(&Request::trajectory(trajectory), limit)
     }
 
-    /// Sends a request for a run, with its label, and returns when the run has ended; without `limit`, there is no time-out.
+    /// Sends a run request with its label, and returns when the run has ended; without `limit`,
+    /// there is no time-out.
     ///
     /// # Errors
     ///
-    /// As [`run_motions`](Self::run_motions).
+    /// Same as [`run_motions`](Self::run_motions).
     pub fn run(&mut self, request: &Request, limit: Option<Duration>) -> Result<Run, ClientError> {
         self.request(request, limit)
     }
 
-    /// The measurements of the last run.
+    /// Returns the measurements of the last run.
     ///
     /// # Errors
     ///
-    /// Any [`ClientError`]; that of the run, if it was aborted.
+    /// Any [`ClientError`]; the error of the run, if it was aborted.
     pub fn last_run(&mut self) -> Result<Run, ClientError> {
         self.request(&Request::LastRun, Some(REPLY_TIMEOUT))
     }
@@ -288,8 +290,8 @@ impl Client {
         Ok(value)
     }
 
-    /// Stops the running motion or trajectory on its path and returns when the arm is at rest. The request is repeated
-    /// after a lost connection, for 5 s in all.
+    /// Stops the running motion or trajectory on its path and returns when the robot is at rest.
+    /// The request is repeated after a lost connection, for 5 s in total.
     ///
     /// # Errors
     ///
@@ -303,11 +305,12 @@ impl Client {
         Ok(())
     }
 
-    /// Sends any request and returns the drive's reply as JSON, as it is; without `limit`, there is no time-out.
+    /// Sends any request and returns the drive's reply as unparsed JSON; without `limit`, there is
+    /// no time-out.
     ///
     /// # Errors
     ///
-    /// Any [`ClientError`] but [`ClientError::Refused`]: a refusal is a reply.
+    /// Any [`ClientError`] except [`ClientError::Refused`]: a refusal is a reply.
     pub fn reply(
         &mut self,
         request: &Request,
@@ -345,7 +348,8 @@ impl Client {
         Ok(reply)
     }
 
-    /// Sends a request and waits for its reply; sends it again after each lost connection, within `limit` in all.
+    /// Sends a request and waits for its reply; repeats the request after each lost connection,
+    /// within `limit` in total.
     fn exchange_again(&mut self, request: &str, limit: Duration) -> Result<Bytes, ClientError> {
         let wire = self.wire.take();
         let Self { at, config, .. } = self;
@@ -360,7 +364,7 @@ impl Client {
     }
 }
 
-/// The reply to a request, or the refusal in it.
+/// Parses the reply to a request, or the refusal in this reply.
 fn read_reply<T: DeserializeOwned>(request: &Request, reply: &[u8]) -> Result<T, ClientError> {
     #[derive(Deserialize)]
     struct ReplyHead {
@@ -386,7 +390,7 @@ fn read_reply<T: DeserializeOwned>(request: &Request, reply: &[u8]) -> Result<T,
     }
 }
 
-/// Sends a request until its reply, again after each lost connection.
+/// Sends a request until its reply arrives, again after each lost connection.
 async fn repeat(
     mut wire: Option<Wire>,
     config: &WireConfig,
@@ -433,16 +437,16 @@ async fn exchange(
     }
 }
 
-/// The existing connection, if it is still open.
+/// Returns the existing connection, if it is still open.
 async fn still_up(wire: Option<Wire>) -> Option<Wire> {
     let mut wire = wire?;
     // Lets the runtime poll for input that has arrived meanwhile.
     yield_now().await;
-    // A message now would belong to no request.
+    // A message at this point would not belong to any request.
     timeout(Duration::ZERO, wire.receive()).await.is_err().then_some(wire)
 }
 
-/// Connects to a drive, with retries: it may just be starting.
+/// Connects to a drive, with retries, because the drive may be starting.
 async fn connect(
     config: &WireConfig,
     at: &Endpoint,
@@ -461,7 +465,8 @@ async fn connect(
         match timeout(remaining, Wire::connect(at, config)).await {
             Ok(Ok(wire)) => return Ok(wire),
             Ok(Err(WireError::Io(error))) if is_absent(&error) => {}
-            // A drive that is shutting down or under load closes connections, too: only repetition is a refusal.
+            // A drive that is shutting down or under load also closes connections: only repetition
+            // is a refusal.
             Ok(Err(WireError::Refused(why @ ConnectionRefusal::Closed)))
                 if closed < patience.closed_handshakes =>
             {
@@ -473,7 +478,7 @@ async fn connect(
             Ok(Err(WireError::Protocol(error))) => {
                 return Err(ClientError::InvalidReply { what: error.to_string() });
             }
-            // Something listens there.
+            // A server is listening at the address.
             Ok(Err(_)) | Err(_) => total = patience.total,
         }
         if since.elapsed() + RETRY_INTERVAL > total {
@@ -483,7 +488,7 @@ async fn connect(
     }
 }
 
-/// Returns `true` for errors that mean that nothing listens at the address.
+/// Returns true for errors which mean that no server is listening at the address.
 fn is_absent(error: &io::Error) -> bool {
     use io::ErrorKind::{BrokenPipe, ConnectionAborted, ConnectionReset, UnexpectedEof};
     !matches!(error.kind(), BrokenPipe | ConnectionAborted | ConnectionReset | UnexpectedEof)

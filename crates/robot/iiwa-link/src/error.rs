@@ -1,10 +1,10 @@
-//! Errors of setting up a drive, a cabinet or a client.
+//! Setup errors of a drive, a cabinet or a client.
 
 use std::{io, net::SocketAddr};
 
 use crate::security::SecurityError;
 
-/// Why a drive, a cabinet or a client could not be set up.
+/// Setup error of a drive, a cabinet or a client.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum LinkError {
@@ -24,7 +24,7 @@ pub enum LinkError {
         /// The system's error.
         source: io::Error,
     },
-    /// The process may open too few files to accept connections.
+    /// The limit of open files is too low to accept connections.
     #[error(
         "the process may open {limit} files at a time, but needs at least {needed} to accept connections"
     )]
@@ -51,13 +51,14 @@ pub enum LinkError {
         /// The reason.
         what: &'static str,
     },
-    /// FRI listens on an address that other machines reach, but accepts messages of this machine only.
+    /// FRI listens at an address that other machines can reach, but accepts messages of this
+    /// machine only.
     #[error("no controller can reach FRI at {fri}: the controller's address is a loopback address")]
     ControllerAddress {
         /// The address that FRI listens on.
         fri: SocketAddr,
     },
-    /// The client of FRI is on another machine, and there are no keys.
+    /// The FRI client is on another machine, and keys are missing.
     #[error("the FRI client {client} is on another machine, so CURVE keys are required")]
     FriNeedsKeys {
         /// The address of the client.

@@ -1,8 +1,8 @@
-//! How late messages of a stream are.
+//! Delay of stream messages.
 
 use std::time::Instant;
 
-/// Delay of messages relative to the fastest one, since no clock is shared with the controller.
+/// Delay of messages relative to the fastest message, because the controller clock is not shared.
 ///
 /// ```
 /// use std::time::{Duration, Instant};
@@ -16,22 +16,23 @@ use std::time::Instant;
 #[derive(Debug, Default)]
 pub struct Lag {
     since: Option<Instant>,
-    /// Least time of reception minus time stamp, in s: in the previous window, and in this one.
+    /// Minimum of reception time minus time stamp, in s: in the previous window, and in the current
+    /// one.
     least_s: [f64; 2],
     window_from_s: f64,
     last_s: f64,
 }
 
 impl Lag {
-    /// Clocks drift: old messages are no reference.
+    /// Length of a window: clocks drift, so old messages are not a valid reference.
     const WINDOW_S: f64 = 10.0;
 
-    /// How much later than the fastest of the last seconds a message came, in ms: it was received at `now`, and has the
-    /// stamp `t_s`.
+    /// Returns the delay of a message relative to the fastest message of the last seconds, in ms,
+    /// for a message with the stamp `t_s` that is received at `now`.
     pub fn behind_ms(&mut self, now: Instant, t_s: f64) -> f64 {
         let now_s = (now - *self.since.get_or_insert(now)).as_secs_f64();
         let late_s = now_s - t_s;
-        // Stamps that start again are those of another drive.
+        // Stamps decrease when another drive has started.
         if self.last_s > t_s || self.least_s == [0.0; 2] {
             self.least_s = [late_s; 2];
             self.window_from_s = now_s;
@@ -62,12 +63,12 @@ mod tests {
         near(at(1.003, 101.0), 3.0);
         near(at(1.999, 102.0), 0.0);
         near(at(3.0, 103.0), 1.0);
-        // A clock that loses 1 ms a second is followed.
+        // A clock that loses 1 ms per second is followed.
         for i in 4..100 {
             let i = f64::from(i);
             assert!(at(1.001 * i, 100.0 + i) < 25.0);
         }
-        // Another drive.
+        // Another drive has started.
         near(at(200.0, 0.5), 0.0);
         near(at(200.504, 1.0), 4.0);
     }

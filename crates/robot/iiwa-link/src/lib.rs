@@ -1,8 +1,8 @@
 //! Client library of iiwaDrive, the network interface of the KUKA LBR iiwa: messages, requests, the
-//! stream of measurements, and CURVE keys. It contains neither a planner nor a drive.
+//! measurement stream, and CURVE keys. The library contains neither a planner nor a drive.
 //!
-//! A drive connects the robot with any number of clients. A [`Client`] sends requests, such as to run
-//! motions and trajectories; a [`Stream`] receives what the robot measures. Messages are JSON over
+//! A drive connects the robot to any number of clients. A [`Client`] sends requests, such as to run
+//! motions and trajectories; a [`Stream`] receives the robot's measurements. Messages are JSON over
 //! `ZeroMQ` (ZMTP 3.1). Joint positions are `[f64; 7]`, A1 to A7, in rad; times are in s.
 //!
 //! ```text
@@ -62,7 +62,7 @@ pub use torques::Torques;
 pub const INSTRUCTIONS_PORT: u16 = 5560;
 /// Default TCP port of a drive for its stream.
 pub const STREAM_PORT: u16 = 5561;
-/// Default UDP port of a drive for FRI: the first one that KUKA reserves for it.
+/// Default UDP port of a drive for FRI: the first port that KUKA reserves for FRI.
 pub const FRI_PORT: u16 = 30200;
 /// Default TCP port of a robot program for instructions.
 pub const CABINET_INSTRUCTIONS_PORT: u16 = 30001;

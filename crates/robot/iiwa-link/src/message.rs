@@ -1,4 +1,4 @@
-//! The JSON messages between clients and iiwaDrive.
+//! JSON messages between clients and iiwaDrive.
 
 pub(crate) mod conditions;
 pub(crate) mod io;
@@ -24,21 +24,22 @@ pub use run_label::{BindingLimit, MAX_LABEL_BYTES, RunLabel, RunPlan};
 pub use status_text::Degrees;
 pub use text::{Figures, bad_json, from_json, shortened, to_json};
 
-/// Longest request, in bytes: a trajectory of 200 000 points at full precision. A peer that sends a
-/// longer one is disconnected.
+/// Maximum length of a request, in bytes: a trajectory of 200 000 points at full precision. A peer
+/// that sends a longer request is disconnected.
 pub const MAX_MESSAGE_BYTES: usize = 32 << 20;
 
-/// Longest reply, in bytes: that of a run of [`MAX_SAMPLES`].
+/// Maximum length of a reply, in bytes: the reply of a run with [`MAX_SAMPLES`].
 pub const MAX_REPLY_BYTES: usize = 64 << 20;
 
-/// Most samples stored per run: five minutes at 1 ms, 25 minutes at 5 ms. The stream is not limited.
+/// Maximum number of samples stored per run: five minutes at 1 ms, 25 minutes at 5 ms. The stream
+/// is not limited.
 pub const MAX_SAMPLES: usize = 300_000;
 
-/// Longest request other than a trajectory or a list of motions, in bytes.
+/// Maximum length of a request other than a trajectory or a list of motions, in bytes.
 pub const MAX_SHORT_REQUEST_BYTES: usize = 64 << 10;
 
-/// Longest list of motions, in bytes.
+/// Maximum length of a list of motions, in bytes.
 pub const MAX_MOTIONS_BYTES: usize = 4 << 20;
 
-/// Most motions per request.
+/// Maximum number of motions per request.
 pub const MAX_MOTIONS: usize = 5000;

@@ -1,9 +1,9 @@
-//! The messages between iiwaDrive and the robot program on the cabinet, in JSON (Larsen 2019, section
+//! JSON messages between iiwaDrive and the robot program on the cabinet (Larsen 2019, section
 //! 3.1.1).
 //!
-//! Instructions go to the robot program, and state changes come from it on another socket; each is
-//! acknowledged. iiwaDrive gives each run a number, so that its end is identified even after lost messages
-//! and restarts.
+//! The drive sends instructions to the robot program, which sends state changes over another
+//! socket; each message is acknowledged. iiwaDrive numbers the runs, so that the end of a run is
+//! identified even after lost messages and restarts.
 
 use std::time::Duration;
 
@@ -18,11 +18,11 @@ use crate::message::{
     Conditions, DriveState, Hello, IoValue, Refusal, Sensors, Signal, bad_json, shortened, to_json,
 };
 
-/// The version of the protocol between a drive and a robot program. It changes when one of them could not carry out
-/// what the other one of the version before asks for.
+/// Version of the protocol between drive and robot program. It changes when either side requests
+/// something that the other side, of the previous version, cannot carry out.
 pub const PROTOCOL: u32 = 1;
 
-/// The number of a run.
+/// Number of a run.
 pub type RunId = u64;
 
 /// An instruction to the robot program.
@@ -30,27 +30,27 @@ pub type RunId = u64;
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(tag = "type", rename_all = "snake_case")]
 pub enum Instruction {
-    /// Plan motions from the position of the arm. They wait for [`Begin`](Self::Begin).
+    /// Plan motions from the current position. They wait for [`Begin`](Self::Begin).
     RunMotions {
-        /// Their run.
+        /// Number of the run.
         run: RunId,
-        /// The motions, and the tools, bases and frames that they use.
+        /// The motions, with the tools, bases and frames that they use.
         #[serde(flatten)]
         motions: MotionList,
     },
     /// Begin the planned motions.
     Begin {
-        /// Their run.
+        /// Number of the run.
         run: RunId,
     },
     /// Enable commanding over FRI.
     RunTrajectory {
-        /// The run of the trajectory.
+        /// Number of the trajectory's run.
         run: RunId,
     },
     /// End commanding over FRI.
     EndTrajectory {
-        /// The run of the trajectory.
+        /// Number of the trajectory's run.
         run: RunId,
     },
     /// Stop the current run, and discard planned motions.
@@ -61,20 +61,20 @@ pub enum Instruction {
     ListIo,
     /// Read an input or output.
     GetIo {
-        /// Its name.
+        /// Name of the signal.
         name: String,
     },
     /// Set an output.
     SetIo {
-        /// Its name.
+        /// Name of the output.
         name: String,
-        /// Its new value.
+        /// New value.
         value: IoValue,
     },
 }
 
 impl Instruction {
-    /// The instruction as JSON, with its number.
+    /// Returns the instruction as JSON, with its number.
     #[must_use]
     pub fn to_json(&self, seq: u64) -> String {
         #[derive(Serialize)]
@@ -86,11 +86,11 @@ impl Instruction {
         to_json(&NumberedInstruction { seq, instruction: self })
     }
 
-    /// Parses an instruction and its number, `None` without one.
+    /// Parses an instruction and its number; `None` without a number.
     ///
     /// # Errors
     ///
-    /// A [`Refusal`] with what is wrong in the JSON.
+    /// A [`Refusal`] with the JSON fault.
     pub fn from_json(bytes: &[u8]) -> (Option<u64>, Result<Self, Refusal>) {
         #[derive(Deserialize)]
         struct InstructionHead {
@@ -111,7 +111,8 @@ impl Instruction {
         struct RunKey {
             run: RunId,
         }
-        /// Of motions, a key that is passed over may be a limit that they would not keep.
+        /// Unknown keys of motions are refused: an ignored key may be a limit that the motions
+        /// would exceed.
         #[derive(Deserialize)]
         #[serde(deny_unknown_fields)]
         struct MotionsKeys {
@@ -174,30 +175,30 @@ impl Instruction {
     }
 }
 
-/// The acknowledgement of an instruction.
+/// Acknowledgement of an instruction.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Acknowledgement {
-    /// The number of the instruction; `None` if it could not be parsed.
+    /// Number of the instruction; `None` if it could not be parsed.
     pub seq: Option<u64>,
-    /// Why it was not carried out.
+    /// The reason why the instruction was not carried out.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub error: Option<Refusal>,
-    /// The sensors, if they were read.
+    /// Sensor readings, if requested.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub sensors: Option<Sensors>,
-    /// All inputs and outputs, if they were read.
+    /// All inputs and outputs, if requested.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub io: Option<Vec<Signal>>,
-    /// The value of the input or output that was read or set.
+    /// Value of the input or output that was read or set.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub value: Option<IoValue>,
 }
 
-/// The state of the robot program: sent when it changes, repeated until it is acknowledged, and twice a second
-/// in any case.
+/// State of the robot program: sent on every change, repeated until acknowledged, and sent twice
+/// per second in any case.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct StateChange {
-    /// A number that differs with each start of the robot program.
+    /// Number that differs with each start of the robot program.
     pub boot: u64,
     /// The state.
     pub state: DriveState,
@@ -207,40 +208,41 @@ pub struct StateChange {
     /// The outcome of the last run.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub outcome: Option<Outcome>,
-    /// Whether the robot is simulated, so that no person is near it. A robot program on a real cabinet never sets it.
+    /// `true` if the robot is simulated, so that no person is near it. A robot program on a real
+    /// cabinet never sets this flag.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub simulated: bool,
-    /// The versions of the robot program. Without them, it has version 1 of the protocol.
+    /// Versions of the robot program. Without them, its protocol version is 1.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub hello: Option<Hello>,
-    /// The conditions at the controller, as far as they are known.
+    /// Controller conditions, as far as known.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub conditions: Option<Conditions>,
 }
 
-/// The outcome of a run. Times are of the controller's clock, as are the time stamps of FRI.
+/// Outcome of a run. Times refer to the controller clock, like the FRI time stamps.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Outcome {
-    /// The run.
+    /// Number of the run.
     pub run: RunId,
-    /// Its start, in s; `None` if it did not start.
+    /// Start, in s; `None` if the run did not start.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub start_s: Option<f64>,
-    /// Its end, in s; `None` if the robot program does not know FRI's clock. Then the drive takes start and end from
-    /// the commanded joint positions.
+    /// End, in s; `None` if the robot program does not know the FRI clock. In this case the drive
+    /// takes start and end from the commanded joint positions.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub end_s: Option<f64>,
-    /// Why it was aborted.
+    /// The reason of an abort.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub error: Option<Refusal>,
 }
 
-/// The acknowledgement of a state change.
+/// Acknowledgement of a state change.
 pub const RECEIVED: &str = r#"{"ok":true}"#;
 
-/// How long planned motions may wait for [`Instruction::Begin`]. A robot program discards them afterwards, as
-/// the drive or its client may be gone.
+/// Time-out of planned motions that wait for [`Instruction::Begin`]. The robot program discards
+/// them afterwards, because the drive or its client may be gone.
 pub const BEGIN_WITHIN: Duration = Duration::from_secs(2);
 
-/// Interval at which the robot program sends its state even if it does not change, in ms.
+/// Interval at which the robot program sends its state even without a change, in ms.
 pub const STATE_EVERY_MS: u64 = 500;

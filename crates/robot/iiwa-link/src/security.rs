@@ -1,6 +1,7 @@
-//! Access control: CURVE keys, the list of permitted clients, and which addresses require keys.
+//! Access control: CURVE keys, the list of permitted clients, and the addresses that require keys.
 //!
-//! On the loopback interface, keys are optional. Without keys, no other address is bound or connected to.
+//! On the loopback interface, keys are optional. Without keys, no other address is bound or
+//! connected to.
 //!
 //! ```no_run
 //! use std::path::Path;

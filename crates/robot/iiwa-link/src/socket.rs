@@ -32,19 +32,20 @@ pub struct Server {
 }
 
 impl Server {
-    /// Without keys: every process on this machine may connect, and no other machine.
+    /// Creates security without keys: every process on this machine may connect, but no other
+    /// machine.
     #[must_use]
     pub fn open() -> Self {
         Self { security: None }
     }
 
-    /// With keys: clients whose keys are on the list may connect.
+    /// Creates security with keys: clients with a key on the list may connect.
     #[must_use]
     pub fn with_keys(security: ServerSecurity) -> Self {
         Self { security: Some(security) }
     }
 
-    /// Whether clients need keys.
+    /// Returns true if clients need keys.
     #[must_use]
     pub fn has_keys(&self) -> bool {
         self.security.is_some()
@@ -98,7 +99,7 @@ impl Dial {
 ///     security::{ClientSecurity, KeyPair},
 /// };
 ///
-/// // Other machines are connected to with keys only.
+/// // Connections to other machines require keys.
 /// assert!(Client::new(&Remote::open(), "tcp://192.0.2.1:5560").is_err());
 /// let server = KeyPair::generate()?.public();
 /// let remote = Remote::with_keys(ClientSecurity::new(KeyPair::generate()?, server));
@@ -111,13 +112,13 @@ pub struct Remote {
 }
 
 impl Remote {
-    /// Without keys: to this machine only.
+    /// Creates security without keys: connections to this machine only.
     #[must_use]
     pub fn open() -> Self {
         Self { security: None }
     }
 
-    /// With keys.
+    /// Creates security with keys.
     #[must_use]
     pub fn with_keys(security: ClientSecurity) -> Self {
         Self { security: Some(security) }
@@ -140,24 +141,23 @@ impl Remote {
         Dialer::start(name, wire, to, take)
     }
 
-    /// Connects to an address once and completes the handshake, each within `limit`, to find out whether that is
-    /// possible.
+    /// Probes an address: connects once and completes the handshake, each within `limit`.
     ///
     /// # Errors
     ///
-    /// What hinders the connection.
+    /// The obstacle to the connection.
     pub fn probe(&self, kind: Dial, at: &str, limit: Duration) -> Result<(), ProbeError> {
         let (to, wire) = self.wire(kind.socket(), at, SHORT_BYTES)?;
         transport::probe(&to, &wire, limit)
     }
 
-    /// Whether there are keys.
+    /// Returns true if keys are configured.
     #[must_use]
     pub fn has_keys(&self) -> bool {
         self.security.is_some()
     }
 
-    /// The configuration of a connection to an address.
+    /// Returns the configuration of a connection to an address.
     pub(crate) fn wire(
         &self,
         kind: SocketType,
@@ -176,19 +176,19 @@ impl Remote {
 /// Number of consecutive handshakes that a drive may close before it counts as a refusal.
 pub(crate) const MAX_CLOSED_HANDSHAKES: u32 = 3;
 
-/// Longest message on sockets for short messages, in bytes.
+/// Maximum length of a message on sockets for short messages, in bytes.
 pub const SHORT_MESSAGE_BYTES: usize = 1024;
 
-/// Whether a read has timed out.
+/// Returns true if a read has timed out.
 #[must_use]
 pub fn is_timeout(error: &io::Error) -> bool {
     use io::ErrorKind::{Interrupted, TimedOut, WouldBlock};
     matches!(error.kind(), WouldBlock | TimedOut | Interrupted)
 }
 
-/// A random number, different with each start of a program.
+/// Returns a random number that differs with each start of a program.
 #[must_use]
 pub fn random_id() -> u64 {
-    // Half the bits: JSON numbers are exact up to 53 of them.
+    // Half of the bits: JSON numbers are exact up to 53 bits.
     std::hash::RandomState::new().hash_one(std::time::Instant::now()) >> 32
 }

@@ -5,7 +5,7 @@ use std::fmt;
 use crate::START_TOLERANCE_RAD;
 use iiwa_kin::Joints;
 
-/// The joint that is farthest from the start of a program.
+/// Joint with the largest distance from the start of a program.
 #[derive(Clone, Copy, Debug)]
 pub struct StartOffset {
     /// Index from 0.
@@ -15,7 +15,7 @@ pub struct StartOffset {
 }
 
 impl StartOffset {
-    /// Of a robot at `joints_rad` from the start of a program.
+    /// Determines the joint for a robot at `joints_rad` and a program start.
     #[must_use]
     pub fn new(joints_rad: &Joints, start_rad: &Joints) -> Self {
         let off = |j: &usize| (joints_rad[*j] - start_rad[*j]).abs();
@@ -23,13 +23,13 @@ impl StartOffset {
         Self { joint, at_rad: joints_rad[joint], start_rad: start_rad[joint] }
     }
 
-    /// How far that joint is, in rad.
+    /// Returns the distance of this joint, in rad.
     #[must_use]
     pub fn rad(&self) -> f64 {
         (self.at_rad - self.start_rad).abs()
     }
 
-    /// Whether a drive accepts the program: up to [`START_TOLERANCE_RAD`].
+    /// Returns true if a drive accepts the program: up to [`START_TOLERANCE_RAD`].
     #[must_use]
     pub fn is_within_tolerance(&self) -> bool {
         self.rad() <= START_TOLERANCE_RAD

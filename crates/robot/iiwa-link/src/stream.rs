@@ -1,4 +1,4 @@
-//! The stream that a drive publishes.
+//! The stream published by a drive.
 
 use std::time::Duration;
 
@@ -20,7 +20,7 @@ use crate::{
     transport::{self, Incoming, Wire, WireConfig, WireError},
 };
 
-/// A subscription to the measurements and states that a drive publishes.
+/// A subscription to the measurements and states published by a drive.
 ///
 /// ```no_run
 /// use std::time::Duration;
@@ -43,12 +43,12 @@ pub struct Stream {
     runtime: Runtime,
 }
 
-/// Where a stream comes from, and which of its topics are wanted.
+/// Source and topics of a stream.
 type Source<'a> = (&'a Endpoint, &'a WireConfig, &'static [&'static str]);
 
 enum Connection {
     None,
-    /// Being established by a task of its own.
+    /// A separate task is connecting.
     Pending(JoinHandle<Result<Wire, ConnectionRefusal>>),
     Open(Box<Wire>),
 }
@@ -64,21 +64,23 @@ impl std::fmt::Debug for Stream {
 #[serde(untagged)]
 #[non_exhaustive]
 pub enum Published {
-    /// Measured joint positions, every cycle of FRI.
+    /// Measured joint positions, every FRI cycle.
     Joints {
         /// Time stamp, in s: the controller's time since its first message to the drive.
         t_s: f64,
         /// The positions, in rad.
         joints_rad: Joints,
     },
-    /// Measured torques, every cycle of FRI, before the positions of the same time; only for
-    /// [those who ask](Stream::with_torques), and only if the controller measures them.
+    /// Measured torques, every FRI cycle, before the positions of the same time; only for
+    /// [subscribers that request torques](Stream::with_torques), and only if the controller
+    /// measures them.
     Torques {
-        /// Time stamp, in s, as that of the positions.
+        /// Time stamp, in s, equal to the stamp of the positions.
         t_s: f64,
-        /// The torques of the joints, in Nm.
+        /// Joint torques, in Nm.
         measured_nm: Joints,
-        /// The external torques of the joints, in Nm: the measured ones less those of the arm's weight and motion.
+        /// External joint torques, in Nm: the measured torques minus the torques due to the weight
+        /// and motion of the robot.
         external_nm: Joints,
     },
     /// The new state of the drive.
@@ -88,12 +90,13 @@ pub enum Published {
         /// The state.
         state: DriveState,
     },
-    /// The beginning or the end of a run; only for [those who ask](Stream::with_runs).
+    /// The beginning or the end of a run; only for [subscribers that request
+    /// runs](Stream::with_runs).
     Run(Box<RunEvent>),
 }
 
 impl Published {
-    /// The topic that it is published under.
+    /// Returns the topic of the message.
     #[must_use]
     pub fn topic(&self) -> &'static str {
         match self {
@@ -105,22 +108,22 @@ impl Published {
     }
 }
 
-/// Longest message about a run, in bytes: its label, and an error.
+/// Maximum length of a run message, in bytes: its label, and an error.
 const RUN_BYTES: usize = MAX_LABEL_BYTES + (16 << 10);
 
-/// Time between attempts to connect.
+/// Interval between connection attempts.
 const RETRY_INTERVAL: Duration = Duration::from_millis(50);
 
 /// Time-out of connecting.
 const CONNECT_TIMEOUT: Duration = Duration::from_secs(2);
 
-/// How long a new stream waits for its connection, so that it misses nothing published afterwards.
+/// Initial wait of a new stream for its connection, so that it does not miss later messages.
 const INITIAL_WAIT: Duration = Duration::from_millis(200);
 
 impl Stream {
     /// Subscribes to the drive that publishes at `at`, such as `tcp://127.0.0.1:5561`. Messages
-    /// published before the connection is established are missed. Messages that are not read wait in
-    /// the system's buffers, and for some seconds at the drive.
+    /// published before the connection is established are missed. Unread messages wait in the
+    /// system's buffers, and for some seconds at the drive.
     ///
     /// # Errors
     ///
@@ -129,20 +132,20 @@ impl Stream {
         Self::of(remote, at, &["joints", "state"], SHORT_MESSAGE_BYTES)
     }
 
-    /// The same with the measured torques.
+    /// Subscribes like [`new`](Self::new), with the measured torques.
     ///
     /// # Errors
     ///
-    /// As [`new`](Self::new).
+    /// Same as [`new`](Self::new).
     pub fn with_torques(remote: &Remote, at: &str) -> Result<Self, LinkError> {
         Self::of(remote, at, &["torques", "joints", "state"], SHORT_MESSAGE_BYTES)
     }
 
-    /// The same with the beginnings and ends of runs.
+    /// Subscribes like [`new`](Self::new), with measured torques, and run start and end events.
     ///
     /// # Errors
     ///
-    /// As [`new`](Self::new).
+    /// Same as [`new`](Self::new).
     pub fn with_runs(remote: &Remote, at: &str) -> Result<Self, LinkError> {
         Self::of(remote, at, &["torques", "joints", "state", "run"], RUN_BYTES)
     }
@@ -164,7 +167,7 @@ impl Stream {
         Ok(stream)
     }
 
-    /// The next message; `None` if there is none within `limit`.
+    /// Returns the next message; `None` if none arrives within `limit`.
     ///
     /// # Errors
     ///
@@ -232,7 +235,7 @@ async fn connect(
     loop {
         match timeout(CONNECT_TIMEOUT, subscribe(&at, &config, topics)).await {
             Ok(Ok(wire)) => return Ok(wire),
-            // A drive that is shutting down closes connections, too: only repetition is a refusal.
+            // A drive that is shutting down also closes connections: only repetition is a refusal.
             Ok(Err(WireError::Refused(ConnectionRefusal::Closed)))
                 if closed < MAX_CLOSED_HANDSHAKES =>
             {

@@ -16,7 +16,7 @@ pub use priority::raise_priority;
 
 use crate::LinkError;
 
-/// The threads of a drive or a cabinet. When the group is dropped, it tells them to shut down and waits for
+/// Threads of a drive or a cabinet. Dropping the group signals them to shut down and waits for
 /// them.
 ///
 /// ```
@@ -43,11 +43,11 @@ pub struct ThreadGroup {
 }
 
 impl ThreadGroup {
-    /// Starts a thread. Its work has to end soon after the flag that it receives has become true.
+    /// Starts a thread. Its work has to end soon after the flag that it receives becomes true.
     ///
     /// # Errors
     ///
-    /// [`LinkError::Thread`] if the system does not start it.
+    /// [`LinkError::Thread`] if the system does not start the thread.
     pub fn spawn(
         &mut self,
         name: &str,
@@ -64,7 +64,7 @@ impl Drop for ThreadGroup {
     fn drop(&mut self) {
         self.shutdown.store(true, Ordering::Relaxed);
         for thread in self.threads.drain(..) {
-            // A thread that has panicked has ended, too.
+            // A thread that has panicked has also ended.
             let _ = thread.join();
         }
     }

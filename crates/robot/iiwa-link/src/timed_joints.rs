@@ -1,4 +1,4 @@
-//! Trajectories as clients send them: joint positions with time stamps.
+//! Client trajectories: joint positions with time stamps.
 
 mod check;
 mod differences;

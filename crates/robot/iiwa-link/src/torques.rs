@@ -1,23 +1,23 @@
-//! Torques of the stream, for the samples that they belong to.
+//! Stream torques, matched to samples.
 
 use std::collections::HashMap;
 
 use iiwa_kin::Joints;
 
-/// Measured torques by the exact stamps that they were published with.
+/// Measured torques by the exact stamps of their publication.
 ///
-/// The drive publishes torques and positions with the stamp that it keeps with the samples of a run: one number, so that
-/// nothing has to be near.
+/// The drive publishes torques and positions with the stamp that it stores with the samples of a
+/// run. Since the numbers are identical, a tolerance is not needed.
 #[derive(Debug, Default)]
 pub struct Torques(HashMap<u64, Joints>);
 
 impl Torques {
-    /// Keeps torques in Nm, by their stamp in s.
+    /// Stores torques in Nm, by their stamp in s.
     pub fn keep(&mut self, t_s: f64, measured_nm: Joints) {
         self.0.insert(t_s.to_bits(), measured_nm);
     }
 
-    /// Those of each stamp, where there are any.
+    /// Returns the torques at each stamp, if any.
     #[must_use]
     pub fn at(&self, t_s: &[f64]) -> Vec<Option<Joints>> {
         t_s.iter().map(|t_s| self.0.get(&t_s.to_bits()).copied()).collect()

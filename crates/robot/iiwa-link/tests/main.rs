@@ -1,4 +1,4 @@
-//! The link from outside: messages, keys, and trajectories of clients.
+//! Integration tests of the link: messages, keys, and client trajectories.
 
 mod motions;
 mod security_keys;

@@ -1,11 +1,11 @@
-//! Requests and instructions with motions: what is written is read back, to the last bit.
+//! Round trip of requests and instructions with motions, exact to the last bit.
 
 use iiwa_link::{message::Request, robot_program::Instruction};
 use iiwa_program::{Blend, Motion, MotionList, OperatingMode, Ptp};
 use proptest::prelude::*;
 use serde_json::{Value, json};
 
-/// Messages without tools, bases, frames and mode are what they were before there were any.
+/// Messages without tools, bases, frames and mode contain no additional keys.
 #[test]
 fn messages_of_joint_motions_have_no_other_keys() {
     let ptp = Ptp::to([0.5, 0.0, 0.0, -1.0, 0.0, 0.25, 0.0]).blend(Blend::CartMm(50.0));
@@ -48,7 +48,7 @@ fn the_keys_of_programs_come_after_the_motions() {
     }
 }
 
-/// Keys of programs that requests do not have, and values that these keys do not take.
+/// Program keys that are invalid in requests, and invalid values of request keys.
 #[test]
 fn other_keys_are_refused() {
     for (key, value) in [
@@ -111,7 +111,7 @@ fn target() -> BoxedStrategy<Value> {
     prop_oneof![Just(json!("pick")), given].boxed()
 }
 
-/// A motion, written as in a program.
+/// Returns a motion, written as in a program.
 fn motion() -> BoxedStrategy<Value> {
     let limits = (positive(), positive(), positive(), share(), 0.0..180.0);
     let course = prop_oneof![

@@ -8,7 +8,8 @@ use iiwa_link::security::{AllowList, KeyPair, KeyTextError, PublicKey, SecurityE
 use proptest::prelude::*;
 use tempfile::tempdir;
 
-/// Test vectors of the CURVE documentation (`zmq_curve`), cross-validated against libzmq's Z85 in `tests/peers`.
+/// Test vectors of the CURVE documentation (`zmq_curve`), cross-validated against libzmq's Z85 in
+/// `tests/peers`.
 const PUBLIC: &str = "rq:rM>}U?@Lns47E1%kR.o@n%FcmmsL/@{H8]yf7";
 const SECRET: &str = "D:)Q[IlAW!ahhC2ac:9*A}h:p?([4%wOTJ%JR%cs";
 

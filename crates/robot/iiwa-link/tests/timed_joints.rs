@@ -1,5 +1,5 @@
-//! Trajectories of clients: planned ones are accepted, infeasible ones are refused, and the interpolation
-//! between the points follows the planned motion.
+//! Client trajectories: planned trajectories are accepted, infeasible ones are refused, and the
+//! interpolation between the points follows the planned motion.
 
 #![expect(clippy::unwrap_used, clippy::expect_used, reason = "these are tests")]
 #![expect(

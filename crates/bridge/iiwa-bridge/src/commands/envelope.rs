@@ -1,4 +1,4 @@
-//! The envelope of a command.
+//! Command envelope.
 
 use iiwa_json::Object;
 use iiwa_link::message::{Refusal, Request, bad_json};
@@ -7,7 +7,7 @@ use serde_json::value::RawValue;
 
 use crate::message::{Timestamp, VERSION};
 
-/// Longest id, in bytes.
+/// Maximum length of an id, in bytes.
 const MAX_ID_BYTES: usize = 200;
 
 /// A command as received.
@@ -16,10 +16,10 @@ const MAX_ID_BYTES: usize = 200;
 pub(super) struct Envelope {
     #[serde(default)]
     version: Option<u32>,
-    /// The robot that it is for.
+    /// The addressed robot.
     #[serde(default)]
     pub(super) robot: Option<String>,
-    /// Different for each command.
+    /// Unique id of the command.
     #[serde(default)]
     pub(super) id: Option<String>,
     #[serde(default)]
@@ -29,7 +29,7 @@ pub(super) struct Envelope {
 }
 
 impl Envelope {
-    /// Parses the envelope; of a malformed one, its id and robot if they can be read.
+    /// Parses the envelope. The error contains id and robot of a malformed envelope, if readable.
     pub(super) fn read(body: &[u8]) -> Result<Self, (Self, Refusal)> {
         let Ok(text) = str::from_utf8(body) else {
             let why = "the command is not text in UTF-8";
@@ -56,7 +56,7 @@ impl Envelope {
         Ok(envelope)
     }
 
-    /// What a malformed envelope is called.
+    /// Returns id and robot of a malformed envelope, if readable.
     fn named(text: &str) -> Self {
         #[derive(Deserialize)]
         struct Names {
@@ -69,14 +69,14 @@ impl Envelope {
         Self { robot: robot.filter(short), id: id.filter(short), ..Self::default() }
     }
 
-    /// Its id, and when it was sent.
+    /// Returns the id and the time of sending.
     pub(super) fn identity(&self) -> Result<(&str, Timestamp), Refusal> {
         let lacks = |key| Refusal::bad(format!("the command has no `{key}`"));
         let id = self.id.as_deref().ok_or_else(|| lacks("id"))?;
         Ok((id, self.at.ok_or_else(|| lacks("at"))?))
     }
 
-    /// The request to the drive.
+    /// Returns the request to the drive.
     pub(super) fn request(&self) -> Result<Request, Refusal> {
         let lacks = || Refusal::bad("the command has no `request`");
         let text = self.request.as_ref().ok_or_else(lacks)?.get();

@@ -1,5 +1,5 @@
-//! Sends the commands for a robot to its drive: runs in one thread, stops in another, all else in a third, so that a stop
-//! passes them all.
+//! Forwards the commands for a robot to its drive. Runs, stops and other requests have separate
+//! threads, so that a stop overtakes them all.
 
 use std::sync::{
     Arc,
@@ -17,22 +17,24 @@ use iiwa_link::{
 use super::replies::{Answer, CommandReply};
 use crate::{BridgeError, robot::BridgedRobot};
 
-/// Commands other than runs that wait for the drive, at most.
+/// Maximum number of commands other than runs that wait for the drive.
 const BACKLOG: usize = 16;
 
 /// Time-out of replies to commands other than runs.
 const REPLY_TIMEOUT: Duration = Duration::from_secs(5);
 
-/// The threads that send the commands for a robot.
+/// Threads that forward the commands for a robot.
 #[derive(Debug)]
 pub(super) struct Worker {
     runs: SyncSender<Job>,
-    /// A second run would wait for the end of the first, and then begin unexpectedly.
+    /// `true` during a run: a second run would wait for the end of the first, and then begin
+    /// unexpectedly.
     is_running: Arc<AtomicBool>,
     others: SyncSender<Job>,
-    /// Stops pass all others.
+    /// Separate queue, so that stops overtake all other commands.
     stops: SyncSender<Job>,
-    /// Not that of runs: it may wait for the end of one, which goes on without its client.
+    /// Threads except the run thread, which may wait for the end of a run that continues without
+    /// its client.
     _threads: ThreadGroup,
 }
 
@@ -67,7 +69,7 @@ impl Worker {
         Ok(Self { runs, is_running, others, stops, _threads: threads })
     }
 
-    /// Hands a request over; if there is no room, returns why, with the way of the reply.
+    /// Queues a request; if the queue is full, returns the reason and the reply callback.
     pub(super) fn send(
         &self,
         id: String,
@@ -92,7 +94,7 @@ impl Worker {
     }
 }
 
-/// Sends requests until the queue is closed.
+/// Forwards requests until the queue is closed.
 fn carry_out(
     robot: &str,
     mut client: Client,

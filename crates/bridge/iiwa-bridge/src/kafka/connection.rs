@@ -1,4 +1,4 @@
-//! Connections to Kafka's brokers.
+//! Connections to Kafka brokers.
 
 use std::{error::Error as _, str::FromStr, sync::Arc, time::Duration};
 
@@ -17,21 +17,21 @@ use crate::{
     tls::TlsFiles,
 };
 
-/// How to reach the brokers.
+/// Connection settings.
 #[derive(Clone, Debug)]
 pub struct KafkaConnection {
-    /// Addresses to begin with, as `HOST:PORT`.
+    /// Bootstrap addresses, as `HOST:PORT`.
     pub brokers: Vec<String>,
     /// TLS, and the user.
     pub access: BrokerAccess,
-    /// How the user proves to be who he is.
+    /// SASL mechanism.
     pub sasl: Sasl,
 }
 
-/// How a user proves to be who he is.
+/// SASL mechanism.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Sasl {
-    /// The password itself.
+    /// PLAIN: the password itself is sent.
     Plain,
     /// SCRAM with SHA-256.
     ScramSha256,
@@ -43,7 +43,7 @@ pub enum Sasl {
 impl FromStr for Sasl {
     type Err = ();
 
-    /// By its name: `plain`, `scram-sha-256` or `scram-sha-512`.
+    /// Parses the name: `plain`, `scram-sha-256` or `scram-sha-512`.
     fn from_str(name: &str) -> Result<Self, ()> {
         match name {
             "plain" => Ok(Self::Plain),
@@ -54,16 +54,17 @@ impl FromStr for Sasl {
     }
 }
 
-/// How long the first connection is waited for: a refused user is an error then, a missing broker is not.
+/// Time-out of the first connection: a refused user is an error in this phase, a missing broker is
+/// not.
 const PROBE_TIMEOUT: Duration = Duration::from_secs(4);
 
-/// Time between two attempts of it.
+/// Pause between attempts of the first connection.
 const PROBE_PAUSE: Duration = Duration::from_millis(200);
 
-/// How long a request is repeated before the connection is made anew.
+/// Time for which a request is repeated before the connection is replaced.
 const RETRY_TIMEOUT: Duration = Duration::from_secs(5);
 
-/// How long a connection may take to be made.
+/// Time-out of connecting.
 const CONNECT_TIMEOUT: Duration = Duration::from_secs(10);
 
 impl KafkaConnection {
@@ -100,12 +101,12 @@ pub(super) struct KafkaConnector {
 }
 
 impl KafkaConnector {
-    /// The addresses, for messages.
+    /// Returns the addresses, for messages.
     pub(super) fn at(&self) -> String {
         self.brokers.join(", ")
     }
 
-    /// A new connection.
+    /// Opens a new connection.
     pub(super) async fn connect(&self) -> Result<Client, KafkaFailure> {
         self.connect_within(RETRY_TIMEOUT).await
     }
@@ -132,10 +133,11 @@ impl KafkaConnector {
         }
     }
 
-    /// Finds out whether the brokers refuse us. One that cannot be reached may come back.
+    /// Determines whether the brokers refuse the connection. Unreachable brokers may become
+    /// available later.
     pub(super) async fn probe(&self) -> Result<(), BridgeError> {
         let since = Instant::now();
-        // Each attempt by itself: the library repeats refused ones, too.
+        // One attempt at a time, because the library also repeats refused ones.
         let found = loop {
             match self.connect_within(Duration::ZERO).await {
                 Err(failure) if !failure.is_refusal && since.elapsed() < PROBE_TIMEOUT => {
@@ -161,24 +163,24 @@ impl KafkaConnector {
         }
     }
 
-    /// A failure that ends a command.
+    /// Converts a failure to an error that ends a command.
     pub(super) fn broken(&self, failure: KafkaFailure) -> BridgeError {
         BridgeError::Broker { broker: "Kafka", at: self.at(), what: failure.what }
     }
 }
 
-/// Why a request to Kafka failed.
+/// Failure of a request to Kafka.
 #[derive(Debug)]
 pub(super) struct KafkaFailure {
     pub(super) what: String,
-    /// Whether the broker refuses us, or we the broker: repetition does not help.
+    /// `true` if either side refuses the other: repetition does not help.
     pub(super) is_refusal: bool,
-    /// Whether the broker takes smaller batches only.
+    /// `true` if the broker accepts smaller batches only.
     pub(super) is_too_large: bool,
 }
 
 impl KafkaFailure {
-    /// A failure that may pass.
+    /// Creates a temporary failure.
     pub(super) fn passing(what: String) -> Self {
         Self { what, is_refusal: false, is_too_large: false }
     }
@@ -188,7 +190,7 @@ impl KafkaFailure {
     }
 
     pub(super) fn of(error: &Error) -> Self {
-        // The library gives the cause of repeated failures as text only.
+        // The library reports the cause of repeated failures as text only.
         let mut what = error.to_string();
         let mut cause = error.source();
         while let Some(inner) = cause {

@@ -1,43 +1,43 @@
-//! How records reach Kafka.
+//! Kafka settings.
 
 use std::{path::PathBuf, str::FromStr};
 
 use super::connection::KafkaConnection;
 use crate::encoding::JointFormat;
 
-/// How records reach Kafka.
+/// Kafka settings.
 #[derive(Clone, Debug)]
 pub struct KafkaOptions {
     /// The brokers.
     pub connection: KafkaConnection,
-    /// What names of topics begin with, before `.joints` and so on.
+    /// Prefix of topic names, before `.joints` and so on.
     pub prefix: String,
-    /// How batches are compressed.
+    /// Compression of batches.
     pub compression: Compression,
-    /// The format of joints.
+    /// Format of `joints` messages.
     pub joints: JointFormat,
     /// Folder of the spools.
     pub spool: PathBuf,
-    /// The most that they may hold together, in bytes.
+    /// Maximum total size of the spools, in bytes.
     pub spool_bytes: u64,
 }
 
-/// How batches are compressed.
+/// Compression of batches.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Compression {
-    /// Not at all.
+    /// No compression.
     None,
-    /// Quickly.
+    /// Snappy: fast.
     #[default]
     Snappy,
-    /// Small.
+    /// Gzip: small.
     Gzip,
 }
 
 impl FromStr for Compression {
     type Err = ();
 
-    /// By its name: `none`, `snappy` or `gzip`.
+    /// Parses the name: `none`, `snappy` or `gzip`.
     fn from_str(name: &str) -> Result<Self, ()> {
         match name {
             "none" => Ok(Self::None),

@@ -1,11 +1,11 @@
-//! The partition of a key, as Kafka's own clients choose it.
+//! Partition of a key, as chosen by Kafka's own clients.
 
-/// The partition of `count` that the producer in Java gives to a key.
+/// Returns the partition, out of `count`, that the Java producer assigns to a key.
 pub(super) fn partition_of(key: &[u8], count: usize) -> usize {
     (murmur2(key) & 0x7fff_ffff) as usize % count.max(1)
 }
 
-/// `MurmurHash2` with Kafka's seed (Austin Appleby, public domain).
+/// Computes `MurmurHash2` with Kafka's seed (Austin Appleby, public domain).
 fn murmur2(data: &[u8]) -> u32 {
     const M: u32 = 0x5bd1_e995;
     const SEED: u32 = 0x9747_b28c;
@@ -32,7 +32,7 @@ fn murmur2(data: &[u8]) -> u32 {
 mod tests {
     use super::*;
 
-    /// The values are those of Kafka's own test (`UtilsTest.testMurmur2`).
+    /// The values are taken from Kafka's own test (`UtilsTest.testMurmur2`).
     #[test]
     #[expect(clippy::cast_sign_loss, reason = "Java has no unsigned integers")]
     fn hashes_are_those_of_kafka() {

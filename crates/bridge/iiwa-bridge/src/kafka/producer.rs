@@ -1,4 +1,4 @@
-//! Sends what is in a spool.
+//! Sends the records of a spool.
 
 use std::{
     collections::{BTreeMap, HashMap},
@@ -35,26 +35,26 @@ use crate::{
     trouble::{Trouble, until_shutdown},
 };
 
-/// Largest batch, in records and in bytes: brokers take 1 MB by default.
+/// Maximum batch size, in records and in bytes: brokers accept 1 MB by default.
 const BATCH_RECORDS: usize = 2000;
 const BATCH_BYTES: usize = 512 << 10;
 
-/// Time from one batch to the next: records gather meanwhile, and latency is half of it.
+/// Time between batches: records accumulate meanwhile, and the mean latency is half of it.
 const LINGER: Duration = Duration::from_millis(20);
 
-/// How long a batch may take to be acknowledged.
+/// Time-out of the acknowledgement of a batch.
 const PRODUCE_TIMEOUT: Duration = Duration::from_secs(8);
 
 /// Pause after a failure.
 const PAUSE: Duration = Duration::from_millis(500);
 
-/// How long the last records are sent for at the end.
+/// Time for which the last records are sent at the end.
 const LAST_BATCHES: Duration = Duration::from_secs(2);
 
-/// Partitions and copies of new topics: as the broker is set up.
+/// Partitions and replicas of new topics: the broker's defaults.
 const BROKERS_DEFAULT: i8 = -1;
 
-/// How long the broker may take to create a topic.
+/// Time-out of the broker to create a topic.
 const CREATE_MS: i32 = 5000;
 
 /// The task that sends the records of a spool.
@@ -67,7 +67,7 @@ pub(super) struct Producer {
 }
 
 impl Producer {
-    /// Sends until the shutdown, and what there is then for a short while.
+    /// Sends until the shutdown, and the remaining records for a short time afterwards.
     pub(super) async fn run(mut self, shutdown: &AtomicBool) {
         let mut trouble = Trouble::default();
         let mut topics = None;
@@ -92,26 +92,27 @@ impl Producer {
             };
             match sent {
                 Ok(0) => {
-                    // Woken up by the first record, or to check for the end.
+                    // Wakes up for the first record, or to check for the shutdown.
                     let _ = timeout(Duration::from_millis(100), self.spool.appended()).await;
                 }
                 Ok(_) => {
                     if trouble.clear() {
                         tracing::info!("Kafka at {}: messages arrive again", self.connector.at());
                     }
-                    // While batches are small, since a larger one was refused, the next one is there already.
+                    // While batches are small because a larger one was refused, the next batch is
+                    // already available.
                     if batch_bytes == BATCH_BYTES {
                         sleep(LINGER.saturating_sub(began.elapsed())).await;
                     }
                     batch_bytes = (2 * batch_bytes).min(BATCH_BYTES);
                 }
                 Err(failure) if failure.is_too_large && batch_bytes > 1 => {
-                    // A batch has one record at least.
+                    // A batch contains at least one record.
                     self.reader.rewind();
                     batch_bytes /= 2;
                 }
                 Err(failure) if failure.is_too_large => {
-                    // It would hold up all that follow.
+                    // The record would block all later ones.
                     self.leave_out(&failure);
                 }
                 Err(failure) => {
@@ -137,7 +138,7 @@ impl Producer {
         batch.is_ok_and(|batch| batch.is_empty())
     }
 
-    /// Goes on behind the record that was read last.
+    /// Skips the record that was read last.
     fn leave_out(&mut self, failure: &KafkaFailure) {
         let at = self.connector.at();
         tracing::warn!("Kafka at {at}: {}; one message was left out", failure.what);
@@ -191,7 +192,7 @@ impl Producer {
 
 fn kafka_record(record: SpooledRecord) -> Record {
     let SpooledRecord { at_micros, session, seq, key, value, .. } = record;
-    // What is not JSON says there which message it is.
+    // Headers identify messages that are not JSON.
     let headers = if JointFormat::is_json(&value) {
         BTreeMap::new()
     } else {
@@ -203,7 +204,7 @@ fn kafka_record(record: SpooledRecord) -> Record {
     Record { key: Some(key), value: Some(value), headers, timestamp }
 }
 
-/// A connection, and the partitions that are sent to.
+/// A connection, and the partitions in use.
 struct Topics {
     client: Client,
     partitions: HashMap<String, Vec<Arc<PartitionClient>>>,
@@ -214,7 +215,7 @@ impl Topics {
         Self { client, partitions: HashMap::new() }
     }
 
-    /// The partition of a key; the topic is created if it is missing.
+    /// Returns the partition of a key. A missing topic is created.
     async fn partition(
         &mut self,
         name: &str,
@@ -242,7 +243,7 @@ impl Topics {
     }
 }
 
-/// The number of partitions of a topic, which is created if it is missing.
+/// Returns the number of partitions of a topic. A missing topic is created.
 pub(super) async fn partitions_of(client: &Client, name: &str) -> Result<i32, Error> {
     let mut created = false;
     loop {
@@ -265,7 +266,7 @@ pub(super) async fn partitions_of(client: &Client, name: &str) -> Result<i32, Er
             }
             created = true;
         }
-        // Brokers learn of it one after the other.
+        // Brokers learn of the new topic one after the other.
         sleep(Duration::from_millis(50)).await;
     }
 }

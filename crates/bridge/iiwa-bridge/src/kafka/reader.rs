@@ -1,4 +1,4 @@
-//! Reads what bridges have written to Kafka.
+//! Reads messages that bridges have written to Kafka.
 
 use std::{
     collections::HashMap,
@@ -27,26 +27,26 @@ use crate::{
     message::{Kind, Message, Timestamp},
 };
 
-/// Most bytes per fetch.
+/// Maximum number of bytes per fetch.
 const FETCH_BYTES: i32 = 8 << 20;
 
-/// How long the broker may hold a fetch.
+/// Maximum time for which the broker holds a fetch.
 const WAIT_MS: i32 = 500;
 
-/// Stamps of records are rounded to ms more than once.
+/// Tolerance of record time stamps, which are rounded to ms more than once.
 const STAMPS_ARE_WITHIN: Duration = Duration::from_millis(10);
 
-/// How long a fetch may take.
+/// Time-out of a fetch.
 const FETCH_TIMEOUT: Duration = Duration::from_secs(30);
 
-/// Which messages are read.
+/// Selection of the messages to read.
 #[derive(Clone, Debug, Default)]
 pub struct Selection {
-    /// Of this robot only.
+    /// Messages of this robot only.
     pub robot: Option<String>,
-    /// From this time on, by the bridge's clock.
+    /// Messages from this time on, by the bridge clock.
     pub from: Option<Timestamp>,
-    /// Before this time.
+    /// Messages before this time.
     pub until: Option<Timestamp>,
 }
 
@@ -58,18 +58,19 @@ impl Selection {
     }
 }
 
-/// What was left out on the way.
+/// Counts of omitted messages.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct LeftOut {
     /// Messages that had arrived before.
     pub repeated: u64,
-    /// Records that are no messages of this version, such as joints in CDR, which have no controller's clock.
+    /// Records that are not messages of this version, such as joints in CDR, which lack the
+    /// controller time.
     pub unreadable: u64,
-    /// Messages that are missing between those that arrived.
+    /// Gaps in the numbers of the messages that arrived.
     pub missing: u64,
 }
 
-/// Reads topics of bridges from the beginning, or from a time on, to where they end now.
+/// Reads bridge topics from the beginning, or from a given time, to their current end.
 #[derive(Debug)]
 pub struct KafkaReader {
     connector: KafkaConnector,
@@ -77,7 +78,7 @@ pub struct KafkaReader {
 }
 
 impl KafkaReader {
-    /// A reader of the topics that begin with `prefix`.
+    /// Creates a reader of the topics with this `prefix`.
     ///
     /// # Errors
     ///
@@ -86,11 +87,12 @@ impl KafkaReader {
         Ok(Self { connector: connection.connector()?, prefix: prefix.to_owned() })
     }
 
-    /// Gives the selected messages of a kind to `take`, each once and those of a robot in order, until it breaks off.
+    /// Passes the selected messages of a kind to `take`, each once and in order per robot, until
+    /// `take` breaks.
     ///
     /// # Errors
     ///
-    /// The broker cannot be reached or refuses the connection, or has no such topic.
+    /// The broker is unreachable or refuses the connection, or has no such topic.
     pub fn read(
         &self,
         kind: Kind,
@@ -114,17 +116,18 @@ impl KafkaReader {
         Ok(once.left_out)
     }
 
-    /// Gives all that a replay shows to `take`: joints, states, runs and conditions, in the order in which they came.
+    /// Passes the messages of a replay to `take`: joints, states, runs and conditions, in the order
+    /// of their arrival.
     ///
     /// # Errors
     ///
-    /// As [`read`](Self::read).
+    /// Same as [`read`](Self::read).
     pub fn replay(
         &self,
         selection: &Selection,
         mut take: impl FnMut(Message) -> ControlFlow<()>,
     ) -> Result<LeftOut, BridgeError> {
-        // These are few.
+        // Events are rare.
         let mut events = Vec::new();
         for kind in [Kind::State, Kind::Run, Kind::Conditions] {
             self.read(kind, selection, |message| {
@@ -160,7 +163,7 @@ impl KafkaReader {
         let topics = client.list_topics().await.map_err(|error| KafkaFailure::of(&error))?;
         let Some(found) = topics.into_iter().find(|topic| topic.name == name) else {
             let what =
-                format!("there is no topic {name}; has a bridge written to it, with this prefix?");
+                format!("unknown topic {name}; has a bridge written to it, with this prefix?");
             return Err(KafkaFailure::passing(what));
         };
         let mut partitions = Vec::new();
@@ -198,7 +201,7 @@ async fn read_partition(
         let records = match timeout(FETCH_TIMEOUT, fetch).await {
             Err(_) => return Err(KafkaFailure::timeout()),
             Ok(Ok((records, _))) => records,
-            // What was there has expired meanwhile.
+            // The records at this offset have expired meanwhile.
             Ok(Err(Error::ServerError {
                 protocol_error: ProtocolError::OffsetOutOfRange, ..
             })) => {
@@ -236,7 +239,8 @@ fn message_of(record: &Record) -> Option<Message> {
     }
 }
 
-/// Lets each message pass once. Numbers of a robot, kind and session only grow, and a later session has a larger number.
+/// Filter that passes each message once. The numbers of a robot, kind and session increase
+/// monotonically, and a later session has a larger number.
 #[derive(Debug, Default)]
 struct Once {
     last: HashMap<String, (u64, u64)>,

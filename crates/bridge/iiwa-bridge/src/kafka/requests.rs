@@ -1,4 +1,4 @@
-//! Commands that come by Kafka.
+//! Commands over Kafka.
 
 use std::{
     collections::BTreeMap,
@@ -33,19 +33,19 @@ use crate::{
     trouble::{Trouble, until_shutdown},
 };
 
-/// How long the broker holds a request for records that are not there yet.
+/// Time for which the broker holds a request while no records are available.
 const WAIT_MS: i32 = 100;
 
-/// How long replies are waited for in between.
+/// Time for which replies are awaited between fetches.
 const TURN: Duration = Duration::from_millis(20);
 
 /// Pause after a failure.
 const PAUSE: Duration = Duration::from_secs(1);
 
-/// Most bytes per fetch.
+/// Maximum number of bytes per fetch.
 const FETCH_BYTES: i32 = 8 << 20;
 
-/// Reads the topic of requests from its end on, and sends replies, until the shutdown.
+/// Reads the request topic from its current end, and sends replies, until the shutdown.
 pub(super) async fn serve(
     connector: &KafkaConnector,
     prefix: &str,
@@ -61,7 +61,7 @@ pub(super) async fn serve(
             let answers = open(&client, &topic(prefix, "reply")).await?;
             let mut offsets = Vec::new();
             for partition in &requests {
-                // What was sent before is too late.
+                // Records sent before are too old.
                 offsets.push(partition.get_offset(OffsetAt::Latest).await?);
             }
             trouble.clear();
@@ -125,7 +125,7 @@ async fn fetch(
             }
             Ok(records)
         }
-        // The topic was emptied, or is another one.
+        // The topic was emptied or replaced.
         Err(Error::ServerError { protocol_error: ProtocolError::OffsetOutOfRange, .. }) => {
             *offset = partition.get_offset(OffsetAt::Latest).await?;
             Ok(Vec::new())
@@ -134,7 +134,7 @@ async fn fetch(
     }
 }
 
-/// Sends the replies that there are.
+/// Sends the available replies.
 async fn answer(
     answers: &[PartitionClient],
     replies: &mut UnboundedReceiver<CommandReply>,

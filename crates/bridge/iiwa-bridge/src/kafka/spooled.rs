@@ -1,11 +1,11 @@
-//! Records in the spool, with what is needed to send them.
+//! Spooled records, with the data needed to send them.
 
 use crate::{
     encoding::JointFormat,
     message::{Kind, Message},
 };
 
-/// A record for Kafka. In the spool: kind, length of the key, time in µs, session, number, key, value.
+/// A Kafka record. Layout in the spool: kind, key length, time in µs, session, number, key, value.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct SpooledRecord {
     pub(super) kind: Kind,
@@ -34,7 +34,7 @@ impl SpooledRecord {
     pub(super) fn to_bytes(&self) -> Vec<u8> {
         let Self { kind, at_micros, session, seq, key, value } = self;
         let mut bytes = Vec::with_capacity(HEAD + key.len() + value.len());
-        // Names of robots have up to 64 bytes, and there are few kinds.
+        // Robot names have up to 64 bytes, and the number of kinds is small.
         bytes.push(u8::try_from(kind.index()).unwrap_or(u8::MAX));
         bytes.push(u8::try_from(key.len()).unwrap_or(u8::MAX));
         for number in [at_micros, session, seq] {
@@ -45,7 +45,7 @@ impl SpooledRecord {
         bytes
     }
 
-    /// `None` for what this version has not written.
+    /// Decodes a record; `None` if it was not written by this version.
     pub(super) fn from_bytes(bytes: &[u8]) -> Option<Self> {
         let (&kind, rest) = bytes.split_first()?;
         let (&key_length, rest) = rest.split_first()?;

@@ -1,6 +1,6 @@
-//! Names of topics.
+//! Topic names.
 
-/// The topic of a kind of message.
+/// Returns the topic of a message kind.
 pub(super) fn topic(prefix: &str, name: &str) -> String {
     format!("{prefix}.{name}")
 }

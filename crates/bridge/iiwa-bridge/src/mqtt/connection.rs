@@ -1,4 +1,4 @@
-//! Connections to an MQTT broker, by either version of the protocol.
+//! Connections to an MQTT broker, with either protocol version.
 
 use std::{
     sync::{
@@ -21,46 +21,47 @@ use crate::{
     tls::TlsFiles,
 };
 
-/// How to reach the broker.
+/// Connection settings.
 #[derive(Clone, Debug)]
 pub struct MqttConnection {
     /// Host name or IP address.
     pub host: String,
     /// TCP port.
     pub port: u16,
-    /// The version of the protocol.
+    /// Protocol version.
     pub version: MqttVersion,
     /// TLS, and the user.
     pub access: BrokerAccess,
-    /// What the names of connections begin with; brokers end a connection when another one has its name.
+    /// Prefix of client ids; brokers end a connection when another one has the same id.
     pub client_id: String,
 }
 
-/// The version of MQTT.
+/// MQTT version.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum MqttVersion {
-    /// 3.1.1.
+    /// MQTT 3.1.1.
     V3,
-    /// 5.
+    /// MQTT 5.
     #[default]
     V5,
 }
 
-/// The longest time between two messages with which a broker takes a connection for alive.
+/// Keep-alive interval: maximum time between messages for which a broker considers a connection
+/// alive.
 const KEEP_ALIVE: Duration = Duration::from_secs(10);
 
-/// How long a connection may take to be made.
+/// Time-out of connecting.
 const CONNECT_TIMEOUT: Duration = Duration::from_secs(5);
 
-/// Longest packets, in bytes. What is longer than a command is refused by the gate, with a reply; still longer packets would end
-/// the connection.
+/// Maximum packet length, in bytes. The gate refuses packets that are longer than a command, with a
+/// reply; packets beyond this limit would end the connection.
 const MAX_PACKET_BYTES: u32 = 64 << 20;
 
-/// Messages that wait to be sent.
+/// Maximum number of messages that wait to be sent.
 const OUTGOING: usize = 256;
 
-/// Messages that have arrived and wait to be read; further ones are dropped. What reads the connection must not wait for those
-/// who wait for it to write.
+/// Maximum number of received messages that wait to be read; further ones are dropped. The task
+/// that reads the connection must not wait for tasks that wait for it to write.
 const INCOMING: usize = 64;
 
 impl MqttConnection {
@@ -93,12 +94,12 @@ pub(super) struct Will {
 }
 
 impl MqttConnector {
-    /// The address, for messages.
+    /// Returns the address, for messages.
     pub(super) fn at(&self) -> String {
         format!("{}:{}", self.settings.host, self.settings.port)
     }
 
-    /// Begins a connection; [`Connection::next`] says when it is there.
+    /// Opens a connection; [`Connection::next`] reports when it is established.
     pub(super) fn open(&self, name: &str, will: Option<Will>) -> Connection {
         let MqttConnection { host, port, access, client_id, version } = &self.settings;
         let id = format!("{client_id}-{name}");
@@ -158,7 +159,8 @@ impl MqttConnector {
         Connection { client, incoming, task }
     }
 
-    /// Finds out whether the broker refuses us. One that cannot be reached may come back.
+    /// Determines whether the broker refuses the connection. An unreachable broker may become
+    /// available later.
     pub(super) async fn probe(&self) -> Result<(), BridgeError> {
         let mut connection = self.open("probe", None);
         match connection.connected().await {
@@ -178,29 +180,29 @@ impl MqttConnector {
     }
 }
 
-/// What has arrived.
+/// Input of a connection.
 #[derive(Debug)]
 pub(super) enum Incoming {
-    /// The connection is there.
+    /// The connection is established.
     Connected,
-    /// The broker has a message, the first one that it had not answered to before.
+    /// The broker has acknowledged the oldest pending message.
     Acknowledged,
-    /// The broker does not take that message (MQTT 5).
+    /// The broker has refused the oldest pending message (MQTT 5).
     Refused {
         why: String,
-        /// Whether it would not take it the next time either.
+        /// `true` if the refusal is permanent.
         lasts: bool,
     },
     /// A message of a subscription.
     Message(Received),
-    /// Something else.
+    /// Any other input.
     Other,
 }
 
-/// What has arrived, on its way to its reader.
+/// Received input, on its way to its reader.
 struct Arrivals {
     to: mpsc::UnboundedSender<Result<Incoming, MqttFailure>>,
-    /// Messages that are not read yet.
+    /// Number of unread messages.
     waiting: Arc<AtomicUsize>,
 }
 
@@ -211,7 +213,7 @@ impl Arrivals {
         (Self { to, waiting: Arc::clone(&waiting) }, Arriving { from, waiting })
     }
 
-    /// Passes it on without waiting; false at the end.
+    /// Forwards input without blocking; `false` after an error, or once the reader is gone.
     fn pass(&self, event: Result<Incoming, MqttFailure>) -> bool {
         match &event {
             Ok(Incoming::Other) => return !self.to.is_closed(),
@@ -249,7 +251,8 @@ impl Arriving {
 #[derive(Debug)]
 pub(super) struct Received {
     pub(super) payload: Bytes,
-    /// The retain flag. With MQTT 3.1.1, brokers set it only for messages that were retained before the subscription.
+    /// The retain flag. With MQTT 3.1.1, brokers set it only for messages that were retained before
+    /// the subscription.
     pub(super) is_retained: bool,
     /// Response topic (MQTT 5).
     pub(super) response_topic: Option<String>,
@@ -303,11 +306,11 @@ fn of_v5(event: v5::Event) -> Incoming {
     }
 }
 
-/// Why a connection failed.
+/// Failure of a connection.
 #[derive(Debug)]
 pub(super) struct MqttFailure {
     pub(super) what: String,
-    /// Whether the broker refuses us, or we the broker: repetition does not help.
+    /// `true` if either side refuses the other: repetition does not help.
     pub(super) is_refusal: bool,
 }
 
@@ -352,7 +355,7 @@ impl MqttFailure {
 
     fn tls(error: &rumqttc::TlsError) -> Self {
         let text = error.to_string();
-        // A broker that has just ended a handshake may be restarting.
+        // A broker that has just aborted a handshake may be restarting.
         let is_refusal = text.contains("certificate") || text.contains("Certificate");
         Self { what: format!("TLS: {text}"), is_refusal }
     }
@@ -374,14 +377,14 @@ enum Client {
     V5(v5::AsyncClient),
 }
 
-/// How a message is sent.
+/// Delivery of a message.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Delivery {
-    /// With `QoS` 0.
+    /// Delivery with `QoS` 0.
     AtMostOnce,
-    /// With `QoS` 1.
+    /// Delivery with `QoS` 1.
     AtLeastOnce,
-    /// With `QoS` 1, and kept for later subscribers.
+    /// Delivery with `QoS` 1, retained for later subscribers.
     Retained,
 }
 
@@ -395,7 +398,7 @@ impl Connection {
         }
     }
 
-    /// What arrives next. Cancellation-safe.
+    /// Waits for the next input. Cancellation-safe.
     pub(super) async fn next(&mut self) -> Result<Incoming, MqttFailure> {
         self.incoming.next().await
     }
@@ -433,8 +436,8 @@ impl Connection {
         if is_sent { Ok(()) } else { Err(MqttFailure::lost()) }
     }
 
-    /// Subscribes with `QoS` 1. By MQTT 5, messages keep the flag that their sender has asked the broker to retain them, those
-    /// too that arrive later.
+    /// Subscribes with `QoS` 1. With MQTT 5, messages keep the retain flag of their sender,
+    /// including messages that arrive later.
     pub(super) async fn subscribe(&self, topic: &str) -> Result<(), MqttFailure> {
         let is_sent = match &self.client {
             Client::V3(client) => client.subscribe(topic, QoS::AtLeastOnce).await.is_ok(),
@@ -442,7 +445,8 @@ impl Connection {
                 let mut filter =
                     v5::mqttbytes::v5::Filter::new(topic, v5::mqttbytes::QoS::AtLeastOnce);
                 filter.preserve_retain = true;
-                // Existing retained messages are delivered, too, so that each retained command is refused with a reply.
+                // Existing retained messages are also delivered, so that each retained command is
+                // refused with a reply.
                 filter.retain_forward_rule = v5::mqttbytes::v5::RetainForwardRule::OnEverySubscribe;
                 client.subscribe_many([filter]).await.is_ok()
             }
@@ -450,7 +454,7 @@ impl Connection {
         if is_sent { Ok(()) } else { Err(MqttFailure::lost()) }
     }
 
-    /// Ends the connection in order: the broker does not publish its will.
+    /// Ends the connection in an orderly way: the broker does not publish the last will.
     pub(super) async fn end(mut self) {
         let _ = match &self.client {
             Client::V3(client) => client.disconnect().await.is_ok(),

@@ -1,4 +1,4 @@
-//! The messages of a robot over a connection to the broker, and over the next one.
+//! Messages of a robot over successive connections to the broker.
 
 use std::{
     collections::VecDeque,
@@ -27,45 +27,45 @@ use crate::{
     trouble::{Trouble, until_shutdown},
 };
 
-/// Events that are sent and not acknowledged yet, at most: within what brokers take from a connection.
+/// Maximum number of unacknowledged events, within the limits of brokers.
 const BATCH: usize = 20;
 const BATCH_BYTES: usize = 1 << 20;
 
-/// How often the end is checked for.
+/// Interval of the shutdown check.
 const TURN: Duration = Duration::from_millis(100);
 
 /// Pause after a failure.
 const PAUSE: Duration = Duration::from_secs(1);
 
-/// How long the last events are sent for at the end.
+/// Time for which the last events are sent at the end.
 const LAST_EVENTS: Duration = Duration::from_secs(2);
 
-/// The robot's messages, on their way to the broker.
+/// Messages of a robot, on their way to the broker.
 pub(super) struct Session {
     pub(super) connector: Arc<MqttConnector>,
     pub(super) robot: String,
-    /// What the robot's topics begin with.
+    /// Topic prefix of the robot.
     pub(super) topic: String,
     pub(super) started: u64,
     pub(super) spool: Arc<SpoolTarget>,
     pub(super) reader: SpoolReader,
-    /// What the bridge said last of itself.
+    /// Last status message of the bridge.
     pub(super) status: Arc<Mutex<Vec<u8>>>,
     pub(super) samples: Receiver<Vec<u8>>,
     pub(super) gate: Arc<CommandGate>,
 }
 
-/// A reply on its way.
+/// A reply with its destination.
 struct AddressedReply {
     reply: CommandReply,
     topic: String,
     correlation: Option<Bytes>,
 }
 
-/// What was sent with `QoS` 1 and is not acknowledged. Brokers acknowledge in order.
+/// Unacknowledged messages sent with `QoS` 1. Brokers acknowledge in order.
 #[derive(Default)]
 struct InFlight {
-    /// Whether each is an event of the spool.
+    /// `true` for each event of the spool.
     sent: VecDeque<bool>,
     events: usize,
     /// Events of the batch that the broker has refused.
@@ -78,7 +78,8 @@ impl InFlight {
         self.events += usize::from(is_event);
     }
 
-    /// The next one is answered to; at the last event of a batch, how many of it were refused.
+    /// Records the acknowledgement of the oldest message. At the last event of a batch, returns the
+    /// number of refused events in this batch.
     fn answered(&mut self, is_refused: bool) -> Option<u64> {
         let is_event = self.sent.pop_front() == Some(true);
         self.events -= usize::from(is_event);
@@ -88,7 +89,7 @@ impl InFlight {
 }
 
 impl Session {
-    /// Sends until the shutdown, over as many connections as it takes.
+    /// Sends until the shutdown, over as many connections as necessary.
     pub(super) async fn run(mut self, shutdown: &AtomicBool) {
         let mut trouble = Trouble::default();
         let (replies, mut replies_out) = unbounded_channel();
@@ -147,11 +148,11 @@ impl Session {
     ) -> Result<(), MqttFailure> {
         connection.subscribe(&format!("{}/request", self.topic)).await?;
         let joints = format!("{}/{}", self.topic, Kind::Joints.name());
-        // Samples of before the connection are late.
+        // Samples received before the connection are late.
         while self.samples.try_recv().is_ok() {}
         let mut in_flight = InFlight::default();
         let mut refusals = Trouble::default();
-        // The broker has published the last will of the connection before.
+        // The broker has published the last will of the previous connection.
         let status = self.status.lock().unwrap_or_else(PoisonError::into_inner).clone();
         if is_again && !status.is_empty() {
             let topic = format!("{}/{}", self.topic, Kind::Bridge.name());
@@ -203,7 +204,7 @@ impl Session {
         }
     }
 
-    /// Sends the next events of the spool; false if there are none.
+    /// Sends the next events of the spool; `false` if the spool is empty.
     async fn send_batch(
         &mut self,
         connection: &Connection,
@@ -212,7 +213,7 @@ impl Session {
         let batch = self.reader.batch(self.spool.spool(), BATCH, BATCH_BYTES);
         let batch = batch.map_err(|error| unreadable(&error))?;
         for bytes in &batch {
-            // One of another version is left out.
+            // Events of another version are skipped.
             let Some(SpooledEvent { kind, payload }) = SpooledEvent::from_bytes(bytes) else {
                 continue;
             };
@@ -226,7 +227,8 @@ impl Session {
         Ok(!batch.is_empty())
     }
 
-    /// Once a batch is answered to, it need not be sent again.
+    /// Handles an acknowledgement: a completely acknowledged batch is committed, and not sent
+    /// again.
     fn answered(&mut self, in_flight: &mut InFlight, is_refused: bool) -> Result<(), MqttFailure> {
         if let Some(refused) = in_flight.answered(is_refused) {
             self.spool.refused(refused);
@@ -238,7 +240,7 @@ impl Session {
     fn command(&self, received: Received, replies: &UnboundedSender<AddressedReply>) {
         let Received { payload, is_retained, response_topic, correlation, .. } = received;
         if is_retained && payload.is_empty() {
-            // It removes a retained command from the broker.
+            // An empty payload removes a retained command from the broker.
             return;
         }
         let (topic, addressed) = reply_topic(&self.topic, response_topic);
@@ -254,13 +256,14 @@ impl Session {
     }
 }
 
-/// Reply topic of a command, and the refusal of a foreign response topic. The bridge may have publish rights that the sender does
-/// not have: replies are published to the robot's reply topic and its subtopics only.
+/// Returns the reply topic of a command, and the refusal of a foreign response topic. The bridge
+/// may have publish rights that the sender does not have: replies are published to the robot's
+/// reply topic and its subtopics only.
 fn reply_topic(robot: &str, response_topic: Option<String>) -> (String, Result<(), Refusal>) {
     let own = format!("{robot}/reply");
     let Some(topic) = response_topic else { return (own, Ok(())) };
     let below = topic.strip_prefix(&own).and_then(|rest| rest.strip_prefix('/'));
-    // No publication has such a topic: it would end the connection.
+    // A publication with such a topic is invalid and would end the connection.
     let is_topic = |rest: &str| !rest.contains(['+', '#']) && !rest.contains(char::is_control);
     if topic == own || below.is_some_and(|rest| !rest.is_empty() && is_topic(rest)) {
         return (topic, Ok(()));
@@ -280,7 +283,7 @@ fn unreadable(error: &std::io::Error) -> MqttFailure {
     MqttFailure { what: format!("cannot read the spool: {error}"), is_refusal: false }
 }
 
-/// An event in the spool: its kind, then its text.
+/// An event in the spool: its kind, followed by its text.
 pub(super) struct SpooledEvent {
     kind: Kind,
     payload: Vec<u8>,

@@ -1,7 +1,7 @@
-//! Sparkplug B 3.0: the bridge is an edge node, each robot a device.
+//! Sparkplug B 3.0: the bridge is an edge node, and each robot is a device.
 //!
-//! Births have all metrics with their types, data those that have changed. `Node Control/Rebirth` is the only command that is
-//! taken.
+//! Birth messages contain all metrics with their types, data messages contain the changed metrics.
+//! `Node Control/Rebirth` is the only accepted command.
 
 mod metrics;
 mod payload;
@@ -36,26 +36,26 @@ use crate::{
     trouble::Trouble,
 };
 
-/// How robots appear in Sparkplug.
+/// Sparkplug settings.
 #[derive(Clone, Debug)]
 pub struct SparkplugOptions {
     /// The broker.
     pub connection: MqttConnection,
-    /// The group of the edge node.
+    /// Group of the edge node.
     pub group: String,
-    /// The name of the edge node.
+    /// Name of the edge node.
     pub node: String,
-    /// Most updates of joints per second and robot; `None` for all.
+    /// Maximum rate of joint updates per robot, in Hz; `None` for all updates.
     pub rate_hz: Option<f64>,
 }
 
-/// The metric that says whether a robot is there: without it, its device is dead.
+/// The metric that reports the connection of a robot: without a connection, its device is dead.
 const DRIVE_CONNECTED: &str = "Drive/Connected";
 
-/// Changes that wait to be sent.
+/// Maximum number of changes that wait to be sent.
 const BACKLOG: usize = 1024;
 
-/// How often the end is checked for.
+/// Interval of the shutdown check.
 const TURN: Duration = Duration::from_millis(100);
 
 /// Pause after a failure.
@@ -70,7 +70,7 @@ pub struct Sparkplug {
 }
 
 impl Sparkplug {
-    /// Starts to send, once the broker is found.
+    /// Starts sending, once the broker is found.
     ///
     /// # Errors
     ///
@@ -79,7 +79,7 @@ impl Sparkplug {
         for name in [&options.group, &options.node] {
             if name.is_empty() || name.contains(['/', '+', '#']) {
                 let what =
-                    format!("`{name}` is no name for Sparkplug: it is empty, or has /, + or #");
+                    format!("`{name}` is not a name for Sparkplug: it is empty, or has /, + or #");
                 return Err(BridgeError::Settings { what });
             }
         }
@@ -109,7 +109,8 @@ impl Sink for Sparkplug {
     fn take(&self, message: &Message) {
         let is_due = |pace: &Pace| message.kind() != Kind::Joints || pace.is_due();
         if self.paces.get(&message.robot).is_some_and(is_due) {
-            // What does not fit in while the broker is away is in the next birth, or out of date.
+            // Changes that do not fit while the broker is unavailable are contained in the next
+            // birth message, or outdated.
             let _ = self.changes.try_send((message.robot.clone(), metrics::of(message)));
         }
     }
@@ -120,11 +121,11 @@ struct Node {
     connector: Arc<MqttConnector>,
     group: String,
     name: String,
-    /// The latest values of each robot.
+    /// Latest values of each robot.
     devices: BTreeMap<String, Metrics>,
-    /// The number of births, modulo 256 (`bdSeq`).
+    /// Number of births, modulo 256 (`bdSeq`).
     births: u8,
-    /// The number of the next message since the birth, modulo 256.
+    /// Number of the next message since the birth, modulo 256.
     seq: u8,
 }
 
@@ -176,7 +177,7 @@ impl Node {
                 }
                 _ = turn.tick() => {
                     if shutdown.load(Ordering::Relaxed) {
-                        // As when the connection breaks off.
+                        // The same message as after a lost connection.
                         let death = encode(None, &[("bdSeq".to_owned(), Value::Int64(self.births.into()))]);
                         let topic = self.topic("NDEATH", None);
                         return connection.publish(&topic, death, Delivery::AtMostOnce, None).await;
@@ -186,7 +187,7 @@ impl Node {
         }
     }
 
-    /// The births of the node and of all devices.
+    /// Sends the birth messages of the node and all devices.
     async fn be_born(&mut self, connection: &Connection) -> Result<(), MqttFailure> {
         self.seq = 0;
         let own = [
@@ -223,7 +224,7 @@ impl Node {
         connection.publish(&topic, birth, Delivery::AtMostOnce, None).await
     }
 
-    /// Sends what has changed; a birth if there are new metrics.
+    /// Sends the changed metrics, or a birth message if there are new metrics.
     async fn change(
         &mut self,
         connection: &Connection,
@@ -243,7 +244,7 @@ impl Node {
         }
         let was_dead = device.get(DRIVE_CONNECTED) == Some(&Value::Boolean(false));
         if was_dead && !metrics.contains_key(DRIVE_CONNECTED) {
-            // What is left of before.
+            // Stale data from before the drive was disconnected.
             return Ok(());
         }
         let is_new = was_dead || metrics.keys().any(|name| !device.contains_key(name));

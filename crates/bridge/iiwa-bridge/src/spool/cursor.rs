@@ -1,4 +1,4 @@
-//! Places in a queue.
+//! Positions in a queue.
 
 use std::{
     fs,
@@ -8,18 +8,18 @@ use std::{
 
 use super::own_file;
 
-/// The file with the place of the last commit.
+/// File with the position of the last commit.
 const FILE: &str = "cursor";
 
-/// Longer than any place in that file.
+/// Maximum length of this file, larger than any position.
 const MAX_BYTES: u64 = 100;
 
-/// A place in a queue.
+/// A position in a queue.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct Cursor {
     pub(super) segment: u64,
     pub(super) offset: u64,
-    /// Records of the segment before it; not known of a saved place.
+    /// Number of records of the segment before this position; unknown for a saved position.
     pub(super) records: u64,
 }
 
@@ -41,7 +41,7 @@ impl Cursor {
 
     pub(super) fn save(self, folder: &Path) -> io::Result<()> {
         let Self { segment, offset, .. } = self;
-        // Whole or not at all.
+        // Atomic replacement: a temporary file is renamed.
         let written = folder.join("cursor.new");
         own_file::create(&written)?.write_all(format!("{segment} {offset}\n").as_bytes())?;
         fs::rename(written, folder.join(FILE))

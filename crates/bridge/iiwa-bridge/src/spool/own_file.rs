@@ -1,7 +1,8 @@
-//! The files of a queue, opened without following links and without emptying what is there.
+//! Files of a queue, opened without following links and without truncating existing content.
 //!
-//! Others may be able to write to the folder of the queue. A link of theirs under the name of one of its files must not lead the
-//! bridge to another file, neither to write to it nor to read it.
+//! Other users may be able to write to the folder of the queue. A link that they create under the
+//! name of a queue file must not lead the bridge to another file, neither for writing nor for
+//! reading.
 
 use std::{
     fs::{self, File, OpenOptions},
@@ -14,12 +15,13 @@ pub(super) fn open(path: &Path) -> io::Result<File> {
     open_with(path, OpenOptions::new().read(true))
 }
 
-/// Opens a file to lock it, and creates it if it is missing. Its content stays as it is.
+/// Opens a file for locking, and creates it if it is missing. Its content is not changed.
 pub(super) fn open_to_lock(path: &Path) -> io::Result<File> {
     open_with(path, OpenOptions::new().read(true).write(true).create(true).truncate(false))
 }
 
-/// Creates a file, in place of a regular file with this name. That one is removed and not emptied: it may have another name, too.
+/// Creates a file, replacing a regular file with this name. The existing file is removed rather
+/// than truncated, because it may have another hard link.
 pub(super) fn create(path: &Path) -> io::Result<File> {
     if is_there(path)? {
         fs::remove_file(path)?;
@@ -38,14 +40,16 @@ fn open_with(path: &Path, options: &mut OpenOptions) -> io::Result<File> {
     Ok(file)
 }
 
-/// Opens what has this name: a link or a pipe that has appeared since the check is not followed or waited for.
+/// Opens the file with this name itself: a link or a pipe that has appeared since the check is not
+/// followed or waited for.
 fn open_itself(path: &Path, options: &mut OpenOptions) -> io::Result<File> {
     #[cfg(unix)]
     std::os::unix::fs::OpenOptionsExt::custom_flags(options, libc::O_NOFOLLOW | libc::O_NONBLOCK);
     options.open(path)
 }
 
-/// Returns `true` for an existing regular file and `false` for a missing file; links, folders and devices are errors.
+/// Returns `true` for an existing regular file and `false` for a missing file; links, folders and
+/// devices are errors.
 fn is_there(path: &Path) -> io::Result<bool> {
     match path.symlink_metadata() {
         Ok(found) if found.is_file() => Ok(true),
@@ -71,7 +75,7 @@ mod tests {
 
     use super::*;
 
-    /// A folder with a file `victim`, and a link `link` that leads to it.
+    /// Creates a folder with a file `victim`, and a link `link` to it.
     fn linked() -> tempfile::TempDir {
         let folder = tempfile::tempdir().unwrap();
         fs::write(folder.path().join("victim"), "precious").unwrap();

@@ -1,4 +1,4 @@
-//! The queue itself: what is appended, and what is dropped.
+//! Queue operations: appending and dropping records.
 
 use std::{
     collections::VecDeque,
@@ -17,7 +17,7 @@ use super::{
 /// Size at which a segment is complete, in bytes.
 const SEGMENT_BYTES: u64 = 4 << 20;
 
-/// The file that a process holds a lock on while it uses the queue.
+/// Lock file of the process that uses the queue.
 const LOCK: &str = "lock";
 
 /// A bounded queue on disk, with one reader.
@@ -29,14 +29,14 @@ pub struct Spool {
     _lock: File,
 }
 
-/// The segments.
+/// State of the segments.
 #[derive(Debug)]
 pub(super) struct State {
-    /// All but the last are complete.
+    /// Segments in order; all but the last one are complete.
     pub(super) segments: VecDeque<Segment>,
     pub(super) tail: Appender,
     dropped: u64,
-    /// The segment of the last commit, and how many of its records are committed.
+    /// Number of the segment of the last commit, and its number of committed records.
     pub(super) committed: (u64, u64),
 }
 
@@ -48,17 +48,19 @@ pub(super) struct Segment {
     records: u64,
 }
 
-/// How full a queue is.
+/// Level of a queue.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub struct Level {
-    /// Bytes in segments, those included that are sent and not removed yet.
+    /// Bytes in segments, including sent segments that have not been removed yet.
     pub bytes: u64,
-    /// Records that were lost since the start: the queue was full, or could not be written, or the broker refused them.
+    /// Number of records lost since the start: the queue was full or could not be written, or the
+    /// broker refused them.
     pub dropped: u64,
 }
 
 impl Spool {
-    /// Opens the queue in a folder, which is created if it is missing. Returns where its last commit was, too.
+    /// Opens the queue in a folder, which is created if it is missing. Also returns the position of
+    /// the last commit.
     pub(super) fn open(folder: &Path, max_bytes: u64) -> io::Result<(Self, Cursor)> {
         fs::create_dir_all(folder)?;
         let lock = own_file::open_to_lock(&folder.join(LOCK))?;
@@ -77,7 +79,7 @@ impl Spool {
             let (bytes, records) = scan(&path)?;
             segments.push_back(Segment { number: *number, bytes, records });
         }
-        // A tail that was cut off by a crash is not appended to.
+        // A tail that was cut off by a crash is not continued.
         let next = numbers.last().map_or(0, |last| last + 1).max(cursor.segment + 1);
         let tail = Appender::create(&path_of(folder, next))?;
         segments.push_back(Segment { number: next, bytes: tail.bytes(), records: 0 });
@@ -87,11 +89,12 @@ impl Spool {
         Ok((spool, cursor))
     }
 
-    /// Appends a record. It is not waited for the disk.
+    /// Appends a record, without waiting for the disk.
     ///
     /// # Errors
     ///
-    /// The record cannot be written, such as to a full disk: it is dropped, with those before it that were not written out.
+    /// The record cannot be written, for example because the disk is full: it is dropped, with the
+    /// previous records that were not written.
     pub fn append(&self, record: &[u8]) -> io::Result<()> {
         let mut state = self.lock();
         let buffered = state.tail.buffered();
@@ -112,18 +115,18 @@ impl Spool {
         Ok(())
     }
 
-    /// Hands all that was appended to the system, so that it is there after the process.
+    /// Writes all appended records to the system, so that they survive the process.
     ///
     /// # Errors
     ///
-    /// It cannot be written: what was not is dropped.
+    /// The records cannot be written, and are dropped.
     pub fn flush(&self) -> io::Result<()> {
         let mut state = self.lock();
         let buffered = state.tail.buffered();
         state.tail.flush().inspect_err(|_| state.dropped += buffered)
     }
 
-    /// How full it is.
+    /// Returns the level.
     #[must_use]
     pub fn level(&self) -> Level {
         let state = self.lock();
@@ -136,14 +139,14 @@ impl Spool {
         state.tail = Appender::create(&path_of(&self.folder, number))?;
         state.segments.push_back(Segment { number, bytes: state.tail.bytes(), records: 0 });
         let mut bytes: u64 = state.segments.iter().map(|it| it.bytes).sum();
-        // The new one has room for as much as a segment holds.
+        // The new segment needs space for a complete segment.
         while bytes + SEGMENT_BYTES > self.max_bytes && state.segments.len() > 1 {
             let Some(oldest) = state.segments.pop_front() else { break };
             bytes -= oldest.bytes;
             let (segment, records) = state.committed;
             let committed = if oldest.number == segment { records } else { 0 };
             state.dropped += oldest.records.saturating_sub(committed);
-            // If it stays, it is removed at the next start.
+            // A remaining file is removed at the next start.
             let _ = fs::remove_file(path_of(&self.folder, oldest.number));
         }
         Ok(())

@@ -16,16 +16,16 @@ use super::{
 /// A record of a queue.
 pub type Record = Vec<u8>;
 
-/// How often the place of the last commit is saved.
+/// Interval at which the position of the last commit is saved.
 const SAVE_EVERY: Duration = Duration::from_secs(1);
 
-/// Reads a queue, from the last commit on.
+/// Reader of a queue, starting at the last commit.
 #[derive(Debug)]
 pub struct SpoolReader {
     committed: Cursor,
-    /// Behind the last batch.
+    /// Position after the last batch.
     next: Cursor,
-    /// The file of the segment of `next`, there.
+    /// Open file of the segment of `next`, at this position.
     file: Option<BufReader<File>>,
     saved: (Cursor, Instant),
 }
@@ -35,12 +35,12 @@ impl SpoolReader {
         Self { committed: cursor, next: cursor, file: None, saved: (cursor, Instant::now()) }
     }
 
-    /// The next records, up to a number and a size in bytes, at least one if there is any. They are read again after
-    /// [`rewind`](Self::rewind), until they are committed.
+    /// Returns the next records, up to a number and a size in bytes, at least one if available. The
+    /// records are returned again after [`rewind`](Self::rewind), until they are committed.
     ///
     /// # Errors
     ///
-    /// The file system's.
+    /// Any error of the file system.
     pub fn batch(
         &mut self,
         spool: &Spool,
@@ -61,17 +61,17 @@ impl SpoolReader {
         Ok(batch)
     }
 
-    /// The batches since the last commit are read again.
+    /// Resets the reader, so that the batches since the last commit are read again.
     pub fn rewind(&mut self) {
         self.next = self.committed;
         self.file = None;
     }
 
-    /// The batches so far have arrived: their segments are removed.
+    /// Commits the batches read so far, and removes their segments.
     ///
     /// # Errors
     ///
-    /// The file system's: the commit is only repeated after a restart.
+    /// Any error of the file system. In this case the commit is merely repeated after a restart.
     pub fn commit(&mut self, spool: &Spool) -> io::Result<()> {
         self.committed = self.next;
         let (saved, at) = self.saved;
@@ -92,11 +92,11 @@ impl SpoolReader {
         Ok(())
     }
 
-    /// Saves the place of the last commit, as before the end of the program.
+    /// Saves the position of the last commit, such as before the end of the program.
     ///
     /// # Errors
     ///
-    /// The file system's.
+    /// Any error of the file system.
     pub fn save(&mut self, spool: &Spool) -> io::Result<()> {
         self.committed.save(&spool.folder)?;
         self.saved = (self.committed, Instant::now());
@@ -113,7 +113,7 @@ impl SpoolReader {
                 return Ok(Some(record));
             }
             if is_last {
-                // What is written later is read from the end of this record on.
+                // Records written later are read from the end of this record on.
                 self.file = None;
                 return Ok(None);
             }
@@ -122,8 +122,8 @@ impl SpoolReader {
         }
     }
 
-    /// Opens the segment of the next record, or the first one after it that there still is. Returns whether it is the last one;
-    /// `None` if all is read.
+    /// Opens the segment of the next record, or the first existing segment after it. Returns true
+    /// if this is the last segment; `None` if all records are read.
     fn seek(&mut self, spool: &Spool) -> io::Result<Option<bool>> {
         let mut state = spool.lock();
         let here = state.segments.iter().position(|it| it.number >= self.next.segment);

@@ -1,4 +1,4 @@
-//! The files of a queue.
+//! Files of a queue.
 
 use std::{
     fs::File,
@@ -9,33 +9,33 @@ use std::{
 
 use super::own_file;
 
-/// The first bytes of a segment.
+/// First bytes of a segment.
 pub(super) const MAGIC: &[u8; 8] = b"iiwaspl1";
 
-/// Length and checksum before each record.
+/// Size of length and checksum before each record.
 const HEAD: usize = 8;
 pub(super) const HEAD_BYTES: u64 = HEAD as u64;
 
-/// Longest record: a longer length in a file is damage.
+/// Maximum length of a record: a larger length in a file indicates damage.
 pub(super) const MAX_RECORD_BYTES: usize = 32 << 20;
 
-/// Appended bytes that are written together, at most.
+/// Maximum number of appended bytes that are written together.
 const BUFFER_BYTES: usize = 64 << 10;
 
-/// Writes a segment.
+/// Writer of a segment.
 #[derive(Debug)]
 pub(super) struct Appender {
     file: File,
-    /// What is in the file.
+    /// Number of bytes in the file.
     written: u64,
     buffer: Vec<u8>,
-    /// Records in the buffer.
+    /// Number of records in the buffer.
     buffered: u64,
-    /// When the first of them was appended.
+    /// Time at which the first buffered record was appended.
     since: Instant,
 }
 
-/// How long a record may be in the buffer: a process that is killed loses no more.
+/// Maximum time of a record in the buffer: a killed process does not lose older records.
 const BUFFER_TIME: Duration = Duration::from_millis(50);
 
 impl Appender {
@@ -52,7 +52,7 @@ impl Appender {
         })
     }
 
-    /// The length of the segment, with what is not written out yet.
+    /// Returns the length of the segment, including buffered records.
     pub(super) fn bytes(&self) -> u64 {
         self.written + self.buffer.len() as u64
     }
@@ -77,19 +77,19 @@ impl Appender {
         if self.since.elapsed() >= BUFFER_TIME { self.flush() } else { Ok(()) }
     }
 
-    /// Records that are not written out.
+    /// Returns the number of buffered records.
     pub(super) fn buffered(&self) -> u64 {
         self.buffered
     }
 
-    /// Hands what was appended to the system. If that fails, all of it is dropped.
+    /// Writes the buffered records to the system. If this fails, all of them are dropped.
     pub(super) fn flush(&mut self) -> io::Result<()> {
         if self.buffer.is_empty() {
             return Ok(());
         }
         let written = self.file.write_all(&self.buffer);
         if written.is_err() {
-            // No part of a record stays: what is appended later would not be found behind it.
+            // Partial records are removed, because records appended after them could not be found.
             self.file.set_len(self.written)?;
             io::Seek::seek(&mut self.file, io::SeekFrom::Start(self.written))?;
             self.buffer.clear();
@@ -101,7 +101,7 @@ impl Appender {
     }
 }
 
-/// The number of bytes and of records of a segment, up to its end or the first damage.
+/// Returns the number of bytes and of records of a segment, up to its end or the first damage.
 pub(super) fn scan(path: &Path) -> io::Result<(u64, u64)> {
     let mut file = BufReader::new(own_file::open(path)?);
     let mut magic = [0; MAGIC.len()];
@@ -116,7 +116,7 @@ pub(super) fn scan(path: &Path) -> io::Result<(u64, u64)> {
     Ok((bytes, records))
 }
 
-/// The next record; `None` at the end, and at damage.
+/// Reads the next record; `None` at the end, and at damage.
 pub(super) fn read_record(file: &mut impl Read) -> io::Result<Option<Vec<u8>>> {
     let mut head = [0; HEAD];
     if !read_all(file, &mut head)? {
@@ -133,7 +133,7 @@ pub(super) fn read_record(file: &mut impl Read) -> io::Result<Option<Vec<u8>>> {
     Ok(is_whole.then_some(record))
 }
 
-/// Fills the buffer; false if the file ends before.
+/// Fills the buffer; `false` if the file ends before.
 fn read_all(file: &mut impl Read, buffer: &mut [u8]) -> io::Result<bool> {
     match file.read_exact(buffer) {
         Ok(()) => Ok(true),

@@ -1,4 +1,4 @@
-//! The server of `FollowJointTrajectory`.
+//! Server of the `FollowJointTrajectory` action.
 
 use std::{
     sync::Arc,
@@ -32,12 +32,12 @@ use super::{
     retiming::Retiming,
 };
 
-/// Time between two messages of feedback: the rate of `joint_trajectory_controller`.
+/// Interval of feedback messages, equal to that of `joint_trajectory_controller`.
 const FEEDBACK_EVERY: Duration = Duration::from_millis(50);
 
 type Server = ActionServer<FollowGoal, FollowResult, FollowFeedback>;
 
-/// The action of one robot.
+/// Action server of one robot.
 pub(super) struct FollowAction {
     server: Server,
     goals: Goals,
@@ -46,13 +46,13 @@ pub(super) struct FollowAction {
     latest: Arc<Latest>,
     joints: [String; 7],
     log: NodeLoggingHandle,
-    /// What runs, once it is sent to the drive.
+    /// The running motion, once sent to the drive.
     motion: Option<Arc<TimedJoints>>,
     feedback_at: Instant,
 }
 
 impl FollowAction {
-    /// Offers the action.
+    /// Creates the action server.
     pub(super) fn new(
         node: &mut Node,
         names: &Names,
@@ -79,9 +79,9 @@ impl FollowAction {
         })
     }
 
-    /// Does what there is to do. `retiming` is that of goals that come now.
+    /// Handles pending requests and progress. `retiming` applies to goals that arrive in this turn.
     pub(super) fn turn(&mut self, retiming: Retiming) {
-        // A malformed request gets no answer: there is no goal to answer for.
+        // A malformed request is not answered, because its goal is unknown.
         while let Some((request, goal)) = received(self.server.receive_goal()) {
             self.answer_goal(request, &goal, retiming);
         }
@@ -115,7 +115,7 @@ impl FollowAction {
         let accepted = match self.begin(asked.goal_id, &asked.goal, stamp, retiming) {
             Ok(()) => true,
             Err(fault) => {
-                // The answer has no room for the reason.
+                // The response has no field for the reason.
                 rosout!(self.log, LogLevel::Warn, "a goal was rejected: {fault}");
                 false
             }
@@ -174,7 +174,7 @@ impl FollowAction {
         drop(self.server.send_goal_statuses(self.goals.statuses()));
     }
 
-    /// Tells where the arm is to be, and where it is.
+    /// Sends feedback with the desired and the actual position.
     fn send_feedback(&self) {
         let Some((id, _)) = self.goals.active() else { return };
         let (Some(motion), (Some(sample), Some(since_s))) = (&self.motion, self.latest.get())
@@ -198,7 +198,8 @@ impl FollowAction {
     }
 }
 
-/// Which goals a request asks to cancel. `ros2-client` keeps the field to itself: its bytes tell.
+/// Returns the goals that a request asks to cancel. The field is private in `ros2-client`, so it is
+/// decoded from the serialised request.
 fn goal_info(request: &CancelGoalRequest) -> Option<GoalInfo> {
     #[derive(Deserialize)]
     struct Request {
@@ -209,7 +210,7 @@ fn goal_info(request: &CancelGoalRequest) -> Option<GoalInfo> {
     Some(request.goal_info)
 }
 
-/// Tells of answers that do not leave.
+/// Logs responses that could not be sent.
 fn sent<E: std::fmt::Debug>(written: Result<(), E>) {
     if let Err(error) = written {
         tracing::warn!("an answer was not sent: {error:?}");

@@ -1,15 +1,15 @@
-//! Errors of setting up the bridge to ROS.
+//! Setup errors of the ROS bridge.
 
 use iiwa_link::LinkError;
 use ros2_client::{CreateError, NodeCreateError, names::NameError};
 
-/// Why the bridge to ROS could not be set up.
+/// Setup error of the ROS bridge.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Ros2Error {
-    /// ROS does not allow the namespace.
+    /// The namespace is invalid in ROS.
     #[error(
-        "`{namespace}` is no namespace in ROS: names of letters, digits and `_`, with a letter first and no `__`, and `/` between \
+        "`{namespace}` is not a namespace in ROS: names of letters, digits and `_`, with a letter first and no `__`, and `/` between \
          them"
     )]
     Namespace {
@@ -21,9 +21,9 @@ pub enum Ros2Error {
         "robots `{one}` and `{other}` would have the same topics, in `{namespace}`; give them other names"
     )]
     SameNamespace {
-        /// One of them.
+        /// Name of one robot.
         one: String,
-        /// The other one.
+        /// Name of the other robot.
         other: String,
         /// The namespace of both.
         namespace: String,
@@ -33,17 +33,17 @@ pub enum Ros2Error {
         "robots `{one}` and `{other}` would have the same frames in /tf; give each a prefix of its own"
     )]
     SameFrames {
-        /// One of them.
+        /// Name of one robot.
         one: String,
-        /// The other one.
+        /// Name of the other robot.
         other: String,
     },
-    /// The domain has no ports.
+    /// The domain has no valid ports.
     #[error("domain {found}: ROS has domains from 0 to {most}; their ports follow from it")]
     Domain {
-        /// What was given.
+        /// The configured domain.
         found: u16,
-        /// The last one.
+        /// The last valid domain.
         most: u16,
     },
     /// DDS cannot be started.
@@ -54,13 +54,13 @@ pub enum Ros2Error {
         /// The fault.
         what: String,
     },
-    /// A name is not allowed.
+    /// A name is invalid in ROS.
     #[error("a name that ROS does not allow: {0}")]
     Name(#[from] NameError),
-    /// A node cannot be made.
+    /// A node cannot be created.
     #[error("cannot make a node: {0}")]
     Node(#[from] NodeCreateError),
-    /// A topic, service or action cannot be made.
+    /// A topic, service or action cannot be created.
     #[error("cannot make a topic or service: {0}")]
     Create(#[from] CreateError),
     /// A connection to the drive, or a thread, cannot be set up.

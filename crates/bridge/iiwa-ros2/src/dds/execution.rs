@@ -1,4 +1,4 @@
-//! Runs goals on the drive: one at a time in a thread, stops in another.
+//! Execution of goals on the drive: one at a time in a thread, stops in another thread.
 
 use std::{
     sync::{
@@ -26,22 +26,25 @@ use super::{
     retiming::{Retiming, prepare},
 };
 
-/// How long to wait for a job before the end is checked for.
+/// Time-out of waiting for a job, after which the shutdown flag is checked.
 const POLL: Duration = Duration::from_millis(50);
 
-/// How often a stop is looked for.
+/// Poll interval for stops.
 const LOOK: Duration = Duration::from_millis(5);
 
-/// Time between two stops of the same run: the first may have come before it.
+/// Interval between stops of the same run: the first stop may have preceded the run.
 const STOP_AGAIN: Duration = Duration::from_millis(200);
 
-/// Stops that are sent at the end of the bridge, at most: until then the arm is at rest, or the drive is gone.
+/// Maximum number of stops sent at the end of the bridge: by then, the robot is at rest or the
+/// drive is unreachable.
 const LAST_STOPS: usize = 25;
 
-/// How much longer than its duration a run may take: starts and ends have time-outs of their own in the drive.
+/// Margin of the run time-out over the duration: starts and ends have separate time-outs in the
+/// drive.
 const LONGER: Duration = Duration::from_mins(1);
 
-/// What becomes of the present job. Only [`Runner`] leaves it idle, so that no stop is meant for what follows.
+/// Stage of the current job. Only [`Runner`] resets the stage to idle, so that a stop never applies
+/// to a later job.
 #[derive(Debug, Default)]
 struct Stage(AtomicU8);
 
@@ -54,7 +57,7 @@ impl Stage {
         self.0.load(Ordering::Acquire) == stage
     }
 
-    /// Goes on to the next stage, if it is in the one before.
+    /// Advances to stage `to`, if the current stage is `from`.
     fn advance(&self, from: u8, to: u8) -> bool {
         self.0.compare_exchange(from, to, Ordering::AcqRel, Ordering::Acquire).is_ok()
     }
@@ -64,30 +67,31 @@ impl Stage {
     }
 }
 
-/// A goal that is to run.
+/// A goal to be executed.
 #[derive(Debug)]
 pub(super) struct Job {
     pub(super) goal: Goal,
     pub(super) retiming: Retiming,
-    /// Where the arm is, if it is known.
+    /// Current joint positions, if known.
     pub(super) from: Option<Joints>,
 }
 
-/// What becomes of a job.
+/// Progress of a job.
 #[derive(Debug)]
 pub(super) enum Progress {
-    /// This is going to run.
+    /// The motion that is about to run.
     Begun(Arc<TimedJoints>),
-    /// It is over.
+    /// The job has ended.
     Ended {
-        /// Whether the arm is at the goal.
+        /// Outcome of the goal.
         end: End,
-        /// What the client hears.
+        /// Result for the client.
         result: FollowResult,
     },
 }
 
-/// The threads that run goals on a robot's drive. When it is dropped, the arm stops on its path: nobody could cancel the goal.
+/// Threads that execute goals on a robot's drive. Dropping this value stops the robot on its path,
+/// because the goal could not be cancelled any more.
 #[derive(Debug)]
 pub(super) struct Execution {
     jobs: SyncSender<Job>,
@@ -96,7 +100,7 @@ pub(super) struct Execution {
 }
 
 impl Execution {
-    /// Starts them; `run` and `stop` are clients of the same drive.
+    /// Starts the threads; `run` and `stop` are clients of the same drive.
     pub(super) fn start(
         robot: Robot,
         joints: [String; 7],
@@ -115,7 +119,7 @@ impl Execution {
         Ok(Self { jobs, stage, _threads: threads })
     }
 
-    /// Hands a job over; false if another one is not over.
+    /// Starts a job; returns `false` if another one has not ended.
     pub(super) fn start_job(&self, job: Job) -> bool {
         if !self.stage.advance(Stage::IDLE, Stage::RUNNING) {
             return false;
@@ -129,7 +133,7 @@ impl Execution {
         }
     }
 
-    /// Stops the job on its path, if there is one.
+    /// Stops the current job on its path, if any.
     pub(super) fn stop(&self) {
         self.stage.advance(Stage::RUNNING, Stage::STOPPING);
     }
@@ -162,12 +166,12 @@ impl Runner {
                 Err(result) => (End::Failed, result),
             };
             self.stage.end();
-            // The receiver is gone at the end only.
+            // The receiver is dropped only at the end.
             drop(self.progress.send(Progress::Ended { end, result }));
         }
     }
 
-    /// Runs a job to its end. Returns what there is to say of it.
+    /// Runs a job to its end. Returns a remark for the client.
     fn carry_out(&self, job: Job) -> Result<String, FollowResult> {
         let Job { goal, retiming, from } = job;
         let prepared = prepare(&self.robot, &goal, &retiming, from.as_ref())
@@ -192,11 +196,11 @@ impl Runner {
     }
 }
 
-/// What a drive's error is called in the action.
+/// Converts a drive error to a result of the action.
 fn failed(error: &ClientError) -> FollowResult {
     let (code, text) = match error {
         ClientError::Refused { refusal: Refusal { code, message }, run } => {
-            // With measurements it had begun.
+            // The run had begun if there are measurements.
             let moved = run.as_ref().is_some_and(|run| !run.samples.t_s.is_empty());
             let code = match code {
                 Code::Robot | Code::Timeout if moved => FollowResult::PATH_TOLERANCE_VIOLATED,
@@ -209,7 +213,7 @@ fn failed(error: &ClientError) -> FollowResult {
     FollowResult::new(code, text)
 }
 
-/// Sends stops as long as a job is to stop.
+/// Sends stops while a job is to stop.
 fn stop_runs(mut client: Client, stage: &Stage, shutdown: &AtomicBool) {
     let mut left = LAST_STOPS;
     loop {

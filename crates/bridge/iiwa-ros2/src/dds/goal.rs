@@ -1,4 +1,4 @@
-//! Goals of `FollowJointTrajectory`: what they say, and the motion between their points.
+//! Goals of `FollowJointTrajectory`: parsing, and interpolation between their points.
 
 use iiwa_kin::{Joints, hermite};
 use iiwa_link::{MAX_STEP_S, TimedJoints};
@@ -8,43 +8,46 @@ use super::{
     path_joints::JointOrder,
 };
 
-/// Most points of a goal.
+/// Maximum number of points of a goal.
 const MOST_POINTS: usize = 20_000;
 
-/// Longest goal, in s: its samples are fewer than the points that a drive takes.
+/// Maximum duration of a goal, in s: its samples are fewer than the maximum number of points of a
+/// drive.
 const LONGEST_S: f64 = 900.0;
 
-/// How far ahead a goal may want to start: clocks of two machines differ. What starts later is refused.
+/// Maximum start delay of a goal, in s, because the clocks of two machines differ. Goals with a
+/// later start are refused.
 const LATEST_START_S: f64 = 1.0;
 
-/// Time between samples: less than what a drive asks for, as a fraction of many cycles of FRI.
+/// Time between samples: less than the maximum step of a drive, and commensurate with common FRI
+/// cycle times.
 const SAMPLE_S: f64 = 0.005;
 
 /// A point of a goal.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Point {
-    /// After the start.
+    /// Time after the start, in s.
     pub(super) t_s: f64,
     pub(super) q: Joints,
-    /// If they are given.
+    /// Velocities, if given.
     dq: Option<Joints>,
     ddq: Option<Joints>,
 }
 
-/// A goal that is well-formed.
+/// A well-formed goal.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Goal {
     pub(super) points: Vec<Point>,
-    /// How far each joint may be from the last point at the end, in rad, where it is said.
+    /// Tolerance of each joint about the last point at the end, in rad, if given.
     tolerance_rad: [Option<f64>; 7],
 }
 
 impl Goal {
-    /// What a message says, for an arm with these joints, at a time in s since 1970.
+    /// Parses a message, for a robot with these joints, at a time in s since 1970.
     ///
     /// # Errors
     ///
-    /// What is wrong with it, for people.
+    /// The fault, as text for people.
     pub(super) fn read(
         message: &FollowGoal,
         arm: &[String; 7],
@@ -97,8 +100,8 @@ impl Goal {
         Ok(Self { points, tolerance_rad })
     }
 
-    /// The motion from the first point to the last. A goal whose first point is later than its start begins at `from`, where
-    /// the arm is.
+    /// Returns the motion from the first point to the last. A goal whose first point is later than
+    /// its start begins at `from`, the current position.
     pub(super) fn motion(&self, from: &Joints) -> TimedJoints {
         let rest = |t_s: f64, q: Joints| Point { t_s, q, dq: Some([0.0; 7]), ddq: Some([0.0; 7]) };
         let mut points = Vec::with_capacity(self.points.len() + 1);
@@ -121,7 +124,7 @@ impl Goal {
         }
         if let Some(last) = points.last() {
             add(last.t_s, last.q);
-            // A single point, where the arm is: it stands.
+            // A single point at the current position is a motion at rest.
             if points.len() == 1 {
                 add(last.t_s + MAX_STEP_S, last.q);
             }
@@ -129,7 +132,7 @@ impl Goal {
         motion
     }
 
-    /// Why the arm is not at the goal, if it is not.
+    /// Returns the reason why the robot is not at the goal, if it is not.
     pub(super) fn missed_by(&self, arm: &[String; 7], q: &Joints) -> Option<String> {
         let last = self.points.last()?;
         (0..7).find_map(|j| {
@@ -146,14 +149,14 @@ fn tolerances(arm: &[String; 7], given: &[JointTolerance]) -> Result<[Option<f64
     let mut tolerances = [None; 7];
     for JointTolerance { name, position, .. } in given {
         let j = arm.iter().position(|own| own == name);
-        let j = j.ok_or_else(|| format!("goal_tolerance: there is no joint `{name}`"))?;
-        // Zero is none, and -1 takes one away.
+        let j = j.ok_or_else(|| format!("goal_tolerance: unknown joint `{name}`"))?;
+        // Zero means unspecified, and -1 removes a tolerance.
         tolerances[j] = (*position > 0.0).then_some(*position);
     }
     Ok(tolerances)
 }
 
-/// Samples between two points: short enough for the drive, and for its checks of jerk to see what is between.
+/// Number of samples between two points: dense enough for the drive and for its jerk check.
 fn steps(way_s: f64) -> usize {
     #[expect(
         clippy::cast_possible_truncation,
@@ -164,8 +167,8 @@ fn steps(way_s: f64) -> usize {
     steps.max(1)
 }
 
-/// A place on the way from a point to the next, as `joint_trajectory_controller` interpolates: by quintics if both have
-/// accelerations, by cubics if they have velocities, else by a line.
+/// Interpolates between two points like `joint_trajectory_controller`: by quintics if both have
+/// accelerations, by cubics if they have velocities, otherwise linearly.
 fn between(a: &Point, b: &Point, share: f64) -> (f64, Joints) {
     let h = b.t_s - a.t_s;
     let t_s = a.t_s + share * h;
@@ -273,7 +276,7 @@ mod tests {
         let motion = goal.motion(&[0.1; 7]);
         assert_eq!(motion.joints_rad[0], [0.1; 7]);
         assert_eq!(motion.t_s.last(), Some(&0.5));
-        // Alone at the start, it is a rest.
+        // A single point at the current position is a motion at rest.
         let motion = read(&message(&[(0.0, 0.2)])).unwrap().motion(&[0.2; 7]);
         assert_eq!(motion.joints_rad, [[0.2; 7]; 2]);
     }

@@ -1,7 +1,7 @@
-//! The goals that an action's server knows, and their states, as `rcl_action` keeps them.
+//! Goals of an action server, and their states, as in `rcl_action`.
 //!
-//! `ros2-client` has a table of its own, but its futures of results take requests from each other: with two clients, one of
-//! them waits in vain.
+//! `ros2-client` has its own table, but its result futures take requests from each other: with two
+//! clients, one of them waits in vain.
 
 use std::time::{Duration, Instant};
 
@@ -14,25 +14,25 @@ use ros2_client::{
 
 use super::messages::FollowResult;
 
-/// How long the result of a goal is kept, as `rcl_action` does.
+/// Time for which the result of a goal is kept, as in `rcl_action`.
 const KEPT: Duration = Duration::from_mins(15);
 
-/// Most goals that are kept; older ones are forgotten first.
+/// Maximum number of stored goals; the oldest are removed first.
 const MOST: usize = 64;
 
-/// Clients that wait for the same result, at most.
+/// Maximum number of clients that wait for the same result.
 const MOST_WAITING: usize = 16;
 
-/// How a goal ends.
+/// Outcome of a goal.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum End {
-    /// The arm is at the goal.
+    /// The robot is at the goal.
     Reached,
-    /// It is not.
+    /// The robot is not at the goal.
     Failed,
 }
 
-/// A goal that has been accepted.
+/// An accepted goal.
 #[derive(Debug)]
 struct Entry {
     info: GoalInfo,
@@ -41,18 +41,18 @@ struct Entry {
     waiting: Vec<RmwRequestId>,
 }
 
-/// The goals of a server.
+/// Goals of a server.
 #[derive(Debug, Default)]
 pub(super) struct Goals(Vec<Entry>);
 
 impl Goals {
-    /// The goal that runs, and whether it is being cancelled.
+    /// Returns the active goal, and `true` if it is being cancelled.
     pub(super) fn active(&self) -> Option<(GoalId, bool)> {
         let active = self.0.iter().find(|entry| entry.result.is_none())?;
         Some((active.info.goal_id, active.status == GoalStatusEnum::Canceling))
     }
 
-    /// Whether there is a goal of this number.
+    /// Returns true if a goal with this id is known.
     pub(super) fn knows(&self, id: GoalId) -> bool {
         self.0.iter().any(|entry| entry.info.goal_id == id)
     }
@@ -71,7 +71,7 @@ impl Goals {
         });
     }
 
-    /// Ends the active goal. Returns whom to tell.
+    /// Ends the active goal. Returns the requests to answer, and the response.
     pub(super) fn end(
         &mut self,
         end: End,
@@ -83,7 +83,7 @@ impl Goals {
             (End::Failed, GoalStatusEnum::Canceling) => GoalStatusEnum::Canceled,
             (End::Failed, _) => GoalStatusEnum::Aborted,
         };
-        // A stop that was asked for is no fault of the goal.
+        // A requested stop is not a failure of the goal.
         let result = if entry.status == GoalStatusEnum::Canceled {
             FollowResult::new(FollowResult::SUCCESSFUL, result.error_string)
         } else {
@@ -94,7 +94,7 @@ impl Goals {
         Some((waiting, GetResultResponse { status: entry.status, result }))
     }
 
-    /// Marks the goals that a request asks to cancel: one, all, or those until a time.
+    /// Marks the goals that a request asks to cancel: one, all, or all up to a time.
     pub(super) fn cancel(&mut self, asked: &GoalInfo) -> CancelGoalResponse {
         let all_until = |info: &GoalInfo| {
             let any_time = asked.stamp == builtin_interfaces::Time::ZERO;
@@ -120,7 +120,8 @@ impl Goals {
         CancelGoalResponse { return_code, goals_canceling }
     }
 
-    /// The result of a goal, if it has ended or is unknown; else the request is kept until it ends.
+    /// Returns the result of a goal, if it has ended or is unknown; otherwise stores the request
+    /// until the goal ends.
     pub(super) fn result(
         &mut self,
         id: GoalId,
@@ -139,7 +140,7 @@ impl Goals {
         None
     }
 
-    /// What is published of them.
+    /// Returns the published goal states.
     pub(super) fn statuses(&self) -> GoalStatusArray {
         let status =
             |entry: &Entry| GoalStatus { goal_info: entry.info.clone(), status: entry.status };

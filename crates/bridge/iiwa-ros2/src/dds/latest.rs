@@ -1,29 +1,29 @@
-//! What is known last of a robot, for feedback and for starts.
+//! Latest sample and state of a robot, for feedback and goal starts.
 
 use std::sync::{Mutex, PoisonError};
 
 use iiwa_kin::Joints;
 use iiwa_link::message::DriveState;
 
-/// A sample of the stream.
+/// A stream sample.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Sample {
-    /// Of the controller's clock.
+    /// Controller time, in s.
     pub(super) t_s: f64,
     pub(super) q: Joints,
-    /// The mean since the sample before, in rad/s.
+    /// Mean velocity since the previous sample, in rad/s.
     pub(super) dq: Joints,
 }
 
-/// The latest sample, and since when a trajectory runs, by the controller's clock.
+/// The latest sample, and the start time of the running trajectory, in controller time.
 #[derive(Debug, Default)]
 pub(super) struct Latest(Mutex<(Option<Sample>, Option<f64>)>);
 
-/// Samples that are farther apart tell nothing of the speed between them.
+/// Maximum time between samples for which a velocity is computed, in s.
 const SLOWEST_S: f64 = 0.2;
 
 impl Latest {
-    /// Takes the next positions.
+    /// Stores the next positions.
     pub(super) fn sample(&self, t_s: f64, q: Joints) -> Sample {
         let (latest, _) = &mut *self.0.lock().unwrap_or_else(PoisonError::into_inner);
         let before = latest.filter(|before| t_s > before.t_s && t_s - before.t_s < SLOWEST_S);
@@ -35,7 +35,7 @@ impl Latest {
         sample
     }
 
-    /// Takes the next state of the drive.
+    /// Stores the next drive state.
     pub(super) fn state(&self, t_s: f64, state: DriveState) {
         let (_, running_since) = &mut *self.0.lock().unwrap_or_else(PoisonError::into_inner);
         *running_since = (state == DriveState::RunningTrajectory).then_some(t_s);

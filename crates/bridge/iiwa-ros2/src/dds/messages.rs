@@ -1,4 +1,4 @@
-//! The messages of ROS 2 as CDR sees them: fields in order.
+//! ROS 2 messages as encoded in CDR: fields in order.
 
 use std::time::{Duration as Span, SystemTime, UNIX_EPOCH};
 
@@ -22,7 +22,7 @@ impl Time {
         self == Self::default()
     }
 
-    /// In s since 1970.
+    /// Returns the time in s since 1970.
     pub(super) fn seconds(self) -> f64 {
         f64::from(self.sec) + 1e-9 * f64::from(self.nanosec)
     }
@@ -31,7 +31,7 @@ impl Time {
 impl From<SystemTime> for Time {
     fn from(time: SystemTime) -> Self {
         let since = time.duration_since(UNIX_EPOCH).unwrap_or_default();
-        // The year 2038 is the last one that the message knows.
+        // 2038 is the last year that the message can represent.
         let sec = i32::try_from(since.as_secs()).unwrap_or(i32::MAX);
         Self { sec, nanosec: since.subsec_nanos() }
     }
@@ -49,7 +49,7 @@ impl Duration {
         f64::from(self.sec) + 1e-9 * f64::from(self.nanosec)
     }
 
-    /// Of seconds, which are not negative.
+    /// Creates a duration from non-negative seconds.
     pub(super) fn from_seconds(seconds: f64) -> Self {
         let span = Span::try_from_secs_f64(seconds).unwrap_or_default();
         Self {
@@ -114,7 +114,7 @@ pub(super) struct JointTrajectoryPoint {
 }
 
 impl JointTrajectoryPoint {
-    /// A place alone, in rad.
+    /// Creates a point with positions only, in rad.
     pub(super) fn of_positions(q: &Joints) -> Self {
         Self { positions: q.to_vec(), ..Self::default() }
     }
@@ -135,7 +135,7 @@ pub(super) struct Twist {
     angular: [f64; 3],
 }
 
-/// `trajectory_msgs/msg/MultiDOFJointTrajectoryPoint`: of joints that this arm does not have.
+/// `trajectory_msgs/msg/MultiDOFJointTrajectoryPoint`, for joints that this robot does not have.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(super) struct MultiDofPoint {
     transforms: Vec<Transform>,
@@ -169,7 +169,7 @@ impl JointTolerance {
     }
 }
 
-/// `control_msgs/msg/JointComponentTolerance`: of joints that this arm does not have.
+/// `control_msgs/msg/JointComponentTolerance`, for joints that this robot does not have.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) struct JointComponentTolerance {
     joint_name: String,
@@ -179,7 +179,7 @@ pub(super) struct JointComponentTolerance {
     acceleration: f64,
 }
 
-/// The goal of `control_msgs/action/FollowJointTrajectory`.
+/// Goal of `control_msgs/action/FollowJointTrajectory`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(super) struct FollowGoal {
     pub(super) trajectory: JointTrajectory,
@@ -191,7 +191,7 @@ pub(super) struct FollowGoal {
     goal_time_tolerance: Duration,
 }
 
-/// Its result.
+/// Result of `control_msgs/action/FollowJointTrajectory`.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub(super) struct FollowResult {
     pub(super) error_code: i32,
@@ -209,7 +209,7 @@ impl FollowResult {
     }
 }
 
-/// Its feedback.
+/// Feedback of `control_msgs/action/FollowJointTrajectory`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(super) struct FollowFeedback {
     pub(super) header: Header,
@@ -223,7 +223,7 @@ pub(super) struct FollowFeedback {
     pub(super) multi_dof_error: MultiDofPoint,
 }
 
-/// The request of `iiwasim_msgs/srv/TimeJointPath`.
+/// Request of `iiwasim_msgs/srv/TimeJointPath`.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(super) struct TimeRequest {
     pub(super) path: JointTrajectory,
@@ -233,13 +233,13 @@ pub(super) struct TimeRequest {
 }
 
 impl TimeRequest {
-    /// With the usual tolerance, and the robot's limits.
+    /// Creates a request with the default tolerance, and the robot's limits.
     pub(super) fn of_path(path: JointTrajectory) -> Self {
         Self { path, tolerance: 0.0, velocity_scaling: 0.0, acceleration_scaling: 0.0 }
     }
 }
 
-/// Its response.
+/// Response of `iiwasim_msgs/srv/TimeJointPath`.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub(super) struct TimeResponse {
     pub(super) success: bool,

@@ -1,28 +1,30 @@
-//! What things are called in ROS: namespaces, topics, the action.
+//! ROS names: namespaces, topics, the action.
 
 use ros2_client::{ActionTypeName, MessageTypeName, Name, NodeName, ServiceTypeName};
 
 use super::error::Ros2Error;
 
-/// The node of each robot, in its namespace.
+/// Name of each robot's node, in the robot's namespace.
 const NODE: &str = "iiwasim_bridge";
 
-/// What `ros2_control` calls the controller that follows trajectories: `MoveIt` looks for the action in its namespace.
+/// Name of the trajectory controller in `ros2_control`: `MoveIt` expects the action in its
+/// namespace.
 const CONTROLLER: &str = "joint_trajectory_controller";
 
-/// The names of one robot.
+/// ROS names of one robot.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct Names {
-    /// Of its topics: `/`, or `/cell_1`.
+    /// Namespace of its topics: `/`, or `/cell_1`.
     namespace: String,
 }
 
 impl Names {
-    /// In a namespace such as `/cell_1` or `cell_1/left`; an empty one, or `/`, is none.
+    /// Creates names in a namespace such as `/cell_1` or `cell_1/left`; an empty one, or `/`, is
+    /// the root namespace.
     ///
     /// # Errors
     ///
-    /// ROS does not allow it.
+    /// The namespace is invalid in ROS.
     pub(super) fn new(namespace: &str) -> Result<Self, Ros2Error> {
         let tokens = namespace.trim_matches('/');
         let names = Self { namespace: format!("/{tokens}") };
@@ -43,7 +45,7 @@ impl Names {
         Name::new(&self.namespace, name)
     }
 
-    /// `follow_joint_trajectory` of the controller.
+    /// Returns the name of the controller's `follow_joint_trajectory` action.
     pub(super) fn action(&self) -> Result<Name, Ros2Error> {
         let namespace = self.namespace.trim_end_matches('/');
         Ok(Name::new(&format!("{namespace}/{CONTROLLER}"), "follow_joint_trajectory")?)
@@ -74,8 +76,8 @@ impl Names {
     }
 }
 
-/// A namespace after the name of a robot, which may hold characters that ROS does not allow: `cell-1` is `cell_1`, and `1.left`
-/// is `robot_1_left`.
+/// Derives a namespace from a robot name, which may contain characters that ROS does not allow:
+/// `cell-1` becomes `cell_1`, and `1.left` becomes `robot_1_left`.
 #[must_use]
 pub fn namespace_of(robot: &str) -> String {
     let mut namespace = String::with_capacity(robot.len() + 6);
@@ -84,7 +86,7 @@ pub fn namespace_of(robot: &str) -> String {
     }
     for letter in robot.chars() {
         let letter = if letter.is_ascii_alphanumeric() { letter } else { '_' };
-        // ROS takes two underscores for a separator of its own.
+        // ROS reserves double underscores as a separator.
         if letter != '_' || !namespace.ends_with('_') {
             namespace.push(letter);
         }

@@ -1,4 +1,4 @@
-//! Robots as nodes of ROS 2.
+//! Robots as ROS 2 nodes.
 
 use std::collections::HashMap;
 
@@ -11,13 +11,14 @@ use super::{
     robot::RobotNode,
 };
 
-/// The last domain whose ports exist on all systems: others are taken for outgoing connections.
+/// Last domain whose ports are valid on all systems: the ports of higher domains overlap with
+/// ephemeral ports.
 const LAST_DOMAIN: u16 = 101;
 
-/// Robots as nodes of ROS. They vanish from it when this is dropped.
+/// Robots as ROS nodes. Dropping this value removes the nodes.
 pub struct Ros2 {
     nodes: HashMap<String, RobotNode>,
-    // After the nodes.
+    // Dropped after the nodes.
     _context: Context,
 }
 
@@ -32,8 +33,8 @@ impl Ros2 {
     ///
     /// # Errors
     ///
-    /// Names that ROS does not allow or that two robots share, a domain without free ports, an address of a drive that is
-    /// invalid, or a thread that cannot be started.
+    /// Names are invalid in ROS or shared by two robots, a domain has no free ports, a drive
+    /// address is invalid, or a thread cannot be started.
     pub fn start(options: &Ros2Options) -> Result<Self, Ros2Error> {
         check_names(&options.robots)?;
         if options.domain > LAST_DOMAIN {

@@ -1,4 +1,4 @@
-//! How robots appear in ROS.
+//! ROS settings.
 
 use std::net::{IpAddr, Ipv4Addr};
 
@@ -7,20 +7,21 @@ use iiwa_kin::{Robot, RosNames};
 
 use super::retiming::RetimeGoals;
 
-/// How robots appear in ROS.
+/// ROS settings.
 #[derive(Clone, Debug)]
 pub struct Ros2Options {
-    /// The DDS domain, as `ROS_DOMAIN_ID`.
+    /// DDS domain, like `ROS_DOMAIN_ID`.
     pub domain: u16,
-    /// The addresses of this machine that are announced, and used for multicast. Loopback alone by default.
+    /// Addresses of this machine that are announced and used for multicast. Loopback only by
+    /// default.
     pub networks: Vec<IpAddr>,
     /// The robots.
     pub robots: Vec<Ros2Robot>,
-    /// Whether goals are taken.
+    /// `true` if goals are accepted.
     pub allow_commands: bool,
-    /// Most messages a second on `/tf`.
+    /// Maximum rate of `/tf` messages, in Hz.
     pub tf_rate_hz: f64,
-    /// When goals get new times on their path, unless the node's parameter `retime` says something else.
+    /// Default of the node parameter `retime`: condition for the retiming of goals on their path.
     pub retime: RetimeGoals,
 }
 
@@ -37,15 +38,15 @@ impl Default for Ros2Options {
     }
 }
 
-/// A robot of the bridge, as it appears in ROS.
+/// A robot of the bridge and its ROS settings.
 #[derive(Clone, Debug)]
 pub struct Ros2Robot {
-    /// Its drive.
+    /// The bridged robot.
     pub bridged: BridgedRobot,
-    /// Its model.
+    /// Robot model.
     pub robot: Robot,
-    /// Names of joints and links.
+    /// Joint and link names.
     pub names: RosNames,
-    /// Of its topics; empty for none.
+    /// Namespace of its topics; empty for the root namespace.
     pub namespace: String,
 }

@@ -1,21 +1,22 @@
-//! Joints of a message by their names.
+//! Joints of a message, by name.
 
 use iiwa_kin::Joints;
 
-/// Where each joint of the arm stands in a message.
+/// Index of each robot joint in a message.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct JointOrder([usize; 7]);
 
 impl JointOrder {
-    /// Of a message with these names, which are those of the arm in any order.
+    /// Determines the order of a message with these names, which are the robot's joints in any
+    /// order.
     ///
     /// # Errors
     ///
-    /// What is wrong with them, for people.
+    /// The fault in the names, as text for people.
     pub(super) fn new(arm: &[String; 7], names: &[String]) -> Result<Self, String> {
         let joints = arm.join(", ");
         if let Some(unknown) = names.iter().find(|name| !arm.contains(name)) {
-            return Err(format!("there is no joint `{unknown}`; the joints are {joints}"));
+            return Err(format!("unknown joint `{unknown}`; the joints are {joints}"));
         }
         let mut order = [0; 7];
         for (place, name) in order.iter_mut().zip(arm) {
@@ -31,11 +32,11 @@ impl JointOrder {
         Ok(Self(order))
     }
 
-    /// The numbers of a point, in the arm's order: none if the list is empty.
+    /// Returns the numbers of a point, in the robot's order; `None` if the list is empty.
     ///
     /// # Errors
     ///
-    /// Their number, if it is another one, or what is not finite.
+    /// A wrong number of values, or a value that is not finite.
     pub(super) fn pick(&self, values: &[f64]) -> Result<Option<Joints>, String> {
         if values.is_empty() {
             return Ok(None);

@@ -1,4 +1,4 @@
-//! What is published of a robot: `joint_states`, `/tf` and `robot_description`.
+//! Publications of a robot: `joint_states`, `/tf` and `robot_description`.
 
 use std::{
     sync::{
@@ -21,32 +21,32 @@ use super::{
     qos,
 };
 
-/// How long to wait for a sample before the end is checked for.
+/// Time-out of waiting for a sample, after which the shutdown flag is checked.
 const POLL: Duration = Duration::from_millis(100);
 
-/// A sample on its way to ROS.
+/// A sample to be published.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Measured {
     pub(super) stamp: Time,
     pub(super) sample: Sample,
-    /// As the controller gives them, if it measures them.
+    /// Measured torques, if the controller measures them.
     pub(super) torques_nm: Option<Joints>,
 }
 
-/// The publishers of a robot.
+/// Publishers of a robot.
 pub(super) struct RobotPublisher {
     states: Publisher<JointState>,
     tf: Publisher<TfMessage>,
-    /// Holds the description for those who come later.
+    /// Kept alive, so that the description is available to late subscribers.
     _description: Publisher<Text>,
     arm: Arc<Arm>,
     joints: [String; 7],
-    /// Time between two messages on `/tf`, in s.
+    /// Interval of `/tf` messages, in s.
     tf_every_s: f64,
 }
 
 impl RobotPublisher {
-    /// Publishes the description at once.
+    /// Creates the publishers, and publishes the description immediately.
     pub(super) fn new(
         node: &mut Node,
         names: &Names,
@@ -60,7 +60,7 @@ impl RobotPublisher {
             &qos::states(),
         )?;
         let states = node.create_publisher(&topic, None)?;
-        // Global, as that of tf2's own broadcaster.
+        // Global, like the topic of tf2's own broadcaster.
         let topic = node.create_topic(
             &ros2_client::Name::new("/", "tf")?,
             Names::tf_type(),
@@ -82,7 +82,7 @@ impl RobotPublisher {
         Ok(Self { states, tf, _description: description, arm, joints, tf_every_s })
     }
 
-    /// Publishes what comes until the end.
+    /// Publishes samples until the shutdown.
     pub(super) fn run(&self, samples: &Receiver<Measured>, shutdown: &AtomicBool) {
         let mut tf_at_s: Option<f64> = None;
         while !shutdown.load(Ordering::Relaxed) {
@@ -91,10 +91,10 @@ impl RobotPublisher {
                 Err(RecvTimeoutError::Timeout) => continue,
                 Err(RecvTimeoutError::Disconnected) => return,
             };
-            // What does not get through is lost: the next sample is there soon.
+            // Publish errors are ignored: the next sample follows soon.
             drop(self.states.publish(self.joint_state(&measured)));
             let t_s = measured.sample.t_s;
-            // Half a cycle of FRI early is not too early; a restarted clock is another one.
+            // Half an FRI cycle early is on time; a restarted clock begins a new interval.
             let is_due =
                 tf_at_s.is_none_or(|at_s| t_s < at_s || t_s - at_s > self.tf_every_s - 0.0005);
             if is_due {

@@ -1,4 +1,4 @@
-//! Qualities of service, as ROS nodes of these kinds have them.
+//! Quality-of-service profiles, like those of standard ROS nodes.
 
 use ros2_client::{
     QosProfile,
@@ -6,34 +6,35 @@ use ros2_client::{
     qos::{Durability, History, WhenFull},
 };
 
-/// Nothing waits for a reader that is too slow: publishers have the next sample soon, and servers other clients.
+/// Returns a reliable profile that does not wait for slow readers: publishers have the next sample
+/// soon, and servers have other clients.
 fn reliable(depth: usize) -> QosProfile {
     QosProfile::subscription_default()
         .reliability_reliable(WhenFull::Fail)
         .history(History::KeepLast { depth })
 }
 
-/// Of `joint_states`: what `joint_state_broadcaster` has by default.
+/// Returns the profile of `joint_states`, the default of `joint_state_broadcaster`.
 pub(super) fn states() -> QosProfile {
     reliable(10)
 }
 
-/// Of `/tf`: what tf2's broadcasters have.
+/// Returns the profile of `/tf`, like that of tf2's broadcasters.
 pub(super) fn transforms() -> QosProfile {
     reliable(100)
 }
 
-/// Of what is published once, for readers that come later.
+/// Returns the profile of topics that are published once, for late subscribers.
 pub(super) fn latched() -> QosProfile {
     reliable(1).durability(Durability::TransientLocal)
 }
 
-/// Of services.
+/// Returns the profile of services.
 pub(super) fn service() -> QosProfile {
     reliable(10)
 }
 
-/// Of an action's server, as `rcl_action` has it.
+/// Returns the profiles of an action server, as in `rcl_action`.
 pub(super) fn action() -> ActionServerQosPolicies {
     ActionServerQosPolicies {
         goal_service: service(),

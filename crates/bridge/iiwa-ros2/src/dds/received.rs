@@ -1,6 +1,6 @@
-//! What comes from ROS.
+//! Reception of ROS messages.
 
-/// A request or a message, if one has come.
+/// Returns a received request or message, if any. Decoding errors are logged.
 pub(crate) fn received<T, E: std::fmt::Display>(read: Result<Option<T>, E>) -> Option<T> {
     read.unwrap_or_else(|error| {
         tracing::warn!("a message of ROS that cannot be read was passed over: {error}");

@@ -1,4 +1,4 @@
-//! Whether a goal runs with its own times or with new ones.
+//! Retiming of goals.
 
 use std::str::FromStr;
 
@@ -10,18 +10,18 @@ use iiwa_traj::Trajectory;
 use super::goal::Goal;
 use crate::retime::retime;
 
-/// Samples a second of a motion with new times: a drive asks for 40 at least.
+/// Samples per second of a retimed motion: a drive requires at least 40.
 const RATE_HZ: f64 = 200.0;
 
-/// When a goal gets new times on its path.
+/// Condition for the retiming of goals on their path.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum RetimeGoals {
-    /// If it breaks limits with its own: planners of ROS know none of jerk.
+    /// Retime goals that violate limits with their own times: ROS planners do not consider jerk.
     #[default]
     Needed,
-    /// In any case.
+    /// Retime all goals.
     Always,
-    /// Never: what breaks limits is refused.
+    /// Retime no goals: those that violate limits are refused.
     Never,
 }
 
@@ -39,7 +39,7 @@ impl FromStr for RetimeGoals {
 }
 
 impl RetimeGoals {
-    /// Its name as a value of the node's parameter.
+    /// Returns the name as a value of the node parameter.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -50,27 +50,28 @@ impl RetimeGoals {
     }
 }
 
-/// How a goal gets new times.
+/// Retiming settings.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Retiming {
     pub(super) when: RetimeGoals,
-    /// How far the arm may pass the goal's path, in rad in joint space.
+    /// Maximum deviation from the goal's path, in rad in joint space.
     pub(super) tolerance_rad: f64,
 }
 
-/// What is sent to the drive.
+/// The motion to be sent to the drive.
 #[derive(Clone, Debug)]
 pub(super) struct Prepared {
     pub(super) motion: TimedJoints,
-    /// For people; empty if there is nothing to say.
+    /// Remark for people; may be empty.
     pub(super) remark: String,
 }
 
-/// The motion of a goal, with new times if it needs them. It does not take less time than the goal gives.
+/// Returns the motion of a goal, retimed if necessary. A retimed motion is at least as long as the
+/// goal's own times.
 ///
 /// # Errors
 ///
-/// Why it gets no times, for people.
+/// The reason why the goal cannot be retimed, as text for people.
 pub(super) fn prepare(
     robot: &Robot,
     goal: &Goal,
@@ -110,15 +111,15 @@ pub(super) fn prepare(
     Ok(Prepared { motion: new, remark })
 }
 
-/// A trajectory as points for the drive, slowed down evenly if it takes less than `least_s`: who asks for a slow motion gets
-/// one.
+/// Samples a trajectory for the drive, slowed down uniformly if its duration is below `least_s`,
+/// because a requested slow motion must remain slow.
 fn sampled(trajectory: &Trajectory, least_s: f64) -> TimedJoints {
     let own_s = trajectory.cycle_time_s();
     let slower = if own_s > 0.0 { (least_s / own_s).max(1.0) } else { 1.0 };
     let mut motion = TimedJoints::default();
     for state in trajectory.samples(RATE_HZ * slower) {
         let t_s = state.t_s * slower;
-        // The end may follow the last sample by less than rounding.
+        // The distance from the last sample to the end may be below the rounding error.
         if motion.t_s.last().is_some_and(|before| t_s - before < 1e-5) {
             motion.t_s.pop();
             motion.joints_rad.pop();

@@ -1,4 +1,4 @@
-//! A robot as a node: its threads.
+//! The node of a robot, and its threads.
 
 use std::{
     sync::{
@@ -30,24 +30,25 @@ use super::{
 use crate::retime::{DEFAULT_TOLERANCE_RAD, LEAST_TOLERANCE_RAD};
 use iiwa_bridge::message::{JointSample, Timestamp};
 
-/// Samples that wait to be published; newer ones are left out.
+/// Maximum number of samples that wait to be published; newer ones are dropped.
 const SAMPLES: usize = 64;
 
-/// How often requests are looked for. `ros2-client` has no way to wait for several of an action's server at once.
+/// Poll interval for requests. `ros2-client` cannot wait for several requests of an action server
+/// at once.
 const TURN: Duration = Duration::from_millis(4);
 
-/// The node's parameters: when goals get new times, and how far the arm may pass their path.
+/// Node parameters: condition for retiming, and tolerance of the path.
 const RETIME: &str = "retime";
 const TOLERANCE: &str = "path_tolerance";
 
-/// A robot's node.
+/// Node of a robot.
 pub(super) struct RobotNode {
     samples: SyncSender<Measured>,
     latest: Arc<Latest>,
     _threads: ThreadGroup,
 }
 
-/// What answers requests. The node is the last to go.
+/// Servers of a node. The node is dropped last.
 struct Servers {
     action: Option<FollowAction>,
     timing: TimingService,
@@ -91,7 +92,7 @@ impl RobotNode {
         let mut threads = ThreadGroup::default();
         let (samples, samples_in) = sync_channel(SAMPLES);
         threads.spawn("ros2 publish", move |shutdown| publisher.run(&samples_in, shutdown))?;
-        // It ends with the node.
+        // This thread ends with the node.
         threads.spawn("ros2 graph", move |_| {
             if let Err(error) = runtime.block_on(spinner.spin()) {
                 tracing::warn!("the node's discovery ended: {error}");
@@ -102,12 +103,12 @@ impl RobotNode {
         Ok(Self { samples, latest, _threads: threads })
     }
 
-    /// Takes a sample that was received `at` a time.
+    /// Publishes a sample that was received at time `at`.
     pub(super) fn sample(&self, at: Timestamp, sample: &JointSample) {
         let stamp = Time::from(SystemTime::from(at));
         let torques_nm = sample.measured_nm;
         let sample = self.latest.sample(sample.t_s, sample.joints_rad);
-        // Nobody misses what is too late.
+        // Samples that do not fit into the queue would be late: they are dropped.
         let _ = self.samples.try_send(Measured { stamp, sample, torques_nm });
     }
 
@@ -129,7 +130,7 @@ impl Servers {
         self.node.stop_spinner();
     }
 
-    /// As the node's parameters say.
+    /// Returns the retiming settings of the node parameters.
     fn retiming(&self) -> Retiming {
         let when = match self.node.get_parameter(RETIME) {
             Some(ParameterValue::String(when)) => when.parse().unwrap_or(self.retime),

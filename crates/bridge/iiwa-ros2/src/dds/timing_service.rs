@@ -1,6 +1,8 @@
-//! Times for joint paths: the service `iiwasim_msgs/srv/TimeJointPath`, and topics of stock types for the same.
+//! Time parameterisation of joint paths: the service `iiwasim_msgs/srv/TimeJointPath`, and topics
+//! of standard types for the same purpose.
 //!
-//! Trajectories leave by a topic: of replies of services, `RustDDS` 0.15 sends those malformed that are longer than a datagram.
+//! Trajectories are sent over a topic, because `RustDDS` 0.15 sends malformed service replies if
+//! they are longer than a datagram.
 
 use std::{
     sync::{
@@ -29,24 +31,24 @@ use super::{
 };
 use crate::retime::{Retimed, retime};
 
-/// Paths that wait to be timed, at most.
+/// Maximum number of paths that wait for time parameterisation.
 const BACKLOG: usize = 4;
 
-/// Points a second of the answer.
+/// Points per second of the result.
 const RATE_HZ: f64 = 100.0;
 
-/// Longest answer, in s.
+/// Maximum duration of the result, in s.
 const LONGEST_S: f64 = 900.0;
 
-/// Longest message of a reply, in bytes.
+/// Maximum length of the message in a reply, in bytes.
 const MOST_BYTES: usize = 900;
 
-/// How long to wait for a path before the end is checked for.
+/// Time-out of waiting for a path, after which the shutdown flag is checked.
 const POLL: Duration = Duration::from_millis(50);
 
 type PathServer = Server<TimeRequest, TimeResponse>;
 
-/// The service and the topics of one robot, and the thread that finds times.
+/// Service and topics of one robot, and the thread that computes the times.
 pub(super) struct TimingService {
     server: Arc<PathServer>,
     paths: Subscription<JointTrajectory>,
@@ -55,14 +57,14 @@ pub(super) struct TimingService {
     _threads: ThreadGroup,
 }
 
-/// A path that is to be timed, and whom to answer, if it came by the service.
+/// A path to be timed, and the client to answer, if it used the service.
 struct PathToTime {
     client: Option<RmwRequestId>,
     request: TimeRequest,
 }
 
 impl TimingService {
-    /// Offers the service, and the topics.
+    /// Creates the service and the topics.
     pub(super) fn new(
         node: &mut Node,
         names: &Names,
@@ -94,7 +96,7 @@ impl TimingService {
         Ok(Self { server, paths, jobs, log: node.logging_handle(), _threads: threads })
     }
 
-    /// Takes what has come.
+    /// Handles pending requests and paths.
     pub(super) fn turn(&self) {
         while let Some((client, request)) = received(self.server.receive_request()) {
             if !self.start(PathToTime { client: Some(client), request }) {
@@ -116,7 +118,7 @@ impl TimingService {
     }
 }
 
-/// What finds times, in a thread of its own: long paths take seconds.
+/// The time parameterisation, in a separate thread, because long paths take seconds.
 struct Timer {
     server: Arc<PathServer>,
     timed: Publisher<JointTrajectory>,
@@ -158,7 +160,7 @@ fn respond(server: &PathServer, client: RmwRequestId, response: TimeResponse) {
 
 fn refused(why: impl Into<String>) -> TimeResponse {
     let mut message: String = why.into();
-    // The reply has to fit into a datagram.
+    // The reply must fit into a datagram.
     message.truncate(message.floor_char_boundary(MOST_BYTES));
     TimeResponse { message, ..TimeResponse::default() }
 }
@@ -167,7 +169,7 @@ fn refused(why: impl Into<String>) -> TimeResponse {
 ///
 /// # Errors
 ///
-/// What is wrong with it, for people.
+/// The fault in the path, as text for people.
 fn time(
     robot: &Robot,
     joints: &[String; 7],
@@ -197,7 +199,8 @@ fn time(
     Ok((response, message(joints, request, &retimed)))
 }
 
-/// The robot's limits with the shares that a request names, as those of `MoveIt`: 0 is all.
+/// Returns the robot's limits, scaled by the shares of a request as in `MoveIt`: 0 means full
+/// limits.
 fn limits(robot: &Robot, request: &TimeRequest) -> Result<MotionLimits, String> {
     let mut shares = Ptp::to([0.0; 7]);
     for (kind, name, share) in [
@@ -253,7 +256,7 @@ mod tests {
     fn a_path_is_timed_from_rest_to_rest() {
         let (response, trajectory) = timed(&request()).unwrap();
         assert!(response.success && response.deviation <= 0.01);
-        // Five joints go back by half a radian.
+        // Five joints reverse by half a radian.
         assert_eq!(response.stops, 1);
         let [first, .., last] = &trajectory.points[..] else { panic!("two points") };
         assert_eq!(first.positions, [0.0; 7]);

@@ -1,4 +1,5 @@
-//! The arm brakes however set-points end, checked on the commanded positions of each cycle.
+//! The robot brakes for any end of the set-points, checked on the commanded positions of each
+//! cycle.
 
 #![expect(
     clippy::cast_possible_truncation,
@@ -11,13 +12,13 @@ use iiwa_fri::{Client, Format};
 
 use super::*;
 
-/// A cabinet with a client whose set-points move joint 1 at full speed, and joint 7 at half.
+/// A cabinet with a client whose set-points move joint 1 at full speed, and joint 7 at half speed.
 struct SimulationScene {
     simulation: Simulation,
     client: Client,
     at_rad: Joints,
     speed_rad_s: Joints,
-    /// Whether the client answers.
+    /// `true` if the client answers.
     answers: bool,
     /// Commanded positions, cycle by cycle.
     trace: Vec<Joints>,
@@ -27,7 +28,7 @@ struct SimulationScene {
 const RUN: RunId = 4;
 
 impl SimulationScene {
-    /// The arm is at rest at `start_rad`, and the session commands.
+    /// Creates a scene with the robot at rest at `start_rad` and a commanding session.
     fn new(period_ms: u32, receive_multiplier: u32, start_rad: Joints) -> Self {
         let config = ControllerConfig { period_ms, receive_multiplier, format: Format::V1 };
         let mut scene = Self {
@@ -90,8 +91,8 @@ impl SimulationScene {
         matches!(self.simulation.activity, Activity::Braking(_))
     }
 
-    /// Runs until the robot program has ended the run; asserts that the arm came to rest smoothly, in time and
-    /// within its range.
+    /// Runs until the robot program has ended the run; asserts that the robot came to rest
+    /// smoothly, in time and within its range.
     fn assert_brakes(&mut self, how: &str) {
         let limits = *Robot::default().limits();
         let begin = self.trace.len() - 3;
@@ -124,7 +125,7 @@ impl SimulationScene {
 
 type End = fn(&mut SimulationScene);
 
-/// All ways in which set-points end while the arm moves.
+/// All ways in which set-points end during motion.
 const ENDS: [(&str, End); 7] = [
     ("no more answers", |scene| scene.answers = false),
     ("the session is released", |scene| scene.simulation.fri().release()),
@@ -153,7 +154,7 @@ fn the_arm_brakes_however_set_points_end() {
     }
 }
 
-/// Close to the end of its range, a joint brakes harder and stays within.
+/// Close to the end of its range, a joint brakes harder and remains within the range.
 #[test]
 fn the_arm_brakes_within_its_range() {
     let limits = *Robot::default().limits();
@@ -162,7 +163,7 @@ fn the_arm_brakes_within_its_range() {
             continue;
         }
         let mut start_rad = [0.0; 7];
-        // At full speed for 0.25 s, and then the distance of braking at the limit.
+        // Full speed for 0.25 s, and then the braking distance at the limit.
         let room = limits.velocity_rad_s[0].powi(2) / limits.acceleration_rad_s2[0] / 2.0;
         start_rad[0] = limits.upper_rad[0] - limits.velocity_rad_s[0] * 0.26 - room;
         let mut scene = SimulationScene::new(5, 1, start_rad);
@@ -172,11 +173,11 @@ fn the_arm_brakes_within_its_range() {
     }
 }
 
-/// FRI messages have exact commanded positions, and measured ones as the sensors report them.
+/// FRI messages have exact commanded positions, and measured positions as reported by the sensors.
 #[test]
 fn measured_positions_lag_and_commanded_ones_do_not() {
     let mut scene = SimulationScene::new(2, 1, [0.1; 7]);
-    // Of whole cycles, so that the trace has the expected positions.
+    // A lag of whole cycles, so that the trace contains the expected positions.
     scene.simulation.position_sensors = PositionSensors::new(scene.period_s, 0.004, 0.0, 0.0);
     scene.speed_up();
     let [.., late, _, now] = scene.trace.as_slice() else { unreachable!() };
@@ -189,8 +190,8 @@ fn measured_positions_lag_and_commanded_ones_do_not() {
     assert!(now[0] - late[0] > 0.006, "the arm moves");
 }
 
-/// The sensors show the torques of the motion with its load, in the sign of KUKA's controller, while a stop slows it down as
-/// well; and nothing external.
+/// The sensors report the torques of the motion with its payload, with the sign of KUKA's
+/// controller, also during a stop; external torques are zero.
 #[test]
 fn measured_torques_are_those_of_the_motion_with_its_load() {
     let program = iiwa_program::Program::from_json(
@@ -226,7 +227,7 @@ fn measured_torques_are_those_of_the_motion_with_its_load() {
         }
     }
     assert!(largest > 40.0, "{largest}");
-    // On the way to rest, by differences of positions.
+    // During braking, by differences of positions.
     simulation.carry_out(Instruction::Stop).unwrap();
     let arm = trajectory.path().dynamics(iiwa_program::MotionIndex::new(1));
     for (k, three) in ticks(&mut simulation, 300, &mut message).windows(3).enumerate() {

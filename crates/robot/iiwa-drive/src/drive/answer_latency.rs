@@ -5,8 +5,8 @@ use std::{
     time::Duration,
 };
 
-/// Latency statistics of a drive's answers to the controller, as measured by the drive. They do not include
-/// the network, unlike the latency that the simulated cabinet measures.
+/// Latency statistics of the drive's answers to the controller, as measured by the drive. They
+/// exclude the network, unlike the latency that the simulated cabinet measures.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct AnswerLatency {
@@ -14,18 +14,18 @@ pub struct AnswerLatency {
     pub received: u64,
     /// Answers sent.
     pub answered: u64,
-    /// Answers sent after the next message had arrived: cycles that the drive, or the scheduling of the
-    /// machine, has lost.
+    /// Answers sent after the next message had arrived: cycles lost by the drive or by the
+    /// scheduler of the machine.
     pub behind: u64,
     /// Messages ignored as implausible or from another address.
     pub ignored: u64,
     /// Longest time from receiving a message to sending its answer.
     pub slowest: Duration,
-    /// Whether the answering thread has real-time priority.
+    /// `true` if the answering thread has real-time priority.
     pub real_time: bool,
 }
 
-/// Counters of the FRI thread, readable by others.
+/// Counters of the FRI thread, readable by other threads.
 #[derive(Debug, Default)]
 pub(super) struct LatencyRecorder {
     received: AtomicU64,

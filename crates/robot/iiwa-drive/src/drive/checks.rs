@@ -1,4 +1,4 @@
-//! Parsing and checking of runs. A thread of its own does it, so that it does not delay stops.
+//! Parsing and checking of runs, in a separate thread so that stops are not delayed.
 
 use std::sync::mpsc::Receiver;
 
@@ -16,7 +16,7 @@ use iiwa_link::{
 use iiwa_path::JointPath;
 use iiwa_program::{Course, Motion, MotionList};
 
-/// A job of the thread. `C` identifies clients.
+/// A job of the checking thread. `C` identifies clients.
 pub(super) enum CheckJob<C> {
     /// Check a run.
     Check(UncheckedRun),
@@ -28,9 +28,10 @@ pub(super) enum CheckJob<C> {
 pub(super) struct UncheckedRun {
     pub(super) run: RunId,
     pub(super) body: Bytes,
-    /// The permit of a long request: the next one is not received before this one is checked.
+    /// The permit of a long request: the next long request is not received before this run is
+    /// checked.
     pub(super) permit: Option<Permit>,
-    /// Where the arm is, in rad.
+    /// Current joint positions, in rad.
     pub(super) at_rad: Joints,
 }
 
@@ -115,7 +116,7 @@ fn read(
     (id, task)
 }
 
-/// Checks motions that a request, `body`, asks for.
+/// Checks the motions in the request `body`.
 fn check_motions(
     list: &MotionList,
     body: &[u8],
@@ -134,7 +135,7 @@ fn check_motions(
             "the request has {motions} motions{of_splines}; at most {MAX_MOTIONS} are allowed; split it where the arm stops"
         )));
     }
-    // As the robot program receives it: with more digits, and with the keys that a client may leave out.
+    // The size as the robot program receives the list: with more digits, and with optional keys.
     let bytes = to_json(list).len();
     if bytes > MAX_MOTIONS_BYTES {
         return Err(Refusal::bad(format!(
@@ -152,7 +153,7 @@ fn check_motions(
     })
 }
 
-/// How many motions a motion counts for: a spline for as many as it has segments.
+/// Number of motions that a motion counts as: the number of segments for a spline.
 fn segments(motion: &Motion) -> usize {
     match motion {
         Motion::Cartesian(own) => match &own.course {

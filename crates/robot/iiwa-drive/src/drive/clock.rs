@@ -1,18 +1,18 @@
-//! The controller's time: time stamps of the stream, and the time base of set-points.
+//! Controller time: time stamps of the stream, and the time base of set-points.
 
 use std::time::Instant;
 
 use iiwa_fri::{Monitoring, ahead};
 
-/// The time of the stream: that of the controller since its first message. It continues when the controller
+/// The stream time: controller time since the first message. It continues when the controller
 /// restarts.
 #[derive(Default)]
 pub(super) struct Clock {
-    /// How far the controller's clock is ahead of the stream's, in s.
+    /// Lead of the controller clock over the stream time, in s.
     pub(super) ahead_s: f64,
-    /// The time of the last message, in s.
+    /// Stream time of the last message, in s.
     pub(super) last_s: f64,
-    /// When the last message arrived.
+    /// Arrival time of the last message.
     received: Option<Instant>,
     /// Sequence counter and time stamp, in s, of the last message.
     last: Option<(u32, Option<f64>)>,
@@ -22,19 +22,19 @@ pub(super) struct Clock {
 /// The time of a message.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Tick {
-    /// The stream's time, in s.
+    /// Stream time, in s.
     pub(super) t_s: f64,
-    /// Time since the message before, in s, by which set-points may advance.
+    /// Time since the previous message, in s, by which set-points may advance.
     pub(super) elapsed_s: f64,
 }
 
 impl Clock {
-    /// The controller has restarted, and its clock with it.
+    /// Records a restart of the controller, and thus of its clock.
     pub(super) fn restart(&mut self) {
         self.restarted = true;
     }
 
-    /// The time of a message that arrives at `now`.
+    /// Returns the time of a message that arrives at `now`.
     pub(super) fn tick(&mut self, message: &Monitoring, now: Instant) -> Tick {
         let silence_s = self.received.map_or(0.0, |at| now.duration_since(at).as_secs_f64());
         let cycle_s = f64::from(message.send_period_ms.max(1)) * 1e-3;
@@ -55,8 +55,10 @@ impl Clock {
         Tick { t_s: self.last_s, elapsed_s }
     }
 
-    /// Clocks may be set meanwhile, and a period may be wrong: set-points advance by neither alone. The time
-    /// stamps are used as long as they agree with the counter to half a cycle, else the smaller difference.
+    /// Returns the time since the previous message. Set-points advance by neither the time stamps
+    /// nor the counter alone, because clocks may be set meanwhile and a period may be wrong. The
+    /// time stamps are used if they agree with the counter within half a cycle, otherwise the
+    /// smaller difference.
     fn elapsed_s(&self, message: &Monitoring, stamp_s: Option<f64>) -> f64 {
         let cycle_s = f64::from(message.send_period_ms.max(1)) * 1e-3;
         let (sequence, before_s) = match self.last {

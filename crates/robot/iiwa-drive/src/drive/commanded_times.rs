@@ -1,14 +1,15 @@
-//! Start and end of a motion by the joint positions that the controller commands, which are free of noise.
+//! Start and end of a motion, from the commanded joint positions, which are free of noise.
 
 use iiwa_kin::Joints;
 
 use super::events::Observation;
 
-/// The start is the stamp of the last message before the first change, the end that of the first message with the
-/// final value: exact to a cycle.
+/// Start and end of a motion, exact to one cycle. The start is the time stamp of the last message
+/// before the first change, the end is the time stamp of the first message with the final value.
 #[derive(Debug, Default)]
 pub(super) struct CommandedTimes {
-    /// The current value, and the stamps of the first and of the last message that has it, in s.
+    /// The current value, and the stamps of the first and of the last message with this value, in
+    /// s.
     held: Option<(Joints, f64, f64)>,
     /// The start, in s.
     start_s: Option<f64>,
@@ -16,7 +17,8 @@ pub(super) struct CommandedTimes {
     unchanged: u32,
 }
 
-/// Differences up to this one are none, in rad: far less than a joint moves in the first millisecond.
+/// Threshold below which positions count as equal, in rad: far less than a joint moves in the first
+/// millisecond.
 const SAME_RAD: f64 = 1e-10;
 
 impl CommandedTimes {
@@ -38,16 +40,17 @@ impl CommandedTimes {
         }
     }
 
-    /// Whether so many messages have the current value; without commanded positions, there is nothing to wait for.
+    /// Returns true if at least `messages` messages have the current value, or if the messages
+    /// contain no commanded positions: then there is no end to wait for.
     pub(super) fn is_unchanged_for(&self, messages: u32) -> bool {
         self.held.is_none() || self.unchanged >= messages
     }
 
-    /// Start and end, in s.
+    /// Returns start and end, in s.
     ///
     /// # Errors
     ///
-    /// Why there are none.
+    /// The messages contain no commanded positions, or the positions did not change.
     pub(super) fn times_s(&self) -> Result<[f64; 2], &'static str> {
         let Some((_, end_s, _)) = self.held else {
             return Err("the robot program tells no times, and FRI sends no commanded positions");

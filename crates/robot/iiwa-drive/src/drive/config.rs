@@ -5,7 +5,7 @@ use std::net::{IpAddr, Ipv4Addr, SocketAddr};
 use iiwa_kin::Robot;
 use iiwa_link::{CABINET_INSTRUCTIONS_PORT, CABINET_STATE_PORT, FRI_PORT};
 
-/// Addresses of a drive, and the robot's model. Set what differs from the default:
+/// Addresses of a drive and the robot model. Set the fields that differ from the default:
 ///
 /// ```
 /// use iiwa_drive::DriveConfig;
@@ -19,13 +19,13 @@ use iiwa_link::{CABINET_INSTRUCTIONS_PORT, CABINET_STATE_PORT, FRI_PORT};
 pub struct DriveConfig {
     /// The robot. Trajectories are checked against its limits.
     pub robot: Robot,
-    /// Address for requests of clients, such as `tcp://127.0.0.1:5560`.
+    /// Address for client requests, such as `tcp://127.0.0.1:5560`.
     pub instructions: String,
     /// Address of the stream for subscribers.
     pub stream: String,
     /// UDP address for FRI messages.
     pub fri: SocketAddr,
-    /// The controller's address: FRI messages from other addresses are ignored.
+    /// The controller address: FRI messages from other addresses are ignored.
     pub fri_controller: IpAddr,
     /// Address of the robot program for instructions.
     pub cabinet_instructions: String,

@@ -1,4 +1,4 @@
-//! The thread that runs the dispatcher, between sockets, FRI and the other threads.
+//! The thread that runs the dispatcher and connects it with sockets, FRI and the other threads.
 
 use std::{
     sync::{
@@ -23,7 +23,7 @@ use super::{
     run_replies::RunReply,
 };
 
-/// The address of a reply.
+/// Return address of a reply.
 pub(super) struct ReplyRoute {
     pub(super) peer: PeerId,
     /// The frames before the body of the request.
@@ -31,7 +31,7 @@ pub(super) struct ReplyRoute {
 }
 
 impl ReplyRoute {
-    /// A reply with this body.
+    /// Returns a reply with this body.
     pub(super) fn with(self, body: impl Into<Bytes>) -> Frames {
         let mut frames = self.envelope;
         frames.push(body.into());
@@ -49,18 +49,18 @@ pub(super) enum DispatcherInput {
 }
 
 impl DispatcherInput {
-    /// The input for an event of the socket for requests.
+    /// Converts an event of the request socket to an input.
     pub(super) fn of(event: Event) -> Self {
         let (peer, Received { mut frames, permit, began }) = match event {
             Event::Disconnected(peer) => return Self::Disconnected(peer),
             Event::Message(peer, received) => (peer, received),
         };
-        // Envelope, empty frame, body, as from REQ. DEALER may omit the empty frame.
+        // Envelope, empty frame, body, as sent by REQ. DEALER may omit the empty frame.
         let envelope = frames.iter().position(Bytes::is_empty).map_or(0, |empty| empty + 1);
         let bodies = frames.split_off(envelope.min(frames.len()));
         let body = match <[Bytes; 1]>::try_from(bodies) {
             Ok([body]) => body,
-            // Not a request, but it has to be replied to.
+            // Not a valid request, but a reply is required.
             Err(_) => Bytes::new(),
         };
         let route = ReplyRoute { peer, envelope: frames };
@@ -96,7 +96,7 @@ impl DispatcherThread {
                 Err(RecvTimeoutError::Disconnected) => return,
             };
             let now = Instant::now();
-            // FRI events before requests, so that these see the latest state.
+            // FRI events precede requests, so that requests see the latest state.
             for event in self.events.try_iter() {
                 self.dispatcher.fri_event(event, now);
             }
@@ -143,7 +143,7 @@ impl DispatcherThread {
                 Output::RunReply(reply) => drop(self.replies.send(reply)),
                 Output::Check(job) => drop(self.jobs.send(job)),
                 Output::Fri(command) => drop(self.commands.send(command)),
-                // Full only if nothing is published any more.
+                // The channel is full only if the publishing thread has stopped.
                 Output::Publish(published) => drop(self.stream.try_send(published)),
             }
         }

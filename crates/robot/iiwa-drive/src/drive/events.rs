@@ -10,11 +10,11 @@ use super::setpoints::{TrajectoryEnd, TrajectoryTask};
 
 /// A command to the FRI thread.
 pub(super) enum FriCommand {
-    /// Run this trajectory as soon as the session commands.
+    /// Run this trajectory once the session commands.
     Run(RunId, Box<TimedJoints>),
     /// Stop the trajectory on its path.
     Stop,
-    /// Discard the trajectory; if the arm moves, after a stop on its path.
+    /// Discard the trajectory; if the robot moves, after a stop on its path.
     Release,
     /// Publish a state.
     Publish(DriveState),
@@ -28,22 +28,23 @@ pub(super) enum FriCommand {
 pub(super) enum FriEvent {
     /// A message of the controller has arrived.
     Observed(Observation),
-    /// A message has arrived from another address than the controller's, while none arrives from that.
+    /// A message has arrived from an unexpected address, while none arrives from the controller
+    /// address.
     Unexpected(UnexpectedSource),
     /// The trajectory has ended.
     Ended(TrajectoryEnd),
-    /// The trajectory was to be stopped, but had not begun.
+    /// A trajectory was discarded by a stop before it began.
     Discarded,
-    /// A task that is no longer needed, to be freed outside the real-time thread.
+    /// A finished task, to be freed outside the real-time thread.
     Freed(#[expect(dead_code, reason = "it is freed")] TrajectoryTask),
 }
 
-/// An address that FRI messages come from instead of the controller's.
+/// The source address of FRI messages that do not come from the controller address.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct UnexpectedSource {
     pub(super) from: IpAddr,
     pub(super) expected: IpAddr,
-    /// When the message arrived.
+    /// Arrival time of the message.
     pub(super) at: Instant,
 }
 
@@ -54,12 +55,12 @@ impl fmt::Display for UnexpectedSource {
     }
 }
 
-/// The state of the robot and the connection in a message of the controller.
+/// State of the robot and the connection in a controller message.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Observation {
-    /// Time of the stream, in s.
+    /// Stream time, in s.
     pub(super) t_s: f64,
-    /// How far the controller's clock is ahead of the stream's, in s.
+    /// Lead of the controller clock over the stream time, in s.
     pub(super) clock_ahead_s: f64,
     /// Measured joint positions, in rad.
     pub(super) joints_rad: Joints,
@@ -74,6 +75,6 @@ pub(super) struct Observation {
     pub(super) lost: u64,
     /// Number of late messages so far.
     pub(super) late: u64,
-    /// When the message arrived.
+    /// Arrival time of the message.
     pub(super) at: Instant,
 }

@@ -1,7 +1,7 @@
 //! The thread that answers the controller every cycle.
 //!
-//! It never blocks on other threads: events go into an unbounded channel, publications into a bounded one
-//! that drops what exceeds it, and commands are polled once per cycle.
+//! This thread never blocks on other threads: events are sent to an unbounded channel, publications
+//! to a bounded channel that drops the excess, and commands are polled once per cycle.
 
 use std::{
     io::ErrorKind,
@@ -37,7 +37,7 @@ pub(super) struct FriThread {
     pub(super) ready: Arc<Barrier>,
 }
 
-/// How often commands are polled while the controller is silent.
+/// Poll interval for commands while the controller is silent.
 pub(super) const POLL_INTERVAL: Duration = Duration::from_millis(20);
 
 /// Time-out of stopping a trajectory when the drive shuts down.
@@ -85,11 +85,11 @@ impl FriThread {
             if reception == Reception::Answered {
                 // Checked before sending: the answer may wake other threads, which may run first.
                 let is_behind = self.has_next_message();
-                // The controller counts missing answers.
+                // A send error is ignored: the controller counts missing answers.
                 let _ = self.udp.send_to(&answer, from);
                 self.latency.answered(read_at.elapsed(), is_behind);
             }
-            // Everything else follows the answer.
+            // All other work follows the answer.
             self.forward_events(&mut responder);
         }
     }
@@ -122,7 +122,7 @@ impl FriThread {
         let _ = self.stream.try_send(published);
     }
 
-    /// Whether the next message of the controller has arrived already.
+    /// Returns true if the next controller message has already arrived.
     fn has_next_message(&self) -> bool {
         // Non-blocking for this call only: no other thread uses the socket.
         if self.udp.set_nonblocking(true).is_err() {

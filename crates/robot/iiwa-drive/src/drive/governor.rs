@@ -1,43 +1,47 @@
 //! The governor: a rate limiter for set-points, the last stage before they are sent.
 //!
-//! Whatever the stages before it do (a trajectory, a stop, a fault in either), the commanded motion keeps
-//! these bounds:
+//! The commanded motion satisfies these bounds, regardless of the preceding stages (a trajectory, a
+//! stop, a fault in either):
 //!
 //! | quantity | bound |
 //! |---|---|
 //! | velocity | 1.02 of the limits |
 //! | acceleration | 1.3 of the limits |
 //! | position | the joint range |
-//! | distance from the controller's position of the arm | what a joint covers at full speed in 30 ms and three answers |
+//! | distance to the position commanded by the controller | joint displacement at full speed in 30 ms and three answers |
 //!
-//! **Definition of velocity and acceleration.** The answer to a message of time `t` by the controller's
-//! clock contains a position. The velocity is the difference of two answers over the time between their
-//! messages; the acceleration is the difference of two such velocities over the mean of their times. These
-//! are divided differences: those of any subset of the answers are means of those of all, so lost answers do
-//! not increase them. A receive multiplier only makes the steps longer.
+//! **Definition of velocity and acceleration.** The answer to a message with controller time `t`
+//! contains a position. The velocity is the difference of two answers over the time between their
+//! messages; the acceleration is the difference of two such velocities over the mean of their
+//! times. Both are divided differences: the differences of any subset of the answers are means of
+//! the differences of all answers, so lost answers do not increase them. A receive multiplier only
+//! lengthens the steps.
 //!
 //! **Normal operation.** The stage before the governor follows a motion in time
-//! ([`Playback`](iiwa_traj::playback::Playback)): time advances with the controller's clock, by no more than its
-//! counter permits, and slows down to zero for a stop. So the arm stays on its path even if messages are
-//! lost, and the governor passes set-points within the bounds unchanged, bit by bit. This includes gaps: the
-//! controller extrapolates the motion, and the trajectory continues where it is by then.
+//! ([`Playback`](iiwa_traj::playback::Playback)): time advances with the controller clock, by no
+//! more than the sequence counter permits, and slows down to zero for a stop. So the robot stays on
+//! its path even if messages are lost, and the governor passes set-points within the bounds
+//! unchanged, bit by bit. This includes gaps: the controller extrapolates the motion, and the
+//! trajectory continues at the position for the current time.
 //!
-//! **Intervention.** A set-point beyond the bounds is moved to them, joint by joint. A correction of up to
-//! 0.001 rad is made up for by the next set-points (trajectories with rounded numbers have such peaks). A
-//! larger correction aborts the run, and the arm brakes. Without a set-point, each joint brakes at 1.2 of
-//! its acceleration limit and then holds its position. A trajectory within the joint range decelerates at no
-//! more than its limit, so this braking stays within the range, too.
+//! **Intervention.** A set-point beyond the bounds is clamped to them, joint by joint. The next
+//! set-points make up for a correction of up to 0.001 rad (trajectories with rounded numbers have
+//! such peaks). A larger correction aborts the run, and the robot brakes. Without a set-point, each
+//! joint brakes at 1.2 of its acceleration limit and then holds its position. A trajectory within
+//! the joint range decelerates at no more than its limit, so this braking also stays within the
+//! range.
 //!
-//! **Lost contact with the arm.** Each message contains the controller's position of the arm. If messages or
-//! answers are lost, a controller may extrapolate the motion or stop the arm. A set-point that is further
-//! from the arm than the distance above would make it jump. Then the run is aborted: the governor restarts
-//! at the position of the arm, with its velocity since the message before, and brakes.
+//! **Deviation from the controller.** Each message contains the joint position that the controller
+//! commands, called controller position here. If messages or answers are lost, a controller may
+//! extrapolate the motion or stop the robot. A set-point beyond the distance bound above would
+//! cause a jump. In this case the run is aborted: the governor restarts at the controller position,
+//! with the velocity since the previous message, and brakes.
 
 use iiwa_kin::{Joints, Limits};
 
 use iiwa_fri::braking::fastest;
 
-/// Bounds of velocity and acceleration, as shares of the limits.
+/// Velocity and acceleration bounds, as shares of the limits.
 const VELOCITY: f64 = 1.02 * (1.0 - 1e-9);
 const ACCELERATION: f64 = 1.3 * (1.0 - 1e-9);
 
@@ -47,31 +51,32 @@ const BRAKING: f64 = 1.2;
 /// Deceleration towards the end of the joint range, as a share of the acceleration limits.
 const RANGE_BRAKING: f64 = 1.15;
 
-/// Largest correction of a set-point that does not abort the run, in rad.
+/// Maximum correction of a set-point that does not abort the run, in rad.
 const MAX_CORRECTION_RAD: f64 = 1e-3;
 
-/// Largest distance of a set-point from the arm, as the time that a joint needs at full speed, in s, in
-/// addition to three answers: the one with the set-point, and two that may be in transit.
+/// Maximum distance of a set-point from the controller position, as the time that a joint needs at
+/// full speed, in s, in addition to three answers: the answer with the set-point, and two that may
+/// be in transit.
 const MAX_DISTANCE_S: f64 = 0.03;
 
 /// The governor of a commanding session.
 pub(super) struct Governor {
     limits: Limits,
     last: Option<LastSetpoint>,
-    /// The controller's position of the arm in the last message, in rad.
+    /// Controller position in the last message, in rad.
     arm_rad: Option<Joints>,
-    /// Its velocity since the message before, in rad/s.
+    /// Velocity of the controller position since the previous message, in rad/s.
     arm_speed: Joints,
 }
 
 /// The last set-point.
 struct LastSetpoint {
-    /// It was sent, or counts as sent after a restart.
+    /// `true` if the set-point was sent, or counts as sent after a restart.
     is_sent: bool,
     at_rad: Joints,
-    /// Velocity since the set-point before, in rad/s.
+    /// Velocity since the previous set-point, in rad/s.
     speed: Joints,
-    /// Time from the set-point before, in s.
+    /// Time from the previous set-point, in s.
     step_s: f64,
     /// Time since this set-point, in s.
     since_s: f64,
@@ -80,7 +85,8 @@ struct LastSetpoint {
 /// A set-point within the bounds.
 pub(super) struct LimitedSetpoint {
     pub(super) joints_rad: Joints,
-    /// The joint (0 to 6) with a correction beyond [`MAX_CORRECTION_RAD`], and the correction in rad.
+    /// The joint (0 to 6) with a correction beyond [`MAX_CORRECTION_RAD`], and the correction in
+    /// rad.
     pub(super) moved: Option<(usize, f64)>,
 }
 
@@ -89,13 +95,13 @@ impl Governor {
         Self { limits: *limits, last: None, arm_rad: None, arm_speed: [0.0; 7] }
     }
 
-    /// The session does not command.
+    /// Resets the state, because the session does not command.
     pub(super) fn release(&mut self) {
         (self.last, self.arm_rad) = (None, None);
     }
 
-    /// A message of a commanding session, `elapsed_s` after the one before, with the arm at `arm_rad`, if
-    /// stated. An answer is expected every `step_s`.
+    /// Observes a message of a commanding session, `elapsed_s` after the previous one, with the
+    /// controller position `arm_rad`, if stated. An answer is expected every `step_s`.
     pub(super) fn observe(&mut self, arm_rad: Option<&Joints>, elapsed_s: f64, step_s: f64) {
         if let Some(last) = &mut self.last {
             last.since_s += elapsed_s;
@@ -117,8 +123,8 @@ impl Governor {
         self.arm_rad = Some(*arm_rad);
     }
 
-    /// The first joint (0 to 6) that a set-point would make jump, and its distance from the arm in rad. An
-    /// answer is expected every `step_s`.
+    /// Returns the first joint (0 to 6) that a set-point would make jump, and the distance of the
+    /// set-point from the controller position in rad. An answer is expected every `step_s`.
     pub(super) fn jump(&self, requested: &Joints, step_s: f64) -> Option<(usize, f64)> {
         let arm_rad = self.arm_rad.as_ref()?;
         (0..7).find_map(|j| {
@@ -128,7 +134,7 @@ impl Governor {
         })
     }
 
-    /// Restarts at the position and velocity of the arm.
+    /// Restarts at the controller position and its velocity.
     pub(super) fn restart(&mut self, step_s: f64) {
         if let Some(arm_rad) = self.arm_rad {
             let last = LastSetpoint::at(arm_rad, self.arm_speed, step_s);
@@ -136,16 +142,17 @@ impl Governor {
         }
     }
 
-    /// Whether the last commanded velocity is zero.
+    /// Returns true if the last commanded velocity is zero.
     pub(super) fn is_at_rest(&self) -> bool {
         self.last.as_ref().is_none_or(|last| last.speed == [0.0; 7])
     }
 
-    /// The set-point to send for a requested one; without one, of a braking motion. `None` before the first
-    /// position of the arm.
+    /// Returns the set-point to send for a requested one; without a request, the set-point of a
+    /// braking motion. `None` before the first controller position.
     pub(super) fn command(&mut self, requested: Option<&Joints>) -> Option<LimitedSetpoint> {
         let limits = &self.limits;
         let last = self.last.as_mut()?;
+        // A non-finite set-point counts as missing, so that the joints brake.
         let requested = requested.filter(|requested| requested.iter().all(|q| q.is_finite()));
         let step_s = if last.since_s > 0.0 { last.since_s } else { last.step_s };
         let span_s = 0.5 * (step_s + last.step_s);
@@ -165,13 +172,13 @@ impl Governor {
             speed[j] = target_speed
                 .clamp(before - change, before + change)
                 .clamp(-most, most)
-                // The range last: it has priority over the acceleration.
+                // The range is applied last, because it has priority over the acceleration.
                 .clamp(-stops(at - lower), stops(upper - at));
             if let Some(requested) = requested
                 && speed[j] == target_speed
                 && (lower..=upper).contains(&requested[j])
             {
-                // Exactly: a sum would be rounded.
+                // Returned exactly: a sum would be rounded.
                 return requested[j];
             }
             let limited = if speed[j] == 0.0 { at } else { at + speed[j] * step_s };
@@ -205,7 +212,7 @@ mod tests {
 
     use super::*;
 
-    /// Positions, velocities and accelerations of what goes out keep the bounds, whatever comes in.
+    /// Output positions, velocities and accelerations satisfy the bounds for any input.
     #[test]
     fn the_output_keeps_the_bounds() {
         let limits = *Robot::default().limits();
@@ -215,7 +222,7 @@ mod tests {
             let mut governor = Governor::new(&limits);
             let (mut at, mut speed, mut before_s) = ([0.0; 7], [0.0; 7], step_s);
             governor.observe(Some(&at), step_s, step_s);
-            // Where to, for how long: places, noise, numbers that are not finite, nothing.
+            // Target and number of steps: positions, noise, non-finite numbers, no request.
             let (mut target, mut left, mut noise) = (Some([0.0; 7]), 0, 0.0);
             for _ in 0..20_000 {
                 if left == 0 {
@@ -297,7 +304,7 @@ mod tests {
                 let share = sent / second_s / mean_s / limit;
                 assert!((share - 1.3).abs() < 1e-6, "{first_s} s, {second_s} s: {share}");
             }
-            // Braking, with the steps the other way round.
+            // Braking, with the two step lengths swapped.
             governor.observe(None, first_s, first_s);
             let braked = governor.command(None).unwrap().joints_rad;
             for j in 0..7 {

@@ -1,4 +1,5 @@
-//! The queue of instructions to the robot program: one at a time, each with a number and a deadline.
+//! Queue of instructions to the robot program: at most one is pending, each has a number and a
+//! deadline.
 
 use std::{
     collections::VecDeque,
@@ -7,13 +8,13 @@ use std::{
 
 use iiwa_link::robot_program::Instruction;
 
-/// Largest backlog of instructions that may be refused.
+/// Backlog at which further client queries are refused.
 const QUOTA: usize = 32;
 
 /// Time-out of acknowledgements.
 pub(super) const ACKNOWLEDGE_TIMEOUT: Duration = Duration::from_secs(2);
 
-/// Time-out of the acknowledgement of motions, which are planned before.
+/// Time-out of the acknowledgement of motions, which is sent after planning.
 const PLANNING_TIMEOUT: Duration = Duration::from_mins(1);
 
 /// The backlog and the pending instruction. `P` is the purpose of an instruction.
@@ -40,7 +41,7 @@ impl<P> InstructionQueue<P> {
         Self { seq: 0, backlog: VecDeque::new(), pending: None }
     }
 
-    /// Whether the quota is exhausted.
+    /// Returns true if the quota is exhausted.
     pub(super) fn is_full(&self) -> bool {
         self.backlog.len() >= QUOTA
     }
@@ -49,7 +50,7 @@ impl<P> InstructionQueue<P> {
         self.backlog.push_back(QueuedInstruction { instruction, purpose, since: now });
     }
 
-    /// The next instruction to be sent, as JSON, if none is pending.
+    /// Returns the next instruction to be sent, as JSON, if none is pending.
     pub(super) fn next(&mut self, now: Instant) -> Option<String> {
         if self.pending.is_some() {
             return None;
@@ -64,7 +65,7 @@ impl<P> InstructionQueue<P> {
         Some(instruction.to_json(self.seq))
     }
 
-    /// Completes the pending instruction if it has this number.
+    /// Completes the pending instruction if it has the number `seq`.
     pub(super) fn acknowledged(&mut self, seq: Option<u64>) -> Option<P> {
         self.pending.take_if(|it| seq == Some(it.seq)).map(|it| it.purpose)
     }
@@ -79,7 +80,7 @@ impl<P> InstructionQueue<P> {
         self.pending.take_if(|it| it.deadline <= now).map(|it| it.purpose)
     }
 
-    /// Removes instructions from the backlog by their purpose and their time in it.
+    /// Removes instructions from the backlog by purpose and queueing time.
     pub(super) fn withdraw(&mut self, mut is_withdrawn: impl FnMut(&P, Instant) -> bool) -> Vec<P> {
         let mut withdrawn = Vec::new();
         for it in std::mem::take(&mut self.backlog) {
@@ -92,7 +93,7 @@ impl<P> InstructionQueue<P> {
         withdrawn
     }
 
-    /// The purposes of all instructions, pending and in the backlog.
+    /// Returns the purposes of all instructions, pending and in the backlog.
     pub(super) fn purposes(&self) -> impl Iterator<Item = &P> {
         let pending = self.pending.iter().map(|it| &it.purpose);
         pending.chain(self.backlog.iter().map(|it| &it.purpose))

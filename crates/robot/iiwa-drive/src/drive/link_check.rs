@@ -1,5 +1,5 @@
-//! Goes through the connection to a cabinet step by step, and says what is right, what is wrong and what to do about
-//! it. Nothing is moved.
+//! Step-by-step check of the connection to a cabinet. Each step reports its result, faults and
+//! remedies. No motion is commanded.
 
 mod fri;
 mod step;
@@ -27,10 +27,10 @@ pub use step::{CheckStep, StepResult};
 /// Time-out of a connection, and of its handshake.
 const PROBE_TIMEOUT: Duration = Duration::from_secs(2);
 
-/// How long the state of the robot program is waited for; it is sent twice a second.
+/// Time-out of the robot program's state, which is sent twice per second.
 const STATE_TIMEOUT: Duration = Duration::from_secs(3);
 
-/// The connection to a cabinet, step by step.
+/// Result of a step-by-step check of the connection to a cabinet.
 ///
 /// ```no_run
 /// use iiwa_drive::{DriveConfig, LinkCheck};
@@ -44,22 +44,22 @@ const STATE_TIMEOUT: Duration = Duration::from_secs(3);
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 #[non_exhaustive]
 pub struct LinkCheck {
-    /// Whether no step fails.
+    /// `true` if no step fails.
     pub ok: bool,
     /// The steps, in order.
     pub steps: Vec<CheckStep>,
 }
 
 impl LinkCheck {
-    /// Checks the connection that a drive of this configuration makes to a cabinet. Calls `on_step` after each step.
-    /// Takes a quarter of a minute at most.
+    /// Checks the connection that a drive with this configuration makes to a cabinet. Calls
+    /// `on_step` after each step. The check takes at most a quarter of a minute.
     pub fn run(config: &DriveConfig, cabinet: &Remote, on_step: impl FnMut(&CheckStep)) -> Self {
         let mut steps = Steps { done: Vec::new(), on_step };
         match own_port(config) {
             Ok(udp) => {
                 steps.ok(UDP_PORT, format!("UDP {} is free", config.fri));
                 thread::scope(|scope| {
-                    // Meanwhile: together they would take too long.
+                    // In parallel, because the checks would take too long in sequence.
                     let listening =
                         scope.spawn(|| (raise_priority(), listen(&udp, config.fri_controller)));
                     check_program(config, cabinet, &mut steps);
@@ -71,7 +71,7 @@ impl LinkCheck {
             }
             Err(fault) => {
                 steps.fails(UDP_PORT, fault);
-                // Another drive may be running, and would miss what is received here.
+                // Another drive may be running, and would miss the messages received here.
                 for step in AFTER_UDP {
                     steps.skipped(step, "the UDP port is not free");
                 }
@@ -94,11 +94,11 @@ const PERIOD: &str = "send period";
 const SESSION: &str = "FRI session";
 const PRIORITY: &str = "real-time priority";
 
-/// The steps after that of the UDP port.
+/// The steps after the UDP port step.
 const AFTER_UDP: [&str; 10] =
     [INSTRUCTIONS, STATES, KEYS, PROGRAM, CONDITIONS, MESSAGES, VERSION, PERIOD, SESSION, PRIORITY];
 
-/// The steps so far.
+/// Completed steps.
 struct Steps<F> {
     done: Vec<CheckStep>,
     on_step: F,
@@ -132,7 +132,7 @@ impl<F: FnMut(&CheckStep)> Steps<F> {
     }
 }
 
-/// The own UDP port, if it is free and the controller can reach it.
+/// Binds the drive's UDP port, if it is free and reachable from the controller.
 fn own_port(config: &DriveConfig) -> Result<UdpSocket, Fault> {
     use std::io::ErrorKind::{AddrInUse, AddrNotAvailable};
     let (fri, controller) = (config.fri, config.fri_controller);
@@ -166,7 +166,7 @@ fn own_port(config: &DriveConfig) -> Result<UdpSocket, Fault> {
     })
 }
 
-/// The ports of the robot program, the keys, and what it says.
+/// Checks the ports of the robot program, the keys, and the reported state.
 fn check_program<F: FnMut(&CheckStep)>(
     config: &DriveConfig,
     cabinet: &Remote,
@@ -184,7 +184,7 @@ fn check_program<F: FnMut(&CheckStep)>(
             refused = Some(why);
         }
         match result {
-            // The keys are another step.
+            // A later step checks the keys.
             Ok(()) | Err(ProbeError::Refused(_)) => {
                 steps.ok(step, format!("{at} accepts connections"));
                 reached.push(result.is_ok());
@@ -199,11 +199,11 @@ fn check_program<F: FnMut(&CheckStep)>(
             steps.ok(KEYS, "both sides accept each other's key");
         }
         None if connected => steps.ok(KEYS, "none, on both sides"),
-        None => steps.skipped(KEYS, "there is no connection"),
+        None => steps.skipped(KEYS, "not connected"),
     }
     if !connected {
-        steps.skipped(PROGRAM, "there is no connection");
-        return steps.skipped(CONDITIONS, "there is no connection");
+        steps.skipped(PROGRAM, "not connected");
+        return steps.skipped(CONDITIONS, "not connected");
     }
     if let Some(state) = receive_state(cabinet, &config.cabinet_state) {
         steps.of(PROGRAM, program(&state, &RobotIdentity::from(&config.robot)));
@@ -218,7 +218,7 @@ fn check_program<F: FnMut(&CheckStep)>(
     steps.skipped(CONDITIONS, "the robot program does not answer");
 }
 
-/// Why a port is not reachable, and what to do.
+/// Returns the reason why a port is unreachable, with the remedy.
 fn unreachable(at: &str, error: &ProbeError) -> Fault {
     const PORTS: &[&str] = &["cabinet-instructions", "cabinet-state"];
     match error {
@@ -251,7 +251,7 @@ fn unreachable(at: &str, error: &ProbeError) -> Fault {
     }
 }
 
-/// Which keys are wrong.
+/// Returns the fault for wrong keys.
 fn refusal(why: ConnectionRefusal, has_keys: bool) -> Fault {
     let text = match why {
         ConnectionRefusal::KeysOnOneSide if has_keys => {
@@ -272,13 +272,13 @@ fn refusal(why: ConnectionRefusal, has_keys: bool) -> Fault {
     Fault::new(text, &["key", "cabinet-key"])
 }
 
-/// The state of the robot program, which is acknowledged.
+/// Receives and acknowledges the state of the robot program.
 fn receive_state(cabinet: &Remote, at: &str) -> Option<StateChange> {
     let (states, received) = mpsc::channel();
     let connection = cabinet.dial("check state", Dial::Rep, at, move |frames| {
         let (state, acknowledgement) = acknowledge(frames);
         if let Some(state) = state {
-            // Later ones are not needed.
+            // Later states are not needed: the send error is ignored.
             let _ = states.send(state);
         }
         Some(acknowledgement)
@@ -330,7 +330,7 @@ fn check_conditions<F: FnMut(&CheckStep)>(told: Option<&Conditions>, steps: &mut
     steps.ok(CONDITIONS, text + &caution.unwrap_or_default());
 }
 
-/// What was received over FRI.
+/// Checks the messages received over FRI.
 fn check_fri<F: FnMut(&CheckStep)>(
     config: &DriveConfig,
     found: &FriFindings,
@@ -352,7 +352,7 @@ fn check_fri<F: FnMut(&CheckStep)>(
     steps.of(SESSION, found.session());
 }
 
-/// Longest send period that ordinary priority is not sufficient for, in ms.
+/// Maximum send period that requires real-time priority, in ms.
 const URGENT_MS: u32 = 2;
 
 fn check_priority<F: FnMut(&CheckStep)>(

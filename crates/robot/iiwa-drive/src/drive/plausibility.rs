@@ -1,24 +1,25 @@
-//! Plausibility of the controller's messages.
+//! Plausibility checks of controller messages.
 //!
-//! FRI is not authenticated: nothing in a message proves its sender. What can be checked is consistency with
-//! the messages before:
+//! FRI is not authenticated: a message does not prove its sender. The drive can only check
+//! consistency with previous messages:
 //!
-//! | of a message | check |
+//! | message field | check |
 //! |---|---|
-//! | source | the cabinet's address, and the port of the messages before |
+//! | source | the cabinet's address, and the port of the previous messages |
 //! | sequence counter | ahead by at most 1000 messages and twice the elapsed time; or behind like a reordered message |
 //! | time stamp | consistent with the counter, to half of the difference and 0.1 s |
 //! | send period and receive multiplier | unchanged |
-//! | measured and commanded positions | within the reach of a joint at 1.5 of its velocity limit, and 0.05 rad; within the joint range and 0.1 rad, if they were before |
+//! | measured and commanded positions | within the reach of a joint at 1.5 of its velocity limit, plus 0.05 rad; within the joint range plus 0.1 rad, if the previous position was |
 //!
-//! Other messages are ignored and counted. If [`ROW`] ignored messages in a row are consistent with each
-//! other, and no message consistent with those before has arrived for three periods, the controller has
-//! restarted, and its messages are accepted from then on. After five periods of silence, at least 0.1 s, and in
-//! an idle session, any message from the cabinet's address is accepted.
+//! Other messages are ignored and counted. If [`ROW`] ignored messages in a row are consistent with
+//! each other, and no message consistent with the accepted ones has arrived for three periods,
+//! these messages are accepted from then on, as those of a restarted controller unless their
+//! counter continues plausibly. After five periods of silence, at least 0.1 s, and in an idle
+//! session, any message from the cabinet's address is accepted.
 //!
-//! So stray datagrams do not end a run, nor do those of a sender without knowledge of the counters. A datagram
-//! from the cabinet's address and port that is consistent with the controller's messages cannot be
-//! distinguished from them.
+//! So stray datagrams do not end a run, nor do datagrams of a sender that does not know the
+//! counters. A datagram from the cabinet's address and port that is consistent with the controller
+//! messages cannot be distinguished from them.
 
 use std::{
     net::{IpAddr, SocketAddr},
@@ -33,15 +34,16 @@ use super::events::UnexpectedSource;
 /// Number of consecutive consistent messages of a restarted controller.
 const ROW: u32 = 4;
 
-/// After this silence, any message is accepted: a number of periods, and at least this time.
+/// Silence after which any message is accepted: a number of periods, and at least this time.
 const SILENT_PERIODS: u32 = 5;
 const SILENCE: Duration = Duration::from_millis(100);
 
-/// Messages from another address are reported after this time without one from the cabinet, and so often.
+/// Messages from another address are reported after this time without a message from the cabinet,
+/// and at this interval.
 const UNEXPECTED_AFTER: Duration = Duration::from_millis(500);
 const UNEXPECTED_EVERY: Duration = Duration::from_millis(100);
 
-/// A row is accepted after this number of periods without a consistent message.
+/// Number of periods without a consistent message after which a row is accepted.
 const ROW_PERIODS: u32 = 3;
 
 /// Tolerance of counters, in messages.
@@ -55,14 +57,14 @@ const VELOCITY: f64 = 1.5;
 const JUMP_RAD: f64 = 0.05;
 const RANGE_RAD: f64 = 0.1;
 
-/// The decision on a message.
+/// Verdict on a message.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Verdict {
-    /// It is implausible.
+    /// The message is implausible.
     Ignore,
-    /// It is consistent with those before.
+    /// The message is consistent with the previous ones.
     Accept,
-    /// It is from a restarted controller.
+    /// The message comes from a restarted controller.
     Restart,
 }
 
@@ -70,12 +72,13 @@ pub(super) enum Verdict {
 pub(super) struct Plausibility {
     cabinet: IpAddr,
     limits: Limits,
-    /// The source of the accepted messages, and when the last one arrived.
+    /// Source of the accepted messages, and arrival time of the last one.
     accepted: Option<(SocketAddr, Instant)>,
-    /// The last ignored message, when it arrived, and the length of the row of consistent ones.
+    /// The last ignored message, its arrival time, and the length of the row of consistent
+    /// messages.
     suspect: Option<(Monitoring, Instant, u32)>,
     ignored: u64,
-    /// When a message from another address was reported last.
+    /// Time of the last report of a message from another address.
     unexpected: Option<Instant>,
 }
 
@@ -96,8 +99,8 @@ impl Plausibility {
         self.ignored
     }
 
-    /// The source of an ignored message that has arrived from `from` at `now`, if it is not the cabinet's address, and
-    /// nothing arrives from that.
+    /// Returns the source of an ignored message that has arrived from `from` at `now`, if its
+    /// address is not the cabinet's, no message arrives from the cabinet, and a report is due.
     pub(super) fn unexpected(
         &mut self,
         from: SocketAddr,
@@ -114,7 +117,8 @@ impl Plausibility {
         })
     }
 
-    /// Judges a message that has arrived from `from` at `now`, after those that `client` has accepted.
+    /// Judges a message that has arrived from `from` at `now`, given the messages that `client` has
+    /// accepted.
     pub(super) fn judge(
         &mut self,
         message: &Monitoring,
@@ -123,7 +127,7 @@ impl Plausibility {
         client: &Client,
     ) -> Verdict {
         if from.ip() != self.cabinet {
-            return self.ignore("it comes from another address");
+            return self.ignore("its source address differs");
         }
         let latest = client.latest().zip(self.accepted).filter(|(latest, (_, received))| {
             let silence = SILENCE.max(period(latest) * SILENT_PERIODS);
@@ -133,7 +137,7 @@ impl Plausibility {
             return self.accept(message, from, now, client);
         };
         if from != port {
-            return self.ignore("it comes from another port");
+            return self.ignore("its source port differs");
         }
         let Err(why) =
             self.check_consistency(message, latest, now.duration_since(received), client)
@@ -177,7 +181,7 @@ impl Plausibility {
 
     fn ignore(&mut self, why: &str) -> Verdict {
         self.ignored += 1;
-        // Not each of them: that would flood the log.
+        // Not every message is logged, which would flood the log.
         if self.ignored.is_power_of_two() {
             tracing::warn!(
                 "FRI: {} messages were ignored, the last one because {why}",
@@ -197,11 +201,12 @@ impl Plausibility {
         match client.classify(message) {
             Received::New => self.check_successor(message, latest, elapsed),
             Received::Late | Received::Repeated => Ok(()),
-            Received::Restarted => Err("its counter goes back"),
+            Received::Restarted => Err("its counter decreases"),
         }
     }
 
-    /// Checks whether `message` can follow `elapsed` after `before`, whose counter it is ahead of.
+    /// Checks that `message` can follow `before`, whose counter it exceeds, after the time
+    /// `elapsed`.
     fn check_successor(
         &self,
         message: &Monitoring,
@@ -233,7 +238,7 @@ impl Plausibility {
         Ok(())
     }
 
-    /// Checks whether the arm can move from `before` to `joints_rad` in a time.
+    /// Checks that the robot can move from `before` to `joints_rad` within `by_s`.
     fn check_motion(
         &self,
         joints_rad: &Joints,
@@ -255,12 +260,12 @@ impl Plausibility {
     }
 }
 
-/// The send period of a message.
+/// Returns the send period of a message.
 fn period(message: &Monitoring) -> Duration {
     Duration::from_millis(u64::from(message.send_period_ms.clamp(1, 1000)))
 }
 
-/// Time from `before` to `message` by their counters, in s, if plausible.
+/// Returns the time from `before` to `message` by their counters, in s, if plausible.
 fn counted_time_s(
     message: &Monitoring,
     before: &Monitoring,

@@ -1,4 +1,4 @@
-//! The protocol with the robot program: its version, and how its states are acknowledged.
+//! Protocol with the robot program: version check, and acknowledgement of states.
 
 use bytes::Bytes;
 use iiwa_link::{
@@ -7,7 +7,7 @@ use iiwa_link::{
     transport::Frames,
 };
 
-/// Checks that a robot program with these versions speaks this drive's version of the protocol.
+/// Checks that the robot program uses this drive's protocol version.
 pub(super) fn check_protocol(hello: &Hello) -> Result<(), Refusal> {
     let Hello { protocol, program, .. } = hello;
     if *protocol == PROTOCOL {
@@ -22,7 +22,7 @@ pub(super) fn check_protocol(hello: &Hello) -> Result<(), Refusal> {
     )))
 }
 
-/// The state in a message of the robot program, unless it is malformed, and the acknowledgement.
+/// Returns the state in a robot program message, unless malformed, and the acknowledgement.
 pub(super) fn acknowledge(mut frames: Frames) -> (Option<StateChange>, Frames) {
     let body = frames.pop().unwrap_or_default();
     frames.push(Bytes::from_static(RECEIVED.as_bytes()));

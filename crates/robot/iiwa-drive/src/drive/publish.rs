@@ -5,7 +5,7 @@ use std::sync::mpsc::Receiver;
 use bytes::Bytes;
 use iiwa_link::{Published, message::to_json, transport::Listener};
 
-/// Largest number of messages that wait to be published.
+/// Maximum number of messages waiting for publication.
 pub(super) const BACKLOG: usize = 4096;
 
 /// Publishes until the sender is dropped.

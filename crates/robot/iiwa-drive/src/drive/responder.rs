@@ -1,4 +1,4 @@
-//! The drive's side of FRI, sans I/O: datagrams of the controller come in; answers and events go out.
+//! The drive side of FRI, sans I/O: input are controller datagrams, output are answers and events.
 
 use std::{
     net::{IpAddr, SocketAddr},
@@ -21,18 +21,18 @@ use super::{
     setpoints::{Parameters, TrajectoryTask},
 };
 
-/// The result of receiving a datagram.
+/// Result of receiving a datagram.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Reception {
-    /// It is invalid, implausible or not newer than the latest message.
+    /// The datagram is invalid, implausible or not newer than the latest message.
     Ignored,
-    /// It is accepted, and no answer is due.
+    /// The message is accepted, and no answer is due.
     Accepted,
-    /// It is accepted and answered.
+    /// The message is accepted and answered.
     Answered,
 }
 
-/// The drive's side of FRI.
+/// The drive side of FRI.
 pub(super) struct Responder {
     limits: Limits,
     client: Client,
@@ -41,19 +41,19 @@ pub(super) struct Responder {
     task: TrajectoryTask,
     governor: Governor,
     measured_rad: Option<Joints>,
-    /// When the last message or the current trajectory arrived.
+    /// Arrival time of the current trajectory, or of the last message while the trajectory runs.
     busy_since: Option<Instant>,
     events: Vec<FriEvent>,
 }
 
-/// How long the controller may be silent while a trajectory runs.
+/// Time-out of controller messages while a trajectory runs.
 const SILENCE_TIMEOUT: Duration = Duration::from_secs(1);
 
-/// How long a session may take to reach active commanding.
+/// Time-out of a session to reach active commanding.
 const COMMANDING_TIMEOUT: Duration = Duration::from_secs(30);
 
 impl Responder {
-    /// A responder that accepts messages from `cabinet` only.
+    /// Creates a responder that accepts messages from `cabinet` only.
     pub(super) fn new(cabinet: IpAddr, limits: &Limits) -> Self {
         Self {
             limits: *limits,
@@ -68,33 +68,34 @@ impl Responder {
         }
     }
 
-    /// Takes the events since the last call.
+    /// Drains the events since the last call.
     pub(super) fn take_events(&mut self) -> impl Iterator<Item = FriEvent> + '_ {
         self.events.drain(..)
     }
 
-    /// Time of the last message on the stream's time scale, in s.
+    /// Returns the stream time of the last message, in s.
     pub(super) fn time_s(&self) -> f64 {
         self.clock.last_s
     }
 
-    /// Whether set-points move the arm.
+    /// Returns true if a trajectory has begun and set-points may move the robot.
     pub(super) fn moves(&self) -> bool {
         self.task.moves()
     }
 
-    /// Number of implausible messages.
+    /// Returns the number of implausible messages.
     pub(super) fn ignored(&self) -> u64 {
         self.plausibility.ignored()
     }
 
-    /// Runs a trajectory as soon as the session commands.
+    /// Runs a trajectory once the session commands.
     pub(super) fn run(&mut self, run: RunId, trajectory: Box<TimedJoints>, now: Instant) {
         self.busy_since = Some(now);
         self.replace(TrajectoryTask::Pending { run, trajectory, armed: false });
     }
 
-    /// Stops the trajectory on its path; one that has not begun is discarded, with an event if `report`.
+    /// Stops the trajectory on its path. A trajectory that has not begun is discarded, with an
+    /// event if `report`.
     pub(super) fn stop(&mut self, report: bool) {
         if self.task.moves() {
             return self.task.stop();
@@ -110,8 +111,8 @@ impl Responder {
         self.events.push(FriEvent::Freed(old));
     }
 
-    /// Receives a datagram that has arrived at `now`, and encodes the answer into `answer`, whose content is
-    /// replaced.
+    /// Receives a datagram that has arrived at `now`, and encodes the answer into `answer`, whose
+    /// content is replaced.
     pub(super) fn receive(
         &mut self,
         datagram: &[u8],
@@ -147,7 +148,7 @@ impl Responder {
                 }
             }
         }
-        // Cloned, as the answer changes the client; a message has no heap memory.
+        // Cloned, because the answer changes the client; a message has no heap memory.
         let Some(message) = self.client.latest().cloned() else { return Reception::Ignored };
         let tick = self.clock.tick(&message, now);
         let outcome = self.answer(&message, tick, answer);
@@ -195,7 +196,7 @@ impl Responder {
             }
             self.client.answer(limited.map(|limited| limited.joints_rad).as_ref(), answer)
         };
-        // Everything else follows the answer.
+        // All other work follows the answer.
         if let Some(end) = end {
             self.events.push(FriEvent::Ended(end));
             self.replace(TrajectoryTask::Idle);

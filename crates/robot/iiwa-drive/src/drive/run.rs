@@ -13,7 +13,7 @@ use super::{commanded_times::CommandedTimes, events::Observation, setpoints::Tra
 pub(super) struct Running<A> {
     pub(super) kind: DriveState,
     pub(super) run: RunId,
-    /// What its client states about it.
+    /// Label from the client request.
     pub(super) label: RunLabel,
     pub(super) requester: A,
     pub(super) phase: Phase,
@@ -22,18 +22,18 @@ pub(super) struct Running<A> {
     samples: Samples,
     samples_left_out: u64,
     commanded: CommandedTimes,
-    /// When the robot program acknowledged its beginning.
+    /// Time at which the robot program acknowledged the beginning of the run.
     begun_at: Option<Instant>,
-    /// How a trajectory ended on this side.
+    /// End of the trajectory on the drive side.
     pub(super) trajectory_end: Option<TrajectoryEnd>,
-    /// How it ended, and until when its last samples are waited for.
+    /// End of the run, and the time until which its last samples are awaited.
     ended: Option<(Ended, Instant)>,
 }
 
 /// The phase of a run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Phase {
-    /// The robot program plans its motions; they can be withdrawn.
+    /// The robot program plans the motions of the run; they can be withdrawn.
     Planning,
     /// The robot program is instructed to begin.
     Beginning,
@@ -45,7 +45,8 @@ pub(super) enum Phase {
 struct Ended {
     start_s: Option<f64>,
     end_s: Option<f64>,
-    /// Since when messages are waited for that show the end, if the robot program told no times.
+    /// Time since which messages are awaited that show the end, if the robot program reported no
+    /// times.
     untimed: Option<Instant>,
     error: Option<Refusal>,
 }
@@ -54,22 +55,24 @@ struct Ended {
 pub(super) struct FinishedRun<A> {
     pub(super) run: Run,
     pub(super) error: Option<Refusal>,
-    /// Whether the robot program had begun it.
+    /// `true` if the robot program had begun the run.
     pub(super) has_begun: bool,
     pub(super) requester: A,
 }
 
-/// How long the robot program may take to report a run that it has acknowledged.
+/// Time-out of the robot program to report a run that it has acknowledged.
 const REPORT_TIMEOUT: Duration = Duration::from_secs(2);
 
-/// How long the last samples of a run are waited for.
+/// Time-out of the last samples of a run.
 const SAMPLES_TIMEOUT: Duration = Duration::from_millis(100);
 
-/// How long the end of the commanded motion is waited for, and with how many messages it has to be over.
+/// Time-out of the end of the commanded motion, and number of messages without change that confirm
+/// the end.
 const COMMANDED_TIMEOUT: Duration = Duration::from_secs(1);
 const COMMANDED_MESSAGES: u32 = 3;
 
-/// How long the samples after the end of the commanded motion are kept, in s: the arm arrives after it.
+/// Time after the end of the commanded motion for which samples are kept, in s: the robot arrives
+/// later.
 const ARRIVAL_S: f64 = 0.25;
 
 impl<A> Running<A> {
@@ -113,26 +116,27 @@ impl<A> Running<A> {
         }
     }
 
-    /// The robot program has begun the run.
+    /// Records that the robot program has begun the run.
     pub(super) fn begun(&mut self, now: Instant) {
         self.phase = Phase::Begun;
         self.begun_at.get_or_insert(now);
     }
 
-    /// Whether the robot program should have reported the run by now.
+    /// Returns true if the robot program should have reported the run by now.
     pub(super) fn is_overdue(&self, now: Instant) -> bool {
         self.begun_at
             .is_some_and(|begun_at| now.saturating_duration_since(begun_at) > REPORT_TIMEOUT)
     }
 
-    /// The robot program has ended the run; its clock is `ahead_s` ahead of the stream's.
+    /// Records that the robot program has ended the run; its clock is `ahead_s` ahead of the stream
+    /// time.
     pub(super) fn end(&mut self, outcome: &Outcome, ahead_s: f64, now: Instant) {
         self.begun(now);
         if self.ended.is_some() {
             return;
         }
         let ended = match self.trajectory_end.take() {
-            // The times of the set-points are known here.
+            // The set-point times are known here.
             Some(TrajectoryEnd { start_s, end_s, error, .. }) if outcome.error.is_none() => {
                 Ended { start_s: Some(start_s), end_s: Some(end_s), untimed: None, error }
             }
@@ -153,17 +157,18 @@ impl<A> Running<A> {
         self.ended = Some((ended, now + timeout));
     }
 
-    /// The run has failed, or did not begin.
+    /// Records a failure of the run, which may not have begun.
     pub(super) fn fail(&mut self, error: Refusal, now: Instant) {
         self.ended.get_or_insert((Ended { error: Some(error), ..Ended::default() }, now));
     }
 
-    /// Whether it has ended.
+    /// Returns true if the run has ended.
     pub(super) fn has_ended(&self) -> bool {
         self.ended.is_some()
     }
 
-    /// Whether it has ended and its last samples have arrived, or are no longer waited for.
+    /// Returns true if the run has ended and its last samples have arrived or are no longer
+    /// awaited.
     pub(super) fn is_complete(&self, observation: Option<&Observation>, now: Instant) -> bool {
         self.ended.as_ref().is_some_and(|(ended, until)| {
             let has_arrived = match (ended.untimed, ended.end_s) {

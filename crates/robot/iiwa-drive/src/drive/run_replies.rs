@@ -1,5 +1,5 @@
-//! Replies with the measurements of runs. A thread of its own writes them: they may be long, and clients may
-//! read them slowly.
+//! Replies with run measurements, in a separate thread: replies may be long, and clients may read
+//! them slowly.
 
 use std::{
     collections::VecDeque,
@@ -26,7 +26,7 @@ impl RunRecord {
         Self { samples: run.samples.t_s.len(), body: Body::Run(run), error }
     }
 
-    /// The memory of a reply, in units of [`UNIT_BYTES`].
+    /// Returns the memory of a reply, in units of [`UNIT_BYTES`].
     fn units(&self) -> u32 {
         let units = (self.samples * SAMPLE_BYTES).div_ceil(UNIT_BYTES).clamp(1, UNITS);
         u32::try_from(units).unwrap_or(u32::MAX)
@@ -41,7 +41,7 @@ pub(super) struct RunReply<C> {
 }
 
 impl<C> RunReply<C> {
-    /// The reply as JSON.
+    /// Returns the reply as JSON.
     pub(super) fn to_json(&self) -> String {
         let Self { id, record, .. } = self;
         let RunRecord { body, error, .. } = &**record;
@@ -52,15 +52,15 @@ impl<C> RunReply<C> {
 /// Size of a sample in a reply, in bytes: eight numbers of up to 20 digits.
 const SAMPLE_BYTES: usize = 8 * 21;
 
-/// Memory is accounted in units of this size.
+/// Unit of memory accounting.
 const UNIT_BYTES: usize = 64 << 10;
 const UNITS: usize = MAX_REPLY_BYTES / UNIT_BYTES;
 
-/// How often the quota is checked again.
+/// Poll interval for the quota.
 const POLL_INTERVAL: Duration = Duration::from_millis(5);
 
-/// Writes replies and sends each with a permit to be held until it is sent. All replies in transit take no
-/// more memory than the longest one.
+/// Writes replies and sends each with a permit that is held until the reply is sent. All replies in
+/// transit together use at most the memory of the longest possible reply.
 pub(super) fn write_replies<C>(
     queue: &Receiver<RunReply<C>>,
     send: impl Fn(C, Bytes, OwnedSemaphorePermit),
@@ -78,7 +78,7 @@ pub(super) fn write_replies<C>(
             Err(RecvTimeoutError::Timeout) => {}
             Err(RecvTimeoutError::Disconnected) => return,
         }
-        // A long reply does not delay those behind it.
+        // A long reply does not delay later ones.
         for reply in std::mem::take(&mut backlog) {
             match quota.clone().try_acquire_many_owned(reply.record.units()) {
                 Err(_) => backlog.push_back(reply),

@@ -11,20 +11,21 @@ use iiwa_traj::playback::{Playback, STOP_S, TimedMotion};
 
 use super::clock::Tick;
 
-/// A trajectory from the actual position of the robot: the difference fades within the first half second.
+/// A trajectory that starts at the actual position: the difference to its first point fades within
+/// the first half second.
 pub(super) struct OffsetTrajectory {
     trajectory: Box<TimedJoints>,
     difference_rad: Joints,
-    /// Time that the difference takes at full speed, in s. The trajectory is delayed by this time while the
-    /// difference fades, so that both together are no faster than the trajectory alone.
+    /// Time that the difference takes at full speed, in s. The trajectory is delayed by this time
+    /// while the difference fades, so that the sum is no faster than the trajectory alone.
     delay_s: f64,
 }
 
-/// Time in which a difference at the start fades, in s. For half a degree, this takes 2 % of the acceleration
-/// limits, and the delay of the trajectory another 2 %.
+/// Fading time of a difference at the start, in s. For half a degree, fading uses 2 % of the
+/// acceleration limits, and the delay of the trajectory another 2 %.
 const FADE_S: f64 = 0.5;
 
-/// Smaller differences do not prolong a trajectory, in rad.
+/// Difference up to which a trajectory is not prolonged, in rad.
 const NEGLIGIBLE_RAD: f64 = 1e-5;
 
 impl OffsetTrajectory {
@@ -38,6 +39,7 @@ impl OffsetTrajectory {
 impl TimedMotion for OffsetTrajectory {
     fn at(&self, t_s: f64) -> Joints {
         let x = (t_s / FADE_S).clamp(0.0, 1.0);
+        // Quintic with zero velocity and acceleration at both ends.
         let faded = x * x * x * (10.0 - 15.0 * x + 6.0 * x * x);
         let mut q = self.trajectory.at(t_s - self.delay_s * faded);
         for (q, offset) in q.iter_mut().zip(&self.difference_rad) {
@@ -55,28 +57,28 @@ impl TimedMotion for OffsetTrajectory {
 /// The state of the current trajectory.
 #[derive(Default)]
 pub(super) enum TrajectoryTask {
-    /// There is none.
+    /// No trajectory.
     #[default]
     Idle,
-    /// It waits until the session commands.
+    /// The trajectory waits until the session commands.
     Pending {
         run: RunId,
         trajectory: Box<TimedJoints>,
-        /// The session was in another state meanwhile: it commands for this trajectory, not for the one
-        /// before.
+        /// `true` if the session was in another state meanwhile, so that it commands for this
+        /// trajectory and not for the previous one.
         armed: bool,
     },
-    /// Its set-points are sent.
+    /// Set-points of the trajectory are being sent.
     Running {
         run: RunId,
         playback: Box<Playback<OffsetTrajectory>>,
         start_s: f64,
         parameters: Parameters,
-        /// Time since the last set-point, in s.
+        /// Time spent waiting for arrival at the last set-point, in s.
         arriving_s: f64,
     },
-    /// It was aborted, and the arm is brought to rest; with the state before, which is freed outside the
-    /// real-time thread.
+    /// The trajectory was aborted, and the robot is braking. The previous state is kept, to be
+    /// freed outside the real-time thread.
     Braking(TrajectoryEnd, Box<TrajectoryTask>),
 }
 
@@ -87,10 +89,11 @@ pub(super) struct Parameters {
     receive_multiplier: u32,
 }
 
-/// Longest time between messages for commanding, in ms, as KUKA specifies.
+/// Maximum time between messages for commanding, in ms, as specified by KUKA.
 const LONGEST_PERIOD_MS: u32 = 10;
 
-/// Longest time between answers, in ms. A joint reaches a quarter of its velocity limit in it.
+/// Maximum time between answers, in ms. A joint reaches a quarter of its velocity limit within this
+/// time.
 const LONGEST_STEP_MS: u32 = 50;
 
 impl Parameters {
@@ -101,12 +104,12 @@ impl Parameters {
         }
     }
 
-    /// Time between expected answers, in s: the horizon of a set-point.
+    /// Returns the time between expected answers, in s: the horizon of a set-point.
     pub(super) fn step_s(self) -> f64 {
         f64::from(self.period_ms.max(1)) * f64::from(self.receive_multiplier) * 1e-3
     }
 
-    /// Checks that the arm can be commanded.
+    /// Checks that the robot can be commanded with these parameters.
     pub(super) fn check(self) -> Result<(), Refusal> {
         let Self { period_ms, receive_multiplier } = self;
         if !(1..=LONGEST_PERIOD_MS).contains(&period_ms) {
@@ -132,22 +135,22 @@ impl Parameters {
 /// The end of a trajectory, as seen by the drive.
 pub(super) struct TrajectoryEnd {
     pub(super) run: RunId,
-    /// Its start on the stream's time scale, in s.
+    /// Start on the stream time scale, in s.
     pub(super) start_s: f64,
-    /// Its end on the stream's time scale, in s.
+    /// End on the stream time scale, in s.
     pub(super) end_s: f64,
-    /// Why it was aborted.
+    /// The reason for an abort or a stop.
     pub(super) error: Option<Refusal>,
 }
 
-/// Tolerance about the last set-point, in rad.
+/// Arrival tolerance about the last set-point, in rad.
 const ARRIVED_RAD: f64 = 1e-4;
 
-/// How long the robot may take to reach it, in s.
+/// Time-out of arrival at the last set-point, in s.
 const ARRIVAL_TIMEOUT_S: f64 = 1.0;
 
 impl TrajectoryTask {
-    /// Whether the trajectory has begun.
+    /// Returns true if the trajectory has begun.
     pub(super) fn moves(&self) -> bool {
         matches!(self, Self::Running { .. } | Self::Braking(..))
     }
@@ -171,7 +174,8 @@ impl TrajectoryTask {
         *self = Self::Braking(end, old);
     }
 
-    /// The end of an aborted trajectory at `t_s`, and its state before; the task is idle afterwards.
+    /// Returns the end of an aborted trajectory at `t_s` and its previous state; the task is idle
+    /// afterwards.
     pub(super) fn take_ended(&mut self, t_s: f64) -> Option<(TrajectoryEnd, Self)> {
         match std::mem::take(self) {
             Self::Braking(end, old) => Some((TrajectoryEnd { end_s: t_s, ..end }, *old)),
@@ -182,9 +186,9 @@ impl TrajectoryTask {
         }
     }
 
-    /// Advances to the time of a message. Returns the set-point, in rad, and the end of the trajectory if it
-    /// is complete. An aborted trajectory is `Braking` afterwards. A trajectory begins with an answer that
-    /// `is_due`.
+    /// Advances to the time of a message. Returns the set-point, in rad, and the end of the
+    /// trajectory if it is complete. An aborted trajectory is `Braking` afterwards. A trajectory
+    /// begins only with an answer that `is_due`.
     pub(super) fn advance(
         &mut self,
         message: &Monitoring,
@@ -205,6 +209,7 @@ impl TrajectoryTask {
             match start(trajectory, message, limits) {
                 Ok(mut playback) => {
                     let parameters = Parameters::of(message);
+                    // The first set-point is one answer period ahead of the start.
                     playback.advance(parameters.step_s());
                     let setpoint = playback.position();
                     let start_s = tick.t_s;
@@ -240,13 +245,14 @@ impl TrajectoryTask {
             let end = TrajectoryEnd { run: *run, start_s: *start_s, end_s: tick.t_s, error };
             return (Some(setpoint), Some(end));
         }
-        // By the controller's clock: a lost message does not delay the trajectory.
+        // Time advances with the controller clock: a lost message does not delay the trajectory.
         playback.advance(tick.elapsed_s);
         (Some(playback.position()), None)
     }
 }
 
-/// The joint (0 to 6) furthest from the last set-point and its distance in rad, unless it has arrived.
+/// Returns the joint (0 to 6) furthest from the last set-point and its distance in rad, unless the
+/// robot has arrived.
 fn furthest(message: &Monitoring, setpoint: &Joints) -> Option<(usize, f64)> {
     let at = message.commanded_rad?;
     (0..7)
@@ -255,7 +261,7 @@ fn furthest(message: &Monitoring, setpoint: &Joints) -> Option<(usize, f64)> {
         .filter(|(_, off_rad)| *off_rad >= ARRIVED_RAD)
 }
 
-/// Whether no safety stop is active.
+/// Returns true if no safety stop is active.
 fn is_safe(message: &Monitoring) -> bool {
     message.safety.is_none_or(|safety| safety == Safety::Normal)
 }
@@ -270,7 +276,7 @@ fn check_continuation(message: &Monitoring, parameters: Parameters) -> Result<()
         )));
     }
     if !is_safe(message) {
-        // The arm is at rest or brakes: further set-points would run away from it.
+        // The robot is at rest or braking: further set-points would depart from it.
         return Err(Refusal::robot("a safety stop of the robot is active"));
     }
     if message.commanded_rad.is_none() {
@@ -328,7 +334,7 @@ mod tests {
 
     const CYCLE_S: f64 = 0.005;
 
-    /// The `cycle`-th message of a commanding session, with the robot at 0.
+    /// Returns the `cycle`-th message of a commanding session, with the robot at 0.
     fn message(cycle: u32) -> Monitoring {
         Monitoring {
             sequence: cycle,
@@ -349,7 +355,7 @@ mod tests {
         (setpoint, end.or_else(|| task.take_ended(t_s).map(|(end, _)| end)))
     }
 
-    /// A trajectory of joint 1 at 0.1 rad/s, in its tenth cycle.
+    /// Returns a trajectory of joint 1 at 0.1 rad/s, in its tenth cycle.
     fn running(points: u32) -> TrajectoryTask {
         let t_s: Vec<f64> = (0..points).map(|i| f64::from(i) * 0.01).collect();
         let joints_rad = t_s.iter().map(|t_s| [0.1 * t_s, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]).collect();
@@ -414,7 +420,7 @@ mod tests {
         }
     }
 
-    /// A robot that stays 0.001 rad off: stopped or not, the run ends.
+    /// A robot that remains 0.001 rad off ends the run, with and without a stop.
     #[test]
     fn an_arm_that_does_not_arrive_ends_the_run() {
         for stops in [false, true] {
@@ -441,7 +447,7 @@ mod tests {
         }
     }
 
-    /// A difference at the start does not make the arm faster.
+    /// A difference at the start does not increase the speed.
     #[test]
     fn a_difference_at_the_start_fades_within_the_limits() {
         let limits = *Robot::default().limits();

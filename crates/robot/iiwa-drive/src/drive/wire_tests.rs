@@ -1,22 +1,25 @@
-//! The drive's output on the wire under network faults, judged by the datagrams only.
+//! Drive output on the wire under network faults, judged by the datagrams only.
 //!
-//! A simulated controller sends messages and receives answers over a network that loses, duplicates, delays and
-//! reorders them. The answers that the drive has sent while commanding was active, in order, have to keep bounds
-//! of these quantities:
+//! A simulated controller sends messages and receives answers over a network that loses,
+//! duplicates, delays and reorders them. The sequence of answers sent during active commanding must
+//! satisfy bounds on these quantities:
 //!
-//! - velocity: the difference of the positions of two answers over the time between the answered messages, by
+//! - velocity: the position difference of two answers over the time between the answered messages,
+//!   by
 //!   the controller's cycles;
-//! - acceleration: the difference of two such velocities over the mean of their times. Before the first answer,
-//!   the arm is at rest at the position in the first message. Where messages are missing, the times between
-//!   answers are longer, as the controller extrapolates the motion;
-//! - position: within the range;
-//! - jump: the distance of the position of an answer from that of the arm in the answered message.
+//! - acceleration: the difference of two such velocities over the mean of their times. Before the
+//!   first answer, the robot is at rest at the position in the first message. Where messages are
+//!   missing, the times between answers are longer, because the controller extrapolates the motion;
+//! - position: within the joint range;
+//! - jump: the distance between the position of an answer and the robot position in the answered
+//!   message.
 //!
-//! Where set-points are missing, a controller moves the arm on its own: some extrapolate the motion, others stop
-//! it. If the distance from the commanded position becomes too large, the first answer afterwards may restart at
-//! the position of the arm, with its mean velocity since the message before; these restarts are counted.
+//! While set-points are missing, a controller moves the robot on its own: some controllers
+//! extrapolate the motion, others stop it. If the distance from the commanded position becomes too
+//! large, the first answer afterwards may restart at the robot position, with its mean velocity
+//! since the previous message; these restarts are counted.
 //!
-//! An ordinary test makes 200 runs, and 1000 with `IIWASIM_LONG=1`.
+//! An ordinary test makes 200 runs; with `IIWASIM_LONG=1`, it makes 1000.
 
 #![expect(
     clippy::cast_possible_truncation,
@@ -48,7 +51,7 @@ use self::{
 };
 use super::responder::Reception;
 
-/// Number of successful runs, and the largest values on the wire.
+/// Number of successful runs, reasons of failures, maximum values on the wire, and restarts.
 #[derive(Debug, Default)]
 struct Tally {
     successful: u32,
@@ -57,7 +60,7 @@ struct Tally {
     restarts: u32,
 }
 
-/// One run with random faults and, every other time, a stop.
+/// Makes one run with random faults and, in half of the cases, a stop.
 fn run(seed: u64, trajectory: &TimedJoints, tally: &mut Tally) {
     let mut random = Rng::with_seed(seed);
     let period_ms = [1, 5, 10][random.usize(0..3)];

@@ -48,7 +48,7 @@ fn invalid_instructions_get_an_error_and_have_no_effect() {
     }
     assert!(socket.ask_bytes(b"\xff\xfe").contains("bad_request"));
     assert!(socket.ask_frames(&[b"{}", b"{}"]).contains("one frame"));
-    // Messages of peers that do not frame them like REQ get no reply and have no effect.
+    // Messages of peers without REQ framing receive no reply and have no effect.
     let dealer = Socket::connect(SocketType::Dealer, &rig.cabinet_config.instructions).unwrap();
     for frames in [[b"x".as_slice(), b"y"].as_slice(), &[b""], &[b"", b""], &[b"{}"]] {
         dealer.send(frames).unwrap();

@@ -1,5 +1,5 @@
-//! The file of malformed instructions that all robot programs have to refuse, `sunrise/conformance/bad_input.jsonl`: it
-//! holds the rows of the tables here.
+//! Malformed instructions that all robot programs have to refuse: the file
+//! `sunrise/conformance/bad_input.jsonl` contains the rows of the tables below.
 
 use std::{collections::BTreeSet, env, fs};
 
@@ -16,7 +16,7 @@ use crate::link::{
     invalid_motions::invalid_motions,
 };
 
-/// How many malformed instructions there are at least.
+/// Minimum number of malformed instructions.
 const AT_LEAST: usize = 1000;
 
 #[test]
@@ -48,7 +48,7 @@ fn the_file_of_malformed_instructions_has_the_rows_of_these_tables() {
     );
 }
 
-/// All rows of the file.
+/// Returns all rows of the file.
 fn rows() -> Vec<Value> {
     let mut rows = Vec::new();
     for (kind, Corrupted { message, name, what }) in corrupted_instructions() {
@@ -56,7 +56,7 @@ fn rows() -> Vec<Value> {
         rows.push(row(&format!("{kind}: {what}"), &message.to_string(), &words));
     }
     for (what, names, list) in corrupted_motions() {
-        let others = ["column", "motion 1", "`x`", "there is no"];
+        let others = ["column", "motion 1", "`x`", "unknown"];
         let words: Vec<&str> = names.iter().map(String::as_str).chain(others).collect();
         rows.push(row(&format!("motions, {what}"), &run_motions(&list[1..]), &words));
     }
@@ -70,7 +70,7 @@ fn rows() -> Vec<Value> {
     rows
 }
 
-/// The instruction to run the motions of which these are the keys, and the closing brace.
+/// Returns an instruction to run motions with these keys, and the closing brace.
 fn run_motions(keys: &str) -> String {
     let segment = r#"{"type": "spl", "frame": "pick"}"#;
     let keys = keys.replace("@21", &[segment; 21].join(", "));
@@ -101,7 +101,7 @@ fn doubled_keys() -> Vec<Value> {
     rows
 }
 
-/// Texts and bytes that are no instruction.
+/// Returns texts and bytes that are not instructions.
 fn no_instructions() -> Vec<Value> {
     let words = ["column", "instruction", "object", "type", "seq"];
     let mut rows = Vec::new();
@@ -168,7 +168,7 @@ fn no_instructions() -> Vec<Value> {
     rows
 }
 
-/// The case of an instruction that is refused: it is checked against the parser and the planner.
+/// Returns the case of a refused instruction, after a check against the parser and the planner.
 fn row(name: &str, text: &str, words: &[&str]) -> Value {
     let (seq, instruction) = Instruction::from_json(text.as_bytes());
     if let Ok(Instruction::RunMotions { motions, .. }) = &instruction {
@@ -177,7 +177,7 @@ fn row(name: &str, text: &str, words: &[&str]) -> Value {
             other => panic!("{name}: {other:?}"),
         }
     } else if let Ok(instruction) = &instruction {
-        // What there is to read and to set, the cabinet knows.
+        // Only the cabinet knows its inputs and outputs.
         let names_something =
             matches!(instruction, Instruction::GetIo { .. } | Instruction::SetIo { .. });
         assert!(names_something, "{name}: {text}");
@@ -191,7 +191,8 @@ fn row(name: &str, text: &str, words: &[&str]) -> Value {
     json!({"name": name, "steps": [send, {"expect": answer}]})
 }
 
-/// Whether the text says no more than the value: keys that are there twice are lost on the way.
+/// Returns true if the text is equivalent to the value: `false` for duplicate keys, which the value
+/// loses.
 fn same(value: &Value, text: &str) -> bool {
     let bare = |text: &str| text.chars().filter(|letter| !letter.is_whitespace()).count();
     value.is_object() && bare(&value.to_string()) == bare(text)

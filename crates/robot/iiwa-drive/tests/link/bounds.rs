@@ -18,12 +18,12 @@ use crate::link::{
     rig::{LONG, Rig, wait_for},
 };
 
-/// A peer that sends nothing.
+/// Connects a peer that sends nothing.
 fn silent(at: &str) -> Peer {
     Peer::silent(address(at), LONG).unwrap()
 }
 
-/// A peer that has completed the handshake, without keys.
+/// Connects a peer that has completed the handshake, without keys.
 fn connected(at: &str, kind: &str) -> Peer {
     Peer::connect(address(at), kind, LONG).unwrap()
 }
@@ -37,12 +37,12 @@ fn send(peer: &mut Peer, bytes: &[u8]) {
     let _ = peer.stream.write_all(bytes);
 }
 
-/// An empty frame, and the header of a request.
+/// Returns an empty frame, and the header of a request.
 fn request(length: usize) -> Vec<u8> {
     [frame_head(MORE, 0), frame_head(0, length)].concat()
 }
 
-/// A motion can be begun, observed and stopped.
+/// Asserts that a motion can be begun, observed and stopped.
 fn assert_stops(rig: &Rig) {
     let mut client = rig.client();
     let to = if rig.cabinet().position()[0] < 0.2 { 40.0 } else { 0.0 };
@@ -56,7 +56,7 @@ fn assert_stops(rig: &Rig) {
     assert_eq!(rig.cabinet().position(), at_rest);
 }
 
-/// Number of open connections, once no more of them are closed.
+/// Returns the number of open connections, once no more of them are closed.
 fn left(peers: &mut Vec<Peer>) -> usize {
     let mut since = Instant::now();
     while since.elapsed() < Duration::from_millis(500) {
@@ -102,7 +102,7 @@ fn long_requests_are_received_one_at_a_time_and_delay_no_stop() {
     let at = &rig.drive_config.instructions;
     let mut senders: Vec<_> = (0..12).map(|_| connected(at, "DEALER")).collect();
     for (i, peer) in senders.iter_mut().enumerate() {
-        // Some exceed the limit.
+        // Some requests exceed the limit.
         let length = if i % 2 == 0 { 60_000_000 } else { MAX_MESSAGE_BYTES - 1000 };
         send(peer, &request(length));
         peer.stream.set_nonblocking(true).unwrap();
@@ -110,7 +110,7 @@ fn long_requests_are_received_one_at_a_time_and_delay_no_stop() {
         peer.stream.set_nonblocking(false).unwrap();
     }
     assert_stops(&rig);
-    // Those that pause are disconnected, one after the other.
+    // Peers that pause are disconnected, one after the other.
     wait_for("disconnections", || {
         senders.iter_mut().filter_map(|peer| peer.is_closed().unwrap().then_some(())).count() > 6
     });
@@ -138,11 +138,11 @@ fn unread_replies_are_bounded() {
     rig.client().run_motions(slowly_to(20.0), Some(LONG)).unwrap();
     let mut lazy = connected(&rig.drive_config.instructions, "DEALER");
     let ask = message(&[b"", br#"{"type": "last_run"}"#]);
-    // It does not read, so its requests are not read beyond a limit.
+    // The peer does not read, so the drive stops reading its requests at a limit.
     lazy.stream.set_nonblocking(true).unwrap();
     let since = Instant::now();
     let (mut rest, mut taken) = (&*ask, since);
-    // A drive that is only slow takes more within a second.
+    // A drive that is merely slow accepts more bytes within a second.
     while taken.elapsed() < Duration::from_secs(1) {
         assert!(since.elapsed() < LONG);
         match lazy.stream.write(rest) {
@@ -158,7 +158,7 @@ fn unread_replies_are_bounded() {
     }
     assert_stops(&rig);
     lazy.stream.set_nonblocking(false).unwrap();
-    // It is answered: with the stopped run, or with the one before if the stop came before that began.
+    // The reply is the stopped run, or the previous run if the stop preceded the beginning.
     match rig.client().last_run() {
         Ok(_) | Err(ClientError::Refused { .. }) => {}
         Err(error) => panic!("{error}"),

@@ -16,7 +16,7 @@ use crate::link::{
 
 const START_DEG: Joints = [0.0, 30.0, 0.0, -60.0, 0.0, 90.0, 0.0];
 
-/// A request of all kinds of motions, with blends between them.
+/// Returns a request with all kinds of motions and blends between them.
 fn request(mode: Option<&str>) -> Value {
     let down = |x: f64, y: f64, z: f64| json!({"base": "table", "x_mm": x, "y_mm": y, "z_mm": z, "a_deg": 0, "b_deg": 180, "c_deg": 0});
     let near = json!({"cart_mm": 20});
@@ -53,7 +53,7 @@ fn start_rad() -> Joints {
     START_DEG.map(f64::to_radians)
 }
 
-/// A cabinet and a drive, and the arm in a bent pose.
+/// Starts a cabinet and a drive, with the robot in a bent pose.
 fn bent_rig() -> Rig {
     let mut rig = Rig::parts(5);
     rig.cabinet_config.start_rad = start_rad();
@@ -75,11 +75,11 @@ fn motions_with_frames_take_the_planned_time_and_path() {
         assert_as_planned(&run, &plan, 0.005);
         cycle_times_s.push(run.cycle_time_s.unwrap());
     }
-    // The operating mode arrives: 225 mm/s is less than some of the motions have.
+    // The operating mode takes effect: 225 mm/s is less than the speed of some motions.
     assert!(cycle_times_s[1] > 1.05 * cycle_times_s[0], "{cycle_times_s:?}");
 }
 
-/// In JSON, as a client in another language sends it.
+/// JSON request, as sent by a client in another language.
 #[test]
 fn a_request_with_frames_is_replied_to() {
     let rig = bent_rig();
@@ -97,7 +97,8 @@ fn a_request_with_frames_is_replied_to() {
     assert!((-1e-6..0.005 + 1e-6).contains(&late_s), "late by {late_s} s");
 }
 
-/// Straight aside and up, and stopped on the way: on the line, in the orientation that it has all along.
+/// A linear motion sideways and up, stopped on the way, remains on the line and keeps its
+/// orientation.
 #[test]
 fn a_stopped_line_stays_a_line() {
     let rig = bent_rig();
@@ -127,7 +128,7 @@ fn a_stopped_line_stays_a_line() {
     assert_eq!(rig.client().state().unwrap().state, DriveState::Idle);
     let stopped_m = way_m(&rig.cabinet().position());
     assert!((0.04..0.14).contains(&stopped_m), "{stopped_m} m of 0.168");
-    // The path that was planned, and where the arm was on it.
+    // Distance of the measured positions from the planned path.
     let plan = planned_from(start_rad(), list(&long));
     let planned: Vec<Joints> =
         (0..=4000).map(|i| plan.at(plan.cycle_time_s() * f64::from(i) / 4000.0).q).collect();
@@ -138,7 +139,7 @@ fn a_stopped_line_stays_a_line() {
     }
 }
 
-/// Requests that are refused before anything moves: what is changed, the code, and a text in the message.
+/// Refused requests without motion: the change, the code, and a text in the message.
 #[test]
 #[expect(clippy::too_many_lines, reason = "a table of cases")]
 fn what_cannot_be_planned_is_refused() {
@@ -152,13 +153,13 @@ fn what_cannot_be_planned_is_refused() {
             "/tool",
             json!("griper"),
             "bad_request",
-            "there is no tool `griper`; did you mean `gripper`?, at line 1, column",
+            "unknown tool `griper`; did you mean `gripper`?, at line 1, column",
         ),
         (
             "/tool",
             json!("gripper/tip"),
             "bad_request",
-            "there is no tool `gripper/tip`; there are `gripper`, `gripper/finger`, at line 1, column",
+            "unknown tool `gripper/tip`; there are `gripper`, `gripper/finger`, at line 1, column",
         ),
         ("/tool", json!(long), "bad_request", "xxx..."),
         ("/tool", json!("\u{1b}[2J"), "bad_request", "`\\u{1b}[2J`"),
@@ -167,7 +168,7 @@ fn what_cannot_be_planned_is_refused() {
             "/base",
             json!("shelf"),
             "bad_request",
-            "there is no base `shelf`; there is `table`, at line 1, column",
+            "unknown base `shelf`; there is `table`, at line 1, column",
         ),
         ("/mode", json!("t3"), "bad_request", "unknown value `t3`"),
         ("/tools/gripper/tcp/z_mm", json!("120"), "bad_request", "column"),
@@ -178,28 +179,28 @@ fn what_cannot_be_planned_is_refused() {
             "bad_request",
             "the base `table` is given in itself",
         ),
-        ("/frames/pick/base", json!("shelf"), "bad_request", "motion 1: there is no base `shelf`"),
+        ("/frames/pick/base", json!("shelf"), "bad_request", "motion 1: unknown base `shelf`"),
         ("/frames/pick", json!({"x_mm": 1}), "bad_request", "`pick`: `y_mm` is missing"),
         ("/frames/pick/status", json!(8), "bad_request", "`pick`: status is 8"),
         (
             "/motions/0/frame",
             json!("peck"),
             "bad_request",
-            "motion 1: there is no frame `peck`; did you mean `pick`?, at line 1, column",
+            "motion 1: unknown frame `peck`; did you mean `pick`?, at line 1, column",
         ),
-        ("/motions/2/aux", json!("vea"), "bad_request", "motion 3: there is no frame `vea`"),
+        ("/motions/2/aux", json!("vea"), "bad_request", "motion 3: unknown frame `vea`"),
         (
             "/motions/2/aux",
             json!("place"),
             "bad_request",
             "motion 3: start, auxiliary frame and end are on one line",
         ),
-        ("/motions/3/tool", json!("drill"), "bad_request", "motion 4: there is no tool `drill`"),
+        ("/motions/3/tool", json!("drill"), "bad_request", "motion 4: unknown tool `drill`"),
         (
             "/motions/4/segments/0/frame",
             json!("vea"),
             "bad_request",
-            "motion 5: segment 1: there is no frame `vea`",
+            "motion 5: segment 1: unknown frame `vea`",
         ),
         (
             "/motions/4/segments/1/type",
@@ -242,14 +243,14 @@ fn what_cannot_be_planned_is_refused() {
         assert_eq!(rig.cabinet().position().map(f64::to_bits), before.map(f64::to_bits), "{path}");
     }
     assert_eq!(socket.ask(r#"{"type": "state"}"#)["state"], "idle");
-    // Nothing of this hinders the next run.
+    // Refused requests do not affect the next run.
     let mut good = request(None);
     good["motions"] = json!([{"type": "lin_rel", "offset": {"z_mm": -10}}]);
     assert_eq!(list(&good).workcell.mode, OperatingMode::Automatic);
     rig.client().run_motions(list(&good), Some(LONG)).unwrap();
 }
 
-/// Bounds: segments of splines count as motions, and what a client may leave out counts as written.
+/// Bounds: spline segments count as motions, and omitted keys count as written.
 #[test]
 fn requests_that_grow_are_refused() {
     let rig = bent_rig();

@@ -19,8 +19,8 @@ pub(crate) fn wrong_values() -> [Value; 8] {
     ]
 }
 
-/// A field of a message: its JSON pointer, whether it is optional, and those of [`wrong_values`] that are valid
-/// for it.
+/// A message field: its JSON pointer, its requirement, and the values of [`wrong_values`] that are
+/// valid for it.
 pub(crate) struct Field<'a>(
     pub(crate) &'a str,
     pub(crate) Requirement,
@@ -40,11 +40,11 @@ pub(crate) struct Corrupted {
     pub(crate) message: Value,
     /// The name of the field.
     pub(crate) name: String,
-    /// What was done to it.
+    /// Description of the change.
     pub(crate) what: String,
 }
 
-/// Messages in which each of these fields in turn is invalid or missing.
+/// Returns messages in which each of these fields in turn is invalid or missing.
 pub(crate) fn corrupted(good: &Value, fields: &[Field<'_>]) -> Vec<Corrupted> {
     let mut messages = Vec::new();
     for Field(path, requirement, valid) in fields {
@@ -70,7 +70,7 @@ pub(crate) fn corrupted(good: &Value, fields: &[Field<'_>]) -> Vec<Corrupted> {
     messages
 }
 
-/// A trajectory of joint 1 to `deg`.
+/// Returns a trajectory of joint 1 to `deg`.
 pub(crate) fn trajectory_to(deg: f64) -> TimedJoints {
     let mut target = [0.0; 7];
     target[0] = deg.to_radians();
@@ -78,7 +78,7 @@ pub(crate) fn trajectory_to(deg: f64) -> TimedJoints {
     sampled(&to_command(vec![motion]), 0.004)
 }
 
-/// A valid request of each type.
+/// Returns a valid request of each type.
 pub(crate) fn good_requests() -> Vec<Value> {
     let trajectory = trajectory_to(0.1);
     vec![

@@ -1,4 +1,4 @@
-//! Motions of the TCP with all their keys, and what is invalid for each.
+//! TCP motions with all their keys, and invalid values of each key.
 
 use serde_json::{Value, json};
 
@@ -8,20 +8,20 @@ use crate::link::corrupted::{
     corrupted,
 };
 
-/// A key within a motion, whether it is optional, and the values that are valid for it.
+/// A key within a motion, its requirement, and the values that are valid for it.
 type Key = (&'static str, Requirement, &'static [&'static str]);
 
 const NULL: &[&str] = &["null"];
-/// A number that may be left out.
+/// Valid values of an optional number.
 const MAYBE: &[&str] = &["3", "-0.5", "null"];
-/// A limit.
+/// Valid values of a limit.
 const LIMIT: &[&str] = &["3", "null"];
 
-/// A list of motions with many keys, and those of its keys that are corrupted.
+/// A list of motions with many keys, and the keys to be corrupted.
 struct Sample {
     kind: &'static str,
     list: Value,
-    /// Before each of the keys, as in `/motions/0`.
+    /// Path prefix of each key, such as `/motions/0`.
     prefix: &'static str,
     keys: Vec<Key>,
 }
@@ -138,7 +138,7 @@ fn lin_keys() -> Vec<Key> {
         ("frame/turn", Optional, LIMIT),
         ("frame/base", Optional, NULL),
         ("tool", Optional, NULL),
-        // The frame has a base of its own.
+        // The frame has its own base.
         ("base", Optional, &["null", "\"x\""]),
         ("orientation", Optional, &[]),
         ("velocity_rel", Optional, NULL),
@@ -148,7 +148,7 @@ fn lin_keys() -> Vec<Key> {
         ("blend", Optional, NULL),
         ("blend/cart_mm", Optional, LIMIT),
         ("blend/ori_deg", Optional, LIMIT),
-        // Beside `cart_mm` it does not count.
+        // Ignored in the presence of `cart_mm`.
         ("blend/sunrise_rel", Optional, MAYBE),
     ];
     keys.extend(
@@ -249,7 +249,7 @@ fn spline(frame: &Value) -> Sample {
     }
 }
 
-/// Tools, bases and frames, all of which the motion uses.
+/// Returns tools, bases and frames, all of which the motion uses.
 fn workcell(frame: &Value) -> Sample {
     let mut named = frame.clone();
     for (key, value) in [("e1_rad", json!(0)), ("status", json!(2)), ("turn", json!(0))] {
@@ -314,8 +314,8 @@ fn workcell(frame: &Value) -> Sample {
     }
 }
 
-/// Lists of motions with an invalid, missing, unknown or doubled key, as the text of an object, with the name of the row,
-/// and those that a message may give the key.
+/// Returns lists of motions with an invalid, missing, unknown or duplicate key: the name of the
+/// row, the keys that a message may name, and the text of the object.
 pub(crate) fn corrupted_motions() -> Vec<(String, Vec<String>, String)> {
     let mut rows = Vec::new();
     for Sample { kind, list, prefix, keys } in samples() {
@@ -344,7 +344,7 @@ pub(crate) fn corrupted_motions() -> Vec<(String, Vec<String>, String)> {
     rows
 }
 
-/// The last key of a path, or the list and the place in it.
+/// Returns the last key of a path, or the list and the index in it.
 fn names(path: &str) -> Vec<String> {
     let mut names: Vec<String> = Vec::new();
     for name in path.rsplit('/') {
@@ -356,7 +356,7 @@ fn names(path: &str) -> Vec<String> {
     names
 }
 
-/// All objects in a value, by their JSON pointers.
+/// Returns all objects in a value, by their JSON pointers.
 fn objects(value: &Value, path: String) -> Vec<(String, Value)> {
     let inner: Vec<(String, &Value)> = match value {
         Value::Object(object) => object.iter().map(|(key, value)| (key.clone(), value)).collect(),
@@ -369,7 +369,7 @@ fn objects(value: &Value, path: String) -> Vec<(String, Value)> {
     own.into_iter().chain(inner).collect()
 }
 
-/// The text of `good` in which the object at `path` has `key` twice.
+/// Returns the text of `good` in which the object at `path` has `key` twice.
 pub(crate) fn with_doubled(good: &Value, path: &str, key: &str) -> String {
     const PLACE: &str = "the doubled key";
     let mut marked = good.clone();

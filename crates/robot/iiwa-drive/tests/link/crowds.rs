@@ -1,4 +1,4 @@
-//! Many connections of others: a newcomer gets a place, and its stop is answered.
+//! Many other connections: a new connection is accepted, and its stop is answered.
 
 use std::{
     io::{ErrorKind, Read, Write},
@@ -24,7 +24,7 @@ use crate::{
     security_sockets::drive,
 };
 
-/// More connections than a socket has places for.
+/// Number of connections, more than a socket accepts.
 const CROWD: usize = 66;
 
 const STATE: &[u8] = br#"{"type": "state"}"#;
@@ -33,7 +33,8 @@ fn address(at: &str) -> SocketAddr {
     at.trim_start_matches("tcp://").parse().unwrap()
 }
 
-/// A drive without a robot, for clients with keys: its address, its keys, and those of two clients.
+/// Starts a drive without a robot, for clients with keys; returns the drive, its key pair, and the
+/// key pairs of two clients.
 fn keyed_drive() -> (Drive, KeyPair, [KeyPair; 2]) {
     let pair = || KeyPair::generate().unwrap();
     let (server, clients) = (pair(), [pair(), pair()]);
@@ -43,13 +44,14 @@ fn keyed_drive() -> (Drive, KeyPair, [KeyPair; 2]) {
     (drive(&security), server, clients)
 }
 
-/// Keeps as many requests pending as the drive accepts, until the connection is lost or the test has ended.
+/// Keeps as many requests pending as the drive accepts, until the connection is lost or the test
+/// has ended.
 fn pipeline(mut peer: Peer, over: &AtomicBool) {
     let requests = message(&[b"", STATE]).repeat(8);
     peer.stream.set_read_timeout(Some(Duration::from_millis(20))).unwrap();
     peer.stream.set_write_timeout(Some(Duration::from_millis(20))).unwrap();
     while !over.load(Ordering::Relaxed) {
-        // Timed out or not: what counts is that requests are there.
+        // A time-out does not matter, as long as requests are pending.
         let _ = peer.stream.write(&requests);
         if matches!(peer.stream.read(&mut [0; 1 << 14]), Ok(0)) {
             return;
@@ -57,7 +59,7 @@ fn pipeline(mut peer: Peer, over: &AtomicBool) {
     }
 }
 
-/// Ends the threads of a test, however it ends.
+/// Guard that ends the threads of a test, even if the test fails.
 struct Over<'a>(&'a AtomicBool);
 
 impl Drop for Over<'_> {
@@ -76,7 +78,7 @@ fn pipelines_take_neither_stops_nor_runs() {
         let mut client = rig.client();
         let mut target = [0.0; 7];
         target[0] = 1.0;
-        // Half a minute, so that it does not end before it is stopped.
+        // The motion takes half a minute, so that it does not end before the stop.
         let motion = Motion::Ptp(Ptp::to(target).velocity(0.02));
         let running = scope.spawn(move || client.run_motions(vec![motion], Some(LONG)));
         let mut other = rig.client();
@@ -114,7 +116,7 @@ fn pipelines_of_one_key_take_no_stop_of_another() {
         let _over = Over(&over);
         scope.spawn(|| {
             while !over.load(Ordering::Relaxed) {
-                // Those that are connected get more and more requests under way.
+                // Connected clients have more and more requests in transit.
                 for dialer in &pipelines {
                     (0..8).for_each(|_| dialer.send(request()));
                 }
@@ -124,7 +126,8 @@ fn pipelines_of_one_key_take_no_stop_of_another() {
         for _ in 0..10 {
             let state = |pair| Client::new(&remote(pair), drive.instructions()).unwrap().state();
             state(&alice).expect("another key is served at once");
-            // Of the crowd's own key, a new connection may give way to the next one of the crowd.
+            // A new connection with the crowd's own key may be evicted for the next connection of
+            // the crowd.
             (0..100).find_map(|_| state(&bob).ok()).expect("the crowd's key is served in between");
             thread::sleep(Duration::from_millis(50));
         }
@@ -142,7 +145,7 @@ fn a_long_request_that_trickles_blocks_no_other() {
     thread::scope(|scope| {
         let _over = Over(&over);
         scope.spawn(|| {
-            // Each byte is in time, and all of them would take a day.
+            // Each byte is in time, but the whole request would take a day.
             while !over.load(Ordering::Relaxed) && slow.stream.write_all(b"[").is_ok() {
                 thread::sleep(Duration::from_millis(100));
             }
@@ -169,8 +172,8 @@ fn handshakes_with_less_progress_are_evicted_first() {
         stream.write_all(bytes).unwrap();
         stream
     };
-    // Whether a connection with a whole greeting outlives more of silent ones and of parts of a greeting than
-    // there are places.
+    // Returns true if a connection with a complete greeting outlives more silent connections and
+    // partial greetings than the socket has slots.
     let outlives = || {
         let mut newcomer = open(&greeting);
         // The command after the drive's greeting is the answer to the whole greeting.
@@ -180,7 +183,7 @@ fn handshakes_with_less_progress_are_evicted_first() {
         let others: Vec<_> = (0..3 * CROWD)
             .map(|i| {
                 let mut stream = open(if i % 3 == 0 { b"" } else { b"\xff" });
-                // The drive's greeting has arrived, or the end.
+                // The drive's greeting has arrived, or the connection has ended.
                 if i % 3 > 0 {
                     let _ = stream.read(&mut [0; 1]);
                 }
@@ -192,7 +195,7 @@ fn handshakes_with_less_progress_are_evicted_first() {
         drop(others);
         newcomer.read(&mut [0; 100]).map_err(|error| error.kind()) == Err(ErrorKind::WouldBlock)
     };
-    // On a busy machine, all of that may take longer than a handshake may.
+    // On a busy machine, these steps may exceed the handshake time-out.
     wait_for("end of the others' evictions", || {
         let since = Instant::now();
         let outlives = outlives();
@@ -225,7 +228,7 @@ fn a_stop_is_repeated_after_lost_connections() {
     let at = format!("tcp://{}", drive.local_addr().unwrap());
     thread::scope(|scope| {
         scope.spawn(|| {
-            // As many closed handshakes as mean a refusal to other requests, and some more.
+            // More closed handshakes than are taken as a refusal for other requests.
             for _ in 0..6 {
                 drop(drive.accept().unwrap());
             }

@@ -1,4 +1,4 @@
-//! Faults: afterwards the state is correct, the next request works, and the samples that have arrived are
+//! Faults: afterwards the state is correct, the next request works, and the received samples are
 //! returned or stored.
 
 use std::{
@@ -24,7 +24,7 @@ use crate::link::{
     runs::{planned, sampled, to_command},
 };
 
-/// Joint 1 from its position to `deg`, slowly enough for faults: 40 deg take 2 s.
+/// Returns a motion of joint 1 to `deg`, slowly enough for faults: 40 deg take 2 s.
 pub(crate) fn slowly_to(deg: f64) -> Vec<Motion> {
     let mut target = [0.0; 7];
     target[0] = deg.to_radians();
@@ -41,7 +41,7 @@ fn wait_for_state(rig: &Rig, state: DriveState) {
     wait_for(state.name(), || client.state().is_ok_and(|status| status.state == state));
 }
 
-/// Begins a run in the background, and waits until the arm moves.
+/// Begins a run in the background, and waits until the robot moves.
 fn begin(
     rig: &Rig,
     run: impl FnOnce(&mut iiwa_link::Client) -> Result<Run, ClientError> + Send + 'static,
@@ -69,7 +69,7 @@ fn refused(result: Result<Run, ClientError>) -> (Refusal, Run) {
     }
 }
 
-/// Both kinds of runs work, from the position of the arm.
+/// Asserts that both kinds of runs work, from the current position.
 fn assert_works(rig: &Rig) {
     let run = (0..20).find_map(|_| {
         rig.wait_until_ready();
@@ -160,7 +160,7 @@ fn a_trajectory_stops_with_its_drive() {
         let mut rig = Rig::new(5);
         let running = begin_trajectory(&rig);
         rig.drive = None;
-        // It was stopped on its path before, without braking by the cabinet.
+        // The trajectory was stopped on its path before, without braking by the cabinet.
         let before = rig.cabinet().position()[0].to_degrees();
         assert!(matches!(running.join().unwrap(), Err(ClientError::Lost { .. })));
         rig.start_drive();
@@ -177,7 +177,7 @@ fn a_client_that_is_killed_leaves_the_run_and_its_samples() {
     let socket = Socket::connect(SocketType::Req, &rig.drive_config.instructions).unwrap();
     let request = iiwa_link::message::Request::motions(slowly_to(20.0));
     socket.send(&[request.to_json()]).unwrap();
-    // While motions are planned, the loss of their client would withdraw them.
+    // During planning, the loss of the client would withdraw the motions.
     wait_for("motion", || rig.cabinet().position()[0].abs() > 0.01);
     drop(socket);
     wait_for_state(&rig, DriveState::Idle);
@@ -243,7 +243,7 @@ fn delayed_messages_prevent_commanding() {
     });
 }
 
-/// No joint exceeds its velocity limit from one sample to the next.
+/// Asserts that no joint exceeds its velocity limit between samples.
 fn assert_no_jumps(run: &Run) {
     let limits = iiwa_kin::Robot::default();
     let limits = limits.limits().velocity_rad_s;
@@ -270,7 +270,7 @@ fn fifty_milliseconds_of_silence_are_survived() {
         rig.wait_until_ready();
         let running = begin_trajectory(&rig);
         rig.cabinet().silence(Duration::from_millis(50));
-        // Ten answers in a row are missing: commanding ends, and the arm brakes.
+        // Ten answers in a row are missing: commanding ends, and the robot brakes.
         let (refusal, run) = refused(running.join().unwrap());
         assert_eq!(refusal.code, Code::Robot);
         assert!(run.samples.t_s.len() > 10);
@@ -428,14 +428,14 @@ fn garbage_and_long_messages_have_no_effect() {
         let code = if body.len() > MAX_SHORT_REQUEST_BYTES { "not_idle" } else { "bad_request" };
         assert!(answer.contains(&format!("\"{code}\"")), "{answer}");
     }
-    // More than one frame, and a dealer with and without the empty one.
+    // More than one frame, and DEALER with and without the empty frame.
     assert!(ask(SocketType::Req, &[b"{}", b"{}"]).expect("an answer").contains("bad_request"));
     let state = br#"{"type": "state", "id": [1, "x"]}"#;
     for frames in [[b"".as_slice(), state].as_slice(), &[state]] {
         let answer = ask(SocketType::Dealer, frames).expect("an answer");
         assert!(answer.contains(r#""ok":true,"id":[1, "x"]"#), "{answer}");
     }
-    // Too long: the connection is closed.
+    // The message is too long: the connection is closed.
     let huge = vec![b' '; 100_000_000];
     assert_eq!(ask(SocketType::Req, &[&huge]), None);
     running.join().unwrap().unwrap();

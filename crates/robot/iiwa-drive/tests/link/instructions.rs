@@ -4,14 +4,14 @@ use serde_json::{Value, json};
 
 use crate::link::corrupted::{Corrupted, Field, Requirement, corrupted, fields_of, good_requests};
 
-/// The number of each instruction.
+/// Sequence number of each instruction.
 pub(crate) const SEQ: u64 = 7;
 
-/// What messages about an invalid instruction may have instead of the name of the field.
+/// Words that may replace the field name in messages about an invalid instruction.
 pub(crate) const OTHER_WORDS: [&str; 6] =
-    ["column", "motion 1", "no input or output", "true or false", "`x`", "there is no"];
+    ["column", "motion 1", "no input or output", "true or false", "`x`", "unknown"];
 
-/// Instructions with an invalid field, and the instruction's type.
+/// Returns instructions with an invalid field, each with its type.
 pub(crate) fn corrupted_instructions() -> Vec<(String, Corrupted)> {
     let mut all = Vec::new();
     for (mut good, fields) in good_instructions() {
@@ -48,7 +48,7 @@ fn good_instructions() -> Vec<(Value, Vec<Field<'static>>)> {
     ]
 }
 
-/// Texts that are no instruction.
+/// Returns texts that are not instructions.
 pub(crate) fn garbage() -> Vec<String> {
     vec![
         String::new(),

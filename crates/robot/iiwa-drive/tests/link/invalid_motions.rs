@@ -1,6 +1,7 @@
-//! Motions that are well-formed JSON and ask for what is none, or lead nowhere.
+//! Well-formed JSON with invalid or unreachable motions.
 
-/// What is wrong, the words of which a message has one, and the keys of the list of motions.
+/// Returns the fault, the words of which the message contains at least one, and the keys of the
+/// list of motions.
 pub(crate) fn invalid_motions() -> Vec<(&'static str, &'static [&'static str], String)> {
     let frame = r#"{"x_mm": 600, "y_mm": 0, "z_mm": 400, "a_deg": 0, "b_deg": 180, "c_deg": 0}"#;
     let ptp = r#"{"type": "ptp", "joints_deg": [0, 30, 0, -60, 0, 90, 0]}"#;
@@ -16,7 +17,7 @@ pub(crate) fn invalid_motions() -> Vec<(&'static str, &'static [&'static str], S
 
 type Invalid = (&'static str, &'static [&'static str], &'static str);
 
-/// Of motions alone. `@frame` is a frame within reach, `@ptp` a motion to joints.
+/// Invalid motions. `@frame` is a frame within reach, `@ptp` a joint motion.
 const MOTIONS: &[Invalid] = &[
     ("no motions", &["motion"], ""),
     ("an unknown type", &["fly", "motion 1"], r#"{"type": "fly"}"#),
@@ -468,7 +469,7 @@ const MOTIONS: &[Invalid] = &[
     ),
 ];
 
-/// Of what motions know by name, and of what is in use.
+/// Invalid lists: names of tools, bases and frames, and the current tool and base.
 const LISTS: &[Invalid] = &[
     (
         "a tool in use that is not there",

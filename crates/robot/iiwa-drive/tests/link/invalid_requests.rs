@@ -109,7 +109,7 @@ pub(crate) fn invalid_requests() -> Vec<(String, &'static str, &'static str)> {
         value(
             motion(json!({"type": "ptp", "frame": "nowhere"})),
             "bad_request",
-            "motion 1: there is no frame `nowhere`; the program names none, at line 1, column",
+            "motion 1: unknown frame `nowhere`; the program names none, at line 1, column",
         ),
         value(json!({"type": long}), "bad_request", "xxx..."),
         value(json!({"type": "state", long.as_str(): 1}), "bad_request", "xxx..."),
@@ -146,7 +146,7 @@ pub(crate) fn bad_trajectories() -> Vec<(TimedJoints, &'static str, &'static str
         t_s: good.t_s[range.clone()].to_vec(),
         joints_rad: good.joints_rad[range].to_vec(),
     };
-    // The rest of a trajectory, shifted to start at zero.
+    // Returns the trajectory shifted to start at zero.
     let from_zero = |mut it: TimedJoints| {
         let first = it.joints_rad[0][0];
         it.joints_rad.iter_mut().for_each(|q| q[0] -= first);

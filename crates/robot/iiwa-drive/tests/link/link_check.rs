@@ -1,4 +1,4 @@
-//! The check of the connection to a cabinet, step by step.
+//! Step-by-step check of the connection to a cabinet.
 
 use std::{
     net::{TcpListener, UdpSocket},
@@ -20,7 +20,7 @@ use crate::link::{
 
 fn check(rig: &Rig, remote: &Remote) -> LinkCheck {
     let mut told = Vec::new();
-    // The check before may have had the same UDP port.
+    // The previous check may have used the same UDP port.
     child_processes::await_all();
     let check = LinkCheck::run(&rig.drive_config, remote, |step| told.push(step.clone()));
     assert_eq!(check.steps, told);
@@ -31,7 +31,7 @@ fn check(rig: &Rig, remote: &Remote) -> LinkCheck {
     check
 }
 
-/// The result and the text of a step.
+/// Returns the result and the text of a step.
 fn step<'a>(check: &'a LinkCheck, name: &str) -> (StepResult, &'a str) {
     let step = check.steps.iter().find(|step| step.step == name).expect(name);
     (step.result, &step.text)
@@ -54,7 +54,7 @@ fn a_good_connection_passes() {
         assert!(check.steps.iter().all(|step| step.result == StepResult::Ok));
         assert!(step(&check, "robot program").1.starts_with("iiwasim "));
         assert!(step(&check, "conditions").1.contains("mode AUT, override 100 %"));
-        // It leaves nothing behind: a drive connects after it.
+        // The check has no lasting effect: a drive connects afterwards.
         rig.start_drive();
         rig.wait_until_ready();
     });
@@ -74,7 +74,7 @@ fn without_a_cabinet_each_step_says_what_to_do() {
     assert_eq!(step(&check, "FRI session").0, StepResult::Skipped);
 }
 
-/// Something else listens there, and says nothing.
+/// Another program listens at the port, and sends nothing.
 #[test]
 fn a_port_of_another_program_is_told() {
     let mut rig = Rig::parts(5);

@@ -1,4 +1,5 @@
-//! Runs that were planned for another robot than the drive's, and a drive that is set up for another robot than the cabinet's.
+//! Runs planned for a robot other than the drive's, and drives configured for a robot other than
+//! the cabinet's.
 
 use iiwa_kin::Robot;
 use iiwa_link::{
@@ -13,7 +14,7 @@ use crate::link::{
 
 const OURS: &str = "lbr_iiwa_7_r800 with a flange of 152 mm";
 
-/// Robots that are not the drive's, and their names in messages.
+/// Returns robots other than the drive's, and their names in messages.
 fn others() -> [(Robot, &'static str); 2] {
     let plain = Robot::lbr_iiwa_7_r800().with_flange_m(0.126).unwrap();
     [
@@ -22,7 +23,7 @@ fn others() -> [(Robot, &'static str); 2] {
     ]
 }
 
-/// The refusal of motions and that of a trajectory with this label.
+/// Returns the refusals of motions and of a trajectory with this label.
 fn refusals(rig: &Rig, label: &RunLabel) -> [Refusal; 2] {
     let trajectory = sampled(&to_command(motions()), 0.005);
     [Request::motions(motions()), Request::trajectory(trajectory)].map(|request| {

@@ -1,5 +1,5 @@
-//! What a real cabinet does otherwise than the simulated one: it knows no FRI clock and no temperatures, sends FRI from
-//! another address, answers no heartbeats, and is switched off without closing connections.
+//! Differences of a real cabinet from the simulated one: without FRI clock and temperatures, FRI
+//! from another address, without heartbeat replies, and switched off without closing connections.
 
 use std::{
     io::{ErrorKind, Read},
@@ -21,7 +21,7 @@ use crate::link::{
     runs::{motions, planned},
 };
 
-/// A cabinet whose outcomes have no times, and a drive.
+/// Starts a cabinet whose outcomes have no times, and a drive.
 fn untimed_rig(period_ms: u32) -> Rig {
     let mut rig = Rig::parts(period_ms);
     rig.cabinet_config.without_times = true;
@@ -36,13 +36,13 @@ fn commanded_positions_tell_the_time_of_motions() {
     for period_ms in [5, 1] {
         let rig = untimed_rig(period_ms);
         let mut motions = motions();
-        // Standing at the beginning and at the end does not show in positions.
+        // Standstill at the beginning and at the end is not visible in positions.
         motions.insert(0, Motion::Wait { seconds: 0.2, overlap: 0 });
         motions.push(Motion::Wait { seconds: 0.1, overlap: 0 });
         let plan = planned(motions.clone());
         let run = rig.client().run_motions(motions, Some(LONG)).unwrap();
         assert_eq!((run.timed_by, &run.untimed_because), (Some(TimedBy::CommandedPosition), &None));
-        // The planned time of motion, from the first to the last change.
+        // Planned time of the motion, from the first to the last change.
         let moves = |t_s: f64| plan.at(t_s).dq.iter().any(|dq| dq.abs() > 1e-7);
         let steps = (plan.cycle_time_s() * 1e4) as u32;
         let times_s: Vec<f64> =
@@ -52,7 +52,7 @@ fn commanded_positions_tell_the_time_of_motions() {
         let off_s = run.cycle_time_s.unwrap() - planned_s;
         let cycle_s = f64::from(period_ms) * 1e-3;
         assert!(off_s.abs() < 2.0 * cycle_s + 1e-3, "off by {off_s} s");
-        // Measured positions are those of the plan at that time.
+        // Measured positions match the plan at the same time.
         let begins_s = times_s[0];
         for (t_s, q) in run.samples.t_s.iter().zip(&run.samples.joints_rad) {
             let expected = plan.at(t_s - run.start_s.unwrap() + begins_s).q;
@@ -144,7 +144,7 @@ fn the_robot_program_tells_of_itself_and_of_safety_stops() {
     wait_for("its end", || !stopped());
 }
 
-/// The port for instructions of a robot program, as plain TCP.
+/// Opens the instruction port of a robot program, as plain TCP.
 fn instruction_port(rig: &mut Rig) -> TcpListener {
     let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, 0)).unwrap();
     rig.drive_config.cabinet_instructions = format!("tcp://{}", listener.local_addr().unwrap());
@@ -157,7 +157,7 @@ fn accepted(listener: &TcpListener) -> Peer {
     Peer::shake_hands(stream, "REP", HANDSHAKE_TIMEOUT).unwrap()
 }
 
-/// Nothing is sent over an idle connection: some libraries answer no heartbeats.
+/// An idle connection transmits nothing: some libraries do not answer heartbeats.
 #[test]
 fn an_idle_connection_stays_silent() {
     let mut rig = Rig::parts(5);
@@ -169,7 +169,7 @@ fn an_idle_connection_stays_silent() {
     assert!(matches!(error.kind(), ErrorKind::WouldBlock | ErrorKind::TimedOut), "{error}");
 }
 
-/// A cabinet that lost power leaves a connection that only looks open: after its restart there is another one.
+/// A cabinet without power leaves a half-open connection, which is replaced after its restart.
 #[test]
 fn a_restarted_robot_program_is_instructed_over_a_new_connection() {
     let mut rig = Rig::parts(5);

@@ -19,7 +19,7 @@ impl RequestSocket {
         self.ask_frames(&[body])
     }
 
-    /// The answer to a request of any number of frames.
+    /// Returns the answer to a request of any number of frames.
     pub(crate) fn ask_frames(&self, frames: &[&[u8]]) -> String {
         self.socket.send(frames).unwrap();
         let [answer] = self.socket.receive(LONG).expect("an answer in time").try_into().unwrap();
@@ -31,7 +31,7 @@ impl RequestSocket {
     }
 }
 
-/// The error has this code, and a short message on one line with one of these texts.
+/// Asserts that the error has this code, and a short message on one line with one of these texts.
 pub(crate) fn assert_error(error: &Value, code: &str, names: &[&str], request: &str) {
     let request: String = request.chars().take(300).collect();
     assert_eq!(error["code"], code, "{request}: {error}");

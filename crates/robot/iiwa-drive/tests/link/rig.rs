@@ -1,5 +1,5 @@
-//! A drive and a simulated cabinet on free ports of the loopback interface, with the robot program in Java in between if
-//! the environment names it.
+//! A drive and a simulated cabinet on free ports of the loopback interface, with the robot program
+//! in Java in between if the environment names it.
 
 use std::{
     ffi::OsString,
@@ -23,15 +23,15 @@ use iiwasim_tests::{
 /// Time-out of all waits.
 pub(crate) const LONG: Duration = Duration::from_mins(1);
 
-/// Both sides, each of which may be stopped.
+/// Drive and cabinet, each of which may be stopped.
 pub(crate) struct Rig {
     pub(crate) cabinet_config: CabinetConfig,
     pub(crate) drive_config: DriveConfig,
-    /// The robot program in Java; without it, the simulated one is the drive's.
+    /// The robot program in Java; if `None`, the drive connects to the simulated one.
     pub(crate) jar: Option<PathBuf>,
     /// Further options of the robot program.
     pub(crate) program_options: Vec<OsString>,
-    /// With what the drive connects to the robot program.
+    /// Connection security of the drive towards the robot program.
     pub(crate) remote: Remote,
     pub(crate) cabinet: Option<RunningCabinet>,
     pub(crate) drive: Option<Drive>,
@@ -51,13 +51,13 @@ impl Deref for RunningCabinet {
     }
 }
 
-/// A free address for a socket of ZeroMQ.
+/// Returns a free ZeroMQ address.
 pub(crate) fn free_tcp() -> String {
     format!("tcp://{}", free_address())
 }
 
 impl Rig {
-    /// Nothing is started yet.
+    /// Creates a rig in which neither side is started.
     pub(crate) fn parts(period_ms: u32) -> Self {
         let fri = free_address();
         let [instructions, state] = [free_tcp(), free_tcp()];
@@ -83,10 +83,10 @@ impl Rig {
         }
     }
 
-    /// Both are started, and the connection is good.
+    /// Creates a rig with both sides started and a good connection.
     pub(crate) fn new(period_ms: u32) -> Self {
         let mut rig = Self::parts(period_ms);
-        // In this order no message is lost.
+        // No message is lost in this order.
         rig.start_drive();
         rig.start_cabinet();
         rig.wait_until_ready();
@@ -96,7 +96,7 @@ impl Rig {
     pub(crate) fn start_cabinet(&mut self) {
         let mut config = self.cabinet_config.clone();
         if self.jar.is_some() {
-            // Behind the robot program.
+            // Addresses behind the robot program.
             config.instructions = free_tcp();
             config.state = free_tcp();
         }
@@ -113,7 +113,7 @@ impl Rig {
     }
 
     pub(crate) fn start_drive(&mut self) {
-        // The one before may have had the same ports.
+        // The previous drive may have used the same ports.
         child_processes::await_all();
         let drive = Drive::start(self.drive_config.clone(), &Server::open(), &self.remote).unwrap();
         self.drive = Some(drive);

@@ -32,7 +32,7 @@ pub(crate) fn planned_from(start_rad: Joints, motions: MotionList) -> Trajectory
     planned_with(Timing::default(), start_rad, motions)
 }
 
-/// A plan that may be commanded point by point: within the limits of jerk.
+/// Returns a plan that may be commanded point by point: jerk-limited.
 pub(crate) fn to_command(motions: Vec<Motion>) -> Trajectory {
     to_command_from([0.0; 7], motions.into())
 }
@@ -46,7 +46,7 @@ fn planned_with(timing: Timing, start_rad: Joints, motions: MotionList) -> Traje
     Trajectory::plan(&path, timing).unwrap()
 }
 
-/// The run took the planned time, within a cycle, on the planned path.
+/// Asserts that the run took the planned time, within a cycle, on the planned path.
 pub(crate) fn assert_as_planned(run: &Run, plan: &Trajectory, period_s: f64) {
     let cycle_time_s = run.cycle_time_s.unwrap();
     let late_s = cycle_time_s - plan.cycle_time_s();
@@ -105,7 +105,8 @@ fn trajectories_take_their_time_and_path() {
     });
 }
 
-/// To the ends of the ranges and back, at full speed: set-points between points do not overshoot.
+/// Motions to the ends of the joint ranges and back at full speed: set-points between points do not
+/// overshoot.
 #[test]
 fn trajectories_reach_the_ends_of_the_range() {
     in_real_time(|| {

@@ -1,4 +1,5 @@
-//! A drive with a faulty robot program: malformed states, wrong and missing acknowledgements, unknown runs.
+//! A drive with a faulty robot program: malformed states, wrong and missing acknowledgements,
+//! unknown runs.
 
 use std::{
     thread::{self, JoinHandle},
@@ -30,7 +31,7 @@ pub(crate) struct ScriptedProgram {
 type ReceivedInstruction = (Vec<Vec<u8>>, Value);
 
 impl ScriptedProgram {
-    /// Connected to a drive, in the state idle.
+    /// Connects to a drive, in the idle state.
     pub(crate) fn new() -> (Rig, Self) {
         let mut rig = Rig::parts(5);
         rig.jar = None;
@@ -64,19 +65,19 @@ impl ScriptedProgram {
         self.send(br#"{"boot": 1, "state": "idle"}"#);
     }
 
-    /// The next instruction, if it arrives within `timeout`.
+    /// Returns the next instruction, if it arrives within `timeout`.
     fn receive_within(&self, timeout: Duration) -> Option<ReceivedInstruction> {
         let mut frames = self.instructions.receive(timeout)?;
         let body = frames.pop().unwrap();
         Some((frames, serde_json::from_slice(&body).unwrap()))
     }
 
-    /// The next instruction.
+    /// Returns the next instruction.
     fn receive(&self) -> ReceivedInstruction {
         self.receive_within(ANSWER).expect("an instruction")
     }
 
-    /// True if no instruction arrives within a time.
+    /// Returns true if no instruction arrives within `time`.
     fn is_left_alone(&self, time: Duration) -> bool {
         self.instructions.receive(time).is_none()
     }
@@ -87,7 +88,7 @@ impl ScriptedProgram {
         self.instructions.send(&frames).unwrap();
     }
 
-    /// Acknowledges an instruction, with more fields.
+    /// Acknowledges an instruction, with further fields.
     fn acknowledge(&self, instruction: &ReceivedInstruction, more: &str) {
         let seq = &instruction.1["seq"];
         self.answer(instruction, &format!("{{\"seq\": {seq}{more}}}"));
@@ -149,7 +150,7 @@ fn malformed_states_are_ignored() {
         Field("/hello/robot/model", Required, &["\"x\""]),
         Field("/hello/robot/lengths_mm", Required, &[]),
         Field("/conditions", Optional, &["null", "{}"]),
-        // Of a mode, any name is one.
+        // Any string is a valid mode name.
         Field("/conditions/operation_mode", Optional, &["null", "\"x\""]),
         Field("/conditions/override", Optional, &["3", "-0.5", "null"]),
         Field("/conditions/safety_stop", Optional, &["true", "null"]),
@@ -233,14 +234,14 @@ fn missing_acknowledgements_are_reported_in_time() {
     let (rig, program) = ScriptedProgram::new();
     let first = get_io(&rig);
     let late = program.receive();
-    // These wait in the backlog.
+    // These requests wait in the backlog.
     let others = [get_io(&rig), get_io(&rig), get_io(&rig)];
     for client in others.into_iter().chain([first]) {
         let error = client.join().unwrap().unwrap_err();
         let ClientError::Refused { refusal, .. } = error else { panic!("{error}") };
         assert_eq!(refusal.code, Code::Timeout);
     }
-    // One of them was sent; the others are withdrawn.
+    // One of the requests was sent; the others are withdrawn.
     let second = program.receive();
     // Late acknowledgements do not arrive over the new connection.
     let client = get_io(&rig);
@@ -265,11 +266,12 @@ fn a_run_that_is_not_acknowledged_is_ended_if_it_begins() {
     program.send_idle();
     program.acknowledge(&late, "");
     assert_eq!(rig.client().state().unwrap().state, DriveState::Idle);
-    // It has begun after all: it is ended, repeatedly until that is done.
+    // The run has begun after all: the drive ends it, and repeats the instruction until it has
+    // ended.
     let run = &late.1["run"];
     let running = format!(r#"{{"boot": 1, "state": "running_trajectory", "run": {run}}}"#);
     for _ in 0..2 {
-        // A state may overtake the acknowledgement before it and is not new then.
+        // A state may overtake the acknowledgement of the previous state and is not new then.
         let instruction = (0..20).find_map(|_| {
             program.send(running.as_bytes());
             program.receive_within(Duration::from_millis(500))
@@ -281,7 +283,7 @@ fn a_run_that_is_not_acknowledged_is_ended_if_it_begins() {
     assert_eq!(rig.cabinet().position(), [0.0; 7]);
 }
 
-/// The run waited behind a query when the robot program became silent.
+/// Abandons a run that waited behind a query when the robot program became silent.
 #[test]
 fn an_abandoned_run_in_the_backlog_does_not_begin() {
     let (rig, program) = ScriptedProgram::new();
@@ -296,7 +298,7 @@ fn an_abandoned_run_in_the_backlog_does_not_begin() {
     assert!(program.is_left_alone(Duration::from_millis(500)));
 }
 
-/// The robot program acknowledges a run and then does not know it: the run ends with an error.
+/// A run that the robot program acknowledges but does not know ends with an error.
 #[test]
 fn a_run_unknown_to_the_robot_program_ends() {
     let (rig, program) = ScriptedProgram::new();
@@ -313,7 +315,8 @@ fn a_run_unknown_to_the_robot_program_ends() {
     assert_eq!(rig.client().state().unwrap().state, DriveState::Idle);
 }
 
-/// A foreign run that does not end: the drive repeats the instruction, and continues to serve requests.
+/// For a foreign run that does not end, the drive repeats the instruction, and continues to serve
+/// requests.
 #[test]
 fn a_disobedient_robot_program_does_not_block_the_drive() {
     let (rig, program) = ScriptedProgram::new();
@@ -359,7 +362,7 @@ fn a_robot_program_with_another_protocol_is_not_instructed() {
         assert!(text.contains("replace iiwasim here"), "{text}");
     }
     assert!(program.is_left_alone(Duration::from_millis(300)));
-    // Stops are carried out whatever the version.
+    // Stops are carried out with any version.
     let stopped = ask(&rig, Client::stop);
     assert!(stopped.join().unwrap().is_ok());
 }

@@ -1,8 +1,10 @@
-//! Subscribers get every message, and one that does not read does not affect the others.
+//! Subscribers receive every message, and a subscriber that does not read does not affect the
+//! others.
 //!
-//! The backlog of such a subscriber is bounded: by the buffer of its socket, here nearly zero, by the system's
-//! buffers, and by the drive's limit of 2000 messages, about 1 MB. The drive drops messages beyond that for this
-//! subscriber, and disconnects it after some seconds without progress.
+//! The backlog of such a subscriber is bounded: by the buffer of its socket, here nearly zero, by
+//! the system's buffers, and by the drive's limit of 2000 messages, about 1 MB. The drive drops
+//! messages beyond that for this subscriber, and disconnects it after some seconds without
+//! progress.
 
 use std::time::{Duration, Instant};
 
@@ -18,7 +20,7 @@ use crate::link::rig::{LONG, Rig, wait_for};
 /// Number of subscribers that read.
 const LIVE: usize = 9;
 const PERIOD_S: f64 = 0.001;
-/// Longer than the backlog of a subscriber (2 s).
+/// Pause of a subscriber, longer than its backlog (2 s).
 const ASLEEP: Duration = Duration::from_secs(6);
 
 /// A subscriber with a minimal buffer.
@@ -28,7 +30,7 @@ fn sleeper(rig: &Rig) -> Socket {
     socket
 }
 
-/// The next message's stamp.
+/// Returns the stamp of the next message.
 fn take(sleeper: &Socket) -> Option<f64> {
     #[derive(Deserialize)]
     struct Stamp {
@@ -38,7 +40,7 @@ fn take(sleeper: &Socket) -> Option<f64> {
     Some(serde_json::from_slice::<Stamp>(&frames[1]).unwrap().t_s)
 }
 
-/// Collects stamps until no message waits or `enough`.
+/// Collects stamps until no message is available or `enough` returns true.
 fn follow(
     stream: &mut Stream,
     stamps: &mut Vec<f64>,
@@ -55,15 +57,15 @@ fn follow(
     }
 }
 
-/// Messages between two stamps, both included.
+/// Returns the number of messages between two stamps, both included.
 fn count(first_s: f64, last_s: f64) -> u64 {
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "some thousands")]
     let periods = ((last_s - first_s) / PERIOD_S).round() as u64;
     periods + 1
 }
 
-/// Every message was answered, except those lost in transit or while the machine delayed even the controller.
-/// The controller is silent afterwards.
+/// Asserts that every message was answered, except messages lost in transit or while the machine
+/// delayed even the controller. The controller is silent afterwards.
 fn assert_answered(rig: &Rig) {
     rig.cabinet().silence(Duration::from_hours(1));
     let drive = rig.drive.as_ref().unwrap();
@@ -102,7 +104,7 @@ fn a_subscriber_that_does_not_read_does_not_affect_others() {
             std::thread::sleep(Duration::from_millis(1));
         }
 
-        // It gets the messages in the system's buffers, and then current ones.
+        // The subscriber receives the messages in the system's buffers, and then current ones.
         let awake_s = *live[0].1.last().unwrap();
         let mut stamps = vec![first_s];
         while *stamps.last().unwrap() < awake_s + 0.1 {

@@ -1,5 +1,5 @@
-//! The robot program in Java, in front of a simulated cabinet: the conformance suite, keys, figures. Without it in
-//! the environment, these tests are skipped.
+//! The robot program in Java, in front of a simulated cabinet: conformance suite, keys, cycle
+//! times. These tests are skipped unless the environment names the program.
 
 use std::{
     ffi::OsString,
@@ -36,7 +36,7 @@ use crate::link::{
     runs::{sampled, to_command_from},
 };
 
-/// What it has without a drive.
+/// Features of the program without a drive.
 const HAS: [&str; 6] = ["motion", "kinematics", "no_fri", "io", "temperatures", "times"];
 
 /// A simulated cabinet with the program in front of it; the program ends first.
@@ -46,7 +46,7 @@ struct InFront {
     cabinet: Cabinet,
 }
 
-/// A simulated cabinet on free ports, and the ports of a program in front of it.
+/// Starts a simulated cabinet on free ports; returns it with the ports of a program in front of it.
 fn cabinet_behind(fri: std::net::SocketAddr) -> (Cabinet, ProgramPorts) {
     let mut config = CabinetConfig::default();
     config.fri_client = fri;
@@ -73,7 +73,8 @@ fn assert_conforms(report: &Report, fewest: usize) {
     assert!(report.failed.is_empty() && report.passed >= fewest);
 }
 
-/// Malformed instructions are refused before keys or times make a difference; they are sent once, without either.
+/// Returns true for files of well-formed instructions. Malformed ones are refused before keys or
+/// times matter; they are sent once, without either.
 fn well_formed(file: &str) -> bool {
     file != "bad_input.jsonl"
 }
@@ -117,7 +118,7 @@ fn the_program_in_java_conforms_with_keys() {
     assert_conforms(&conformance::run(&HAS, well_formed, start, connect), 200);
 }
 
-/// Keys of the program, of a drive that may connect, and of one that may not.
+/// Keys of the program, of a drive that may connect, and of a drive that may not.
 struct Keys {
     folder: TempDir,
     program: KeyPair,
@@ -138,17 +139,17 @@ impl Keys {
         std::fs::create_dir(&allowed).unwrap();
         keys.program.write(keys.folder.path(), "cabinet").unwrap();
         let (secret, _) = keys.drive.write(&allowed, "drive").unwrap();
-        // The secret key is the drive's alone.
+        // The program does not have the drive's secret key.
         std::fs::remove_file(secret).unwrap();
         keys
     }
 
-    /// The program's options: it admits the drives of a folder.
+    /// Returns the program options that admit the drives of a folder.
     fn options(&self) -> Vec<OsString> {
         self.options_for(&self.folder.path().join("drives"))
     }
 
-    /// The program's options, with a file or folder of drives.
+    /// Returns the program options with a file or folder of drives.
     fn options_for(&self, allowed: &Path) -> Vec<OsString> {
         let key = self.folder.path().join("cabinet.key");
         ["--key".into(), key.into(), "--allow".into(), allowed.as_os_str().to_owned()].into()
@@ -185,7 +186,7 @@ impl DialedPeer {
         let instructions = dial(Dial::Dealer, &ports.instructions, Incoming::Answer);
         let state = dial(Dial::Rep, &ports.state, Incoming::State);
         let mut peer = Self { instructions, state, incoming };
-        // While a dialer is not connected, it keeps the latest message only.
+        // While a dialer is not connected, it keeps only the latest message.
         peer.instruct(vec![Vec::new(), br#"{"seq": 0, "type": "stop"}"#.to_vec()]);
         let answered = |peer: &mut Self| match peer.next(LONG) {
             Some(Incoming::Answer(_)) => true,
@@ -218,7 +219,7 @@ impl DrivePeer for DialedPeer {
     }
 }
 
-/// A drive and the program with the given keys.
+/// Starts a drive and the program with the given keys.
 fn rig_with(remote: Remote, options: Vec<OsString>) -> Rig {
     let mut rig = Rig::parts(5);
     rig.remote = remote;
@@ -259,7 +260,8 @@ fn a_drive_with_other_keys_gets_nothing() {
         (keys.remote(), Vec::new()),
     ] {
         let rig = rig_with(remote, options);
-        // Longer than several attempts to connect, and than the time after which a program counts as silent.
+        // Longer than several connection attempts, and than the silence after which a program
+        // counts as silent.
         thread::sleep(Duration::from_secs(4));
         assert_eq!(rig.client().state().unwrap().robot_program, Presence::Silent);
         assert!(rig.client().read_sensors().is_err());
@@ -269,7 +271,7 @@ fn a_drive_with_other_keys_gets_nothing() {
     }
 }
 
-/// Cycle times of the ten motions, and of the same as a trajectory, in s.
+/// Returns the cycle times of the ten motions, as motions and as a trajectory, in s.
 fn cycle_times(jar: Option<&PathBuf>) -> [f64; 2] {
     let text = std::fs::read_to_string(fixture("ten-motions.json")).unwrap();
     let program = Program::from_json(&text).unwrap();

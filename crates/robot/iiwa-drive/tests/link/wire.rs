@@ -1,4 +1,5 @@
-//! Traffic between drive and cabinet, read by a relay that loses, duplicates and reorders datagrams.
+//! Traffic between drive and cabinet, read by a relay that loses, duplicates and reorders
+//! datagrams.
 
 use std::{
     collections::HashMap,
@@ -32,12 +33,12 @@ struct Relay {
 struct Answer {
     t_s: f64,
     at_rad: Joints,
-    /// The position of the arm in the answered message.
+    /// Robot position in the answered message.
     arm_rad: Joints,
 }
 
 impl Relay {
-    /// Forwards datagrams of the cabinet to `at` to `drive`, and the answers.
+    /// Forwards datagrams that the cabinet sends to `at` to `drive`, and the answers back.
     fn start(at: SocketAddr, drive: SocketAddr, seed: u64, loss: f64) -> Self {
         let outer = UdpSocket::bind(at).unwrap();
         let inner = UdpSocket::bind("127.0.0.1:0").unwrap();
@@ -109,8 +110,8 @@ fn relay(
     answers
 }
 
-/// Largest velocity and acceleration as a share of the limits, by differences of the answers over the
-/// times of the messages that they answer; the arm rests before.
+/// Returns the largest velocity and acceleration as a share of the limits, by differences of the
+/// answers over the times of the answered messages; the robot is at rest before.
 fn judge(answers: &[Answer], step_s: f64) -> [f64; 2] {
     let robot = Robot::default();
     let limits = robot.limits();
@@ -131,7 +132,7 @@ fn judge(answers: &[Answer], step_s: f64) -> [f64; 2] {
     worst
 }
 
-/// Fewer answers than this tell nothing of how the arm was moved.
+/// Minimum number of answers for a judgement of the motion.
 const FEWEST_ANSWERS: usize = 10;
 
 #[test]
@@ -150,8 +151,8 @@ fn the_wire_keeps_the_limits() {
                 .map(|seed| relayed(&trajectory, period_ms, multiplier, seed))
                 .find(|(answers, error)| {
                     let error = error.as_deref().unwrap_or_default();
-                    // The machine was suspended for so long that the drive restarted at the position of the arm;
-                    // or losses in a row ended the session before the arm was moving.
+                    // The machine was suspended for so long that the drive restarted at the robot
+                    // position; or losses in a row ended the session before the robot was moving.
                     answers.len() > FEWEST_ANSWERS && !error.contains("from its set-point")
                 })
                 .expect("neither a machine nor a network that fails again and again");

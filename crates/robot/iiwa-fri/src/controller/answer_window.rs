@@ -1,13 +1,13 @@
-//! The record of expected answers that the quality is computed from.
+//! Record of expected answers, from which the quality is computed.
 
 use crate::message::Quality;
 
-/// Number of expected answers that the quality is computed from.
+/// Number of expected answers in the record.
 const WINDOW: u32 = 100;
 /// Number of expected answers before the quality can be better than poor.
 pub(super) const MIN_EXPECTED: u32 = 50;
 
-/// Which of the last expected answers arrived: one bit each, the latest lowest.
+/// Arrival flags of the last expected answers: one bit each, the latest in the lowest bit.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct AnswerWindow {
     bits: u128,
@@ -23,7 +23,7 @@ impl AnswerWindow {
         }
     }
 
-    /// The quality by the share of answers that arrived.
+    /// Returns the quality from the share of received answers.
     pub(super) const fn quality(self) -> Quality {
         if self.expected < MIN_EXPECTED {
             return Quality::Poor;

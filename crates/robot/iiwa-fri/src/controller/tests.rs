@@ -1,4 +1,4 @@
-//! Rules of the session: quality, state transitions, deadlines.
+//! Session rules: quality, state transitions, deadlines.
 
 use SessionState::{CommandingActive, CommandingWait, Idle, MonitoringReady, MonitoringWait};
 
@@ -10,7 +10,8 @@ fn tick(controller: &mut Controller) -> Monitoring {
     Format::V1.decode_monitoring(&out).unwrap()
 }
 
-/// Answers with all joints at 0, the position of the robot. Returns whether it was accepted.
+/// Answers with all joints at 0, the position of the robot. Returns true if the answer was
+/// accepted.
 fn answer(controller: &mut Controller, sequence: u32, reflected: u32) -> bool {
     give(controller, &Command { sequence, reflected, joints_rad: Some([0.0; 7]) })
 }
@@ -23,7 +24,7 @@ fn give(controller: &mut Controller, command: &Command) -> bool {
     controller.counters().accepted > before
 }
 
-/// Runs the session for `n` cycles, answering those for which `answers` is true.
+/// Runs the session for `n` cycles, answering the messages for which `answers` is true.
 fn run(controller: &mut Controller, n: u32, answers: impl Fn(u32) -> bool) {
     for i in 0..n {
         let message = tick(controller);
@@ -71,7 +72,8 @@ fn the_quality_is_poor_before_enough_answers_were_expected() {
     assert_eq!((controller.state(), controller.quality()), (MonitoringWait, Quality::Poor));
     run(&mut controller, 1, |_| true);
     assert_eq!((controller.state(), controller.quality()), (MonitoringReady, Quality::Excellent));
-    // Three of fifty are too many, and so is a share that recovers before its time.
+    // Three missing out of fifty are too many; a share that recovers within fewer than fifty
+    // answers is not sufficient either.
     let mut controller = Controller::default();
     run(&mut controller, 52, |i| i >= 3);
     assert_eq!((controller.state(), controller.quality()), (MonitoringWait, Quality::Fair));
@@ -88,7 +90,7 @@ fn an_answer_counts_until_the_tick_after_next() {
     let mut controller = Controller::default();
     for n in 0..=10 {
         tick(&mut controller);
-        // Always to the message before the last one.
+        // Always answers the message before the last one.
         if n > 0 {
             assert!(answer(&mut controller, n, n - 1));
         }

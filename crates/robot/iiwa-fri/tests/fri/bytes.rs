@@ -7,7 +7,7 @@ use crate::messages::{any_command, any_monitoring};
 
 const FORMAT: Format = Format::V1;
 
-/// A message with some bytes changed or cut off.
+/// Returns a message with some bytes changed or cut off.
 fn damaged() -> impl Strategy<Value = Vec<u8>> {
     let message = prop_oneof![
         any_monitoring().prop_map(|message| {

@@ -1,5 +1,5 @@
-//! Black-box tests of FRI: arbitrary bytes, both sides against each other over bad networks, and an
-//! independent codec and client.
+//! Black-box FRI tests: arbitrary bytes, both sides over faulty networks, and an independent codec
+//! and client.
 
 #![expect(
     clippy::unwrap_used,

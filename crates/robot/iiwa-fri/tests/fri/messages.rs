@@ -58,7 +58,7 @@ fn time() -> impl Strategy<Value = Duration> {
 }
 
 prop_compose! {
-    /// Any monitoring message.
+    /// Generates any monitoring message.
     pub(crate) fn any_monitoring()(
         (sequence, reflected) in (counter(), counter()),
         (session, quality) in (session(), quality()),
@@ -81,7 +81,7 @@ prop_compose! {
 }
 
 prop_compose! {
-    /// Any command message.
+    /// Generates any command message.
     pub(crate) fn any_command()(
         sequence in counter(), reflected in counter(), joints_rad in option::of(joints()),
     ) -> Command {

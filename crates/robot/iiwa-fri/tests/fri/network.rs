@@ -1,20 +1,20 @@
-//! A network that loses, duplicates and delays datagrams, reproducibly by its seed.
+//! A network that loses, duplicates and delays datagrams, reproducible by its seed.
 
-/// One direction.
+/// One direction of the network.
 pub(crate) struct Network {
     random: Random,
-    /// Share of datagrams that are lost.
+    /// Share of lost datagrams.
     pub loss: f64,
-    /// Share of datagrams that arrive twice.
+    /// Share of duplicated datagrams.
     pub doubled: f64,
-    /// Share of datagrams that are delayed, and by up to how many cycles.
+    /// Share of delayed datagrams, and the maximum delay in cycles.
     pub delayed: (f64, u32),
     cycle: u32,
     under_way: Vec<(u32, Vec<u8>)>,
 }
 
 impl Network {
-    /// A perfect network.
+    /// Creates a perfect network.
     pub(crate) fn new(seed: u64) -> Self {
         let random = Random(seed);
         Self { random, loss: 0.0, doubled: 0.0, delayed: (0.0, 1), cycle: 0, under_way: Vec::new() }
@@ -33,7 +33,7 @@ impl Network {
         }
     }
 
-    /// The datagrams that have arrived.
+    /// Returns the datagrams that have arrived.
     pub(crate) fn receive(&mut self) -> Vec<Vec<u8>> {
         let cycle = self.cycle;
         self.under_way.extract_if(.., |(due, _)| *due <= cycle).map(|(_, bytes)| bytes).collect()
@@ -55,7 +55,7 @@ impl Random {
         z ^ (z >> 31)
     }
 
-    /// From 0 to below 1.
+    /// Returns a number from 0 to below 1.
     fn share(&mut self) -> f64 {
         (self.next() >> 11) as f64 / (1_u64 << 53) as f64
     }

@@ -1,6 +1,6 @@
-//! Against protobuf's own codec, and an FRI client that shares no code with this crate: the scripts
-//! in `tests/fri` of the workspace. They need a Python with what `tests/requirements.txt` names, at
-//! the path in `IIWASIM_PYTHON`; without it these tests are skipped.
+//! Tests against protobuf's own codec, and an FRI client that shares no code with this crate: the
+//! scripts in `tests/fri` of the workspace. They require a Python with the packages of
+//! `tests/requirements.txt`, at the path in `IIWASIM_PYTHON`; otherwise these tests are skipped.
 
 use std::{
     env,
@@ -25,7 +25,7 @@ use crate::messages::{any_command, any_monitoring};
 
 const MESSAGES: usize = 500;
 
-/// A script, with pipes; `None` where there is no Python for it.
+/// Starts a script, with pipes; `None` if Python is not available for it.
 fn script(name: &str, arguments: &[&str]) -> Option<Child> {
     let Some(python) = env::var_os("IIWASIM_PYTHON") else {
         eprintln!("skipped: IIWASIM_PYTHON names no Python for {name}");
@@ -43,7 +43,7 @@ fn script(name: &str, arguments: &[&str]) -> Option<Child> {
     Some(child)
 }
 
-/// The codec's output for `lines`, line by line.
+/// Returns the codec's output for `lines`, line by line.
 fn convert(arguments: &[&str], lines: Vec<String>) -> Option<Vec<String>> {
     let mut child = script("codec.py", arguments)?;
     let mut input = child.stdin.take().unwrap();
@@ -74,7 +74,7 @@ fn from_hex(hex: &str) -> Vec<u8> {
     (0..hex.len()).step_by(2).map(|i| u8::from_str_radix(&hex[i..i + 2], 16).unwrap()).collect()
 }
 
-/// Adds `value` as `object.key` if there is one.
+/// Adds `value` as `object.key`, if it is given.
 fn put(message: &mut Map<String, Value>, object: &str, key: &str, value: Option<Value>) {
     if let Some(value) = value {
         message.entry(object).or_insert_with(|| json!({}))[key] = value;
@@ -126,7 +126,8 @@ fn command_json(message: &Command) -> Value {
     json!({ "command": out })
 }
 
-/// Numbers as floats: protobuf writes 1.0 as `1.0`, and counters as integers.
+/// Compares values with numbers as floats, because protobuf writes 1.0 as `1.0`, and counters as
+/// integers.
 fn same(a: &Value, b: &Value) -> bool {
     match (a, b) {
         (Value::Number(a), Value::Number(b)) => a.as_f64() == b.as_f64(),
@@ -186,7 +187,7 @@ fn other_fields_are_passed_over() {
     assert_eq!(Format::V1.decode_command(&bytes).unwrap(), Command::default());
 }
 
-/// The controller against an independent client over a socket, one message at a time.
+/// Tests the controller against an independent client over a socket, one message at a time.
 #[test]
 fn an_independent_client_commands() {
     const HOME: Joints = [0.1, -0.2, 0.3, -0.4, 0.5, -0.6, 0.7];
@@ -228,7 +229,7 @@ fn an_independent_client_commands() {
     assert_eq!(controller.counters().accepted, 1000);
     assert_eq!((controller.counters().missed, controller.counters().ignored), (0, 0));
     assert!((robot[0] - HOME[0]).abs() < 0.0201 && robot[1..] == HOME[1..]);
-    // 0.02 rad at 0.25 Hz, and two cycles of 5 ms from set-point to set-point.
+    // 0.02 rad at 0.25 Hz, and two cycles of 5 ms between set-points.
     assert!((2e-4..4e-4).contains(&furthest), "{furthest}");
     for state in ["monitoring_wait", "monitoring_ready", "commanding_wait", "commanding_active"] {
         let line = line();

@@ -19,7 +19,7 @@ struct Cell {
     down: Network,
     up: Network,
     robot: Joints,
-    /// Whether the client answers, and with which set-point.
+    /// `true` if the client answers, and its set-point.
     answers: bool,
     setpoint: Option<Joints>,
     cycle: u64,
@@ -193,7 +193,7 @@ fn a_little_loss_and_delay_does_not_end_commanding() {
     }
 }
 
-/// Whatever the network does, state transitions follow the table, and the session recovers with the
+/// For any network faults, state transitions follow the table, and the session recovers with the
 /// network.
 #[test]
 fn survives_bad_networks() {
@@ -237,7 +237,8 @@ fn silence_ends_commanding() {
     cell.cycles(100);
     cell.answers = false;
     cell.cycle();
-    // The last answer arrived before this tick, and the next one finds none.
+    // The last answer arrived before this tick; without another one, the set-point expires in the
+    // next cycle.
     assert!(cell.controller.setpoint().is_some());
     cell.cycle();
     assert!(cell.controller.setpoint().is_none());
@@ -267,7 +268,7 @@ fn setpoints_have_to_agree_with_the_interpolation() {
     cell.controller.request_commanding();
     cell.until(CommandingWait);
     let far = HOME.map(|q| q + 2e-3);
-    // The cell's own client sends set-points only when they are in force: this one does not wait.
+    // The cell's client sends set-points only while they are in force, unlike this one.
     let mut bytes = Vec::new();
     for _ in 0..50 {
         cell.answers = false;

@@ -1,4 +1,5 @@
-//! What a robot program says of itself and of the controller: versions, operation mode, override, safety stop, tool.
+//! State of the robot program and the controller: versions, operation mode, override, safety stop,
+//! tool.
 
 use std::fmt;
 
@@ -10,38 +11,38 @@ use crate::message::{robot_identity::RobotIdentity, text::shortened};
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[non_exhaustive]
 pub struct Hello {
-    /// The version of the protocol between drive and robot program; see
+    /// Version of the protocol between drive and robot program; see
     /// [`PROTOCOL`](crate::robot_program::PROTOCOL).
     pub protocol: u32,
     /// Name and version of the robot program.
     pub program: String,
-    /// Version of Sunrise.
+    /// Sunrise version.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub sunrise: Option<String>,
-    /// The robot at the cabinet, if the robot program knows it.
+    /// The robot at the cabinet, if known to the robot program.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub robot: Option<RobotIdentity>,
 }
 
 impl Hello {
-    /// Of a robot program with this version of the protocol.
+    /// Creates a description of a robot program with this protocol version.
     #[must_use]
     pub fn new(protocol: u32, program: impl Into<String>) -> Self {
         Self { protocol, program: program.into(), sunrise: None, robot: None }
     }
 }
 
-/// Conditions at the controller, as far as the robot program knows them.
+/// Controller conditions, as far as the robot program knows them.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[non_exhaustive]
 pub struct Conditions {
     /// The operation mode.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub operation_mode: Option<OperationMode>,
-    /// The override that the controller scales velocities by, from 0 to 1.
+    /// Velocity override of the controller, from 0 to 1.
     #[serde(default, rename = "override", skip_serializing_if = "Option::is_none")]
     pub override_rel: Option<f64>,
-    /// Whether the safety controller demands a stop.
+    /// `true` if the safety controller demands a stop.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub safety_stop: Option<bool>,
     /// Name of the attached tool.
@@ -50,7 +51,7 @@ pub struct Conditions {
 }
 
 impl Conditions {
-    /// The known ones in words; empty if none is.
+    /// Describes the known conditions as text; empty if all are unknown.
     #[must_use]
     pub fn text(&self) -> String {
         let mode = self.operation_mode.as_ref().map(|mode| format!("mode {mode}"));
@@ -64,7 +65,7 @@ impl Conditions {
         parts.join(", ")
     }
 
-    /// Why runs take longer than planned under these conditions, if they do.
+    /// Returns the reason why runs take longer than planned under these conditions, if any.
     #[must_use]
     pub fn caution(&self) -> Option<String> {
         let slowed = self.override_rel.filter(|share| *share < 1.0);
@@ -77,13 +78,13 @@ impl Conditions {
     }
 }
 
-/// A share in per cent, such as `100 %`.
+/// Formats a share in per cent, such as `100 %`.
 fn percent(share: f64) -> String {
-    // At most one decimal, and none that is zero.
+    // At most one decimal, omitted if zero.
     format!("{} %", (share * 1e3).round() / 10.0)
 }
 
-/// The operation mode of the controller.
+/// Operation mode of the controller.
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum OperationMode {
@@ -93,12 +94,12 @@ pub enum OperationMode {
     T2,
     /// Automatic.
     Aut,
-    /// Another one, by the robot program's name of it.
+    /// Another mode, by its name in the robot program.
     Other(String),
 }
 
 impl OperationMode {
-    /// Its name in JSON.
+    /// Returns the name in JSON.
     #[must_use]
     pub fn name(&self) -> &str {
         match self {

@@ -4,7 +4,7 @@ use std::fmt;
 
 use serde::{Deserialize, Deserializer, Serialize, de::Visitor};
 
-/// The value of an input or output.
+/// Value of an input or output.
 ///
 /// ```
 /// use iiwa_link::message::IoValue;
@@ -28,26 +28,26 @@ pub enum IoValue {
 /// An input or output with its current value.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Signal {
-    /// Its name.
+    /// Name of the signal.
     pub name: String,
-    /// Whether it can be set.
+    /// Direction of the signal.
     pub direction: Direction,
-    /// Its current value.
+    /// Current value.
     pub value: IoValue,
 }
 
-/// Whether a signal can be set.
+/// Direction of a signal.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Direction {
-    /// It can be read.
+    /// A readable signal.
     Input,
-    /// It can be read and set.
+    /// A readable and writable signal.
     Output,
 }
 
 impl Direction {
-    /// Its name in JSON.
+    /// Returns the name in JSON.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -87,7 +87,7 @@ impl fmt::Display for IoValue {
         match self {
             Self::Boolean(value) => value.fmt(f),
             Self::Digital(value) => value.fmt(f),
-            // Not with hundreds of digits.
+            // Scientific notation, which avoids hundreds of digits.
             Self::Analog(value) if value.abs() >= 1e16 || value.abs() < 1e-5 && *value != 0.0 => {
                 write!(f, "{value:e}")
             }

@@ -10,15 +10,15 @@ use serde::{Deserialize, Serialize};
 #[serde(rename_all = "snake_case")]
 #[non_exhaustive]
 pub enum Code {
-    /// The request is malformed, or names something that does not exist.
+    /// The request is malformed or contains an unknown name.
     BadRequest,
     /// Another motion or trajectory is running.
     NotIdle,
     /// A limit of the robot would be exceeded.
     Limit,
-    /// A trajectory does not start where the robot is.
+    /// The trajectory does not start at the position of the robot.
     StartMismatch,
-    /// The robot is not able to, or has stopped.
+    /// The robot cannot carry out the request, or has stopped.
     Robot,
     /// A deadline has passed.
     Timeout,
@@ -27,7 +27,7 @@ pub enum Code {
 }
 
 impl Code {
-    /// Its name in JSON, in snake case.
+    /// Returns the name in JSON, in snake case.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -48,7 +48,7 @@ impl fmt::Display for Code {
     }
 }
 
-/// Why a request was not, or not completely, carried out.
+/// The reason why a request was not, or not completely, carried out.
 ///
 /// ```
 /// use iiwa_link::message::{Code, Refusal};
@@ -66,27 +66,27 @@ pub struct Refusal {
 }
 
 impl Refusal {
-    /// A refusal with this code.
+    /// Creates a refusal with this code.
     #[must_use]
     pub fn new(code: Code, message: impl Into<String>) -> Self {
         Self { code, message: message.into() }
     }
 
-    /// A refusal with [`Code::BadRequest`].
+    /// Creates a refusal with [`Code::BadRequest`].
     #[must_use]
     pub fn bad(message: impl Into<String>) -> Self {
         Self::new(Code::BadRequest, message)
     }
 
-    /// A refusal of motions: with [`Code::Limit`] if the arm cannot do them, and with [`Code::BadRequest`] if something in
-    /// them is wrong, as a name that leads nowhere.
+    /// Creates a refusal of motions: with [`Code::Limit`] if the robot cannot execute them, and
+    /// with [`Code::BadRequest`] if they are invalid, such as for an unknown name.
     #[must_use]
     pub fn of_fault(fault: &Fault) -> Self {
         let code = if fault.is_of_the_arm() { Code::Limit } else { Code::BadRequest };
         Self::new(code, fault.to_string())
     }
 
-    /// A refusal with [`Code::Robot`].
+    /// Creates a refusal with [`Code::Robot`].
     #[must_use]
     pub fn robot(message: impl Into<String>) -> Self {
         Self::new(Code::Robot, message)

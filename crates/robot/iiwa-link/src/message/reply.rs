@@ -1,4 +1,4 @@
-//! Replies of the drive.
+//! Drive replies.
 
 use std::{fmt, net::IpAddr};
 
@@ -14,7 +14,7 @@ use crate::message::{
     text::to_json,
 };
 
-/// The state of iiwaDrive and the robot (Larsen 2019, section 3.1.1).
+/// State of iiwaDrive and the robot (Larsen 2019, section 3.1.1).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum DriveState {
@@ -28,7 +28,7 @@ pub enum DriveState {
 }
 
 impl DriveState {
-    /// Its name in JSON, in snake case.
+    /// Returns the name in JSON, in snake case.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -49,38 +49,39 @@ impl fmt::Display for DriveState {
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[non_exhaustive]
 pub struct Samples {
-    /// Time stamps, in s, as in the stream: the controller's time since its first message to iiwaDrive.
+    /// Time stamps, in s, as in the stream: the controller time since its first message to
+    /// iiwaDrive.
     pub t_s: Vec<f64>,
-    /// Positions at these times, in rad; as many as there are time stamps.
+    /// Positions at these times, in rad; one per time stamp.
     pub joints_rad: Vec<Joints>,
 }
 
 impl Samples {
-    /// Positions, in rad, at times, in s.
+    /// Creates samples from times, in s, and positions, in rad.
     #[must_use]
     pub fn new(t_s: Vec<f64>, joints_rad: Vec<Joints>) -> Self {
         Self { t_s, joints_rad }
     }
 }
 
-/// The measurements of a run.
+/// Measurements of a run.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[non_exhaustive]
 pub struct Run {
     /// Time from the start to the end of the run, in s, if both are known.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub cycle_time_s: Option<f64>,
-    /// Start of the run, in s on the time scale of the samples, if it is known.
+    /// Start of the run, in s on the time scale of the samples, if known.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub start_s: Option<f64>,
-    /// What start and end were taken from; `None` for the clock of the robot program.
+    /// Source of start and end; `None` for the clock of the robot program.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub timed_by: Option<TimedBy>,
-    /// Why there is no cycle time, if the run succeeded without one.
+    /// The reason for a missing cycle time, if the run succeeded without one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub untimed_because: Option<String>,
-    /// Measurements over FRI, from just before the start to the end, and up to 0.25 s longer if the commanded positions
-    /// tell the end: the arm arrives after them.
+    /// Measurements over FRI, from just before the start to the end, and up to 0.25 s longer if the
+    /// end is taken from the commanded positions: the robot arrives after them.
     #[serde(default)]
     pub samples: Samples,
     /// Number of samples beyond [`MAX_SAMPLES`](super::MAX_SAMPLES), which are not stored.
@@ -89,25 +90,25 @@ pub struct Run {
 }
 
 impl Run {
-    /// A run of which only the samples are known.
+    /// Creates a run with samples only.
     #[must_use]
     pub fn new(samples: Samples) -> Self {
         Self { samples, ..Self::default() }
     }
 }
 
-/// What the times of a run were taken from, if not from the clock of the robot program.
+/// Source of the times of a run, if not the clock of the robot program.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 #[non_exhaustive]
 pub enum TimedBy {
-    /// The first and the last change of the joint positions that the controller commands. Standing before and after,
-    /// such as the time to settle, is not part of it.
+    /// The first and the last change of the joint positions that the controller commands.
+    /// Standstill before and after, such as the settling time, is excluded.
     CommandedPosition,
 }
 
 impl TimedBy {
-    /// Its name in JSON, in snake case.
+    /// Returns the name in JSON, in snake case.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -125,7 +126,7 @@ fn is_zero(count: &u64) -> bool {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[non_exhaustive]
 pub struct Sensors {
-    /// Temperatures of the joints, in degrees Celsius; `None` if the controller does not report them.
+    /// Joint temperatures, in degrees Celsius; `None` if the controller does not report them.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub joint_temperature_c: Option<Joints>,
     /// External joint torques, in Nm.
@@ -133,7 +134,8 @@ pub struct Sensors {
 }
 
 impl Sensors {
-    /// Joint temperatures, in degrees Celsius, if they are known, and external joint torques, in Nm.
+    /// Creates readings from joint temperatures, in degrees Celsius, if known, and external joint
+    /// torques, in Nm.
     #[must_use]
     pub fn new(joint_temperature_c: Option<Joints>, external_torque_nm: Joints) -> Self {
         Self { joint_temperature_c, external_torque_nm }
@@ -144,27 +146,27 @@ impl Sensors {
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[non_exhaustive]
 pub struct FriStatus {
-    /// State of the session, such as `monitoring_ready`; `silent` if no messages arrive.
+    /// Session state, such as `monitoring_ready`; `silent` if no messages arrive.
     pub session: String,
-    /// The controller's rating of the connection: `poor`, `fair`, `good` or `excellent`.
+    /// Connection quality rated by the controller: `poor`, `fair`, `good` or `excellent`.
     pub quality: String,
-    /// Number of the controller's messages that did not arrive.
+    /// Number of controller messages that did not arrive.
     pub lost: u64,
     /// Number of messages that arrived after a later one.
     pub late: u64,
-    /// Whether the safety controller demands a stop, as while the emergency stop is pressed.
+    /// `true` if the safety controller demands a stop, such as while the emergency stop is pressed.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub safety_stop: bool,
-    /// Another address than the expected one that FRI messages come from, while none come from that.
+    /// The unexpected source address of FRI messages, while none arrive from the expected one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub unexpected_source: Option<IpAddr>,
 }
 
 impl FriStatus {
-    /// The `session` of a controller that does not send.
+    /// Value of `session` for a controller that does not send.
     pub const SILENT: &str = "silent";
 
-    /// The state of a session and the controller's rating, without losses.
+    /// Creates a status from a session state and the controller's rating, without losses.
     #[must_use]
     pub fn new(session: &str, quality: &str) -> Self {
         Self { session: session.to_owned(), quality: quality.to_owned(), ..Self::default() }
@@ -177,31 +179,31 @@ impl FriStatus {
 pub struct Status {
     /// The state of the drive.
     pub state: DriveState,
-    /// The robot that the drive is set up for; `None` from a drive of an older version.
+    /// The robot that the drive is configured for; `None` from a drive of an older version.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub robot: Option<RobotIdentity>,
     /// Measured joint positions, in rad; `None` before the controller's first message.
     pub joints_rad: Option<Joints>,
-    /// Time of that measurement, in s.
+    /// Time of the joint position measurement, in s.
     pub t_s: Option<f64>,
     /// The FRI connection.
     pub fri: FriStatus,
-    /// Whether the robot program is connected.
+    /// Connection state of the robot program.
     #[serde(default)]
     pub robot_program: Presence,
-    /// Whether the robot program says that the robot is a simulated one.
+    /// `true` if the robot program reports a simulated robot.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub simulated: bool,
-    /// The versions of the robot program, if it tells them.
+    /// Versions of the robot program, if reported.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub hello: Option<Hello>,
-    /// The conditions at the controller, if the robot program tells them.
+    /// Controller conditions, if reported by the robot program.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub conditions: Option<Conditions>,
 }
 
 impl Status {
-    /// The state of a drive that has received nothing of the robot.
+    /// Creates the status of a drive that has not received any data from the robot.
     #[must_use]
     pub fn new(state: DriveState, fri: FriStatus) -> Self {
         Self {
@@ -218,44 +220,44 @@ impl Status {
     }
 }
 
-/// Whether a peer is connected.
+/// Connection state of a peer.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Presence {
-    /// No message has arrived for a while.
+    /// No message has arrived within the time-out.
     #[default]
     Silent,
     /// Messages arrive.
     Connected,
 }
 
-/// The content of a reply.
+/// Content of a reply.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(untagged)]
 #[non_exhaustive]
 pub enum Body {
-    /// Of runs, including aborted ones, and of `last_run`.
+    /// Reply to runs, including aborted ones, and to `last_run`.
     Run(Run),
-    /// Of `state`.
+    /// Reply to `state`.
     Status(Box<Status>),
-    /// Of `read_sensors`.
+    /// Reply to `read_sensors`.
     Sensors {
         /// The readings.
         sensors: Sensors,
     },
-    /// Of `list_io`.
+    /// Reply to `list_io`.
     Signals {
         /// All inputs and outputs.
         io: Vec<Signal>,
     },
-    /// Of `get_io` and `set_io`.
+    /// Reply to `get_io` and `set_io`.
     Value {
         /// The current value.
         value: IoValue,
     },
 }
 
-/// The reply to a request.
+/// Reply to a request.
 ///
 /// ```
 /// use iiwa_link::message::{Refusal, Reply};
@@ -267,16 +269,16 @@ pub enum Body {
 /// ```
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Reply<'a> {
-    /// The request's id.
+    /// Id of the request.
     pub id: Option<&'a Id>,
-    /// Why the request was not, or not completely, carried out.
+    /// The reason why the request was not, or not completely, carried out.
     pub error: Option<&'a Refusal>,
     /// The requested content.
     pub body: Option<&'a Body>,
 }
 
 impl Reply<'_> {
-    /// The reply as JSON.
+    /// Returns the reply as JSON.
     #[must_use]
     pub fn to_json(&self) -> String {
         #[derive(Serialize)]

@@ -1,4 +1,4 @@
-//! Requests of clients.
+//! Client requests.
 
 use std::str;
 
@@ -20,7 +20,7 @@ use crate::{
     timed_joints::TimedJoints,
 };
 
-/// A request of a client.
+/// A client request.
 ///
 /// ```
 /// use iiwa_link::message::Request;
@@ -36,18 +36,18 @@ use crate::{
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Request {
-    /// Run motions from the current position; replied to when they have ended.
+    /// Run motions from the current position. The reply is sent when they have ended.
     RunMotions {
-        /// The motions, and the tools, bases and frames that they use, as in a program.
+        /// The motions, with the tools, bases and frames that they use, as in a program.
         motions: MotionList,
-        /// What the client states about the run.
+        /// The client's label of the run.
         label: RunLabel,
     },
-    /// Run a trajectory over FRI; replied to when it has ended.
+    /// Run a trajectory over FRI. The reply is sent when it has ended.
     RunTrajectory {
         /// The trajectory.
         trajectory: TimedJoints,
-        /// What the client states about the run.
+        /// The client's label of the run.
         label: RunLabel,
     },
     /// Read the robot's sensors.
@@ -56,21 +56,21 @@ pub enum Request {
     ListIo,
     /// Read an input or output.
     GetIo {
-        /// Its name.
+        /// Name of the signal.
         name: String,
     },
     /// Set an output.
     SetIo {
-        /// Its name.
+        /// Name of the output.
         name: String,
-        /// Its new value.
+        /// New value.
         value: IoValue,
     },
     /// Read the state of drive and robot.
     State,
     /// Read the measurements of the last run again, such as after a lost connection.
     LastRun,
-    /// Stop the running motion or trajectory, on its path.
+    /// Stop the running motion or trajectory on its path.
     Stop,
 }
 
@@ -78,7 +78,7 @@ pub enum Request {
 pub type Id = Box<RawValue>;
 
 impl Request {
-    /// The `type` of all requests.
+    /// The `type` values of all requests.
     pub const TYPES: [&'static str; 9] = [
         "run_motions",
         "run_trajectory",
@@ -91,19 +91,19 @@ impl Request {
         "stop",
     ];
 
-    /// A request to run motions, without a label.
+    /// Creates a request to run motions, without a label.
     #[must_use]
     pub fn motions(motions: impl Into<MotionList>) -> Self {
         Self::RunMotions { motions: motions.into(), label: RunLabel::default() }
     }
 
-    /// A request to run a trajectory, without a label.
+    /// Creates a request to run a trajectory, without a label.
     #[must_use]
     pub fn trajectory(trajectory: TimedJoints) -> Self {
         Self::RunTrajectory { trajectory, label: RunLabel::default() }
     }
 
-    /// The request with this label, if it is for a run.
+    /// Returns the request with this label, if it is a run request.
     #[must_use]
     pub fn labelled(mut self, with: RunLabel) -> Self {
         if let Self::RunMotions { label, .. } | Self::RunTrajectory { label, .. } = &mut self {
@@ -116,18 +116,18 @@ impl Request {
     ///
     /// # Errors
     ///
-    /// [`Code::BadRequest`](crate::message::Code::BadRequest) with the fault and its place. The id is
-    /// returned if it can be parsed.
+    /// [`Code::BadRequest`](crate::message::Code::BadRequest) with the fault and its position. The
+    /// id is returned if it can be parsed.
     pub fn from_json(bytes: &[u8]) -> (Option<Id>, Result<Self, Refusal>) {
         let (id, head) = Self::head(bytes);
         (id, head.and_then(RequestHead::parse))
     }
 
-    /// Parses the id and the `type` of a request; the rest is only found to be JSON.
+    /// Parses the id and the `type` of a request; the rest is only checked to be JSON.
     ///
     /// # Errors
     ///
-    /// As [`from_json`](Self::from_json), for what is wrong before the content of the type.
+    /// Same as [`from_json`](Self::from_json), for faults that precede the type-specific content.
     pub fn head(bytes: &[u8]) -> (Option<Id>, Result<RequestHead<'_>, Refusal>) {
         let Ok(text) = str::from_utf8(bytes) else {
             return (None, Err(Refusal::bad("the request is not text in UTF-8")));
@@ -141,7 +141,8 @@ impl Request {
     fn of_type(name: Option<&str>, text: &str) -> Result<Self, Refusal> {
         match name {
             Some("run_motions") => {
-                // The motions first: their errors contain the index of the motion.
+                // The motions are parsed first, because their errors contain the index of the
+                // motion.
                 let motions =
                     MotionList::from_json(text).map_err(|error| Refusal::bad(error.to_string()))?;
                 let label = parse::<MotionsRequest>(text)?.label.check()?;
@@ -173,7 +174,7 @@ impl Request {
         }
     }
 
-    /// The request as JSON, with its name as `type`.
+    /// Returns the request as JSON, with its name as `type`.
     #[must_use]
     pub fn to_json(&self) -> String {
         #[derive(Serialize)]
@@ -227,7 +228,7 @@ fn parse<T: DeserializeOwned>(text: &str) -> Result<T, Refusal> {
     }
 }
 
-/// A request of which the `type` is known and the content is not parsed yet.
+/// A request whose `type` is known and whose content has not been parsed yet.
 ///
 /// ```
 /// use iiwa_link::message::Request;
@@ -244,7 +245,7 @@ pub struct RequestHead<'a> {
 }
 
 impl RequestHead<'_> {
-    /// The `type`; `None` if the request has none.
+    /// Returns the `type`; `None` if the request has none.
     #[must_use]
     pub fn name(&self) -> Option<&str> {
         self.r#type.as_deref()
@@ -254,7 +255,7 @@ impl RequestHead<'_> {
     ///
     /// # Errors
     ///
-    /// As [`Request::from_json`].
+    /// Same as [`Request::from_json`].
     pub fn parse(self) -> Result<Request, Refusal> {
         Request::of_type(self.r#type.as_deref(), self.text)
     }
@@ -268,12 +269,12 @@ struct HeadKeys {
     id: Option<Id>,
 }
 
-/// An id of `null` is an id.
+/// Deserializes an id, so that `null` counts as an id.
 fn given<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<Id>, D::Error> {
     Id::deserialize(deserializer).map(Some)
 }
 
-/// The id of a request that is otherwise malformed.
+/// Returns the id of a request that is otherwise malformed.
 fn id_of(text: &str) -> Option<Id> {
     #[derive(Deserialize)]
     struct OnlyId {
@@ -283,7 +284,7 @@ fn id_of(text: &str) -> Option<Id> {
     serde_json::from_str::<Object<OnlyId>>(text).ok().and_then(|Object(only)| only.id)
 }
 
-/// Declares the JSON object of a request: its own keys, `type` and `id`.
+/// Declares the JSON object of a request: its specific keys, `type` and `id`.
 macro_rules! request {
     ($name:ident { $($field:ident: $type:ty),* }) => {
         #[derive(Deserialize)]
@@ -314,7 +315,7 @@ struct TrajectoryRequest {
     label: RunLabel,
 }
 
-/// The keys that there may be; the values of most are read by [`MotionList`].
+/// Allowed keys of the request; [`MotionList`] parses most of their values.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct MotionsRequest {

@@ -1,4 +1,4 @@
-//! The identity of a robot arm: model name and link lengths.
+//! Robot identity: model name and link lengths.
 
 use std::fmt;
 
@@ -7,11 +7,11 @@ use serde::{Deserialize, Serialize};
 
 use crate::message::{refusal::Refusal, text::shortened};
 
-/// Largest difference of two equal lengths, in mm.
+/// Tolerance of equal lengths, in mm.
 const TOLERANCE_MM: f64 = 0.05;
 
-/// The identity of a robot arm. Two arms are the same if their lengths are: then equal joint positions give equal TCP poses. Names
-/// and limits may differ, such as those of a robot profile.
+/// Identity of a robot. Two robots are the same if their link lengths are equal: then equal joint
+/// positions give equal TCP poses. Names and limits may differ, such as in a robot profile.
 ///
 /// ```
 /// use iiwa_kin::Robot;
@@ -23,13 +23,13 @@ const TOLERANCE_MM: f64 = 0.05;
 /// ```
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct RobotIdentity {
-    /// Name of the model or of the profile.
+    /// Name of the model or the profile.
     pub model: String,
-    /// The link lengths.
+    /// Link lengths.
     pub lengths_mm: LengthsMm,
 }
 
-/// The link lengths of an arm, in mm, as in robot profiles.
+/// Link lengths of a robot, in mm, as in robot profiles.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct LengthsMm {
     /// d1: base to shoulder.
@@ -38,7 +38,7 @@ pub struct LengthsMm {
     pub upper_arm: f64,
     /// d5: elbow to wrist.
     pub forearm: f64,
-    /// d7: wrist to the flange's face.
+    /// d7: wrist to flange face.
     pub flange: f64,
 }
 
@@ -49,7 +49,7 @@ impl LengthsMm {
 }
 
 impl RobotIdentity {
-    /// Returns `true` if both arms have the same link lengths.
+    /// Returns true if both robots have the same link lengths.
     #[must_use]
     pub fn is_same_arm(&self, other: &Self) -> bool {
         let mut lengths = self.lengths_mm.all().into_iter().zip(other.lengths_mm.all());
@@ -71,7 +71,7 @@ impl RobotIdentity {
         )))
     }
 
-    /// Checks that the robot at the cabinet is the drive's.
+    /// Checks that the robot at the cabinet matches the drive's.
     ///
     /// # Errors
     ///
@@ -90,7 +90,7 @@ impl RobotIdentity {
 impl From<&Robot> for RobotIdentity {
     fn from(robot: &Robot) -> Self {
         let Lengths { base_m, upper_arm_m, forearm_m, flange_m, .. } = *robot.lengths();
-        // A tenth of a micrometre: a length in m times 1000 may have a long tail of digits.
+        // Rounded to a tenth of a micrometre: a length in m times 1000 may have many digits.
         let mm = |length_m: f64| (length_m * 1e7).round() / 1e4;
         let lengths_mm = LengthsMm {
             base: mm(base_m),
@@ -106,7 +106,7 @@ impl fmt::Display for RobotIdentity {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let LengthsMm { base, upper_arm, forearm, flange } = self.lengths_mm;
         write!(f, "{} with a flange of {flange} mm", shortened(&self.model))?;
-        // The name of a profile does not say the lengths.
+        // A profile name does not imply the lengths.
         let is_built_in = Robot::built_in(&self.model).is_some_and(|robot| {
             let lengths_mm = LengthsMm { flange, ..Self::from(&robot).lengths_mm };
             self.is_same_arm(&Self { lengths_mm, ..self.clone() })

@@ -1,15 +1,15 @@
-//! What clients state about the runs that they request.
+//! Labels of requested runs.
 
 use iiwa_kin::Robot;
 use serde::{Deserialize, Serialize};
 
 use crate::message::{refusal::Refusal, robot_identity::RobotIdentity, text::to_json};
 
-/// Longest label, in bytes of JSON.
+/// Maximum length of a label, in bytes of JSON.
 pub const MAX_LABEL_BYTES: usize = 16 << 10;
 
-/// Statements of a client about a run that it requests. The drive refuses the run if it was planned for another robot than its own, and
-/// publishes the rest unread.
+/// Label of a requested run. The drive refuses the run if it was planned for another robot, and
+/// publishes the rest of the label without interpretation.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct RunLabel {
@@ -25,13 +25,13 @@ pub struct RunLabel {
 }
 
 impl RunLabel {
-    /// A label that states the robot only.
+    /// Creates a label that contains the robot only.
     #[must_use]
     pub fn of_robot(robot: &Robot) -> Self {
         Self { planned_for: Some(RobotIdentity::from(robot)), ..Self::default() }
     }
 
-    /// Whether it states nothing.
+    /// Returns true if the label is empty.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         *self == Self::default()
@@ -41,7 +41,8 @@ impl RunLabel {
     ///
     /// # Errors
     ///
-    /// [`Code::BadRequest`](crate::message::Code::BadRequest) if it is longer than [`MAX_LABEL_BYTES`].
+    /// [`Code::BadRequest`](crate::message::Code::BadRequest) if the label is longer than
+    /// [`MAX_LABEL_BYTES`].
     pub(crate) fn check(self) -> Result<Self, Refusal> {
         let bytes = to_json(&self).len();
         if bytes > MAX_LABEL_BYTES {
@@ -57,23 +58,23 @@ impl RunLabel {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct RunPlan {
-    /// The planned cycle time, in s.
+    /// Planned cycle time, in s.
     pub cycle_time_s: f64,
-    /// The limit that binds for the longest time of each motion, where one does.
+    /// Limit that is active for the largest share of each motion, if any.
     #[serde(default)]
     pub limited_by: Vec<BindingLimit>,
 }
 
-/// A limit that binds in a motion of a plan.
+/// A limit that is active in a motion of a plan.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct BindingLimit {
-    /// The motion, from 1.
+    /// Index of the motion, from 1.
     pub motion: usize,
-    /// The joint, from 1; `None` for a limit of the TCP.
+    /// Index of the joint, from 1; `None` for a TCP limit.
     pub joint: Option<usize>,
-    /// The kind of limit, such as `velocity`.
+    /// Kind of limit, such as `velocity`.
     pub kind: String,
-    /// The share of the motion's time for which it binds, 0 to 1.
+    /// Share of the motion's duration for which the limit is active, 0 to 1.
     pub share: f64,
 }

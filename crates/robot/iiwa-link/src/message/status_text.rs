@@ -1,4 +1,4 @@
-//! The state of the robot in words.
+//! Robot state as text.
 
 use std::fmt::{self, Write as _};
 
@@ -19,7 +19,7 @@ pub struct Degrees<'a>(pub &'a Joints);
 impl fmt::Display for Degrees<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         for q in self.0 {
-            // No negative zero.
+            // Negative zero is avoided.
             write!(f, "{:8.3} ", (q.to_degrees() * 1e3).round() / 1e3 + 0.0)?;
         }
         f.write_str("deg")
@@ -27,14 +27,14 @@ impl fmt::Display for Degrees<'_> {
 }
 
 impl Status {
-    /// Whether the robot program or the controller says that a safety stop is active.
+    /// Returns true if the robot program or the controller reports an active safety stop.
     #[must_use]
     pub fn safety_stop(&self) -> bool {
         let said = self.conditions.as_ref().and_then(|it| it.safety_stop);
         self.fri.safety_stop || said == Some(true)
     }
 
-    /// The state in words, in lines.
+    /// Returns the state as text, in lines.
     #[must_use]
     pub fn text(&self) -> String {
         let simulated = if self.simulated { " (a simulated robot)" } else { "" };

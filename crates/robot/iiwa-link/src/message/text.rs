@@ -7,7 +7,8 @@ use serde::{Serialize, de::DeserializeOwned};
 
 use crate::message::refusal::Refusal;
 
-/// A value as JSON; empty if it has map keys that are not strings, which none of the messages has.
+/// Returns a value as JSON; empty if it has map keys that are not strings, which do not occur in
+/// messages.
 #[must_use]
 pub fn to_json(value: &impl Serialize) -> String {
     serde_json::to_string(value).unwrap_or_default()
@@ -19,13 +20,14 @@ pub fn from_json<T: DeserializeOwned>(bytes: &[u8]) -> Option<T> {
     serde_json::from_slice::<Object<T>>(bytes).ok().map(|Object(message)| message)
 }
 
-/// A refusal of a malformed request, with the fault and its place.
+/// Creates a refusal of a malformed request, with the fault and its position.
 #[must_use]
 pub fn bad_json(text: &str, error: &serde_json::Error) -> Refusal {
     Refusal::bad(format!("{}, at {}", problem(error), Place::of_error(text, text, error)))
 }
 
-/// The beginning of a text from elsewhere, for messages; what is not printable ASCII is escaped.
+/// Returns the beginning of an external text, for messages; characters other than printable ASCII
+/// are escaped.
 #[must_use]
 pub fn shortened(text: &str) -> String {
     const MAX_CHARS: usize = 60;
@@ -40,7 +42,7 @@ pub fn shortened(text: &str) -> String {
     shown
 }
 
-/// A number in messages, with the given number of decimals; large ones in scientific notation.
+/// A number in messages, with the given number of decimals; large numbers in scientific notation.
 pub struct Figures(pub f64, pub usize);
 
 impl fmt::Display for Figures {

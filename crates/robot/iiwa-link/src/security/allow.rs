@@ -4,7 +4,8 @@ use std::{collections::BTreeMap, path::Path};
 
 use super::{error::SecurityError, key::PublicKey};
 
-/// Public keys of the permitted clients, each with a name. An empty list permits none.
+/// Public keys of the permitted clients, each with a name. An empty list does not permit any
+/// client.
 ///
 /// ```
 /// use iiwa_link::security::{AllowList, KeyPair};
@@ -21,11 +22,11 @@ pub struct AllowList {
 }
 
 impl AllowList {
-    /// Reads one public key file, or all files `*.pub` directly in a folder. The name of a key is that of
-    /// its file without extension.
+    /// Reads one public key file, or all files `*.pub` directly in a folder. The name of a key is
+    /// its file name without extension.
     ///
     /// # Errors
-    /// A file cannot be read or is not a public key file; the folder contains none.
+    /// A file cannot be read or is not a public key file; the folder does not contain any.
     pub fn read(path: &Path) -> Result<Self, SecurityError> {
         let refuse = |source| SecurityError::Read { path: path.to_owned(), source };
         if !path.metadata().map_err(refuse)?.is_dir() {
@@ -41,24 +42,24 @@ impl AllowList {
         if files.is_empty() {
             return Err(SecurityError::NoClientKeys { path: path.to_owned() });
         }
-        // A key in two files gets the name of the first one.
+        // A key in two files has the name of the first file.
         files.sort_unstable();
         files.iter().map(|file| Ok((name(file), PublicKey::read(file)?))).collect()
     }
 
-    /// The name of a key, if it is on the list.
+    /// Returns the name of a key, if it is on the list.
     #[must_use]
     pub fn name(&self, key: &PublicKey) -> Option<&str> {
         self.names.get(key).map(String::as_str)
     }
 
-    /// The number of keys.
+    /// Returns the number of keys.
     #[must_use]
     pub fn len(&self) -> usize {
         self.names.len()
     }
 
-    /// Whether there are no keys.
+    /// Returns true if the list is empty.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.names.is_empty()
@@ -75,7 +76,7 @@ impl FromIterator<(String, PublicKey)> for AllowList {
     }
 }
 
-/// The name of a key by its file, without control characters, as it is written to logs.
+/// Returns the name of a key from its file name, without control characters, because it is logged.
 fn name(path: &Path) -> String {
     let stem = path.file_stem().unwrap_or_default().to_string_lossy();
     stem.chars().map(|c| if c.is_control() { '?' } else { c }).take(64).collect()

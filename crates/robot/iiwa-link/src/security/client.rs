@@ -1,4 +1,4 @@
-//! Security of clients.
+//! Client security.
 
 use std::path::Path;
 
@@ -9,18 +9,18 @@ use super::{
     key::{KeyPair, PublicKey},
 };
 
-/// A client's own keys and its server's public key.
+/// Key pair of a client, and the public key of its server.
 #[derive(Clone, Debug)]
 #[non_exhaustive]
 pub struct ClientSecurity {
-    /// Its own keys.
+    /// Key pair of the client.
     pub pair: KeyPair,
-    /// The server's public key.
+    /// Public key of the server.
     pub server: PublicKey,
 }
 
 impl ClientSecurity {
-    /// These keys for a server with this public key.
+    /// Combines this key pair with the public key of the server.
     #[must_use]
     pub fn new(pair: KeyPair, server: PublicKey) -> Self {
         Self { pair, server }
@@ -29,12 +29,12 @@ impl ClientSecurity {
     /// Reads a secret key file and the server's public key file.
     ///
     /// # Errors
-    /// As [`KeyPair::read`] and [`PublicKey::read`].
+    /// Same as [`KeyPair::read`] and [`PublicKey::read`].
     pub fn read(key: &Path, server_key: &Path) -> Result<Self, SecurityError> {
         Ok(Self { pair: KeyPair::read(key)?, server: PublicKey::read(server_key)? })
     }
 
-    /// The mechanism with these keys.
+    /// Returns the mechanism with these keys.
     pub(crate) fn mechanism(&self) -> MechanismSetup {
         MechanismSetup::CurveClient {
             our_keypair: self.pair.for_curve(),

@@ -1,6 +1,6 @@
-//! Why a connection is refused.
+//! Reasons of refused connections.
 
-/// Why the other side refuses a connection.
+/// Reason why the other side refuses a connection.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum ConnectionRefusal {
@@ -8,13 +8,13 @@ pub enum ConnectionRefusal {
     NotAllowed,
     /// Only one of the two sides has keys.
     KeysOnOneSide,
-    /// The server closed the connection during the handshake. It does so if the client has the wrong server
-    /// key or a key pair that does not match, but also when it shuts down.
+    /// The server closed the connection during the handshake: the client has the wrong server key
+    /// or a key pair that does not match, or the server is shutting down.
     Closed,
 }
 
 impl ConnectionRefusal {
-    /// The reason in words, for the client.
+    /// Returns the reason as text, for the client.
     #[must_use]
     pub fn reason(self) -> &'static str {
         match self {

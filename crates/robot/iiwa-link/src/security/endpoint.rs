@@ -1,4 +1,4 @@
-//! Addresses, and which of them are reachable from other machines.
+//! Addresses and their reachability from other machines.
 
 use std::{
     fmt, io,
@@ -9,11 +9,11 @@ use std::{
 use super::error::SecurityError;
 
 /// An address `tcp://HOST:PORT`, or `HOST:PORT`. The host is an IPv4 address, an IPv6 address in
-/// brackets, a name, or `*` for all interfaces; the port is 1 to 65535 or, for a listening socket, `*`
-/// for any free one.
+/// brackets, a name, or `*` for all interfaces; the port is 1 to 65535 or, for a listening socket,
+/// `*` for any free port.
 ///
-/// Loopback addresses are 127.0.0.0/8, `[::1]` and `localhost`, which is always 127.0.0.1. Every other
-/// name, including those of interfaces, counts as reachable from other machines.
+/// Loopback addresses are 127.0.0.0/8, `[::1]` and `localhost`, which is always 127.0.0.1. Every
+/// other name, including interface names, counts as reachable from other machines.
 ///
 /// ```
 /// use iiwa_link::security::Endpoint;
@@ -40,7 +40,7 @@ enum Host {
 }
 
 impl Endpoint {
-    /// Whether it is reachable from this machine only.
+    /// Returns true if the address is reachable from this machine only.
     #[must_use]
     pub fn is_loopback(&self) -> bool {
         match &self.host {
@@ -50,7 +50,7 @@ impl Endpoint {
         }
     }
 
-    /// The IP address and port; names are resolved. The port `*` becomes 0.
+    /// Returns the IP address and port; names are resolved. The port `*` becomes 0.
     ///
     /// # Errors
     /// The name cannot be resolved.
@@ -68,7 +68,8 @@ impl Endpoint {
         }
     }
 
-    /// Fails if binding requires keys and there are none: other addresses than loopback do.
+    /// Fails if binding requires keys and they are missing: all addresses except loopback require
+    /// keys.
     ///
     /// # Errors
     /// [`SecurityError::BindNeedsKeys`].
@@ -79,7 +80,7 @@ impl Endpoint {
         Err(SecurityError::BindNeedsKeys { endpoint: self.to_string() })
     }
 
-    /// Fails if connecting is not possible (`*`), or requires keys and there are none.
+    /// Fails if connecting is impossible (`*`), or requires keys and they are missing.
     ///
     /// # Errors
     /// [`SecurityError::Address`] or [`SecurityError::ConnectNeedsKeys`].
@@ -145,7 +146,7 @@ impl FromStr for Endpoint {
         } else if let Ok(v4) = host.parse() {
             Host::V4(v4)
         } else if host.contains(':') {
-            return Err(refuse("an IPv6 address goes in brackets, as tcp://[::1]:5560"));
+            return Err(refuse("write an IPv6 address in brackets, such as tcp://[::1]:5560"));
         } else {
             let named = |c: char| c.is_ascii_alphanumeric() || "-_.".contains(c);
             if host.is_empty() || !host.chars().all(named) {

@@ -1,8 +1,8 @@
-//! Errors of keys and addresses.
+//! Key and address errors.
 
 use std::{io, path::PathBuf};
 
-/// Why a text is not a key.
+/// Reason why a text is not a key.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum KeyTextError {
@@ -12,10 +12,10 @@ pub enum KeyTextError {
         /// The number of characters.
         found: usize,
     },
-    /// A character that is not one of Z85.
+    /// A character outside the Z85 alphabet.
     #[error("character {position} of the key is {character:?}, which is not one of Z85's")]
     Character {
-        /// Its position in the key, from 1.
+        /// Position in the key, from 1.
         position: usize,
         /// The character.
         character: char,
@@ -23,12 +23,12 @@ pub enum KeyTextError {
     /// A group of five characters whose value exceeds four bytes.
     #[error("characters {position} to {} of the key are out of range", .position + 4)]
     TooLarge {
-        /// Position of the first of them in the key, from 1.
+        /// Position of its first character in the key, from 1.
         position: usize,
     },
 }
 
-/// Why keys or addresses cannot be used.
+/// Reason why keys or addresses cannot be used.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum SecurityError {
@@ -47,7 +47,7 @@ pub enum SecurityError {
     /// A file or folder could not be read.
     #[error("cannot read {}", .path.display())]
     Read {
-        /// Its path.
+        /// Path of the file or folder.
         path: PathBuf,
         /// The system's error.
         #[source]
@@ -56,13 +56,14 @@ pub enum SecurityError {
     /// A file or folder could not be written.
     #[error("cannot write {}", .path.display())]
     Write {
-        /// Its path.
+        /// Path of the file or folder.
         path: PathBuf,
         /// The system's error.
         #[source]
         source: io::Error,
     },
-    /// A key file that exists already. It is never overwritten: its key may be in use.
+    /// A key file that already exists. Key files are never overwritten, because the key may be in
+    /// use.
     #[error("{} exists already and is not overwritten", .path.display())]
     Exists {
         /// The file.
@@ -76,7 +77,7 @@ pub enum SecurityError {
     Exposed {
         /// The file.
         path: PathBuf,
-        /// Its permissions.
+        /// Permissions of the file.
         mode: u32,
     },
     /// A key file with an invalid line.
@@ -97,7 +98,7 @@ pub enum SecurityError {
         /// The fault.
         what: &'static str,
     },
-    /// A folder of clients' keys without any.
+    /// A folder of client keys that does not contain any.
     #[error("no client can connect: {} contains no public key files (*.pub)", .path.display())]
     NoClientKeys {
         /// The folder.
@@ -111,7 +112,7 @@ pub enum SecurityError {
         /// The fault.
         what: &'static str,
     },
-    /// Binding an address that other machines can reach, without keys.
+    /// An attempt to bind an address that other machines can reach, without keys.
     #[error(
         "{endpoint} can be reached from other machines, so CURVE keys are required; without keys, \
          only loopback addresses are bound, such as tcp://127.0.0.1:5560"
@@ -120,7 +121,7 @@ pub enum SecurityError {
         /// The address.
         endpoint: String,
     },
-    /// Connecting to another machine, without keys.
+    /// An attempt to connect to another machine, without keys.
     #[error(
         "{endpoint} may be another machine, so CURVE keys are required; without keys, only loopback \
          addresses are connected to, such as tcp://127.0.0.1:5560"

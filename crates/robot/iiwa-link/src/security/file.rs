@@ -1,7 +1,7 @@
 //! Key files: `NAME.key` with a secret and a public key, `NAME.pub` with the public key only.
 //!
-//! The format is that of the certificates of CZMQ and `pyzmq`:
-//! `zmq.auth.load_certificate("NAME.key")` returns both keys.
+//! The format of CZMQ and `pyzmq` certificates: `zmq.auth.load_certificate("NAME.key")` returns
+//! both keys.
 //!
 //! ```text
 //! # Public key `NAME` of iiwasim
@@ -24,12 +24,13 @@ use super::{
     z85,
 };
 
-/// Far longer than a key file; a large file given by mistake is not read to its end.
+/// Maximum size of a key file, which is far shorter; a large file given by mistake is not read to
+/// its end.
 const MAX_BYTES: u64 = 1 << 16;
 
 impl KeyPair {
     /// Writes `NAME.key`, readable by its owner only, and `NAME.pub` into a folder: both or none.
-    /// Returns their paths, that of the secret key first.
+    /// Returns their paths, the secret key first.
     ///
     /// # Errors
     /// The name is invalid, one of the files exists, or they cannot be written.
@@ -62,7 +63,7 @@ impl KeyPair {
     /// Reads a file with a secret key.
     ///
     /// # Errors
-    /// It cannot be read, is accessible to others, is not a key file, or has no secret key.
+    /// The file cannot be read, is accessible to others, is not a key file, or has no secret key.
     pub fn read(path: &Path) -> Result<Self, SecurityError> {
         let keys = Keys::read(path)?;
         let (Some(public), Some(secret)) = (keys.public, keys.secret) else {
@@ -84,7 +85,7 @@ impl PublicKey {
     /// Reads a public key file. A secret key file is refused: it should not be shared.
     ///
     /// # Errors
-    /// It cannot be read, is not a key file, or contains a secret key.
+    /// The file cannot be read, is not a key file, or contains a secret key.
     pub fn read(path: &Path) -> Result<Self, SecurityError> {
         let keys = Keys::read(path)?;
         match (keys.public, keys.secret) {
@@ -138,7 +139,7 @@ impl Keys {
         Ok(keys)
     }
 
-    /// Parses a text. Errors have a line, from 1.
+    /// Parses a text. Errors contain a line, from 1.
     fn parse(&mut self, text: &str) -> Result<(), (usize, String)> {
         let mut in_metadata = false;
         for (i, line) in text.lines().enumerate() {
@@ -173,7 +174,7 @@ impl Keys {
     }
 }
 
-/// The error without the offending character, which may be part of a secret key.
+/// Returns the error without the offending character, which may be part of a secret key.
 fn redacted(error: &KeyTextError) -> String {
     match error {
         KeyTextError::Character { position, .. } => {
@@ -183,7 +184,7 @@ fn redacted(error: &KeyTextError) -> String {
     }
 }
 
-/// A temporary file in the same folder with the whole content.
+/// Creates a temporary file in the same folder with the complete content.
 fn prepare(
     folder: &Path,
     path: &Path,
@@ -207,7 +208,7 @@ fn prepare(
     Ok(file)
 }
 
-/// Moves a file to its final path, unless that exists.
+/// Moves a file to its final path, unless this path exists.
 fn persist(file: NamedTempFile, path: &Path) -> Result<(), SecurityError> {
     let path = path.to_owned();
     match file.persist_noclobber(&path) {
@@ -230,7 +231,7 @@ fn mode(_: &fs::Metadata) -> u32 {
     0
 }
 
-/// The mode, if it grants access to others than the owner.
+/// Returns the mode, if it grants access to users other than the owner.
 fn exposed(mode: u32) -> Option<u32> {
     (mode & 0o077 != 0).then_some(mode)
 }

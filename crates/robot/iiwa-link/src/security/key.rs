@@ -23,7 +23,7 @@ use super::{
 pub struct PublicKey([u8; 32]);
 
 impl PublicKey {
-    /// Its bytes.
+    /// Returns the bytes.
     #[must_use]
     pub fn bytes(&self) -> &[u8; 32] {
         &self.0
@@ -86,12 +86,12 @@ impl KeyPair {
         Ok(Self { public: PublicKey(*public.as_bytes()), secret })
     }
 
-    /// A pair from a key file. A mismatch of the two shows in the handshake.
+    /// Creates a pair from a key file. A mismatch of the two keys fails in the handshake.
     pub(super) fn new(public: PublicKey, secret: [u8; 32]) -> Self {
         Self { public, secret }
     }
 
-    /// The public key.
+    /// Returns the public key.
     #[must_use]
     pub fn public(&self) -> PublicKey {
         self.public
@@ -101,7 +101,7 @@ impl KeyPair {
         &self.secret
     }
 
-    /// The pair as `omq-proto` takes it.
+    /// Returns the pair as a type of `omq-proto`.
     pub(super) fn for_curve(&self) -> CurveKeypair {
         CurveKeypair {
             public: CurvePublicKey::from_bytes(self.public.0),

@@ -4,10 +4,11 @@ use std::time::{Duration, Instant};
 
 use super::key::PublicKey;
 
-/// Refused clients retry several times a second: each is logged once in this time.
+/// Interval within which each refused client is logged once: refused clients retry several times
+/// per second.
 const LOG_INTERVAL: Duration = Duration::from_mins(1);
 
-/// Capacity. Clients with ever new keys replace others, and are logged each time.
+/// Capacity. Clients that keep changing their key replace other entries, and are logged each time.
 const CAPACITY: usize = 64;
 
 /// Clients that were refused recently.
@@ -17,8 +18,8 @@ pub(super) struct RefusalLog {
 }
 
 impl RefusalLog {
-    /// Records a refusal. Returns whether it is to be logged: the first of this key at this address in a
-    /// while.
+    /// Records a refusal. Returns true if it is to be logged: the first refusal of this key at this
+    /// address within the interval.
     pub(super) fn record(&mut self, address: &str, key: Option<PublicKey>) -> bool {
         let now = Instant::now();
         self.entries.retain(|(.., when)| now.duration_since(*when) < LOG_INTERVAL);

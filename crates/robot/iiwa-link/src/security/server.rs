@@ -1,4 +1,4 @@
-//! Security of servers.
+//! Server security.
 
 use std::{
     path::Path,
@@ -16,18 +16,18 @@ use super::{
     refusal_log::RefusalLog,
 };
 
-/// A server's own keys and its permitted clients.
+/// Key pair of a server, and its permitted clients.
 #[derive(Clone, Debug)]
 #[non_exhaustive]
 pub struct ServerSecurity {
-    /// Its own keys.
+    /// Key pair of the server.
     pub pair: KeyPair,
     /// The permitted clients.
     pub allowed: AllowList,
 }
 
 impl ServerSecurity {
-    /// These keys, and clients with the keys on this list.
+    /// Combines this key pair with a list of permitted clients.
     #[must_use]
     pub fn new(pair: KeyPair, allowed: AllowList) -> Self {
         Self { pair, allowed }
@@ -36,13 +36,13 @@ impl ServerSecurity {
     /// Reads a secret key file, and the clients' public keys from a file or a folder.
     ///
     /// # Errors
-    /// As [`KeyPair::read`] and [`AllowList::read`].
+    /// Same as [`KeyPair::read`] and [`AllowList::read`].
     pub fn read(key: &Path, allow: &Path) -> Result<Self, SecurityError> {
         Ok(Self { pair: KeyPair::read(key)?, allowed: AllowList::read(allow)? })
     }
 
-    /// The mechanism that accepts clients with a key on the list, under its name. Refused clients are
-    /// logged as warnings.
+    /// Returns the mechanism that accepts clients with a key on the list, under the name of this
+    /// key. Refused clients are logged as warnings.
     pub(crate) fn mechanism(&self) -> MechanismSetup {
         let allowed = self.allowed.clone();
         let refusals = Mutex::new(RefusalLog::default());

@@ -1,12 +1,12 @@
-//! Z85 (`ZeroMQ` RFC 32): 4 bytes as 5 printable characters. Unlike libzmq's decoder, this one refuses
-//! other characters.
+//! Z85 (`ZeroMQ` RFC 32): 4 bytes as 5 printable characters. Unlike libzmq's decoder, this decoder
+//! refuses other characters.
 
 use super::error::KeyTextError;
 
 const DIGITS: &[u8; 85] =
     b"0123456789abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ.-:+=^!/*?&<>()[]{}@%$#";
 
-/// The 40 characters of a key.
+/// Encodes a key as 40 characters.
 pub(super) fn encode(key: &[u8; 32]) -> String {
     let mut text = String::with_capacity(40);
     for word in key.chunks_exact(4) {

@@ -2,8 +2,8 @@
 
 use thread_priority::{ThreadPriority, ThreadPriorityValue};
 
-/// Gives this thread real-time priority. Returns `false` if the system does not permit it. With the feature
-/// `real-time`.
+/// Gives this thread real-time priority. Returns `false` if the system does not permit this. With
+/// the feature `real-time`.
 #[must_use]
 pub fn raise_priority() -> bool {
     // Above ordinary threads, below critical threads of the system.

@@ -8,31 +8,33 @@ use crate::message::{
     text::Figures,
 };
 
-/// Largest distance of the start of a trajectory from the robot at each joint, in rad: half a degree.
+/// Maximum distance of the start of a trajectory from the robot at each joint, in rad: half a
+/// degree.
 pub const START_TOLERANCE_RAD: f64 = 0.5 * std::f64::consts::PI / 180.0;
 
-/// Longest step from one point to the next while the arm moves, in s. The arm reaches its acceleration
-/// limits within 30 to 60 ms: points that are farther apart do not determine the motion between them.
+/// Maximum step between points while the robot moves, in s. The robot reaches its acceleration
+/// limits within 30 to 60 ms: points that are farther apart do not determine the motion between
+/// them.
 pub const MAX_STEP_S: f64 = 0.025;
 
-/// Longest trajectory, in s: more than a day is taken for a mistake.
+/// Maximum duration of a trajectory, in s: a longer one is probably a mistake.
 const LONGEST_S: f64 = 24.0 * 3600.0;
 
 impl TimedJoints {
-    /// Checks whether a robot at rest at `start_rad`, in rad, can run this trajectory.
+    /// Checks that a robot at rest at `start_rad`, in rad, can run this trajectory.
     ///
-    /// It has to be well-formed, with finite numbers and strictly increasing time stamps; to start
-    /// within [`START_TOLERANCE_RAD`] of the robot; to stay within the position limits; and to keep the
-    /// limits of velocity, acceleration and jerk with
-    /// [`MARGINS`](crate::MARGINS), from rest at its start to rest at its
-    /// end. The latter are checked by divided differences of the points over 1 to 24 ms, with an
-    /// allowance for positions and stamps that are rounded to six decimals. While the arm moves, points
-    /// are at most [`MAX_STEP_S`] apart.
+    /// The trajectory has to be well-formed, with finite numbers and strictly increasing time
+    /// stamps; to start within [`START_TOLERANCE_RAD`] of the robot; to stay within the joint
+    /// ranges; and to satisfy the velocity, acceleration and jerk limits with
+    /// [`MARGINS`](crate::MARGINS), from rest at its start to rest at its end. These limits are
+    /// checked by divided differences of the points over 1 to 24 ms, with an allowance for
+    /// positions and stamps that are rounded to six decimals. While the robot moves, points are at
+    /// most [`MAX_STEP_S`] apart.
     ///
     /// # Errors
     ///
-    /// [`Code::BadRequest`], [`Code::StartMismatch`] or [`Code::Limit`], with the first fault and its
-    /// place.
+    /// [`Code::BadRequest`], [`Code::StartMismatch`] or [`Code::Limit`], with the first fault and
+    /// its position.
     ///
     /// ```
     /// use iiwa_kin::Robot;
@@ -49,7 +51,7 @@ impl TimedJoints {
         let start = &self.joints_rad[0];
         let off = |j: &usize| (start[*j] - start_rad[*j]).abs();
         let worst = (0..7).max_by(|a, b| off(a).total_cmp(&off(b))).unwrap_or(0);
-        // A distance that is not a number is not within the tolerance.
+        // A NaN distance is not within the tolerance.
         let is_near = off(&worst) <= START_TOLERANCE_RAD;
         if !is_near {
             return Err(Refusal::new(
@@ -88,7 +90,7 @@ impl TimedJoints {
         }
     }
 
-    /// Whether the arm is at rest from a point to the next one.
+    /// Returns true if the robot is at rest from a point to the next one.
     fn rests_after(&self, i: usize) -> bool {
         self.joints_rad[i] == self.joints_rad[i + 1]
     }

@@ -1,8 +1,8 @@
-//! Checks the limits of velocity, acceleration and jerk, from rest to rest, by divided differences.
+//! Check of the velocity, acceleration and jerk limits, from rest to rest, by divided differences.
 //!
-//! A divided difference is a mean of the derivative: if a motion keeps its limits, so do all differences
-//! of its points, whatever their stamps. From each point, differences are taken over several time spans,
-//! chosen so that neither dense nor uneven stamps conceal an excess.
+//! A divided difference is a mean of the derivative: if a motion satisfies its limits, so do all
+//! differences of its points, for any stamps. From each point, differences are computed over
+//! several time spans, which are chosen so that neither dense nor uneven stamps conceal an excess.
 
 use iiwa_kin::{Joints, Limits};
 
@@ -12,29 +12,30 @@ use crate::message::{
     text::Figures,
 };
 
-/// Permitted excess over the robot's limits of velocity, acceleration and jerk, as a share of the limits.
+/// Permitted excess over the velocity, acceleration and jerk limits, as a share of the limits.
 ///
-/// Planners keep limits exactly at sampling points and approximately in between; an excess beyond these
-/// margins is not a rounding error.
+/// Planners satisfy limits exactly at sampling points and approximately in between; an excess
+/// beyond these margins is not a rounding error.
 pub const MARGINS: [f64; 3] = [0.02, 0.05, 0.10];
 
-/// Times from one point of a difference to the next, in s. A difference of third order spans three times
-/// as much, and jerk is seldom at its limit for longer than 30 to 60 ms, the time in which the joints of
-/// an LBR iiwa reach their acceleration limits. Over shorter times, rounding has more effect.
+/// Time spans between the points of a difference, in s. A third-order difference covers three
+/// spans, and the jerk is seldom at its limit for longer than 30 to 60 ms, the time in which the
+/// joints of an LBR iiwa reach their acceleration limits. Over shorter spans, rounding has more
+/// effect.
 const SPANS_S: [f64; 6] = [0.001, 0.003, 0.006, 0.009, 0.012, 0.024];
 
-/// Positions may be rounded to six decimals, in rad: the error that this causes is tolerated.
+/// Tolerated rounding error of positions with six decimals, in rad.
 const ROUNDING_RAD: f64 = 0.5e-6;
 
-/// The same for stamps, in s.
+/// Tolerated rounding error of stamps with six decimals, in s.
 const ROUNDING_S: f64 = 0.5e-6;
 
-/// Names and units of the derivatives in messages.
+/// Derivative names and units in messages.
 const KINDS: [(&str, &str); 3] =
     [("velocity", "deg/s"), ("acceleration", "deg/s^2"), ("jerk", "deg/s^3")];
 
-/// Refuses the first excess of velocity, else of acceleration, else of jerk. Requires at least two points
-/// with increasing stamps.
+/// Refuses the first velocity excess, otherwise the first acceleration excess, otherwise the first
+/// jerk excess. Requires at least two points with increasing stamps.
 pub(super) fn check(trajectory: &TimedJoints, limits: &Limits) -> Result<(), Refusal> {
     let points = Points::new(trajectory);
     let mut excesses = [None; 3];
@@ -59,7 +60,7 @@ struct Excess {
 
 /// The points, extended by points at rest before and after.
 struct Points {
-    /// From the start, in s.
+    /// Time from the start, in s.
     t_s: Vec<f64>,
     joints_rad: Vec<Joints>,
     /// Number of added points before the first one.
@@ -92,7 +93,8 @@ impl Points {
         points
     }
 
-    /// Takes the differences over `span_s` from each point, and stores the first excess of each order.
+    /// Computes the differences over `span_s` from each point, and stores the first excess of each
+    /// order.
     fn find_excesses(&self, span_s: f64, limits: &[Joints; 3], excesses: &mut [Option<Excess>; 3]) {
         // Stamps are sums: a step of 1 ms may be slightly shorter.
         let at_least_s = 0.999 * span_s;
@@ -129,7 +131,7 @@ impl Points {
             for order in 0..3 {
                 let (difference, most, error) =
                     (&differences[order], &maxima[order], errors[order]);
-                // Not `>`: a difference that is not a number is an excess.
+                // Not `>`: a NaN difference is an excess.
                 let fits = |j: usize| difference[j].abs() <= most[j] + rounding_rad[j] * error;
                 if excesses[order].is_none() && !(0..7).all(fits) {
                     let joint = (0..7).find(|j| !fits(*j)).unwrap_or_default();
@@ -169,7 +171,8 @@ impl Points {
     }
 }
 
-/// Times of the points at rest after a last step, in s: enough for all differences from the last point.
+/// Returns the times of the points at rest after a last step, in s: enough for all differences from
+/// the last point.
 fn rest(step_s: f64) -> Vec<f64> {
     let [shortest_s, .., longest_s] = SPANS_S;
     let step_s = step_s.clamp(shortest_s, longest_s);

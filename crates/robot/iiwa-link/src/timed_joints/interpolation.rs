@@ -5,12 +5,13 @@ use iiwa_kin::Joints;
 use super::points::TimedJoints;
 
 impl TimedJoints {
-    /// Joint positions `t_s` after the start, in rad. Times outside the trajectory are clamped.
+    /// Returns joint positions `t_s` after the start, in rad. Times outside the trajectory are
+    /// clamped.
     ///
-    /// Points are connected by cubics. Their slopes are those of parabolas through three points, and zero
-    /// where a joint rests: at both ends, and beside steps without motion. Beside rest the slopes are
-    /// limited so that a joint does not overshoot the position where it stops, which may be the end of
-    /// its range.
+    /// Points are connected by cubics. The slopes are the slopes of parabolas through three points,
+    /// and zero where a joint is at rest: at both ends, and beside steps without motion. Beside
+    /// rest the slopes are limited so that a joint does not overshoot its stop position, which may
+    /// be the end of its range.
     #[must_use]
     pub fn at(&self, t_s: f64) -> Joints {
         let count = self.t_s.len().min(self.joints_rad.len());
@@ -18,7 +19,8 @@ impl TimedJoints {
         let ([first_s, ..], [first, .., last]) = (stamps, points) else {
             return points.first().copied().unwrap_or_default();
         };
-        // Differences first: added to a large stamp, milliseconds would be rounded off.
+        // The start stamp is subtracted first: added to a large stamp, milliseconds would be
+        // rounded off.
         let next = stamps.partition_point(|stamp| stamp - first_s <= t_s);
         if next == 0 {
             return *first;
@@ -38,11 +40,12 @@ impl TimedJoints {
         })
     }
 
-    /// The slopes at a point, in rad/s.
+    /// Returns the slopes at a point, in rad/s.
     ///
-    /// A cubic between two points stays between them if its slopes there have the sign of its secant and
-    /// are at most three times as steep (Fritsch and Carlson 1980). This is enforced for two points beside
-    /// rest only: elsewhere it would distort the slope near points where a joint reverses.
+    /// A cubic between two points stays between them if its slopes there have the sign of its
+    /// secant and are at most three times as steep (Fritsch and Carlson 1980). This is enforced for
+    /// two points beside rest only: elsewhere it would distort the slope near points where a joint
+    /// reverses.
     fn slope(&self, i: usize) -> Joints {
         let last = self.t_s.len().min(self.joints_rad.len()) - 1;
         if i == 0 || i >= last {
@@ -66,23 +69,24 @@ impl TimedJoints {
         })
     }
 
-    /// Whether joint `j` was at rest one or two points before point `i`.
+    /// Returns true if joint `j` was at rest one or two points before point `i`.
     fn rests_before(&self, i: usize, j: usize) -> bool {
         let q = |k: usize| self.joints_rad[k][j];
         i <= 2 || q(i - 2) == q(i - 1) || q(i - 3) == q(i - 2)
     }
 
-    /// Whether joint `j` rests from one or two points after point `i` on; `last` is the last point.
+    /// Returns true if joint `j` is at rest from one or two points after point `i`; `last` is the
+    /// last point.
     fn rests_from(&self, i: usize, j: usize, last: usize) -> bool {
         let q = |k: usize| self.joints_rad[k][j];
         i + 2 >= last || q(i + 1) == q(i + 2) || q(i + 2) == q(i + 3)
     }
 }
 
-/// The slope, limited so that a cubic with this slope at one end and zero at the other stays between
+/// Limits the slope so that a cubic with this slope at one end and zero at the other stays between
 /// its ends.
 fn within_secant(slope: f64, secant: f64) -> f64 {
     let [low, high] = if secant > 0.0 { [0.0, 3.0 * secant] } else { [3.0 * secant, 0.0] };
-    // Not `clamp`, which panics if a bound is not a number.
+    // Not `clamp`, which panics if a bound is NaN.
     slope.max(low).min(high)
 }

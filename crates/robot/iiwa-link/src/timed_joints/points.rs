@@ -1,4 +1,4 @@
-//! The points of a trajectory, and their JSON.
+//! Points of a trajectory, and their JSON.
 
 use std::{fmt, marker::PhantomData};
 
@@ -8,7 +8,7 @@ use serde::{
     de::{Error as _, IgnoredAny, SeqAccess, Visitor},
 };
 
-/// Most points of a trajectory: 13 minutes at one point per 4 ms.
+/// Maximum number of points of a trajectory: 13 minutes at one point per 4 ms.
 pub const MAX_POINTS: usize = 200_000;
 
 /// A trajectory: joint positions with time stamps.
@@ -25,10 +25,10 @@ pub const MAX_POINTS: usize = 200_000;
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct TimedJoints {
-    /// Time stamps, in s, strictly increasing. The first one is the start, whatever its value.
+    /// Time stamps, in s, strictly increasing. The first stamp is the start, for any value.
     #[serde(deserialize_with = "bounded")]
     pub t_s: Vec<f64>,
-    /// Positions at these times, in rad; as many as there are time stamps.
+    /// Positions at these times, in rad; one per time stamp.
     #[serde(deserialize_with = "points")]
     pub joints_rad: Vec<Joints>,
 }
@@ -38,7 +38,7 @@ fn points<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Vec<Joints>, D::
     Ok(points.into_iter().map(|Point(joints_rad)| joints_rad).collect())
 }
 
-/// Deserializes a list of at most [`MAX_POINTS`] values; a longer one is not read to its end.
+/// Deserializes a list of at most [`MAX_POINTS`] values; a longer list is not read to its end.
 fn bounded<'de, T: Deserialize<'de>, D: Deserializer<'de>>(
     deserializer: D,
 ) -> Result<Vec<T>, D::Error> {
@@ -62,7 +62,7 @@ fn bounded<'de, T: Deserialize<'de>, D: Deserializer<'de>>(
     deserializer.deserialize_seq(BoundedList(PhantomData))
 }
 
-/// Exactly seven numbers. Serde's own error of an eighth one would be about trailing text.
+/// Exactly seven numbers. Serde's error for an eighth number would be about trailing text.
 struct Point(Joints);
 
 impl<'de> Deserialize<'de> for Point {
@@ -97,7 +97,7 @@ impl<'de> Deserialize<'de> for Point {
 }
 
 impl TimedJoints {
-    /// Time from the first to the last point, in s.
+    /// Returns the time from the first to the last point, in s.
     #[must_use]
     pub fn duration_s(&self) -> f64 {
         match self.t_s.as_slice() {

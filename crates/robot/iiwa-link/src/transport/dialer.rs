@@ -17,16 +17,17 @@ use super::{
 };
 use crate::{error::LinkError, security::Endpoint};
 
-/// Time between attempts to connect.
+/// Interval between connection attempts.
 const RETRY_INTERVAL: Duration = Duration::from_millis(50);
 
-/// Longest time between attempts at a peer that accepts connections and not their handshakes: it may log each of them.
+/// Maximum interval between attempts at a peer that accepts connections but not their handshakes,
+/// because this peer may log each attempt.
 const REFUSED_INTERVAL: Duration = Duration::from_secs(1);
 
 /// Time-out of connecting and of sending.
 const TIMEOUT: Duration = Duration::from_secs(2);
 
-/// Maintains a connection in a thread of its own, until it is dropped.
+/// A connection that a separate thread maintains until the dialer is dropped.
 #[derive(Debug)]
 pub struct Dialer {
     commands: Option<UnboundedSender<Command>>,
@@ -40,7 +41,7 @@ enum Command {
 }
 
 impl Dialer {
-    /// Starts to connect. `take` receives messages and returns replies.
+    /// Starts connecting. `take` receives messages and returns replies.
     ///
     /// # Errors
     ///
@@ -59,12 +60,12 @@ impl Dialer {
         Ok(Self { commands: Some(commands), thread: Some(thread) })
     }
 
-    /// Sends a message, once connected. While disconnected, only the latest one is kept.
+    /// Sends a message, once connected. While disconnected, only the latest message is kept.
     pub fn send(&self, frames: Frames) {
         self.command(Command::Send(frames));
     }
 
-    /// Replaces the connection. Messages that were not sent yet are dropped.
+    /// Replaces the connection. Unsent messages are dropped.
     pub fn reconnect(&self) {
         self.command(Command::Reconnect);
     }

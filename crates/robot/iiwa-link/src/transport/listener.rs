@@ -1,7 +1,7 @@
-//! Listening sockets: accept connections within their bounds and deliver messages.
+//! Listening sockets: accept connections within bounds and deliver messages.
 //!
-//! Each socket has a thread of its own, so that the load of one does not delay another, with one task
-//! per connection.
+//! Each socket has a separate thread, so that the load of one socket does not delay another, with
+//! one task per connection.
 
 use std::{
     collections::HashMap,
@@ -37,7 +37,7 @@ use crate::error::LinkError;
 pub enum SocketKind {
     /// ROUTER: receives requests and sends replies.
     Router,
-    /// REP: the same, announced as a socket that replies in order.
+    /// REP: like ROUTER, announced as a socket that replies in order.
     Rep,
     /// PUB: publishes to subscribers.
     Pub,
@@ -64,33 +64,34 @@ impl SocketKind {
 #[derive(Clone, Copy, Debug)]
 #[non_exhaustive]
 pub struct ListenerConfig {
-    /// Name of its thread.
+    /// Name of the thread.
     pub name: &'static str,
-    /// Type of the socket.
+    /// Socket type.
     pub kind: SocketKind,
-    /// Longest message, in bytes: a peer that sends a longer one is disconnected.
+    /// Maximum message length, in bytes: a peer that sends a longer message is disconnected.
     pub max_bytes: usize,
-    /// Largest number of messages that wait for a peer; it misses those beyond.
+    /// Maximum number of messages that wait for a peer; further messages are dropped for this peer.
     pub backlog: usize,
-    /// Whether a request is urgent: a peer that waits for the reply to an urgent request is evicted last.
+    /// Predicate for urgent requests: a peer that waits for the reply to an urgent request is
+    /// evicted last.
     pub is_urgent: fn(&[Bytes]) -> bool,
 }
 
 impl ListenerConfig {
-    /// A socket whose thread has this name and that accepts messages of at most `max_bytes`. No messages wait
-    /// for a peer.
+    /// Creates the configuration of a socket with this thread name that accepts messages of at most
+    /// `max_bytes`. No messages wait for a peer.
     #[must_use]
     pub fn new(name: &'static str, kind: SocketKind, max_bytes: usize) -> Self {
         Self { name, kind, max_bytes, backlog: 0, is_urgent: |_| false }
     }
 
-    /// With at most so many messages that wait for a peer.
+    /// Sets the maximum number of messages that wait for a peer.
     #[must_use]
     pub fn with_backlog(self, backlog: usize) -> Self {
         Self { backlog, ..self }
     }
 
-    /// With urgent requests, such as stops.
+    /// Sets the predicate for urgent requests, such as stops.
     #[must_use]
     pub fn with_urgent(self, is_urgent: fn(&[Bytes]) -> bool) -> Self {
         Self { is_urgent, ..self }
@@ -105,19 +106,19 @@ pub enum Event {
     Disconnected(PeerId),
 }
 
-/// Receives the events of a socket.
+/// Callback for the events of a socket.
 type Sink = Arc<dyn Fn(Event) + Send + Sync>;
 
 /// Time-out of a handshake.
 const HANDSHAKE_TIMEOUT: Duration = Duration::from_secs(2);
 
-/// A peer that reads nothing for so long is disconnected.
+/// Time-out of a peer that reads nothing, after which it is disconnected.
 const STALL_TIMEOUT: Duration = Duration::from_secs(5);
 
-/// A peer that reads nothing for so long may be evicted.
+/// Time after which a peer that reads nothing may be evicted.
 const STALL_GRACE: Duration = Duration::from_millis(100);
 
-/// Largest number of pending requests per peer.
+/// Maximum number of pending requests per peer.
 const REQUEST_QUOTA: usize = 8;
 
 /// Size of the system's send buffer for a subscriber, in bytes: about a second at 1 ms.
@@ -126,7 +127,7 @@ const SEND_BUFFER: usize = 128 << 10;
 /// The system's queue of connections to be accepted.
 const ACCEPT_BACKLOG: u32 = 1024;
 
-/// A listening socket. It is closed when it is dropped.
+/// A listening socket. Dropping it closes the socket.
 pub struct Listener {
     at: String,
     shared: Arc<Shared>,
@@ -180,25 +181,28 @@ impl Listener {
         Ok(Self { at, shared, thread })
     }
 
-    /// Its address, such as `tcp://127.0.0.1:5560`.
+    /// Returns the address, such as `tcp://127.0.0.1:5560`.
     #[must_use]
     pub fn at(&self) -> &str {
         &self.at
     }
 
-    /// Sends a message to a peer, unless it has disconnected. `hold` is dropped when it is sent.
+    /// Sends a message to a peer, unless it has disconnected. `hold` is dropped once the message is
+    /// sent.
     pub fn send(&self, to: PeerId, frames: Frames, hold: Option<Box<dyn Send>>) {
         if let Some(peer) = self.shared.peers().connected.get(&to) {
-            // Without space, the peer does not read the replies to its requests: they are dropped.
+            // If the inbox is full, the peer does not read the replies to its requests: they are
+            // dropped.
             let _ = peer.inbox.try_send(Outgoing { frames, hold });
         }
     }
 
-    /// Sends a message to all peers; to subscribers if they want its topic, the first frame.
+    /// Sends a message to all peers. Subscribers receive it if they have subscribed to its topic,
+    /// the first frame.
     pub fn publish(&self, frames: &Frames) {
         for peer in self.shared.peers().connected.values() {
             if !peer.occupant.activity.stage.is_handshake() {
-                // A peer that does not keep up misses it.
+                // A peer that does not keep up misses the message.
                 let _ = peer.inbox.try_send(Outgoing { frames: frames.clone(), hold: None });
             }
         }
@@ -227,9 +231,9 @@ struct Shared {
     kind: SocketKind,
     backlog: usize,
     is_urgent: fn(&[Bytes]) -> bool,
-    /// For handshakes, and as many for established connections.
+    /// Slots for handshakes, and the same number for established connections.
     places: Places,
-    /// Open connections, with those that are being closed.
+    /// Permits for open connections, including connections that are being closed.
     descriptors: Arc<Semaphore>,
     wire: WireConfig,
     sink: Sink,
@@ -255,12 +259,12 @@ struct Outgoing {
 }
 
 impl Peers {
-    /// Makes room for a newcomer among handshakes or established connections, evicting another one if necessary.
+    /// Makes room for a new handshake or established connection, evicting another one if necessary.
     fn make_room(&mut self, places: &Places, is_handshake: bool, newcomer: &Holder) {
         let occupants = self.connected.iter().map(|(id, peer)| (*id, &peer.occupant));
         let rivals = occupants.filter(|(_, it)| it.activity.stage.is_handshake() == is_handshake);
         let Some(victim) = places.victim(rivals, newcomer) else { return };
-        // Its task ends later; it does not count from now on.
+        // The task ends later, but its connection does not count from now on.
         if let Some(task) = self.connected.remove(&victim).and_then(|peer| peer.task) {
             task.abort();
         }
@@ -294,7 +298,8 @@ impl Shared {
         }
     }
 
-    /// Moves a connection whose handshake is complete to the established ones. Returns `false` if it has been evicted.
+    /// Moves a connection with a complete handshake to the established ones. Returns `false` if the
+    /// connection has been evicted.
     fn establish(&self, id: PeerId, key: Option<String>) -> bool {
         let mut peers = self.peers();
         let Some(peer) = peers.connected.get_mut(&id) else { return false };
@@ -313,7 +318,8 @@ impl Shared {
 /// Accepts connections until the listener is dropped.
 fn run(runtime: &Runtime, shared: &Arc<Shared>, listener: &TcpListener) {
     let accept = async {
-        // Evicted connections are closed by their tasks: the next one is accepted after that.
+        // Evicted connections are closed by their tasks: the next connection is accepted
+        // afterwards.
         while let Ok(descriptor) = shared.descriptors.clone().acquire_owned().await {
             match listener.accept().await {
                 Ok((stream, from)) => self::accept(shared, stream, from.ip(), descriptor),
@@ -340,7 +346,8 @@ fn accept(
     descriptor: OwnedSemaphorePermit,
 ) {
     if shared.kind == SocketKind::Pub {
-        // A small buffer: a subscriber that does not keep up misses messages early, rather than all at once.
+        // A small buffer: a subscriber that does not keep up misses messages early, rather than all
+        // at once.
         let _ = SockRef::from(&stream).set_send_buffer_size(SEND_BUFFER);
     }
     let (inbox, outgoing) = mpsc::channel(shared.backlog.max(2 * REQUEST_QUOTA));
@@ -370,7 +377,7 @@ fn accept(
 struct ConnectionGuard {
     id: PeerId,
     shared: Arc<Shared>,
-    /// Whether the handshake is complete.
+    /// `true` if the handshake is complete.
     established: bool,
     /// Returned when the connection is closed.
     _descriptor: OwnedSemaphorePermit,
@@ -393,7 +400,7 @@ async fn serve(
 ) -> Result<(), WireError> {
     let shared = guard.shared.clone();
     let (mut wire, key) = timeout(HANDSHAKE_TIMEOUT, async {
-        // A peer that sends nothing gets no protocol state.
+        // A peer that sends nothing does not receive protocol state.
         stream.readable().await?;
         let mut wire = Wire::new(stream, shared.wire.clone());
         let key = wire.shake_hands(|step| shared.advance(guard.id, step)).await?;
@@ -407,9 +414,9 @@ async fn serve(
     guard.established = true;
     let mut topics = Subscriptions::default();
     let mut activity = Activity::now(Stage::Fresh);
-    // Whether one of the pending requests is urgent.
+    // `true` if one of the pending requests is urgent.
     let mut urgent = false;
-    // Dropped when all is sent.
+    // Dropped once all output is sent.
     let mut holds = Vec::new();
     loop {
         urgent &= activity.pending > 0;
@@ -452,7 +459,7 @@ async fn serve(
                     tracing::warn!("a subscriber with too many topics is disconnected");
                     return Ok(());
                 }
-                // Further subscriptions are no reason to keep it any longer.
+                // Further subscriptions do not extend the activity.
                 Incoming::Subscribe(_) if activity.stage == Stage::Fresh => {
                     activity = Activity::now(Stage::Idle);
                 }

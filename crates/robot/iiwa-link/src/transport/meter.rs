@@ -1,8 +1,8 @@
-//! The announced length of an incoming message.
+//! Announced length of an incoming message.
 //!
-//! Frames of ZMTP (RFC 23) begin with flags and a length, unencrypted even with CURVE.
+//! ZMTP frames (RFC 23) begin with flags and a length, unencrypted even with CURVE.
 
-/// Bits of a frame's flags.
+/// Bits of the frame flags.
 const MORE: u8 = 0x01;
 const LONG: u8 = 0x02;
 const COMMAND: u8 = 0x04;
@@ -86,13 +86,13 @@ mod tests {
             meter.read(bytes);
             meter.announced()
         };
-        // An empty frame and one of 3 bytes.
+        // An empty frame and a frame of 3 bytes.
         assert_eq!(after(&[MORE]), 0);
         assert_eq!(after(&[0]), 64);
         assert_eq!(after(&[0, 3, b'a']), 64 + 67);
         assert_eq!(after(b"b"), 64 + 67);
         assert_eq!(after(b"c"), 0);
-        // A long frame is announced by its header, and so is a command.
+        // The header announces a long frame, and also a command.
         assert_eq!(after(&[LONG, 0, 0, 0, 0, 4, 0, 0, 0]), (4 << 24) + 64);
         assert_eq!(after(&vec![0; (4 << 24) - 1]), (4 << 24) + 64);
         assert_eq!(after(&[0, COMMAND, 200]), 264);

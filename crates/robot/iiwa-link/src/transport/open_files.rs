@@ -1,23 +1,27 @@
-//! Number of places by the limit of open files: connections must not take the descriptors that the process needs.
+//! Number of connection slots within the limit of open files: connections must not exhaust the
+//! descriptors that the process needs.
 
 use crate::error::LinkError;
 
-/// Largest number of places for handshakes, and for established connections.
+/// Maximum number of slots for handshakes, and for established connections.
 const MAX_PLACES: u64 = 64;
 
-/// Smallest number, below which a socket does not start: newcomers would be evicted too soon.
+/// Minimum number of slots, below which a socket does not start: new connections would be evicted
+/// too soon.
 const MIN_PLACES: u64 = 16;
 
-/// Listening sockets in a process: two of a drive and two of a cabinet.
+/// Listening sockets in a process: two per drive and two per cabinet.
 const LISTENERS: u64 = 4;
 
-/// Descriptors for everything else: standard streams, event loops, sockets, files, and connections that are being closed.
+/// Descriptors for everything else: standard streams, event loops, sockets, files, and connections
+/// that are being closed.
 const RESERVED: u64 = 64;
 
-/// Connections of a socket that are being closed, at most.
+/// Maximum number of connections of a socket that are being closed.
 pub(super) const CLOSING: usize = 8;
 
-/// The number of places for handshakes, and for established connections, within the process's limit of open files.
+/// Returns the number of slots for handshakes, and for established connections, within the
+/// process's limit of open files.
 ///
 /// # Errors
 ///
@@ -26,7 +30,7 @@ pub(super) fn places() -> Result<usize, LinkError> {
     places_within(limit())
 }
 
-/// `limit` is `None` if there is none.
+/// Returns the number of slots within `limit`; `None` means unlimited.
 fn places_within(limit: Option<u64>) -> Result<usize, LinkError> {
     let limit = limit.unwrap_or(u64::MAX);
     let places = (limit.saturating_sub(RESERVED) / (2 * LISTENERS)).min(MAX_PLACES);

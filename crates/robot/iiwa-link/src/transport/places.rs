@@ -1,18 +1,23 @@
-//! Places for connections: which connection is evicted for a new one. Pure logic, without sockets.
+//! Connection slots: selection of the connection to evict for a new one. Pure logic, without
+//! sockets.
 //!
-//! A socket has a bounded number of places for handshakes, and as many for established connections: clients
-//! without keys cannot displace those with keys, and a new connection never displaces one that has completed
-//! its handshake. Within each of the two, a newcomer always gets a place:
+//! A socket has a bounded number of slots for handshakes, and the same number for established
+//! connections: clients without keys cannot displace clients with keys, and a new connection never
+//! displaces one that has completed its handshake. Within each of the two groups, a new connection
+//! always gets a slot:
 //!
-//! 1. **Holder.** A holder is a key or, during the handshake and without keys, an address. If the newcomer's
-//!    holder has exhausted its quota, it loses a connection; the rest of the places is in reserve for others. If
-//!    all places are taken, the holder with the most connections loses one, the newcomer included in the count.
-//! 2. **Stage.** The connections of that holder are ordered by their [`Stage`]. The lowest stage that has more
-//!    than its share, a quarter of them, loses one. So progress protects a connection; and connections that are
-//!    parked at a high stage cannot reduce the places of newcomers to less than the share.
-//! 3. **Activity.** Of a stage, the least recently active connection is evicted: a newcomer passes each stage
-//!    unless a share of newcomers overtakes it. Of [`Stage::Busy`], those with the most pending requests are
-//!    evicted first, and the most recently active of them: they lose least.
+//! 1. **Holder.** A holder is a key or, during the handshake and without keys, an address. If the
+//!    holder of the new connection has exhausted its quota, it loses a connection; the remaining
+//!    slots are reserved for other holders. If all slots are occupied, the holder with the most
+//!    connections loses one, the new connection included in the count.
+//! 2. **Stage.** The connections of that holder are ordered by their [`Stage`]. The lowest stage
+//!    with more than its share, a quarter of the connections, loses one. So progress protects a
+//!    connection; and connections parked at a high stage cannot reduce the slots of new connections
+//!    below the share.
+//! 3. **Activity.** Within a stage, the least recently active connection is evicted: a new
+//!    connection passes each stage unless a share of newer ones overtakes it. Within
+//!    [`Stage::Busy`], connections with the most pending requests are evicted first, starting with
+//!    the most recently active, because they lose least.
 
 use std::{
     cmp::{Ordering, Reverse},
@@ -21,10 +26,10 @@ use std::{
     time::Instant,
 };
 
-/// The identifier of a connection.
+/// Identifier of a connection.
 pub type PeerId = u64;
 
-/// One place of so many is in reserve for other holders, and the share of a stage is one connection of so many.
+/// Reciprocal of two shares: the slots reserved for other holders, and the share of a stage.
 const SHARES: usize = 4;
 
 /// The owner of connections.
@@ -37,7 +42,7 @@ pub(super) enum Holder {
 }
 
 impl Holder {
-    /// The holder of connections from an address.
+    /// Returns the holder of connections from an address.
     pub(super) fn at(address: IpAddr) -> Self {
         Self::Address(match address.to_canonical() {
             IpAddr::V6(v6) if !v6.is_loopback() => {
@@ -48,10 +53,10 @@ impl Holder {
     }
 }
 
-/// The stage of a connection. Lower ones are evicted first.
+/// Stage of a connection. Lower stages are evicted first.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Stage {
-    /// Nothing was received yet.
+    /// Nothing has been received yet.
     Silent,
     /// A part of the greeting was received.
     Greeting,
@@ -72,29 +77,29 @@ pub(super) enum Stage {
 }
 
 impl Stage {
-    /// Whether the handshake is incomplete.
+    /// Returns true if the handshake is incomplete.
     pub(super) fn is_handshake(self) -> bool {
         self < Self::Stalled
     }
 }
 
-/// The progress of a connection.
+/// Progress of a connection.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Activity {
     pub(super) stage: Stage,
     /// Number of pending requests.
     pub(super) pending: usize,
-    /// The last progress of its handshake, its last request or its last reply.
+    /// Time of the last handshake progress, request or reply.
     pub(super) since: Instant,
 }
 
 impl Activity {
-    /// Progress to a stage, now.
+    /// Records progress to a stage, now.
     pub(super) fn now(stage: Stage) -> Self {
         Self { stage, pending: 0, since: Instant::now() }
     }
 
-    /// The order of eviction within a stage.
+    /// Compares two connections by the order of eviction within a stage.
     fn eviction_order(&self, other: &Self) -> Ordering {
         let oldest = self.since.cmp(&other.since);
         let most_pending = Reverse(self.pending).cmp(&Reverse(other.pending));
@@ -102,14 +107,14 @@ impl Activity {
     }
 }
 
-/// A connection that holds a place.
+/// A connection that occupies a slot.
 #[derive(Clone, Debug)]
 pub(super) struct Occupant {
     pub(super) holder: Holder,
     pub(super) activity: Activity,
 }
 
-/// Places of a socket, for handshakes or for established connections.
+/// Slots of a socket, for handshakes or for established connections.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Places {
     total: usize,
@@ -117,12 +122,12 @@ pub(super) struct Places {
 }
 
 impl Places {
-    /// With a number of places, of which a holder gets three quarters.
+    /// Creates a number of slots, three quarters of which are available to one holder.
     pub(super) fn new(total: usize) -> Self {
         Self { total, per_holder: total - total / SHARES }
     }
 
-    /// The connection to be evicted for a newcomer; `None` if there is a free place for it.
+    /// Returns the connection to evict for a new one; `None` if a slot is free for it.
     pub(super) fn victim<'a>(
         &self,
         occupants: impl Iterator<Item = (PeerId, &'a Occupant)>,
@@ -150,7 +155,7 @@ impl Places {
     }
 }
 
-/// The lowest stage with more than its share of connections.
+/// Returns the lowest stage with more than its share of connections.
 fn over_share(occupants: &[(PeerId, &Occupant)]) -> Option<Stage> {
     let mut counts = BTreeMap::<Stage, usize>::new();
     for (_, it) in occupants {
@@ -187,7 +192,7 @@ mod tests {
             Self { from, places: Places::new(total), occupants: BTreeMap::new() }
         }
 
-        /// Connections of one stage and holder, each a second after the one before.
+        /// Creates connections of one stage and holder, one second apart.
         fn of(stage: Stage, count: u64, total: usize) -> Self {
             let mut scene = Self::new(total);
             (0..count).for_each(|id| scene.put(id, stage, 1, 0, id));
@@ -209,7 +214,7 @@ mod tests {
             self.occupants.values().filter(|it| it.holder == holder(of)).count()
         }
 
-        /// A newcomer takes a place. Returns the victim.
+        /// Admits a new connection. Returns the victim.
         fn admit(&mut self, id: PeerId, stage: Stage, of: u8, second: u64) -> Option<PeerId> {
             let victim = self.victim(of);
             if let Some(victim) = victim {
@@ -226,7 +231,7 @@ mod tests {
         for (i, stage) in [Stage::Silent, Stage::Greeting, Stage::Greeted].into_iter().enumerate() {
             (0..13).for_each(|j| scene.put(100 * (i as u64 + 1) + j, stage, 1, 0, 900 + j));
         }
-        // 79 handshakes: each stage has more than its share of 19 or none.
+        // 79 handshakes: each stage has more than its share of 19, or none.
         scene.places = Places::new(80);
         assert_eq!(scene.victim(1), Some(0));
         (13..30).for_each(|j| scene.put(100 + j, Stage::Silent, 1, 0, 900 + j));
@@ -247,12 +252,12 @@ mod tests {
         let mut scene = Scene::of(Stage::Urgent, 40, 64);
         (100..124).for_each(|id| scene.put(id, Stage::Silent, 2, 0, id));
         assert!(scene.victim(3).is_some_and(|id| id < 100));
-        // A newcomer counts.
+        // The new connection counts.
         let mut scene = Scene::of(Stage::Idle, 32, 64);
         (100..132).for_each(|id| scene.put(id, Stage::Idle, 2, 0, id));
         assert!(scene.victim(1).is_some_and(|id| id < 100));
         assert!(scene.victim(2).is_some_and(|id| id >= 100));
-        // Keys have their own quotas, wherever they are used.
+        // Keys have separate quotas, independent of their addresses.
         for it in scene.occupants.values_mut() {
             it.holder = Holder::Key("bob".to_owned());
         }
@@ -292,7 +297,7 @@ mod tests {
         assert_eq!(at("::1"), Holder::Address("::1".parse().unwrap()));
     }
 
-    /// The stages of a connection, from its beginning to a pending stop, by their places.
+    /// Stages of a connection in order, from its beginning to a pending stop.
     const HANDSHAKE: [Stage; 4] =
         [Stage::Silent, Stage::Greeting, Stage::Greeted, Stage::Introduced];
     const ESTABLISHED: [Stage; 5] =
@@ -307,7 +312,7 @@ mod tests {
     proptest! {
         #![proptest_config(ProptestConfig::with_cases(500))]
 
-        /// Quotas hold, and who holds less than most never loses a connection.
+        /// Quotas hold, and a holder with fewer than the most connections never loses one.
         #[test]
         fn quotas_hold(
             total in 4..80_usize,
@@ -330,8 +335,8 @@ mod tests {
             }
         }
 
-        /// Whatever the others of its own address do, a newcomer keeps its place at a stage until as many as the share
-        /// enter that stage after it.
+        /// Regardless of other connections of its address, a new connection keeps its slot at a
+        /// stage until as many connections as the share enter this stage after it.
         #[test]
         fn a_newcomer_passes_each_stage(
             is_established in any::<bool>(),
@@ -341,7 +346,7 @@ mod tests {
         ) {
             let stages: &[Stage] = if is_established { &ESTABLISHED } else { &HANDSHAKE };
             let first = stages[usize::from(is_established)];
-            // The stages of a stop: neither `Stalled` nor `Busy`.
+            // Stages of a stop: neither `Stalled` nor `Busy`.
             let own = if is_established { [1, 2, 4][stage % 3] } else { stage % 4 };
             let mut scene = Scene::new(64);
             let put = |scene: &mut Scene, id, stage: usize, pending: usize, second| {

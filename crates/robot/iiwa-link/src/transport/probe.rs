@@ -1,4 +1,4 @@
-//! A connection that is made once, to find out what hinders it.
+//! A single connection attempt that determines the obstacle to a connection.
 
 use std::{io, time::Duration};
 
@@ -13,32 +13,32 @@ use crate::{
     security::{ConnectionRefusal, Endpoint},
 };
 
-/// Why a single attempt to connect has failed.
+/// Error of a single connection attempt.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum ProbeError {
     /// The address is invalid or requires keys, or the attempt could not be made.
     #[error(transparent)]
     Link(#[from] LinkError),
-    /// The name of the host cannot be resolved.
+    /// The host name cannot be resolved.
     #[error("the name cannot be resolved")]
     UnknownHost,
-    /// The host answers, and nothing listens at the port.
+    /// The host answers, but the port is not open.
     #[error("nothing listens there")]
     NothingListens,
     /// The host does not answer.
-    #[error("there is no answer")]
+    #[error("no answer")]
     NoAnswer,
-    /// Another error of the system.
+    /// Another system error.
     #[error("{0}")]
     Io(io::Error),
-    /// One side has refused the other one for its keys.
+    /// One side has refused the keys of the other.
     #[error("{}", .0.reason())]
     Refused(ConnectionRefusal),
-    /// The host accepts the connection, and what listens there does not complete the handshake.
+    /// The host accepts the connection, but the server does not complete the handshake.
     #[error("the handshake is not completed")]
     NoHandshake,
-    /// What listens there speaks another protocol.
+    /// The server uses another protocol.
     #[error("{what}")]
     Protocol {
         /// The fault.

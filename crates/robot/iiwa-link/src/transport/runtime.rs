@@ -4,11 +4,11 @@ use std::io;
 
 use tokio::runtime::{Builder, Runtime};
 
-/// A single-threaded runtime.
+/// Creates a single-threaded runtime.
 ///
 /// # Errors
 ///
-/// The system has no resources for it.
+/// The system has no resources for the runtime.
 pub(crate) fn runtime() -> io::Result<Runtime> {
     Builder::new_current_thread().enable_io().enable_time().build()
 }

@@ -1,14 +1,14 @@
-//! The subscriptions of a subscriber.
+//! Subscriptions of a subscriber.
 
 use bytes::Bytes;
 
-/// Largest number of subscriptions. The drive has two topics.
+/// Maximum number of subscriptions. The drive has four topics.
 const MAX_TOPICS: usize = 32;
 
-/// Longest subscription that is stored, in bytes: a longer one is a prefix of no topic.
+/// Maximum length of a stored subscription, in bytes: a longer one does not match any topic.
 const MAX_TOPIC_BYTES: usize = 64;
 
-/// Prefixes of topics.
+/// Topic prefixes.
 #[derive(Debug, Default)]
 pub(super) struct Subscriptions(Vec<Bytes>);
 
@@ -28,7 +28,7 @@ impl Subscriptions {
         self.0.retain(|known| known != topic);
     }
 
-    /// Whether a topic is subscribed to.
+    /// Returns true if a topic is subscribed to.
     pub(super) fn matches(&self, topic: &[u8]) -> bool {
         self.0.iter().any(|prefix| topic.starts_with(prefix))
     }

@@ -1,4 +1,4 @@
-//! One connection: a TCP stream and the state machine of the protocol.
+//! A connection: a TCP stream and the state machine of the protocol.
 
 use std::{
     hash::{BuildHasher, RandomState},
@@ -22,10 +22,10 @@ use tokio::{
 use super::meter::Meter;
 use crate::security::{ConnectionRefusal, Endpoint};
 
-/// The frames of a message.
+/// Frames of a message.
 pub type Frames = Vec<Bytes>;
 
-/// The permission to have a long message in transit, until it is dropped.
+/// Permission to have a long message in transit, valid until dropped.
 pub type Permit = OwnedSemaphorePermit;
 
 /// Configuration of a connection.
@@ -34,23 +34,23 @@ pub(crate) struct WireConfig {
     pub(crate) role: Role,
     pub(crate) kind: SocketType,
     pub(crate) mechanism: MechanismSetup,
-    /// Longest message, in bytes.
+    /// Maximum message length, in bytes.
     pub(crate) max_bytes: usize,
-    /// Limits the number of long messages in transit; `None` if messages are short or from one trusted
-    /// peer only.
+    /// Limit of the number of long messages in transit; `None` if messages are short or come from
+    /// one trusted peer only.
     pub(crate) long: Option<Arc<Semaphore>>,
 }
 
-/// Why a connection ended.
+/// Reason why a connection ended.
 #[derive(Debug, thiserror::Error)]
 pub(crate) enum WireError {
-    /// The other side has closed it.
+    /// The other side has closed the connection.
     #[error("the connection was closed")]
     Closed,
     /// An I/O error.
     #[error("{0}")]
     Io(#[from] io::Error),
-    /// One side has refused the other one.
+    /// One side has refused the other.
     #[error("{}", .0.reason())]
     Refused(ConnectionRefusal),
     /// The other side has violated the protocol.
@@ -77,11 +77,11 @@ impl From<ProtocolError> for WireError {
 /// A received message.
 #[derive(Debug)]
 pub struct Received {
-    /// Its frames.
+    /// Frames of the message.
     pub frames: Frames,
     /// The permit of a long message: until it is dropped, no other long message is received.
     pub permit: Option<Permit>,
-    /// When its first bytes arrived.
+    /// Arrival time of the first bytes.
     pub began: Instant,
 }
 
@@ -95,19 +95,20 @@ pub(crate) enum Incoming {
     Cancel(Bytes),
 }
 
-/// Longest message that counts as short, in bytes.
+/// Maximum length of a short message, in bytes.
 pub const SHORT_BYTES: usize = 64 << 10;
 
-/// Longest handshake, in bytes.
+/// Maximum length of a handshake, in bytes.
 const HANDSHAKE_BYTES: usize = 4 << 10;
 
-/// Longest pause within a long message.
+/// Maximum pause within a long message.
 const MAX_PAUSE: Duration = Duration::from_secs(2);
 
-/// Lowest mean rate of a long message after the first [`MAX_PAUSE`], so that it ends in bounded time.
+/// Minimum mean rate of a long message after the first [`MAX_PAUSE`], so that it ends in bounded
+/// time.
 const LONG_BYTES_PER_S: u64 = 1 << 20;
 
-/// A step of the handshake, seen from the side that listens.
+/// A step of the handshake, seen from the listening side.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum HandshakeStep {
     /// A part of the greeting was received.
@@ -118,7 +119,7 @@ pub(crate) enum HandshakeStep {
     Introduced,
 }
 
-/// The arrival of a long message.
+/// Arrival of a long message.
 #[derive(Clone, Copy, Debug)]
 struct Arrival {
     since: Instant,
@@ -126,7 +127,7 @@ struct Arrival {
 }
 
 impl Arrival {
-    /// Time-out of the next bytes.
+    /// Returns the time-out of the next bytes.
     fn patience(&self, now: Instant) -> Duration {
         let in_time = Duration::from_millis(self.bytes * 1000 / LONG_BYTES_PER_S);
         (MAX_PAUSE + in_time).saturating_sub(now - self.since).min(MAX_PAUSE)
@@ -135,17 +136,19 @@ impl Arrival {
 
 const GREETING_BYTES: usize = 64;
 
-/// The security mechanism within a greeting.
+/// Position of the security mechanism within a greeting.
 const MECHANISM: std::ops::Range<usize> = 12..32;
 
-/// A name for one connection. It may be absent, but libraries such as `JeroMQ` 0.4 fail without it; and sockets that route
-/// by it refuse a second connection of the same name while they keep the first.
+/// Returns a unique name for a connection. The name is optional, but libraries such as `JeroMQ` 0.4
+/// fail without it; and sockets that route by name refuse a second connection of the same name
+/// while they keep the first.
 fn identity() -> Bytes {
     format!("iiwasim-{:016x}", RandomState::new().hash_one(Instant::now())).into()
 }
 
-/// Disables Nagle's algorithm, as messages are short and urgent, and enables keep-alive probes, as a
-/// machine that was switched off does not close its connections. Both are optional.
+/// Disables Nagle's algorithm, because messages are short and urgent, and enables keep-alive
+/// probes, because a machine that was switched off does not close its connections. Both are
+/// optional.
 fn set_options(stream: &TcpStream) {
     let socket = SockRef::from(stream);
     let _ = socket.set_tcp_nodelay(true);
@@ -167,7 +170,7 @@ pub(crate) struct Wire {
     greeting: Vec<u8>,
     /// Length of the incoming message.
     meter: Meter,
-    /// When its first bytes arrived.
+    /// Arrival time of the first bytes of this message.
     began: Instant,
     /// The permit of the incoming long message, and its arrival so far.
     long: Option<(Permit, Arrival)>,
@@ -212,11 +215,12 @@ impl Wire {
         Ok(wire)
     }
 
-    /// Completes the handshake, and reports its steps. Returns the name of the peer's key, if it has one.
+    /// Completes the handshake, and reports its steps. Returns the name of the peer's key, if it
+    /// has one.
     ///
     /// # Errors
     ///
-    /// Any [`WireError`]. It must not be called again after a time-out.
+    /// Any [`WireError`]. The function must not be called again after a time-out.
     pub(crate) async fn shake_hands(
         &mut self,
         mut report: impl FnMut(HandshakeStep),
@@ -238,7 +242,8 @@ impl Wire {
             }
             let chunk = match self.read().await {
                 Ok(chunk) => chunk,
-                // A server closes the connection of a client with wrong keys without an error message.
+                // A server closes the connection of a client with wrong keys without an error
+                // message.
                 Err(WireError::Closed) => {
                     return Err(WireError::Refused(ConnectionRefusal::Closed));
                 }
@@ -250,7 +255,7 @@ impl Wire {
             bytes += chunk.len();
             self.check_greeting(&chunk)?;
             if let Err(error) = self.codec.handle_input(chunk) {
-                // The pending output may tell the peer the reason.
+                // The pending output may contain the reason for the peer.
                 let _ = timeout(MAX_PAUSE, self.flush()).await;
                 return Err(error.into());
             }
@@ -264,7 +269,7 @@ impl Wire {
         }
     }
 
-    /// Fails if only one side has keys, by comparing the mechanisms of the greetings.
+    /// Compares the mechanisms of the greetings; fails if only one side has keys.
     fn check_greeting(&mut self, chunk: &[u8]) -> Result<(), WireError> {
         let missing = MECHANISM.end.saturating_sub(self.greeting.len());
         if missing == 0 {
@@ -306,7 +311,7 @@ impl Wire {
                 None => {}
             }
             if self.meter.announced() == 0 {
-                // It was a long command, not a message.
+                // The input was a long command, not a message.
                 self.long = None;
             }
             // Replies to heartbeats.
@@ -319,7 +324,7 @@ impl Wire {
         }
     }
 
-    /// The subscription in a message, as peers before ZMTP 3.1 send it.
+    /// Returns the subscription in a message, as sent by peers before ZMTP 3.1.
     fn subscription(&self, frames: &[Bytes]) -> Option<Incoming> {
         let [frame] = frames else { return None };
         if !matches!(self.config.kind, SocketType::Pub | SocketType::XPub) {
@@ -345,7 +350,7 @@ impl Wire {
         if self.long.is_none()
             && let Some(long) = &self.config.long
         {
-            // Until then, the sender is blocked by the system's buffers.
+            // The system's buffers block the sender until the permit is acquired.
             let permit = long.clone().acquire_owned().await.map_err(|_| WireError::Closed)?;
             self.long = Some((permit, Arrival { since: Instant::now(), bytes: 0 }));
         }
@@ -442,7 +447,7 @@ impl Wire {
         Ok(self.codec.send_command(&Command::Subscribe(Bytes::from_static(topic.as_bytes())))?)
     }
 
-    /// Whether output is pending.
+    /// Returns true if output is pending.
     pub(crate) fn has_output(&self) -> bool {
         self.codec.has_pending_transmit()
     }
@@ -487,13 +492,13 @@ mod tests {
             |bytes, ms| Arrival { since, bytes }.patience(since + Duration::from_millis(ms));
         let s = Duration::from_secs;
         assert_eq!(patience(0, 0), s(2));
-        // A byte now and then does not help.
+        // Single bytes do not prevent the time-out.
         assert_eq!(patience(1, 1500), Duration::from_millis(500));
         assert_eq!(patience(2, 2500), s(0));
-        // Fast ones may pause for no longer than others.
+        // Fast messages may not pause for longer than others.
         assert_eq!(patience(20 << 20, 1000), s(2));
         assert_eq!(patience(4 << 20, 5500), Duration::from_millis(500));
-        // 32 MiB take 34 s at most.
+        // 32 MiB take at most 34 s.
         assert_eq!(patience(32 << 20, 34_000), s(0));
     }
 }

@@ -7,7 +7,7 @@ use iiwa_link::{
 };
 use proptest::prelude::*;
 
-/// Numbers of all kinds, unusual ones included.
+/// Returns numbers of all kinds, including unusual ones.
 fn number() -> impl Strategy<Value = f64> {
     prop_oneof![
         4 => -3.0..3.0_f64,
@@ -52,7 +52,7 @@ fn json() -> impl Strategy<Value = serde_json::Value> {
     })
 }
 
-/// The message is short and printable on one line.
+/// Asserts that the message is short and printable on one line.
 fn assert_readable(refusal: &Refusal) {
     let Refusal { message, .. } = refusal;
     assert!(!message.is_empty() && message.len() <= 600, "{message}");
@@ -71,7 +71,7 @@ proptest! {
         start in prop::array::uniform7(number()),
     ) {
         if form > 0 {
-            // Sorted, so that the check gets further.
+            // Sorted, so that the check proceeds further.
             t_s.sort_by(f64::total_cmp);
             t_s.resize(joints_rad.len(), 1e9);
         }

@@ -1,4 +1,4 @@
-//! The interpolation between points.
+//! Interpolation between points.
 
 use iiwa_kin::{Joints, Robot};
 use iiwa_link::TimedJoints;
@@ -22,7 +22,7 @@ proptest! {
             prop_assert!(off < 1e-12, "{} rad at {} s", off, t_s);
         }
         let end_s = trajectory.duration_s();
-        // The error of a cubic with approximate slopes at a step of the jerk: half a microradian for the
+        // The error of a cubic with approximate slopes at a jerk step: half a microradian for the
         // large joints, two for the wrists.
         let jerk = Robot::default().limits().jerk_rad_s3;
         let most = jerk.map(|jerk| jerk * 0.004_f64.powi(3) / 20.0);
@@ -34,7 +34,7 @@ proptest! {
                 let off = (found[j] - expected[j]).abs();
                 prop_assert!(off < most[j], "joint {} is off by {} rad at {} s", j + 1, off, t_s);
             }
-            // The velocity is continuous, up to its change in so short a time.
+            // The velocity is continuous, up to its change within this short time.
             let dt_s = 1e-6;
             let [a, b, c] = [t_s - dt_s, t_s, t_s + dt_s].map(|t_s| trajectory.at(t_s));
             for j in 0..7 {
@@ -47,7 +47,7 @@ proptest! {
     }
 }
 
-/// Programs without blends, with stops anywhere within the joint ranges and at their ends.
+/// Returns programs without blends, with stops anywhere within the joint ranges and at their ends.
 fn programs_to_the_limits() -> impl Strategy<Value = Program> {
     let range = Robot::default().limits().upper_rad;
     let place = move |share: [f64; 7]| -> Joints {
@@ -71,7 +71,7 @@ fn programs_to_the_limits() -> impl Strategy<Value = Program> {
 proptest! {
     #![proptest_config(ProptestConfig { cases: 60, failure_persistence: None, ..ProptestConfig::default() })]
 
-    /// No joint overshoots the positions where it stops, at the ends of its range and elsewhere.
+    /// No joint overshoots its stop positions, at the ends of its range and elsewhere.
     #[test]
     fn no_joint_overshoots_its_stops(
         program in programs_to_the_limits(),
@@ -95,7 +95,7 @@ proptest! {
         }
     }
 
-    /// For arbitrary points, the arm stays between them next to rest.
+    /// For arbitrary points, the robot remains between them next to rest.
     #[test]
     fn beside_rest_the_interpolation_stays_between_the_points(
         steps in prop::collection::vec((1e-3..0.02_f64, prop_oneof![2 => Just(0.0), 3 => -0.01..0.01_f64]), 2..20),

@@ -1,4 +1,4 @@
-//! The limits of velocity, acceleration and jerk, and the time that their check takes.
+//! The velocity, acceleration and jerk limits, and the duration of their check.
 
 use std::time::Instant;
 
@@ -10,10 +10,10 @@ use crate::timed_joints::{
     sampled::{assert_refused, check, rounded},
 };
 
-/// Makes a ramp that reaches a share of one limit.
+/// Function that creates a ramp with a share of one limit.
 type Make<'a> = &'a dyn Fn(f64) -> Ramp;
 
-/// Each limit in turn is exceeded by less and by more than its margin, far below the others.
+/// Each limit in turn is exceeded by less and by more than its margin, far below the other limits.
 #[test]
 fn each_limit_is_checked_with_its_margin() {
     let robot = Robot::default();
@@ -32,8 +32,8 @@ fn each_limit_is_checked_with_its_margin() {
                 let speed = 1.02 * top * top / (over * jerk);
                 Ramp::new(2.0, speed.max(0.3 * limits.velocity_rad_s[joint]), top, over * jerk)
             };
-            // The wrists are at full jerk for less than 30 ms: over so short a time, rounding to six decimals
-            // has a large effect.
+            // The wrists are at full jerk for less than 30 ms: over such a short time, rounding to
+            // six decimals has a large effect.
             let jerk_beyond = if joint < 4 { 1.15 } else { 2.0 };
             let cases: [(&str, Make<'_>, f64, f64); 3] = [
                 ("velocity", &fast, 1.015, 1.025),
@@ -82,9 +82,9 @@ fn uneven_stamps_conceal_nothing() {
     }
 }
 
-/// A trajectory longer than the longest that is accepted is checked within seconds. This is not a
-/// benchmark: the bound is far above what a loaded machine needs, and far below the hours of a check
-/// that compares points in pairs.
+/// A trajectory longer than the accepted maximum is checked within seconds. This is not a
+/// benchmark: the bound is far above the time on a loaded machine, and far below the hours of a
+/// check that compares points in pairs.
 #[test]
 fn the_longest_trajectory_is_checked_in_linear_time() {
     for ramp in [Ramp::new(2.0, 0.005, 0.01, 0.2), Ramp::new(1e-5, 2e-4, 0.01, 1.0)] {

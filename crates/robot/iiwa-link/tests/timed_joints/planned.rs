@@ -1,4 +1,4 @@
-//! Planned trajectories are accepted; cut off or with a spike, they are refused.
+//! Planned trajectories are accepted; truncated ones or ones with a spike are refused.
 
 use iiwa_kin::Robot;
 use iiwa_link::TimedJoints;
@@ -32,7 +32,7 @@ proptest! {
         for trajectory in trajectories {
             prop_assert_eq!(check(&trajectory), Ok(()));
             prop_assert_eq!(check(&rounded(&trajectory)), Ok(()));
-            // With stamps of a wall clock.
+            // Stamps of a wall clock.
             let mut later = trajectory;
             later.t_s.iter_mut().for_each(|t_s| *t_s += 1.7e9);
             prop_assert_eq!(check(&later), Ok(()));

@@ -2,8 +2,8 @@
 
 use iiwa_link::TimedJoints;
 
-/// A motion by `angle_rad` with given peak velocity, acceleration and jerk, in seven phases of constant
-/// jerk, in closed form.
+/// A motion by `angle_rad` with given peak velocity, acceleration and jerk, in seven phases of
+/// constant jerk, in closed form.
 pub(crate) struct Ramp {
     angle_rad: f64,
     jerk: f64,
@@ -46,7 +46,7 @@ impl Ramp {
         q
     }
 
-    /// Joint `joint` moves, the others are at rest.
+    /// Samples a motion of joint `joint`; the other joints are at rest.
     pub(crate) fn sampled(&self, joint: usize, step_s: f64) -> TimedJoints {
         let count = (self.duration_s() / step_s).ceil() as u32;
         let t_s: Vec<_> = (0..=count).map(|i| f64::from(i) * step_s).collect();

@@ -10,7 +10,7 @@ use iiwa_program::{Blend, Motion, Program, Ptp, Sources, Start, Workcell};
 use iiwa_traj::{Timing, Trajectory};
 use proptest::prelude::*;
 
-/// Programs with fast and slow, long and tiny motions, blends and waits.
+/// Returns programs with fast and slow, long and tiny motions, blends and waits.
 pub(crate) fn programs() -> impl Strategy<Value = Program> {
     let size = prop_oneof![4 => Just(1.2), 3 => Just(0.3), 1 => Just(1e-3), 1 => Just(0.0)];
     let step = (size, prop::array::uniform7(-1.0..1.0_f64));
@@ -63,16 +63,16 @@ pub(crate) fn planned(program: &Program) -> Trajectory {
     Trajectory::plan(&path, Timing::jerk_limited()).unwrap()
 }
 
-/// Points every `step_s`, and one at the end.
+/// Returns points every `step_s`, and one at the end.
 pub(crate) fn even(plan: &Trajectory, step_s: f64) -> TimedJoints {
     let count = (plan.cycle_time_s() / step_s).ceil() as u32;
     at_stamps(plan, (0..count).map(|i| f64::from(i) * step_s))
 }
 
-/// Points at these stamps, as far as the trajectory goes, and one at the end.
+/// Returns points at these stamps, up to the end of the trajectory, and one at the end.
 pub(crate) fn at_stamps(plan: &Trajectory, stamps: impl Iterator<Item = f64>) -> TimedJoints {
     let end_s = plan.cycle_time_s();
-    // Planners do not make tiny last steps.
+    // Planners do not create tiny last steps.
     let mut t_s: Vec<f64> = stamps.take_while(|t_s| *t_s < end_s - 1e-5).collect();
     t_s.push(end_s.max(t_s.last().map_or(0.0, |last| last + 1e-3)));
     if t_s.len() < 2 {

@@ -13,7 +13,7 @@ fn long_steps_are_allowed_at_rest_only() {
     assert_eq!(refusal.code, Code::BadRequest);
     assert!(refusal.message.contains("after the one before"), "{refusal}");
 
-    // A rest of a minute at either end is one step without drift.
+    // A rest of one minute at either end is a single step without drift.
     let mut trajectory = slow.sampled(0, 0.004);
     let [first, last] = [trajectory.joints_rad[0], *trajectory.joints_rad.last().unwrap()];
     trajectory.t_s.iter_mut().for_each(|t_s| *t_s += 60.0);

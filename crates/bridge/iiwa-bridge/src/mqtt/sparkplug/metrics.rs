@@ -1,4 +1,4 @@
-//! Messages as metrics.
+//! Conversion of messages to metrics.
 
 use std::collections::BTreeMap;
 
@@ -6,10 +6,10 @@ use iiwa_link::message::{IoValue, OperationMode, Presence};
 
 use crate::message::{Content, JointSample, Message, RobotConditions, RunMessage, RunPhase};
 
-/// Values by their names.
+/// Values by name.
 pub(super) type Metrics = BTreeMap<String, Value>;
 
-/// The value of a metric.
+/// Value of a metric.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Value {
     Double(f64),
@@ -17,9 +17,9 @@ pub(super) enum Value {
     UInt64(u64),
     Int64(u64),
     Text(String),
-    /// No text.
+    /// Null of type text.
     NoText,
-    /// No number.
+    /// Null of type double.
     NoDouble,
 }
 
@@ -33,7 +33,7 @@ impl Value {
     }
 }
 
-/// The metrics of a message.
+/// Returns the metrics of a message.
 pub(super) fn of(message: &Message) -> Metrics {
     let mut metrics = Metrics::new();
     let mut set = |name: String, value| drop(metrics.insert(name, value));

@@ -1,4 +1,4 @@
-//! Payloads of Sparkplug B, the part of its Protobuf that is used here.
+//! Payloads of Sparkplug B, limited to the used part of its Protobuf schema.
 //!
 //! Source: Eclipse Sparkplug 3.0.0, section 6.4.
 
@@ -10,7 +10,7 @@ use super::metrics::Value;
 
 #[derive(Clone, PartialEq, Message)]
 struct Payload {
-    /// In ms since 1970.
+    /// Time in ms since 1970.
     #[prost(uint64, optional, tag = "1")]
     timestamp: Option<u64>,
     #[prost(message, repeated, tag = "2")]
@@ -52,7 +52,7 @@ const DOUBLE: u32 = 10;
 const BOOLEAN: u32 = 11;
 const STRING: u32 = 12;
 
-/// A payload with these metrics; deaths have no `seq`.
+/// Encodes a payload with these metrics; death messages have no `seq`.
 pub(super) fn encode(seq: Option<u8>, metrics: &[(String, Value)]) -> Vec<u8> {
     let now = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
     let timestamp = u64::try_from(now.as_millis()).ok();
@@ -78,7 +78,7 @@ pub(super) fn encode(seq: Option<u8>, metrics: &[(String, Value)]) -> Vec<u8> {
     Payload { timestamp, metrics, seq: seq.map(u64::from) }.encode_to_vec()
 }
 
-/// Whether a command asks for a birth.
+/// Returns true if a command requests a birth message.
 pub(super) fn decode_rebirth(bytes: &[u8]) -> bool {
     let rebirth = |metric: &Metric| {
         metric.name.as_deref() == Some("Node Control/Rebirth")

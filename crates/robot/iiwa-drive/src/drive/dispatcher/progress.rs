@@ -1,4 +1,4 @@
-//! The progress of a run: messages of the robot program, events of FRI, and time.
+//! Progress of a run: messages of the robot program, FRI events, and deadlines.
 
 use std::{sync::Arc, time::Instant};
 
@@ -17,7 +17,7 @@ use crate::drive::{
 };
 
 impl<C> Dispatcher<C> {
-    /// The robot program has acknowledged an instruction.
+    /// Handles an acknowledgement of the robot program.
     pub(in crate::drive) fn acknowledged(
         &mut self,
         acknowledgement: Acknowledgement,
@@ -51,7 +51,7 @@ impl<C> Dispatcher<C> {
         self.send_next(now);
     }
 
-    /// The robot program has planned motions. They begin unless they were withdrawn meanwhile.
+    /// Begins motions that the robot program has planned, unless they were withdrawn meanwhile.
     fn begin_planned(&mut self, run: RunId, now: Instant) {
         if let RunStage::Running(running) = &mut self.stage
             && running.run == run
@@ -62,12 +62,12 @@ impl<C> Dispatcher<C> {
         }
     }
 
-    /// The robot program has sent its state.
+    /// Handles a state change of the robot program.
     pub(in crate::drive) fn state_changed(&mut self, change: StateChange, now: Instant) {
         let restarted = self.program.as_ref().is_some_and(|(before, _)| before.boot != change.boot);
         let is_back = self.program_lost && self.instructions.purposes().next().is_none();
         if restarted || is_back {
-            // A cabinet that was switched off leaves a connection that only looks open.
+            // A cabinet that was switched off leaves a half-open connection.
             self.outputs.push(Output::Reconnect);
         }
         self.infer_acknowledgement(&change, now);
@@ -90,10 +90,11 @@ impl<C> Dispatcher<C> {
             }
         }
         if restarted {
-            // The program before it has received it, if any.
+            // If the instruction was received, then by the program before the restart: it is not
+            // acknowledged any more.
             self.fail_pending_instruction(now);
         }
-        // With each state: a lost instruction must not let the motion continue.
+        // Repeated with each state: a lost instruction must not let the motion continue.
         if let Some(end) = change.run.and_then(|run| self.end_of(run, change.state)) {
             self.instruct_end(end, now);
         }
@@ -105,8 +106,9 @@ impl<C> Dispatcher<C> {
         self.tick(now);
     }
 
-    /// A robot program that reports a run has received the instruction that begins it, even if the
-    /// acknowledgement was lost. Instructions behind it, such as a stop, must not wait any longer.
+    /// Infers a lost acknowledgement: a robot program that reports a run has received the
+    /// instruction that begins this run. Later instructions, such as a stop, must not wait any
+    /// longer.
     fn infer_acknowledgement(&mut self, change: &StateChange, now: Instant) {
         let ended = change.outcome.as_ref().map(|outcome| outcome.run);
         let is_known = |run: &RunId| change.run == Some(*run) || ended == Some(*run);
@@ -119,7 +121,7 @@ impl<C> Dispatcher<C> {
         }
     }
 
-    /// An event of the FRI thread.
+    /// Handles an event of the FRI thread.
     pub(in crate::drive) fn fri_event(&mut self, event: FriEvent, now: Instant) {
         match event {
             FriEvent::Observed(observation) => {
@@ -135,7 +137,7 @@ impl<C> Dispatcher<C> {
             }
             FriEvent::Unexpected(source) => {
                 if self.unexpected.replace(source).is_none_or(|it| it.from != source.from) {
-                    tracing::warn!("FRI comes {source}");
+                    tracing::warn!("FRI messages arrive {source}");
                 }
             }
             FriEvent::Ended(end) => self.trajectory_ended(end, now),
@@ -145,7 +147,8 @@ impl<C> Dispatcher<C> {
         }
     }
 
-    /// A trajectory has ended on this side: the robot program ends commanding, and then reports idle.
+    /// Handles the end of a trajectory on the drive side: the robot program is instructed to end
+    /// commanding, and then reports idle.
     fn trajectory_ended(&mut self, end: TrajectoryEnd, now: Instant) {
         if let RunStage::Running(running) = &mut self.stage
             && running.run == end.run
@@ -181,15 +184,17 @@ impl<C> Dispatcher<C> {
         self.refuse_overdue(now);
     }
 
-    /// The pending instruction will not be acknowledged: the robot program is disconnected or has restarted.
+    /// Fails the pending instruction, because it will not be acknowledged: the robot program is
+    /// disconnected or has restarted.
     fn fail_pending_instruction(&mut self, now: Instant) {
         if let Some(purpose) = self.instructions.resolve(|_| true) {
             self.instruction_failed(purpose, now);
         }
     }
 
-    /// An instruction was not acknowledged in time.
+    /// Handles an instruction that was not acknowledged in time.
     fn instruction_failed(&mut self, purpose: Purpose<C>, now: Instant) {
+        // The instruction must not arrive later over the old connection.
         self.outputs.push(Output::Reconnect);
         match purpose {
             Purpose::Query(requester, _) => self.reply(requester, Err(timed_out())),
@@ -198,7 +203,7 @@ impl<C> Dispatcher<C> {
         }
     }
 
-    /// Refuses queries that have waited for too long: their clients have given them up, so they must not
+    /// Refuses overdue queries: their clients no longer wait for a reply, so these queries must not
     /// be carried out any more.
     fn refuse_overdue(&mut self, now: Instant) {
         let is_overdue = |purpose: &Purpose<C>, since| {
@@ -212,7 +217,7 @@ impl<C> Dispatcher<C> {
         }
     }
 
-    /// A run has failed, or did not begin.
+    /// Fails a run that was aborted or did not begin.
     pub(super) fn fail(&mut self, run: RunId, error: Refusal, now: Instant) {
         if let RunStage::Running(running) = &mut self.stage
             && running.run == run
@@ -222,14 +227,15 @@ impl<C> Dispatcher<C> {
             }
             running.fail(error, now);
             self.finish();
-            // It must not begin any more; if it does, or has begun, it is stopped by its number.
+            // The run must not begin any more; if it begins or has begun, it is stopped by its
+            // number.
             self.instructions.withdraw(|purpose, _| {
                 matches!(purpose, Purpose::Plan(other) | Purpose::Begin(other) if *other == run)
             });
         }
     }
 
-    /// Replies with the measurements; the state is idle again.
+    /// Replies with the measurements and returns to the idle state.
     fn finish(&mut self) {
         let running = match std::mem::replace(&mut self.stage, RunStage::Idle) {
             RunStage::Running(running) => running,

@@ -1,4 +1,4 @@
-//! Requests of clients, up to the beginning of a run.
+//! Client requests, up to the beginning of a run.
 
 use std::time::Instant;
 
@@ -19,10 +19,10 @@ use crate::drive::{
 };
 
 impl<C> Dispatcher<C> {
-    /// A request of a client.
+    /// Handles a client request.
     pub(in crate::drive) fn request(&mut self, client: C, incoming: IncomingRequest, now: Instant) {
         if incoming.body.len() > MAX_SHORT_REQUEST_BYTES {
-            // Only a run may be that long; parsing its id here would take too long.
+            // Only a run request may be that long; parsing its id here would take too long.
             return self.check_run(Requester { client, id: None }, incoming, now);
         }
         let (id, head) = Request::head(&incoming.body);
@@ -71,7 +71,7 @@ impl<C> Dispatcher<C> {
         }
     }
 
-    /// Checks that a run may begin now; returns where the arm is.
+    /// Checks that a run may begin now; returns the latest observation of the robot.
     fn check_free(&self, began: Instant, now: Instant) -> Result<Observation, Refusal> {
         self.check_idle(now)?;
         if matches!(self.stage, RunStage::Checking(..)) {
@@ -84,7 +84,8 @@ impl<C> Dispatcher<C> {
         self.check_connected(now)
     }
 
-    /// The first stage of a run. The state is checked first: requests that it forbids are not parsed.
+    /// Begins the first stage of a run. The state is checked first: requests that the state forbids
+    /// are not parsed.
     fn check_run(&mut self, requester: Requester<C>, incoming: IncomingRequest, now: Instant) {
         let IncomingRequest { body, permit, began } = incoming;
         let is_short = body.len() <= MAX_SHORT_REQUEST_BYTES;
@@ -97,7 +98,7 @@ impl<C> Dispatcher<C> {
                 self.outputs.push(Output::Check(CheckJob::Check(unchecked)));
             }
             Err(refusal) if is_short => self.reply(requester, Err(refusal)),
-            // Another thread parses its id.
+            // The checking thread parses the id.
             Err(refusal) => {
                 let Requester { client, .. } = requester;
                 let job = CheckJob::Refuse { client, body, permit, refusal };
@@ -106,7 +107,7 @@ impl<C> Dispatcher<C> {
         }
     }
 
-    /// A run has been checked.
+    /// Handles the result of a check.
     pub(in crate::drive) fn checked(&mut self, checked: CheckedRun, now: Instant) {
         let CheckedRun { run, id, task } = checked;
         if let Some(i) = self.withdrawn.iter().position(|(withdrawn, ..)| *withdrawn == run) {
@@ -157,7 +158,7 @@ impl<C> Dispatcher<C> {
         self.outputs.push(Output::Fri(FriCommand::Publish(kind)));
         match task {
             RunTask::Motions(motions) => {
-                // A robot program refuses keys that it does not know, and has no use for these.
+                // The robot program refuses unknown keys, and does not use the sources.
                 let motions = MotionList { sources: Sources::default(), ..*motions };
                 self.instruct(Instruction::RunMotions { run, motions }, Purpose::Plan(run), now);
             }
@@ -169,7 +170,7 @@ impl<C> Dispatcher<C> {
     }
 }
 
-/// Checks that the FRI session is good enough for commanding.
+/// Checks that the FRI session and quality are sufficient for commanding.
 fn check_session(observation: &Observation) -> Result<(), Refusal> {
     if observation.session < SessionState::MonitoringReady || observation.quality < Quality::Good {
         return Err(Refusal::robot(format!(

@@ -30,13 +30,14 @@ use crate::drive::{
 pub(in crate::drive) enum Output<C> {
     /// A reply to a client.
     Reply(C, String),
-    /// A reply to a client that another thread writes, as it may be long.
+    /// A reply that another thread writes, because it may be long.
     RunReply(RunReply<C>),
     /// A request that another thread parses and checks.
     Check(CheckJob<C>),
     /// An instruction to the robot program.
     Instruct(String),
-    /// The robot program does not answer: instructions in transit must not arrive later.
+    /// A reconnection to the robot program, which does not answer: instructions in transit must not
+    /// arrive later.
     Reconnect,
     /// A command to the FRI thread.
     Fri(FriCommand),
@@ -49,11 +50,11 @@ pub(in crate::drive) struct IncomingRequest {
     pub(in crate::drive) body: Bytes,
     /// The permit of a long request.
     pub(in crate::drive) permit: Option<Permit>,
-    /// When its first bytes arrived.
+    /// Arrival time of the first bytes.
     pub(in crate::drive) began: Instant,
 }
 
-/// The client that a reply goes to, and the id of its request.
+/// Destination of a reply: a client, and the id of its request.
 pub(in crate::drive) struct Requester<C> {
     pub(super) client: C,
     pub(super) id: Option<Id>,
@@ -61,27 +62,27 @@ pub(in crate::drive) struct Requester<C> {
 
 /// The dispatcher. `C` identifies clients.
 pub(in crate::drive) struct Dispatcher<C> {
-    /// The robot that the drive is set up for.
+    /// The robot that the drive is configured for.
     pub(super) robot: RobotIdentity,
     pub(super) stage: RunStage<C>,
     /// The latest FRI message.
     pub(super) observation: Option<Observation>,
-    /// The address that FRI messages come from instead of the controller's.
+    /// The source address of FRI messages, if it differs from the controller address.
     pub(super) unexpected: Option<UnexpectedSource>,
-    /// The latest state of the robot program, and when it was received.
+    /// The latest state of the robot program, and its arrival time.
     pub(super) program: Option<(StateChange, Instant)>,
-    /// The silence of the robot program is logged.
+    /// `true` if the silence of the robot program has been logged.
     pub(super) program_lost: bool,
     pub(super) first_run: RunId,
     pub(super) next_run: RunId,
     pub(super) instructions: InstructionQueue<Purpose<C>>,
-    /// Runs that were withdrawn while they were checked, and why.
+    /// Runs withdrawn during the check, with the reason.
     pub(super) withdrawn: Vec<(RunId, Requester<C>, Refusal)>,
-    /// When the last stop was received.
+    /// Arrival time of the last stop request.
     pub(super) stopped: Option<Instant>,
-    /// Clients that wait for the arm to come to rest, and since when.
+    /// Clients that wait for standstill, with the arrival times of their requests.
     pub(super) stoppers: Vec<(Requester<C>, Instant)>,
-    /// When a run was abandoned that the robot program may have begun.
+    /// Time at which a run was abandoned that the robot program may have begun.
     pub(super) abandoned: Option<Instant>,
     pub(super) last_run: Option<Arc<RunRecord>>,
     pub(super) outputs: Vec<Output<C>>,
@@ -89,24 +90,24 @@ pub(in crate::drive) struct Dispatcher<C> {
 
 pub(super) enum RunStage<C> {
     Idle,
-    /// A run is parsed and checked.
+    /// A run is being parsed and checked.
     Checking(RunId, Requester<C>),
     Running(Box<Running<Requester<C>>>),
 }
 
 /// The purpose of an instruction.
 pub(super) enum Purpose<C> {
-    /// To query a value for a client.
+    /// Query a value for a client.
     Query(Requester<C>, QueryKind),
-    /// To plan the motions of a run.
+    /// Plan the motions of a run.
     Plan(RunId),
-    /// To begin a run.
+    /// Begin a run.
     Begin(RunId),
-    /// To stop or end a run.
+    /// Stop or end a run.
     End,
 }
 
-/// The value that an acknowledgement has to contain.
+/// The value that an acknowledgement must contain.
 #[derive(Clone, Copy)]
 pub(super) enum QueryKind {
     Value,
@@ -114,14 +115,15 @@ pub(super) enum QueryKind {
     Signals,
 }
 
-/// The robot program counts as disconnected after so much silence; it sends its state twice a second.
+/// Silence after which the robot program counts as disconnected; it sends its state twice per
+/// second.
 const PROGRAM_TIMEOUT: Duration = Duration::from_secs(3);
 
-/// FRI counts as silent after so long without a message.
+/// Silence after which FRI counts as silent.
 const FRI_TIMEOUT: Duration = Duration::from_millis(500);
 
 impl<C> Dispatcher<C> {
-    /// `first_run` has to differ with each start of a drive.
+    /// Creates a dispatcher. `first_run` must differ with each start of a drive.
     pub(in crate::drive) fn new(first_run: RunId, robot: RobotIdentity) -> Self {
         Self {
             robot,
@@ -142,12 +144,13 @@ impl<C> Dispatcher<C> {
         }
     }
 
-    /// Takes the outputs since the last call.
+    /// Returns the outputs since the last call.
     pub(in crate::drive) fn take_outputs(&mut self) -> Vec<Output<C>> {
         std::mem::take(&mut self.outputs)
     }
 
-    /// The state of this drive, or that of a robot program that still runs without it.
+    /// Returns the kind of the current run; without a current run, the state of the robot program,
+    /// which may still execute a run that this drive does not track.
     pub(super) fn drive_state(&self, now: Instant) -> DriveState {
         match &self.stage {
             RunStage::Running(running) => running.kind,
@@ -180,26 +183,27 @@ impl<C> Dispatcher<C> {
         status
     }
 
-    /// The latest state of the robot program, unless it is disconnected.
+    /// Returns the latest state of the robot program, unless it is disconnected.
     pub(super) fn program_at(&self, now: Instant) -> Option<&StateChange> {
         let (state, at) = self.program.as_ref()?;
         (now.saturating_duration_since(*at) <= PROGRAM_TIMEOUT).then_some(state)
     }
 
-    /// The address that FRI messages come from while none come from the controller's.
+    /// Returns the source address of FRI messages while none arrive from the controller address.
     fn unexpected_source(&self, now: Instant) -> Option<UnexpectedSource> {
         let is_recent = |at: Instant| now.saturating_duration_since(at) <= FRI_TIMEOUT;
         let is_silent = self.observation.is_none_or(|it| !is_recent(it.at));
         self.unexpected.filter(|it| is_silent && is_recent(it.at))
     }
 
-    /// Checks that the robot program speaks this drive's version of the protocol.
+    /// Checks that the robot program uses this drive's protocol version.
     pub(super) fn check_protocol(&self, now: Instant) -> Result<(), Refusal> {
         let hello = self.program_at(now).and_then(|program| program.hello.as_ref());
         hello.map_or(Ok(()), check_protocol)
     }
 
-    /// Checks that the robot at the cabinet is the one that the drive is set up for, if the robot program knows it.
+    /// Checks that the robot at the cabinet matches the configured robot, if the robot program
+    /// reports it.
     fn check_robot(&self, program: &StateChange) -> Result<(), Refusal> {
         let at_cabinet = program.hello.as_ref().and_then(|hello| hello.robot.as_ref());
         at_cabinet.map_or(Ok(()), |it| self.robot.check_cabinet(it))
@@ -264,7 +268,7 @@ impl<C> Dispatcher<C> {
         self.outputs.push(Output::Reply(client, text));
     }
 
-    /// Publishes the beginning of a run, or its end.
+    /// Publishes the beginning or the end of a run.
     pub(super) fn publish_run(
         &mut self,
         run: RunId,

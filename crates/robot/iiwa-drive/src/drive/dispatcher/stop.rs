@@ -1,5 +1,5 @@
-//! Stops: a run that has not begun is withdrawn, one that has begun is stopped, and the request is replied
-//! to once the arm is known to be at rest.
+//! Stops: a run that has not begun is withdrawn, a run that has begun is stopped, and the reply is
+//! sent once the robot is known to be at rest.
 
 use std::time::{Duration, Instant};
 
@@ -11,14 +11,14 @@ use iiwa_link::{
 use super::state::{Dispatcher, Output, Purpose, Requester, RunStage};
 use crate::drive::{events::FriCommand, run::Phase};
 
-/// How long a stop may take: clients wait five seconds for the reply.
+/// Time-out of a stop: clients wait five seconds for the reply.
 const STOP_TIMEOUT: Duration = Duration::from_secs(4);
 
 impl<C> Dispatcher<C> {
     pub(super) fn serve_stop(&mut self, requester: Requester<C>, now: Instant) {
         self.stopped = Some(now);
         self.stop("stopped on request", now);
-        // A run of a drive before this one, or an arm that is not known to be at rest.
+        // A run of a previous drive, or a robot that is not known to be at rest.
         if matches!(self.stage, RunStage::Idle)
             && self.program_at(now).is_none_or(|program| program.state != DriveState::Idle)
         {
@@ -28,7 +28,8 @@ impl<C> Dispatcher<C> {
         self.reply_to_stoppers(now);
     }
 
-    /// A client has disconnected: its queries are withdrawn, and its run unless that has begun.
+    /// Handles the disconnection of a client: its queries are withdrawn, and so is its run unless
+    /// the run has begun.
     pub(in crate::drive) fn disconnected(&mut self, is_client: impl Fn(&C) -> bool, now: Instant) {
         let of_client = |purpose: &Purpose<C>, _| matches!(purpose, Purpose::Query(requester, _) if is_client(&requester.client));
         self.instructions.withdraw(of_client);
@@ -69,7 +70,7 @@ impl<C> Dispatcher<C> {
         }
     }
 
-    /// Replies to stop requests once the arm is known to be at rest.
+    /// Replies to stop requests once the robot is known to be at rest.
     pub(super) fn reply_to_stoppers(&mut self, now: Instant) {
         let result = match (&self.stage, self.program_at(now)) {
             (RunStage::Running(_), _) => None,
@@ -77,7 +78,7 @@ impl<C> Dispatcher<C> {
                 "the robot program does not answer: it is unknown whether the arm is at rest",
             ))),
             (_, Some(program)) if program.state != DriveState::Idle => None,
-            // It may have begun an abandoned run.
+            // The robot program may have begun an abandoned run.
             _ if self.is_in_doubt() => None,
             _ => Some(Ok(None)),
         };
@@ -99,13 +100,13 @@ impl<C> Dispatcher<C> {
         }
     }
 
-    /// Whether a run was abandoned, and the robot program has not sent its state since.
+    /// Returns true if a run was abandoned and the robot program has not sent its state since.
     fn is_in_doubt(&self) -> bool {
         let reported = self.program.as_ref().map(|(_, at)| *at);
         self.abandoned.is_some_and(|abandoned| reported.is_none_or(|at| at <= abandoned))
     }
 
-    /// Instructs the robot program to end the run, unless that is done already.
+    /// Instructs the robot program to end the run, unless it was instructed before.
     pub(super) fn end_by(&mut self, instruction: Instruction, now: Instant) {
         if let RunStage::Running(running) = &mut self.stage
             && running.end_instruction.is_none()
@@ -115,14 +116,14 @@ impl<C> Dispatcher<C> {
         }
     }
 
-    /// Sends an instruction to end a run, unless one is pending.
+    /// Sends an instruction to end a run, unless such an instruction is pending.
     pub(super) fn instruct_end(&mut self, instruction: Instruction, now: Instant) {
         if !self.instructions.purposes().any(|purpose| matches!(purpose, Purpose::End)) {
             self.instruct(instruction, Purpose::End, now);
         }
     }
 
-    /// The instruction that ends a run which the robot program reports, if it has to end.
+    /// Returns the instruction that ends a run reported by the robot program, if this run must end.
     pub(super) fn end_of(&self, run: RunId, state: DriveState) -> Option<Instruction> {
         match &self.stage {
             RunStage::Running(running) if running.run == run => running.end_instruction.clone(),
@@ -134,7 +135,7 @@ impl<C> Dispatcher<C> {
         }
     }
 
-    /// Whether the run is one of this drive.
+    /// Returns true if this drive has numbered the run.
     fn is_own(&self, run: RunId) -> bool {
         run.wrapping_sub(self.first_run) < self.next_run.wrapping_sub(self.first_run)
     }

@@ -1,4 +1,5 @@
-//! Losses between the dispatcher and the robot program, and stops of runs that have not begun.
+//! Lost messages between the dispatcher and the robot program, and stops of runs that have not
+//! begun.
 
 use std::time::{Duration, Instant};
 
@@ -29,7 +30,7 @@ struct DispatcherScene {
     now: Instant,
 }
 
-/// The outputs except FRI commands and checks.
+/// Outputs except FRI commands and checks.
 #[derive(Debug, PartialEq)]
 enum TestOutput {
     Reply(&'static str, Value),
@@ -38,7 +39,7 @@ enum TestOutput {
 }
 
 impl DispatcherScene {
-    /// The robot program is idle and FRI is connected.
+    /// Creates a scene with an idle robot program and a connected FRI session.
     fn new() -> Self {
         let mut scene = Self {
             dispatcher: Dispatcher::new(FIRST_RUN, RobotIdentity::from(&Robot::default())),
@@ -94,7 +95,7 @@ impl DispatcherScene {
         self.request("runner", Request::motions(motions).to_json());
     }
 
-    /// Checks the runs to be checked.
+    /// Checks the pending runs.
     fn check(&mut self) -> Vec<TestOutput> {
         let out = self.out();
         for job in std::mem::take(&mut self.jobs) {
@@ -152,7 +153,7 @@ impl DispatcherScene {
         out
     }
 
-    /// The types of the instructions sent.
+    /// Returns the types of the instructions sent.
     fn instructions(&mut self) -> Vec<String> {
         let name = |out| match out {
             TestOutput::Instruct(instruction) => Some(instruction["type"].as_str()?.to_owned()),
@@ -161,7 +162,7 @@ impl DispatcherScene {
         self.out().into_iter().filter_map(name).collect()
     }
 
-    /// The clients that were replied to, and whether with `ok`.
+    /// Returns the clients that received replies, and `true` for each `ok`.
     fn replies(&mut self) -> Vec<(&'static str, bool)> {
         let reply = |out| match out {
             TestOutput::Reply(client, reply) => Some((client, reply["ok"] == true)),
@@ -250,7 +251,7 @@ fn abandoned_runs_are_stopped_when_they_begin() {
     assert_eq!(scene.instructions(), ["run_motions"]);
     scene.report(DriveState::RunningMotion, Some(FIRST_RUN), None);
     assert_eq!(scene.instructions(), ["stop"]);
-    // And again, if that is lost.
+    // The stop is repeated if it is lost.
     scene.wait(2.1);
     scene.report(DriveState::RunningMotion, Some(FIRST_RUN), None);
     assert_eq!(scene.instructions(), ["stop"]);
@@ -265,12 +266,12 @@ fn a_foreign_motion_continues_until_it_is_stopped() {
     assert_eq!(scene.instructions(), ["stop"]);
     scene.acknowledge(1);
     scene.report(DriveState::RunningMotion, Some(7), None);
-    // Not before the arm is at rest.
+    // The reply is not sent before the robot is at rest.
     assert_eq!(scene.replies(), []);
     scene.acknowledge(2);
     scene.report(DriveState::Idle, None, Some(7));
     assert_eq!(scene.replies(), [("stopper", true)]);
-    // But a trajectory without set-points is ended.
+    // A trajectory without set-points, in contrast, is ended.
     scene.report(DriveState::RunningTrajectory, Some(8), None);
     assert_eq!(scene.instructions(), ["end_trajectory"]);
 }
@@ -290,7 +291,7 @@ fn a_stop_fails_while_the_state_of_the_arm_is_unknown() {
     );
 }
 
-/// The error of the runner, and whether the stopper was answered.
+/// Returns the error of the runner, and true if the stopper was answered.
 fn withdrawn(scene: &mut DispatcherScene) -> (String, bool) {
     let mut error = String::new();
     let mut stopped = false;
@@ -310,12 +311,12 @@ fn a_stop_withdraws_a_run_being_checked() {
     let mut scene = DispatcherScene::new();
     scene.ask_for_motion();
     scene.ask("stopper", &stop());
-    // At once: no motion is possible any more.
+    // Immediately: no motion is possible any more.
     let answered = scene.check();
     assert_eq!(answered, [TestOutput::Reply("stopper", json!({"ok": true}))]);
     let (error, _) = withdrawn(&mut scene);
     assert!(error.contains("before the run began"), "{error}");
-    // The next one is not affected.
+    // The next run is not affected.
     scene.begin_motion();
     assert_eq!(scene.instructions(), ["run_motions"]);
 }
@@ -328,7 +329,7 @@ fn a_stop_withdraws_a_run_being_planned() {
     scene.ask("stopper", &stop());
     let (error, stopped) = withdrawn(&mut scene);
     assert!(stopped && error.contains("before the run began"), "{error}");
-    // It does not begin when it is planned.
+    // The run does not begin after planning.
     scene.acknowledge(1);
     scene.report(DriveState::Idle, None, None);
     assert_eq!(scene.out(), []);
@@ -381,7 +382,7 @@ fn a_stop_waits_for_the_state_after_an_abandoned_run() {
     let mut scene = DispatcherScene::new();
     scene.begin_motion();
     scene.acknowledge(1);
-    // Its beginning is not acknowledged.
+    // The start is not acknowledged.
     scene.wait(2.1);
     scene.out();
     scene.ask("stopper", &stop());
@@ -419,7 +420,7 @@ fn a_restarted_robot_program_gets_a_new_connection_and_no_old_instruction() {
     assert_eq!(out[0], TestOutput::Reconnect);
     let ended = |out: &TestOutput| matches!(out, TestOutput::Reply("runner", it) if it["error"]["message"].to_string().contains("restarted"));
     assert!(out.iter().any(ended), "{out:?}");
-    // What the program before it has not acknowledged does not block the next one.
+    // An instruction that the previous program has not acknowledged does not block the next one.
     scene.ask("asker", &json!({"type": "list_io"}));
     assert_eq!(scene.instructions(), ["list_io"]);
     // An idle connection is replaced, too.
@@ -436,7 +437,7 @@ fn an_idle_connection_is_replaced_after_a_silence() {
     assert_eq!(scene.out(), []);
     scene.report(DriveState::Idle, None, None);
     assert_eq!(scene.out(), [TestOutput::Reconnect]);
-    // A stop that was sent meanwhile is not lost by it.
+    // The reconnection does not lose a stop that was sent meanwhile.
     scene.wait(3.1);
     scene.ask("stopper", &stop());
     assert_eq!(scene.instructions(), ["stop"]);

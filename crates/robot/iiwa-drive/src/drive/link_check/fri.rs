@@ -1,4 +1,4 @@
-//! What arrives over FRI. Messages are answered without set-points, so that the session opens.
+//! Reception of FRI messages. They are answered without set-points, so that the session opens.
 
 use std::{
     net::{IpAddr, UdpSocket},
@@ -13,26 +13,26 @@ use super::{
     step::Fault,
 };
 
-/// How long the first message is waited for.
+/// Time-out of the first message.
 const FIRST_TIMEOUT: Duration = Duration::from_secs(5);
 
-/// How long the session may take after it to be ready.
+/// Time-out of the session to be ready, after the first message.
 const SESSION_TIMEOUT: Duration = Duration::from_secs(6);
 
 const POLL_INTERVAL: Duration = Duration::from_millis(20);
 
-/// What arrived over FRI.
+/// Messages received over FRI.
 #[derive(Debug, Default)]
 pub(super) struct FriFindings {
     /// The latest message from the expected address.
     latest: Option<Monitoring>,
-    /// Why a datagram from there could not be read.
+    /// The reason why a datagram from this address could not be decoded.
     unreadable: Option<String>,
-    /// Another address that messages came from.
+    /// Another source address of messages.
     other: Option<IpAddr>,
 }
 
-/// Receives and answers messages of `controller` until the session is ready, or too much time has passed.
+/// Receives and answers messages of `controller` until the session is ready or a time-out expires.
 pub(super) fn listen(udp: &UdpSocket, controller: IpAddr) -> FriFindings {
     let mut found = FriFindings::default();
     let mut client = Client::new(Format::V1);
@@ -80,17 +80,17 @@ impl FriFindings {
         })
     }
 
-    /// Whether anything came from the expected address.
+    /// Returns true if any datagram has arrived from the expected address.
     pub(super) fn has_arrived(&self) -> bool {
         self.latest.is_some() || self.unreadable.is_some()
     }
 
-    /// The send period, if messages can be read.
+    /// Returns the send period, if messages can be decoded.
     pub(super) fn period_ms(&self) -> Option<u32> {
         self.latest.as_ref().map(|it| it.send_period_ms)
     }
 
-    /// Whether messages arrive.
+    /// Checks that messages arrive.
     pub(super) fn messages(&self, config: &DriveConfig) -> Result<String, Fault> {
         let (fri, expected) = (config.fri, config.fri_controller);
         match self.other {
@@ -113,7 +113,7 @@ impl FriFindings {
         }
     }
 
-    /// Whether they can be read.
+    /// Checks that messages can be decoded.
     pub(super) fn version(&self) -> Result<String, Fault> {
         match (&self.latest, &self.unreadable) {
             (Some(_), _) => Ok("as FRI 1.14 to 1.16".to_owned()),
@@ -127,7 +127,7 @@ impl FriFindings {
         }
     }
 
-    /// Whether they come often enough to command the arm.
+    /// Checks that the send period permits commanding.
     pub(super) fn period(&self) -> Result<String, Fault> {
         let Some(latest) = &self.latest else { return Ok(String::new()) };
         let (period_ms, multiplier) = (latest.send_period_ms, latest.receive_multiplier);
@@ -143,7 +143,7 @@ impl FriFindings {
         }
     }
 
-    /// Whether the session is ready to command.
+    /// Checks that the session is ready for commanding.
     pub(super) fn session(&self) -> Result<String, Fault> {
         let Some(latest) = &self.latest else { return Ok(String::new()) };
         let what = format!("{}, quality {}", latest.session.name(), latest.quality.name());

@@ -1,18 +1,18 @@
-//! Steps of the check, and what is wrong in them.
+//! Steps of the check, and their faults.
 
 use std::fmt;
 
 use serde::Serialize;
 
-/// How a step of a [`LinkCheck`](super::LinkCheck) went.
+/// Result of a step of a [`LinkCheck`](super::LinkCheck).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum StepResult {
-    /// All is right.
+    /// The check has passed.
     Ok,
-    /// Something is wrong.
+    /// A fault was found.
     Fails,
-    /// It could not be told.
+    /// The check was not possible.
     Skipped,
 }
 
@@ -30,19 +30,19 @@ impl fmt::Display for StepResult {
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 #[non_exhaustive]
 pub struct CheckStep {
-    /// What is checked.
+    /// Name of the step.
     pub step: &'static str,
-    /// How it went.
+    /// Result of the step.
     pub result: StepResult,
-    /// What was found, and what to do about it, for people.
+    /// Finding and remedy, as text for people.
     pub text: String,
-    /// The settings of the drive that may be wrong, by the names of the command's options.
+    /// The drive settings that may be wrong, by the names of the command-line options.
     #[serde(skip_serializing_if = "<[&str]>::is_empty")]
     pub settings: &'static [&'static str],
 }
 
 impl CheckStep {
-    /// The step as a line, with `mark` before the names of settings.
+    /// Formats the step as a line, with `mark` before the setting names.
     #[must_use]
     pub fn line(&self, mark: &str) -> String {
         let Self { step, result, text, settings } = self;
@@ -55,7 +55,7 @@ impl CheckStep {
     }
 }
 
-/// What is wrong, and the settings that may be.
+/// A fault, and the settings that may be wrong.
 pub(super) struct Fault {
     pub(super) text: String,
     pub(super) settings: &'static [&'static str],

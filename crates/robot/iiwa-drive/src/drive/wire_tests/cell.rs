@@ -1,4 +1,4 @@
-//! A simulated controller with its arm, a network and the drive's side of FRI.
+//! A simulated controller with its robot, a network and the drive side of FRI.
 
 use std::{
     collections::HashMap,
@@ -18,14 +18,14 @@ use crate::drive::{
     setpoints::TrajectoryEnd,
 };
 
-/// The behaviour of a controller while set-points are missing.
+/// Behaviour of a controller while set-points are missing.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Missing {
     Extrapolate,
     Stop,
 }
 
-/// The controller, its arm and the network.
+/// The controller, its robot and the network.
 pub(super) struct Cell {
     pub(super) random: Rng,
     pub(super) limits: Limits,
@@ -36,26 +36,26 @@ pub(super) struct Cell {
     pub(super) begun: Instant,
     pub(super) q: Joints,
     pub(super) dq: Joints,
-    /// The active set-point, and the number of cycles within which the arm has to reach it.
+    /// The active set-point, and the number of cycles within which the robot has to reach it.
     pub(super) target: Option<(Joints, u32)>,
     pub(super) down: Network,
     pub(super) up: Network,
     pub(super) responder: Responder,
-    /// By sequence counter.
+    /// Sent messages by sequence counter.
     pub(super) sent: HashMap<u32, ControllerMessage>,
-    /// The last message that the drive has accepted, and the one before.
+    /// The last message that the drive has accepted, and the previous one.
     pub(super) accepted: [Option<u32>; 2],
-    /// The last cycle in which the controller moved or stopped the arm on its own.
+    /// The last cycle in which the controller moved or stopped the robot on its own.
     pub(super) alone: u64,
     pub(super) end: Option<TrajectoryEnd>,
-    /// Whether datagrams are forged with the controller's address.
+    /// `true` if datagrams are forged with the controller address.
     pub(super) forges: bool,
-    /// Offset of the controller's clock, in cycles.
+    /// Offset of the controller clock, in cycles.
     pub(super) clock_ahead: u64,
     pub(super) wire: Vec<SentSetpoint>,
 }
 
-/// A message of the controller.
+/// A controller message.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct ControllerMessage {
     pub(super) cycle: u64,
@@ -68,9 +68,10 @@ pub(super) struct ControllerMessage {
 pub(super) struct SentSetpoint {
     pub(super) t_s: f64,
     pub(super) at_rad: Joints,
-    /// The position of the arm in the answered message.
+    /// Robot position in the answered message.
     pub(super) arm_rad: Joints,
-    /// Its velocity since the message before, if the controller has moved it on its own since the last answer.
+    /// Robot velocity since the previous message, if the controller has moved the robot on its own
+    /// since the last answer.
     pub(super) restart_speed: Option<Joints>,
 }
 
@@ -118,7 +119,7 @@ impl Cell {
         self.begun + Duration::from_secs_f64(self.cycle as f64 * self.period_s())
     }
 
-    /// Moves the arm by a cycle, at most at 1.1 of its limits.
+    /// Moves the robot by a cycle, at most at 1.1 of its limits.
     pub(super) fn follow(&mut self) {
         let before = self.q;
         let period_s = self.period_s();
@@ -242,7 +243,8 @@ impl Cell {
     /// Reads an answer from the wire.
     pub(super) fn read(&mut self, answer: &[u8]) {
         let answer = Format::V1.decode_command(answer).unwrap();
-        // After a silence, a forged message may be accepted; the controller ignores the answer to it.
+        // After a silence, a forged message may be accepted; the controller ignores the answer to
+        // it.
         let Some(&ControllerMessage { cycle, session, arm_rad }) = self.sent.get(&answer.reflected)
         else {
             return;
@@ -282,7 +284,7 @@ impl Cell {
         self.until(2000, |cell| cell.controller.state() == SessionState::CommandingActive);
     }
 
-    /// The robot program ends commanding after the run.
+    /// Ends commanding after the run, as the robot program does.
     pub(super) fn finish(&mut self) {
         (0..3).for_each(|_| self.tick());
         self.controller.release();

@@ -5,8 +5,8 @@ use iiwa_kin::{Joints, Limits};
 use super::cell::{Cell, SentSetpoint};
 
 impl Cell {
-    /// The largest velocity, acceleration and jump, each as a share of its bound, and the number of restarts at
-    /// the position of the arm.
+    /// Returns the largest velocity, acceleration and jump, each as a share of its bound, and the
+    /// number of restarts at the robot position.
     pub(super) fn judge(&self) -> ([f64; 3], u32) {
         let Limits { velocity_rad_s, acceleration_rad_s2, upper_rad, .. } = self.limits;
         let step_s = f64::from(self.config.receive_multiplier) * self.period_s();
@@ -46,18 +46,18 @@ impl Cell {
     }
 }
 
-/// The set-points up to one.
+/// State of the set-points up to an answer.
 #[derive(Default)]
 pub(super) struct History {
     pub(super) t_s: f64,
     pub(super) at_rad: Joints,
-    /// Velocity since the answer before, and the time from there.
+    /// Velocity since the previous answer, and the time since then.
     pub(super) speed: Joints,
     pub(super) step_s: f64,
 }
 
 impl History {
-    /// Velocity and acceleration up to the next answer.
+    /// Returns velocity and acceleration up to the next answer.
     pub(super) fn derivatives(&self, next: &SentSetpoint) -> (Joints, Joints) {
         let step_s = next.t_s - self.t_s;
         let speed: Joints = std::array::from_fn(|j| (next.at_rad[j] - self.at_rad[j]) / step_s);

@@ -8,7 +8,7 @@ pub(super) struct Network {
     pub(super) loss: f64,
     pub(super) doubled: f64,
     pub(super) delayed: f64,
-    /// Until this cycle all datagrams are lost.
+    /// All datagrams before this cycle are lost.
     pub(super) dead_until: u64,
     pub(super) under_way: Vec<(u64, Vec<u8>)>,
 }
@@ -24,7 +24,7 @@ impl Network {
         }
     }
 
-    /// The datagrams that have arrived by `cycle`, sometimes in reverse order.
+    /// Returns the datagrams that have arrived by `cycle`, sometimes in reverse order.
     pub(super) fn receive(&mut self, cycle: u64, random: &mut Rng) -> Vec<Vec<u8>> {
         let mut arrived: Vec<_> = self.under_way.extract_if(.., |(due, _)| *due <= cycle).collect();
         if self.delayed > 0.0 && random.bool() {

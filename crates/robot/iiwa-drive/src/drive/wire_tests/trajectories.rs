@@ -7,7 +7,7 @@ use iiwa_path::JointPath;
 use iiwa_program::{Blend, Motion, Program, Ptp, Sources, Start, Workcell};
 use iiwa_traj::{Timing, Trajectory};
 
-/// Motions at full speed between positions anywhere in the range, including its ends.
+/// Returns motions at full speed between positions anywhere in the joint range, including its ends.
 pub(super) fn program(random: &mut Rng) -> Program {
     let range = Robot::default().limits().upper_rad;
     loop {
@@ -33,7 +33,7 @@ pub(super) fn program(random: &mut Rng) -> Program {
     }
 }
 
-/// Points every 4 ms and at the end, as clients send them.
+/// Samples a plan every 4 ms and at its end, as clients do.
 pub(super) fn sampled(program: &Program) -> TimedJoints {
     let path = JointPath::new(program, &Robot::default()).unwrap();
     let plan = Trajectory::plan(&path, Timing::jerk_limited()).unwrap();
