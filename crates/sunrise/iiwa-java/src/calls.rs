@@ -1,4 +1,4 @@
-//! Calls of methods.
+//! Method calls.
 
 use std::{rc::Rc, sync::Arc};
 
@@ -17,7 +17,7 @@ use crate::{
 };
 
 impl Machine {
-    /// A call as it stands in the program.
+    /// Evaluates a call expression.
     pub(crate) fn call(
         &mut self,
         expression: &Expression,
@@ -80,7 +80,7 @@ impl Machine {
                 self.call_of_interface(own, &object, name, &arguments)
             }
             (_, Some(Value::Object(object))) => {
-                // Methods of classes are not overridden.
+                // Class methods are resolved statically, without overriding.
                 let methods = self.java.classes.methods(object.class, name);
                 let is_static = methods.len() > 1 && methods.iter().all(|(_, own)| own.is_static);
                 match on.and_then(|on| self.class_of(on)) {
@@ -98,13 +98,14 @@ impl Machine {
         result
     }
 
-    /// True if a value is a `short` or a `byte`, which no whole number of another type equals as an object.
+    /// Returns true if a value is a `short` or a `byte`: as an object, it differs from integers of
+    /// other types.
     fn is_short(&self, expression: &Expression) -> bool {
         let own = self.static_type(expression);
         own.is_some_and(|own| matches!(unboxed(&own), Some("short" | "byte")))
     }
 
-    /// The types of arguments, where they may say which method is called.
+    /// Returns the types of the arguments, if the method is overloaded.
     pub(crate) fn types_of_arguments(
         &self,
         name: &str,
@@ -116,7 +117,8 @@ impl Machine {
         })
     }
 
-    /// `name(...)`: of this object or class, of those around it, or imported.
+    /// Evaluates `name(...)`: a method of this object or class, of an enclosing one, or an imported
+    /// one.
     fn call_by_name(&mut self, name: &str, arguments: &[Value]) -> Result<Value, Stop> {
         let Some(activation) = self.java.activation() else {
             return self.refuse(format!("the method `{name}` is not known"));
@@ -176,7 +178,7 @@ impl Machine {
         )
     }
 
-    /// A method of the class above the one in which the call stands.
+    /// Calls a method of the superclass of the class that contains the call.
     fn call_above(
         &mut self,
         object: &Rc<Object>,
@@ -197,12 +199,13 @@ impl Machine {
         }
         match self.of_object(object, name, arguments)? {
             Some(value) => Ok(value),
-            // `super.initialize()`, `super.dispose()` and the like of KUKA's classes do nothing that is planned.
+            // Methods of KUKA classes such as `super.initialize()` and `super.dispose()` do not
+            // affect the plan.
             None => Ok(Value::Null),
         }
     }
 
-    /// `Interface.super.name(...)`, a default method of an interface.
+    /// Evaluates `Interface.super.name(...)`, a default method of an interface.
     fn call_of_interface(
         &mut self,
         interface: &TypeName,
@@ -223,7 +226,7 @@ impl Machine {
         }
     }
 
-    /// `receiver.name(...)`.
+    /// Evaluates `receiver.name(...)`.
     pub(crate) fn call_on(
         &mut self,
         receiver: &Value,
@@ -277,7 +280,7 @@ impl Machine {
         }
     }
 
-    /// A method of an object of the project.
+    /// Calls a method of a project object.
     pub(crate) fn call_on_object(
         &mut self,
         object: &Rc<Object>,
@@ -312,7 +315,7 @@ impl Machine {
         )
     }
 
-    /// What every object, constant or exception has.
+    /// Calls a method that all objects, constants or exceptions have.
     fn of_object(
         &mut self,
         object: &Rc<Object>,
@@ -360,7 +363,7 @@ impl Machine {
         }))
     }
 
-    /// What a class itself has.
+    /// Calls a method of a class itself.
     fn of_class(&mut self, id: ClassId, name: &str, arguments: &[Value]) -> Result<Value, Stop> {
         let class = Arc::clone(&self.java.classes.known(id).class);
         match (name, arguments) {
@@ -400,7 +403,7 @@ impl Machine {
         }
     }
 
-    /// What something that is not looked into gives.
+    /// Calls a method of a value that is not modelled.
     fn opaque(&mut self, what: &str, name: &str, arguments: &[Value]) -> Result<Value, Stop> {
         if self.host.acting_on_receivers().contains(&name) {
             return self.refuse(format!("the motion depends on {what}"));
@@ -411,7 +414,7 @@ impl Machine {
         Ok(result)
     }
 
-    /// Notes that something that is not looked into could act.
+    /// Notes that code without source receives a value that can act.
     pub(crate) fn may_act_with(&mut self, name: &str, arguments: &[Value]) {
         let may_act = |value: &Value| matches!(value, Value::Host(own) if own.can_act());
         if arguments.iter().any(may_act) {
@@ -453,7 +456,7 @@ impl Machine {
         result
     }
 
-    /// Runs a function as the abstract method of an interface of the project.
+    /// Runs a function as the abstract method of a project interface.
     fn run_as_method(
         &mut self,
         owner: ClassId,
@@ -477,7 +480,7 @@ impl Machine {
         self.for_result(result, &method.returns)
     }
 
-    /// Begins a method: its parameters are local variables.
+    /// Begins a method: declares its parameters as local variables.
     pub(crate) fn enter(
         &mut self,
         owner: ClassId,
@@ -516,7 +519,7 @@ impl Machine {
         Ok(from)
     }
 
-    /// Begins a piece of a class, of this name if it is a method. Gives where it came from.
+    /// Activates a class, and `method` in it if not empty. Returns the previous place.
     pub(crate) fn activate(
         &mut self,
         class: ClassId,
@@ -543,7 +546,7 @@ impl Machine {
         Ok(from)
     }
 
-    /// Ends it. What stops the whole stays where it was.
+    /// Ends an activation, and returns to the place `from`. On an error, the current place is kept.
     pub(crate) fn leave<T>(&mut self, from: Place, result: &Result<T, Stop>) {
         self.java.activations.pop();
         if result.is_ok() {
@@ -552,7 +555,8 @@ impl Machine {
     }
 }
 
-/// True if a method of a collection compares its arguments with elements or keys, or adds them.
+/// Returns true if a method of a collection compares its arguments with elements or keys, or adds
+/// them.
 fn by_equality(receiver: &Value, name: &str, arguments: usize) -> bool {
     match receiver {
         Value::Map(_) => arguments > 0,

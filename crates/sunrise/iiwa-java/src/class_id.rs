@@ -1,5 +1,5 @@
-//! Classes of a project by number.
+//! Class numbers of a project.
 
-/// The number of a class of the project.
+/// Number of a project class.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct ClassId(pub(crate) usize);

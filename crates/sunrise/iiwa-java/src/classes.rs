@@ -1,4 +1,4 @@
-//! The classes of a project, and what their names mean where they stand.
+//! Classes of a project, and the resolution of their names.
 
 use std::{collections::HashMap, rc::Rc, sync::Arc};
 
@@ -13,57 +13,58 @@ use crate::{
 pub struct Classes {
     known: Vec<KnownClass>,
     units: Vec<Header>,
-    /// By `package.Class` or `package.Class.Inner`.
+    /// Classes by `package.Class` or `package.Class.Inner`.
     by_qualified_name: HashMap<String, Vec<ClassId>>,
-    /// Methods, and constructors by the names of their classes.
+    /// Methods by name, and constructors by the names of their classes.
     by_method_name: HashMap<String, Vec<Arc<Method>>>,
-    /// The class that is run: copies of classes beside it are preferred to copies in other source folders.
+    /// Main class: copies of classes in its source folder have priority over copies in other source
+    /// folders.
     main: Option<ClassId>,
-    /// Files that cannot be used, by the name of the class that they should have.
+    /// Errors of unusable files, by the expected class name.
     faulty: HashMap<String, SourceError>,
-    /// Classes that stand in methods, by where they are in memory: each is added once.
+    /// Classes declared in methods, by their memory address: each is added once.
     in_methods: HashMap<usize, ClassId>,
 }
 
-/// A class, and where it stands.
+/// Class with its place.
 #[derive(Debug)]
 pub(crate) struct KnownClass {
     pub(crate) class: Arc<Class>,
     pub(crate) file: Rc<str>,
-    /// The class within which it stands.
+    /// Enclosing class.
     pub(crate) outer: Option<ClassId>,
     unit: usize,
-    /// True for a local or anonymous class, and for classes within one.
+    /// `true` for a local or anonymous class, and for classes within one.
     is_in_method: bool,
 }
 
-/// What a class is called, and where it stands.
+/// Name and place of a class.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ClassName {
-    /// Without its package.
+    /// Name without the package.
     pub name: String,
-    /// With its package.
+    /// Name with the package.
     pub qualified_name: String,
-    /// The file in which it stands.
+    /// Source file.
     pub file: String,
-    /// The line in it, from 1.
+    /// Line in the file, from 1.
     pub line: u32,
 }
 
-/// What a file says before its classes.
+/// Declarations before the classes of a file.
 #[derive(Debug)]
 struct Header {
     package: String,
-    /// What is imported by its simple name: the whole name.
+    /// Qualified names of imports, by simple name.
     imports: HashMap<String, String>,
-    /// Packages and classes of which all is imported.
+    /// Packages and classes of on-demand imports.
     all_of: Vec<String>,
-    /// Static imports: the class, and the name of the member; none for all.
+    /// Static imports: the class, and the name of the member; `None` for all members.
     statics: Vec<(String, Option<String>)>,
 }
 
 impl Classes {
-    /// Adds the classes of a file, which is named from the project's folder on.
+    /// Adds the classes of a file with its path relative to the project folder.
     pub fn add(&mut self, file: &str, unit: &Unit) {
         let mut header = Header {
             package: unit.package.clone(),
@@ -98,7 +99,7 @@ impl Classes {
         self.faulty.insert(name.to_owned(), error.clone());
     }
 
-    /// What is wrong with the file of this class, with or without its package.
+    /// Returns the error of the file of this class, with or without its package.
     #[must_use]
     pub fn faulty(&self, name: &str) -> Option<&SourceError> {
         self.faulty.get(simple(name))
@@ -129,14 +130,14 @@ impl Classes {
         id
     }
 
-    /// A local or anonymous class in a method of `outer`.
+    /// Adds a local or anonymous class in a method of `outer`.
     pub(crate) fn in_method(&mut self, class: &Arc<Class>, outer: ClassId) -> ClassId {
         let address = Arc::as_ptr(class) as usize;
         if let Some(id) = self.in_methods.get(&address) {
             return *id;
         }
         let place = (self.known(outer).unit, Rc::clone(&self.known(outer).file));
-        // Nobody can name it from outside.
+        // The address makes the name unique and unreachable from outside.
         let id = self.add_class(class, Some(outer), &place, &format!("{address}"));
         self.in_methods.insert(address, id);
         for known in &mut self.known[id.0..] {
@@ -145,23 +146,24 @@ impl Classes {
         id
     }
 
-    /// True for a local or anonymous class, and for classes within one.
+    /// Returns true for a local or anonymous class, and for classes within one.
     pub(crate) fn is_in_method(&self, id: ClassId) -> bool {
         self.known(id).is_in_method
     }
 
-    /// The class of a number that this gave.
+    /// Returns the class of a number that this instance has assigned.
     pub(crate) fn known(&self, id: ClassId) -> &KnownClass {
         &self.known[id.0]
     }
 
-    /// What `name`, as written within the class `from`, stands for; none if that is not of the project.
+    /// Resolves `name`, as written within the class `from`; `None` if it is not a class of the
+    /// project.
     pub(crate) fn find(&self, name: &str, from: ClassId) -> Option<ClassId> {
         self.search(name, from, true)
     }
 
-    /// The same; classes that stand in those from which a class inherits count only if `inherits`: it is not known yet while
-    /// these are looked for.
+    /// Resolves a name as [`find`](Self::find) does. Inner classes of superclasses are included
+    /// only if `inherits`, because the superclasses are unknown while they are being resolved.
     fn search(&self, name: &str, from: ClassId, inherits: bool) -> Option<ClassId> {
         if let Some((above, own)) = name.rsplit_once('.') {
             let whole = self.by_qualified_name(name);
@@ -190,7 +192,7 @@ impl Classes {
             .or_else(|| header.all_of.iter().find_map(|package| in_package(package)))
     }
 
-    /// The class `name` that stands in `id` or, if that counts, in one from which it inherits.
+    /// Finds the class `name` within `id` or, if `inherits`, within a superclass.
     fn inner(&self, id: ClassId, name: &str, inherits: bool) -> Option<ClassId> {
         let own = if inherits { self.with_parents(id) } else { vec![id] };
         own.into_iter().find_map(|id| {
@@ -203,21 +205,22 @@ impl Classes {
         })
     }
 
-    /// The methods of this name, and the constructors of classes of this name, of all classes.
+    /// Returns the methods of this name, and the constructors of classes of this name, of all
+    /// classes.
     pub(crate) fn named_methods(&self, name: &str) -> &[Arc<Method>] {
         self.by_method_name.get(name).map_or(&[], Vec::as_slice)
     }
 
-    /// True if a class has several methods of this name, or several constructors, if it is that of a class; those that inherit
-    /// from it count as well.
+    /// Returns true if several methods, or constructors of a class of this name, exist in the
+    /// project; overriding methods count as well.
     pub(crate) fn is_overloaded(&self, name: &str) -> bool {
         self.named_methods(name).len() > 1
     }
 
-    /// The class above, if it is of the project.
+    /// Returns the superclass, if it belongs to the project.
     pub(crate) fn parent(&self, id: ClassId) -> Option<ClassId> {
         let name = &self.known(id).class.extends.as_ref()?.name;
-        // Its own inner classes do not count, nor does it itself.
+        // The class itself and its inner classes cannot be its superclass.
         let found = match self.known(id).outer {
             Some(outer) => self.search(name, outer, false),
             None => self.find_beside(name, id),
@@ -229,7 +232,8 @@ impl Classes {
         (self.known(id).class.name != *name).then(|| self.search(name, id, false)).flatten()
     }
 
-    /// It, and the classes and interfaces of the project from which it inherits, each once, the nearest first.
+    /// Returns the class, and the project classes and interfaces from which it inherits, each once,
+    /// the nearest first.
     pub(crate) fn with_parents(&self, id: ClassId) -> Vec<ClassId> {
         let mut found = vec![id];
         let mut above = self.parent(id);
@@ -251,7 +255,7 @@ impl Classes {
         found
     }
 
-    /// The classes from which it inherits in a circle, if it does.
+    /// Returns a class of the inheritance cycle, if one exists.
     pub(crate) fn cycle(&self, id: ClassId) -> Option<ClassId> {
         let mut seen = vec![id];
         let mut above = self.parent(id);
@@ -265,7 +269,7 @@ impl Classes {
         None
     }
 
-    /// The first class above that is not of the project, by its simple name.
+    /// Returns the first superclass outside the project, by its simple name.
     pub(crate) fn foreign_parent(&self, id: ClassId) -> Option<&str> {
         let mut last = id;
         for _ in 0..=self.known.len() {
@@ -283,7 +287,8 @@ impl Classes {
         self.with_parents(id).contains(&other)
     }
 
-    /// The methods of this name that objects of the class have, the nearest first, with the class that each stands in.
+    /// Returns the methods of this name that objects of the class have, the nearest first, with
+    /// their classes.
     pub(crate) fn methods(&self, id: ClassId, name: &str) -> Vec<(ClassId, Arc<Method>)> {
         let of = |class: ClassId| {
             let methods = self.known(class).class.methods.iter();
@@ -292,19 +297,21 @@ impl Classes {
         self.with_parents(id).into_iter().flat_map(of).collect()
     }
 
-    /// Classes whose members can be used by this name alone, as they are imported in the file of `from`.
+    /// Returns the classes whose static members of this name are imported in the file of `from`.
     pub(crate) fn static_imports(&self, name: &str, from: ClassId) -> Vec<String> {
         let statics = self.units[self.known(from).unit].statics.iter();
         let has = statics.filter(|(_, member)| member.as_ref().is_none_or(|own| own == name));
         has.map(|(class, _)| class.clone()).collect()
     }
 
-    /// The class of this whole name; the first one, if the project has several copies of it.
+    /// Returns the class with this qualified name; the preferred one, if the project has several
+    /// copies.
     pub(crate) fn by_qualified_name(&self, name: &str) -> Option<ClassId> {
         self.preferred(name).first().copied()
     }
 
-    /// The copies of a class in the source folder of the class that is run; all copies, if that folder has none.
+    /// Returns the copies of a class in the main class's source folder; all copies, if that folder
+    /// has none.
     fn preferred(&self, name: &str) -> Vec<ClassId> {
         let all = self.by_qualified_name.get(name).map_or(&[][..], Vec::as_slice);
         let beside = |id: &&ClassId| {
@@ -314,7 +321,7 @@ impl Classes {
         if beside.is_empty() { all.to_vec() } else { beside }
     }
 
-    /// The folder in which the folders of packages begin.
+    /// Returns the folder that contains the package folders.
     fn source_folder(&self, id: ClassId) -> &str {
         let file = &*self.known(id).file;
         let folder = file.rsplit_once('/').map_or("", |(folder, _)| folder);
@@ -322,7 +329,7 @@ impl Classes {
         folder.strip_suffix(packages.as_str()).unwrap_or(folder).trim_end_matches('/')
     }
 
-    /// The class that is run.
+    /// Sets the main class.
     pub(crate) fn set_main(&mut self, id: ClassId) {
         self.main = Some(id);
     }
@@ -331,7 +338,8 @@ impl Classes {
         self.main
     }
 
-    /// The files of other copies of a class, with other contents, that could have been meant as well.
+    /// Returns the files of other copies of a class with different contents, which are equally
+    /// preferred.
     pub(crate) fn copies(&self, id: ClassId) -> Vec<&str> {
         let KnownClass { class, outer, .. } = self.known(id);
         if outer.is_some() {
@@ -346,8 +354,8 @@ impl Classes {
         different.map(|other| &*self.known(other).file).collect()
     }
 
-    /// The classes of which objects can be made, that stand in no other class, and whose first class above that is not of the
-    /// project is one of `bases`; in order of their files and lines.
+    /// Returns the concrete top-level classes whose first superclass outside the project is one of
+    /// `bases`, sorted by file and line.
     #[must_use]
     pub fn extending(&self, bases: &[&str]) -> Vec<(ClassId, ClassName)> {
         let is_it = |id: &ClassId| {
@@ -371,18 +379,18 @@ impl Classes {
         found
     }
 
-    /// All classes that are not in methods.
+    /// Returns the numbers of all classes.
     pub(crate) fn ids(&self) -> impl Iterator<Item = ClassId> + use<> {
         (0..self.known.len()).map(ClassId)
     }
 
-    /// The package of the file in which it stands.
+    /// Returns the package of the file that declares the class.
     pub(crate) fn package(&self, id: ClassId) -> &str {
         &self.units[self.known(id).unit].package
     }
 }
 
-/// A name without what it is in.
+/// Returns a name without its qualifier.
 pub(crate) fn simple(name: &str) -> &str {
     name.rsplit_once('.').map_or(name, |(_, simple)| simple)
 }

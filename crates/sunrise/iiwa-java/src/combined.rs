@@ -1,4 +1,5 @@
-//! Functions of Java's library: default and static methods of functional interfaces, and comparators.
+//! Functions of the Java library: default and static methods of functional interfaces, and
+//! comparators.
 
 use std::rc::Rc;
 
@@ -10,7 +11,7 @@ use crate::{
 };
 
 impl Machine {
-    /// A default method of a functional interface, other than its abstract one; none if it is not known.
+    /// Calls a default method of a functional interface; `None` if it is not modelled.
     pub(crate) fn combined(
         &mut self,
         this: &Value,
@@ -49,7 +50,7 @@ impl Machine {
         Ok(Some(self.library_function(combined)))
     }
 
-    /// A default method of `Comparator`.
+    /// Calls a default method of `Comparator`.
     pub(crate) fn combined_comparator(
         &mut self,
         this: &Value,
@@ -71,7 +72,7 @@ impl Machine {
         Some(self.library_function(Combined::Then(this.clone(), next)))
     }
 
-    /// True for a comparator, false for a function that gives keys; none if it may be either.
+    /// Returns true for a comparator, false for a key extractor; `None` if undecided.
     fn is_comparator(&self, value: &Value) -> Option<bool> {
         match value {
             Value::Object(object) => {
@@ -91,7 +92,7 @@ impl Machine {
         }
     }
 
-    /// A static method of a functional interface; none if it is not known.
+    /// Calls a static method of a functional interface; `None` if it is not modelled.
     pub(crate) fn of_interface_class(
         &mut self,
         class: &str,
@@ -154,7 +155,7 @@ impl Machine {
         function
     }
 
-    /// Runs a function of the library.
+    /// Runs a library function.
     pub(crate) fn run_combined(
         &mut self,
         combined: &Combined,
@@ -164,7 +165,7 @@ impl Machine {
             (Combined::Identity, [value]) => Ok(value.clone()),
             (Combined::Chain { first, interface, second }, _) => {
                 let value = self.apply(first, interface, arguments)?;
-                // Of a `BiFunction`, what follows takes one value.
+                // The function after a `BiFunction` takes one value.
                 let second_interface = interface.trim_start_matches("Bi");
                 let second_interface = match second_interface {
                     "naryOperator" => "Function",
@@ -199,7 +200,7 @@ impl Machine {
         }
     }
 
-    /// The result of a comparator of the library.
+    /// Returns the result of a library comparator.
     fn compared_by(&mut self, combined: &Combined, a: &Value, b: &Value) -> Result<Value, Stop> {
         let order = match combined {
             Combined::ByKey { key, interface, order } => {
@@ -225,12 +226,12 @@ impl Machine {
                 }
                 self.comparison(Some(second), a, b)?
             }
-            _ => return self.refuse("a function of Java's library is no comparator"),
+            _ => return self.refuse("a function of Java's library is not a comparator"),
         };
         Ok(order)
     }
 
-    /// The result of a comparator, or of the natural order.
+    /// Returns the result of a comparator, or of the natural order.
     fn comparison(
         &mut self,
         comparator: Option<&Value>,
@@ -243,7 +244,7 @@ impl Machine {
         }
     }
 
-    /// `a.compareTo(b)`.
+    /// Evaluates `a.compareTo(b)`.
     fn natural_comparison(&mut self, a: &Value, b: &Value) -> Result<Value, Stop> {
         match (a, b) {
             (Value::Unknown(_), _) => Ok(a.clone()),
@@ -252,7 +253,7 @@ impl Machine {
         }
     }
 
-    /// `Collections.reverseOrder()`.
+    /// Evaluates `Collections.reverseOrder()`.
     pub(crate) fn reverse_order(&mut self) -> Value {
         let natural = self.natural_order();
         self.library_function(Combined::Reversed(natural))
@@ -265,7 +266,7 @@ impl Machine {
     }
 }
 
-/// The key or the value of a map's entry.
+/// Returns the key or the value of a map entry.
 fn entry_part(entry: &Value, part: MapPart) -> Value {
     let place = usize::from(part != MapPart::Keys);
     match entry {

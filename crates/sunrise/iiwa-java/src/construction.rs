@@ -1,4 +1,4 @@
-//! How objects come about: constructors, first values of fields, what is injected.
+//! Object construction: constructors, field initialisers, injection.
 
 use std::{cell::RefCell, collections::HashMap, rc::Rc, sync::Arc};
 
@@ -19,7 +19,7 @@ use crate::{
 };
 
 impl Machine {
-    /// `new Name(...)`.
+    /// Evaluates `new Name(...)`.
     pub(crate) fn new_object(
         &mut self,
         expression: &Expression,
@@ -48,13 +48,14 @@ impl Machine {
         self.construct(class, &arguments, captured)
     }
 
-    /// The class of a name where the evaluation is: one that is declared in this method, or another one of the project.
+    /// Resolves a class name at the current place: a class declared in this method, or another
+    /// project class.
     pub(crate) fn class_named(&self, name: &str) -> Option<ClassId> {
         let within = self.java.activation()?.class;
         self.variable_class(name).or_else(|| self.java.classes.find(name, within))
     }
 
-    /// `new Class(arguments)`, of a class that is not of the project.
+    /// Evaluates `new Class(arguments)` for a class outside the project.
     pub(crate) fn new_of_library(
         &mut self,
         class: &str,
@@ -71,7 +72,7 @@ impl Machine {
         Ok(result)
     }
 
-    /// A class that is declared in this method.
+    /// Returns a class that is declared in this method.
     fn variable_class(&self, name: &str) -> Option<ClassId> {
         let locals = &self.java.activation()?.locals;
         let local = locals.iter().rev().find(|local| local.name == name)?;
@@ -81,18 +82,18 @@ impl Machine {
         }
     }
 
-    /// A local or anonymous class in a method of another class.
+    /// Returns a local or anonymous class in a method of another class.
     pub(crate) fn class_in_method(&mut self, class: &Arc<Class>, outer: ClassId) -> ClassId {
         let before = self.java.classes.ids().count();
         let id = self.java.classes.in_method(class, outer);
         if self.java.classes.ids().count() != before {
-            // What a call may do is more than was found before.
+            // The new class may add effects to calls that were analysed before.
             self.java.effects.clear();
         }
         id
     }
 
-    /// The variables of a method that a local class in it sees.
+    /// Returns the local variables that a local class captures.
     pub(crate) fn captured(&self, class: ClassId, is_anonymous: bool) -> HashMap<String, Value> {
         let Some(activation) = self.java.activation() else { return HashMap::new() };
         let is_local =
@@ -108,7 +109,7 @@ impl Machine {
         seen
     }
 
-    /// A new object of a class of the project.
+    /// Constructs an object of a project class.
     pub(crate) fn construct(
         &mut self,
         class: ClassId,
@@ -131,7 +132,7 @@ impl Machine {
         Ok(Value::Object(object))
     }
 
-    /// An object whose constructors have not been run.
+    /// Creates an object without running its constructors.
     fn bare(
         &mut self,
         class: ClassId,
@@ -139,7 +140,7 @@ impl Machine {
         constant: Option<(Rc<str>, i32)>,
     ) -> Rc<Object> {
         let this = self.java.activation().and_then(|own| own.this.clone());
-        // The object around it is that of the class in which it stands, or of one that inherits it.
+        // The enclosing object is an instance of the enclosing class or of its subclass.
         let outer = self.java.classes.known(class).outer.and_then(|outer| {
             let mut around = this;
             while let Some(object) = around {
@@ -167,7 +168,7 @@ impl Machine {
         object
     }
 
-    /// Runs the constructor of a class on an object, after those above it.
+    /// Runs the constructor of a class on an object, after those of its superclasses.
     fn constructed(
         &mut self,
         object: &Rc<Object>,
@@ -179,7 +180,7 @@ impl Machine {
         let all = constructors.iter().map(|own| (class, Arc::clone(own))).collect();
         let Some(choice) = self.chosen(all, &declaration.name, arguments) else {
             if constructors.is_empty() {
-                // An anonymous class hands its arguments on.
+                // An anonymous class passes its arguments to the superclass.
                 self.constructed_above(object, class, arguments)?;
                 return self.first_values(object, class);
             }
@@ -270,7 +271,7 @@ impl Machine {
         Rc::clone(&self.host).constructed(self, object, &base, arguments)
     }
 
-    /// Gives the fields of a class their first values, in order.
+    /// Initialises the instance fields of a class, in order.
     fn first_values(&mut self, object: &Rc<Object>, class: ClassId) -> Result<(), Stop> {
         let declaration = Arc::clone(&self.java.classes.known(class).class);
         let own = fields(&declaration.members).filter(|field| !field.is_static);
@@ -307,7 +308,7 @@ impl Machine {
         Ok(())
     }
 
-    /// What the controller puts into a field or a parameter.
+    /// Returns the value that the controller injects into a field or a parameter.
     fn injected(
         &mut self,
         class: ClassId,
@@ -325,7 +326,7 @@ impl Machine {
         }
     }
 
-    /// An object as the controller makes it: with the constructor that is marked for it.
+    /// Creates an injected object, with the constructor that is annotated for injection.
     pub(crate) fn injected_object(&mut self, class: ClassId) -> Result<Value, Stop> {
         // Classes may be injected into each other.
         self.java.steps += 100;
@@ -342,7 +343,7 @@ impl Machine {
         self.construct(class, &arguments, HashMap::new())
     }
 
-    /// Gives the static fields of a class, and the constants of an enum, their first values, once.
+    /// Initialises the static fields of a class and the constants of an enum, once.
     pub(crate) fn initialize(&mut self, class: ClassId) -> Result<(), Stop> {
         if !self.java.initialized.insert(class) {
             return Ok(());
@@ -364,7 +365,8 @@ impl Machine {
             let default = Value::default_of(&field.type_name);
             self.java.statics.insert((class, field.name.clone()), default);
         }
-        // A call or `new` that comes here first looks for its method afterwards.
+        // A call or `new` that triggers the initialisation resolves its method afterwards, so that
+        // its argument types are restored.
         let types = self.java.argument_types.take();
         let from = self.activate(class, None, "", declaration.line)?;
         let result = self.static_values(class, &declaration);
@@ -409,11 +411,11 @@ impl Machine {
         Ok(())
     }
 
-    /// Makes an object of a class, with what is injected, and runs these methods of it, which take nothing.
+    /// Creates an object of a class with injection, and runs these methods without arguments.
     ///
     /// # Errors
     ///
-    /// An exception that nothing catches, or that the evaluation ends before they do.
+    /// If an exception is not caught, or if the evaluation ends before the methods do.
     pub fn run_class(&mut self, class: ClassId, methods: &[&str]) -> Result<(), Stop> {
         self.java.classes.set_main(class);
         let file = Rc::clone(&self.java.classes.known(class).file);
@@ -433,7 +435,7 @@ fn is_injected(annotations: &[Annotation]) -> bool {
     annotations.iter().any(|own| own.name == "Inject")
 }
 
-/// By `@Named("name")`.
+/// Returns the name in `@Named("name")`.
 fn named(annotations: &[Annotation]) -> Option<&str> {
     annotations.iter().find(|own| own.name == "Named")?.value.as_deref()
 }

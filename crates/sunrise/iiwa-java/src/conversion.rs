@@ -1,9 +1,9 @@
-//! Conversions of values to types, as Java makes them.
+//! Value conversions of Java.
 
 use crate::{syntax::TypeName, value::Value};
 
 impl Value {
-    /// As a variable of this type holds it.
+    /// Converts a value on assignment to a variable of this type.
     pub(crate) fn converted_to(self, wanted: &TypeName) -> Self {
         if wanted.dimensions > 0 {
             return self;
@@ -30,7 +30,7 @@ impl Value {
         }
     }
 
-    /// As a cast makes it.
+    /// Converts a value by a cast.
     #[expect(
         clippy::cast_possible_truncation,
         clippy::cast_sign_loss,
@@ -42,7 +42,7 @@ impl Value {
             return self;
         }
         let (Some(number), integer) = (self.number(), self.integer()) else { return self };
-        // From floating point by way of int or long, which saturate.
+        // Floating-point numbers are cast by way of int or long, which saturate.
         let long = integer.unwrap_or(number as i64);
         let int = integer.map_or(number as i32, |value| value as i32);
         match wanted.name.as_str() {
@@ -57,7 +57,7 @@ impl Value {
         }
     }
 
-    /// The default value of a field or an array element.
+    /// Returns the default value of a field or an array element.
     pub(crate) fn default_of(wanted: &TypeName) -> Self {
         if wanted.dimensions > 0 {
             return Self::Null;

@@ -1,5 +1,5 @@
-//! The search for what a piece of a program would do, without running it: what depends on something unknown may be passed over
-//! only where it does not act.
+//! Static search for the effects of code: code that depends on an unknown value may be skipped only
+//! if it does not act.
 
 use std::rc::Rc;
 
@@ -15,7 +15,7 @@ use crate::{
     value::{Code, Value},
 };
 
-/// Beginnings of the names of methods that change what they are called on.
+/// Prefixes of method names that change their receiver.
 const CHANGING: [&str; 25] = [
     "add",
     "put",
@@ -44,22 +44,22 @@ const CHANGING: [&str; 25] = [
     "transform",
 ];
 
-/// Classes of the library whose methods change their arguments.
+/// Library classes whose methods change their arguments.
 const CHANGING_ARGUMENTS: [&str; 3] = ["Collections", "Arrays", "System"];
 
-/// What is being looked at, and what was found.
+/// Search state and the effects found.
 struct Search<'m> {
     machine: &'m mut Machine,
     found: Effects,
-    /// Loops, and switches, around what is looked at, within the piece.
+    /// Number of enclosing loops, and of enclosing loops and switches, within the searched code.
     loops: usize,
     breakable: usize,
-    /// Variables that are given what others hold.
+    /// Variables that alias the contents of others.
     aliases: Vec<(String, String)>,
 }
 
 impl Machine {
-    /// What statements do.
+    /// Returns the effects of statements.
     pub(crate) fn effects_of<'s>(
         &mut self,
         statements: impl IntoIterator<Item = &'s Statement>,
@@ -71,19 +71,19 @@ impl Machine {
         search.finish()
     }
 
-    /// What an expression does.
+    /// Returns the effects of an expression.
     pub(crate) fn effects_of_expression(&mut self, expression: &Expression) -> Effects {
         let mut search = Search::new(self);
         search.expression(expression);
         search.finish()
     }
 
-    /// What any of the project's methods or constructors of this name does.
+    /// Returns the effects of all project methods and constructors of this name.
     pub(crate) fn effects_of_method(&mut self, name: &str) -> Effects {
         if let Some(known) = self.java.effects.get(name) {
             return known.clone();
         }
-        // Where methods call each other in a circle, nothing new is found the second time.
+        // In a recursion, a second visit finds no new effects.
         self.java.effects.insert(name.to_owned(), Effects::default());
         let mut found = Effects::default();
         for method in self.java.classes.named_methods(name).to_vec() {
@@ -100,7 +100,8 @@ impl Machine {
 }
 
 impl Machine {
-    /// The effects of the functions that a call of a method of this name, with this number of arguments, may run.
+    /// Returns the effects of the functions that a call of this method with this number of
+    /// arguments may run.
     fn effects_of_functions(&mut self, name: &str, arguments: usize) -> Effects {
         let key = format!("{name}/{arguments}");
         if let Some(known) = self.java.effects.get(&key) {
@@ -115,7 +116,7 @@ impl Machine {
         found
     }
 
-    /// The functions that a call may run.
+    /// Returns the functions that a call may run.
     fn functions_behind(&self, name: &str, arguments: usize) -> Vec<FunctionSyntax> {
         let methods = self.java.classes.named_methods(name);
         let is_abstract =
@@ -145,7 +146,7 @@ impl Machine {
         found
     }
 
-    /// The effects of running a function, or the method of this name of an object.
+    /// Returns the effects of a function, or of this method of an object.
     pub(crate) fn effects_of_function(&mut self, function: &Value, method: &str) -> Effects {
         let own = match function {
             Value::Function(own) => Rc::clone(own),
@@ -167,7 +168,7 @@ impl Machine {
         found
     }
 
-    /// Effects that outlive a method: its local variables are its own.
+    /// Reduces effects to those that outlive a method: assignments to its local variables do not.
     pub(crate) fn outliving(&self, effects: Effects) -> Effects {
         let mut effects = effects;
         if !effects.assigns.is_empty() {
@@ -184,7 +185,7 @@ impl<'m> Search<'m> {
         Self { machine, found, loops: 0, breakable: 0, aliases: Vec::new() }
     }
 
-    /// The effects found. Contents of a variable change by its other names, too.
+    /// Returns the effects found. A change of a variable's contents also changes its aliases.
     fn finish(self) -> Effects {
         let mut found = self.found;
         for (alias, of) in self.aliases.iter().rev() {
@@ -201,7 +202,7 @@ impl<'m> Search<'m> {
         }
     }
 
-    /// The names of what an expression may give.
+    /// Returns the names of variables that an expression may return.
     fn sources(&mut self, expression: &Expression) -> Vec<String> {
         match &expression.kind {
             ExpressionKind::Call { name, .. } => {
@@ -392,14 +393,14 @@ impl<'m> Search<'m> {
         }
     }
 
-    /// Code that is run later, or not at all: what leaves it does not leave what is around it.
+    /// Searches code that runs later or never: its jumps do not leave the surrounding code.
     fn aside(&mut self, body: &[Statement]) {
         let (leaves, continues) = (self.found.leaves, self.found.continues);
         self.statements(body);
         (self.found.leaves, self.found.continues) = (leaves, continues);
     }
 
-    /// Methods of a class within a method, which what follows may call.
+    /// Searches the methods of a class within a method, which later code may call.
     fn methods(&mut self, class: &Class) {
         for body in class.methods.iter().filter_map(|own| own.body.as_ref()) {
             self.aside(body);
@@ -436,8 +437,8 @@ impl<'m> Search<'m> {
         }
     }
 
-    /// A call of a method of the project, if there is one of this name; whether it changes the contents of something, perhaps
-    /// of its arguments.
+    /// Adds a call of a project method, if one has this name. Returns true if the call may change
+    /// contents, possibly of its arguments.
     fn called(&mut self, name: &str, arguments: usize) -> bool {
         self.found.calls.insert(name.to_owned());
         if self.machine.host.acting().contains(&name) {
@@ -470,7 +471,7 @@ impl<'m> Search<'m> {
     }
 }
 
-/// The variable or field by which something is reached.
+/// Returns the variable or field at the base of an access path.
 fn base_name(expression: &Expression) -> Option<&str> {
     match &expression.kind {
         ExpressionKind::Name(name) | ExpressionKind::Field { name, .. } => Some(name),

@@ -1,32 +1,33 @@
-//! What statements do.
+//! Effects of statements.
 
 use std::collections::BTreeSet;
 
-/// What statements do beyond having values.
+/// Effects of statements beyond their values.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Effects {
-    /// The strongest action among them.
+    /// Strongest action.
     pub(crate) action: Action,
-    /// Whether they may leave what is around them: by `return`, `throw`, or the `break` of a loop around.
+    /// `true` if the statements may leave the surrounding code: by `return`, `throw`, or the
+    /// `break` of an enclosing loop.
     pub(crate) leaves: bool,
-    /// Whether they may go on with the next turn of a loop around.
+    /// `true` if the statements may continue with the next iteration of an enclosing loop.
     pub(crate) continues: bool,
-    /// Variables and fields that get other values, by name.
+    /// Names of variables and fields that are assigned.
     pub(crate) assigns: BTreeSet<String>,
-    /// Variables whose contents change.
+    /// Names of variables whose contents change.
     pub(crate) changes: BTreeSet<String>,
-    /// Variables and fields that are returned, by name; not those of methods that are called.
+    /// Names of returned variables and fields, without those of called methods.
     pub(crate) returns: BTreeSet<String>,
-    /// Methods that are called, and classes of which objects are made, by name.
+    /// Names of called methods and constructed classes.
     pub(crate) calls: BTreeSet<String>,
 }
 
-/// Actions of statements, the strongest last.
+/// Actions of statements, in ascending order.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum Action {
     #[default]
     None,
-    /// They take time, and do nothing else.
+    /// Only takes time.
     Pause,
     Motion,
 }

@@ -1,4 +1,4 @@
-//! Expressions and their values.
+//! Evaluation of expressions.
 
 use std::{cell::RefCell, rc::Rc};
 
@@ -12,11 +12,12 @@ use crate::{
     variables::{Slot, is_hidden},
 };
 
-/// Elements of an array: more would fill memory, and no program has them.
+/// Maximum number of array elements: larger arrays would fill memory, and do not occur in robot
+/// programs.
 const MAX_ELEMENTS: usize = 1_000_000;
 
 impl Machine {
-    /// The value of an expression.
+    /// Evaluates an expression.
     pub(crate) fn evaluated(&mut self, expression: &Expression) -> Result<Value, Stop> {
         self.deeper(|machine| machine.value_of(expression))
     }
@@ -36,7 +37,7 @@ impl Machine {
             ExpressionKind::Call { on, name, arguments } => {
                 self.call(expression, on.as_deref(), name, arguments)
             }
-            // They are taken out where constructors are run.
+            // Handled where constructors are run.
             ExpressionKind::ThisCall(_) | ExpressionKind::SuperCall(_) => {
                 self.refuse("a constructor is called where none can be")
             }
@@ -52,7 +53,7 @@ impl Machine {
                     self.new_array(type_name, &lengths)
                 }
             }
-            ExpressionKind::Array(_) => self.refuse("an array stands where its type is not known"),
+            ExpressionKind::Array(_) => self.refuse("an array whose type is not known"),
             ExpressionKind::Index { of, index } => self.element(expression, of, index),
             ExpressionKind::Unary { operator, value } => {
                 let value = self.evaluated(value)?;
@@ -109,7 +110,7 @@ impl Machine {
         }
     }
 
-    /// The object of a string literal: equal ones are the same.
+    /// Returns the object of a string literal: equal literals are the same object.
     fn literal_text(&mut self, text: &str) -> Value {
         if let Some(known) = self.java.literals.get(text) {
             return Value::Text(Rc::clone(known));
@@ -128,7 +129,7 @@ impl Machine {
         let value = self.evaluated(of)?;
         self.here.line = expression.line;
         match &value {
-            // Fields are not overridden: the type of what they are of counts.
+            // Fields are not overridden: the static type of the receiver selects the field.
             Value::Object(object) if is_hidden(object, name) => {
                 let Some(from) = self.class_of(of) else {
                     return Ok(self.unknown(format!("which of several fields `{name}`")));
@@ -221,7 +222,7 @@ impl Machine {
         }
     }
 
-    /// `this`, or null outside of an object.
+    /// Returns `this`, or null outside of an object.
     fn this(&self) -> Value {
         let this = self.java.activation().and_then(|own| own.this.clone());
         this.map_or(Value::Null, Value::Object)
@@ -231,7 +232,8 @@ impl Machine {
         all.iter().map(|own| self.evaluated(own)).collect()
     }
 
-    /// The first value of a variable of this type; an array may be given by its elements alone.
+    /// Returns the initial value of a variable of this type; an array may be given by its elements
+    /// alone.
     pub(crate) fn initial_value(
         &mut self,
         initial: &Expression,
@@ -244,7 +246,7 @@ impl Machine {
         self.for_variable(value, type_name)
     }
 
-    /// The value of a compound assignment, as the variable that held `old` keeps it.
+    /// Converts the result of a compound assignment to the type of the variable that held `old`.
     fn narrowed(&self, slot: &Slot, old: &Value, new: Value) -> Value {
         match self.type_of(slot) {
             Some(own) if is_primitive(&own) => new.cast_to(&own),
@@ -309,7 +311,7 @@ impl Machine {
             Value::Boolean(value) if value == decides => Ok(Value::Boolean(decides)),
             Value::Boolean(_) => self.evaluated(right),
             Value::Unknown(unknown) => {
-                // Whether the right side is evaluated is not known.
+                // The evaluation of the right side depends on an unknown value.
                 let effects = self.effects_of_expression(right);
                 if effects.acts() {
                     return self.refuse_unknown("whether the right side is evaluated", &unknown);
@@ -325,7 +327,8 @@ impl Machine {
         }
     }
 
-    /// An operator whose meaning may depend on the types of its sides: `==` of objects, and `+` of `null`.
+    /// Evaluates an operator that depends on the static types of its operands: `==` of objects, and
+    /// `+` of `null`.
     fn of_values(
         &mut self,
         operator: BinaryOperator,
@@ -374,7 +377,7 @@ impl Machine {
         }
     }
 
-    /// The class that a name with its package stands for, if it is such a name.
+    /// Resolves a class name with its package.
     fn qualified(&mut self, expression: &Expression) -> Option<Value> {
         let mut names = Vec::new();
         let mut at = expression;
@@ -399,7 +402,7 @@ impl Machine {
         }
         let is_class = |name: &&str| !is_package(name);
         if names.iter().filter(|name| is_class(name)).count() > 1 {
-            // A member of a class: the class is found first.
+            // A member of a class: the class is resolved first.
             return None;
         }
         let id = self.java.classes.by_qualified_name(&names.join("."));
@@ -407,7 +410,7 @@ impl Machine {
     }
 }
 
-/// True for functions that a JVM may make one object of.
+/// Returns true for functions that a JVM may represent by one object.
 pub(crate) fn may_be_same(a: &Value, b: &Value) -> bool {
     a.function().zip(b.function()).is_some_and(|(a, b)| a.may_be_same(b))
 }
@@ -425,7 +428,7 @@ fn of_literal(literal: &Literal) -> Value {
     }
 }
 
-/// `new` as a compound assignment to a variable that held `old` keeps it.
+/// Converts `new` to the type of `old` in a compound assignment.
 fn like(old: &Value, new: Value) -> Value {
     let name = match old {
         Value::Char(_) => "char",

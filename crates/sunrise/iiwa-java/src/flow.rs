@@ -1,17 +1,17 @@
-//! How a statement ends.
+//! Completion of statements.
 
 use crate::value::Value;
 
 #[derive(Debug)]
 pub(crate) enum Flow {
-    /// With the next statement.
+    /// Normal completion.
     Next,
-    /// By `break`, with its label if it has one.
+    /// `break`, with its label if any.
     Break(Option<String>),
-    /// By `continue`, likewise.
+    /// `continue`, with its label if any.
     Continue(Option<String>),
-    /// By `yield`.
+    /// `yield`.
     Yield(Value),
-    /// By `return`.
+    /// `return`.
     Return(Value),
 }

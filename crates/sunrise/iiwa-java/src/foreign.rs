@@ -1,4 +1,4 @@
-//! Classes that are not of the project: those of Java, those of KUKA, and libraries without source.
+//! Classes outside the project: Java library, KUKA classes, and libraries without source.
 
 use std::{cell::RefCell, rc::Rc};
 
@@ -10,7 +10,7 @@ use crate::{
 };
 
 impl Machine {
-    /// `Class.name`; none if it is not known.
+    /// Evaluates `Class.name`; `None` if it is not modelled.
     pub(crate) fn foreign_constant(
         &mut self,
         class: &str,
@@ -24,7 +24,7 @@ impl Machine {
             ("Long", "MAX_VALUE") => Value::Long(i64::MAX),
             ("Long", "MIN_VALUE") => Value::Long(i64::MIN),
             ("Double", "MAX_VALUE") => Value::Double(f64::MAX),
-            // The smallest above 0.
+            // Smallest positive value.
             ("Double", "MIN_VALUE") => Value::Double(f64::from_bits(1)),
             ("Double", "NaN") => Value::Double(f64::NAN),
             ("Double", "POSITIVE_INFINITY") => Value::Double(f64::INFINITY),
@@ -43,7 +43,7 @@ impl Machine {
         Ok(Some(value))
     }
 
-    /// `Class.name(...)`; none if it is not known.
+    /// Evaluates `Class.name(...)`; `None` if it is not modelled.
     pub(crate) fn foreign_static(
         &mut self,
         class: &str,
@@ -57,7 +57,7 @@ impl Machine {
         }
     }
 
-    /// A static method of Java's own library; none if it is not known.
+    /// Evaluates a static method of the Java library; `None` if it is not modelled.
     pub(crate) fn library_static(
         &mut self,
         class: &str,
@@ -88,7 +88,7 @@ impl Machine {
         })
     }
 
-    /// `new Class(...)`; none if it is not known.
+    /// Evaluates `new Class(...)`; `None` if it is not modelled.
     pub(crate) fn foreign_new(
         &mut self,
         class: &str,
@@ -118,7 +118,7 @@ impl Machine {
                 Value::List(Rc::new(list))
             }
             "HashSet" | "TreeSet" | "LinkedHashSet" => {
-                // In the order of insertion; where another order would show, see `iterated`.
+                // Elements are in insertion order; `iterated` handles other orders.
                 let order = order_of(class);
                 let set = Map { order, is_set: true, ..Map::default() };
                 let set = Value::Map(Rc::new(RefCell::new(set)));
@@ -158,7 +158,7 @@ impl Machine {
             }
             "String" => match first {
                 None => Value::text(""),
-                // Another object than the one that it is equal to.
+                // A new object that equals its argument, but is not the same.
                 Some(Value::Text(text)) => Value::text(text),
                 _ => return Ok(None),
             },
@@ -194,7 +194,7 @@ impl Machine {
         Ok(Some(value))
     }
 
-    /// The elements with which a collection begins.
+    /// Returns the initial elements of a collection.
     fn first_elements(&self, class: &str, first: Option<&Value>) -> Known<Vec<Value>> {
         let Some(first) = first else { return Ok(Vec::new()) };
         if let Value::Int(_) | Value::Class(_) = first {
@@ -212,7 +212,7 @@ impl Machine {
         }
     }
 
-    /// Refuses a class of the project whose file cannot be used.
+    /// Refuses a project class whose file cannot be used.
     fn check_usable(&self, class: &str) -> Result<(), Stop> {
         match self.java.classes.faulty(class) {
             Some(error) => self.refuse(format!("the class {class} cannot be used: {error}")),
@@ -232,7 +232,7 @@ impl Machine {
                 [Value::Array(from), from_index, Value::Array(to), to_index, Value::Int(count)],
             ) => {
                 let count = usize::try_from(*count).unwrap_or(0);
-                // The parts may overlap.
+                // The ranges may overlap.
                 let old = from.values.borrow().clone();
                 for step in 0..count {
                     let offset = Value::Int(i32::try_from(step).unwrap_or(i32::MAX));

@@ -1,4 +1,4 @@
-//! `String.format`.
+//! Evaluation of `String.format`.
 
 use std::rc::Rc;
 
@@ -9,10 +9,10 @@ use crate::{
     value::Value,
 };
 
-/// Wider ones would only fill memory.
+/// Maximum width: wider texts would only fill memory.
 const MAX_WIDTH: usize = 1000;
 
-/// Options between `%` and the letter of a conversion.
+/// Options between `%` and the conversion letter.
 struct Options<'o> {
     flags: &'o str,
     width: usize,
@@ -34,7 +34,7 @@ impl<'o> Options<'o> {
         self.flags.contains(flag)
     }
 
-    /// A number by its sign and its digits, with what flags add.
+    /// Formats a number from its sign and digits, according to the flags.
     fn number(&self, is_negative: bool, digits: &str) -> String {
         let digits = if self.has(',') { grouped(digits) } else { digits.to_owned() };
         let (before, behind) = match is_negative {
@@ -56,7 +56,7 @@ impl<'o> Options<'o> {
 }
 
 impl Machine {
-    /// `String.format`; conversions that are not known are refused.
+    /// Evaluates `String.format`; unsupported conversions are refused.
     pub(crate) fn formatted(&mut self, format: &str, arguments: &[Value]) -> Result<Value, Stop> {
         let mut text = String::new();
         let mut next = 0;
@@ -162,12 +162,13 @@ impl Machine {
     }
 }
 
-/// Decimal digits of a number that is not negative. Java rounds those of its shortest text, halves upwards: 2.675 is 2.68.
+/// Formats a non-negative number with decimal digits. Java rounds its shortest decimal
+/// representation half up: 2.675 becomes 2.68.
 fn fixed(value: f64, precision: usize) -> String {
     let written = format!("{value:e}");
     let (digits, exponent) = written.split_once('e').unwrap_or((&written, "0"));
     let mut digits: Vec<u8> = digits.bytes().filter(u8::is_ascii_digit).map(|d| d - b'0').collect();
-    // Digits before the point.
+    // Number of digits before the decimal point.
     let mut before = exponent.parse::<isize>().unwrap_or(0) + 1;
     if before < 1 {
         let zeros = usize::try_from(1 - before).unwrap_or(0).min(MAX_WIDTH + 2);
@@ -196,7 +197,7 @@ fn fixed(value: f64, precision: usize) -> String {
     text
 }
 
-/// Digits before the point in groups of three.
+/// Groups the digits before the decimal point by three.
 fn grouped(digits: &str) -> String {
     let (whole, rest) = digits.split_at(digits.find('.').unwrap_or(digits.len()));
     let mut text = String::new();

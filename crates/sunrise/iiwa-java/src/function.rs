@@ -7,23 +7,24 @@ use crate::{
     value::{Code, Combined, Function, Value},
 };
 
-/// The code of a function, for the search for its effects.
+/// Code of a function, for the effect search.
 #[derive(Clone, Debug)]
 pub(crate) enum FunctionSyntax {
     Lambda(Arc<Lambda>),
     Reference(Arc<Reference>),
 }
 
-/// A function that has been evaluated.
+/// Function that has been evaluated.
 #[derive(Debug)]
 pub(crate) struct KnownFunction {
     pub(crate) syntax: FunctionSyntax,
-    /// The names of the abstract methods that it implements; none while its interface is not known.
+    /// Names of the abstract methods that the function implements; empty while its interface is
+    /// unknown.
     pub(crate) methods: RefCell<BTreeSet<String>>,
 }
 
 impl FunctionSyntax {
-    /// Its place in memory.
+    /// Returns the memory address.
     pub(crate) fn address(&self) -> usize {
         match self {
             Self::Lambda(own) => Arc::as_ptr(own).cast::<()>() as usize,
@@ -41,7 +42,8 @@ impl Function {
         }
     }
 
-    /// True if two functions come from the same place of a source: a JVM may make one object of them.
+    /// Returns true if two functions come from the same place in a source: a JVM may represent them
+    /// by one object.
     pub(crate) fn may_be_same(&self, other: &Self) -> bool {
         match (&self.code, &other.code) {
             (Code::Lambda(a), Code::Lambda(b)) => Arc::ptr_eq(a, b),
@@ -50,7 +52,8 @@ impl Function {
         }
     }
 
-    /// The syntax of a lambda expression or a method reference; none of a function of the library.
+    /// Returns the syntax of a lambda expression or a method reference; `None` for a library
+    /// function.
     pub(crate) fn syntax(&self) -> Option<FunctionSyntax> {
         match &self.code {
             Code::Lambda(lambda) => Some(FunctionSyntax::Lambda(Arc::clone(lambda))),
@@ -61,7 +64,7 @@ impl Function {
 }
 
 impl Combined {
-    /// The functions of which it is made.
+    /// Returns the functions that this function is composed of.
     pub(crate) fn parts(&self) -> Vec<&Value> {
         match self {
             Self::Identity | Self::ByEntry { .. } => Vec::new(),

@@ -1,7 +1,8 @@
 //! Evaluation and calls of lambda expressions and method references (JLS 15.13, 15.27).
 //!
-//! A function is a value whose interface is not known until a variable, a parameter or a call says it. As an interface of the
-//! project it is an [`Object`], with the interface's default methods; as one of Java's library it remains a [`Function`].
+//! The interface of a function is unknown until a variable, a parameter or a call determines it. A
+//! function with a project interface is an [`Object`], with the interface's default methods; with a
+//! Java library interface it remains a [`Function`].
 
 use std::{
     cell::{OnceCell, RefCell},
@@ -26,17 +27,17 @@ use crate::{
     value::{Code, Function, Local, Object, Value},
 };
 
-/// Levels of functions that are made of functions: running one takes stack for each.
+/// Maximum depth of composed functions: running them takes stack for each level.
 const MAX_LEVELS: usize = 1000;
 
 impl Machine {
-    /// The value of a lambda expression.
+    /// Evaluates a lambda expression.
     pub(crate) fn lambda(&mut self, lambda: &Arc<Lambda>) -> Value {
         let code = Code::Lambda(Arc::clone(lambda));
         self.new_function(lambda.line, code)
     }
 
-    /// The value of a method reference.
+    /// Evaluates a method reference.
     pub(crate) fn reference(&mut self, reference: &Arc<Reference>) -> Result<Value, Stop> {
         let receiver = match &reference.of {
             ReferenceOf::Type(_) => None,
@@ -64,7 +65,7 @@ impl Machine {
         };
         let locals = activation.map_or(&[][..], |own| &own.locals).iter();
         let is_named = |own: &&Local| names.binary_search(&own.name).is_ok();
-        // A class of the method sees all variables around it.
+        // A class of the method captures all enclosing variables.
         let has_class =
             locals.clone().filter(is_named).any(|own| matches!(own.value, Value::Class(_)));
         let locals = locals.filter(|own| has_class || is_named(own)).cloned().collect();
@@ -84,14 +85,14 @@ impl Machine {
             let address = known.syntax.address();
             if let Entry::Vacant(place) = self.java.functions.entry(address) {
                 place.insert(known);
-                // What a call may do is more than was found before.
+                // The new function may add effects to calls that were analysed before.
                 self.java.effects.clear();
             }
         }
         Value::Function(Rc::new(function))
     }
 
-    /// A function as a variable of this type holds it.
+    /// Converts a function to a variable of this type.
     pub(crate) fn as_interface(
         &self,
         function: &Rc<Function>,
@@ -124,13 +125,13 @@ impl Machine {
         }
         if let Some(own) = interface(simple(&wanted.name)) {
             self.implements(function, own.method);
-            // The first interface counts: others see the same object.
+            // The first interface is kept, because the object is shared.
             _ = function.interface.set(wanted.clone());
         }
         same
     }
 
-    /// Notes the method by which calls run a function.
+    /// Records the method by which calls run a function.
     fn implements(&self, function: &Function, method: &str) {
         let known = function.syntax().and_then(|own| self.java.functions.get(&own.address()));
         if let Some(known) = known {
@@ -138,7 +139,7 @@ impl Machine {
         }
     }
 
-    /// The abstract method of an interface of the project; none if it has not exactly one.
+    /// Returns the abstract method of a project interface; `None` unless it has exactly one.
     pub(crate) fn abstract_method(&self, id: ClassId) -> Option<(ClassId, Arc<Method>)> {
         let classes = &self.java.classes;
         let parents = classes.with_parents(id);
@@ -170,7 +171,7 @@ impl Machine {
         found
     }
 
-    /// The interface of Java's library that an interface of the project extends.
+    /// Returns the Java library interface that a project interface extends.
     pub(crate) fn foreign_interface(&self, id: ClassId) -> Option<&'static Interface> {
         let classes = &self.java.classes;
         let parents = classes.with_parents(id).into_iter();
@@ -178,7 +179,8 @@ impl Machine {
         above.find_map(|own| interface(simple(&own.name)))
     }
 
-    /// Runs a function that the library got as this interface of Java's; the value is null if that returns nothing.
+    /// Runs a function through this Java library interface; the value is null if the interface
+    /// method returns nothing.
     pub(crate) fn apply(
         &mut self,
         function: &Value,
@@ -220,7 +222,7 @@ impl Machine {
         pairs.map(|(value, own)| self.for_variable(value.clone(), &TypeName::new(own, 0))).collect()
     }
 
-    /// A method of a function that is not one of an interface of the project.
+    /// Calls a method of a function without a project interface.
     pub(crate) fn call_on_function(
         &mut self,
         function: &Rc<Function>,
@@ -228,7 +230,7 @@ impl Machine {
         arguments: &[Value],
     ) -> Result<Value, Stop> {
         let Some(own) = function.interface.get().cloned() else {
-            // No argument or result has a type that would have to be known.
+            // These methods have no argument or result whose type is needed.
             if arguments.is_empty() && matches!(name, "run" | "call" | "get") {
                 return self.run_function(function, arguments, &[]);
             }
@@ -268,7 +270,8 @@ impl Machine {
         }
     }
 
-    /// A method without a body of a function that implements an interface of the project; none if it is not the abstract one.
+    /// Calls an abstract method of a function with a project interface; `None` if it is not the
+    /// interface's method.
     pub(crate) fn of_function_object(
         &mut self,
         object: &Rc<Object>,
@@ -291,7 +294,7 @@ impl Machine {
         self.combined(&Value::Object(Rc::clone(object)), interface, name, arguments)
     }
 
-    /// Runs a function; `types` are those of the parameters, as far as the interface says them.
+    /// Runs a function; `types` are the parameter types, as far as the interface states them.
     pub(crate) fn run_function(
         &mut self,
         function: &Rc<Function>,
@@ -404,7 +407,7 @@ impl Machine {
         self.call_on(first, name, others)
     }
 
-    /// True if a class has a static method of this name that takes these arguments.
+    /// Returns true if a class has a static method of this name that accepts these arguments.
     fn has_static(&self, id: ClassId, name: &str, arguments: &[Value]) -> bool {
         let methods = self.java.classes.methods(id, name).into_iter();
         let mut statics = methods.filter(|(_, own)| own.is_static);
@@ -426,7 +429,7 @@ impl Machine {
         }
     }
 
-    /// Gives the types of the arguments where they say which method is meant.
+    /// Sets the argument types if the method is overloaded.
     fn set_argument_types(&mut self, name: &str, arguments: &[Value], types: &[Option<TypeName>]) {
         let is_overloaded = self.java.classes.is_overloaded(name);
         self.java.argument_types = is_overloaded.then(|| {
@@ -437,7 +440,7 @@ impl Machine {
     }
 }
 
-/// The levels of functions of which a value is made.
+/// Returns the composition depth of a value's function.
 fn depth(value: &Value) -> usize {
     match value {
         Value::Function(own) => own.depth,
@@ -446,7 +449,8 @@ fn depth(value: &Value) -> usize {
     }
 }
 
-/// `remove` of a list takes an index only from an interface with a primitive parameter; type variables are objects.
+/// Selects the `remove` of a list: it takes an index only through an interface with a primitive
+/// parameter; type variables are objects.
 fn method_of_list<'n>(receiver: &Value, name: &'n str, types: &[Option<TypeName>]) -> &'n str {
     let is_index = types.first().is_some_and(|own| own.as_ref().is_some_and(is_primitive));
     match (receiver, name) {
@@ -455,12 +459,12 @@ fn method_of_list<'n>(receiver: &Value, name: &'n str, types: &[Option<TypeName>
     }
 }
 
-/// True for `System.out` and `System.err`, values which the evaluator holds as a class.
+/// Returns true for `System.out` and `System.err`, which the evaluator represents as classes.
 fn is_print_stream(of: &Expression) -> bool {
     matches!(&of.kind, ExpressionKind::Field { name, .. } if matches!(name.as_str(), "out" | "err"))
 }
 
-/// False if a value is certainly not of a class of Java's library.
+/// Returns false if a value is certainly not of a Java library class.
 fn may_be_of(value: &Value, class: &str) -> bool {
     match class_of_value(value) {
         Some(own) => own == class || !matches!(class, "Math" | "Arrays" | "Collections"),

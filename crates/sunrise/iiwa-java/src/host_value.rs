@@ -1,26 +1,27 @@
-//! Values that are not Java's.
+//! Values of the host.
 
 use std::{any::Any, fmt::Debug, rc::Rc};
 
 use crate::unknown::Unknown;
 
-/// An object of a class that only the host of an evaluation knows. Copies are the same object, as in Java.
+/// Object of a class that only the host of an evaluation knows. Copies refer to the same object, as
+/// in Java.
 pub trait HostValue: Any + Debug {
-    /// Whether it is the same object.
+    /// Returns true if both values are the same object.
     fn is_same(&self, other: &dyn HostValue) -> bool;
 
-    /// What it is, with its article, for messages: "a frame".
+    /// Returns a description with an article for messages, such as "a frame".
     fn kind(&self) -> &str;
 
-    /// Its class in Java, by its simple name.
+    /// Returns the simple name of the Java class.
     fn class(&self) -> &str;
 
-    /// Whether its methods change it.
+    /// Returns true if its methods change the object.
     fn is_mutable(&self) -> bool;
 
-    /// Makes unknown what its methods may have changed.
+    /// Marks the contents that its methods may have changed as unknown.
     fn forget(&self, unknown: &Rc<Unknown>);
 
-    /// Whether code that has it can act: a method that is not looked into might.
+    /// Returns true if code with this object can act: a method without source might do so.
     fn can_act(&self) -> bool;
 }

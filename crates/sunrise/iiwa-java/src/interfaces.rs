@@ -1,8 +1,10 @@
-//! The functional interfaces of Java's library: `java.lang`, `java.util.function`, `java.util`, `java.util.concurrent`.
+//! Functional interfaces of the Java library: `java.lang`, `java.util.function`, `java.util`,
+//! `java.util.concurrent`.
 
 use crate::syntax::TypeName;
 
-/// The abstract method of a functional interface. Types are primitive ones, `void`, the number of a type argument, or `Object`.
+/// Abstract method of a functional interface. Types are primitive types, `void`, the index of a
+/// type argument, or `Object`.
 #[derive(Debug)]
 pub(crate) struct Interface {
     pub(crate) name: &'static str,
@@ -71,7 +73,7 @@ const ALL: [Interface; 48] = [
     of("DoublePredicate", "test", &["double"], "boolean"),
 ];
 
-/// Methods of the library, of any class, that run functions which they are given.
+/// Library methods, of any class, that run functions given as arguments.
 const RUNNING: [&str; 28] = [
     "forEach",
     "forEachOrdered",
@@ -103,19 +105,20 @@ const RUNNING: [&str; 28] = [
     "noneMatch",
 ];
 
-/// The functional interface of a simple name.
+/// Returns the functional interface with a simple name.
 pub(crate) fn interface(name: &str) -> Option<&'static Interface> {
     ALL.iter().find(|own| own.name == name)
 }
 
-/// True if a call of a method of the library with this number of arguments may run a function of any interface.
+/// Returns true if a library method with this number of arguments may run a function of any
+/// interface.
 pub(crate) fn runs_any(method: &str, arguments: usize) -> bool {
-    // A comparator may run functions that give keys.
+    // A comparator may run key extractors.
     arguments > 0 && RUNNING.contains(&method) || method == "compare"
 }
 
-/// True if a call of a method with this number of arguments may run a function with this number of parameters, as an interface of
-/// Java's library.
+/// Returns true if a method with this number of arguments may run a function with this number of
+/// parameters through a Java library interface.
 pub(crate) fn may_run(method: &str, arguments: usize, parameters: Option<usize>) -> bool {
     let is_it = |own: &Interface| {
         own.method == method
@@ -126,7 +129,7 @@ pub(crate) fn may_run(method: &str, arguments: usize, parameters: Option<usize>)
 }
 
 impl Interface {
-    /// A type of the method, with these type arguments; none if they do not say it.
+    /// Resolves a type of the method with these type arguments; `None` if they do not determine it.
     pub(crate) fn resolved(type_name: &str, arguments: &[TypeName]) -> Option<TypeName> {
         match type_name.parse::<usize>() {
             Ok(place) => arguments.get(place).filter(|own| !own.name.is_empty()).cloned(),

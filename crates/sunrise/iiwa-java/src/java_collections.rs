@@ -1,4 +1,4 @@
-//! Methods of values of Java's own library, and its static methods for collections and arrays.
+//! Methods of Java library values, and static methods for collections and arrays.
 
 use std::{cell::RefCell, rc::Rc};
 
@@ -10,11 +10,12 @@ use crate::{
     value::{Array, Combined, List, ListKind, StreamKind, Value, View},
 };
 
-/// Elements of a collection: more would fill memory, and no program has them.
+/// Maximum number of elements of a collection: larger ones would fill memory, and do not occur in
+/// robot programs.
 pub(crate) const MAX_ELEMENTS: usize = 1_000_000;
 
 impl Machine {
-    /// A method of a value of Java's own, whatever it is.
+    /// Calls a method of any Java library value.
     pub(crate) fn library_method(
         &mut self,
         receiver: &Value,
@@ -102,7 +103,7 @@ impl Machine {
         }
     }
 
-    /// A method of a collection or a builder whose contents are not known.
+    /// Calls a method of a collection or a builder with unknown contents.
     fn of_unknown_contents(
         &mut self,
         receiver: &Value,
@@ -141,7 +142,7 @@ impl Machine {
         }
     }
 
-    /// Of boxed numbers.
+    /// Calls a method of a boxed number.
     fn of_any(receiver: &Value, name: &str, arguments: &[Value]) -> Option<Value> {
         use crate::java_math::primitive;
         Some(match (name, arguments) {
@@ -188,7 +189,8 @@ impl Machine {
         self.binary(crate::syntax::BinaryOperator::Add, value, &Value::Int(by))
     }
 
-    /// `Arrays.name(...)`, `Collections.name(...)`, `Objects.name(...)`; none if it is not known.
+    /// Evaluates `Arrays.name(...)`, `Collections.name(...)` or `Objects.name(...)`; `None` if it
+    /// is not modelled.
     pub(crate) fn of_collections(
         &mut self,
         class: &str,
@@ -204,7 +206,8 @@ impl Machine {
         }
     }
 
-    /// `Arrays.name(...)`, `List.of(...)`, `Objects.name(...)`; none if it is not known.
+    /// Evaluates `Arrays.name(...)`, `List.of(...)` or `Objects.name(...)`; `None` if it is not
+    /// modelled.
     fn of_arrays(
         &mut self,
         class: &str,
@@ -217,7 +220,7 @@ impl Machine {
                 List::view(View::Array(Rc::clone(array)), values)
             }
             ("Arrays", "asList", values) => {
-                // As of an array that nobody else has: its length cannot change.
+                // A view of a new array: its length cannot change.
                 let Value::Array(array) = Value::array("Object", values.to_vec()) else {
                     return Ok(None);
                 };
@@ -311,7 +314,7 @@ impl Machine {
         }))
     }
 
-    /// Methods of `Collections` that order or replace elements.
+    /// Calls a method of `Collections` that orders or replaces elements.
     fn reordered(&mut self, name: &str, arguments: &[Value]) -> Result<Option<Value>, Stop> {
         Ok(Some(match (name, arguments) {
             ("sort", [Value::List(list), rest @ ..]) => {
@@ -371,7 +374,7 @@ impl Machine {
         }))
     }
 
-    /// Other methods of `Collections`.
+    /// Calls another method of `Collections`.
     fn of_collections_class(
         &mut self,
         name: &str,

@@ -1,4 +1,4 @@
-//! `Collectors` and `Optional` of Java's library.
+//! `Collectors` and `Optional` of the Java library.
 
 use std::{cell::RefCell, rc::Rc};
 
@@ -9,7 +9,7 @@ use crate::{
 };
 
 impl Machine {
-    /// `Collectors.name(...)`; none if it is not known.
+    /// Evaluates `Collectors.name(...)`; `None` if it is not modelled.
     pub(crate) fn of_collectors(name: &str, arguments: &[Value]) -> Option<Value> {
         let text = |own: Option<&Value>| match own {
             None => Some(Rc::from("")),
@@ -30,7 +30,7 @@ impl Machine {
         Some(Value::Collector(Rc::new(collector)))
     }
 
-    /// The elements of a stream, as a collector gathers them.
+    /// Collects the elements of a stream.
     pub(crate) fn collected(
         &mut self,
         values: Vec<Value>,
@@ -84,7 +84,7 @@ impl Machine {
         }
     }
 
-    /// `Optional.name(...)`; none if it is not known.
+    /// Evaluates `Optional.name(...)`; `None` if it is not modelled.
     pub(crate) fn of_optional_class(
         &mut self,
         name: &str,
@@ -102,7 +102,7 @@ impl Machine {
         Ok(Some(Value::Optional(Rc::new(value))))
     }
 
-    /// A method of an optional value; none if it is not known.
+    /// Calls a method of an optional value; `None` if it is not modelled.
     pub(crate) fn of_optional(
         &mut self,
         own: &Rc<Option<Value>>,

@@ -1,4 +1,5 @@
-//! Methods of Java's collections that run functions: `forEach`, `removeIf`, `computeIfAbsent` and the like.
+//! Methods of Java collections that run functions, such as `forEach`, `removeIf` and
+//! `computeIfAbsent`.
 
 use std::{cell::RefCell, rc::Rc};
 
@@ -12,7 +13,7 @@ use crate::{
 };
 
 impl Machine {
-    /// A method that runs a function; none if it is not known.
+    /// Calls a method that runs a function; `None` if it is not modelled.
     pub(crate) fn run_by_library(
         &mut self,
         receiver: &Value,
@@ -113,7 +114,8 @@ impl Machine {
         Ok(Some(Value::Null))
     }
 
-    /// The elements for which a predicate is false; the collection is unknown where that is not known.
+    /// Returns the elements for which a predicate is false; unknown if a result of the predicate is
+    /// unknown.
     fn kept_elements(
         &mut self,
         receiver: &Value,
@@ -155,7 +157,8 @@ impl Machine {
         Ok(Some(Value::Null))
     }
 
-    /// `computeIfAbsent`, `computeIfPresent`, `compute`, `merge`, `replaceAll` of a map.
+    /// Evaluates `computeIfAbsent`, `computeIfPresent`, `compute`, `merge` or `replaceAll` of a
+    /// map.
     fn compute(
         &mut self,
         receiver: &Value,
@@ -206,7 +209,7 @@ impl Machine {
             return self.refuse(CHANGED_MEANWHILE);
         }
         match &new {
-            // Null would remove the entry.
+            // The value may be null, which would remove the entry.
             Value::Unknown(unknown) => self.spoil(receiver, unknown),
             Value::Null if name == "computeIfAbsent" => {}
             Value::Null => _ = self.of_map(receiver, map, "remove", std::slice::from_ref(key))?,
@@ -215,7 +218,7 @@ impl Machine {
         Ok(Some(new))
     }
 
-    /// `updateAndGet` and the like of `AtomicInteger`.
+    /// Evaluates `updateAndGet` and similar methods of `AtomicInteger`.
     fn update_cell(
         &mut self,
         cell: &Rc<RefCell<Value>>,
@@ -249,7 +252,7 @@ impl Machine {
         Ok(Some(if name.starts_with("get") { old } else { new }))
     }
 
-    /// `Arrays.setAll`.
+    /// Evaluates `Arrays.setAll`.
     pub(crate) fn set_all(&mut self, array: &Rc<Array>, function: &Value) -> Result<Value, Stop> {
         let interface = match array.element.name.as_str() {
             "int" => "IntUnaryOperator",

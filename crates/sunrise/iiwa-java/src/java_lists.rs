@@ -10,7 +10,7 @@ use crate::{
 };
 
 impl Machine {
-    /// Brings a list that shows another object up to date.
+    /// Updates a list view from its source.
     pub(crate) fn refresh(&mut self, value: &Value) {
         let Value::List(list) = value else { return };
         let view = list.view.borrow().clone();
@@ -46,7 +46,7 @@ impl Machine {
         }
     }
 
-    /// Changes what a list shows, after a change of the list.
+    /// Writes a change of a list view back to its source.
     fn write_back(&mut self, list: &Rc<List>) -> Result<(), Stop> {
         let view = list.view.borrow().clone();
         match view {
@@ -92,7 +92,7 @@ impl Machine {
         self.write_back(list)
     }
 
-    /// Throws if a list cannot be changed.
+    /// Throws if a list is immutable.
     fn check_changeable(&self, list: &List) -> Result<(), Stop> {
         if list.is_immutable() {
             return self.throw("UnsupportedOperationException", "the list cannot be changed");
@@ -100,7 +100,7 @@ impl Machine {
         Ok(())
     }
 
-    /// A method of a list; none if it is not known.
+    /// Calls a method of a list; `None` if it is not modelled.
     pub(crate) fn of_list(
         &mut self,
         list: &Rc<List>,
@@ -163,7 +163,7 @@ impl Machine {
             },
             ("peek" | "peekFirst", []) => values().first().cloned().unwrap_or(Value::Null),
             ("peekLast", []) => values().last().cloned().unwrap_or(Value::Null),
-            // Of an entry of a map.
+            // Methods of a map entry.
             ("getKey", []) if length == 2 => list.borrow()[0].clone(),
             ("getValue", []) if length == 2 => list.borrow()[1].clone(),
             ("setValue", [_]) => {
@@ -217,7 +217,7 @@ impl Machine {
         }))
     }
 
-    /// A method that changes a list, and whether it did.
+    /// Calls a method that changes a list; returns its result, and true if the list changed.
     fn change_list(
         &mut self,
         list: &Rc<List>,
@@ -274,7 +274,7 @@ impl Machine {
                 let index = self.index(index, length)?;
                 std::mem::replace(&mut list.borrow_mut()[index], value.clone())
             }
-            // The call has found out that the argument is no index.
+            // The call has determined that the argument is an element, not an index.
             (REMOVE_ELEMENT, [value]) => {
                 return self.remove_element(list, value);
             }
@@ -291,7 +291,8 @@ impl Machine {
         Ok(Some((value, true)))
     }
 
-    /// A method that takes elements from a list, or sorts it, and whether it changed it.
+    /// Calls a method that removes elements from a list or sorts it; returns its result, and true
+    /// if the list changed.
     fn shorten_list(
         &mut self,
         list: &Rc<List>,
@@ -299,7 +300,7 @@ impl Machine {
         arguments: &[Value],
     ) -> Result<Option<(Value, bool)>, Stop> {
         let length = list.borrow().len();
-        // Of a stack, the end; of others, the beginning.
+        // A stack is accessed at its end, other lists at the beginning.
         let top = if list.kind == ListKind::Stack { length.saturating_sub(1) } else { 0 };
         let value = match (name, arguments) {
             ("remove" | "removeFirst", []) => {
@@ -370,7 +371,8 @@ impl Machine {
         }))
     }
 
-    /// `retainAll`, `removeAll`: keeps the elements that are in another collection, or those that are not.
+    /// Evaluates `retainAll` or `removeAll`: keeps the elements that are in another collection, or
+    /// those that are not.
     fn keep_elements(
         &mut self,
         list: &Rc<List>,
@@ -395,12 +397,12 @@ impl Machine {
         Ok(Some((Value::Boolean(is_changed), is_changed)))
     }
 
-    /// What is thrown where a list has nothing to give.
+    /// Throws the exception of an access to an empty list.
     fn empty_list<T>(&self) -> Result<T, Stop> {
         self.throw("NoSuchElementException", "a list is empty")
     }
 
-    /// A method of an iterator; none if it is not known.
+    /// Calls a method of an iterator; `None` if it is not modelled.
     pub(crate) fn of_iterator(
         &mut self,
         iteration: &Rc<RefCell<Iteration>>,
@@ -411,7 +413,7 @@ impl Machine {
             let own = iteration.borrow();
             (Rc::clone(&own.list), own.next, own.last, own.structure)
         };
-        // Keys that are as many as before are the same ones: others end an iteration.
+        // The same number of keys means the same keys, because any other change ends an iteration.
         let is_current = match &*list.view.borrow() {
             Some(View::Map(map, MapPart::Keys)) => {
                 map.borrow().entries.len() == list.borrow().len()
@@ -492,14 +494,14 @@ impl Machine {
     }
 }
 
-/// The reason for which nothing is known of an iteration: Java throws at the next element, or ends without a word.
+/// Reason for an unknown iteration: Java throws at the next element, or ends silently.
 pub(crate) const CHANGED_MEANWHILE: &str =
-    "a list, a set or a map is changed while a loop goes through it";
+    "a list, a set or a map is changed while a loop iterates over it";
 
-/// Beginnings of the names of methods that change a list.
+/// Prefixes of method names that change a list.
 const CHANGING: [&str; 7] = ["add", "remove", "clear", "retain", "set", "sort", "replaceAll"];
 
-/// `remove(Object)`, where the argument is a number.
+/// Name for `remove(Object)` with a number as argument.
 pub(crate) const REMOVE_ELEMENT: &str = "remove(Object)";
 
 fn iterator(list: &Rc<List>, next: usize) -> Value {
@@ -508,7 +510,7 @@ fn iterator(list: &Rc<List>, next: usize) -> Value {
     Value::Iterator(Rc::new(RefCell::new(Iteration { list, next, last: None, structure })))
 }
 
-/// An iterator over the elements of a set.
+/// Creates an iterator over the elements of a set.
 pub(crate) fn set_iterator(set: &Rc<RefCell<crate::value::Map>>, keys: Vec<Value>) -> Value {
     match List::view(View::Map(Rc::clone(set), MapPart::Keys), keys) {
         Value::List(list) => iterator(&list, 0),

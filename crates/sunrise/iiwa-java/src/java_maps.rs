@@ -13,7 +13,7 @@ use crate::{
 };
 
 impl Machine {
-    /// A method of a set; none if it is not known.
+    /// Calls a method of a set; `None` if it is not modelled.
     pub(crate) fn of_set(
         &mut self,
         receiver: &Value,
@@ -102,7 +102,7 @@ impl Machine {
         }))
     }
 
-    /// A method of a map; none if it is not known.
+    /// Calls a method of a map; `None` if it is not modelled.
     pub(crate) fn of_map(
         &mut self,
         receiver: &Value,
@@ -141,7 +141,7 @@ impl Machine {
                 if let Some(unknown) = other.borrow().unknown.clone() {
                     return Ok(Some(self.spoiled(receiver, unknown)));
                 }
-                // The order counts only where the map keeps it.
+                // The order is relevant only if the map keeps it.
                 let keeps_order = map.borrow().order == MapOrder::Linked;
                 let in_any = || (!keeps_order).then(|| other.borrow().entries.clone());
                 let Some(entries) = Self::ordered_entries(other).or_else(in_any) else {
@@ -209,7 +209,7 @@ impl Machine {
         }))
     }
 
-    /// Makes a collection unknown, and gives the result of the method that did it.
+    /// Marks a collection as unknown, and returns the unknown result of the method.
     fn spoiled(&mut self, receiver: &Value, unknown: Rc<Unknown>) -> Value {
         self.spoil(receiver, &unknown);
         Value::Unknown(unknown)
@@ -219,7 +219,7 @@ impl Machine {
         self.unknown(format!("the order of {what}, which depends on hashes or comparisons"))
     }
 
-    /// The keys, values or entries of a map, in order.
+    /// Returns the keys, values or entries of a map, in order.
     pub(crate) fn map_part(&mut self, map: &Rc<RefCell<Map>>, part: MapPart) -> Known<Vec<Value>> {
         if let Some(unknown) = map.borrow().unknown.clone() {
             return Err(unknown);
@@ -238,7 +238,7 @@ impl Machine {
         Ok(entries.into_iter().map(of).collect())
     }
 
-    /// Removes the entry at this place of the map's order.
+    /// Removes the entry at this position in the map's order.
     pub(crate) fn remove_entry(map: &Rc<RefCell<Map>>, place: usize) {
         let key = Self::ordered_entries(map).and_then(|entries| entries.into_iter().nth(place));
         if let Some((key, _)) = key {
@@ -261,7 +261,7 @@ impl Machine {
                     | Value::Long(_)
             )
         };
-        // Keys that are compared without methods of the project.
+        // These keys are compared without project methods.
         if is_plain(key) && map.borrow().entries.iter().all(|(own, _)| is_plain(own)) {
             return Ok(Ok(map.borrow().entries.iter().position(|(own, _)| own.is_equal(key))));
         }
@@ -269,7 +269,7 @@ impl Machine {
         self.place_of(&keys, key)
     }
 
-    /// What a loop goes through, in order; none if that has none.
+    /// Returns the elements of an iteration, in order; `None` if their order is unknown.
     pub(crate) fn iterated(values: &Value) -> Option<Vec<Value>> {
         match values {
             Value::Map(map) if map.borrow().unknown.is_none() => {
@@ -281,14 +281,14 @@ impl Machine {
         }
     }
 
-    /// The entries of a map in the order in which Java goes through them; none where that depends on hashes that are not
-    /// known.
+    /// Returns the entries of a map in Java's iteration order; `None` if the order depends on
+    /// unknown hashes.
     pub(crate) fn ordered_entries(map: &Rc<RefCell<Map>>) -> Option<Vec<(Value, Value)>> {
         let mut entries = map.borrow().entries.clone();
         match map.borrow().order {
             MapOrder::Linked => {}
             MapOrder::Sorted => {
-                // Keys that only a method of the project could compare have no order here.
+                // Keys that only a project method can compare have an unknown order.
                 let (first, others) = entries.split_first().unzip();
                 let mut keys = others.into_iter().flatten().map(|(key, _)| key);
                 if !keys.all(|key| first.is_some_and(|(first, _)| natural(first, key).is_some())) {
@@ -298,7 +298,7 @@ impl Machine {
             }
             MapOrder::Hashed if entries.len() <= 1 => {}
             MapOrder::Hashed => {
-                // As in a `HashMap`: by buckets, in which entries are in the order of insertion.
+                // Order of a `HashMap`: by buckets, with insertion order within each bucket.
                 let buckets = (entries.len() * 4).div_ceil(3).max(16).next_power_of_two();
                 let hashes: Option<Vec<usize>> =
                     entries.iter().map(|(key, _)| bucket(key, buckets)).collect();
@@ -311,7 +311,7 @@ impl Machine {
     }
 }
 
-/// The bucket of a `HashMap` in which a key is; none if its hash is not known.
+/// Returns the `HashMap` bucket of a key; `None` if its hash is unknown.
 #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "as Java does")]
 fn bucket(key: &Value, buckets: usize) -> Option<usize> {
     let hash = match key {

@@ -1,11 +1,11 @@
-//! `Math`, and the classes of numbers.
+//! `Math`, and the number classes.
 
 use std::cmp::Ordering;
 
 use crate::{machine::Machine, stop::Stop, syntax::TypeName, value::Value};
 
 impl Machine {
-    /// `Math.name(...)`; none if it is not known.
+    /// Evaluates `Math.name(...)`; `None` if it is not modelled.
     pub(crate) fn math(&mut self, name: &str, arguments: &[Value]) -> Result<Option<Value>, Stop> {
         if name == "random" {
             return Ok(Some(self.unknown("a random number")));
@@ -27,7 +27,7 @@ impl Machine {
                     let wanted = if wide { "long" } else { "int" };
                     return Ok(Some(value.converted_to(&primitive(wanted))));
                 }
-                // A zero with a sign is below one without.
+                // Negative zero is less than positive zero.
                 let (below, above) = match a.partial_cmp(&b) {
                     None => (f64::NAN, f64::NAN),
                     Some(Ordering::Less) => (a, b),
@@ -46,7 +46,7 @@ impl Machine {
                 let wanted = primitive(if is_float { "int" } else { "long" });
                 return Ok(Some(Value::Double(rounded).cast_to(&wanted)));
             }
-            // By multiplication with a constant, as newer versions of Java do, the result may differ in the last bit.
+            // Newer Java versions multiply by a constant instead, which may differ in the last bit.
             ("toRadians", [a]) => a / 180.0 * std::f64::consts::PI,
             ("toDegrees", [a]) => a * 180.0 / std::f64::consts::PI,
             ("sin", [a]) => a.sin(),
@@ -110,7 +110,8 @@ impl Machine {
         })
     }
 
-    /// `Integer.name(...)` and the like; none if it is not known.
+    /// Calls a static method of a box class, such as `Integer.name(...)`; `None` if it is not
+    /// modelled.
     pub(crate) fn of_box(
         &mut self,
         class: &str,

@@ -1,4 +1,4 @@
-//! Order and equality of values in Java's collections.
+//! Order and equality of values in Java collections.
 
 use std::{cmp::Ordering, rc::Rc};
 
@@ -13,10 +13,10 @@ use crate::{
     variables::fields,
 };
 
-/// A result, or what it depends on.
+/// Result, or the unknown value that it depends on.
 pub(crate) type Known<T> = Result<T, Rc<Unknown>>;
 
-/// `String.compareTo`.
+/// Evaluates `String.compareTo`.
 pub(crate) fn compare_texts(a: &str, b: &str) -> i32 {
     let [first, second] = [a, b].map(|text| text.encode_utf16().collect::<Vec<_>>());
     let differs = first.iter().zip(&second).find(|(a, b)| a != b);
@@ -33,7 +33,7 @@ fn ordinal(object: &Object) -> Option<i32> {
     object.constant.as_ref().map(|(_, ordinal)| *ordinal)
 }
 
-/// The natural order of numbers, strings and constants; none of others.
+/// Returns the natural order of numbers, strings and enum constants; `None` for other values.
 pub(crate) fn natural(a: &Value, b: &Value) -> Option<Ordering> {
     match (a, b) {
         (Value::Text(a), Value::Text(b)) => Some(compare_texts(a, b).cmp(&0)),
@@ -47,7 +47,7 @@ pub(crate) fn natural(a: &Value, b: &Value) -> Option<Ordering> {
 }
 
 impl Machine {
-    /// The order of two elements, by a comparator or by their own.
+    /// Compares two elements by a comparator or by their natural order.
     fn order_of_elements(
         &mut self,
         comparator: Option<&Value>,
@@ -84,7 +84,7 @@ impl Machine {
         })
     }
 
-    /// Elements in order; equal ones stay in theirs, as in Java. Which of them are compared in which order is not known.
+    /// Sorts elements stably, as Java does. The order of comparisons is unspecified.
     pub(crate) fn sorted(
         &mut self,
         values: Vec<Value>,
@@ -109,7 +109,8 @@ impl Machine {
         Ok(sorted)
     }
 
-    /// The greatest or the least of elements, the first of equal ones; none of no elements.
+    /// Returns the maximum or minimum of elements, the first of equal ones; `None` without
+    /// elements.
     pub(crate) fn extreme(
         &mut self,
         values: Vec<Value>,
@@ -162,7 +163,7 @@ impl Machine {
         Ok(Ok(merged))
     }
 
-    /// `a.equals(b)`, of elements.
+    /// Evaluates `a.equals(b)` for elements.
     pub(crate) fn are_equal(&mut self, a: &Value, b: &Value) -> Result<Known<bool>, Stop> {
         for value in [a, b] {
             if let Some(unknown) =
@@ -216,7 +217,8 @@ impl Machine {
         })
     }
 
-    /// Equality of objects without an `equals` of the project: of records, by their components.
+    /// Compares objects without a project `equals`: records by their components, others by
+    /// identity.
     pub(crate) fn are_equal_records(&mut self, a: &Value, b: &Value) -> Result<Known<bool>, Stop> {
         let (Value::Object(first), Value::Object(second)) = (a, b) else { return Ok(Ok(false)) };
         let class = std::sync::Arc::clone(&self.java.classes.known(first.class).class);
@@ -235,7 +237,7 @@ impl Machine {
         Ok(Ok(true))
     }
 
-    /// The place of the first of these that equals a value.
+    /// Returns the index of the first element that equals a value.
     pub(crate) fn place_of(
         &mut self,
         values: &[Value],

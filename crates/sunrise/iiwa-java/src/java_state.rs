@@ -1,4 +1,4 @@
-//! What the evaluator holds of Java: classes, static fields, and the methods that are being run.
+//! Java state of the evaluator: classes, static fields, and running methods.
 
 use std::{
     collections::{HashMap, HashSet},
@@ -15,52 +15,52 @@ use crate::{
     value::{Local, Object, Value},
 };
 
-/// Statements that an application may take.
+/// Maximum number of statements of an application.
 pub(crate) const MAX_STEPS: u32 = 100_000;
-/// Methods that may call each other.
+/// Maximum depth of method calls.
 pub(crate) const MAX_DEPTH: usize = 100;
 
-/// Statements and expressions within each other, those of all methods that are being run.
+/// Maximum nesting depth of statements and expressions, over all running methods.
 pub(crate) const MAX_NESTING: usize = 5_000;
 
 pub(crate) struct JavaState {
     pub(crate) classes: Classes,
     pub(crate) statics: HashMap<(ClassId, String), Value>,
-    /// Those whose static fields have their first values.
+    /// Classes whose static fields are initialised.
     pub(crate) initialized: HashSet<ClassId>,
-    /// The constants of enums in order.
+    /// Enum constants in order.
     pub(crate) constants: HashMap<ClassId, Vec<Value>>,
-    /// The methods that are being run, the outermost first.
+    /// Running methods, the outermost first.
     pub(crate) activations: Vec<Activation>,
     pub(crate) steps: u32,
     pub(crate) nesting: usize,
-    /// What methods of a name do, as far as it was asked.
+    /// Known effects of methods, by name.
     pub(crate) effects: HashMap<String, Effects>,
-    /// Lambda expressions and method references that have been evaluated, by where they are in memory.
+    /// Evaluated lambda expressions and method references, by memory address.
     pub(crate) functions: HashMap<usize, KnownFunction>,
-    /// All objects, for what is not known of them any longer.
+    /// All objects, to mark their contents as unknown.
     pub(crate) objects: Vec<Weak<Object>>,
-    /// Assignments that changed something which outlives a turn of the innermost loop.
+    /// Number of assignments that changed state which outlives an iteration of the innermost loop.
     pub(crate) changes: u64,
-    /// The name of the method that is called, and the types of its arguments, while it is searched for.
+    /// Name and argument types of a call while its method is being resolved.
     pub(crate) argument_types: Option<(String, Vec<Option<TypeName>>)>,
-    /// The objects of string literals: equal ones are the same object.
+    /// Objects of string literals: equal literals are the same object.
     pub(crate) literals: HashMap<String, Rc<str>>,
 }
 
-/// A method that is being run.
+/// Running method.
 pub(crate) struct Activation {
-    /// The class in which it stands.
+    /// Class that contains the code.
     pub(crate) class: ClassId,
     pub(crate) this: Option<Rc<Object>>,
     pub(crate) locals: Vec<Local>,
-    /// Its name.
+    /// Name of the method.
     pub(crate) method: String,
-    /// How many locals there are outside of the innermost loop.
+    /// Number of locals outside of the innermost loop.
     pub(crate) outside_loop: usize,
-    /// The lambda expression, if it is one.
+    /// Lambda expression, if the activation is one.
     pub(crate) lambda: Option<Arc<Lambda>>,
-    /// The type variables that the method declares.
+    /// Type variables that the method declares.
     pub(crate) type_parameters: Vec<TypeParameter>,
 }
 
@@ -83,7 +83,7 @@ impl JavaState {
         }
     }
 
-    /// The method that is being run.
+    /// Returns the running method.
     pub(crate) fn activation(&self) -> Option<&Activation> {
         self.activations.last()
     }

@@ -1,4 +1,5 @@
-//! Streams of Java's library. Elements pass all stages one by one, as on a JVM: what functions change shows in the same order.
+//! Streams of the Java library. Elements pass all stages one by one, as on a JVM, so that side
+//! effects occur in the same order.
 
 use std::{cell::Cell, rc::Rc};
 
@@ -11,13 +12,13 @@ use crate::{
     value::{List, ListKind, Stage, Stream, StreamKind, Value},
 };
 
-/// Continuation of a pipeline behind an element, or the reason why it is not known.
+/// Continuation of a pipeline after an element, or the reason why it is unknown.
 type Flowed = Known<bool>;
 
-/// The end of a pipeline.
+/// End of a pipeline.
 type Sink<'s> = dyn FnMut(&mut Machine, Value) -> Result<Flowed, Stop> + 's;
 
-/// Terminal operations that need elements alone.
+/// Terminal operations that need only the elements.
 const ENDS: [&str; 10] = [
     "count",
     "toList",
@@ -32,13 +33,14 @@ const ENDS: [&str; 10] = [
 ];
 
 impl Machine {
-    /// `list.stream()`.
+    /// Evaluates `list.stream()`.
     pub(crate) fn stream_of(kind: StreamKind, source: Value) -> Value {
         let stages = Vec::new();
         Value::Stream(Rc::new(Stream { kind, source, stages, is_used: Cell::new(false) }))
     }
 
-    /// A static method of `Stream`, `IntStream` and the like; none if it is not known.
+    /// Evaluates a static method of `Stream`, `IntStream` and similar classes; `None` if it is not
+    /// modelled.
     pub(crate) fn of_stream_class(
         &mut self,
         class: &str,
@@ -74,7 +76,7 @@ impl Machine {
         Ok(Some(Self::stream_of(kind, Value::list(values))))
     }
 
-    /// A method of a stream; none if it is not known.
+    /// Calls a method of a stream; `None` if it is not modelled.
     pub(crate) fn of_stream(
         &mut self,
         stream: &Rc<Stream>,
@@ -90,7 +92,7 @@ impl Machine {
             let (source, is_used) = (stream.source.clone(), Cell::new(false));
             return Ok(Some(Value::Stream(Rc::new(Stream { kind, source, stages, is_used }))));
         }
-        // Since Java 9, `count` runs no function if the number is known without it.
+        // Since Java 9, `count` runs no functions if the number of elements is known without them.
         let is_count_known = name == "count"
             && stream.stages.iter().all(Stage::keeps_count)
             && stream.stages.iter().any(|own| own.function().is_some());
@@ -105,7 +107,7 @@ impl Machine {
         Ok(Some(result))
     }
 
-    /// Hands the elements of a stream to a sink, one by one.
+    /// Passes the elements of a stream to a sink, one by one.
     fn flow(&mut self, stream: &Stream, sink: &mut Sink<'_>) -> Result<Flowed, Stop> {
         let source = stream.source.clone();
         self.refresh(&source);
@@ -175,7 +177,7 @@ impl Machine {
         Ok(Ok(true))
     }
 
-    /// An element behind all stages; none if one of them holds it back.
+    /// Passes an element through all stages; `None` if a stage drops it.
     fn passed_through(
         &mut self,
         value: Value,
@@ -219,7 +221,7 @@ impl Machine {
         Ok(Ok(Some(value)))
     }
 
-    /// A terminal operation; none if it is not known.
+    /// Evaluates a terminal operation; `None` if it is not modelled.
     fn ended(
         &mut self,
         stream: &Stream,
@@ -287,7 +289,7 @@ impl Machine {
         }
     }
 
-    /// A terminal operation that needs all elements.
+    /// Evaluates a terminal operation that needs all elements.
     fn gathered(
         &mut self,
         kind: StreamKind,
@@ -354,7 +356,8 @@ impl Machine {
     }
 }
 
-/// An intermediate operation, and the kind of the stream behind it; none if it is none.
+/// Returns an intermediate operation, and the kind of the resulting stream; `None` for other
+/// methods.
 fn stage(kind: StreamKind, name: &str, arguments: &[Value]) -> Option<(StreamKind, Stage)> {
     let is_function = |own: &Value| matches!(own, Value::Function(_) | Value::Object(_));
     let prefix = kind.prefix();

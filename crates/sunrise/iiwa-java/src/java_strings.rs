@@ -1,4 +1,4 @@
-//! Strings and their builders.
+//! Strings and string builders.
 
 use std::rc::Rc;
 
@@ -8,11 +8,11 @@ use crate::{
     value::{Array, Value},
 };
 
-/// Letters of a string: more would fill memory, and no program has them.
+/// Maximum length of a string: longer ones would fill memory, and do not occur in robot programs.
 pub(crate) const MAX_LETTERS: usize = 1_000_000;
 
 impl Machine {
-    /// `String.name(...)`; none if it is not known.
+    /// Evaluates `String.name(...)`; `None` if it is not modelled.
     pub(crate) fn of_string_class(
         &mut self,
         name: &str,
@@ -35,7 +35,7 @@ impl Machine {
                 };
                 return self.formatted(&format, &values).map(Some);
             }
-            // With a locale first.
+            // Overload with a locale.
             ("format", [_, Value::Text(format), rest @ ..]) => {
                 let format = Rc::clone(format);
                 return self.formatted(&format, rest).map(Some);
@@ -58,7 +58,8 @@ impl Machine {
         }))
     }
 
-    /// A method of a string; none if it is not known. Places are those of UTF-16, as in Java.
+    /// Calls a method of a string; `None` if it is not modelled. Indices count UTF-16 units, as in
+    /// Java.
     pub(crate) fn of_string(
         &mut self,
         text: &Rc<str>,
@@ -167,7 +168,7 @@ impl Machine {
         }
     }
 
-    /// `split` by a text; by other regular expressions it is not known.
+    /// Evaluates `split` by a literal text; the result of other regular expressions is unknown.
     fn split(&self, text: &str, by: &str) -> Value {
         let literal = by.strip_prefix('\\').filter(|rest| rest.chars().count() == 1).unwrap_or(by);
         let is_literal = literal.len() < by.len()
@@ -177,14 +178,14 @@ impl Machine {
             return self.unknown(format!("a string that is split by the expression {by:?}"));
         }
         let mut parts: Vec<_> = text.split(literal).collect();
-        // Empty ones at the end are left out.
+        // Trailing empty parts are removed.
         while parts.len() > 1 && parts.last().is_some_and(|part| part.is_empty()) {
             parts.pop();
         }
         Value::array("String", parts.into_iter().map(Value::text).collect())
     }
 
-    /// A method of a builder; none if it is not known.
+    /// Calls a method of a builder; `None` if it is not modelled.
     pub(crate) fn of_builder(
         &mut self,
         receiver: &Value,
@@ -197,7 +198,7 @@ impl Machine {
             Err(unknown) => return Ok(Some(Value::Unknown(Rc::clone(unknown)))),
         };
         if matches!(name, "equals" | "hashCode" | "compareTo") {
-            // Of the object, not of its text.
+            // These methods refer to the object, not to its text.
             return Ok(match (name, arguments) {
                 ("equals", [other]) => Some(Value::Boolean(receiver.is_same(other))),
                 _ => None,
@@ -285,7 +286,7 @@ impl Machine {
         Ok(Some(result))
     }
 
-    /// The end of a piece of a builder: at most the builder's.
+    /// Returns the end of a builder range, at most the builder's length.
     fn builder_end(&mut self, begin: usize, end: &Value, length: usize) -> Result<usize, Stop> {
         let end = end.integer().and_then(|end| usize::try_from(end).ok()).unwrap_or(0).min(length);
         if end < begin {
@@ -302,7 +303,7 @@ impl Machine {
 const BUILDING: [&str; 6] =
     ["insert", "replace", "delete", "deleteCharAt", "setCharAt", "setLength"];
 
-/// The text of an array of characters; unknown if one of them is.
+/// Returns the text of a character array; unknown if a character is unknown.
 fn characters(array: &Array) -> Value {
     let mut units = Vec::new();
     for value in array.values.borrow().iter() {

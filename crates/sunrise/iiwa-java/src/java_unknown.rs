@@ -1,4 +1,4 @@
-//! Calls of Java's library that are not modelled: what they may change is unknown from then on.
+//! Unmodelled calls of the Java library: the values that they may change are unknown afterwards.
 
 use std::rc::Rc;
 
@@ -9,7 +9,7 @@ use crate::{
     value::{Stage, Value, View},
 };
 
-/// Methods of the library that change nothing, though their results are not known.
+/// Library methods that change nothing, but whose results are unknown.
 const READING: [&str; 22] = [
     "hashCode",
     "getClass",
@@ -35,11 +35,11 @@ const READING: [&str; 22] = [
     "getSuppressed",
 ];
 
-/// Methods, of any class, that run what they are given.
+/// Methods, of any class, that run their argument.
 const RUNNING: [&str; 4] = ["forEach", "forEachOrdered", "ifPresent", "peek"];
 
 impl Machine {
-    /// Reason for unknown contents of a collection or a builder.
+    /// Returns the reason for unknown contents of a collection or a builder.
     pub(crate) fn unknown_contents(value: &Value) -> Option<Rc<Unknown>> {
         match value {
             Value::List(list) => list.unknown(),
@@ -50,7 +50,8 @@ impl Machine {
         }
     }
 
-    /// Makes the contents of a collection, an array or a builder unknown, with those of what it shows.
+    /// Marks the contents of a collection, an array or a builder as unknown, and those of its
+    /// source if it is a view.
     pub(crate) fn spoil(&mut self, value: &Value, unknown: &Rc<Unknown>) {
         self.java.changes += 1;
         match value {
@@ -85,7 +86,8 @@ impl Machine {
         }
     }
 
-    /// The result of a method of the library that is not modelled: it may have changed its receiver and its arguments.
+    /// Returns the result of an unmodelled library method, which may have changed its receiver and
+    /// its arguments.
     pub(crate) fn unmodelled(
         &mut self,
         receiver: &Value,
@@ -97,7 +99,7 @@ impl Machine {
         Ok(result)
     }
 
-    /// Makes unknown the receiver and the arguments of a call that is not modelled.
+    /// Marks the receiver and the arguments of an unmodelled call as unknown.
     pub(crate) fn after_unmodelled(
         &mut self,
         receiver: Option<&Value>,
@@ -137,7 +139,7 @@ impl Machine {
         }
     }
 
-    /// A library may run a function at any time.
+    /// Applies the effects of a function that a library may run at any time, or refuses the call.
     fn may_be_run(
         &mut self,
         function: &Value,
@@ -157,7 +159,8 @@ impl Machine {
         Ok(())
     }
 
-    /// A library may call the methods of an object that implements one of its interfaces.
+    /// Applies the effects of an object's methods that a library may call through an interface, or
+    /// refuses the call.
     fn may_be_called(
         &mut self,
         object: &Rc<crate::value::Object>,

@@ -1,10 +1,11 @@
 //! Java of robot programs, read and evaluated without the robot.
 //!
-//! [`read()`] turns a source file into a [`Unit`], [`Classes`] know what the names of a project's classes mean, and a [`Machine`]
-//! evaluates them: fields, locals, methods, inheritance, arrays, collections, loops, exceptions. What it cannot know, as the
-//! time of day, is an unknown [`Value`] with a reason; it matters only where what the program does depends on it. Classes that
-//! are neither of the project nor of Java's own library are those of a [`Host`], which says what it is to act, too. Steps, depth
-//! and memory are bounded.
+//! [`read()`] parses a source file into a [`Unit`], [`Classes`] resolve the names of a project's
+//! classes, and a [`Machine`] evaluates them: fields, locals, methods, inheritance, arrays,
+//! collections, loops, exceptions. A value unknown before run time, such as the time of day, is an
+//! unknown [`Value`] with a reason; it is an error only if the program's actions depend on it.
+//! Classes outside the project and the Java library belong to a [`Host`], which also defines the
+//! actions. Steps, depth and memory are bounded.
 //!
 //! Threads and reflection are not evaluated.
 

@@ -1,4 +1,4 @@
-//! Calls on values of Java's own classes: what holds of all of them.
+//! Calls on Java library values: common rules.
 
 use std::rc::Rc;
 
@@ -11,7 +11,7 @@ use crate::{
 };
 
 impl Machine {
-    /// A method of a value of Java's own.
+    /// Calls a method of a Java library value.
     pub(crate) fn call_library(
         &mut self,
         receiver: &Value,
@@ -22,7 +22,8 @@ impl Machine {
         Self::with_class_of_index(receiver, result)
     }
 
-    /// Places outside of lists and strings have exceptions of other classes than those outside of arrays.
+    /// Sets the exception class of an invalid index, which differs between arrays, lists and
+    /// strings.
     fn with_class_of_index(receiver: &Value, result: Result<Value, Stop>) -> Result<Value, Stop> {
         let class = match receiver {
             Value::List(list) if list.is_fixed_size() => return result,
@@ -45,7 +46,7 @@ impl Machine {
         }
     }
 
-    /// A value after a cast to a type.
+    /// Casts a value to a type.
     pub(crate) fn cast(
         &mut self,
         value: Value,
@@ -62,7 +63,7 @@ impl Machine {
             if matches!(value, Value::Null) {
                 return self.throw("NullPointerException", format!("null is no `{}`", wanted.name));
             }
-            // An object is cast to its own class alone, and then converted.
+            // An object is cast only to its own class, and then converted.
             let is_object = from.is_some_and(|own| {
                 matches!(crate::classes::simple(&own.name), "Object" | "Number" | "Comparable")
             });
@@ -93,7 +94,8 @@ impl Machine {
     }
 }
 
-/// The class of a value as an object; of whole numbers that a `byte` or a `short` may be, `Integer`.
+/// Returns the class of a value as an object; `Integer` for integers that may be a `byte` or a
+/// `short`.
 pub(crate) fn class_of_value(value: &Value) -> Option<&'static str> {
     Some(match value {
         Value::Text(_) => "String",

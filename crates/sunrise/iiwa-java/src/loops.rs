@@ -1,10 +1,12 @@
 //! Loops.
 //!
-//! A loop ends when its condition says so. It is endless if the condition is true after a turn in which nothing that outlives
-//! the turns changed, or if the loop says so and nothing in it can leave it, unless further answers to its questions are given.
-//! The turns up to there are planned: what follows the loop is not reached. A loop without a motion in it is never the
-//! application's cycle: it waits for something. It is refused if a given answer keeps it waiting; an input without an answer
-//! gets the value that ends the loop, if there is one such value only.
+//! A loop ends when its condition is false. A loop is endless if its condition is true after an
+//! iteration that changed no state outliving the iteration, or, after an iteration with a motion,
+//! if the condition is constantly true and no statement can leave the loop, unless further answers
+//! to its questions are given. The iterations up to there are planned, and the code after the loop
+//! is not reached. An endless loop without a motion is not the main cycle of the application, but a
+//! wait: it is refused, unless no statement can leave it. An input without an answer gets the value
+//! that ends the loop, if exactly one value does.
 
 use std::rc::Rc;
 
@@ -17,17 +19,17 @@ use crate::{
     value::Value,
 };
 
-/// What is done between turns.
+/// Parts of a loop iteration.
 struct Turn<'s> {
     condition: Option<&'s Expression>,
     update: &'s [Expression],
     body: &'s Statement,
-    /// Whether the first turn is taken whatever the condition.
+    /// `true` if the first iteration runs before the condition is tested.
     is_do: bool,
 }
 
 impl Machine {
-    /// A loop; `label` is the one before it.
+    /// Runs a loop; `label` is its label.
     pub(crate) fn repeated(
         &mut self,
         statement: &Statement,
@@ -63,7 +65,7 @@ impl Machine {
                 for own in initial {
                     self.statement(own)?;
                 }
-                // The counter outlives the turns.
+                // The counter outlives the iterations.
                 let count = self.local_count();
                 if let Some(own) = self.java.activations.last_mut() {
                     own.outside_loop = count;
@@ -121,8 +123,8 @@ impl Machine {
         }
     }
 
-    /// Ends the evaluation if a loop, whose condition is true after a turn, goes on for ever; `before` are the counts before
-    /// that turn.
+    /// Ends the evaluation if a loop, whose condition is true after an iteration, is endless;
+    /// `before` are the counts before that iteration.
     fn check_end(
         &mut self,
         statement: &Statement,
@@ -132,11 +134,11 @@ impl Machine {
     ) -> Result<(), Stop> {
         let (changes, before) = before;
         let now = self.host.progress();
-        // Further answers are given for further turns.
+        // Further answers are given for further iterations.
         if now.continued != before.continued {
             return Ok(());
         }
-        // What a turn reads of the host's state may end the loop once that is another.
+        // A state that the iteration reads and changes may end the loop later.
         let is_followed = (0..now.state.len()).any(|part| {
             now.readings[part] != before.readings[part] && now.state[part] != before.state[part]
         });
@@ -147,7 +149,8 @@ impl Machine {
         let is_endless = if moves {
             is_unchanged || is_without_exit
         } else {
-            // A turn without a motion may come before one with a motion, unless it changes nothing.
+            // An iteration without a motion may precede one with a motion, unless it changes
+            // nothing.
             is_unchanged
         };
         if !is_endless {
@@ -178,8 +181,8 @@ impl Machine {
         Err(Stop::Ended)
     }
 
-    /// Supposes the value that ends a loop which only waits, if its condition depends on one input and one value alone
-    /// ends it. False if there is no such value.
+    /// Supposes the value that ends a waiting loop, if its condition depends on one input and
+    /// exactly one value ends the loop. Returns false if no such value exists.
     fn is_ended_by_input(
         &mut self,
         condition: &Expression,
@@ -196,7 +199,7 @@ impl Machine {
             if !self.host.suppose(before.asked, Some(value)) {
                 return Ok(false);
             }
-            // A condition that cannot be evaluated with this value says nothing.
+            // A condition that cannot be evaluated with this value is undecided.
             *repeats = self.condition(condition).ok().and_then(Result::ok);
             self.host.suppose(before.asked, None);
         }
@@ -207,11 +210,11 @@ impl Machine {
         };
         self.host.suppose(before.asked, Some(ends_by));
         self.host.settle();
-        // The answer is recorded where it is read.
+        // The answer is recorded when it is read.
         Ok(matches!(self.condition(condition)?, Ok(false)))
     }
 
-    /// One turn; `continue` ends it.
+    /// Runs one iteration; `continue` ends it.
     fn turn(&mut self, body: &Statement, label: Option<&str>) -> Result<Flow, Stop> {
         Ok(match self.scoped(body)? {
             Flow::Continue(None) => Flow::Next,
@@ -234,14 +237,14 @@ impl Machine {
             return self.passed_over(std::iter::once(statement), "loop", unknown);
         }
         if let Value::Null = values {
-            return self.throw("NullPointerException", "what a loop goes through is null");
+            return self.throw("NullPointerException", "a loop iterates over null");
         }
         self.refresh(&values);
         if let Some(unknown) = Self::unknown_contents(&values) {
             return self.passed_over(std::iter::once(statement), "loop", &unknown);
         }
         let Some(elements) = Self::iterated(&values) else {
-            return self.refuse(format!("a loop goes through {}", values.kind()));
+            return self.refuse(format!("a loop iterates over {}", values.kind()));
         };
         let begin = Self::structure(&values);
         let type_name = match type_name.name.as_str() {
@@ -269,7 +272,8 @@ impl Machine {
         Ok(Flow::Next)
     }
 
-    /// The number of changes and of elements of what a loop goes through.
+    /// Returns the number of structural changes and the number of elements of an iterated
+    /// collection.
     pub(crate) fn structure(values: &Value) -> (usize, usize) {
         match values {
             Value::List(list) => (list.structure.get(), list.borrow().len()),
@@ -278,7 +282,7 @@ impl Machine {
         }
     }
 
-    /// The element at a place of what a loop goes through, as it is by now.
+    /// Returns the current element at an index of an iterated collection.
     pub(crate) fn current(values: &Value, place: usize) -> Option<Value> {
         match values {
             Value::List(list) => list.borrow().get(place).cloned(),

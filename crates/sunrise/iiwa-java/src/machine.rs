@@ -1,4 +1,4 @@
-//! The evaluator's state; what it does is in the files that are named after it.
+//! Evaluator and host interface; the evaluation itself is in the modules named after its subjects.
 
 use std::rc::Rc;
 
@@ -12,76 +12,78 @@ use crate::{
     value::{Object, Thrown, Value},
 };
 
-/// What evaluates the classes of a project. It stands for a Java that runs them, and knows at each step where it is.
+/// Evaluator of a project's classes. It models a running JVM, and tracks its place in the sources.
 pub struct Machine {
-    /// Where it is in the sources.
+    /// Current place in the sources.
     pub here: Place,
-    /// What the user should know of the evaluation, in order, each once.
+    /// Notes for the user in order, without duplicates.
     pub notes: Vec<Note>,
     pub(crate) java: JavaState,
     pub(crate) host: Rc<dyn Host>,
 }
 
-/// What the user should know of an evaluation.
+/// Note for the user of an evaluation.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Note {
-    /// A sentence without its capital and its full stop.
+    /// Sentence without its capital and its full stop.
     pub text: String,
-    /// What it is about.
+    /// Place in the sources.
     pub place: Place,
 }
 
-/// Counts of what a host has done and asked.
+/// Counts of a host's actions and questions.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Progress {
-    /// Actions other than pauses: motions.
+    /// Number of actions other than pauses: motions.
     pub actions: usize,
-    /// Questions, however they were answered.
+    /// Number of questions, with or without an answer.
     pub asked: usize,
-    /// Answers after which another one is given to the same question.
+    /// Number of answers after which another one is given to the same question.
     pub continued: usize,
-    /// Readings of parts of the host's state that a program can change.
+    /// Number of readings of parts of the host's state that a program can change.
     pub readings: [usize; 2],
-    /// These parts, as hashes.
+    /// Hashes of these parts.
     pub state: [u64; 2],
 }
 
-/// Whoever knows the classes that are neither of the project nor of Java's own library, and what it means to act: to do what an
-/// evaluation is for. Where something is not known, it answers nothing, and the value is unknown.
+/// Host of an evaluation, which defines the classes outside the project and the Java library, and
+/// the actions: the purpose of the evaluation. For an unmodelled member, optional results are
+/// `None`, and the value is unknown.
 pub trait Host {
-    /// Names of the methods that act, of any class.
+    /// Returns the names of acting methods, of any class.
     fn acting(&self) -> &'static [&'static str];
 
-    /// Those of them of which it has to be known what they are called on.
+    /// Returns the acting methods whose receiver must be known.
     fn acting_on_receivers(&self) -> &'static [&'static str];
 
-    /// What acting is, in messages: "the arm moves or waits".
+    /// Describes the actions in messages, such as "the arm moves or waits".
     fn acts(&self) -> &'static str;
 
-    /// The acting methods that only take time.
+    /// Returns the acting methods that only take time.
     fn pausing(&self) -> &'static [&'static str];
 
-    /// Counts of what was done so far.
+    /// Returns the current counts.
     fn progress(&self) -> Progress;
 
-    /// Supposes an answer to the only question since `asked` that has none; `None` drops the supposition. False if there is no
-    /// such question.
+    /// Supposes an answer to the only unanswered question since `asked`; `None` drops the
+    /// supposition. Returns false if no such question exists.
     fn suppose(&self, asked: usize, answer: Option<bool>) -> bool;
 
-    /// Makes the supposed answer the one that is taken from here on.
+    /// Keeps the supposed answer from here on.
     fn settle(&self);
 
-    /// Describes the answers since `asked` that keep a loop going, such as "the input `A.B`, which is given as false".
+    /// Describes the answers since `asked` that keep a loop running, such as "the input `A.B`,
+    /// which is given as false".
     fn answers_since(&self, asked: usize) -> Option<String>;
 
-    /// Is told that a loop goes on for ever by the answers since `asked`.
+    /// Reports that a loop is endless with the answers since `asked`.
     fn endless(&self, machine: &Machine, asked: usize);
 
-    /// `receiver.name(arguments)`.
+    /// Evaluates `receiver.name(arguments)`.
     ///
     /// # Errors
     ///
-    /// An exception, or that the evaluation ends here.
+    /// If an exception is thrown, or if the evaluation ends here.
     fn call(
         &self,
         machine: &mut Machine,
@@ -90,11 +92,11 @@ pub trait Host {
         arguments: &[Value],
     ) -> Result<Value, Stop>;
 
-    /// `receiver.name`.
+    /// Evaluates `receiver.name`.
     ///
     /// # Errors
     ///
-    /// An exception, or that the evaluation ends here.
+    /// If an exception is thrown, or if the evaluation ends here.
     fn field(
         &self,
         machine: &mut Machine,
@@ -102,11 +104,11 @@ pub trait Host {
         name: &str,
     ) -> Result<Value, Stop>;
 
-    /// `Class.name(arguments)`.
+    /// Evaluates `Class.name(arguments)`.
     ///
     /// # Errors
     ///
-    /// An exception, or that the evaluation ends here.
+    /// If an exception is thrown, or if the evaluation ends here.
     fn call_static(
         &self,
         machine: &mut Machine,
@@ -115,11 +117,11 @@ pub trait Host {
         arguments: &[Value],
     ) -> Result<Option<Value>, Stop>;
 
-    /// `new Class(arguments)`.
+    /// Evaluates `new Class(arguments)`.
     ///
     /// # Errors
     ///
-    /// An exception, or that the evaluation ends here.
+    /// If an exception is thrown, or if the evaluation ends here.
     fn construct(
         &self,
         machine: &mut Machine,
@@ -127,11 +129,11 @@ pub trait Host {
         arguments: &[Value],
     ) -> Result<Option<Value>, Stop>;
 
-    /// `Class.name`.
+    /// Evaluates `Class.name`.
     ///
     /// # Errors
     ///
-    /// An exception, or that the evaluation ends here.
+    /// If an exception is thrown, or if the evaluation ends here.
     fn constant(
         &self,
         machine: &mut Machine,
@@ -139,11 +141,12 @@ pub trait Host {
         name: &str,
     ) -> Result<Option<Value>, Stop>;
 
-    /// What is put into a field or a parameter of this class that is marked with `@Inject`, and perhaps with `@Named`.
+    /// Returns the value for a field or a parameter of this class that is annotated with `@Inject`,
+    /// and optionally with `@Named`.
     ///
     /// # Errors
     ///
-    /// An exception, or that the evaluation ends here.
+    /// If an exception is thrown, or if the evaluation ends here.
     fn injected(
         &self,
         machine: &mut Machine,
@@ -152,12 +155,12 @@ pub trait Host {
         field: &str,
     ) -> Result<Option<Value>, Stop>;
 
-    /// `object.name(arguments)`, of a method that no class of the project has; `base` is the first class above that is not of
-    /// the project.
+    /// Evaluates `object.name(arguments)` for a method that no project class has; `base` is the
+    /// first superclass outside the project.
     ///
     /// # Errors
     ///
-    /// An exception, or that the evaluation ends here.
+    /// If an exception is thrown, or if the evaluation ends here.
     fn inherited(
         &self,
         machine: &mut Machine,
@@ -167,11 +170,11 @@ pub trait Host {
         arguments: &[Value],
     ) -> Result<Option<Value>, Stop>;
 
-    /// The constructor of that class is run on `object`.
+    /// Runs the constructor of `base` on `object`.
     ///
     /// # Errors
     ///
-    /// An exception, or that the evaluation ends here.
+    /// If an exception is thrown, or if the evaluation ends here.
     fn constructed(
         &self,
         machine: &mut Machine,
@@ -180,18 +183,19 @@ pub trait Host {
         arguments: &[Value],
     ) -> Result<(), Stop>;
 
-    /// What a string holds of a value when it is appended.
+    /// Converts a value to text for string concatenation.
     fn text(&self, value: &Rc<dyn HostValue>) -> String;
 }
 
 impl Machine {
-    /// One that has run nothing yet.
+    /// Creates an evaluator in its initial state.
     #[must_use]
     pub fn new(classes: Classes, host: Rc<dyn Host>, here: Place) -> Self {
         Self { here, notes: Vec::new(), java: JavaState::new(classes), host }
     }
 
-    /// One level further down in statements and expressions, which are bounded, as the stack is.
+    /// Runs `inner` one nesting level deeper; the depth of statements and expressions is bounded,
+    /// as the stack is.
     pub(crate) fn deeper<T>(
         &mut self,
         inner: impl FnOnce(&mut Self) -> Result<T, Stop>,
@@ -205,7 +209,7 @@ impl Machine {
         result
     }
 
-    /// Tells the user of something, once.
+    /// Adds a note for the user, unless it exists.
     pub fn note(&mut self, text: impl Into<String>) {
         let note = Note { text: text.into(), place: self.here.clone() };
         if !self.notes.contains(&note) {
@@ -213,7 +217,7 @@ impl Machine {
         }
     }
 
-    /// Ends the evaluation, by what is here.
+    /// Ends the evaluation with a refusal at the current place.
     ///
     /// # Errors
     ///
@@ -222,7 +226,7 @@ impl Machine {
         Err(Stop::Refused(Box::new(Refusal { reason: reason.into(), place: self.here.clone() })))
     }
 
-    /// Ends it, since `what` (as "the target of this motion") is not known.
+    /// Ends the evaluation because `what` (such as "the target of this motion") is unknown.
     ///
     /// # Errors
     ///
@@ -233,14 +237,15 @@ impl Machine {
         self.refuse(format!("{what} depends on {reason}{from}"))
     }
 
-    /// A value that cannot be known, for a reason that is here.
+    /// Creates an unknown value with a reason at the current place.
     #[must_use]
     pub fn unknown(&self, reason: impl Into<String>) -> Value {
         let (reason, place) = (reason.into(), self.here.clone());
         Value::Unknown(Rc::new(Unknown { reason, place, is_unmodelled_call: false }))
     }
 
-    /// The result of a method that is not modelled; `of` is what the method belongs to, such as ` of a list`, or empty.
+    /// Creates the unknown result of an unmodelled method; `of` is its owner, such as ` of a list`,
+    /// or empty.
     #[must_use]
     pub fn unmodelled_result(&self, method: &str, of: &str) -> Value {
         let reason = format!("the result of `{method}`{of}, which is not known");
@@ -251,14 +256,14 @@ impl Machine {
         }))
     }
 
-    /// An exception of Java's or the host's, by its simple name.
+    /// Throws a Java or host exception, by its simple name.
     ///
     /// # Errors
     ///
     /// Always: the exception.
     pub fn throw<T>(&self, class: &str, message: impl Into<String>) -> Result<T, Stop> {
         let message = message.into();
-        // Those of Java's own exceptions are others than ours, but for these.
+        // Our exception messages differ from Java's, except for these classes.
         let value = match class {
             "ArithmeticException" | "NumberFormatException" => Value::text(&message),
             _ => self.unknown("the message of an exception of Java"),

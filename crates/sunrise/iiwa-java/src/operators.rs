@@ -1,4 +1,4 @@
-//! Operators of Java on values.
+//! Java operators on values.
 
 use crate::{
     java_strings::MAX_LETTERS,
@@ -8,7 +8,7 @@ use crate::{
     value::Value,
 };
 
-/// The type in which two numbers meet.
+/// Operands in their promoted type.
 enum Promoted {
     Ints(i32, i32),
     Longs(i64, i64),
@@ -54,7 +54,7 @@ impl Machine {
         Ok(result)
     }
 
-    /// All but `&&` and `||`, whose right side may not count.
+    /// Evaluates all binary operators except `&&` and `||`, whose right side may be skipped.
     pub(crate) fn binary(
         &mut self,
         operator: BinaryOperator,
@@ -108,7 +108,7 @@ impl Machine {
             }
             Some(Promoted::Longs(a, b)) => self.of_integers(operator, a, b, Value::Long),
             Some(Promoted::Floats(a, b)) => match operator {
-                // Rounded as float after each operation.
+                // Rounded to float after each operation.
                 Op::Add => Ok(Value::Float(a + b)),
                 Op::Subtract => Ok(Value::Float(a - b)),
                 Op::Multiply => Ok(Value::Float(a * b)),
@@ -128,7 +128,7 @@ impl Machine {
         }
     }
 
-    /// The text of both.
+    /// Concatenates the texts of both values.
     pub(crate) fn concatenated(&mut self, left: &Value, right: &Value) -> Result<Value, Stop> {
         let [left, right] = [self.text_of(left)?, self.text_of(right)?];
         Ok(match (left, right) {

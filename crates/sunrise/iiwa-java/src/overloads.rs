@@ -1,4 +1,4 @@
-//! The search for the method or the constructor that a call means (JLS 15.12.2).
+//! Resolution of methods and constructors (JLS 15.12.2).
 
 use std::{rc::Rc, sync::Arc};
 
@@ -13,13 +13,13 @@ use crate::{
     value::{Code, Function, Object, Value},
 };
 
-/// A method and the class in which it stands.
+/// Method with its class.
 type Candidate = (ClassId, Arc<Method>);
 
-/// The method that a call means.
+/// Result of a method resolution.
 pub(crate) enum Choice {
     Method(ClassId, Arc<Method>),
-    /// One of several, by the type of an argument that is not known.
+    /// Several candidates, because the type of an argument is unknown.
     Undecided(Rc<Unknown>, Vec<Arc<Method>>),
 }
 
@@ -33,15 +33,16 @@ impl Choice {
 }
 
 impl Machine {
-    /// The method that is meant; none if no method fits.
+    /// Resolves a method; `None` if no method fits.
     ///
-    /// Where several fit the values of the arguments, the types of the arguments count, as far as the call gives them.
+    /// If several methods fit the argument values, the argument types decide, as far as the call
+    /// states them.
     pub(crate) fn method(&self, id: ClassId, name: &str, arguments: &[Value]) -> Option<Choice> {
         let candidates = self.java.classes.methods(id, name);
         self.chosen(candidates, name, arguments)
     }
 
-    /// The method that takes nothing, and the class in which it stands.
+    /// Returns the method without parameters, and its class.
     pub(crate) fn plain_method(&self, id: ClassId, name: &str) -> Option<Candidate> {
         match self.method(id, name, &[])? {
             Choice::Method(owner, method) => Some((owner, method)),
@@ -49,7 +50,7 @@ impl Machine {
         }
     }
 
-    /// The best of these methods, which are in order, the nearest first.
+    /// Returns the best of these methods, which are sorted, the nearest first.
     pub(crate) fn chosen(
         &self,
         candidates: Vec<Candidate>,
@@ -61,7 +62,7 @@ impl Machine {
             let Some(fit) = self.fit(owner, &method, arguments) else { continue };
             let same = fitting.iter_mut().find(|(_, (_, other))| is_overridden(other, &method));
             match same {
-                // Of those that override each other, the nearest with a body counts.
+                // Among methods that override each other, the nearest with a body is kept.
                 Some((_, found)) => {
                     if found.1.body.is_none() && method.body.is_some() {
                         *found = (owner, method);
@@ -105,8 +106,8 @@ impl Machine {
         Some(Choice::Method(owner, method))
     }
 
-    /// Calls the method that is meant, on this object unless it belongs to its class. If it is not known which is meant, none is
-    /// run, and what they change is unknown.
+    /// Calls the resolved method, on this object unless the method is static. An undecided call
+    /// runs no candidate, and the values that they may change are unknown.
     pub(crate) fn run_chosen(
         &mut self,
         choice: Choice,
@@ -132,7 +133,7 @@ impl Machine {
         Ok(Value::Unknown(unknown))
     }
 
-    /// The method that is called by the types of the arguments; none if they do not decide.
+    /// Returns the most specific method for the argument types; `None` if they do not decide.
     fn most_specific(&self, all: &[Candidate], types: &[Option<TypeName>]) -> Option<Candidate> {
         for phase in [Phase::Strict, Phase::Loose, Phase::Variadic] {
             let mut applicable = Vec::new();
@@ -162,7 +163,7 @@ impl Machine {
         None
     }
 
-    /// How well arguments fit parameters; none if they do not.
+    /// Returns the rank of arguments for a method's parameters; `None` if they do not fit.
     pub(crate) fn fit(&self, owner: ClassId, method: &Method, arguments: &[Value]) -> Option<u32> {
         let parameters = &method.parameters;
         let all = |arguments: &[Value]| {
@@ -262,7 +263,8 @@ impl Machine {
         }
     }
 
-    /// Rank of a function as an argument for an interface; none if it does not fit (JLS 15.12.2.1).
+    /// Returns the rank of a function as an argument for an interface; `None` if it does not fit
+    /// (JLS 15.12.2.1).
     fn fits_interface(
         &self,
         owner: ClassId,
@@ -282,7 +284,7 @@ impl Machine {
             (Some((_, own)), _) => (own.parameters.len(), own.returns.name == "void"),
             (None, Some(own)) => (own.parameters.len(), own.returns_nothing()),
             (None, None) if class.is_some() => return None,
-            // Of a library without source.
+            // Interface of a library without source.
             (None, None) => return Some(2),
         };
         let Code::Lambda(lambda) = &function.code else { return Some(8) };
@@ -291,7 +293,7 @@ impl Machine {
         (is_compatible && lambda.parameters.len() == parameters).then_some(8)
     }
 
-    /// True if a method can be called with arguments of these types; none if that is not known.
+    /// Returns true if a method is applicable to arguments of these types; `None` if undecided.
     fn applies(
         &self,
         (owner, method): &Candidate,
@@ -329,7 +331,7 @@ impl Machine {
     }
 }
 
-/// The phases in which Java searches: without boxing, with it, and with any number of arguments.
+/// Phases of Java's method resolution: without boxing, with boxing, and with variable arity.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Phase {
     Strict,
@@ -337,7 +339,8 @@ enum Phase {
     Variadic,
 }
 
-/// The type of a parameter; of the last one in the third phase, that of each further argument.
+/// Returns the type of a parameter; in the third phase, the last parameter provides the type of
+/// each further argument.
 fn parameter(method: &Method, place: usize, phase: Phase) -> Option<TypeName> {
     let last = method.parameters.len().checked_sub(1)?;
     let own = &method.parameters.get(place.min(last))?.type_name;
@@ -347,7 +350,8 @@ fn parameter(method: &Method, place: usize, phase: Phase) -> Option<TypeName> {
     (place <= last).then(|| own.clone())
 }
 
-/// True if a method further above has the parameters of another, or, without a body, type variables in their place.
+/// Returns true if a superclass method has the same parameters, or, without a body, type variables
+/// in their place.
 fn is_overridden(own: &Method, other: &Method) -> bool {
     let mut pairs = own.parameters.iter().zip(&other.parameters);
     let is_variable = |own: &TypeName| own.dimensions == 0 && is_type_variable(&own.name);
@@ -358,7 +362,7 @@ fn is_overridden(own: &Method, other: &Method) -> bool {
         })
 }
 
-/// True for names such as `T` or `K2`.
+/// Returns true for names such as `T` or `K2`.
 fn is_type_variable(name: &str) -> bool {
     name.len() <= 2 && name.bytes().all(|byte| byte.is_ascii_uppercase() || byte.is_ascii_digit())
 }

@@ -16,7 +16,8 @@ use crate::{
 const OF_LISTS: [&str; 4] = ["List", "Collection", "Iterable", "Object"];
 
 impl Machine {
-    /// Match of a value with a pattern, a boolean or unknown; the variables are declared if it may match.
+    /// Matches a value with a pattern: a boolean or unknown. The variables are declared if the
+    /// value may match.
     pub(crate) fn matches(&mut self, value: &Value, pattern: &Pattern) -> Result<Value, Stop> {
         let (type_name, result) = match pattern {
             Pattern::Any => return Ok(Value::Boolean(true)),
@@ -79,12 +80,12 @@ impl Machine {
         Ok(Value::Boolean(true))
     }
 
-    /// True if a pattern of this type matches each value of a component, null among them.
+    /// Returns true if a pattern of this type matches all values of a component, including null.
     fn is_total(&self, component: &TypeName, wanted: &TypeName) -> bool {
         wanted.name == "var" || self.widens(component, wanted, false) == Some(true)
     }
 
-    /// Test of a value's type: a boolean, or unknown.
+    /// Tests a value's type: a boolean, or unknown.
     pub(crate) fn is_instance(&mut self, value: &Value, type_name: &TypeName) -> Value {
         let simple = simple(&type_name.name);
         let not_known = || format!("whether {} is a {simple}", value.kind());
@@ -130,7 +131,7 @@ impl Machine {
             {
                 Value::Boolean(false)
             }
-            // Entries of maps are lists of two elements here, and views of maps are collections.
+            // Map entries are represented as lists of two elements, and map views as collections.
             Value::List(list)
                 if OF_LISTS.contains(&simple)
                     && (list.kind == ListKind::Immutable
@@ -149,7 +150,8 @@ impl Machine {
         }
     }
 
-    /// True if a class, or one above it, names an interface that is not of the project.
+    /// Returns true if a class or a superclass implements an interface of this name outside the
+    /// project.
     fn implements_foreign(&self, id: ClassId, name: &str) -> bool {
         let classes = &self.java.classes;
         let mut above = classes.with_parents(id).into_iter();

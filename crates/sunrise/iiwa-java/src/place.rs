@@ -2,12 +2,12 @@
 
 use std::{fmt, rc::Rc};
 
-/// A line of a file, which is named from the project's folder on.
+/// Line of a source file.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Place {
-    /// From the project's folder on, with `/`.
+    /// Path relative to the project folder, with `/`.
     pub file: Rc<str>,
-    /// From 1.
+    /// Line from 1.
     pub line: u32,
 }
 

@@ -1,8 +1,9 @@
-//! From the text of a source file to its syntax.
+//! Parses the text of a source file.
 //!
-//! This folder alone knows the parser, `tree-sitter` with its grammar of Java. Tokens are counted, and brackets matched, before it
-//! runs; its tree is held against [bounds]; and operators are put together once more by [operands], as the grammar does not rank all
-//! of them as Java does.
+//! Only this module depends on the parser, `tree-sitter` with its Java grammar. Before it runs,
+//! tokens are counted, and brackets are matched; its tree is checked against [bounds]; and
+//! [operands] reassembles operator expressions, because the grammar does not rank all operators as
+//! Java does.
 
 mod bounds;
 mod declarations;
@@ -30,7 +31,7 @@ use crate::{
     syntax::Unit,
 };
 
-/// The stack on which a tree is read; it is reserved, and taken up as far as it is used. The deepest tree that is accepted
+/// Stack size in bytes of the reader thread; only used pages take memory. The deepest accepted tree
 /// needs a third of it without optimisation.
 const STACK_BYTES: usize = 64 << 20;
 
@@ -38,7 +39,7 @@ const STACK_BYTES: usize = 64 << 20;
 ///
 /// # Errors
 ///
-/// If the text is not Java, or is beyond a bound, with the place.
+/// If the text is not Java, or exceeds a bound, with the place.
 pub fn read(file: &str, text: &str) -> Result<Unit, SourceError> {
     let result = thread::scope(|scope| {
         let reader = thread::Builder::new().stack_size(STACK_BYTES);
@@ -60,7 +61,7 @@ fn unit(text: &str) -> Result<Unit, Fault> {
     }
     let tokens = Tokens::scan(text)?;
     bounds::check_brackets(&tokens)?;
-    // The end of a file for old editors.
+    // Ctrl-Z, which old editors append as the end of a file.
     let text = text.strip_suffix('\u{1a}').unwrap_or(text);
     let lines = Lines::new(text);
     let tree = parser::parse(text, &tokens, &lines)?;

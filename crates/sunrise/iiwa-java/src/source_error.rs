@@ -1,58 +1,58 @@
-//! Why a source file of a project cannot be used.
+//! Errors of source files.
 
-/// What is wrong with a source file, and where.
+/// Fault of a source file, with its place.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{file}:{line}:{column}: {fault}")]
 pub struct SourceError {
-    /// The file, from the project's folder on, with `/`.
+    /// Path of the file, relative to the project folder, with `/`.
     pub file: String,
-    /// From 1; 1 if the file as a whole is meant.
+    /// Line from 1; 1 for the file as a whole.
     pub line: u32,
-    /// In characters, from 1.
+    /// Column in characters, from 1.
     pub column: u32,
-    /// What is wrong.
+    /// Fault.
     pub fault: SourceFault,
 }
 
-/// What is wrong with a source file.
+/// Fault of a source file.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum SourceFault {
-    /// The system does not give the file's contents.
+    /// The file cannot be read.
     #[error("the file cannot be read: {0}")]
     Unreadable(String),
-    /// The file is larger than any that people write.
+    /// The file is larger than any hand-written file.
     #[error("the file has {bytes} bytes, and at most {most} are read")]
     TooLarge {
-        /// Of the file.
+        /// Size of the file.
         bytes: u64,
-        /// That are read.
+        /// Maximum size.
         most: u64,
     },
-    /// The file is no text.
-    #[error("a byte of 0 is here, which no text has: the file is no source of Java")]
+    /// The file is not a text file.
+    #[error("unexpected zero byte: the file is not Java source")]
     Binary,
-    /// There are more tokens than in any file that people write.
-    #[error("the file goes on after {most} tokens, and no more are read")]
+    /// The file has more tokens than any hand-written file.
+    #[error("the file has more than {most} tokens, the largest number that is read")]
     TooManyTokens {
-        /// That are read.
+        /// Maximum number of tokens.
         most: usize,
     },
-    /// Something is nested too deeply, or a chain of it is too long.
+    /// The nesting is too deep, or a chain is too long.
     #[error("{what} here, and at most {most} are read")]
     TooDeep {
-        /// What there is too much of, as "more than 200 brackets are open".
+        /// Excess, such as "more than 200 brackets are open".
         what: &'static str,
-        /// That are read.
+        /// Maximum depth.
         most: usize,
     },
-    /// Something is so long that the parser would take minutes.
+    /// An element is so long that parsing would take minutes.
     #[error("{0} here, and reading it would take too long")]
     TooLong(&'static str),
     /// The text is not Java.
     #[error("{0}")]
     Syntax(String),
-    /// The parser came to no result.
+    /// The parser returned no result.
     #[error("the parser came to no result: {0}")]
     Parser(String),
 }

@@ -1,16 +1,16 @@
-//! From the bytes of a source file to its text.
+//! Decodes the bytes of a source file.
 
 use std::char::{REPLACEMENT_CHARACTER, decode_utf16};
 
-/// What the bytes from 0x80 to 0x9F mean in the code page 1252, as the WHATWG's encoding standard states it; all other bytes
-/// are the characters of these numbers.
+/// Characters of the bytes 0x80 to 0x9F in code page 1252, as the WHATWG encoding standard defines
+/// them; all other bytes are the characters with these numbers.
 const OF_CODE_PAGE: &str = "\u{20ac}\u{81}\u{201a}\u{192}\u{201e}\u{2026}\u{2020}\u{2021}\u{2c6}\u{2030}\u{160}\u{2039}\u{152}\u{8d}\u{17d}\u{8f}\
      \u{90}\u{2018}\u{2019}\u{201c}\u{201d}\u{2022}\u{2013}\u{2014}\u{2dc}\u{2122}\u{161}\u{203a}\u{153}\u{9d}\u{17e}\u{178}";
 
-/// The text of a file, whose lines end with `\n` or `\r\n`.
+/// Decodes a file to a text with `\n` or `\r\n` line ends.
 ///
-/// A byte order mark says that it is in UTF-8 or UTF-16. Without one, it is in UTF-8 if it can be; else in the code page
-/// of western Europe's Windows, which Sunrise Workbench saves in.
+/// A byte order mark selects UTF-8 or UTF-16. Without one, the file is UTF-8 if valid; otherwise
+/// Windows code page 1252, in which Sunrise Workbench saves.
 #[must_use]
 pub fn decode(bytes: &[u8]) -> String {
     let text = match bytes {
@@ -22,7 +22,7 @@ pub fn decode(bytes: &[u8]) -> String {
             Err(_) => bytes.iter().map(|byte| of_code_page(*byte)).collect(),
         },
     };
-    // Where `\r` alone ends lines, as Java lets it.
+    // Java also accepts a single `\r` as a line end.
     let mut lines = text.split("\r\n");
     if lines.any(|line| line.contains('\r')) {
         return text
@@ -53,7 +53,7 @@ mod tests {
     #[test]
     fn code_page_1252() {
         assert_eq!(decode(b"\x80 \x93Gr\xfc\xdfe\x94 \x96 20\xb0 \x9f\x99"), "€ “Grüße” – 20° Ÿ™");
-        // Without a meaning in it.
+        // Undefined bytes of the code page.
         assert_eq!(decode(b"\x81\x8d\x8f\x90\x9d"), "\u{81}\u{8d}\u{8f}\u{90}\u{9d}");
         let high: Vec<u8> = (0xa0..=0xff).collect();
         assert!(decode(&high).chars().eq('\u{a0}'..='\u{ff}'));

@@ -1,4 +1,4 @@
-//! Statements, one after the other.
+//! Execution of statements.
 
 use std::rc::Rc;
 
@@ -15,11 +15,11 @@ use crate::{
     value::{Thrown, Value},
 };
 
-/// What a condition is, or what it depends on.
+/// Value of a condition, or the unknown value that it depends on.
 pub(crate) type Condition = Result<bool, Rc<Unknown>>;
 
 impl Machine {
-    /// Statements in a scope of their own.
+    /// Runs statements in a new scope.
     pub(crate) fn block(&mut self, statements: &[Statement]) -> Result<Flow, Stop> {
         let outside = self.local_count();
         let flow = self.statements(statements);
@@ -88,7 +88,7 @@ impl Machine {
                 }
                 Ok(Flow::Next)
             }
-            // Found where its name is used.
+            // Local classes are resolved where their name is used.
             StatementKind::LocalClass(class) => {
                 if let Some(outer) = self.java.activation().map(|own| own.class) {
                     let id = self.class_in_method(class, outer);
@@ -115,7 +115,8 @@ impl Machine {
                         self.passed_over(branches, "branch", &unknown)
                     }
                 };
-                // A variable of a pattern goes on behind a branch that leaves (JLS 6.3.2.2).
+                // A pattern variable remains in scope after a branch that cannot complete normally
+                // (JLS 6.3.2.2).
                 if otherwise.is_some() || completes(then) {
                     self.forget_locals(outside);
                 }
@@ -163,7 +164,7 @@ impl Machine {
         }
     }
 
-    /// A statement in a scope of its own.
+    /// Runs a statement in a new scope.
     pub(crate) fn scoped(&mut self, statement: &Statement) -> Result<Flow, Stop> {
         let outside = self.local_count();
         let flow = self.statement(statement);
@@ -180,8 +181,8 @@ impl Machine {
         }
     }
 
-    /// Passes over what depends on something unknown, so that what it may change is unknown as well; refused where it would
-    /// act.
+    /// Skips statements that depend on an unknown value, and marks the values that they may change
+    /// as unknown; refuses them if they would act.
     pub(crate) fn passed_over<'s>(
         &mut self,
         statements: impl IntoIterator<Item = &'s Statement>,
@@ -200,7 +201,7 @@ impl Machine {
             self.forget_values(&effects, unknown);
             return Ok(Flow::Next);
         }
-        // Whether the rest of the method is run is not known: it must not act either.
+        // The rest of the method may or may not run, so that it must not act either.
         let own = self.java.activation().map(|own| (own.method.clone(), own.lambda.clone()));
         let (method, lambda) = own.unwrap_or_default();
         effects = match &lambda {
@@ -231,7 +232,7 @@ impl Machine {
             other => other,
         };
         let Err(Stop::Thrown(thrown)) = result else { return result };
-        // The methods that it left are over.
+        // The methods between `throw` and `catch` have ended.
         self.java.activations.truncate(depth);
         self.here.file = file;
         self.forget_locals(inner);
@@ -244,7 +245,7 @@ impl Machine {
         Err(Stop::Thrown(thrown))
     }
 
-    /// Runs what has to be run however it ended.
+    /// Runs a `finally` block, however the `try` statement ended.
     fn finally(
         &mut self,
         result: Result<Flow, Stop>,
@@ -288,9 +289,9 @@ impl Machine {
         Err(Stop::Thrown(thrown))
     }
 
-    /// Whether a `catch` of this type takes an exception.
+    /// Returns true if a `catch` of this type catches an exception.
     fn catches(&self, name: &str, thrown: &Thrown) -> bool {
-        /// Those that are no `RuntimeException`s.
+        /// Checked exceptions, which are not `RuntimeException`s.
         const INPUT_OUTPUT: [&str; 8] = [
             "IOException",
             "FileNotFoundException",
@@ -335,14 +336,14 @@ impl Machine {
         }
     }
 
-    /// Whether it is true whatever the program does.
+    /// Returns true if a condition is constantly true.
     pub(crate) fn is_always_true(condition: Option<&Expression>) -> bool {
         condition
             .is_none_or(|own| matches!(own.kind, ExpressionKind::Literal(Literal::Boolean(true))))
     }
 }
 
-/// What a `catch` gets.
+/// Returns the value of a `catch` parameter.
 fn value_of(thrown: &Rc<Thrown>) -> Value {
     match &thrown.value {
         Value::Object(object) => Value::Object(Rc::clone(object)),

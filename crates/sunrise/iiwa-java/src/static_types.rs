@@ -1,5 +1,5 @@
-//! Types of expressions, as a compiler has them, where the value alone does not say what Java does: which side of a condition
-//! widens the other, which of several methods is called, and whether `==` compares numbers or objects.
+//! Static types of expressions, where the value alone does not determine Java's behaviour: numeric
+//! promotion in conditional expressions, overload resolution, and `==` on numbers or objects.
 
 use crate::{
     class_id::ClassId,
@@ -13,29 +13,29 @@ use crate::{
     variables::fields,
 };
 
-/// The type of a sum of which only that is known that it is a number.
+/// Type of a sum that is only known to be a number.
 pub(crate) const NUMBER: &str = "a number";
 
-/// The type of a lambda expression or a method reference.
+/// Type of a lambda expression or a method reference.
 const FUNCTION: &str = "a function";
 
-/// Methods of Java's library that give primitive numbers, of any class.
+/// Java library methods that return primitive numbers, of any class.
 const PRIMITIVE: [&str; 5] =
     ["abs", "incrementAndGet", "getAndIncrement", "decrementAndGet", "getAndDecrement"];
 
-/// Methods of Java's library that give elements of collections, of any class.
+/// Java library methods that return collection elements, of any class.
 const BOXED: [&str; 17] = [
     "valueOf", "next", "previous", "getKey", "getValue", "peek", "poll", "pop", "getFirst",
     "getLast", "first", "last", "put", "remove", "set", "element", "take",
 ];
 
 impl Machine {
-    /// The type of an expression; none if it is not known.
+    /// Returns the type of an expression; `None` if it is unknown.
     pub(crate) fn static_type(&self, expression: &Expression) -> Option<TypeName> {
         self.erased(self.declared_type(expression)?)
     }
 
-    /// The type of an expression, which may be a type variable.
+    /// Returns the type of an expression, which may be a type variable.
     fn declared_type(&self, expression: &Expression) -> Option<TypeName> {
         match &expression.kind {
             ExpressionKind::Lambda(_) | ExpressionKind::Reference(_) => Some(plain(FUNCTION)),
@@ -125,14 +125,15 @@ impl Machine {
         }
     }
 
-    /// The type in which two numbers meet.
+    /// Returns the promoted type of two numbers.
     fn promoted(&self, left: &Expression, right: &Expression) -> Option<TypeName> {
         let rank = |own: &Expression| rank(unboxed(&self.static_type(own)?)?);
         let widest = rank(left)?.max(rank(right)?).max(3);
         WIDENING.get(widest).map(|name| plain(name))
     }
 
-    /// The type of `condition ? then : otherwise` (JLS 15.25); none if it is not a primitive one, or not known.
+    /// Returns the type of `condition ? then : otherwise` (JLS 15.25); `None` if it is not
+    /// primitive, or unknown.
     pub(crate) fn type_of_conditional(
         &self,
         then: &Expression,
@@ -146,7 +147,7 @@ impl Machine {
         if a == b {
             return Some(plain(a));
         }
-        // A constant is narrowed to the type of the other side, if it fits.
+        // A constant is narrowed to the type of the other operand, if it fits.
         for (narrow, constant) in [(a, otherwise), (b, then)] {
             if !matches!(constant.kind, ExpressionKind::Literal(Literal::Char(_)))
                 && let Some(value) = constant_of(constant)
@@ -179,7 +180,7 @@ impl Machine {
         let mut class = Some(activation.class);
         while let Some(id) = class {
             if let Some((owner, declared)) = self.type_of_field(id, name) {
-                // Type variables of a class around may have the names of others.
+                // Type variables of an enclosing class may shadow each other's names.
                 return if id == activation.class {
                     self.type_of_member(None, owner, &declared)
                 } else {
@@ -191,7 +192,7 @@ impl Machine {
         None
     }
 
-    /// The class that declares a field, and the field's type there.
+    /// Returns the class that declares a field, and the declared type.
     fn type_of_field(&self, class: ClassId, name: &str) -> Option<(ClassId, TypeName)> {
         self.java.classes.with_parents(class).into_iter().find_map(|id| {
             let class = &self.java.classes.known(id).class;
@@ -203,7 +204,7 @@ impl Machine {
         })
     }
 
-    /// The class of the project that an expression is of, by its type, or that it names.
+    /// Returns the project class of an expression's type, or the class that the expression names.
     pub(crate) fn class_of(&self, expression: &Expression) -> Option<ClassId> {
         let within = self.java.activation()?.class;
         match &expression.kind {
@@ -283,19 +284,20 @@ impl Machine {
             | "name" | "format" => "String",
             _ => return None,
         });
-        // Of an object that may be one of the project, whose methods may give something else.
+        // The object may belong to the project, whose methods may return another type.
         let is_certain = self.static_type(on).is_some()
             || self.declared_results(name).iter().all(|own| *own == found);
         is_certain.then_some(found)
     }
 
-    /// The types of the results of the project's methods of a name.
+    /// Returns the result types of all project methods of a name.
     fn declared_results(&self, name: &str) -> Vec<TypeName> {
         let methods = self.java.classes.named_methods(name).iter();
         methods.map(|own| own.returns.clone()).collect()
     }
 
-    /// True if a number is an object (`Integer`, say), by the type of its expression; none if that is not known.
+    /// Returns true if the expression's type is a boxed number such as `Integer`; `None` if
+    /// unknown.
     pub(crate) fn is_boxed(&self, expression: &Expression) -> Option<bool> {
         if let Some(own) = self.static_type(expression) {
             return Some(own.name != NUMBER && !is_primitive(&own));
@@ -305,7 +307,7 @@ impl Machine {
             ExpressionKind::Field { name, .. } if name == "length" => Some(false),
             ExpressionKind::Conditional { then, otherwise, .. } => {
                 let sides = (self.is_boxed(then)?, self.is_boxed(otherwise)?);
-                // One primitive side makes both primitive.
+                // One primitive operand makes both primitive.
                 Some(sides.0 && sides.1)
             }
             ExpressionKind::Call { on, name, .. } => self.is_boxed_result(on.as_deref(), name),
@@ -337,7 +339,8 @@ impl Machine {
         }
     }
 
-    /// True if the elements of a collection have no indices, by its type: its `remove` takes an element.
+    /// Returns true if the static type of a collection has no indices: its `remove` takes an
+    /// element.
     pub(crate) fn has_no_indices(&self, collection: &Expression) -> bool {
         self.static_type(collection).is_some_and(|own| {
             let name = simple(&own.name);
@@ -347,7 +350,7 @@ impl Machine {
         })
     }
 
-    /// True if the value of an expression may be the object of a number: `Integer`, say.
+    /// Returns true if the value of an expression may be a boxed number such as `Integer`.
     pub(crate) fn may_be_boxed(&self, expression: &Expression) -> bool {
         self.is_boxed(expression).unwrap_or(match &expression.kind {
             ExpressionKind::Call { on: Some(_), name, .. } => {
@@ -358,8 +361,8 @@ impl Machine {
         })
     }
 
-    /// True if a value can be passed where this type is wanted, without a conversion that only the third phase of the search for
-    /// a method makes (JLS 15.12.2); none if the classes of libraries would have to be known.
+    /// Returns true if a value can be passed to a parameter of this type without a conversion of
+    /// the third resolution phase (JLS 15.12.2); `None` if it depends on library classes.
     pub(crate) fn widens(&self, from: &TypeName, to: &TypeName, boxes: bool) -> Option<bool> {
         if from == to {
             return Some(true);
@@ -368,7 +371,7 @@ impl Machine {
             return Some(!is_primitive(to));
         }
         if from.name == FUNCTION {
-            // The search for methods that fit has looked at the rest.
+            // The other conditions are checked when the applicable methods are searched.
             return Some(!is_primitive(to) && !is_text(to));
         }
         if from.dimensions > 0 || to.dimensions > 0 {
@@ -395,7 +398,7 @@ impl Machine {
         if below == "Object" {
             return Some(false);
         }
-        // They have no classes below.
+        // These classes are final.
         if above == "String" || boxed_names().any(|own| own == above) {
             return Some(false);
         }
@@ -415,7 +418,8 @@ impl Machine {
     }
 }
 
-/// The value of a constant expression of whole numbers (JLS 15.28); none if it has names, or another value.
+/// Returns the value of a constant integer expression (JLS 15.28); `None` if it contains names, or
+/// has another value.
 fn constant_of(expression: &Expression) -> Option<i32> {
     use BinaryOperator as Op;
     Some(match &expression.kind {

@@ -1,25 +1,25 @@
-//! Why an evaluation goes no further.
+//! Reasons to stop an evaluation.
 
 use std::rc::Rc;
 
 use crate::{place::Place, value::Thrown};
 
-/// Why an expression has no value.
+/// Reason why an expression has no value.
 #[derive(Debug)]
 pub enum Stop {
-    /// An exception of Java, which the program may catch.
+    /// Java exception, which the program may catch.
     Thrown(Rc<Thrown>),
-    /// The application goes on for ever as it did: what follows is not reached.
+    /// Endless loop of the application: the code after the loop is not reached.
     Ended,
-    /// What cannot be planned ahead: the whole application is refused.
+    /// Code that cannot be planned offline: the whole application is refused.
     Refused(Box<Refusal>),
 }
 
-/// Why an application is refused.
+/// Refusal of an application.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Refusal {
-    /// A sentence without its capital and its full stop.
+    /// Sentence without its capital and its full stop.
     pub reason: String,
-    /// Where the evaluation ended.
+    /// Place at which the evaluation ended.
     pub place: Place,
 }

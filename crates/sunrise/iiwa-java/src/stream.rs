@@ -6,7 +6,7 @@ use crate::{
 };
 
 impl StreamKind {
-    /// The beginning of the names of its functional interfaces.
+    /// Returns the name prefix of the functional interfaces.
     pub(crate) fn prefix(self) -> &'static str {
         match self {
             Self::Object => "",
@@ -16,7 +16,7 @@ impl StreamKind {
         }
     }
 
-    /// The type of elements in arrays.
+    /// Returns the element type in arrays.
     pub(crate) fn element(self) -> &'static str {
         match self {
             Self::Object => "Object",
@@ -30,14 +30,14 @@ impl StreamKind {
         value.converted_to(&plain(self.element()))
     }
 
-    /// The kind of the stream of an array of this type.
+    /// Returns the stream kind of an array with this element type.
     pub(crate) fn of_element(element: &str) -> Option<Self> {
         [Self::Int, Self::Long, Self::Double].into_iter().find(|own| own.element() == element)
     }
 }
 
 impl Stage {
-    /// The function that the stage runs.
+    /// Returns the function that the stage runs.
     pub(crate) fn function(&self) -> Option<&Value> {
         match self {
             Self::Map(of, _) | Self::Filter(of, _) | Self::Peek(of, _) => Some(of),
@@ -46,7 +46,7 @@ impl Stage {
         }
     }
 
-    /// True if as many elements come out as go in.
+    /// Returns true if the stage keeps the number of elements.
     pub(crate) fn keeps_count(&self) -> bool {
         matches!(self, Self::Map(..) | Self::Peek(..) | Self::Convert(_) | Self::Sorted(_))
     }

@@ -1,4 +1,4 @@
-//! `switch`, as a statement and as an expression.
+//! `switch` statements and expressions.
 
 use crate::{
     flow::Flow,
@@ -31,7 +31,7 @@ impl Machine {
         Ok(if matches!(flow, Flow::Break(None)) { Flow::Next } else { flow })
     }
 
-    /// The value of a switch that is an expression.
+    /// Evaluates a `switch` expression.
     pub(crate) fn value_of_switch(
         &mut self,
         expression: &Expression,
@@ -56,7 +56,7 @@ impl Machine {
         Ok(Value::Unknown(unknown))
     }
 
-    /// Runs the groups that a value selects; nothing is run if it is not known which.
+    /// Runs the groups that a value selects; no group if the selection is unknown.
     fn switched(&mut self, value: &Value, groups: &[SwitchGroup]) -> Result<Known<Flow>, Stop> {
         let outside = self.local_count();
         let result = match self.matching_group(value, groups)? {
@@ -78,7 +78,8 @@ impl Machine {
         Ok(Flow::Next)
     }
 
-    /// The number of the group that a value selects; the variables of its pattern are declared.
+    /// Returns the index of the group that a value selects; the variables of its pattern are
+    /// declared.
     fn matching_group(
         &mut self,
         value: &Value,
@@ -116,10 +117,10 @@ impl Machine {
         Ok(Ok(default))
     }
 
-    /// Comparison of a value with a label: a boolean, or unknown.
+    /// Compares a value with a label: a boolean, or unknown.
     fn is_label(&mut self, value: &Value, label: &Expression) -> Result<Value, Stop> {
         Ok(Value::Boolean(match (value, &label.kind) {
-            // Constants of an enum are named without it.
+            // Labels name enum constants without their class.
             (Value::Object(object), ExpressionKind::Name(name)) if object.constant.is_some() => {
                 object.constant.as_ref().is_some_and(|(own, _)| **own == **name)
             }

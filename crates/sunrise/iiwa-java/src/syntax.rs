@@ -1,20 +1,20 @@
-//! The syntax of Java, as far as robot programs use it.
+//! Java syntax, as far as robot programs use it.
 
 use std::sync::Arc;
 
-/// A source file.
+/// Source file.
 #[derive(Debug, Default)]
 pub struct Unit {
-    /// Its package, as `a.b`; empty if it names none.
+    /// Package as `a.b`; empty for the default package.
     pub(crate) package: String,
     pub(crate) imports: Vec<Import>,
     pub(crate) classes: Vec<Arc<Class>>,
 }
 
-/// `import a.b.C;`, `import static a.b.C.d;`, `import a.b.*;`.
+/// Import: `import a.b.C;`, `import static a.b.C.d;` or `import a.b.*;`.
 #[derive(Debug)]
 pub(crate) struct Import {
-    /// `a.b.C`; for all of a package or class, the name before `.*`.
+    /// Imported name `a.b.C`; for an on-demand import, the name before `.*`.
     pub(crate) path: String,
     pub(crate) is_static: bool,
     pub(crate) is_all: bool,
@@ -25,11 +25,11 @@ pub(crate) enum ClassKind {
     Class,
     Interface,
     Enum,
-    /// Read as a class, with the members that it has by being one.
+    /// Record, read as a class with its implicit members.
     Record,
 }
 
-/// A class, an interface or an enum.
+/// Class, interface, enum or record.
 #[derive(Debug)]
 pub(crate) struct Class {
     pub(crate) name: String,
@@ -38,25 +38,25 @@ pub(crate) struct Class {
     pub(crate) is_abstract: bool,
     pub(crate) type_parameters: Vec<TypeParameter>,
     pub(crate) extends: Option<TypeName>,
-    /// What it implements; what an interface extends.
+    /// Implemented interfaces; for an interface, the interfaces that it extends.
     pub(crate) implements: Vec<TypeName>,
-    /// Of an enum.
+    /// Enum constants.
     pub(crate) constants: Vec<Constant>,
     /// Fields and initialisers in order.
     pub(crate) members: Vec<Member>,
     pub(crate) methods: Vec<Arc<Method>>,
     pub(crate) constructors: Vec<Arc<Method>>,
-    /// Classes within it.
+    /// Member classes.
     pub(crate) classes: Vec<Arc<Class>>,
 }
 
-/// A constant of an enum.
+/// Enum constant.
 #[derive(Debug)]
 pub(crate) struct Constant {
     pub(crate) name: String,
     pub(crate) line: u32,
     pub(crate) arguments: Vec<Expression>,
-    /// The body that it has of its own.
+    /// Class body of the constant.
     pub(crate) body: Option<Arc<Class>>,
 }
 
@@ -66,41 +66,42 @@ pub(crate) enum Member {
     Initializer { is_static: bool, body: Vec<Statement> },
 }
 
-/// A field; `int a = 1, b;` is two.
+/// Field; `int a = 1, b;` declares two.
 #[derive(Debug)]
 pub(crate) struct Field {
     pub(crate) name: String,
     pub(crate) type_name: TypeName,
     pub(crate) line: u32,
-    /// Those of an interface are static.
+    /// `true` for static fields, including all fields of an interface.
     pub(crate) is_static: bool,
     pub(crate) annotations: Vec<Annotation>,
     pub(crate) initial: Option<Expression>,
 }
 
-/// `@Name`, `@Name("value")`; other arguments are left out.
+/// Annotation `@Name` or `@Name("value")`; other arguments are left out.
 #[derive(Debug)]
 pub(crate) struct Annotation {
-    /// Without a package.
+    /// Name without the package.
     pub(crate) name: String,
     pub(crate) value: Option<String>,
 }
 
-/// A method or a constructor.
+/// Method or constructor.
 #[derive(Debug)]
 pub(crate) struct Method {
-    /// That of the class, for constructors.
+    /// Name; for constructors, the name of the class.
     pub(crate) name: String,
     pub(crate) line: u32,
     pub(crate) is_static: bool,
     pub(crate) annotations: Vec<Annotation>,
     pub(crate) type_parameters: Vec<TypeParameter>,
     pub(crate) parameters: Vec<Parameter>,
-    /// Whether the last parameter takes any number of arguments; its type has one dimension more than is written.
+    /// `true` for variable arity; the type of the last parameter then has one more dimension than
+    /// written.
     pub(crate) is_variadic: bool,
-    /// `void` if nothing is returned.
+    /// Result type, `void` if nothing is returned.
     pub(crate) returns: TypeName,
-    /// None if it is abstract or native.
+    /// Body; `None` if the method is abstract or native.
     pub(crate) body: Option<Vec<Statement>>,
 }
 
@@ -110,22 +111,23 @@ pub(crate) struct Parameter {
     pub(crate) type_name: TypeName,
 }
 
-/// A type variable of a class or a method: `T extends Frame`.
+/// Type variable of a class or a method: `T extends Frame`.
 #[derive(Clone, Debug)]
 pub(crate) struct TypeParameter {
     pub(crate) name: String,
-    /// The first of its bounds.
+    /// First bound.
     pub(crate) bound: Option<TypeName>,
 }
 
-/// A type. Equality is that of erasures (JLS 4.6): type arguments do not count.
+/// Type. Equality compares erasures (JLS 4.6), without type arguments.
 #[derive(Clone, Debug)]
 pub(crate) struct TypeName {
-    /// As written: `int`, `Frame`, `a.b.C`, `Outer.Inner`.
+    /// Name as written: `int`, `Frame`, `a.b.C`, `Outer.Inner`.
     pub(crate) name: String,
-    /// Of an array.
+    /// Number of array dimensions.
     pub(crate) dimensions: usize,
-    /// Type arguments; wildcards by their bounds. Those that a compiler would infer have an empty name.
+    /// Type arguments; wildcards by their bounds. Arguments that a compiler would infer have an
+    /// empty name.
     pub(crate) arguments: Vec<Self>,
 }
 
@@ -134,7 +136,7 @@ impl TypeName {
         Self { name: name.to_owned(), dimensions, arguments: Vec::new() }
     }
 
-    /// The type of the elements of an array.
+    /// Returns the element type of an array.
     pub(crate) fn element(&self) -> Self {
         self.with_dimensions(self.dimensions.saturating_sub(1))
     }
@@ -181,7 +183,7 @@ pub(crate) enum StatementKind {
         condition: Expression,
     },
     For {
-        /// A declaration, or expressions.
+        /// Declaration, or expressions.
         initial: Vec<Statement>,
         condition: Option<Expression>,
         update: Vec<Expression>,
@@ -201,7 +203,7 @@ pub(crate) enum StatementKind {
     Continue(Option<String>),
     Return(Option<Expression>),
     Throw(Expression),
-    /// The value of the switch around it.
+    /// Yields the value of the enclosing switch.
     Yield(Expression),
     Try {
         /// Declarations, or expressions.
@@ -219,27 +221,27 @@ pub(crate) enum StatementKind {
     },
     Assert,
     Empty,
-    /// What it is, with its article: "an annotation type".
+    /// Unsupported statement, with an article: "an annotation type".
     Unsupported(String),
 }
 
-/// A local variable of a declaration.
+/// Local variable of a declaration.
 #[derive(Debug)]
 pub(crate) struct Variable {
     pub(crate) name: String,
-    /// `[]` behind the name, beyond those of the type.
+    /// Number of `[]` after the name, beyond those of the type.
     pub(crate) dimensions: usize,
     pub(crate) initial: Option<Expression>,
 }
 
-/// `case 1: case 2: ...`.
+/// Switch group: `case 1: case 2: ...`.
 #[derive(Debug)]
 pub(crate) struct SwitchGroup {
     pub(crate) labels: Vec<Label>,
-    /// The condition behind `when`.
+    /// Condition after `when`.
     pub(crate) guard: Option<Expression>,
     pub(crate) body: Vec<Statement>,
-    /// Whether it goes on into the next group: false for those with `->`.
+    /// `true` if the group falls through into the next one: false with `->`.
     pub(crate) falls_through: bool,
 }
 
@@ -250,48 +252,48 @@ pub(crate) enum Label {
     Pattern(Pattern),
 }
 
-/// A pattern of `instanceof` or `case` (JLS 14.30).
+/// Pattern of `instanceof` or `case` (JLS 14.30).
 #[derive(Debug)]
 pub(crate) enum Pattern {
-    /// `Type`, `Type name`; `var name` within a record pattern.
+    /// Type pattern: `Type`, `Type name`; `var name` within a record pattern.
     Type { type_name: TypeName, name: Option<String> },
-    /// `Point(int x, var y)`.
+    /// Record pattern: `Point(int x, var y)`.
     Record { type_name: TypeName, parts: Vec<Self> },
-    /// `_`.
+    /// Unnamed pattern: `_`.
     Any,
 }
 
-/// A lambda expression.
+/// Lambda expression.
 #[derive(Debug)]
 pub(crate) struct Lambda {
     pub(crate) line: u32,
-    /// Parameters; their type is `var` if none is written.
+    /// Parameters; their type is `var` if it is not written.
     pub(crate) parameters: Vec<Parameter>,
-    /// An expression body is a `return`.
+    /// Statements; an expression body is a `return`.
     pub(crate) body: Vec<Statement>,
-    /// The names in it, in order, each once: those of variables that it may capture.
+    /// Names in the lambda, in order, without duplicates: candidates for captured variables.
     pub(crate) names: Vec<String>,
-    /// True if it can implement a method that returns nothing.
+    /// `true` if the lambda can implement a method that returns nothing.
     pub(crate) is_void_compatible: bool,
-    /// True if it can implement a method that returns a value.
+    /// `true` if the lambda can implement a method that returns a value.
     pub(crate) is_value_compatible: bool,
 }
 
-/// A method reference.
+/// Method reference.
 #[derive(Debug)]
 pub(crate) struct Reference {
     pub(crate) line: u32,
     pub(crate) of: ReferenceOf,
-    /// The method; none for `new`.
+    /// Name of the method; `None` for `new`.
     pub(crate) name: Option<String>,
-    /// The names in it, in order, each once.
+    /// Names in the reference, in order, without duplicates.
     pub(crate) names: Vec<String>,
 }
 
-/// The part of a method reference before `::`.
+/// Part of a method reference before `::`.
 #[derive(Debug)]
 pub(crate) enum ReferenceOf {
-    /// A value, or a name that may be that of a class.
+    /// Value, or a name that may be a class name.
     Expression(Expression),
     Type(TypeName),
 }
@@ -305,7 +307,7 @@ pub(crate) struct Catch {
 
 #[derive(Debug)]
 pub(crate) struct Expression {
-    /// Where it begins; of a call or an access to a field, where its name stands.
+    /// First line; for a call or a field access, the line of the name.
     pub(crate) line: u32,
     pub(crate) kind: ExpressionKind,
 }
@@ -313,7 +315,7 @@ pub(crate) struct Expression {
 #[derive(Debug)]
 pub(crate) enum ExpressionKind {
     Literal(Literal),
-    /// A single name: of a local variable, a field or a class.
+    /// Simple name of a local variable, a field or a class.
     Name(String),
     Field {
         of: Box<Expression>,
@@ -324,25 +326,25 @@ pub(crate) enum ExpressionKind {
         name: String,
         arguments: Vec<Expression>,
     },
-    /// `this(...)` in a constructor.
+    /// Call of `this(...)` in a constructor.
     ThisCall(Vec<Expression>),
-    /// `super(...)` in a constructor.
+    /// Call of `super(...)` in a constructor.
     SuperCall(Vec<Expression>),
     New {
         type_name: TypeName,
         arguments: Vec<Expression>,
-        /// Of an anonymous class.
+        /// Body of an anonymous class.
         body: Option<Arc<Class>>,
     },
-    /// `new int[2][]`, `new int[] {1, 2}`.
+    /// Array creation: `new int[2][]`, `new int[] {1, 2}`.
     NewArray {
-        /// With all dimensions.
+        /// Type with all dimensions.
         type_name: TypeName,
-        /// Those that are given.
+        /// Given lengths.
         lengths: Vec<Expression>,
         values: Option<Vec<Expression>>,
     },
-    /// `{1, 2}` where an array is declared, or within another.
+    /// Array initialiser `{1, 2}` in an array declaration, or within another one.
     Array(Vec<Expression>),
     Index {
         of: Box<Expression>,
@@ -352,7 +354,7 @@ pub(crate) enum ExpressionKind {
         operator: UnaryOperator,
         value: Box<Expression>,
     },
-    /// `++a`, `a--`.
+    /// Increment or decrement: `++a`, `a--`.
     Step {
         target: Box<Expression>,
         is_increment: bool,
@@ -363,7 +365,7 @@ pub(crate) enum ExpressionKind {
         left: Box<Expression>,
         right: Box<Expression>,
     },
-    /// `a = b`, `a += b`.
+    /// Assignment: `a = b`, `a += b`.
     Assign {
         operator: Option<BinaryOperator>,
         target: Box<Expression>,
@@ -389,14 +391,14 @@ pub(crate) enum ExpressionKind {
     SuperOf(TypeName),
     /// `Name.class`.
     ClassLiteral(TypeName),
-    /// A `switch` with a value: what its groups [yield](StatementKind::Yield).
+    /// Switch expression: its groups [yield](StatementKind::Yield) the value.
     Switch {
         value: Box<Expression>,
         groups: Vec<SwitchGroup>,
     },
     Lambda(Arc<Lambda>),
     Reference(Arc<Reference>),
-    /// Its name with an article: "a string template".
+    /// Unsupported expression, with an article: "a string template".
     Unsupported(String),
 }
 
@@ -438,7 +440,7 @@ pub(crate) enum BinaryOperator {
     GreaterOrEqual,
     Equal,
     NotEqual,
-    /// `&`, of bits or without short circuit.
+    /// `&`, bitwise or without short circuit.
     And,
     Xor,
     Or,

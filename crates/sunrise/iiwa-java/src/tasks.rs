@@ -1,4 +1,4 @@
-//! Tasks that a program starts at the same time: what they would do is searched for, and not evaluated.
+//! Concurrent tasks of a program: their effects are searched, but not evaluated.
 
 use std::{collections::BTreeSet, rc::Rc};
 
@@ -7,18 +7,19 @@ use crate::{machine::Machine, syntax::Member, unknown::Unknown, value::Value};
 /// Methods that a task runs: those of `Runnable`, `TimerTask` and `Callable`.
 const METHODS: [&str; 2] = ["run", "call"];
 
-/// The doings of a task.
+/// Effects of a task.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct TaskEffects {
-    /// Whether it acts otherwise than by taking time.
+    /// `true` if the task acts other than by taking time.
     pub moves: bool,
-    /// The names of the methods that it calls, by way of others or not.
+    /// Names of the methods that the task calls, directly or indirectly.
     pub calls: BTreeSet<String>,
 }
 
 impl Machine {
-    /// Starts a task that is not evaluated: values that it sets are unknown from here on. Nothing is done if it acts, or calls one of
-    /// these methods. None if the task has no method that would be run.
+    /// Starts a task without evaluating it: the values that it sets are unknown from here on.
+    /// Nothing is changed if the task acts other than by taking time, or calls one of the
+    /// `interfering` methods. `None` if the task has no method to run.
     pub fn start_task(
         &mut self,
         task: &Value,
@@ -41,7 +42,7 @@ impl Machine {
         Some(task)
     }
 
-    /// The names of all fields of the project.
+    /// Returns the names of all fields of the project.
     pub(crate) fn field_names(&self) -> BTreeSet<String> {
         let classes = &self.java.classes;
         let members = classes.ids().flat_map(|id| &classes.known(id).class.members);
@@ -54,7 +55,7 @@ impl Machine {
 }
 
 impl Value {
-    /// True for a value that can be a task: an object of the project, or a function.
+    /// Returns true for a value that can be a task: a project object, or a function.
     #[must_use]
     pub fn is_task(&self) -> bool {
         matches!(self, Self::Object(_) | Self::Function(_))

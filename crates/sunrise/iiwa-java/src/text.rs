@@ -1,4 +1,4 @@
-//! Values as text, as Java writes them.
+//! Values as text, in Java's format.
 
 use std::{
     fmt::{Debug, Display, UpperExp, Write as _},
@@ -15,10 +15,10 @@ use crate::{
     variables::fields,
 };
 
-/// A text, or what it depends on.
+/// Text, or the unknown value that it depends on.
 pub(crate) type Text = Result<String, Rc<Unknown>>;
 
-/// Levels of collections within collections that are written.
+/// Maximum nesting depth of collections in a text.
 const MAX_NESTING: usize = 20;
 
 /// Exceptions whose package is known.
@@ -35,7 +35,7 @@ const OF_JAVA_LANG: [&str; 10] = [
     "RuntimeException",
 ];
 
-/// `Double.toString`.
+/// Evaluates `Double.toString`.
 pub(crate) fn double(value: f64) -> String {
     if value.is_nan() {
         return "NaN".to_owned();
@@ -47,7 +47,7 @@ pub(crate) fn double(value: f64) -> String {
     with_point(value, f64::MANTISSA_DIGITS, plain, exponent)
 }
 
-/// `Float.toString`.
+/// Evaluates `Float.toString`.
 pub(crate) fn float(value: f32) -> String {
     if !value.is_finite() {
         return double(f64::from(value));
@@ -56,7 +56,8 @@ pub(crate) fn float(value: f32) -> String {
     with_point(f64::from(value), f32::MANTISSA_DIGITS, plain, exponent)
 }
 
-/// The shortest texts that are read back to a number, without and with an exponent; of equally short ones the nearest.
+/// Returns the shortest texts that are read back to a number, without and with an exponent; the
+/// nearest among equally short ones.
 fn shortest<T>(value: T) -> [String; 2]
 where
     T: Copy + Debug + Display + UpperExp + FromStr + PartialEq,
@@ -73,15 +74,17 @@ where
     ]
 }
 
-/// Digits behind the point, of which Java has at least one.
+/// Returns the number of digits after the decimal point, at least one in Java.
 fn decimals(text: &str) -> usize {
     let digits = text.split_once('.').map_or("", |(_, behind)| behind);
     digits.find('E').unwrap_or(digits.len()).max(1)
 }
 
-/// Java has digits from 1e-3 to 1e7, and an exponent outside, both with a point. The digits are the shortest ones, and
-/// of those the nearest to the number: at least two, 4.9E-324 and not 5E-324. Up to Java 18, as controllers have it, large whole
-/// numbers keep more digits; their few other texts that are longer than needed, such as that of 1e23, are not imitated.
+/// Formats a number as Java does: without an exponent from 1e-3 to 1e7, otherwise with one, and
+/// always with a decimal point. The digits are the shortest ones, and the nearest to the number
+/// among these: at least two, 4.9E-324 and not 5E-324. Up to Java 18, as on controllers, large
+/// integers keep more digits; the few other texts of these versions that are longer than needed,
+/// such as that of 1e23, are not reproduced.
 fn with_point(value: f64, significant_bits: u32, plain: String, with_exponent: String) -> String {
     let size = value.abs();
     if size == 0.0 || (1e-3..1e7).contains(&size) {
@@ -94,7 +97,8 @@ fn with_point(value: f64, significant_bits: u32, plain: String, with_exponent: S
     if with_exponent.contains('.') { with_exponent } else { with_exponent.replacen('E', ".0E", 1) }
 }
 
-/// A whole number of at least 1e7 and below 2^63, without the digits that the bits of its type do not say.
+/// Formats an integer of at least 1e7 and below 2^63, without the digits beyond the precision of
+/// its type.
 #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "within 64 bits")]
 fn whole(size: f64, significant_bits: u32) -> Option<String> {
     if size.fract() != 0.0 || !(1e7..9_223_372_036_854_775_808.0).contains(&size) {
@@ -114,7 +118,7 @@ fn whole(size: f64, significant_bits: u32) -> Option<String> {
 }
 
 impl Machine {
-    /// What a string holds of a value when it is appended.
+    /// Converts a value to text for string concatenation.
     pub(crate) fn text_of(&mut self, value: &Value) -> Result<Text, Stop> {
         self.text_within(value, 0)
     }
@@ -213,7 +217,7 @@ impl Machine {
         }))
     }
 
-    /// `Point[x=1, y=2]`.
+    /// Formats a record as `Point[x=1, y=2]`.
     pub(crate) fn text_of_record(
         &mut self,
         object: &Rc<Object>,
@@ -232,7 +236,7 @@ impl Machine {
         Ok(Ok(format!("{}[{}]", class.name, parts.join(", "))))
     }
 
-    /// A text that is not known.
+    /// Creates the reason of an unknown text.
     fn no_text(&self, reason: &str) -> Rc<Unknown> {
         Rc::new(Unknown {
             reason: reason.to_owned(),
@@ -241,7 +245,7 @@ impl Machine {
         })
     }
 
-    /// `[a, b]`.
+    /// Formats elements as `[a, b]`.
     fn listed(&mut self, values: &[Value], depth: usize) -> Result<Text, Stop> {
         let mut texts = Vec::new();
         for value in values {
@@ -253,7 +257,7 @@ impl Machine {
         Ok(Ok(format!("[{}]", texts.join(", "))))
     }
 
-    /// `Arrays.toString`, `[a, b]`.
+    /// Evaluates `Arrays.toString`, which formats as `[a, b]`.
     pub(crate) fn text_of_elements(&mut self, values: &[Value]) -> Result<Text, Stop> {
         self.listed(values, 0)
     }

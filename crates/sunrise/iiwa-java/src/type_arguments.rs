@@ -1,4 +1,4 @@
-//! Type arguments and type variables: the types of elements, of results, and of members of generic classes.
+//! Type arguments and type variables: types of elements, results, and members of generic classes.
 
 use crate::{
     class_id::ClassId,
@@ -9,7 +9,7 @@ use crate::{
     type_names::{boxed, plain},
 };
 
-/// Collections of Java's library, whose type argument is the type of their elements.
+/// Java library collections, whose type argument is the element type.
 const COLLECTIONS: [&str; 20] = [
     "Iterable",
     "Collection",
@@ -33,7 +33,7 @@ const COLLECTIONS: [&str; 20] = [
     "ConcurrentLinkedQueue",
 ];
 
-/// Maps of Java's library, whose type arguments are the types of keys and of values.
+/// Java library maps, whose type arguments are the key and value types.
 const MAPS: [&str; 9] = [
     "Map",
     "HashMap",
@@ -47,7 +47,7 @@ const MAPS: [&str; 9] = [
 ];
 
 impl Machine {
-    /// The type of the elements of what a loop goes through.
+    /// Returns the element type of an iterated expression.
     pub(crate) fn type_of_element(&self, iterable: &Expression) -> Option<TypeName> {
         let of = self.static_type(iterable)?;
         if of.dimensions > 0 {
@@ -59,7 +59,7 @@ impl Machine {
         self.erased(argument(&of, 0)?)
     }
 
-    /// The type of the result of a method of Java's library; none if it is not known.
+    /// Returns the result type of a Java library method; `None` if it is unknown.
     pub(crate) fn type_of_library_result(
         &self,
         of: &TypeName,
@@ -129,7 +129,7 @@ impl Machine {
         }
     }
 
-    /// A type with the type variables of the method and the classes that are run replaced by their bounds.
+    /// Replaces the type variables of the running method and its classes by their bounds.
     pub(crate) fn erased(&self, own: TypeName) -> Option<TypeName> {
         if own.name.is_empty() {
             return None;
@@ -151,12 +151,13 @@ impl Machine {
         Some(own)
     }
 
-    /// True if a type names type variables of a class.
+    /// Returns true if a type mentions type variables of a class.
     pub(crate) fn mentions_variables(&self, owner: ClassId, own: &TypeName) -> bool {
         mentions(own, &self.java.classes.known(owner).class.type_parameters)
     }
 
-    /// The type of a member as it is declared in a class, for what is before its dot; none if that does not say it.
+    /// Returns the type of a class member for the expression before its dot; `None` if it is
+    /// undetermined.
     pub(crate) fn type_of_member(
         &self,
         on: Option<&Expression>,
@@ -192,7 +193,7 @@ impl Machine {
         substituted(declared, variables, &arguments)
     }
 
-    /// The type arguments that a class with type arguments gives to one above it.
+    /// Returns the type arguments of a superclass, for a class with type arguments.
     fn arguments_above(
         &self,
         class: ClassId,
@@ -226,8 +227,8 @@ impl Machine {
         None
     }
 
-    /// The type of the result of a method whose type mentions type variables of the method itself: that of the argument for the
-    /// only parameter of this type.
+    /// Returns the result type of a method that mentions its own type variables: the type of the
+    /// argument for the only parameter of this type.
     pub(crate) fn type_by_arguments(
         &self,
         method: &Method,
@@ -248,13 +249,13 @@ impl Machine {
             let name = boxed(&given.name).filter(|_| given.dimensions == 0);
             return Some(name.map_or(given, plain));
         }
-        // `T first(List<T> list)`.
+        // Methods such as `T first(List<T> list)`.
         let [variable] = &parameter.type_name.arguments[..] else { return None };
         let [argument] = &given.arguments[..] else { return None };
         (*variable == method.returns && !argument.name.is_empty()).then(|| argument.clone())
     }
 
-    /// The type of a parameter, without type variables of its method and class.
+    /// Returns the type of a parameter, without type variables of its method and class.
     pub(crate) fn erased_parameter(
         &self,
         owner: ClassId,
@@ -270,7 +271,7 @@ impl Machine {
     }
 }
 
-/// The type argument at a place; `Object` of a raw type.
+/// Returns the type argument at an index; `Object` for a raw type.
 fn argument(of: &TypeName, place: usize) -> Option<TypeName> {
     if of.arguments.is_empty() {
         return Some(plain("Object"));
@@ -278,7 +279,7 @@ fn argument(of: &TypeName, place: usize) -> Option<TypeName> {
     of.arguments.get(place).filter(|own| !own.name.is_empty()).cloned()
 }
 
-/// A type variable's bound, as an array if it is one of the variable.
+/// Returns the bound of a type variable, as an array if the type is an array of the variable.
 fn bounded(own: &TypeName, variable: &TypeParameter) -> TypeName {
     let bound = variable.bound.clone().unwrap_or_else(|| plain("Object"));
     bound.with_dimensions(bound.dimensions + own.dimensions)
@@ -289,7 +290,7 @@ fn mentions(own: &TypeName, variables: &[TypeParameter]) -> bool {
         || own.arguments.iter().any(|argument| mentions(argument, variables))
 }
 
-/// A type with type arguments in the places of type variables.
+/// Substitutes type arguments for type variables.
 fn substituted(
     own: &TypeName,
     variables: &[TypeParameter],

@@ -1,4 +1,4 @@
-//! Types of Java by their names: primitive ones, and the objects of numbers.
+//! Java type names: primitive types, and boxed types.
 
 use crate::{
     classes::simple,
@@ -6,13 +6,13 @@ use crate::{
     value::Value,
 };
 
-/// The type of `null`.
+/// Type of `null`.
 pub(crate) const NULL: &str = "null";
 
-/// Primitive numbers, each widened to those behind it, but for `char`, to which nothing widens.
+/// Primitive number types, each widened to those after it, except that no type widens to `char`.
 pub(crate) const WIDENING: [&str; 7] = ["byte", "short", "char", "int", "long", "float", "double"];
 
-/// A type without dimensions.
+/// Creates a type without dimensions.
 pub(crate) fn plain(name: &str) -> TypeName {
     TypeName::new(name, 0)
 }
@@ -68,14 +68,15 @@ pub(crate) fn boxed(name: &str) -> Option<&'static str> {
     BOXES.iter().find(|(_, own)| *own == name).map(|(boxed, _)| *boxed)
 }
 
-/// The primitive type of a type, or of the object of a number.
+/// Returns the primitive type of a primitive or boxed type.
 pub(crate) fn unboxed(own: &TypeName) -> Option<&'static str> {
     let name = simple(&own.name);
     let found = BOXES.iter().find(|(boxed, primitive)| *boxed == name || *primitive == name);
     found.map(|(_, primitive)| *primitive).filter(|_| own.dimensions == 0)
 }
 
-/// Whether equal numbers are the same object when they are boxed: those from -128 to 127 are, and booleans.
+/// Returns true if equal values are boxed to the same object: integers from -128 to 127, and
+/// booleans.
 pub(crate) fn is_cached(value: &Value) -> bool {
     match value {
         Value::Boolean(_) => true,

@@ -1,17 +1,19 @@
-//! What cannot be known before a program runs.
+//! Values that are unknown before a program runs.
 
 use std::fmt;
 
 use crate::place::Place;
 
-/// Why a value is not known.
+/// Reason why a value is unknown.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Unknown {
-    /// What it depends on, as a noun: "a measured force", "the result of `Camera.locate`, a library without source".
+    /// Origin as a noun: "a measured force", "the result of `Camera.locate`, a library without
+    /// source".
     pub reason: String,
-    /// Where it came into the program.
+    /// Place at which the value entered the program.
     pub place: Place,
-    /// True for the result of a method that is not modelled: the call may have changed its receiver and its arguments.
+    /// `true` for the result of an unmodelled method: the call may have changed its receiver and
+    /// its arguments.
     pub is_unmodelled_call: bool,
 }
 

@@ -1,4 +1,4 @@
-//! Values of Java, as the evaluator has them.
+//! Java values of the evaluator.
 
 use std::{
     cell::{Cell, OnceCell, Ref, RefCell, RefMut},
@@ -15,100 +15,100 @@ use crate::{
     unknown::Unknown,
 };
 
-/// A value; copies of arrays, collections and objects are the same array, collection or object, as in Java.
+/// Java value; copies of arrays, collections and objects refer to the same object, as in Java.
 #[derive(Clone, Debug)]
 pub enum Value {
     /// `null`.
     Null,
-    /// A `boolean`.
+    /// `boolean`.
     Boolean(bool),
-    /// A `char`, a unit of UTF-16.
+    /// `char`, a UTF-16 unit.
     Char(u16),
-    /// A `byte`, `short` or `int`.
+    /// `byte`, `short` or `int`.
     Int(i32),
-    /// A `long`.
+    /// `long`.
     Long(i64),
-    /// A `float`.
+    /// `float`.
     Float(f32),
-    /// A `double`.
+    /// `double`.
     Double(f64),
-    /// A `String`.
+    /// `String`.
     Text(Rc<str>),
-    /// An array.
+    /// Array.
     Array(Rc<Array>),
-    /// Any `java.util` list, stack or queue.
+    /// `java.util` list, stack or queue.
     List(Rc<List>),
-    /// Any `java.util` map or set.
+    /// `java.util` map or set.
     Map(Rc<RefCell<Map>>),
-    /// An `Iterator` or `ListIterator`.
+    /// `Iterator` or `ListIterator`.
     Iterator(Rc<RefCell<Iteration>>),
-    /// An `AtomicInteger` or the like.
+    /// `AtomicInteger` or similar.
     Cell(Rc<RefCell<Value>>),
-    /// A `StringBuilder` or `StringBuffer`.
+    /// `StringBuilder` or `StringBuffer`.
     Builder(Rc<RefCell<Result<String, Rc<Unknown>>>>),
-    /// Of a class of the project.
+    /// Object of a project class.
     Object(Rc<Object>),
-    /// An exception of Java's or KUKA's.
+    /// Java or KUKA exception.
     Exception(Rc<Thrown>),
-    /// A class of the project.
+    /// Project class.
     Class(ClassId),
-    /// A class of KUKA's or of Java, by its simple name.
+    /// KUKA or Java class, by its simple name.
     ForeignClass(Rc<str>),
-    /// A lambda expression or a method reference.
+    /// Lambda expression or method reference.
     Function(Rc<Function>),
-    /// A `Stream`, `IntStream` or the like.
+    /// `Stream`, `IntStream` or similar.
     Stream(Rc<Stream>),
-    /// One of `Collectors`.
+    /// Collector of `Collectors`.
     Collector(Rc<Collector>),
-    /// An `Optional` or the like.
+    /// `Optional` or similar.
     Optional(Rc<Option<Value>>),
-    /// Of a class of the host.
+    /// Object of a host class.
     Host(Rc<dyn HostValue>),
-    /// What cannot be known before the program runs.
+    /// Value that is unknown before the program runs.
     Unknown(Rc<Unknown>),
 }
 
-/// An array and the type of its elements.
+/// Array with its element type.
 #[derive(Debug)]
 pub struct Array {
     pub(crate) element: TypeName,
-    /// Its elements.
+    /// Elements.
     pub values: RefCell<Vec<Value>>,
 }
 
-/// A `java.util` list, stack or queue.
+/// `java.util` list, stack or queue.
 #[derive(Debug)]
 pub struct List {
     values: RefCell<Vec<Value>>,
     pub(crate) kind: ListKind,
     /// Reason for unknown contents.
     unknown: RefCell<Option<Rc<Unknown>>>,
-    /// The object that the list shows, if any.
+    /// Source object, if the list is a view.
     pub(crate) view: RefCell<Option<View>>,
-    /// The number of changes of the list as a whole, other than `set`: an iteration over it ends with the next one.
+    /// Number of structural changes, other than `set`: an iteration is invalid after the next one.
     pub(crate) structure: Cell<usize>,
 }
 
-/// The end of a list at which `push`, `pop` and `peek` work.
+/// Kind of a list, which determines the end at which `push`, `pop` and `peek` operate.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum ListKind {
     List,
-    /// The last element.
+    /// Stack: the last element.
     Stack,
-    /// The first one.
+    /// Deque: the first element.
     Deque,
-    /// One that cannot be changed: `List.of`.
+    /// Immutable list: `List.of`.
     Immutable,
 }
 
-/// An object that a list shows: changes of one are changes of the other.
+/// Source of a list view: changes of one are changes of the other.
 #[derive(Clone, Debug)]
 pub(crate) enum View {
-    /// All of an array: `Arrays.asList`.
+    /// Whole array: `Arrays.asList`.
     Array(Rc<Array>),
-    /// All of a list, which cannot be changed by this one: `Collections.unmodifiableList`.
+    /// Whole list, which the view cannot change: `Collections.unmodifiableList`.
     Whole(Rc<List>),
-    /// Elements of a list: `subList`.
+    /// Range of a list: `subList`.
     Part { of: Rc<List>, begin: usize, length: usize, whole: usize },
     /// `keySet`, `values`, `entrySet`.
     Map(Rc<RefCell<Map>>, MapPart),
@@ -121,15 +121,15 @@ pub(crate) enum MapPart {
     Entries,
 }
 
-/// An iteration over a list or a set.
+/// Iteration over a list or a set.
 #[derive(Debug)]
 pub struct Iteration {
     pub(crate) list: Rc<List>,
-    /// The place of the next element.
+    /// Index of the next element.
     pub(crate) next: usize,
-    /// The place of the element that was given last.
+    /// Index of the element that was returned last.
     pub(crate) last: Option<usize>,
-    /// The changes of the list that the iteration knows.
+    /// Number of structural changes that the iteration knows.
     pub(crate) structure: usize,
 }
 
@@ -150,7 +150,7 @@ impl List {
         Value::List(Rc::new(list))
     }
 
-    /// True if the list, or the one of which it is a part, cannot be changed.
+    /// Returns true if the list, or the list that it is a range of, is immutable.
     pub(crate) fn is_immutable(&self) -> bool {
         match &*self.view.borrow() {
             Some(View::Whole(_)) => true,
@@ -159,12 +159,12 @@ impl List {
         }
     }
 
-    /// True if its elements can be changed, and not their number: `Arrays.asList`.
+    /// Returns true if the elements can be changed, but not their number: `Arrays.asList`.
     pub(crate) fn is_fixed_size(&self) -> bool {
         matches!(&*self.view.borrow(), Some(View::Array(_)))
     }
 
-    /// Its elements; a single unknown one if they are not known.
+    /// Returns the elements; a single unknown one if the contents are unknown.
     pub fn borrow(&self) -> Ref<'_, Vec<Value>> {
         self.values.borrow()
     }
@@ -173,12 +173,12 @@ impl List {
         self.values.borrow_mut()
     }
 
-    /// Elements have been added, removed or put into another order.
+    /// Counts a structural change: elements added, removed or reordered.
     pub(crate) fn count_change(&self) {
         self.structure.set(self.structure.get() + 1);
     }
 
-    /// Reason for unknown contents.
+    /// Returns the reason for unknown contents.
     pub(crate) fn unknown(&self) -> Option<Rc<Unknown>> {
         self.unknown.borrow().clone()
     }
@@ -188,94 +188,95 @@ impl List {
         *self.unknown.borrow_mut() = Some(Rc::clone(unknown));
     }
 
-    /// Its contents are known again.
+    /// Replaces the contents by known ones.
     pub(crate) fn renew(&self, values: Vec<Value>) {
         *self.values.borrow_mut() = values;
         *self.unknown.borrow_mut() = None;
     }
 }
 
-/// A map or a set; entries are in the order in which they were put in.
+/// Map or set; entries are in insertion order.
 #[derive(Debug, Default)]
 pub struct Map {
-    /// Keys and values; of a set, the keys alone count.
+    /// Keys and values; a set uses only the keys.
     pub entries: Vec<(Value, Value)>,
-    /// Whether it is one of `java.util` that keeps this order, or sorts.
+    /// Iteration order of the map's class.
     pub order: MapOrder,
-    /// Whether it is a set: its keys are the elements.
+    /// `true` for a set: its keys are the elements.
     pub is_set: bool,
     /// Reason for unknown contents.
     pub unknown: Option<Rc<Unknown>>,
 }
 
-/// An object, or a constant of an enum.
+/// Object, or enum constant.
 #[derive(Debug)]
 pub struct Object {
     pub(crate) class: ClassId,
-    /// Its fields by the class that declares them and their names.
+    /// Fields by declaring class and name.
     pub(crate) fields: RefCell<HashMap<(ClassId, String), Value>>,
-    /// The object within which it was made, of an inner class.
+    /// Enclosing object of an inner class.
     pub(crate) outer: Option<Value>,
-    /// The local variables that an anonymous or local class sees.
+    /// Local variables captured by an anonymous or local class.
     pub(crate) captured: HashMap<String, Value>,
-    /// Its name and place, if it is a constant of an enum.
+    /// Name and ordinal of an enum constant.
     pub(crate) constant: Option<(Rc<str>, i32)>,
-    /// What its class inherits from one that is not of the project: the name of a group of inputs and outputs, say.
+    /// Value inherited from a class outside the project, such as the name of an I/O group.
     pub inherited: RefCell<Option<Value>>,
-    /// Its message, if it is an exception.
+    /// Message of an exception.
     pub(crate) message: RefCell<Option<Value>>,
-    /// Its abstract method, if it is a lambda expression or a method reference as an interface of the project.
+    /// Abstract method, if the object is a lambda expression or a method reference with a project
+    /// interface.
     pub(crate) function: Option<Rc<Function>>,
 }
 
-/// A local variable.
+/// Local variable.
 #[derive(Clone, Debug)]
 pub(crate) struct Local {
     pub(crate) name: String,
-    /// None if it takes any value.
+    /// Type; `None` for any value.
     pub(crate) type_name: Option<TypeName>,
     pub(crate) value: Value,
-    /// True once the program has given it a value.
+    /// `true` once the program has assigned a value.
     pub(crate) is_assigned: bool,
 }
 
-/// An object of a functional interface, of which only the abstract method is given.
+/// Object of a functional interface, defined only by its abstract method.
 #[derive(Debug)]
 pub struct Function {
-    /// The class in which it is written.
+    /// Class that contains the code.
     pub(crate) class: ClassId,
-    /// `this` where it was evaluated.
+    /// Value of `this` at the evaluation.
     pub(crate) this: Option<Rc<Object>>,
-    /// The local variables around it.
+    /// Captured local variables.
     pub(crate) locals: Vec<Local>,
     pub(crate) line: u32,
     pub(crate) code: Code,
-    /// The levels of functions of which it is made.
+    /// Composition depth.
     pub(crate) depth: usize,
-    /// Its interface, if that is one of Java's own and known by now.
+    /// Interface, once determined and if it belongs to the Java library.
     pub(crate) interface: OnceCell<TypeName>,
 }
 
 #[derive(Debug)]
 pub(crate) enum Code {
     Lambda(Arc<Lambda>),
-    /// With the value before `::`, if it is a value.
+    /// Method reference, with the value before `::` if it is a value.
     Reference(Arc<Reference>, Option<Value>),
     Combined(Combined),
 }
 
-/// Functions that methods of Java's functional interfaces make.
+/// Functions that methods of Java's functional interfaces create.
 #[derive(Debug)]
 pub(crate) enum Combined {
     /// `Function.identity()`.
     Identity,
-    /// `second` gets the result of `first`, which implements this interface.
+    /// Composition: `second` is applied to the result of `first`, which implements this interface.
     Chain {
         first: Value,
         interface: Rc<str>,
         second: Value,
     },
-    /// Both get the arguments.
+    /// Both functions applied to the arguments.
     Both {
         first: Value,
         second: Value,
@@ -295,33 +296,34 @@ pub(crate) enum Combined {
         second: Value,
         interface: Rc<str>,
     },
-    /// A comparator by keys, which `key` gives as this interface; `order` is their comparator, if it is not the natural one.
+    /// Comparator by keys, which `key` extracts through this interface; `order` compares them, if
+    /// it is not the natural order.
     ByKey {
         key: Value,
         interface: Rc<str>,
         order: Option<Value>,
     },
-    /// A comparator by keys or values of a map's entries.
+    /// Comparator by keys or values of map entries.
     ByEntry {
         is_key: bool,
     },
     Reversed(Value),
-    /// A comparator, and one for what is equal by it.
+    /// Comparator, and a second one for elements that the first considers equal.
     Then(Value, Value),
 }
 
-/// A stream of `java.util.stream`.
+/// `java.util.stream` stream.
 #[derive(Debug)]
 pub struct Stream {
     pub(crate) kind: StreamKind,
-    /// The collection or array, which is read by the terminal operation.
+    /// Collection or array, which the terminal operation reads.
     pub(crate) source: Value,
     pub(crate) stages: Vec<Stage>,
-    /// True once another operation has taken its elements.
+    /// `true` once another operation has consumed the stream.
     pub(crate) is_used: Cell<bool>,
 }
 
-/// The type of a stream's elements.
+/// Element type of a stream.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum StreamKind {
     Object,
@@ -330,13 +332,13 @@ pub(crate) enum StreamKind {
     Double,
 }
 
-/// An intermediate operation. Functions have the names of their interfaces.
+/// Intermediate operation. Functions have the names of their interfaces.
 #[derive(Clone, Debug)]
 pub(crate) enum Stage {
     Map(Value, Rc<str>),
     Filter(Value, Rc<str>),
     Peek(Value, Rc<str>),
-    /// Elements as those of another type.
+    /// Conversion of elements to another type.
     Convert(StreamKind),
     Limit(usize),
     Skip(usize),
@@ -344,7 +346,7 @@ pub(crate) enum Stage {
     Distinct,
 }
 
-/// A collector of `Collectors`.
+/// Collector of `Collectors`.
 #[derive(Debug)]
 pub enum Collector {
     /// `toList()`.
@@ -361,33 +363,34 @@ pub enum Collector {
     Grouping(Value),
 }
 
-/// An exception of Java.
+/// Java exception.
 #[derive(Debug)]
 pub struct Thrown {
-    /// Its class and those above it that are not of the project, by their simple names, from it upwards.
+    /// Class and superclasses outside the project, by their simple names, from the class upwards.
     pub classes: Vec<Rc<str>>,
-    /// It, if its class is of the project; else its message, which may be null or unknown.
+    /// Exception object, if its class belongs to the project; otherwise its message, which may be
+    /// null or unknown.
     pub value: Value,
-    /// What it says.
+    /// Message text.
     pub message: String,
-    /// Where it was thrown.
+    /// Place of the `throw`.
     pub place: Place,
 }
 
-/// The order in which a map is iterated.
+/// Iteration order of a map.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum MapOrder {
-    /// By hashes of its keys, as in a `HashMap`.
+    /// Order of key hashes, as in a `HashMap`.
     #[default]
     Hashed,
-    /// As put in.
+    /// Insertion order.
     Linked,
-    /// By its keys.
+    /// Order of keys.
     Sorted,
 }
 
 impl Object {
-    /// One whose class is none of a project's, for tests of a host alone.
+    /// Creates an object whose class is outside any project, for tests of a host alone.
     #[must_use]
     pub fn detached() -> Self {
         Self {
@@ -404,25 +407,25 @@ impl Object {
 }
 
 impl Value {
-    /// A `String`.
+    /// Creates a `String`.
     pub fn text(text: impl AsRef<str>) -> Self {
         Self::Text(Rc::from(text.as_ref()))
     }
 
-    /// A list.
+    /// Creates a list.
     #[must_use]
     pub fn list(values: Vec<Self>) -> Self {
         Self::List(Rc::new(List::new(ListKind::List, values)))
     }
 
-    /// An array of objects of this type.
+    /// Creates an array of objects of this type.
     #[must_use]
     pub fn array(element: &str, values: Vec<Self>) -> Self {
         let element = TypeName::new(element, 0);
         Self::Array(Rc::new(Array { element, values: RefCell::new(values) }))
     }
 
-    /// As a number, with what Java widens to it; none if it is no number.
+    /// Returns a number with Java's widening; `None` for other types.
     #[must_use]
     pub fn number(&self) -> Option<f64> {
         match self {
@@ -436,7 +439,7 @@ impl Value {
         }
     }
 
-    /// As a whole number; none if it is of another type.
+    /// Returns an integer; `None` for other types.
     #[must_use]
     pub fn integer(&self) -> Option<i64> {
         match self {
@@ -447,7 +450,7 @@ impl Value {
         }
     }
 
-    /// What cannot be known, if it is that.
+    /// Returns the reason of an unknown value.
     #[must_use]
     pub fn unknown(&self) -> Option<&Rc<Unknown>> {
         match self {
@@ -456,7 +459,7 @@ impl Value {
         }
     }
 
-    /// The elements of an array or a collection.
+    /// Returns the elements of an array or a collection.
     #[must_use]
     pub fn elements(&self) -> Option<Vec<Self>> {
         match self {
@@ -466,7 +469,8 @@ impl Value {
         }
     }
 
-    /// `==` of Java, but for strings, which are compared by their text: equal literals are the same object there.
+    /// Evaluates `==` as Java does, except for strings, which are compared by their text: equal
+    /// literals are the same object there.
     #[must_use]
     pub fn is_same(&self, other: &Self) -> bool {
         match (self, other) {
@@ -504,7 +508,7 @@ impl Value {
         }
     }
 
-    /// The function that it is, as an interface of the project or of Java's library.
+    /// Returns the function of the value, with a project or Java library interface.
     pub(crate) fn function(&self) -> Option<&Rc<Function>> {
         match self {
             Self::Function(function) => Some(function),
@@ -513,7 +517,8 @@ impl Value {
         }
     }
 
-    /// `equals` of Java, of values whose classes are not of the project: numbers are equal to those of their own type alone.
+    /// Evaluates `equals` for values of classes outside the project: numbers equal only numbers of
+    /// their own type.
     #[must_use]
     pub fn is_equal(&self, other: &Self) -> bool {
         match (self, other) {
@@ -531,7 +536,7 @@ impl Value {
         }
     }
 
-    /// What it is, with its article, for messages.
+    /// Returns a description with an article, for messages.
     #[must_use]
     pub fn kind(&self) -> String {
         match self {

@@ -1,4 +1,4 @@
-//! Variables and fields: what their names mean, and how they get other values.
+//! Variables and fields: name resolution and assignment.
 
 use std::rc::Rc;
 
@@ -14,20 +14,21 @@ use crate::{
     value::{Object, Value},
 };
 
-/// Where a value is kept.
+/// Storage location of a value.
 pub(crate) enum Slot {
-    /// A local variable, by its place among those of the method.
+    /// Local variable, by its index among the method's locals.
     Local(usize),
-    /// A field of an object.
+    /// Object field.
     Field(Rc<Object>, ClassId, String),
     Static(ClassId, String),
     Element(Rc<crate::value::Array>, usize),
-    /// Of something that is not known, or of a library: what is put there is lost.
+    /// Location outside the model, such as in a library or an unknown object: assigned values are
+    /// lost.
     Elsewhere,
 }
 
 impl Machine {
-    /// What a single name stands for.
+    /// Evaluates a simple name.
     pub(crate) fn named(&mut self, name: &str) -> Result<Value, Stop> {
         if let Some(value) = self.variable(name)? {
             return Ok(value);
@@ -53,7 +54,8 @@ impl Machine {
         Ok(self.unknown(format!("`{name}`, which no source of the project declares")))
     }
 
-    /// A local variable, or a field of this object or of one around it; none if there is none of this name.
+    /// Returns a local variable, or a field of this object or of an enclosing one; `None` if no
+    /// such variable exists.
     pub(crate) fn variable(&mut self, name: &str) -> Result<Option<Value>, Stop> {
         let Some(activation) = self.java.activation() else { return Ok(None) };
         if let Some(local) = activation.locals.iter().rev().find(|local| local.name == name) {
@@ -84,13 +86,13 @@ impl Machine {
         Ok(None)
     }
 
-    /// A field of an object, as the class `from` sees it.
+    /// Returns a field of an object, as seen from the class `from`.
     pub(crate) fn field_of(&self, object: &Rc<Object>, from: ClassId, name: &str) -> Option<Value> {
         self.owner_of(object, from, name)
             .and_then(|owner| object.fields.borrow().get(&(owner, name.to_owned())).cloned())
     }
 
-    /// The class that declares the field that is meant.
+    /// Returns the class that declares the accessed field.
     fn owner_of(&self, object: &Rc<Object>, from: ClassId, name: &str) -> Option<ClassId> {
         let classes = &self.java.classes;
         let start = if classes.is_a(object.class, from) { from } else { object.class };
@@ -100,7 +102,7 @@ impl Machine {
         above.or_else(|| classes.with_parents(object.class).into_iter().find(has))
     }
 
-    /// A static field of a class or of one above it.
+    /// Returns a static field of a class or of a superclass.
     pub(crate) fn static_field(&mut self, id: ClassId, name: &str) -> Result<Option<Value>, Stop> {
         match self.static_owner(id, name) {
             Some(owner) => {
@@ -120,7 +122,7 @@ impl Machine {
         })
     }
 
-    /// The member `name` of a value.
+    /// Returns the member `name` of a value.
     pub(crate) fn member(&mut self, of: &Value, name: &str) -> Result<Value, Stop> {
         match of {
             Value::Object(object) => {
@@ -181,7 +183,7 @@ impl Machine {
         }
     }
 
-    /// The object of the class `id` that is run, or within which that stands.
+    /// Returns the running object of the class `id`, or its enclosing object of this class.
     pub(crate) fn this_within(&self, id: ClassId) -> Value {
         let mut around = self.java.activation().and_then(|own| own.this.clone());
         while let Some(object) = around {
@@ -196,7 +198,7 @@ impl Machine {
         Value::Null
     }
 
-    /// Where an expression keeps its value.
+    /// Returns the storage location of an expression.
     pub(crate) fn slot(&mut self, target: &Expression) -> Result<Slot, Stop> {
         match &target.kind {
             ExpressionKind::Name(name) => self.slot_of_name(name),
@@ -227,7 +229,7 @@ impl Machine {
                 self.here.line = target.line;
                 match (of, &index) {
                     (Value::Array(array), Value::Unknown(unknown)) => {
-                        // Any of them may be it.
+                        // Any element may be assigned.
                         let unknown = Value::Unknown(Rc::clone(unknown));
                         array.values.borrow_mut().fill(unknown);
                         Ok(Slot::Elsewhere)
@@ -242,7 +244,7 @@ impl Machine {
                     _ => Ok(Slot::Elsewhere),
                 }
             }
-            _ => self.refuse("a value is assigned to what is no variable"),
+            _ => self.refuse("a value is assigned to what is not a variable"),
         }
     }
 
@@ -277,7 +279,7 @@ impl Machine {
         Ok(Slot::Elsewhere)
     }
 
-    /// What is kept there.
+    /// Returns the stored value.
     pub(crate) fn kept(&mut self, slot: &Slot) -> Value {
         let found = match slot {
             Slot::Local(index) => {
@@ -294,7 +296,7 @@ impl Machine {
         found.unwrap_or_else(|| self.unknown("a field of a library without source"))
     }
 
-    /// Puts a value there, as the type of the variable has it, and gives what is there now.
+    /// Stores a value, converted to the type of the variable, and returns the stored value.
     pub(crate) fn keep(&mut self, slot: &Slot, value: Value) -> Result<Value, Stop> {
         let old = self.kept(slot);
         let value = match self.type_of(slot) {
@@ -302,7 +304,7 @@ impl Machine {
             None => value,
         };
         let lasts = match slot {
-            // Nobody has read a variable before its first value.
+            // A variable cannot be read before its first assignment.
             Slot::Local(index) => self.java.activation().is_some_and(|own| {
                 let is_assigned = own.locals.get(*index).is_some_and(|local| local.is_assigned);
                 is_assigned && *index < own.outside_loop
@@ -341,7 +343,7 @@ impl Machine {
         Ok(value)
     }
 
-    /// A value as a variable of this type holds it.
+    /// Converts a value to a variable of this type.
     pub(crate) fn for_variable(&self, value: Value, wanted: &TypeName) -> Result<Value, Stop> {
         if matches!(value, Value::Null) && is_primitive(wanted) {
             return self.throw("NullPointerException", format!("null is no `{}`", wanted.name));
@@ -353,7 +355,7 @@ impl Machine {
         })
     }
 
-    /// The result of a method that returns this type.
+    /// Converts the result of a method to its result type.
     pub(crate) fn for_result(&self, value: Value, returns: &TypeName) -> Result<Value, Stop> {
         if returns.name == "void" {
             return Ok(Value::Null);
@@ -378,7 +380,7 @@ impl Machine {
         }
     }
 
-    /// An index into `length` elements.
+    /// Checks an index into `length` elements.
     pub(crate) fn index(&mut self, index: &Value, length: usize) -> Result<usize, Stop> {
         let Some(index) = index.integer() else {
             return self.refuse(format!("an index is {}", index.kind()));
@@ -392,10 +394,10 @@ impl Machine {
         }
     }
 
-    /// Makes unknown what `effects` may change.
+    /// Marks the values that `effects` may change as unknown.
     pub(crate) fn forget_values(&mut self, effects: &Effects, unknown: &Rc<Unknown>) {
         self.java.changes += u64::from(!effects.assigns.is_empty() || !effects.changes.is_empty());
-        // Objects that others may have by other names.
+        // Objects that may be referenced by other names.
         let mut changed: Vec<Value> = Vec::new();
         let mut forget = |name: &str, value: &mut Value| {
             let has_contents = match value {
@@ -437,7 +439,7 @@ impl Machine {
     }
 }
 
-/// True if an object has several fields of this name.
+/// Returns true if an object has several fields of this name.
 pub(crate) fn is_hidden(object: &Object, name: &str) -> bool {
     let fields = object.fields.borrow();
     fields.keys().filter(|(_, own)| own == name).count() > 1

@@ -1,4 +1,4 @@
-//! Answers to what applications ask for.
+//! Answers to the questions of applications.
 
 use std::{collections::BTreeMap, fmt};
 
@@ -6,8 +6,8 @@ use iiwa_json::Place;
 use iiwa_program::Frame;
 use serde::Deserialize;
 
-/// Answers to the questions of an application: its dialogs, inputs and process data, durations, and tools that the data file
-/// lacks; and the robot that runs it.
+/// Answers to the questions of an application: dialogs, inputs, process data, conditions,
+/// durations, and tool frames that the data file lacks; and the robot that runs the application.
 ///
 /// ```
 /// use iiwa_sunrise::{AnswerValue, Answers};
@@ -34,42 +34,46 @@ use serde::Deserialize;
 /// ```
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Answers {
-    /// The robot: a built-in model, or the file of a profile.
+    /// Robot: a built-in model, or the path of a profile.
     pub robot: Option<String>,
-    /// The length of its flange, in mm.
+    /// Flange length in mm.
     pub flange_mm: Option<f64>,
-    /// Numbers of buttons, from 0, by the text of the dialog or a part of it that no other has. Of several, each answers the
-    /// dialog once, and the last one from then on.
+    /// Button numbers from 0, by the dialog text, or by a part of the text if no other key is also
+    /// a part of it. Each number answers the dialog once; the last number also answers all later
+    /// occurrences.
     pub dialogs: BTreeMap<String, Vec<usize>>,
-    /// Values of inputs, by `Group.Name`.
+    /// Input values, by `Group.Name`.
     pub inputs: BTreeMap<String, AnswerValue>,
     /// Process data, by id.
     pub data: BTreeMap<String, AnswerValue>,
-    /// Outcomes of conditions that are measured while the arm moves, by the place at which the program asks for it, as
-    /// `Search.java:29`, with or without the folders of the file. Of several, each answers it once, and the last one from then on.
+    /// Outcomes of conditions that are monitored during a motion, by the place at which the program
+    /// queries the outcome, such as `Search.java:29`, with or without folders. Each outcome answers
+    /// one query; the last outcome also answers all later queries.
     pub fired: BTreeMap<String, Vec<bool>>,
-    /// Durations in s of holds that the operator ends, of grippers and of platforms, by `File.java:line`.
+    /// Durations in s of holds that the operator ends, of gripper motions and of platform motions,
+    /// by `File.java:line`.
     pub times: BTreeMap<String, f64>,
-    /// Frames of tools that the data file lacks, relative to the flange: the TCP by `Tool`, others by `Tool/Frame`.
+    /// Frames of tools that the data file lacks, relative to the flange: the TCP by `Tool`, other
+    /// frames by `Tool/Frame`.
     pub tools: BTreeMap<String, Frame>,
 }
 
-/// A value that is given as an answer.
+/// Value of an answer.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(untagged)]
 pub enum AnswerValue {
-    /// Yes or no.
+    /// `true` or `false`.
     Boolean(bool),
-    /// A whole number.
+    /// Integer.
     Integer(i64),
     /// Any other number.
     Number(f64),
-    /// A text.
+    /// Text.
     Text(String),
 }
 
 impl AnswerValue {
-    /// What a text says: `true` and `false`, whole numbers and others; all else is a text.
+    /// Parses `true` and `false`, integers and other finite numbers; anything else is a text.
     ///
     /// ```
     /// use iiwa_sunrise::AnswerValue;
@@ -101,13 +105,13 @@ impl fmt::Display for AnswerValue {
     }
 }
 
-/// Why a text is no file of answers.
+/// Error of reading an answer file.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{what}, at {at}")]
 pub struct AnswersError {
-    /// What is wrong.
+    /// Message.
     pub what: String,
-    /// Where in the text.
+    /// Place in the text.
     pub at: Place,
 }
 
@@ -174,19 +178,19 @@ enum ButtonsWire {
 }
 
 impl Answers {
-    /// The expected form of a duration.
+    /// Expected form of a duration.
     pub const SECONDS: &'static str = "a duration is a number of seconds from 0 to 86400";
-    /// The expected form of a tool's frame.
+    /// Expected form of a tool frame.
     pub const FRAME: &'static str =
         "a tool frame is x, y, z in mm, and perhaps a, b, c in degrees, relative to the flange";
 
-    /// A duration, if it is one that a motion program can have.
+    /// Returns the duration if it is in the range of a motion program.
     #[must_use]
     pub fn seconds(seconds: f64) -> Option<f64> {
         (0.0..=86400.0).contains(&seconds).then_some(seconds)
     }
 
-    /// A frame by x, y, z in mm, and perhaps a, b, c in degrees.
+    /// Returns the frame of x, y, z in mm and optionally a, b, c in degrees.
     #[must_use]
     pub fn frame(numbers: &[f64]) -> Option<Frame> {
         let (xyz_mm, abc_deg) = match *numbers {
@@ -198,12 +202,13 @@ impl Answers {
         is_finite.then(|| Frame { xyz_mm, abc_rad: abc_deg.map(f64::to_radians) })
     }
 
-    /// Reads answers from TOML: `robot` and `flange_mm`, `[answers]` to dialogs, `[inputs]`, `[data]`, `[fired]`, `[times]` and
-    /// `[tools]`.
+    /// Reads answers from TOML: `robot` and `flange_mm`, `[answers]` for dialogs, `[inputs]`,
+    /// `[data]`, `[fired]`, `[times]` and `[tools]`.
     ///
     /// # Errors
     ///
-    /// If the text is no TOML, or has another key or a value of another type; the error says where.
+    /// If the text is not valid TOML, or has an unknown key or a value of another type; the error
+    /// reports the place.
     pub fn from_toml(text: &str) -> Result<Self, AnswersError> {
         let wire: AnswersWire = toml::from_str(text).map_err(|error| AnswersError {
             what: error.message().lines().collect::<Vec<_>>().join("; "),

@@ -1,9 +1,10 @@
 //! Applications of KUKA Sunrise projects as motion programs.
 //!
-//! [`import`] evaluates an application's Java without a robot: KUKA's classes are those of a station that knows where the arm
-//! stands, what hangs on it, and what it was told to do; that becomes the program, each motion with its line. What the
-//! application asks is answered by [`ImportOptions`]. What cannot be known before it runs is an [`ImportError`] with place and
-//! reason.
+//! [`import`] evaluates an application's Java code without a robot: a station model implements
+//! KUKA's classes. It keeps the robot position, the payload and the commanded motions, from which
+//! the program is built, each motion with its source line. [`ImportOptions`] answers the
+//! application's questions. A value that is needed but only known at run time is an [`ImportError`]
+//! with its place and reason.
 
 mod application_api;
 mod applications;

@@ -1,4 +1,4 @@
-//! From a data file to the tools, bases and frames of programs.
+//! Converts a data file to the tools, bases and frames of programs.
 
 use std::collections::BTreeMap;
 
@@ -10,90 +10,93 @@ use crate::{
     names::{Names, Renamed},
 };
 
-/// Names that mean something in programs: no tool, and the robot's foot.
+/// Names that are reserved in programs: the bare flange, and the robot base.
 const FLANGE: &str = "flange";
 const FOOT: &str = "robot";
-/// The TCP itself, in which offsets are given.
+/// Reserved name of the TCP frame, in which offsets are given.
 const TCP: &str = "tcp";
 
-/// What programs can use of a data file, and under which names.
+/// Tools, bases and frames of a data file, with their names in programs.
 #[derive(Clone, Debug, Default)]
 pub struct ImportedCell {
-    /// The tools, bases and frames.
+    /// Tools, bases and frames for programs.
     pub workcell: Workcell,
-    /// The tools in order.
+    /// Tools in file order.
     pub tools: Vec<ImportedTool>,
-    /// The frames in order, each before those that are given in it.
+    /// Frames in file order, each parent before its children.
     pub frames: Vec<ImportedFrame>,
-    /// What has another name than in the project.
+    /// Entries whose name differs from the project's.
     pub renamed: Vec<Renamed>,
 }
 
-/// A tool of a data file.
+/// Tool of a data file.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ImportedTool {
-    /// Its name in programs.
+    /// Name in programs.
     pub name: String,
-    /// Which of its frames is the TCP, as `/FRAME`; none if it has no frames: then it is the flange.
+    /// Path of the TCP frame, as `/FRAME`; `None` if the tool has no frames: then the flange is the
+    /// TCP.
     pub tcp: Option<String>,
-    /// Its other frames, by their names in programs.
+    /// Other frames of the tool, by their names in programs.
     pub tips: Vec<String>,
 }
 
-/// A frame of a data file.
+/// Frame of a data file.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ImportedFrame {
-    /// Its path in the project, as `/FRAME/FRAME`.
+    /// Path in the project, as `/FRAME/FRAME`.
     pub path: String,
-    /// Its name in programs.
+    /// Name in programs.
     pub name: String,
-    /// Whether it is a base: others are given in it.
+    /// `true` if the frame is a base: other frames are given in it.
     pub is_base: bool,
-    /// Whether it is a frame to go to.
+    /// `true` if the frame is a motion target.
     pub is_target: bool,
-    /// Where it is in the robot's foot.
+    /// Pose relative to the robot base.
     pub pose: Pose,
-    /// The position of A3 with which it was taught, in rad.
+    /// Taught position of A3, in rad.
     pub e1_rad: Option<f64>,
-    /// The status with which it was taught.
+    /// Taught status.
     pub status: Option<Status>,
-    /// The turn with which it was taught.
+    /// Taught turn.
     pub turn: Option<Turn>,
-    /// What it was taught with.
+    /// Robot and TCP at the time of teaching.
     pub teaching: Option<Teaching>,
-    /// The tool that it was taught with, by its name in programs; none if the project has it no longer.
+    /// Tool at the time of teaching, by its name in programs; `None` if the project no longer has
+    /// that tool.
     pub tool: Option<String>,
-    /// How far that tool's TCP is from where it was then, if it has been changed.
+    /// Change of the tool's TCP since teaching, if any.
     pub tcp_change: Option<TcpChange>,
 }
 
-/// How far a TCP is from where it was when a frame was taught.
+/// Change of a TCP since a frame was taught.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TcpChange {
-    /// The distance, in mm.
+    /// Distance in mm.
     pub distance_mm: f64,
-    /// The turn, in rad.
+    /// Rotation angle in rad.
     pub turn_rad: f64,
 }
 
-/// The TCPs by their names when frames are taught: their names in programs, and where they are in the flange's frame.
+/// TCPs by the names that taught frames use, with their names in programs and their poses in the
+/// flange frame.
 type Tcps = BTreeMap<String, (String, Pose)>;
 
 impl TcpChange {
-    /// From one pose to another; none if they are the same but for rounding.
+    /// Returns the change from one pose to another; `None` if they are equal within rounding.
     fn between(then: &Pose, now: &Pose) -> Option<Self> {
         let by = then.inverse().then(now);
         let distance_mm = 1e3 * by.position_m.iter().map(|v| v * v).sum::<f64>().sqrt();
         let [r, s, t] = [0, 1, 2].map(|i| by.rotation[i][i]);
         let turn_rad = ((r + s + t - 1.0) / 2.0).clamp(-1.0, 1.0).acos();
-        // Angles near 0 are uncertain by the square root of rounding.
+        // The arc cosine near 1 amplifies rounding errors to their square root.
         (distance_mm > 1e-3 || turn_rad > 1e-5).then_some(Self { distance_mm, turn_rad })
     }
 }
 
 impl ImportedCell {
-    /// What programs can use of `file`. A frame that others are given in is a base; it is a frame to go to as well if it
-    /// was taught, as are all those that no others are given in. Names are paths, `Table/P1`.
+    /// Converts `file`. A frame with children is a base; it is also a motion target if it was
+    /// taught. All frames without children are motion targets. Names are paths such as `Table/P1`.
     #[must_use]
     pub fn new(file: &DataFile) -> Self {
         let mut cell = Self::default();
@@ -101,7 +104,7 @@ impl ImportedCell {
         let mut names = Names::without(&[FLANGE]);
         for template in &file.tools {
             let name = names.give(None, &template.name, &template.name);
-            // Its root is at the flange.
+            // The root of a tool is the flange.
             tcps.insert(template.name.clone(), (FLANGE.to_owned(), Pose::IDENTITY));
             tcps.extend(cell.add_tool(template, &name));
         }
@@ -117,8 +120,8 @@ impl ImportedCell {
         cell
     }
 
-    /// Adds a tool. Gives its TCPs: where each is in the flange's frame, and its name in programs, by its name when frames
-    /// are taught.
+    /// Adds a tool. Returns its TCPs by the names that taught frames use, with their names in
+    /// programs and their poses in the flange frame.
     fn add_tool(&mut self, template: &ToolTemplate, name: &str) -> Tcps {
         let mut names = Names::default();
         let mut found = Vec::new();
@@ -133,7 +136,7 @@ impl ImportedCell {
             let parent: Option<String> = parent;
             let from = format!("{}{path}", template.name);
             let tip = names.give(parent.as_deref(), &frame.name, &from);
-            // What is given in the flange stays as it is written.
+            // A frame given in the flange keeps its numbers as written.
             let (pose, written) = if parent.is_none() {
                 (frame.frame.pose(), frame.frame)
             } else {
@@ -168,7 +171,7 @@ impl ImportedCell {
         tcps
     }
 
-    /// Adds a frame, and gives its index.
+    /// Adds a frame and returns its index.
     fn add_frame(
         &mut self,
         frame: &WorldFrame,
@@ -220,7 +223,7 @@ impl ImportedCell {
 }
 
 impl ImportedFrame {
-    /// With the tool that it was taught with, as it is now.
+    /// Resolves the tool that the frame was taught with, and the change of its TCP since.
     fn with_tool(self, tcps: &Tcps) -> Self {
         let Some(teaching) = &self.teaching else { return self };
         let flange = || {

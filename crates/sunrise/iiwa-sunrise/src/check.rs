@@ -1,4 +1,4 @@
-//! Whether a robot reaches frames as they were taught.
+//! Checks that a robot reaches frames as they were taught.
 
 use std::fmt;
 
@@ -6,39 +6,39 @@ use iiwa_kin::{Joints, OutsideRange, Robot, Status, Turn, Unreachable};
 
 use crate::cell::{ImportedCell, ImportedFrame};
 
-/// Whether a robot reaches a frame as it was taught.
+/// Result of a reachability check of a taught frame.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FrameCheck {
-    /// The joints that inverse kinematics gives, in rad; none if it gives none.
+    /// Joint positions from inverse kinematics in rad; `None` without a solution.
     pub joints_rad: Option<Joints>,
-    /// What is to be said of them.
+    /// Verdict.
     pub verdict: Verdict,
 }
 
-/// What a check says.
+/// Verdict of a check.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Verdict {
-    /// All joints are within their limits, and status and turn are those that were taught.
+    /// All joints are within their limits, and status and turn are as taught.
     Agrees,
-    /// The frame was not taught with E1, status and a TCP: there is nothing to check.
+    /// The frame was taught without E1, status or TCP: the check does not apply.
     NotTaught,
-    /// No joints reach it.
+    /// Inverse kinematics has no solution.
     Unreachable(Unreachable),
-    /// The joints that reach it are outside their limits.
+    /// The solution is outside the joint limits.
     Outside(OutsideRange),
-    /// The joints have another status.
+    /// The solution has another status.
     OtherStatus {
-        /// As it was taught.
+        /// Taught status.
         stated: Status,
-        /// That of the joints.
+        /// Status of the solution.
         found: Status,
     },
-    /// The joints have another turn.
+    /// The solution has another turn.
     OtherTurn {
-        /// As it was taught.
+        /// Taught turn.
         stated: Turn,
-        /// That of the joints.
+        /// Turn of the solution.
         found: Turn,
     },
 }
@@ -61,7 +61,8 @@ impl fmt::Display for Verdict {
 }
 
 impl ImportedCell {
-    /// The number of frames that were taught with E1, status and a TCP, and how many of them `robot` reaches as they were.
+    /// Returns the number of frames that were taught with E1, status and a TCP, and the number of
+    /// these that `robot` reaches as taught.
     #[must_use]
     pub fn taught_and_agreeing(&self, robot: &Robot) -> [usize; 2] {
         let verdicts = self.frames.iter().map(|frame| frame.check(robot).verdict);
@@ -72,8 +73,8 @@ impl ImportedCell {
 }
 
 impl ImportedFrame {
-    /// Whether `robot` reaches the frame with the TCP, E1 and status that it was taught with. The TCP is the one of that
-    /// time, whatever has become of the tool since.
+    /// Checks that `robot` reaches the frame with the taught TCP, E1 and status. The TCP is the one
+    /// at the time of teaching, even if the tool has been changed since.
     #[must_use]
     pub fn check(&self, robot: &Robot) -> FrameCheck {
         let (Some(teaching), Some(e1_rad), Some(status)) =

@@ -1,25 +1,26 @@
-//! What a data file says.
+//! Content of a data file.
 
 use iiwa_kin::{Status, Turn};
 use iiwa_program::{Frame, Load};
 
-/// The file `RoboticsAPI.data.xml` of a Sunrise project: the frames of its world, and the templates of its tools.
+/// Content of the `RoboticsAPI.data.xml` of a Sunrise project: the frames of its world, and its
+/// tool templates.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct DataFile {
-    /// The frames in the world, which is the robot's foot.
+    /// Frames in the world frame, which is the robot base.
     pub frames: Vec<WorldFrame>,
-    /// The templates of tools.
+    /// Tool templates.
     pub tools: Vec<ToolTemplate>,
-    /// The templates of workpieces: tools that are attached to others.
+    /// Workpiece templates: tools that are attached to other tools.
     pub workpieces: Vec<ToolTemplate>,
-    /// The values that the operator may change.
+    /// Values that the operator may change.
     pub process_data: Vec<ProcessData>,
-    /// What was passed over, by kinds.
+    /// Skipped entries, by kind.
     pub not_taken: Vec<NotTaken>,
 }
 
 impl DataFile {
-    /// The value of process data: what the operator has made of it, or else its default.
+    /// Returns the value of process data: the operator's value, or else the default.
     #[must_use]
     pub fn setting(&self, id: &str) -> Option<&str> {
         let own = self.process_data.iter().find(|own| own.id == id)?;
@@ -27,95 +28,95 @@ impl DataFile {
     }
 }
 
-/// A frame of the world, and those that are given in it.
+/// Frame of the world, with its child frames.
 #[derive(Clone, Debug, PartialEq)]
 pub struct WorldFrame {
-    /// Its name.
+    /// Name.
     pub name: String,
-    /// Where it is in the one that it is in.
+    /// Pose relative to the parent frame.
     pub frame: Frame,
-    /// How the arm reached it.
+    /// Redundancy at the taught frame.
     pub redundancy: Option<TaughtRedundancy>,
-    /// What it was taught with.
+    /// Robot and TCP at the time of teaching.
     pub teaching: Option<Teaching>,
-    /// Those that are given in it.
+    /// Child frames.
     pub children: Vec<Self>,
 }
 
-/// How the arm reached a frame: Sunrise's `LBRE1Redundancy`.
+/// Redundancy at a taught frame: Sunrise's `LBRE1Redundancy`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TaughtRedundancy {
-    /// The robot.
+    /// Name of the robot.
     pub device: String,
-    /// The position of joint A3, in rad.
+    /// Position of joint A3 in rad.
     pub e1_rad: Option<f64>,
-    /// The status.
+    /// Status.
     pub status: Option<Status>,
-    /// The turn.
+    /// Turn.
     pub turn: Option<Turn>,
 }
 
-/// What a frame was taught with.
+/// Robot and TCP with which a frame was taught.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Teaching {
-    /// The robot.
+    /// Name of the robot.
     pub device: String,
-    /// The TCP that stood there, as `TOOL/FRAME`.
+    /// TCP that was at the frame, as `TOOL/FRAME`.
     pub tcp_name: String,
-    /// That TCP in the flange's frame, as it was then.
+    /// Pose of that TCP in the flange frame at the time of teaching.
     pub tcp: Frame,
 }
 
-/// The template of a tool.
+/// Tool template.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ToolTemplate {
-    /// Its name.
+    /// Name.
     pub name: String,
-    /// Its class in Java, with the package, if that is stated.
+    /// Java class with its package, if stated.
     pub class: Option<String>,
-    /// The path of the frame that moves unless another is named, as `/FRAME`.
+    /// Path of the default motion frame, as `/FRAME`.
     pub default_frame: Option<String>,
-    /// Its frames, the outermost ones in the flange's.
+    /// Frames; the outermost ones are relative to the flange.
     pub frames: Vec<ToolFrame>,
-    /// What it weighs, if that was determined.
+    /// Load, if determined.
     pub load: Option<Load>,
 }
 
-/// A frame of a tool, and those that are given in it.
+/// Frame of a tool, with its child frames.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ToolFrame {
-    /// Its name.
+    /// Name.
     pub name: String,
-    /// Where it is in the one that it is in.
+    /// Pose relative to the parent frame.
     pub frame: Frame,
-    /// Those that are given in it.
+    /// Child frames.
     pub children: Vec<Self>,
 }
 
-/// A value that the operator may change, and for which applications ask.
+/// Value that the operator may change and that applications query.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct ProcessData {
-    /// By which applications ask for it.
+    /// Id by which applications query the value.
     pub id: String,
-    /// Its class in Java: `java.lang.Double`, `Integer`, `Boolean` or `String`.
+    /// Java class: `java.lang.Double`, `Integer`, `Boolean` or `String`.
     pub data_type: String,
-    /// What it is until the operator changes it.
+    /// Value until the operator changes it.
     pub default_value: Option<String>,
-    /// What the operator has made of it.
+    /// Value that the operator has set.
     pub value: Option<String>,
-    /// The least that it may be.
+    /// Lower bound.
     pub min: Option<String>,
-    /// The most that it may be.
+    /// Upper bound.
     pub max: Option<String>,
 }
 
-/// A kind of entry that programs have no use for, or that cannot be read.
+/// Kind of entry that programs do not use, or that cannot be read.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct NotTaken {
-    /// What it is.
+    /// Kind of the entry.
     pub what: String,
-    /// How many there are.
+    /// Number of entries.
     pub count: usize,
-    /// Why it was passed over.
+    /// Reason for skipping.
     pub why: String,
 }

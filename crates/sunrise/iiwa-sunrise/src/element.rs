@@ -1,4 +1,4 @@
-//! The elements of an XML text.
+//! Elements of an XML text.
 
 use std::ops::Range;
 
@@ -10,23 +10,24 @@ use quick_xml::{
 
 use crate::error::DataFileError;
 
-/// Elements within each other, at most: whoever follows them needs stack.
+/// Maximum nesting depth of elements: code that recurses into the elements needs stack for each
+/// level.
 const MOST_NESTED: usize = 100;
 
-/// An element with all that is in it.
+/// Element with its content.
 pub(crate) struct Element<'t> {
     pub(crate) name: String,
     attributes: Vec<(String, String)>,
     pub(crate) children: Vec<Element<'t>>,
-    /// The text in it.
+    /// Text directly in the element.
     words: String,
     text: &'t str,
-    /// The start tag.
+    /// Byte range of the start tag.
     span: Range<usize>,
 }
 
 impl<'t> Element<'t> {
-    /// The outermost element of a text. Comments and instructions are passed over.
+    /// Reads the outermost element of a text. Comments and processing instructions are skipped.
     pub(crate) fn read(text: &'t str) -> Result<Self, DataFileError> {
         let fail = |span: Range<usize>, problem: String| DataFileError::Xml {
             at: Place::of_span(text, span),
@@ -93,7 +94,7 @@ impl<'t> Element<'t> {
         };
         let name = String::from_utf8_lossy(tag.name().as_ref()).into_owned();
         let mut attributes = Vec::new();
-        // The library's own search for duplicates takes a time that grows with their square.
+        // The library's own search for duplicate attributes takes quadratic time.
         for attribute in tag.attributes().with_checks(false) {
             let attribute = attribute.map_err(|error| fail(error.to_string()))?;
             let value = attribute
@@ -109,7 +110,7 @@ impl<'t> Element<'t> {
         Place::of_span(self.text, self.span.clone())
     }
 
-    /// The text in the element itself, not in those within it.
+    /// Returns the text directly in the element, without the text of its children.
     pub(crate) fn words(&self) -> &str {
         &self.words
     }
@@ -131,7 +132,7 @@ impl<'t> Element<'t> {
         self.children.iter().find(|child| child.name == name)
     }
 
-    /// A finite number.
+    /// Returns an attribute as a finite number.
     pub(crate) fn number(&self, name: &'static str) -> Result<f64, DataFileError> {
         let found = self.required(name)?;
         found.trim().parse().ok().filter(|number: &f64| number.is_finite()).ok_or_else(|| {

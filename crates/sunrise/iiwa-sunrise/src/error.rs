@@ -1,51 +1,51 @@
-//! What can be wrong with a data file.
+//! Errors of data files.
 
 use iiwa_json::Place;
 
-/// Why a text is no data file of a Sunrise project.
+/// Error of reading the data file of a Sunrise project.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum DataFileError {
     /// The text is not well-formed XML.
     #[error("this is not XML: {problem}, at {at}")]
     Xml {
-        /// Where.
+        /// Place of the error.
         at: Place,
-        /// What the parser says.
+        /// Message of the XML parser.
         problem: String,
     },
-    /// The text is XML of another kind.
+    /// The text is XML with another outermost element.
     #[error("the outermost element is <{found}>; a data file has <RoboticsAPIData>, at {at}")]
     NotDataFile {
-        /// Where.
+        /// Place of the outermost element.
         at: Place,
-        /// The element found.
+        /// Name of the outermost element.
         found: String,
     },
     /// An element or an attribute is missing.
     #[error("<{owner}> has no {missing}, at {at}")]
     Missing {
-        /// Where.
+        /// Place of the element.
         at: Place,
-        /// The element.
+        /// Name of the element.
         owner: String,
-        /// What it should have.
+        /// Name of the missing child element or attribute.
         missing: &'static str,
     },
     /// An attribute is not a finite number.
     #[error("{attribute} is {found:?}; it must be a finite number, at {at}")]
     Number {
-        /// Where.
+        /// Place of the element.
         at: Place,
-        /// The attribute.
+        /// Name of the attribute.
         attribute: String,
-        /// Its text.
+        /// Text of the attribute.
         found: String,
     },
 }
 
 impl DataFileError {
-    /// Where in the text.
+    /// Returns the place of the error in the text.
     #[must_use]
     pub fn place(&self) -> &Place {
         match self {
@@ -56,7 +56,7 @@ impl DataFileError {
         }
     }
 
-    /// What is wrong, without the place.
+    /// Returns the message without the place.
     #[must_use]
     pub fn what(&self) -> String {
         self.place().cut_from(&self.to_string())

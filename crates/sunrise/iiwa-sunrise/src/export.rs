@@ -1,4 +1,4 @@
-//! From a motion program to a Sunrise project.
+//! Exports a motion program as a Sunrise project.
 
 mod awaited_motions;
 mod cell;
@@ -25,16 +25,16 @@ use self::{
 
 pub use error::{ExportError, ExportNotice};
 
-/// How a program is exported.
+/// Options of an export.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct ExportOptions {
-    /// What the program is called; the class is named after it.
+    /// Name of the program; the class name is derived from it.
     pub name: String,
-    /// The name of the class, if it is to have another.
+    /// Class name, if it differs from the derived one.
     pub class: Option<String>,
 }
 
-/// A motion program as a Sunrise project: an application, and its frames and tools.
+/// Motion program as a Sunrise project: an application with its frames and tools.
 ///
 /// ```
 /// use iiwa_kin::Robot;
@@ -51,38 +51,41 @@ pub struct ExportOptions {
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct ExportedProject {
-    /// The name of the application's class.
+    /// Class name of the application.
     pub class: String,
-    /// The class, in Java.
+    /// Java source of the class.
     pub java: String,
-    /// The frames and the templates of tools, in XML.
+    /// Frames and tool templates, in XML.
     pub data_file: String,
-    /// Where the joints are before the first motion, in rad.
+    /// Joint positions before the first motion, in rad.
     pub start_rad: Joints,
-    /// The same in degrees, which are converted to the same bits where some are.
+    /// Joint positions before the first motion in degrees, which convert to the same bits where
+    /// possible.
     pub start_deg: Joints,
-    /// What Java says otherwise than the program, or not at all.
+    /// Differences between the Java code and the program.
     pub notices: Vec<ExportNotice>,
 }
 
 impl ExportedProject {
-    /// The path of [`data_file`](Self::data_file) in the project.
+    /// Path of [`data_file`](Self::data_file) in the project.
     pub const DATA_FILE: &str = "RoboticsAPI.data.xml";
 
-    /// The process data that names the program's robot.
+    /// Id of the process data with the program's robot.
     pub const ROBOT_ID: &str = "iiwasim_robot";
 
-    /// The process data with the length of the robot's flange, in mm.
+    /// Id of the process data with the flange length in mm.
     pub const FLANGE_ID: &str = "iiwasim_flange_mm";
 
-    /// The process data with the joints before the first motion: seven numbers, in rad.
+    /// Id of the process data with the joint positions before the first motion: seven numbers, in
+    /// rad.
     pub const START_ID: &str = "iiwasim_start_rad";
 
-    /// Exports a program. All of its motions are as they were: targets and limits to the last bit.
+    /// Exports a program. All motions keep their targets and limits bit for bit.
     ///
     /// # Errors
     ///
-    /// [`ExportError`] if the program has a fault, or asks for what Sunrise has no call for; it names the motion and the key.
+    /// [`ExportError`] if the program has a fault, or uses a feature without an equivalent call in
+    /// Sunrise; the error names the motion and the key.
     pub fn new(
         program: &Program,
         robot: &Robot,
@@ -122,20 +125,20 @@ impl ExportedProject {
         Ok(Self { class, java, data_file, start_rad, start_deg, notices })
     }
 
-    /// The path of [`java`](Self::java) in the project.
+    /// Returns the path of [`java`](Self::java) in the project.
     #[must_use]
     pub fn java_file(&self) -> String {
         format!("src/application/{}.java", self.class)
     }
 }
 
-/// The robot as stations of Sunrise usually call it.
+/// Returns the usual device name of the robot in Sunrise stations.
 fn device(robot: &Robot) -> String {
     let is_14 = robot.lengths().upper_arm_m == Robot::lbr_iiwa_14_r820().lengths().upper_arm_m;
     if is_14 { "LBR_iiwa_14_R820_1" } else { "LBR_iiwa_7_R800_1" }.to_owned()
 }
 
-/// What of the program as a whole Java does not say.
+/// Reports the settings of the whole program that the Java code does not contain.
 fn of_the_program(program: &Program) -> Vec<ExportNotice> {
     let workcell = &program.workcell;
     let mut notices = Vec::new();
@@ -146,7 +149,7 @@ fn of_the_program(program: &Program) -> Vec<ExportNotice> {
         note(None, "mode", "the key switch of the smartPAD chooses T1");
     }
     if workcell.mount != Mount::default() {
-        note(None, "mount", "the configuration of the station says how the robot stands");
+        note(None, "mount", "the configuration of the station states the mounting of the robot");
     }
     if workcell.torque_limit_rel.is_some() {
         note(None, "torque_limit_percent", "Sunrise plans by its own model of torques");

@@ -1,5 +1,5 @@
-//! KUKA Sunrise projects: the frames and tool templates of a `RoboticsAPI.data.xml`, as the tools, bases and frames that
-//! motion programs include.
+//! KUKA Sunrise projects: reads the frames and tool templates of a `RoboticsAPI.data.xml` as tools,
+//! bases and frames of motion programs, imports applications, and exports programs.
 //!
 //! ```
 //! use iiwa_kin::Robot;
@@ -22,11 +22,14 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! [`DataFile`] holds what the file says, [`ImportedCell`] what programs can use of it, and under which names.
+//! [`DataFile`] holds the content of the file; [`ImportedCell`] the tools, bases and frames for
+//! programs, with their names.
 //!
-//! [`import`] evaluates an [`Application`] of a [`Project`] without a robot; that becomes a program, each motion with its line.
+//! [`import`] evaluates an [`Application`] of a [`Project`] without a robot, and records its
+//! motions as a program with the source line of each motion.
 //!
-//! [`ExportedProject`] is the way back: a motion program as an application in Java, with its frames and tools.
+//! [`ExportedProject`] is the reverse: it writes a motion program as a Java application with its
+//! frames and tools.
 
 mod answers;
 mod application;

@@ -1,35 +1,36 @@
-//! Names that programs can use.
+//! Unique names for programs.
 
 use std::collections::{BTreeMap, BTreeSet};
 
-/// An entry that has another name in programs than in its project.
+/// Entry whose name in programs differs from its name in the project.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Renamed {
-    /// Its path in the project.
+    /// Path in the project.
     pub from: String,
-    /// Its name in programs.
+    /// Name in programs.
     pub to: String,
-    /// Why.
+    /// Reason.
     pub why: &'static str,
 }
 
-/// Gives each entry of a list a name of its own.
+/// Assigns a unique name to each entry of a list.
 #[derive(Default)]
 pub(crate) struct Names {
     used: BTreeSet<String>,
-    /// How often a name was asked for that was taken.
+    /// Last number that was appended, by name.
     taken: BTreeMap<String, u32>,
     pub(crate) renamed: Vec<Renamed>,
 }
 
 impl Names {
-    /// Without those that mean something else in programs.
+    /// Creates an empty list without the names that are reserved in programs.
     pub(crate) fn without(reserved: &[&str]) -> Self {
         let used = reserved.iter().map(|name| (*name).to_owned()).collect();
         Self { used, ..Self::default() }
     }
 
-    /// The name for the entry called `own`, below `parent` if that is given, whose path in the project is `from`.
+    /// Returns the name for the entry called `own`, below `parent` if given; `from` is its path in
+    /// the project.
     pub(crate) fn give(&mut self, parent: Option<&str>, own: &str, from: &str) -> String {
         let plain = match own {
             "" => "unnamed".to_owned(),

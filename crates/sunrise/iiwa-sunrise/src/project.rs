@@ -1,4 +1,4 @@
-//! The sources of a Sunrise project.
+//! Sources of a Sunrise project.
 
 use std::{
     fs,
@@ -14,14 +14,14 @@ use crate::{
     robot_statement::{RobotStatement, in_java, in_station},
 };
 
-/// Of a file.
+/// Maximum size of a file.
 const MOST_BYTES: u64 = 10_000_000;
-/// Of all files.
+/// Maximum size of all files.
 const MOST_BYTES_IN_ALL: u64 = 100_000_000;
 
-/// The Java files of a Sunrise project, its data file, and what it states about its robot.
+/// Java files of a Sunrise project, its data file, and its statements about its robot.
 ///
-/// A file that cannot be used is kept with what is wrong with it: it matters only if something in it is needed.
+/// An unusable file is kept with its error, which matters only if the file is needed.
 #[derive(Debug)]
 pub struct Project {
     files: Vec<SourceFile>,
@@ -29,17 +29,17 @@ pub struct Project {
     station: Result<Vec<RobotStatement>, StationFault>,
 }
 
-/// A `StationSetup.cat` that cannot be used.
+/// Error of an unusable `StationSetup.cat`.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{path} cannot be used: {reason}")]
 pub struct StationFault {
-    /// The file, from the project's folder on.
+    /// Path of the file, relative to the project folder.
     pub path: String,
-    /// Why.
+    /// Reason.
     pub reason: String,
 }
 
-/// A Java file of a project.
+/// Java file of a project.
 #[derive(Debug)]
 pub struct SourceFile {
     path: String,
@@ -47,66 +47,67 @@ pub struct SourceFile {
     robots: Vec<RobotStatement>,
 }
 
-/// The file `RoboticsAPI.data.xml` of a project, from which [`DataFile`](crate::DataFile) reads frames and tools.
+/// File `RoboticsAPI.data.xml` of a project, from which [`DataFile`](crate::DataFile) reads frames
+/// and tools.
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum ProjectData {
-    /// There is none in the project's folder, in the folders within it, or around it.
+    /// No data file exists in the project folder, one level below, or one level above.
     Absent,
-    /// There is one.
+    /// One data file was found.
     Found {
-        /// From the project's folder on, with `/`.
+        /// Path relative to the project folder, with `/`.
         path: String,
-        /// What it says.
+        /// Content of the file.
         text: String,
     },
-    /// Several folders within the project's have one: each belongs to a project of its own.
+    /// Paths of several data files in subfolders: each belongs to a separate project.
     Several(Vec<String>),
-    /// There is one, which cannot be read.
+    /// The data file cannot be read.
     Unreadable {
-        /// From the project's folder on, with `/`.
+        /// Path relative to the project folder, with `/`.
         path: String,
-        /// Why.
+        /// Reason.
         reason: String,
     },
 }
 
-/// Why a folder is not taken for a project.
+/// Error of opening a project.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum ProjectError {
     /// The folder cannot be read.
     #[error("{path} cannot be read: {source}")]
     Folder {
-        /// The folder.
+        /// Path of the folder.
         path: PathBuf,
-        /// Why.
+        /// Cause.
         source: io::Error,
     },
-    /// There are too many files.
+    /// The folder has too many Java files.
     #[error("the folder has more than {most} Java files: a project's own folder is expected")]
     TooManyFiles {
-        /// That are read.
+        /// Maximum number of files.
         most: usize,
     },
-    /// There are too many folders.
+    /// The folder has too many subfolders.
     #[error("the folder has more than {most} folders: a project's own folder is expected")]
     TooManyFolders {
-        /// That are searched.
+        /// Maximum number of folders.
         most: usize,
     },
-    /// The files are too long, all together.
+    /// The Java files are too large in total.
     #[error(
         "the Java files have more than {most} bytes in all: a project's own folder is expected"
     )]
     TooLarge {
-        /// That are read.
+        /// Maximum number of bytes.
         most: u64,
     },
 }
 
 impl Project {
-    /// Whether a folder has Java files that [`open`](Self::open) would read.
+    /// Returns true if the folder has Java files that [`open`](Self::open) would read.
     #[must_use]
     pub fn has_sources(folder: &Path) -> bool {
         match project_folder::sources(folder) {
@@ -116,12 +117,13 @@ impl Project {
         }
     }
 
-    /// Reads the project in a folder: all `*.java` in it and below it, apart from hidden folders and from `bin` and
-    /// `target`; and `RoboticsAPI.data.xml` and `StationSetup.cat`, in the folder, in one within it, or around it.
+    /// Reads the project in a folder: all `*.java` files in the folder and its subfolders, except
+    /// hidden folders, `bin` and `target`; and `RoboticsAPI.data.xml` and `StationSetup.cat`, in
+    /// the folder, one level below or one level above.
     ///
     /// # Errors
     ///
-    /// If the folder cannot be read, or if it holds too much for a project.
+    /// If the folder cannot be read, or if it exceeds the limits of a project.
     pub fn open(folder: &Path) -> Result<Self, ProjectError> {
         let found = project_folder::sources(folder).map_err(|fault| match fault {
             FolderFault::Files => ProjectError::TooManyFiles { most: MOST_FILES },
@@ -156,12 +158,13 @@ impl Project {
         Ok(reading.project(data))
     }
 
-    /// A project of files that are given by their names from its folder on, with `/`, and their contents. Those called
-    /// `RoboticsAPI.data.xml` and `StationSetup.cat` are its data file and its station; all others are Java.
+    /// Creates a project from files that are given by their paths relative to its folder, with `/`,
+    /// and their contents. Files called `RoboticsAPI.data.xml` and `StationSetup.cat` are its data
+    /// file and its station; all others are Java.
     ///
     /// # Errors
     ///
-    /// If there is too much for a project.
+    /// If the files exceed the limits of a project.
     pub fn from_texts<P, T>(files: impl IntoIterator<Item = (P, T)>) -> Result<Self, ProjectError>
     where
         P: Into<String>,
@@ -182,13 +185,13 @@ impl Project {
         Ok(reading.project(data))
     }
 
-    /// Its Java files, by their names.
+    /// Returns the Java files.
     #[must_use]
     pub fn files(&self) -> &[SourceFile] {
         &self.files
     }
 
-    /// Its classes; a file that cannot be used matters where its class is needed.
+    /// Returns the classes; an unusable file is an error only if its class is needed.
     #[must_use]
     pub fn classes(&self) -> Classes {
         let mut classes = Classes::default();
@@ -201,16 +204,17 @@ impl Project {
         classes
     }
 
-    /// Statements about robots in `StationSetup.cat` of the project; empty without that file.
+    /// Returns the statements about robots in the project's `StationSetup.cat`; empty without that
+    /// file.
     ///
     /// # Errors
     ///
-    /// If there is one that cannot be used.
+    /// If the `StationSetup.cat` cannot be used.
     pub fn station(&self) -> Result<&[RobotStatement], &StationFault> {
         self.station.as_deref()
     }
 
-    /// Its data file.
+    /// Returns the data file.
     #[must_use]
     pub fn data(&self) -> &ProjectData {
         &self.data
@@ -229,37 +233,37 @@ impl SourceFile {
         Self { path, unit, robots }
     }
 
-    /// Its name from the project's folder on, with `/`.
+    /// Returns the path relative to the project folder, with `/`.
     #[must_use]
     pub fn path(&self) -> &str {
         &self.path
     }
 
-    /// The robots that it names.
+    /// Returns the robots that the file names.
     #[must_use]
     pub fn robots(&self) -> &[RobotStatement] {
         &self.robots
     }
 
-    /// Why nothing in it can be used.
+    /// Returns the error if the file cannot be used.
     #[must_use]
     pub fn error(&self) -> Option<&SourceError> {
         self.unit.as_ref().err()
     }
 
-    /// Its syntax.
+    /// Returns the syntax of the file.
     ///
     /// # Errors
     ///
-    /// Why nothing in it can be used.
+    /// If the file cannot be used.
     pub fn unit(&self) -> Result<&Unit, &SourceError> {
         self.unit.as_ref()
     }
 }
 
-/// A project as it is read.
+/// State while a project is read.
 struct Reading {
-    /// Java files by their names, with their texts.
+    /// Java files by path, with their texts.
     texts: Vec<(String, Result<String, SourceFault>)>,
     station: Result<Vec<RobotStatement>, StationFault>,
     bytes: u64,
@@ -295,21 +299,21 @@ impl Reading {
         self.station = read.map_err(|reason| StationFault { path: path.to_owned(), reason });
     }
 
-    /// The project; its Java files are parsed on all cores.
+    /// Builds the project; its Java files are parsed on all cores.
     fn project(self, data: ProjectData) -> Project {
         let files = self.texts.into_par_iter().map(|(path, text)| SourceFile::read(path, text));
         Project { files: files.collect(), data, station: self.station }
     }
 }
 
-/// What is in a file, unless that is too much.
+/// Reads a file, up to the maximum size.
 fn contents(path: &Path) -> Result<Vec<u8>, SourceFault> {
     let unreadable = |error: io::Error| SourceFault::Unreadable(error.to_string());
     let file = fs::File::open(path).map_err(unreadable)?;
     let metadata = file.metadata().map_err(unreadable)?;
-    // Of a pipe, say, nobody knows when its contents come.
+    // Reading a pipe, for example, could block forever.
     if !metadata.is_file() {
-        return Err(SourceFault::Unreadable("it is no ordinary file".to_owned()));
+        return Err(SourceFault::Unreadable("it is not an ordinary file".to_owned()));
     }
     let mut bytes = Vec::new();
     file.take(MOST_BYTES + 1).read_to_end(&mut bytes).map_err(unreadable)?;

@@ -1,4 +1,4 @@
-//! The files of a project's folder.
+//! Files in a project folder.
 
 use std::{
     collections::BTreeSet,
@@ -6,18 +6,18 @@ use std::{
     path::{Path, PathBuf},
 };
 
-/// Robot programs have a few hundred.
+/// Maximum number of Java files; robot programs have a few hundred.
 pub(crate) const MOST_FILES: usize = 10_000;
-/// More are those of a whole disk.
+/// Maximum number of folders; more indicate a whole disk.
 pub(crate) const MOST_FOLDERS: usize = 100_000;
 
-/// Where the frames and tools of a project are.
+/// File with the frames and tools of a project.
 pub(crate) const DATA_FILE: &str = "RoboticsAPI.data.xml";
 
-/// The file with the configuration of a project's station.
+/// File with the configuration of a project's station.
 pub(crate) const STATION_FILE: &str = "StationSetup.cat";
 
-/// What a folder holds too much of.
+/// Error of searching a folder.
 #[derive(Debug)]
 pub(crate) enum FolderFault {
     Files,
@@ -25,14 +25,14 @@ pub(crate) enum FolderFault {
     Unreadable(PathBuf, io::Error),
 }
 
-/// The Java files in a folder and in those below it, with their names from it on, sorted by those. What builders write
-/// and what is hidden is left out; folders that cannot be opened are, too, but for the outermost.
+/// Finds the Java files in a folder and its subfolders, sorted by their paths relative to the
+/// folder. Build output, hidden entries, and subfolders that cannot be opened are skipped.
 pub(crate) fn sources(root: &Path) -> Result<Vec<(String, PathBuf)>, FolderFault> {
     let mut found = Vec::new();
     let mut visited = BTreeSet::new();
     let mut open = vec![(String::new(), root.to_owned())];
     while let Some((name, folder)) = open.pop() {
-        // A link may lead to a folder around it.
+        // A link may point to a parent folder.
         let is_new = folder.canonicalize().is_ok_and(|folder| visited.insert(folder));
         if !is_new && !name.is_empty() {
             continue;
@@ -63,8 +63,8 @@ pub(crate) fn sources(root: &Path) -> Result<Vec<(String, PathBuf)>, FolderFault
     Ok(found)
 }
 
-/// The files of a project that have this name, with their names from its folder on: that in the folder, else those one level
-/// below, else that one level above.
+/// Finds the files of a project with this name, with their paths relative to its folder: the file
+/// in the folder, otherwise the files one level below, otherwise the file one level above.
 pub(crate) fn nearest(root: &Path, file: &str) -> Vec<(String, PathBuf)> {
     let here = root.join(file);
     if here.is_file() {
@@ -87,7 +87,7 @@ pub(crate) fn nearest(root: &Path, file: &str) -> Vec<(String, PathBuf)> {
     below
 }
 
-/// What is in a folder, by names.
+/// Returns the entries of a folder, sorted by name.
 fn entries(folder: &Path) -> io::Result<Vec<(String, PathBuf)>> {
     let mut entries = Vec::new();
     for entry in fs::read_dir(folder)? {

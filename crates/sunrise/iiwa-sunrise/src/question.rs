@@ -1,45 +1,46 @@
-//! What an application asked for while it was evaluated.
+//! Questions of an application during its evaluation.
 
-/// Something that an application asked for: a run with the same answers gives the same program.
+/// Question of an application. An evaluation with the same answers gives the same program.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Question {
-    /// Of which kind it is.
+    /// Kind of the question.
     pub kind: QuestionKind,
-    /// The text of the dialog, `Group.Name` of the input, the id of the process data, `File.java:line` of the condition or the
-    /// duration, or the name of the tool.
+    /// Text of the dialog, `Group.Name` of the input, id of the process data, `File.java:line` of
+    /// the condition or the duration, or name of the tool.
     pub asked: String,
-    /// The buttons of the dialog.
+    /// Buttons of the dialog.
     pub choices: Vec<String>,
-    /// What was answered: the number of the button from 0, or a value.
+    /// Answer: the button number from 0, or a value.
     pub answer: String,
-    /// Whether the answer was given; else it is the first button, or the data file's value.
+    /// `true` if the answer was given; otherwise the answer is the first button, or the value in
+    /// the data file.
     pub is_given: bool,
-    /// The file of the sources, from the project's folder on.
+    /// Source file, relative to the project folder.
     pub file: String,
-    /// The line in it, from 1.
+    /// Line in the file, from 1.
     pub line: u32,
 }
 
-/// The kinds of questions.
+/// Kinds of questions.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum QuestionKind {
-    /// A dialog with buttons.
+    /// Dialog with buttons.
     Dialog,
-    /// An input of a group of inputs and outputs.
+    /// Input of an I/O group.
     Input,
-    /// A value of the operator's.
+    /// Process data that the operator may change.
     ProcessData,
-    /// The model of the robot, which the project does not state.
+    /// Robot model, which the project does not state.
     Robot,
-    /// The length of its flange in mm, which the project does not state.
+    /// Flange length in mm, which the project does not state.
     Flange,
-    /// The joints with which the arm stands before the first motion, in degrees.
+    /// Joint positions before the first motion, in degrees.
     Start,
-    /// The outcome of a condition that is measured while the arm moves.
+    /// Outcome of a condition that is monitored during a motion.
     Fired,
-    /// The duration of a hold, of a gripper or of a platform.
+    /// Duration of a hold, a gripper motion or a platform motion.
     Time,
-    /// A frame of a tool that the data file lacks.
+    /// Tool frame that the data file lacks.
     Tool,
 }

@@ -1,4 +1,4 @@
-//! From XML to what a data file says.
+//! Reads a data file from XML.
 
 use std::collections::BTreeMap;
 
@@ -14,15 +14,17 @@ use crate::{
     error::DataFileError,
 };
 
-/// The version of data files whose meaning is known.
+/// Version of data files that this reader knows.
 const VERSION: &str = "3";
 
 impl DataFile {
-    /// Reads a data file. What it has beside frames and tools is counted in [`not_taken`](Self::not_taken).
+    /// Reads a data file. Content other than frames, tools and process data is counted in
+    /// [`not_taken`](Self::not_taken).
     ///
     /// # Errors
     ///
-    /// If the text is no data file, or if a frame or a tool lacks a number; the error says where in the text.
+    /// If the text is not a data file, or if a frame or a tool lacks a number; the error reports
+    /// the place in the text.
     pub fn from_xml(text: &str) -> Result<Self, DataFileError> {
         let root = Element::read(text)?;
         if root.name != "RoboticsAPIData" {
@@ -54,7 +56,8 @@ impl DataFile {
                                     "workpieceTemplate",
                                     "where a workpiece is attached, and when, is up to the program",
                                 );
-                                // Cells have no use for it: only who asks for it misses what cannot be read.
+                                // Cells do not use workpieces: an unreadable one matters only to an
+                                // application that asks for it.
                                 let workpiece = tool(element, &mut Rest::default());
                                 file.workpieces.extend(workpiece.ok());
                             }
@@ -81,7 +84,7 @@ impl DataFile {
     }
 }
 
-/// A value of the operator's; none if it has no id by which to ask for it.
+/// Reads process data; `None` if it has no id by which an application could ask for it.
 fn process_data(element: &Element<'_>) -> Option<ProcessData> {
     let text = |key| element.attribute(key).map(str::to_owned);
     Some(ProcessData {
@@ -94,7 +97,7 @@ fn process_data(element: &Element<'_>) -> Option<ProcessData> {
     })
 }
 
-/// What is passed over, with the reasons.
+/// Skipped entries, with the reasons and their counts.
 #[derive(Default)]
 struct Rest(BTreeMap<(String, String), usize>);
 
@@ -115,8 +118,8 @@ impl Rest {
 fn gravitation(element: &Element<'_>, rest: &mut Rest) -> Result<(), DataFileError> {
     let [x, y, z] = ["x", "y", "z"].map(|key| element.number(key));
     let why = match [x?, y?, z?] {
-        [0.0, 0.0, z] if z > 0.0 => "the robot stands upright, as programs take it to".to_owned(),
-        [x, y, z] => format!("the robot does not stand upright: gravity is {x} {y} {z}"),
+        [0.0, 0.0, z] if z > 0.0 => "the robot is mounted upright, as programs assume".to_owned(),
+        [x, y, z] => format!("the robot is not mounted upright: gravity is {x} {y} {z}"),
     };
     rest.add("gravitation", &why);
     Ok(())
@@ -161,7 +164,7 @@ fn world_frame(element: &Element<'_>, rest: &mut Rest) -> Result<WorldFrame, Dat
             other => rest.unknown(other),
         }
     }
-    // Several robots may have been at one frame.
+    // Several robots may have been taught at one frame.
     let taught = |entry: &TaughtRedundancy| {
         frame.teaching.as_ref().is_some_and(|teaching| teaching.device == entry.device)
     };
@@ -175,7 +178,7 @@ fn world_frame(element: &Element<'_>, rest: &mut Rest) -> Result<WorldFrame, Dat
     Ok(frame)
 }
 
-/// Whether a class is called `name`, whatever its package.
+/// Returns true if the last part of the class name is `name`, in any package.
 fn names(class: &str, name: &str) -> bool {
     last_part(class) == name
 }
@@ -188,7 +191,7 @@ fn measurement(rest: &mut Rest) {
     rest.add("measurement", "how a frame was measured");
 }
 
-/// What else there is about a frame or a tool.
+/// Counts additional information about a frame or a tool.
 fn additional(info: &Element<'_>, rest: &mut Rest) {
     let kind = info.attribute("key").or_else(|| info.attribute("type").map(last_part));
     match kind {
@@ -200,7 +203,7 @@ fn additional(info: &Element<'_>, rest: &mut Rest) {
     }
 }
 
-/// The pose in a child element, in mm and rad.
+/// Reads the pose in a child element, in mm and rad.
 fn placed(owner: &Element<'_>, child: &'static str) -> Result<Frame, DataFileError> {
     let element = owner.child(child).ok_or_else(|| owner.missing(child))?;
     let [x, y, z] = ["x", "y", "z"].map(|key| element.number(key));
@@ -269,7 +272,7 @@ fn tool(element: &Element<'_>, rest: &mut Rest) -> Result<ToolTemplate, DataFile
     Ok(tool)
 }
 
-/// The frames in an element `frames`.
+/// Reads the frames in an element `frames`.
 fn tool_frames(list: &Element<'_>, rest: &mut Rest) -> Result<Vec<ToolFrame>, DataFileError> {
     let mut frames = Vec::new();
     for element in &list.children {
@@ -298,7 +301,7 @@ fn tool_frames(list: &Element<'_>, rest: &mut Rest) -> Result<Vec<ToolFrame>, Da
     Ok(frames)
 }
 
-/// What a tool weighs; none if that was never determined.
+/// Reads the load of a tool; `None` if the load was never determined.
 fn load(element: &Element<'_>, tool: &str, rest: &mut Rest) -> Result<Option<Load>, DataFileError> {
     let mass_kg = element.number("mass")?;
     if mass_kg <= 0.0 {

@@ -1,4 +1,4 @@
-//! The robot of a project and its flange, as the files of the project state them.
+//! Statements of project files about the robot and its flange.
 
 use std::fmt;
 
@@ -9,26 +9,27 @@ use crate::element::Element;
 /// Length of a media flange "Touch", from the wrist to its face, in m.
 pub const TOUCH_FLANGE_M: f64 = 0.152;
 
-/// Length of all other flanges, in m. Of twenty public projects whose taught frames can tell, those with a flange whose name has
-/// "Touch" in it have the other length, and all others have this one.
+/// Length of all other flanges, in m. In twenty public projects whose taught frames determine the
+/// length, the flanges with "Touch" in their names have the other length, and all others have this
+/// one.
 pub const OTHER_FLANGE_M: f64 = 0.126;
 
-/// A place in a project that states which robot runs it, or which flange that robot has.
+/// Place in a project that states which robot runs it, or which flange that robot has.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RobotStatement {
-    /// The kind of file that states it.
+    /// Kind of the file.
     pub by: StatedBy,
-    /// The file, from the project's folder on.
+    /// Path of the file, relative to the project folder.
     pub file: String,
-    /// The line in it, from 1.
+    /// Line in the file, from 1.
     pub line: u32,
-    /// The words, as `LBR_iiwa_14_R820_1` or `Medien-Flansch Touch pneumatisch`.
+    /// Text of the statement, such as `LBR_iiwa_14_R820_1` or `Medien-Flansch Touch pneumatisch`.
     pub words: String,
-    /// The meaning of the words.
+    /// Meaning of the text.
     pub means: Stated,
 }
 
-/// The kinds of files that state the robot.
+/// Kinds of files that state the robot.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 #[non_exhaustive]
 pub enum StatedBy {
@@ -36,31 +37,34 @@ pub enum StatedBy {
     Station,
     /// `RoboticsAPI.data.xml`: the robot with which frames were taught.
     DataFile,
-    /// Java sources: a device that is asked for by its name, or a field that is named after it.
+    /// Java sources: a device that is looked up by its name, or a field that is named after the
+    /// device.
     Java,
 }
 
-/// The meaning of a statement.
+/// Meaning of a statement.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Stated {
-    /// The model of the robot.
+    /// Robot model.
     Model(StatedModel),
-    /// The length of the flange of such a robot, in m.
+    /// Flange length in m, of a robot of this model.
     Flange(StatedModel, f64),
 }
 
-/// A model of robots, as devices are named.
+/// Robot model in a device name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct StatedModel {
-    /// The built-in model with its kinematics.
+    /// Built-in model with the same kinematics.
     pub built_in: &'static str,
-    /// True for an LBR Med, which has the kinematics of the LBR iiwa; its limits are assumed to be the same.
+    /// `true` for an LBR Med, which has the kinematics of the LBR iiwa; its limits are assumed to
+    /// be the same.
     pub is_med: bool,
 }
 
 impl StatedModel {
-    /// The model whose name is in a device's name, as in `LBR_iiwa_14_R820_1`, `lBR_iiwa_7_R800` or `LBR_Med_7_R800_1`.
+    /// Finds the model in a device name such as `LBR_iiwa_14_R820_1`, `lBR_iiwa_7_R800` or
+    /// `LBR_Med_7_R800_1`.
     ///
     /// ```
     /// use iiwa_sunrise::StatedModel;
@@ -91,11 +95,11 @@ impl fmt::Display for RobotStatement {
     }
 }
 
-/// Robots and flanges in a `StationSetup.cat`, the configuration of a station.
+/// Finds robots and flanges in a `StationSetup.cat`, the configuration of a station.
 ///
 /// # Errors
 ///
-/// Why the text is no XML.
+/// Returns the message of the XML parser if the text is not XML.
 pub(crate) fn in_station(file: &str, text: &str) -> Result<Vec<RobotStatement>, String> {
     let root = Element::read(text).map_err(|error| error.to_string())?;
     let mut found = Vec::new();
@@ -125,7 +129,8 @@ pub(crate) fn in_station(file: &str, text: &str) -> Result<Vec<RobotStatement>, 
     Ok(found)
 }
 
-/// The name of the flange that is chosen: that of the value, or that of the same value among those that may be chosen.
+/// Returns the name of the selected flange: the display name of the value, or of the equal value
+/// among the possible ones.
 fn flange_name<'e>(property: &'e Element<'_>) -> Option<&'e str> {
     let chosen = property.child("Value")?;
     let named = |own: &'e Element<'_>| own.attribute("displayName").filter(|name| !name.is_empty());
@@ -133,7 +138,8 @@ fn flange_name<'e>(property: &'e Element<'_>) -> Option<&'e str> {
     named(chosen).or_else(|| named(property.children.iter().find(same)?))
 }
 
-/// Robots in the text of a Java file: in strings and identifiers, not in comments. Each model counts where it is first named.
+/// Finds robots in the text of a Java file: in strings and identifiers, not in comments. Each model
+/// is reported at its first occurrence.
 pub(crate) fn in_java(file: &str, text: &str) -> Vec<RobotStatement> {
     let mut found: Vec<RobotStatement> = Vec::new();
     for (line, words) in Words::new(text) {
@@ -147,7 +153,7 @@ pub(crate) fn in_java(file: &str, text: &str) -> Vec<RobotStatement> {
     found
 }
 
-/// Identifiers and strings of a Java text with their lines; comments are passed over.
+/// Iterator over the identifiers and strings of a Java text with their lines; comments are skipped.
 struct Words<'t> {
     rest: &'t str,
     line: u32,
@@ -158,7 +164,7 @@ impl<'t> Words<'t> {
         Self { rest, line: 1 }
     }
 
-    /// Takes so many bytes of the text, and counts their lines.
+    /// Takes a number of bytes from the text, and counts their lines.
     fn take(&mut self, bytes: usize) -> &'t str {
         let (taken, rest) = self.rest.split_at(bytes);
         self.rest = rest;
@@ -167,12 +173,13 @@ impl<'t> Words<'t> {
         taken
     }
 
-    /// The bytes up to the end of what begins here and ends with `end`, or of the text.
+    /// Returns the number of bytes up to and including `end`, or to the end of the text.
     fn up_to(&self, from: usize, end: &str) -> usize {
         self.rest[from..].find(end).map_or(self.rest.len(), |at| from + at + end.len())
     }
 
-    /// The bytes of a string or a character with its quotes; one without an end ends with its line.
+    /// Returns the number of bytes of a string or character literal with its quotes; an
+    /// unterminated literal ends with its line.
     fn quoted(&self, quote: char) -> usize {
         let mut is_escaped = false;
         for (at, own) in self.rest.char_indices().skip(1) {
@@ -255,7 +262,7 @@ mod tests {
     fn a_flange_touch_is_longer() {
         let value = r#"<Value displayName="Medien-Flansch TOUCH">MADA=MFT</Value>"#;
         assert_eq!(flange_m(value), Some(TOUCH_FLANGE_M));
-        // Its name is among those that may be chosen.
+        // The name is among the possible values.
         assert_eq!(flange_m("<Value>MADA=MFTP</Value>"), Some(TOUCH_FLANGE_M));
         assert_eq!(flange_m("<Value>MADA=MF</Value>"), Some(OTHER_FLANGE_M));
         assert_eq!(flange_m("<Value>MADA=NEW</Value>"), None);

@@ -1,4 +1,4 @@
-//! From what a data file says to XML.
+//! Writes a data file as XML.
 
 use std::fmt::Write as _;
 
@@ -10,9 +10,9 @@ use crate::data_file::{
 };
 
 impl DataFile {
-    /// The file as XML, which [`from_xml`](Self::from_xml) reads back to the last bit. Gravity is that of a robot which stands
-    /// upright; what a file has beside frames, tools and process data is not kept. Names have no control characters: XML has no way to
-    /// write them.
+    /// Returns the file as XML, which [`from_xml`](Self::from_xml) reads back bit for bit. Gravity
+    /// is set for a robot that is mounted upright; content other than frames, tools and process
+    /// data is not kept. Names must not contain control characters, which XML cannot represent.
     ///
     /// ```
     /// use iiwa_sunrise::DataFile;
@@ -53,7 +53,7 @@ fn numbers<const N: usize>(keys: [&'static str; N], values: [f64; N]) -> Vec<Xml
     keys.into_iter().zip(written).collect()
 }
 
-/// A text under construction.
+/// XML text under construction.
 struct XmlText {
     text: String,
     depth: usize,
@@ -138,7 +138,7 @@ impl XmlText {
 
     fn redundancy(&mut self, found: &TaughtRedundancy) {
         const PACKAGE: &str = "com.kuka.roboticsAPI.deviceModel";
-        // As stations are called unless somebody renames them.
+        // Default name of a station in Sunrise.
         const STATION: &str = "KUKA_Sunrise_Cabinet_1";
         let parameters = [
             ("StatusTurnRedundancy$StatusParameter", found.status.map(|status| status.to_string())),

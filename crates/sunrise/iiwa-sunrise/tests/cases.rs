@@ -1,13 +1,16 @@
-//! Sunrise projects of a few lines, one per rule of the evaluation. Each folder of `fixtures/sunrise-cases` has an `expected.toml`:
+//! Sunrise projects of a few lines, one per evaluation rule. Each folder of
+//! `fixtures/sunrise-cases` has an `expected.toml`:
 //!
-//! - `motions`: the type of each motion, and values of its keys as in a program; `robot` and `flange_mm` likewise,
-//! - `notes_contain`: a part of a note each; an empty list if there are no notes,
-//! - `asks`: `asked = answer` of each question but those for the robot, its flange and its start, in order,
+//! - `motions`: the type of each motion, and values of its keys as in a program; `robot` and
+//!   `flange_mm` likewise,
+//! - `notes_contain`: a part of each note; an empty list if there are no notes,
+//! - `asks`: `asked = answer` of each question in order, except for the robot, its flange and its
+//!   start,
 //! - or `refused`, with `file`, `line` and `reason_contains`,
 //! - `application`, if the project has several,
-//! - `answers`: the text of an answer file; if absent, that of `iiwasim-answers.toml` in the folder.
+//! - `answers`: the text of an answer file; if absent, `iiwasim-answers.toml` in the folder.
 //!
-//! Several runs of a project are `[[runs]]` with these keys each.
+//! Several runs of a project are `[[runs]]`, each with these keys.
 
 #![expect(clippy::unwrap_used, reason = "a test fails by it")]
 
@@ -57,7 +60,7 @@ fn folders() -> Vec<PathBuf> {
     folders
 }
 
-/// The runs of a folder: the answers of each, and its expectation.
+/// Returns the runs of a folder: answers and expectation of each.
 fn runs(folder: &Path) -> Vec<(Answers, Expected)> {
     let beside = fs::read_to_string(folder.join("iiwasim-answers.toml")).unwrap_or_default();
     let stated = fs::read_to_string(folder.join("expected.toml")).unwrap();
@@ -73,7 +76,7 @@ fn runs(folder: &Path) -> Vec<(Answers, Expected)> {
     runs.into_iter().map(with_answers).collect()
 }
 
-/// The first stated value that is not found. Numbers are compared to 1e-9.
+/// Returns the first stated value that is not found. Numbers are compared to 1e-9.
 fn difference(at: &str, found: &Value, stated: &Value) -> Option<String> {
     match (found, stated) {
         (Value::Object(found), Value::Object(stated)) => stated.iter().find_map(|(key, stated)| {
@@ -91,7 +94,7 @@ fn difference(at: &str, found: &Value, stated: &Value) -> Option<String> {
     }
 }
 
-/// The differences between a program and what is expected.
+/// Returns the differences between an imported program and the expectation.
 fn of_import(import: &Import, expected: &Expected) -> Vec<String> {
     let mut wrong = Vec::new();
     let Some(motions) = &expected.motions else {
@@ -127,7 +130,7 @@ fn of_import(import: &Import, expected: &Expected) -> Vec<String> {
     wrong
 }
 
-/// The differences between a refusal and what is expected.
+/// Returns the differences between a refusal and the expectation.
 fn of_refusal(error: &ImportError, expected: &Expected) -> Vec<String> {
     let (ImportError::Refused(refused), Some(stated)) = (error, &expected.refused) else {
         return vec![error.to_string()];

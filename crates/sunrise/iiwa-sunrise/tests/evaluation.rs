@@ -1,4 +1,4 @@
-//! What Java means: each value here is where a joint goes.
+//! Java semantics: each evaluated value is a joint target.
 
 #![expect(clippy::unwrap_used, clippy::panic, reason = "a test fails by it")]
 
@@ -6,7 +6,7 @@ use iiwa_program::{Motion, Program};
 use iiwa_sunrise::Project;
 use iiwa_sunrise::{Import, ImportError, ImportOptions, RefusedImport};
 
-/// An application with these members, in which `run` has this body.
+/// Returns an application with these members and this body of `run`.
 pub(crate) fn application(members: &str, run: &str) -> String {
     format!(
         "import static com.kuka.roboticsAPI.motionModel.BasicMotions.ptp;\n\
@@ -32,7 +32,7 @@ pub(crate) fn first_joints(program: &Program) -> Vec<f64> {
     program.motions.iter().filter_map(first).collect()
 }
 
-/// Where A1 goes, motion by motion.
+/// Returns the A1 targets of all motions.
 pub(crate) fn goes(members: &str, run: &str) -> Vec<f64> {
     match import(members, run) {
         Ok(import) => first_joints(&import.program),
@@ -47,7 +47,7 @@ pub(crate) fn refused(members: &str, run: &str) -> RefusedImport {
     }
 }
 
-/// The value of an expression.
+/// Returns the value of an expression.
 fn value(expression: &str) -> f64 {
     let run = format!("lbr.move(ptp({expression}, 0, 0, 0, 0, 0, 0));");
     goes("", &run)[0]
@@ -209,26 +209,26 @@ fn an_endless_loop_is_planned_for_one_turn() {
     .unwrap();
     assert_eq!(first_joints(&import.program), [0.5]);
     assert!(import.notes.iter().any(|note| note.text.contains("one turn")), "{:?}", import.notes);
-    // It ends by what is known.
+    // The loop ends by known values.
     let run = "int turn = 0; while (true) { double a = 0.1 * turn; MOVE if (++turn == 3) break; }";
     assert_eq!(goes("", &run.replace("MOVE", MOVE)).len(), 3);
-    // Nothing that lasts changes.
+    // No state outside an iteration changes.
     let run = "boolean on = true; while (on) { double a = 0.1; MOVE } double a = 0.2; MOVE";
     assert_eq!(goes("", &run.replace("MOVE", MOVE)), [0.1]);
 }
 
 #[test]
 fn what_is_unknown_counts_only_where_the_arm_depends_on_it() {
-    // A branch that only computes and logs is passed over.
+    // A branch that only computes and logs is skipped.
     let run = "long begin = System.currentTimeMillis(); double b = 0; if (begin > 5) { b = 1; getLogger().info(\"\" + b); } \
                double a = 0.5; MOVE getLogger().info(\"took \" + (System.currentTimeMillis() - begin));";
     assert_eq!(goes("", &run.replace("MOVE", MOVE)), [0.5]);
-    // What it computed is unknown from then on.
+    // The values that the branch computes are unknown from then on.
     let run = "double a = 0;\nif (System.nanoTime() > 5) {\na = 1;\n}\nMOVE";
     let found = refused("", &run.replace("MOVE", MOVE));
     assert!(found.reason.contains("clock"), "{}", found.reason);
     assert_eq!(found.source.line, 10);
-    // A branch in which the arm moves is refused, where the branch is.
+    // A branch in which the robot moves is refused, at the line of the branch.
     let run = "double a = 0.5; MOVE\nif (Math.random() > 0.5) {\nMOVE\n}";
     let found = refused("", &run.replace("MOVE", MOVE));
     assert!(found.reason.contains("random"), "{}", found.reason);
@@ -293,7 +293,7 @@ fn copies_of_a_class_are_told_apart() {
         |angle: &str| format!("package a; class Base {{ double angle() {{ return {angle}; }} }}");
     let main = application("", "double a = new a.Base().angle(); MOVE").replace("MOVE", MOVE);
     let (one, two) = (base("0.1"), base("0.2"));
-    // The one beside the application counts.
+    // The class next to the application has priority.
     let files = [
         ("old/src/a/Base.java", one.as_str()),
         ("src/a/Base.java", two.as_str()),
@@ -301,14 +301,14 @@ fn copies_of_a_class_are_told_apart() {
     ];
     let found = import_all(&files).unwrap();
     assert_eq!((first_joints(&found.program), found.notes.len()), (vec![0.2], 0));
-    // Otherwise, the first one, with a note unless they are the same.
+    // Otherwise the first class is used, with a note unless the classes are equal.
     let files = [files[0], ("new/src/a/Base.java", two.as_str()), files[2]];
     let found = import_all(&files).unwrap();
     let text = found.notes.iter().map(|note| note.text.as_str()).collect::<String>();
     assert!(text.contains("old/src/a/Base.java") && text.contains("new/src/a/Base.java"), "{text}");
     let files = [files[0], ("new/src/a/Base.java", one.as_str()), files[2]];
     assert!(import_all(&files).unwrap().notes.is_empty());
-    // Applications are chosen by their file.
+    // Applications are selected by their file.
     let files = [("one/Main.java", main.as_str()), ("two/Main.java", main.as_str()), files[0]];
     let project = Project::from_texts(files).unwrap();
     let import = |name| iiwa_sunrise::import(&project, Some(name), &ImportOptions::default());

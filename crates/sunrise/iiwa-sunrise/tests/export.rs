@@ -1,4 +1,4 @@
-//! Programs as Sunrise projects, and back as far as a data file says it.
+//! Programs exported as Sunrise projects, and imported as far as a data file describes them.
 
 #![expect(clippy::unwrap_used, reason = "a test fails by it")]
 
@@ -34,12 +34,12 @@ fn exported(program: &Program) -> Result<ExportedProject, ExportError> {
     ExportedProject::new(program, &Robot::default(), &options)
 }
 
-/// The statements of a program's motions.
+/// Returns the statements of a program's motions.
 fn statements(motions: &str) -> String {
     java(&read(motions))
 }
 
-/// What is in `run()`, in one line.
+/// Returns the body of `run()` in one line.
 fn java(program: &Program) -> String {
     let java = export(program).java;
     let (_, run) = java.split_once("void run() {").unwrap();
@@ -124,25 +124,25 @@ fn waits_that_overlap_motions_are_sleeps_after_what_was_sent() {
         };
         java.split("; ").map(short).collect::<Vec<_>>().join(" ")
     };
-    // The blend is kept; what comes after the wait is sent in time, or not.
+    // The blend is kept; at run time, the motion after the wait may be sent too late for it.
     let two = lines(&[&blended, &overlap(1), up]);
     assert_eq!(two, "lbr.moveAsync ThreadUtil.milliSleep(250L) lbr.move");
-    // Both are sent at once; at the end, the arm is waited for.
+    // Both motions are sent at once; at the end, the program waits for the robot.
     let end = lines(&[&blended, up, &overlap(2)]);
     assert_eq!(end, "lbr.moveAsync sent = lbr.moveAsync ThreadUtil.milliSleep(250L) sent.await();");
-    // The second wait counts from the second motion, which begins when the first has ended.
+    // The second wait starts with the second motion, which begins when the first has ended.
     let twice = lines(&[up, &overlap(1), down, &overlap(1), up]);
     assert_eq!(
         twice,
         "sent = lbr.moveAsync ThreadUtil.milliSleep(250L) sent.await() lbr.moveAsync ThreadUtil.milliSleep(250L) lbr.move"
     );
-    // A wait during which the arm stands.
+    // A wait at standstill.
     let plain = lines(&[up, &overlap(1), r#"{ "type": "wait", "seconds": 1 }"#, down]);
     assert_eq!(
         plain,
         "sent = lbr.moveAsync ThreadUtil.milliSleep(250L) sent.await() ThreadUtil.milliSleep(1000L) lbr.move"
     );
-    // It would begin with the first one, too early.
+    // The wait would start with the first motion, which is too early.
     for motions in [
         [blended.as_str(), up, &overlap(1), down].join(", "),
         [up, down, &overlap(1), &overlap(2), up].join(", "),
@@ -205,7 +205,7 @@ fn circles_and_splines_go_to_frames() {
                 {{ "type": "circ", "aux": {c}, "frame": {a} }} ],
               "cart_velocity_mm_s": 200, "orientation": "constant" }}"#
     ));
-    // The frames of the circle are there again in the spline.
+    // The frames of the circle are reused in the spline.
     assert_eq!(
         written,
         "lbr.move(circ(getApplicationData().getFrame(\"/P1_aux\"), getApplicationData().getFrame(\"/P1\")) \
@@ -325,7 +325,7 @@ fn what_sunrise_has_no_call_for_is_refused_by_its_key() {
         to: TargetRef::Named("nowhere".to_owned()),
     })))];
     let error = exported(&program).unwrap_err().to_string();
-    assert_eq!(error, "motion 1: `frame`: there is no frame `nowhere`; the program names none");
+    assert_eq!(error, "motion 1: `frame`: unknown frame `nowhere`; the program names none");
     program.motions.clear();
     assert!(matches!(exported(&program), Err(ExportError::Fault(_))));
     let named = |class: &str| ExportOptions { name: String::new(), class: Some(class.to_owned()) };
@@ -362,7 +362,7 @@ fn names_are_made_what_java_and_xml_take() {
     assert_eq!(tool.name, "new \"tool\" <&>");
     assert_eq!(tool.default_frame.as_deref(), Some("/TCP_2"));
     let cell = ImportedCell::new(&file);
-    // A base that is a frame to go to as well.
+    // A base that is also a motion target.
     let names: Vec<_> = cell.workcell.frames.keys().map(String::as_str).collect();
     assert_eq!(names, ["Tisch \"1\"/A/B", "Tisch \"1\"/A/B/P\\u_1"]);
 }
@@ -435,7 +435,7 @@ fn xml_is_read_back() {
     assert_eq!((back.frames, back.tools), (file.frames, file.tools));
 }
 
-/// The numbers with which Java calls a method, for the first time.
+/// Returns the numeric arguments of the first call of a method.
 fn arguments(java: &str, method: &str) -> Vec<f64> {
     let (_, rest) = java.split_once(&format!("{method}(")).unwrap();
     let mut open = 1;

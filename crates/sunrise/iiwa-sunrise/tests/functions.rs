@@ -1,8 +1,9 @@
-//! Lambda expressions, method references and listeners in applications: each value is where a joint goes.
+//! Lambda expressions, method references and listeners in applications: each evaluated value is a
+//! joint target.
 
 use crate::evaluation::{goes, import, refused};
 
-/// `MOVE(x)` in the cases.
+/// Expands `MOVE(x)` in the cases.
 fn with_moves(java: &str) -> String {
     java.replace("MOVE(", "lbr.move(to(").replace(")!", "))")
 }

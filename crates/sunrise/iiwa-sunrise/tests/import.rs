@@ -1,4 +1,4 @@
-//! A project of our own, from its XML to what programs can use of it.
+//! Import of our own project, from its XML to the tools, bases and frames of programs.
 
 #![expect(clippy::unwrap_used, reason = "a test fails by it")]
 
@@ -13,7 +13,7 @@ use proptest::prelude::*;
 const TCP: Frame = Frame { xyz_mm: [4.0, -3.0, 180.0], abc_rad: [0.4, 0.0, 0.0] };
 const BENCH: Frame = Frame { xyz_mm: [350.0, -120.0, 90.0], abc_rad: [0.7, 0.02, -0.01] };
 
-/// Joints of several statuses.
+/// Joint positions with several statuses.
 const TAUGHT_DEG: [[f64; 7]; 4] = [
     [10.0, 40.0, -15.0, -70.0, 20.0, 60.0, -30.0],
     [-50.0, 35.0, 80.0, 75.0, -20.0, -50.0, 100.0],
@@ -33,7 +33,7 @@ fn frame_element(name: &str, frame: &Frame, inner: &str) -> String {
     )
 }
 
-/// What a controller writes of a frame that was taught at `joints`.
+/// Returns the XML that a controller writes for a frame taught at `joints`.
 fn taught(joints: &Joints, tcp_name: &str, tcp: &Frame) -> String {
     let found = Robot::default().redundancy(joints);
     let parameter = |name: &str, value: String| {
@@ -62,7 +62,7 @@ fn taught(joints: &Joints, tcp_name: &str, tcp: &Frame) -> String {
     )
 }
 
-/// The frame in `base` at which a TCP is.
+/// Returns the frame of a TCP, relative to `base`.
 fn frame_at(joints: &Joints, tcp: &Frame, base: &Pose) -> Frame {
     let pose = Robot::default().flange_pose(joints).then(&tcp.pose());
     Frame::from(&base.inverse().then(&pose))
@@ -135,7 +135,7 @@ fn nested_frames_become_bases_and_frames() {
     assert_eq!(own.bases.keys().collect::<Vec<_>>(), ["Bench", "Bench/Tray"]);
     let frames: Vec<_> = own.frames.keys().collect();
     assert_eq!(frames, ["Bench/P1", "Bench/Tray", "Bench/Tray/P1", "Home"]);
-    // As it is written, and in the base that it is in.
+    // Frames keep their numbers, relative to their base.
     assert_eq!(own.bases["Bench"].frame, BENCH);
     assert_eq!(own.bases["Bench"].base, None);
     assert_eq!(own.bases["Bench/Tray"].base.as_deref(), Some("Bench"));
@@ -182,7 +182,8 @@ fn templates_become_tools_with_tips_and_loads() {
     assert_eq!(cell.tools[0].tcp.as_deref(), Some("/Fingers"));
     assert_eq!(cell.tools[0].tips, ["Jaw", "Jaw/Nail"]);
 
-    // Without a default the first frame, without frames the flange, without a mass no load.
+    // Defaults: the first frame without a default frame, the flange without frames, no load without
+    // a mass.
     let other = gripper().replace(" defaultMotionFrameRef=\"/Fingers\"", "");
     let cell = imported(&file("", &other));
     assert_eq!(cell.tools[0].tcp.as_deref(), Some("/Jaw"));
@@ -209,7 +210,7 @@ fn what_was_taught_is_reached_with_the_joints_of_then() {
     assert_eq!(frame(&cell, "Bench/P1").tool.as_deref(), Some("Gripper"));
     assert_eq!(frame(&cell, "Home").tool.as_deref(), Some("flange"));
 
-    // A program goes there, without a warning.
+    // A program moves there without a warning.
     let program = Program::from_json_with(
         r#"{ "version": 1, "include": "f.json", "tool": "Gripper", "start": { "frame": "Bench/P1" },
              "motions": [{ "type": "ptp", "frame": "Bench/Tray/P1" }] }"#,
@@ -241,7 +242,7 @@ fn what_does_not_agree_is_told() {
     assert_eq!(found, Verdict::OtherTurn { stated, found: Turn::of(&TAUGHT_DEG[0]) });
     assert!(found.to_string().contains(&stated.to_string()));
 
-    // Half a turn of the TCP takes A7 out of its range.
+    // A TCP rotation by half a turn moves A7 out of its range.
     let joints = [0.0, 0.5, 0.0, -1.2, 0.0, 0.9, 0.02];
     let at = frame_at(&joints, &Frame::default(), &Pose::IDENTITY);
     let flipped = Frame { abc_rad: [3.1, 0.0, 0.0], ..Frame::default() };
@@ -255,13 +256,13 @@ fn what_does_not_agree_is_told() {
 #[test]
 fn a_tcp_that_was_measured_again_is_told() {
     let text = project();
-    // Only that of the tool, which comes last.
+    // Change only the tool's TCP, which is the last one.
     let (world, tools) = text.split_at(text.find("<objectTemplates>").unwrap());
     let cell = imported(&format!("{world}{}", tools.replace("z=\"180\"", "z=\"183\"")));
     let change = frame(&cell, "Bench/P1").tcp_change.unwrap();
     assert!((change.distance_mm - 3.0).abs() < 1e-9 && change.turn_rad < 1e-7);
     assert_eq!(frame(&cell, "Home").tcp_change, None);
-    // The frame was taught with the one of then.
+    // The check uses the TCP at the time of teaching.
     assert_eq!(frame(&cell, "Bench/P1").check(&Robot::default()).verdict, Verdict::Agrees);
     assert_eq!(frame(&imported(&text), "Bench/P1").tcp_change, None);
 }
@@ -314,7 +315,7 @@ fn names_that_programs_cannot_have_are_changed() {
     for pair in [("/robot", "robot_2"), ("/A", "A_3"), ("/A/B", "A_B"), ("flange", "flange_2")] {
         assert!(renamed.contains(&pair), "{pair:?} in {renamed:?}");
     }
-    // Of what is in it, the name goes along without a word.
+    // Children of a renamed frame are renamed without a separate entry.
     assert!(!renamed.contains(&("/robot/P1", "robot_2/P1")), "{renamed:?}");
 }
 
@@ -356,7 +357,7 @@ fn workpieces_and_process_data_are_kept_for_who_asks() {
          <processData/></processDataContainer></RoboticsAPIData>",
     );
     let file = DataFile::from_xml(&text).unwrap();
-    // One without a name is nothing to ask for, and no reason to refuse the frames.
+    // A workpiece without a name cannot be requested, and does not prevent reading the frames.
     let [workpiece] = file.workpieces.as_slice() else { panic!("{:?}", file.workpieces) };
     assert_eq!((workpiece.name.as_str(), workpiece.frames.len()), ("Box", 2));
     assert_eq!(workpiece.load.map(|load| load.mass_kg), Some(1.25));
@@ -407,7 +408,7 @@ fn errors_say_where() {
     }
 }
 
-/// Trees of frames: each is a child of one before it, or of the world.
+/// Generates trees of frames: each is a child of a previous frame, or of the world.
 fn trees() -> impl Strategy<Value = Vec<(Option<usize>, String, Frame)>> {
     let number = -500.0..500.0_f64;
     let angle = -3.0..3.0_f64;
@@ -432,7 +433,7 @@ fn element_of(tree: &[(Option<usize>, String, Frame)], at: usize) -> String {
 }
 
 proptest! {
-    /// However frames are nested and called, each has a name of its own and is where it was.
+    /// Each frame has a unique name and keeps its pose, for any nesting and naming.
     #[test]
     fn every_frame_stays_where_it_is(tree in trees()) {
         let outer = (0..tree.len()).filter(|at| tree[*at].0.is_none());
@@ -446,7 +447,7 @@ proptest! {
             }
             pose
         };
-        // Frames come in the order of the file: each before its children.
+        // Frames are in file order, each before its children.
         let mut order = Vec::new();
         let mut open: Vec<usize> = (0..tree.len()).rev().filter(|at| tree[*at].0.is_none()).collect();
         while let Some(at) = open.pop() {
@@ -471,7 +472,7 @@ proptest! {
         prop_assert_eq!(Workcell::from_json(&cell.workcell.to_json()).unwrap(), cell.workcell);
     }
 
-    /// A text with damage is refused with a place in it, or read; nothing panics.
+    /// A damaged text is either read, or refused with a place in it, without a panic.
     #[test]
     fn damaged_files_are_refused_or_read(at in any::<prop::sample::Index>(), by in "[<>/\"=&; a0-]{0,3}") {
         let text = project();

@@ -1,8 +1,9 @@
-//! Java's library: lists, maps, sets, queues, iterators and builders. The texts are those that a JVM (JDK 17) gives.
+//! Java library: lists, maps, sets, queues, iterators and builders. The expected texts are the
+//! output of a JVM (JDK 17).
 
 use crate::evaluation::{goes, import, refused};
 
-/// A class whose objects have an order.
+/// Class with an order of its objects.
 const PART: &str = "static class P implements Comparable<P> { int n; P(int n) { this.n = n; }\n\
      public int compareTo(P o) { return n - o.n; } public String toString() { return \"P\" + n; } }";
 
@@ -197,7 +198,7 @@ fn the_library_gives_what_a_jvm_gives() {
 
 #[test]
 fn calls_that_are_not_modelled_make_unknown_what_they_may_change() {
-    // Statements, and the value that is used after them.
+    // Statements, and the value that is used after each.
     let cases = [
         ("l.removeIf(x -> x > System.nanoTime());", "l.size()"),
         ("l.replaceAll(x -> x + (int) System.nanoTime());", "l.get(0)"),

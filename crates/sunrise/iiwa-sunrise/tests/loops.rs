@@ -1,4 +1,4 @@
-//! Loops: which end, which are the cycle of an application, and which wait for ever.
+//! Loops: loops that end, the main cycle of an application, and endless waits.
 
 use crate::evaluation::{MOVE, first_joints, goes, import, refused};
 
@@ -13,7 +13,7 @@ fn a_loop_ends_when_its_condition_says_so() {
         ("double a = 0.1; boolean on = true; do { MOVE on = false; } while (on); MOVE", &[0.1; 2]),
         ("int n = 3; double a = 0.1; do { MOVE n -= 1; } while (n > 0);", &[0.1; 3]),
         ("double a = 0.1; for (;;) { MOVE a += 0.25; if (a > 0.5) { break; } }", &[0.1, 0.35]),
-        // A turn without a motion may come before one with a motion.
+        // An iteration without a motion may precede one with a motion.
         ("int n = 0; double a = 0.1; while (true) { n += 1; if (n == 3) { MOVE } }", &[0.1]),
         ("double a = 0.1; MOVE while (true) { Thread.sleep(1000); }", &[0.1]),
     ];
@@ -31,17 +31,17 @@ fn a_loop_that_only_waits_is_not_the_cycle() {
     let cases = [
         ("double a = 0.1; MOVE while (!go) { Thread.sleep(100); } MOVE", "a key, a thread"),
         ("double a = 0.1; MOVE do { Thread.sleep(100); } while (!go); MOVE", "a key, a thread"),
-        // Either of two inputs would end it.
+        // Either of two inputs would end the loop.
         (
             "double a = 0.1; MOVE while (!cell.getLeft() && !cell.getRight()) { Thread.sleep(100); } MOVE",
             "the input `Cell.Left`, for which no value is given",
         ),
-        // It is read elsewhere.
+        // The input is read in another statement.
         (
             "double a = 0.1; boolean is = cell.getLeft(); while (!is) { Thread.sleep(9); is = cell.getLeft(); } MOVE",
             "the input `Cell.Left`, for which no value is given",
         ),
-        // The arm moves meanwhile.
+        // The robot moves in the loop.
         (
             "double a = 0.1; while (!cell.getLeft()) { MOVE }",
             "the input `Cell.Left`, for which no value is given",
@@ -64,7 +64,7 @@ fn an_input_that_is_waited_for_has_its_value_from_there_on() {
     let asked: Vec<_> = import.questions.iter().map(|own| (&*own.asked, &*own.answer)).collect();
     assert_eq!(asked[..2], [("Cell.Open", "false"); 2]);
     assert!(import.questions.iter().all(|own| !own.is_given));
-    // Another loop that waits for the other value would wait for ever.
+    // A second loop that waits for the opposite value would never end.
     let run = "double a = 0.1; while (!cell.getOpen()) Thread.sleep(100); while (cell.getOpen()) Thread.sleep(100); MOVE";
     let found = refused(members, &with_move(run));
     assert!(found.reason.contains("`Cell.Open`, which is taken as true"), "{}", found.reason);
@@ -73,14 +73,14 @@ fn an_input_that_is_waited_for_has_its_value_from_there_on() {
 #[test]
 fn a_loop_follows_what_its_turns_change_of_the_robot() {
     let members = "@Inject private CellIOGroup cell;";
-    // Outputs that the loop sets and reads.
+    // The loop sets and reads outputs.
     let run = "cell.setLeft(0); double a = 0.1; while (cell.getLeft() < 3) { MOVE cell.setLeft(cell.getLeft() + 1); }";
     assert_eq!(goes(members, &with_move(run)), [0.1; 3]);
-    // The position.
+    // The loop reads the robot position.
     let run = "while (lbr.getCurrentJointPosition().get(0) < 0.45) { \
                double a = lbr.getCurrentJointPosition().get(0) + 0.2; MOVE }";
     assert_eq!(goes(members, &with_move(run)).len(), 3);
-    // It comes back to where it began.
+    // The loop returns to its initial state.
     let run = "double a = 0; while (lbr.getCurrentJointPosition().get(0) < 0.45) { MOVE }";
     let import = import(members, &with_move(run)).unwrap();
     assert!(import.notes.iter().any(|note| note.text.contains("the loop has no end")));

@@ -1,4 +1,5 @@
-//! Sunrise projects: import, export, source files, and applications, their evaluation and round trips.
+//! Sunrise projects: import, export, source files, applications with their evaluation, and round
+//! trips.
 
 mod cases;
 mod evaluation;

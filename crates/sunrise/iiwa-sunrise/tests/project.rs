@@ -105,7 +105,7 @@ fn a_project_of_texts() {
     assert!(matches!(project.data(), ProjectData::Found { text, .. } if text == "<xml/>"));
 }
 
-/// Where the error of a file is.
+/// Returns the place of a file's error.
 fn place(contents: &[u8]) -> (u32, u32) {
     let project = Project::from_texts([("A.java", contents)]).expect("a project");
     let error = project.files()[0].error().expect("an error");
@@ -114,7 +114,7 @@ fn place(contents: &[u8]) -> (u32, u32) {
 
 #[test]
 fn encodings() {
-    // An umlaut before the error is one column, in whatever encoding.
+    // An umlaut before the error is one column in any encoding.
     let text = "class A { // \u{fc}\nString a = \"\u{e4}\u{2013}\" b;\n}";
     let expected = (2, 16);
     assert_eq!(place(text.as_bytes()), expected);

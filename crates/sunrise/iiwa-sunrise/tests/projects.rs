@@ -1,4 +1,4 @@
-//! Sunrise projects of our own, whose programs and refusals are stated beside them: what is imported is that.
+//! Our own Sunrise projects, imported and compared with the stored programs and refusals.
 
 #![expect(clippy::unwrap_used, reason = "a test fails by it")]
 
@@ -19,7 +19,7 @@ fn fixtures() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../fixtures/sunrise")
 }
 
-/// Folders in a folder, by their names.
+/// Returns the subfolders of a folder, sorted by name.
 fn folders(within: &Path) -> Vec<PathBuf> {
     let entries = fs::read_dir(within).unwrap().map(|entry| entry.unwrap().path());
     let mut folders: Vec<_> =
@@ -40,7 +40,8 @@ fn imported(folder: &Path) -> Result<Import, ImportError> {
     iiwa_sunrise::import(&project, None, &options(folder))
 }
 
-/// The first difference between two documents. Numbers are compared to 1e-9: sines differ in the last bits between machines.
+/// Returns the first difference between two documents. Numbers are compared to 1e-9, because sines
+/// differ in the last bits between machines.
 fn difference(at: &str, found: &Value, stated: &Value) -> Option<String> {
     match (found, stated) {
         (Value::Object(a), Value::Object(b)) => {

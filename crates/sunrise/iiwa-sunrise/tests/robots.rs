@@ -1,4 +1,4 @@
-//! The robot and the flange of a project: each kind of file that states them, and files that disagree.
+//! Robot and flange of a project: each kind of file that states them, and contradicting files.
 
 #![expect(clippy::unwrap_used, reason = "a test fails by it")]
 
@@ -10,7 +10,7 @@ use iiwa_sunrise::{
 };
 use iiwa_sunrise::{Import, ImportError, ImportOptions, import};
 
-/// An application with a field of this declaration and this statement before its motion.
+/// Returns an application with this field declaration, and this statement before its motion.
 fn java(field: &str, before: &str) -> (String, String) {
     let text = format!(
         "import static com.kuka.roboticsAPI.motionModel.BasicMotions.*;\n\
@@ -35,14 +35,14 @@ fn station(robot: &str, flange: &str) -> (String, String) {
     ("StationSetup.cat".to_owned(), text)
 }
 
-/// Nearly stretched: the arm reaches these places with no shorter flange.
+/// Nearly stretched positions, which the robot cannot reach with a shorter flange.
 const POSES: [Joints; 3] = [
     [0.3, 0.6, 0.4, -0.1, 0.2, 0.1, 0.1],
     [-0.5, 0.8, -0.3, -0.12, 0.4, 0.05, -0.4],
     [0.1, -0.4, 0.6, 0.1, -0.3, -0.1, 0.5],
 ];
 
-/// A data file whose frames were taught by a robot, called so, at [`POSES`].
+/// Returns a data file with frames that a robot with this device name was taught at [`POSES`].
 fn taught(device: &str, robot: &Robot) -> (String, String) {
     let frames = POSES.iter().enumerate().map(|(number, joints_rad)| {
         let Redundancy { e1_rad, status, turn } = robot.redundancy(joints_rad);
@@ -74,7 +74,8 @@ fn imported<const N: usize>(
     import(&Project::from_texts(files).unwrap(), None, options)
 }
 
-/// Model and flange in mm, as the program states them; the robot is that.
+/// Returns the model and the flange length in mm of the program; a stated flange must match the
+/// robot.
 fn robot(import: &Import) -> (String, Option<f64>) {
     let name = import.program.robot.clone().unwrap();
     let flange_m = import.program.workcell.flange_m;
@@ -136,7 +137,7 @@ fn java_states_the_robot() {
     let import = imported([field], &ImportOptions::default()).unwrap();
     assert_eq!(robot(&import).0, LARGE);
     assert_eq!(asked(&import), [(QuestionKind::Flange, "152", false)]);
-    // The file of the application counts before others.
+    // The application's file has priority over others.
     let other = ("src/Other.java".to_owned(), "class Other { LBR lBR_iiwa_7_R800_1; }".to_owned());
     let field = java("@Inject private LBR lbr; LBR lBR_iiwa_14_R820_1;", "");
     assert_eq!(stated([field, other.clone()]).0, LARGE);
@@ -171,13 +172,13 @@ fn files_that_disagree_are_an_error_that_lists_them() {
     assert!(text.contains("do not agree on the robot"), "{text}");
     assert!(text.contains("StationSetup.cat:2 says LBR_iiwa_7_R800_1"), "{text}");
     assert!(text.contains("RoboticsAPI.data.xml:"), "{text}");
-    // What is given wins, with a note.
+    // A given robot has priority, with a note.
     let options =
         ImportOptions { robot: Some(Robot::lbr_iiwa_14_r820()), ..ImportOptions::default() };
     let import = imported([anonymous(), small(), frames()], &options).unwrap();
     assert_eq!(robot(&import), (LARGE.to_owned(), Some(126.0)));
     assert!(import.notes[0].text.contains("the project states LBR_iiwa_7_R800_1"));
-    // The same of flanges.
+    // Flanges that contradict each other.
     let touch = Robot::lbr_iiwa_7_r800();
     let frames = || taught("LBR_iiwa_7_R800_1", &touch);
     let error = imported([anonymous(), small(), frames()], &ImportOptions::default()).unwrap_err();
@@ -289,7 +290,7 @@ fn a_first_motion_out_of_reach_names_the_joints_of_a_taught_frame() {
     for (proposed, taught) in proposed.split(',').zip(POSES[0]) {
         assert!((proposed.parse::<f64>().unwrap() - taught.to_degrees()).abs() < 1e-3, "{text}");
     }
-    // Behind a motion the start is none of the reasons.
+    // After a motion, the start is not among the reasons.
     let later = java(
         "@Inject private LBR lbr;",
         "lbr.move(ptp(0, 0, 0, 0, 0, 0.1, 0)); lbr.move(linRel(0, 0, 500));",

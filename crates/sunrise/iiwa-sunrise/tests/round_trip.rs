@@ -1,4 +1,4 @@
-//! Programs that are exported and imported again are the same.
+//! Round trips: programs are equal after export and import.
 
 #![expect(clippy::unwrap_used, reason = "a test fails by it")]
 
@@ -30,7 +30,7 @@ fn imported(project: &ExportedProject) -> Program {
     import(&project, None, &ImportOptions::default()).unwrap().program
 }
 
-/// Where the arm stands at the beginning and at the end of each piece of its path.
+/// Returns the joint positions at the start and end of each path segment, and the wait durations.
 fn places(program: &Program) -> Vec<[f64; 7]> {
     let path = JointPath::new(program, &robot(program)).unwrap();
     let ends = path.steps().iter().flat_map(|step| match step {
@@ -94,7 +94,7 @@ fn motion() -> impl Strategy<Value = Motion> {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(64))]
 
-    /// To the last bit, where no frames are needed.
+    /// Joint-space motions, which need no frames, are equal bit for bit.
     #[test]
     fn motions_in_joint_space_come_back(
         start in joints(),
@@ -108,7 +108,7 @@ proptest! {
         if let Some(Motion::Ptp(before)) = at.checked_sub(1).and_then(|at| motions.get_mut(at)) {
             before.blend = None;
         }
-        // Whole nanoseconds.
+        // Whole milliseconds, which Java's sleep represents exactly.
         let seconds = (wait * 1e3).round() / 1e3;
         motions.insert(at.min(motions.len()), Motion::Wait { seconds, overlap: 0 });
         let mut program = Program::from_rad(start).build();

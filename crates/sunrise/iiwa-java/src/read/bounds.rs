@@ -1,20 +1,24 @@
-//! Bounds on what is read, so that neither memory nor the stack can be filled by a file.
+//! Bounds for source files, which protect memory and the stack.
 //!
-//! The parser itself needs no stack for what is nested. Its work is bounded in steps, and the depth of its tree is bounded before
-//! [`Reader`](super::reader::Reader) and the evaluator, which call themselves for each level, see it.
+//! The parser itself needs no stack for nesting. Its number of steps is bounded, and the depth of
+//! its tree is bounded before [`Reader`](super::reader::Reader) and the evaluator recurse into its
+//! levels.
 
 use super::{
     fault::Fault,
     tokens::{Kind, Tokens},
 };
 
-/// Nodes of the tree within one another. Each bracket, operator, statement and call on the result of a call is one or two levels.
+/// Maximum depth of the tree. Each bracket, operator, statement and chained call is one or two
+/// levels.
 pub(super) const MOST_LEVELS: usize = 2000;
 
-/// Calls of the parser's progress callback for each token; each of them is 100 steps. Sources of Java need less than one.
+/// Maximum number of progress callbacks of the parser for each token; each callback is 100 steps.
+/// Java sources need less than one.
 pub(super) const MOST_CALLS_PER_TOKEN: usize = 10;
 
-/// Checks that the brackets of a file match: the parser finds this, too, but far behind the bracket that is missing.
+/// Checks that the brackets of a file match: the parser reports this error, too, but far after the
+/// missing bracket.
 pub(super) fn check_brackets(tokens: &Tokens<'_>) -> Result<(), Fault> {
     let mut open = Vec::new();
     for index in 0..tokens.list.len() {
@@ -49,12 +53,13 @@ pub(super) fn check_brackets(tokens: &Tokens<'_>) -> Result<(), Fault> {
     }
 }
 
-/// Whether a bracket is open before a token.
+/// Returns true if a bracket is open before a token.
 pub(super) fn is_within_brackets(tokens: &Tokens<'_>, before: usize) -> bool {
     open_bracket(tokens, before).is_some()
 }
 
-/// The bracket that closes what is open before a token; none within blocks and the heads of `for`, where a `;` is more likely.
+/// Returns the closing bracket expected before a token; `None` within blocks and the heads of
+/// `for`, where a `;` is more likely.
 pub(super) fn expected_closing(tokens: &Tokens<'_>, before: usize) -> Option<&'static str> {
     let index = open_bracket(tokens, before)?;
     let is_before = |texts: &[&str]| {
@@ -68,7 +73,7 @@ pub(super) fn expected_closing(tokens: &Tokens<'_>, before: usize) -> Option<&'s
     ends.then(|| closing(tokens.text(index)))
 }
 
-/// The innermost bracket that is open before a token.
+/// Returns the innermost bracket that is open before a token.
 fn open_bracket(tokens: &Tokens<'_>, before: usize) -> Option<usize> {
     let mut open = Vec::new();
     for index in 0..before {

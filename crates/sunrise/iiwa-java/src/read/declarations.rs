@@ -1,4 +1,4 @@
-//! Files, classes and what is in them.
+//! Files, classes and their members.
 
 use std::sync::Arc;
 
@@ -27,7 +27,7 @@ impl Reader<'_> {
                     read.package = self.path(name.ok_or_else(|| self.misread(node))?)?;
                 }
                 "import_declaration" => read.imports.push(self.import(node)?),
-                // A module names no class.
+                // A module does not declare classes.
                 "module_declaration" | ";" => {}
                 _ if is_class(node) => {
                     is_within_head = false;
@@ -51,7 +51,7 @@ impl Reader<'_> {
         })
     }
 
-    /// None for a type of annotations, which holds no code.
+    /// Reads a class; `None` for an annotation type, which has no code.
     pub(super) fn class(&self, node: Node<'_>) -> Result<Option<Arc<Class>>, Fault> {
         let kind = match node.kind() {
             "class_declaration" => ClassKind::Class,
@@ -83,7 +83,8 @@ impl Reader<'_> {
         Ok(Some(Arc::new(read)))
     }
 
-    /// The body of an anonymous class, or of a constant: it has no name, and extends or implements the class above.
+    /// Reads the body of an anonymous class, or of a constant: it has no name, and extends or
+    /// implements the class above.
     pub(super) fn unnamed_class(
         &self,
         place: Node<'_>,
@@ -97,7 +98,8 @@ impl Reader<'_> {
         Ok(Arc::new(read))
     }
 
-    /// A record as the class that it abbreviates: a field and a method for each component, and a constructor of all of them.
+    /// Expands a record to a class: a field and a method for each component, and a canonical
+    /// constructor.
     fn record(&self, class: &mut Class, written: Node<'_>, body: Node<'_>) -> Result<(), Fault> {
         let (components, is_variadic) = self.parameters(written)?;
         for component in &components {
@@ -195,7 +197,7 @@ impl Reader<'_> {
                     let body = self.block(member)?;
                     class.members.push(Member::Initializer { is_static: false, body });
                 }
-                // Read with its components.
+                // Read together with the components.
                 "compact_constructor_declaration" if class.kind == ClassKind::Record => {}
                 _ if is_class(member) => class.classes.extend(self.class(member)?),
                 _ => return Err(self.misread(member)),
@@ -239,7 +241,7 @@ impl Reader<'_> {
         let name = self.field(node, "name")?;
         let (parameters, is_variadic) = self.parameters(self.field(node, "parameters")?)?;
         let mut returns = self.type_name(self.field(node, "type")?)?;
-        // `int values()[]` is an old way to write `int[] values()`.
+        // `int values()[]` is legacy syntax for `int[] values()`.
         returns.dimensions += node.field("dimensions").map_or(0, brackets);
         let body = node.field("body");
         Ok(Method {
@@ -297,7 +299,7 @@ impl Reader<'_> {
         Ok(Statement { line, kind: StatementKind::Expression(Expression { line, kind }) })
     }
 
-    /// The parameters, and whether the last takes any number of arguments.
+    /// Reads the parameters; returns true as well if the last one has variable arity.
     pub(super) fn parameters(&self, node: Node<'_>) -> Result<(Vec<Parameter>, bool), Fault> {
         let mut parameters = Vec::new();
         let mut is_variadic = false;
@@ -327,7 +329,7 @@ impl Reader<'_> {
                     let name = self.name(self.field(declarator, "name")?)?;
                     parameters.push(Parameter { name, type_name });
                 }
-                // `void run(Program this)` says of what the method is, and is given no argument.
+                // `void run(Program this)` declares the receiver type, and takes no argument.
                 "receiver_parameter" => {}
                 _ => return Err(self.misread(written)),
             }
@@ -362,7 +364,7 @@ impl Reader<'_> {
     }
 }
 
-/// Whether a node declares a class, or a type of annotations.
+/// Returns true if a node declares a class or an annotation type.
 pub(super) fn is_class(node: Node<'_>) -> bool {
     matches!(
         node.kind(),

@@ -1,4 +1,4 @@
-//! Expressions without the operators between them.
+//! Expressions without binary operators.
 
 use std::sync::Arc;
 
@@ -9,7 +9,7 @@ use super::{
 };
 use crate::syntax::{Expression, ExpressionKind, TypeName};
 
-/// An expression, and where it begins in the file.
+/// Expression with its offset in the file.
 pub(super) type Placed = (Expression, usize);
 
 impl Reader<'_> {
@@ -21,7 +21,7 @@ impl Reader<'_> {
         Ok(Box::new(self.expression(node)?))
     }
 
-    /// What is between operators.
+    /// Reads an operand.
     pub(super) fn operand(&self, node: Node<'_>) -> Result<Placed, Fault> {
         let start = node.start();
         let kind = match node.kind() {
@@ -37,7 +37,7 @@ impl Reader<'_> {
                 ExpressionKind::ClassLiteral(self.type_name(written)?)
             }
             "field_access" => return self.field_access(node),
-            // A name that the parser took for that of a type.
+            // A name that the parser has read as a type.
             "scoped_type_identifier" => return self.qualified_name(node),
             "method_invocation" => return self.call(node),
             "array_access" => {
@@ -146,7 +146,7 @@ fn super_of_named_class() -> ExpressionKind {
     unsupported("`super` of a class that is named before it")
 }
 
-/// `super` between what is before the dot and the member: `Outer.super.run()`.
+/// Returns the `super` between the qualifier and the member: `Outer.super.run()`.
 fn super_behind<'n>(node: Node<'n>, object: Node<'_>) -> Option<Node<'n>> {
     child_of_kind(node, "super").filter(|above| !above.is_same(object))
 }

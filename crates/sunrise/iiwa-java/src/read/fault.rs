@@ -1,8 +1,8 @@
-//! What is wrong at an offset of a text.
+//! Fault at an offset of a text.
 
 use crate::source_error::SourceFault;
 
-/// What is wrong, and at which byte.
+/// Fault with its byte offset.
 #[derive(Debug)]
 pub(super) struct Fault {
     pub(super) at: usize,

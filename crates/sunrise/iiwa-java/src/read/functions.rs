@@ -41,7 +41,7 @@ impl Reader<'_> {
             line,
             parameters,
             is_void_compatible: !returns.a_value,
-            // JLS 15.27.2: it does not complete normally, and returns a value wherever it returns.
+            // JLS 15.27.2: the body cannot complete normally, and each `return` has a value.
             is_value_compatible: !returns.nothing && !can_complete(&body),
             body,
             names,
@@ -83,7 +83,7 @@ impl Reader<'_> {
         Ok(ExpressionKind::Reference(Arc::new(Reference { line, of, name, names })))
     }
 
-    /// The names in a node, in order, each once.
+    /// Returns the names in a node, in order, without duplicates.
     fn names(&self, node: Node<'_>) -> Vec<String> {
         let mut names = Vec::new();
         let mut open = vec![node];
@@ -98,7 +98,7 @@ impl Reader<'_> {
         names
     }
 
-    /// The type before `::new`, which the grammar may take for a value.
+    /// Reads the type before `::new`, which the grammar may parse as a value.
     fn type_name_of(&self, node: Node<'_>) -> Result<TypeName, Fault> {
         match node.kind() {
             "field_access" => Ok(TypeName::new(self.source(node), 0)),
@@ -107,7 +107,7 @@ impl Reader<'_> {
     }
 }
 
-/// True of a statement expression (JLS 14.8).
+/// Returns true for a statement expression (JLS 14.8).
 pub(super) fn is_statement_expression(kind: &ExpressionKind) -> bool {
     matches!(
         kind,
@@ -163,7 +163,7 @@ fn can_complete(statements: &[Statement]) -> bool {
     statements.last().is_none_or(completes)
 }
 
-/// True if a statement may complete normally (JLS 14.22), without regard to `break`.
+/// Returns true if a statement may complete normally (JLS 14.22), without regard to `break`.
 pub(crate) fn completes(statement: &Statement) -> bool {
     let is_true = |condition: &Expression| {
         matches!(condition.kind, ExpressionKind::Literal(crate::syntax::Literal::Boolean(true)))

@@ -1,6 +1,6 @@
 //! Lines and columns of a text.
 
-/// Where the lines of a text begin.
+/// Offsets of the line starts of a text.
 pub(super) struct Lines<'t> {
     text: &'t str,
     starts: Vec<usize>,
@@ -12,17 +12,18 @@ impl<'t> Lines<'t> {
         Self { text, starts: std::iter::once(0).chain(starts).collect() }
     }
 
-    /// The byte at which a line begins, which is counted from 0; beyond the last line, the end of the text.
+    /// Returns the offset of a line start, with lines from 0; after the last line, the end of the
+    /// text.
     pub(super) fn start(&self, row: usize) -> usize {
         self.starts.get(row).copied().unwrap_or(self.text.len())
     }
 
-    /// The line of a byte, from 1.
+    /// Returns the line of a byte offset, from 1.
     pub(super) fn line(&self, at: usize) -> u32 {
         u32::try_from(self.starts.partition_point(|start| *start <= at)).unwrap_or(u32::MAX)
     }
 
-    /// The character of its line that a byte belongs to, from 1.
+    /// Returns the column of a byte offset in characters, from 1.
     pub(super) fn column(&self, at: usize) -> u32 {
         let line = self.starts.partition_point(|start| *start <= at);
         let start = line.checked_sub(1).and_then(|line| self.starts.get(line)).copied();

@@ -27,7 +27,7 @@ impl Reader<'_> {
         Ok(ExpressionKind::Literal(value))
     }
 
-    /// An `int` or a `long`; the least of them have their sign before them.
+    /// Reads an `int` or a `long`; the minimum values need the sign before them.
     pub(super) fn integer(&self, node: Node<'_>, is_negative: bool) -> Result<Literal, Fault> {
         let written = self.source(node);
         let fault = |what: &str| Fault::syntax(node.start(), format!("{written}: {what}"));
@@ -50,7 +50,7 @@ impl Reader<'_> {
             return Err(fault("a whole number is expected"));
         }
         let magnitude = u64::from_str_radix(digits, radix).ok();
-        // Other than decimal numbers say every bit, that of the sign among them.
+        // Hexadecimal, octal and binary numbers define all bits, including the sign bit.
         let is_decimal = radix == 10;
         if is_long {
             let most = i64::MAX.unsigned_abs() + u64::from(is_negative);
@@ -66,7 +66,7 @@ impl Reader<'_> {
         Ok(Literal::Int(if is_negative { value.wrapping_neg() } else { value }))
     }
 
-    /// A `float` or a `double`.
+    /// Reads a `float` or a `double`.
     fn float(&self, node: Node<'_>) -> Result<Literal, Fault> {
         let written = self.source(node);
         let digits = written.replace('_', "");
@@ -93,7 +93,7 @@ impl Reader<'_> {
         }
     }
 
-    /// What is between quotes, in UTF-16 as Java has it.
+    /// Returns the text between quotes as UTF-16 units, as in Java.
     fn units(&self, node: Node<'_>) -> Result<Vec<u16>, Fault> {
         let written = self.source(node);
         let inner = written.get(1..written.len().saturating_sub(1)).unwrap_or("");
@@ -101,14 +101,14 @@ impl Reader<'_> {
     }
 }
 
-/// The content of a text block without incidental white space (JLS 3.10.6).
+/// Returns the content of a text block without incidental white space (JLS 3.10.6).
 fn unindented(block: &str) -> String {
     let block = block.replace("\r\n", "\n").replace('\r', "\n");
     let content = block.split_once('\n').map_or("", |(_, content)| content);
     let lines: Vec<&str> = content.split('\n').collect();
     let is_blank = |line: &str| line.trim().is_empty();
     let indents = lines.iter().enumerate().filter(|(place, line)| {
-        // The closing delimiter counts by its place.
+        // The indentation of the closing delimiter counts as well.
         !is_blank(line) || place + 1 == lines.len()
     });
     let indent = |line: &str| line.chars().take_while(|letter| letter.is_whitespace()).count();
@@ -120,7 +120,8 @@ fn unindented(block: &str) -> String {
     stripped.collect::<Vec<_>>().join("\n")
 }
 
-/// A text in UTF-16, with its escape sequences replaced; `place` gives the place in the file before a rest of this length.
+/// Converts a text to UTF-16 with its escape sequences replaced; `place` returns the file offset
+/// for the length of the remaining text.
 fn units(inner: &str, place: impl Fn(usize) -> usize) -> Result<Vec<u16>, Fault> {
     let mut units = Vec::with_capacity(inner.len());
     let mut rest = inner.chars();
@@ -134,7 +135,7 @@ fn units(inner: &str, place: impl Fn(usize) -> usize) -> Result<Vec<u16>, Fault>
         let unknown = || Fault::syntax(at, "`\\` is followed by no character that it may escape");
         let escaped = rest.next().ok_or_else(unknown)?;
         if escaped == '\n' {
-            // The line of a text block goes on.
+            // The line of a text block is continued.
             continue;
         }
         units.push(match escaped {
@@ -156,7 +157,7 @@ fn units(inner: &str, place: impl Fn(usize) -> usize) -> Result<Vec<u16>, Fault>
                 u16::from_str_radix(code, 16).map_err(|_| unknown())?
             }
             '0'..='7' => {
-                // Three digits if the first is at most 3, else two.
+                // Three digits if the first is at most 3, otherwise two.
                 let most = if escaped <= '3' { 2 } else { 1 };
                 let digits: String =
                     rest.as_str().chars().take(most).take_while(|c| c.is_digit(8)).collect();

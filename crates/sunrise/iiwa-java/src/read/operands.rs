@@ -1,8 +1,9 @@
-//! Operators and what is between them.
+//! Operators and their operands.
 //!
-//! The grammar takes `-a++` for `(-a)++`, and `(a) - b` for either a difference or a cast of `-b`. So operators and operands are
-//! written out in the order of the file, and put together again by the rules of Java (JLS 15): by rank, from the left but for
-//! assignments and conditions; and what a cast to a class is before never begins with `+` or `-`.
+//! The grammar parses `-a++` as `(-a)++`, and `(a) - b` as either a difference or a cast of `-b`.
+//! Operators and operands are therefore listed in file order, and reassembled by the rules of Java
+//! (JLS 15): by rank, from the left except for assignments and conditional expressions; and the
+//! operand of a cast to a class never begins with `+` or `-`.
 
 use std::iter::Peekable;
 
@@ -16,10 +17,10 @@ use crate::syntax::{
     BinaryOperator, Expression, ExpressionKind, Literal, Pattern, TypeName, UnaryOperator,
 };
 
-/// A part of an expression, in the order of the file.
+/// Part of an expression, in file order.
 enum Part<'n> {
     Operand(Node<'n>),
-    /// With the place of its sign.
+    /// Unary operator, with the offset of its sign.
     Unary(UnaryOperator, usize),
     StepBefore(bool, usize),
     StepBehind(bool),
@@ -31,7 +32,7 @@ enum Part<'n> {
     Assign(Option<BinaryOperator>),
 }
 
-/// Ranks of operators, from the weakest.
+/// Operator ranks, from the weakest.
 const ASSIGNMENT: u8 = 1;
 const CONDITION: u8 = 2;
 const COMPARISON: u8 = 9;
@@ -128,7 +129,7 @@ impl Reader<'_> {
         let Some(first) = types.first() else { return Err(self.misread(node)) };
         let is_name = matches!(first.kind(), "type_identifier" | "scoped_type_identifier");
         let cast = parts.len();
-        // Of `(A & B) value`, the first says what it is.
+        // The first type of `(A & B) value` determines the cast.
         parts.push(Part::Cast(self.type_name(*first)?, node.start()));
         self.write_out(self.field(node, "value")?, parts)?;
         let sign = match parts.get(cast + 1) {
@@ -143,7 +144,7 @@ impl Reader<'_> {
         Ok(())
     }
 
-    /// The expression up to the first operator below a rank.
+    /// Reads an expression up to the first operator below a rank.
     fn ranked<'n>(
         &self,
         parts: &mut Parts<'n>,
@@ -219,7 +220,7 @@ impl Reader<'_> {
         Ok((Expression { line: self.lines.line(start), kind }, start))
     }
 
-    /// An operand, and `++` or `--` behind it.
+    /// Reads an operand with postfix `++` or `--`.
     fn stepped<'n>(&self, parts: &mut Parts<'n>, operand: Node<'n>) -> Result<Placed, Fault> {
         let (mut read, start) = self.operand(operand)?;
         while let Some(Part::StepBehind(is_increment)) = parts.peek() {
@@ -233,7 +234,7 @@ impl Reader<'_> {
         Ok((read, start))
     }
 
-    /// The least `int` or `long`, whose sign is part of the number.
+    /// Reads the minimum `int` or `long`, whose sign is part of the number.
     fn least_number(&self, parts: &mut Parts<'_>) -> Option<Literal> {
         let Some(Part::Operand(operand)) = parts.peek() else { return None };
         if operand.kind() != "decimal_integer_literal" {
@@ -260,7 +261,7 @@ fn has_operator(node: Node<'_>) -> bool {
     )
 }
 
-/// Whether something can be given another value.
+/// Returns true if an expression can be assigned to.
 fn is_target(kind: &ExpressionKind) -> bool {
     matches!(
         kind,

@@ -1,8 +1,9 @@
-//! The parser: `tree-sitter` with its grammar of Java.
+//! The parser: `tree-sitter` with its Java grammar.
 //!
-//! The grammar accepts a little more than Java, which [`Reader`](super::reader::Reader) refuses. Behind a syntax error the parser
-//! goes on, but what it then reads is a guess; so a file with an error is parsed once more, up to the first token at which no
-//! reading of the file is left, and the error says which tokens would be accepted there.
+//! The grammar accepts slightly more than Java, which [`Reader`](super::reader::Reader) refuses.
+//! After a syntax error the parser continues with guesses; a file with an error is therefore parsed
+//! again up to the first token without a valid interpretation, and the error lists the tokens that
+//! would be accepted there.
 
 use std::{
     collections::HashSet,
@@ -20,7 +21,7 @@ use super::{
 };
 use crate::source_error::SourceFault;
 
-/// The tree of a file without syntax errors.
+/// Parses a file without syntax errors.
 pub(super) fn parse(text: &str, tokens: &Tokens<'_>, lines: &Lines<'_>) -> Result<Tree, Fault> {
     let mut parser = Parser::new();
     let language = Language::new(tree_sitter_java::LANGUAGE);
@@ -32,7 +33,7 @@ pub(super) fn parse(text: &str, tokens: &Tokens<'_>, lines: &Lines<'_>) -> Resul
     }
 }
 
-/// The tree, unless the parser takes too many steps, or is told to end.
+/// Returns the tree, unless the parser exceeds its number of steps, or is stopped.
 fn bounded(
     parser: &mut Parser,
     text: &str,
@@ -50,7 +51,7 @@ fn bounded(
     parser.parse_with_options(&mut input, None, Some(options))
 }
 
-/// The state of the parser behind the token before an error.
+/// Parser state after the last token before an error.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
 struct Stuck {
     row: usize,
@@ -58,12 +59,12 @@ struct Stuck {
     state: u16,
 }
 
-/// The readings of a file that the parser has given up.
+/// Interpretations of a file that the parser has abandoned.
 #[derive(Debug, Default)]
 struct Log {
     current: Stuck,
     stuck: Vec<Stuck>,
-    /// No reading of what came before is left: from here on the parser guesses.
+    /// `true` if no interpretation is left: from here on the parser guesses.
     is_at_end: bool,
 }
 
@@ -86,7 +87,7 @@ impl Log {
     }
 }
 
-/// The parser's log of a text up to its first error; none if no error is found.
+/// Returns the parser's log of a text up to its first error; `None` without an error.
 fn first_stuck(parser: &mut Parser, text: &str, most: usize) -> Option<Vec<Stuck>> {
     let log = Arc::new(Mutex::new(Log::default()));
     let written = Arc::clone(&log);
@@ -101,12 +102,12 @@ fn first_stuck(parser: &mut Parser, text: &str, most: usize) -> Option<Vec<Stuck
     log.is_at_end.then(|| std::mem::take(&mut log.stuck))
 }
 
-/// Where the last of the readings was given up.
+/// Returns the place at which the last interpretation was abandoned.
 fn furthest(stuck: &[Stuck]) -> (usize, usize) {
     stuck.iter().map(|own| (own.row, own.column)).max().unwrap_or_default()
 }
 
-/// The first error of a file, in plain words.
+/// Describes the first error of a file in plain words.
 fn first_error(
     parser: &mut Parser,
     language: &Language,
@@ -119,7 +120,7 @@ fn first_error(
         return Fault { at: 0, what: SourceFault::TooLong("the file takes the parser many steps") };
     };
     let place = furthest(&stuck);
-    // More symbols than are accepted there: the parser has one state for several places.
+    // A superset of the accepted symbols: the parser shares one state between several places.
     let mut symbols = HashSet::new();
     for own in stuck.iter().filter(|own| (own.row, own.column) == place) {
         if let Some(mut names) = language.lookahead_iterator(own.state) {
@@ -159,7 +160,7 @@ fn first_error(
         return fault(&format!("`{closing}`"));
     }
     if accepts(";", ";") && !accepts("private", "private") {
-        // At its own place: what comes next may be on another line.
+        // Reported after the previous token, because the next one may be on another line.
         return Fault::syntax(tokens.end_before(index), "`;` is expected");
     }
     if accepts("private", "private") {
@@ -188,7 +189,7 @@ fn number(message: &str, name: &str) -> usize {
     digits[..end].parse().unwrap_or(0)
 }
 
-/// Texts and names may be long.
+/// Shortens texts and names, which may be long.
 fn shortened(found: &str) -> String {
     const MOST: usize = 40;
     match found.char_indices().nth(MOST) {

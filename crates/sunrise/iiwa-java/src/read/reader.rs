@@ -1,9 +1,9 @@
-//! From the parser's tree to ours: what all kinds of nodes need.
+//! Conversion of the parser's tree: common parts of all node kinds.
 
 use super::{fault::Fault, lines::Lines, tree::Node};
 use crate::syntax::{TypeName, TypeParameter};
 
-/// Reads the parser's tree of one file.
+/// Reader for the parser's tree of one file.
 pub(super) struct Reader<'t> {
     pub(super) text: &'t str,
     pub(super) lines: &'t Lines<'t>,
@@ -14,12 +14,12 @@ impl<'t> Reader<'t> {
         self.lines.line(node.start())
     }
 
-    /// The source text of a node.
+    /// Returns the source text of a node.
     pub(super) fn source(&self, node: Node<'_>) -> &'t str {
         self.text.get(node.bytes()).unwrap_or("")
     }
 
-    /// A name; the parser takes keywords for names where it expects none.
+    /// Reads a name; the parser accepts keywords as names where it does not expect keywords.
     pub(super) fn name(&self, node: Node<'_>) -> Result<String, Fault> {
         let found = self.source(node);
         let is_name =
@@ -30,12 +30,12 @@ impl<'t> Reader<'t> {
         Err(Fault::syntax(node.start(), format!("a name is expected, not `{found}`")))
     }
 
-    /// The child in a field of the grammar.
+    /// Returns the child in a grammar field.
     pub(super) fn field<'n>(&self, node: Node<'n>, field: &str) -> Result<Node<'n>, Fault> {
         node.field(field).ok_or_else(|| self.misread(node))
     }
 
-    /// The error where the grammar has nodes that this reader does not know.
+    /// Returns the error for a grammar node that this reader does not know.
     pub(super) fn misread(&self, node: Node<'_>) -> Fault {
         let begin = self.source(node).split_whitespace().next().unwrap_or("");
         Fault::syntax(node.start(), format!("`{begin}` is not expected here"))
@@ -62,7 +62,7 @@ impl<'t> Reader<'t> {
         }
     }
 
-    /// The type arguments of a generic type.
+    /// Reads the type arguments of a generic type.
     fn type_arguments(&self, node: Node<'_>) -> Result<Vec<TypeName>, Fault> {
         let Some(list) = child_of_kind(node, "type_arguments") else { return Ok(Vec::new()) };
         let arguments: Result<Vec<_>, _> = named(list)
@@ -73,11 +73,11 @@ impl<'t> Reader<'t> {
             })
             .collect();
         let arguments = arguments?;
-        // `new ArrayList<>()`.
+        // The diamond of `new ArrayList<>()`.
         Ok(if arguments.is_empty() { vec![TypeName::new("", 0)] } else { arguments })
     }
 
-    /// A wildcard by its upper bound.
+    /// Reads a wildcard as its upper bound.
     fn wildcard(&self, node: Node<'_>) -> Result<TypeName, Fault> {
         let bound = named(node).into_iter().rfind(|own| !is_annotation(*own));
         match bound.filter(|_| child_of_kind(node, "super").is_none()) {
@@ -86,7 +86,7 @@ impl<'t> Reader<'t> {
         }
     }
 
-    /// The type variables that a class or a method declares.
+    /// Reads the type variables that a class or a method declares.
     pub(super) fn type_parameters(&self, node: Node<'_>) -> Result<Vec<TypeParameter>, Fault> {
         let Some(list) = child_of_kind(node, "type_parameters") else { return Ok(Vec::new()) };
         let parameters = named(list).into_iter().filter(|own| own.kind() == "type_parameter");
@@ -102,7 +102,7 @@ impl<'t> Reader<'t> {
         read.collect()
     }
 
-    /// Names with dots between them, without type arguments.
+    /// Reads a dotted name, without type arguments.
     pub(super) fn path(&self, node: Node<'_>) -> Result<String, Fault> {
         match node.kind() {
             "scoped_identifier" | "scoped_type_identifier" | "generic_type" => {
@@ -121,22 +121,22 @@ impl<'t> Reader<'t> {
     }
 }
 
-/// All children.
+/// Returns all children.
 pub(super) fn children(node: Node<'_>) -> Vec<Node<'_>> {
     node.children().collect()
 }
 
-/// The children that are more than a symbol or a keyword.
+/// Returns the children other than symbols and keywords.
 pub(super) fn named(node: Node<'_>) -> Vec<Node<'_>> {
     node.children().filter(|child| child.is_named()).collect()
 }
 
-/// The first child of a kind.
+/// Returns the first child of a kind.
 pub(super) fn child_of_kind<'n>(node: Node<'n>, kind: &str) -> Option<Node<'n>> {
     node.children().find(|child| child.kind() == kind)
 }
 
-/// The dimensions that are written as `[]`.
+/// Returns the number of dimensions written as `[]`.
 pub(super) fn brackets(node: Node<'_>) -> usize {
     node.children().filter(|child| child.kind() == "[").count()
 }
@@ -145,7 +145,7 @@ pub(super) fn is_annotation(node: Node<'_>) -> bool {
     matches!(node.kind(), "annotation" | "marker_annotation")
 }
 
-/// The words of Java that are no names; those that only some places reserve are names elsewhere.
+/// Returns true for reserved words; contextual keywords are valid names.
 fn is_reserved(word: &str) -> bool {
     matches!(
         word,

@@ -17,7 +17,7 @@ impl Reader<'_> {
         self.statements(&children(block))
     }
 
-    /// Statements; the braces around them and the like may be among the nodes.
+    /// Reads statements; the nodes may include the surrounding braces and other symbols.
     fn statements(&self, nodes: &[Node<'_>]) -> Result<Vec<Statement>, Fault> {
         let is_statement = |node: &&Node<'_>| node.is_named() || node.kind() == ";";
         nodes.iter().filter(is_statement).map(|node| self.statement(*node)).collect()
@@ -102,7 +102,7 @@ impl Reader<'_> {
         Ok(Statement { line: self.line(node), kind })
     }
 
-    /// The only part of a node that is more than a symbol.
+    /// Returns the only child other than symbols and keywords.
     pub(super) fn only<'n>(&self, node: Node<'n>) -> Result<Node<'n>, Fault> {
         match named(node)[..] {
             [only] => Ok(only),
@@ -120,7 +120,7 @@ impl Reader<'_> {
         Ok(Statement { line: self.line(node), kind })
     }
 
-    /// A variable or a field, from its name on.
+    /// Reads a variable or a field, from its name on.
     pub(super) fn variable(&self, node: Node<'_>) -> Result<Variable, Fault> {
         let initial = node.field("value");
         Ok(Variable {
@@ -154,7 +154,8 @@ impl Reader<'_> {
         })
     }
 
-    /// The value and the groups of a switch; of one that has a value, expressions behind `->` are values.
+    /// Reads the value and the groups of a switch; with `has_value`, expressions after `->` are
+    /// values.
     pub(super) fn switch(
         &self,
         node: Node<'_>,
@@ -198,7 +199,7 @@ impl Reader<'_> {
             match value.kind() {
                 "pattern" => labels.push(Label::Pattern(self.pattern(self.only(value)?)?)),
                 "guard" => {}
-                // `case null, default`.
+                // Label of `case null, default`.
                 "identifier" if self.source(value) == "default" => labels.push(Label::Default),
                 _ => labels.push(Label::Value(self.expression(value)?)),
             }
@@ -206,7 +207,7 @@ impl Reader<'_> {
         Ok(())
     }
 
-    /// A pattern of `case`, or a record pattern of `instanceof`.
+    /// Reads a pattern of `case`, or a record pattern of `instanceof`.
     pub(super) fn pattern(&self, node: Node<'_>) -> Result<Pattern, Fault> {
         match (node.kind(), &named(node)[..]) {
             ("underscore_pattern", _) => Ok(Pattern::Any),
@@ -269,13 +270,14 @@ impl Reader<'_> {
     }
 }
 
-/// A label and what it is before.
+/// Returns a label with its statement.
 fn children_of_label(node: Node<'_>) -> Option<[Node<'_>; 2]> {
     let [label, _, body] = children(node)[..] else { return None };
     Some([label, body])
 }
 
-/// True if an expression is read as a statement: a statement expression, a switch, or what is not supported.
+/// Returns true if an expression is accepted as a statement: a statement expression, a switch, or
+/// an unsupported expression.
 fn is_statement(kind: &ExpressionKind) -> bool {
     is_statement_expression(kind)
         || matches!(kind, ExpressionKind::Switch { .. } | ExpressionKind::Unsupported(_))

@@ -1,9 +1,9 @@
-//! A file as tokens: what bounds, and messages about syntax errors, need beside the parser's tree.
+//! Tokens of a file, for the bounds and for syntax error messages.
 
 use super::fault::Fault;
 use crate::source_error::SourceFault;
 
-/// Robot programs stay a hundred times below.
+/// Maximum number of tokens; robot programs have a hundred times fewer.
 pub(super) const MOST_TOKENS: usize = 500_000;
 
 /// Symbols of more than one character, the longest first.
@@ -14,7 +14,7 @@ const LONG_SYMBOLS: [&str; 25] = [
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Kind {
-    /// A name or a keyword.
+    /// Name or keyword.
     Word,
     Number,
     Text,
@@ -31,23 +31,26 @@ pub(super) struct Token {
     pub(super) kind: Kind,
 }
 
-/// The tokens of a text, in order.
+/// Tokens of a text, in order.
 pub(super) struct Tokens<'t> {
     text: &'t str,
     pub(super) list: Vec<Token>,
 }
 
 impl<'t> Tokens<'t> {
+    /// Scans a text.
+    ///
     /// # Errors
     ///
-    /// If a text or a comment does not end, if a character means nothing in Java, or if there are too many tokens.
+    /// If a string or a comment is not terminated, if a character is not valid in Java, or if the
+    /// text has too many tokens.
     pub(super) fn scan(text: &'t str) -> Result<Self, Fault> {
         let mut tokens = Self { text, list: Vec::new() };
         let mut at = 0;
         let mut comments = 0;
         while let Some(first) = text[at..].chars().next() {
             let rest = &text[at..];
-            // Ctrl-Z is the end of a file for old editors.
+            // Ctrl-Z marks the end of a file in old editors.
             let is_end_mark = first == '\u{1a}' && rest.len() == 1;
             if first.is_whitespace() {
                 at += first.len_utf8();
@@ -66,7 +69,7 @@ impl<'t> Tokens<'t> {
         Ok(tokens)
     }
 
-    /// What the token says; nothing behind the last.
+    /// Returns the text of a token; empty after the last one.
     pub(super) fn text(&self, index: usize) -> &'t str {
         self.list.get(index).map_or("", |token| &self.text[token.start..token.end])
     }
@@ -75,22 +78,22 @@ impl<'t> Tokens<'t> {
         self.list.get(index).map(|token| token.kind)
     }
 
-    /// The number of the first token that begins at this byte or behind it.
+    /// Returns the index of the first token that begins at or after this byte offset.
     pub(super) fn from(&self, offset: usize) -> usize {
         self.list.partition_point(|token| token.start < offset)
     }
 
-    /// Where the token begins; behind the last, where the text ends.
+    /// Returns the start of a token; after the last one, the end of the text.
     pub(super) fn start(&self, index: usize) -> usize {
         self.list.get(index).map_or(self.text.len(), |token| token.start)
     }
 
-    /// The line of a token, from 1.
+    /// Returns the line of a token, from 1.
     pub(super) fn line(&self, index: usize) -> usize {
         self.text[..self.start(index)].matches('\n').count() + 1
     }
 
-    /// Where the token before ends.
+    /// Returns the end of the previous token.
     pub(super) fn end_before(&self, index: usize) -> usize {
         index.checked_sub(1).and_then(|index| self.list.get(index)).map_or(0, |token| token.end)
     }
@@ -141,13 +144,13 @@ fn begins_word(character: char) -> bool {
     character.is_alphabetic() || character == '_' || character == '$'
 }
 
-/// How far a text or a character goes, with its quotes.
+/// Returns the length of a string or character literal, with its quotes.
 fn quoted(rest: &str, quote: char, at: usize) -> Result<usize, Fault> {
     let mut characters = rest.char_indices().skip(1);
     while let Some((offset, character)) = characters.next() {
         match character {
             '\n' | '\r' => break,
-            // What is escaped ends neither the text nor, by that, its line.
+            // An escaped character ends neither the literal nor, as an escaped quote, the line.
             '\\' if characters.next().is_none_or(|(_, escaped)| escaped == '\n') => break,
             _ if character == quote => return Ok(offset + 1),
             _ => {}
@@ -157,7 +160,7 @@ fn quoted(rest: &str, quote: char, at: usize) -> Result<usize, Fault> {
     Err(Fault::syntax(at, what))
 }
 
-/// How far a text block goes, with its quotes.
+/// Returns the length of a text block, with its quotes.
 fn block(rest: &str, at: usize) -> Result<usize, Fault> {
     let mut from = 3;
     while let Some(found) = rest[from..].find(['"', '\\']) {

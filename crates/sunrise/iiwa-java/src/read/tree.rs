@@ -1,4 +1,5 @@
-//! The parser's tree, copied once without its comments: its own nodes are searched through the parser, which is slow.
+//! The parser's tree, copied once without its comments, because access to its own nodes through the
+//! parser is slow.
 
 use std::ops::Range;
 
@@ -6,20 +7,20 @@ use tree_sitter::Tree;
 
 use super::{bounds::MOST_LEVELS, fault::Fault};
 
-/// The nodes of a tree, each before what is within it.
+/// Nodes of a tree, each before its descendants.
 pub(super) struct Nodes<'t>(Vec<Entry<'t>>);
 
 struct Entry<'t> {
     kind: &'t str,
-    /// What the grammar calls it within the node around it.
+    /// Grammar field of the node in its parent.
     field: Option<&'t str>,
     bytes: Range<usize>,
     is_named: bool,
-    /// The number of the first node behind it that is not within it.
+    /// Index of the first node after this one that is not a descendant.
     after: usize,
 }
 
-/// A node of a tree.
+/// Node of a tree.
 #[derive(Clone, Copy)]
 pub(super) struct Node<'n> {
     nodes: &'n Nodes<'n>,
@@ -27,9 +28,11 @@ pub(super) struct Node<'n> {
 }
 
 impl<'t> Nodes<'t> {
+    /// Copies a tree.
+    ///
     /// # Errors
     ///
-    /// If nodes are too deep within one another for what calls itself for each level.
+    /// If the tree is too deep for code that recurses into its levels.
     pub(super) fn of(tree: &'t Tree) -> Result<Self, Fault> {
         let mut nodes = Vec::with_capacity(tree.root_node().descendant_count());
         let mut around = Vec::new();
@@ -67,7 +70,7 @@ impl<'t> Nodes<'t> {
         }
     }
 
-    /// The whole file.
+    /// Returns the root node.
     pub(super) fn root(&self) -> Node<'_> {
         Node { nodes: self, number: 0 }
     }
@@ -82,7 +85,7 @@ impl<'n> Node<'n> {
         self.entry().kind
     }
 
-    /// Whether it is more than a symbol or a keyword.
+    /// Returns true if the node is more than a symbol or a keyword.
     pub(super) fn is_named(self) -> bool {
         self.entry().is_named
     }
@@ -111,7 +114,7 @@ impl<'n> Node<'n> {
         })
     }
 
-    /// The children that the grammar calls so.
+    /// Returns the children in a grammar field.
     pub(super) fn fields(self, name: &str) -> impl Iterator<Item = Self> {
         self.children().filter(move |child| child.entry().field == Some(name))
     }

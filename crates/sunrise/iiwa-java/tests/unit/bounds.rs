@@ -1,4 +1,4 @@
-//! How much is read at most, and that so much can be read.
+//! Bounds of the reader, and texts just below them.
 
 use super::{fault, unit, value};
 use crate::{
@@ -10,11 +10,11 @@ fn in_method(statements: &str) -> String {
     format!("class A {{ void a() {{ {statements} }} }}")
 }
 
-/// A text of some depth is read, where each part of it is this many levels of the tree; one that is deeper than the bound is not,
-/// however deep.
+/// Checks that a text of some depth is read if each part of it is this many tree levels, and that a
+/// text deeper than the bound is refused, however deep it is.
 #[track_caller]
 fn bounded(deep: impl Fn(usize) -> String, levels: usize) {
-    // Class, method, statement and value around it are at most this many.
+    // The surrounding class, method, statement and value are at most this many levels.
     unit(&deep((MOST_LEVELS - 12) / levels));
     for depth in [MOST_LEVELS / levels + 1, 20 * MOST_LEVELS] {
         let SourceError { line, fault, .. } = fault(&deep(depth));
@@ -36,7 +36,7 @@ fn brackets() {
     bounded(|depth| in_method(&format!("a = {};", nested("a[", "0", "]", depth))), 1);
     bounded(|depth| in_method(&format!("{};", nested("f(", "", ")", depth))), 2);
     bounded(|depth| in_method(&nested("if (a) {", "", "}", depth)), 2);
-    // Where each is closed, there may be any number.
+    // Closed constructs are not limited in number.
     unit(&in_method(&"if (a) { f((1)); } else { g[1]++; } ".repeat(5000)));
 }
 

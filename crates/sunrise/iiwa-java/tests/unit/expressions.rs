@@ -155,7 +155,7 @@ fn casts_and_parentheses() {
     is("(A) (b)", "((A) b)");
     is("(A) !b", "((A) (! b))");
     is("(Runnable & java.io.Serializable) a", "((Runnable) a)");
-    // What the parser may take for casts of `+b` and `-b`.
+    // Differences and sums that the parser may read as casts of `+b` and `-b`.
     is("(a) + b", "(a + b)");
     is("(a) - b * c", "(a - (b * c))");
     is("(a) - (b) - c", "((a - b) - c)");

@@ -1,9 +1,9 @@
-//! What is wrong with a text, and where, in plain words.
+//! Faults of a text, with their places, in plain words.
 
 use super::{fault, read};
 use crate::source_error::SourceFault;
 
-/// The place, and the words.
+/// Checks the place and the message.
 #[track_caller]
 fn is(text: &str, expected: &str) {
     assert_eq!(fault(text).to_string(), format!("A.java:{expected}"), "{text}");

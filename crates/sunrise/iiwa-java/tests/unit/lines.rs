@@ -1,4 +1,4 @@
-//! The lines of everything that has one.
+//! Line numbers of all syntax elements.
 
 use super::{body, unit, value};
 use crate::syntax::{Expression, ExpressionKind, Member, StatementKind};
@@ -28,7 +28,7 @@ fn of_statements() {
     let text = "// first\n/* then */ a();\n@Tag\nfinal int\nb = 1;\nlabel:\nfor (;;)\nbreak;\nif (a)\n;\nelse\nreturn;\n\
                 try\n{ } finally {\n}\nswitch (a) { case 1:\nc(); }\nclass D { }\ndo\n; while (a);\nthrow a;\n(a)\n.b();\n\
                 synchronized (a) { }\nwhile (a) ;\n{ }\nassert a;";
-    // The method's first line is 2.
+    // The first line of the method body is 2.
     let lines: Vec<u32> = body(text).iter().map(|statement| statement.line - 1).collect();
     assert_eq!(lines, [2, 3, 6, 9, 13, 16, 18, 19, 21, 22, 24, 25, 26, 27]);
     let StatementKind::Labelled { body, .. } = &body(text)[2].kind else { panic!("no label") };

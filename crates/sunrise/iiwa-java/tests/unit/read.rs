@@ -1,4 +1,4 @@
-//! What is read of Java.
+//! Tests of the Java reader.
 
 mod bounds;
 mod classes;
@@ -23,7 +23,7 @@ fn fault(text: &str) -> SourceError {
     read("A.java", text).err().unwrap_or_else(|| panic!("read: {text:.300}"))
 }
 
-/// The statements of a method.
+/// Returns the statements of a method.
 fn body(statements: &str) -> Vec<Statement> {
     let unit = unit(&format!("class A {{ void a() {{\n{statements}\n}} }}"));
     let method = std::sync::Arc::into_inner(unit.classes.into_iter().next().unwrap())
@@ -32,12 +32,12 @@ fn body(statements: &str) -> Vec<Statement> {
     method.unwrap().body.unwrap()
 }
 
-/// The value of a field.
+/// Returns the value of a field.
 fn value(expression: &str) -> Expression {
     let unit = unit(&format!("class A {{ Object a = {expression}; }}"));
     let class = std::sync::Arc::into_inner(unit.classes.into_iter().next().unwrap()).unwrap();
     match class.members.into_iter().next().unwrap() {
         Member::Field(field) => field.initial.unwrap(),
-        Member::Initializer { .. } => panic!("{expression} is no field"),
+        Member::Initializer { .. } => panic!("{expression} is not a field"),
     }
 }

@@ -1,4 +1,4 @@
-//! Syntax as short texts, which say every part of it but the lines.
+//! Syntax as short texts, with all of its parts except the lines.
 
 use crate::syntax::{
     BinaryOperator, Class, ClassKind, Expression, ExpressionKind, Label, Literal, Member, Method,

@@ -1,12 +1,12 @@
-//! Values of snippets of Java, against those that a JVM computes; see `tests/java/expected.py`.
+//! Values of Java snippets, compared with those that a JVM computes; see `tests/java/expected.py`.
 //!
-//! A value may be unknown, or its evaluation refused, but never another than the JVM's.
+//! A value may be unknown, or its evaluation refused, but never differ from the JVM's.
 
 use std::{fmt::Write as _, rc::Rc, thread};
 
 use crate::{Classes, Host, HostValue, Machine, Place, Progress, Stop, Value, read, value::Object};
 
-/// Snippets whose values have to be known, at least: most of them.
+/// Minimum number of snippets with a known value: most of them.
 const LEAST_KNOWN: usize = 1540;
 
 const FILES: [(&str, &str); 14] = [
@@ -26,7 +26,7 @@ const FILES: [(&str, &str); 14] = [
     ("strings", include_str!("../../../../../tests/java/snippets/strings.txt")),
 ];
 
-/// A host without classes.
+/// Host without classes.
 struct NoHost;
 
 impl Host for NoHost {
@@ -135,7 +135,7 @@ impl Host for NoHost {
     }
 }
 
-/// The class around a snippet, as `expected.py` writes it.
+/// Returns the class around a snippet, as `expected.py` writes it.
 fn source(lines: &[&str]) -> String {
     let at = lines.iter().position(|line| *line == "--");
     let (members, lines) = match at {
@@ -152,7 +152,7 @@ fn source(lines: &[&str]) -> String {
     )
 }
 
-/// The value in the words of `expected.py`; an error says why it is not known.
+/// Returns the value in the format of `expected.py`; the error is the reason why it is unknown.
 fn evaluated(source: &str) -> Result<String, String> {
     let unit = read("S.java", source).map_err(|error| format!("not read: {error}"))?;
     let mut classes = Classes::default();
@@ -205,16 +205,16 @@ fn quoted(text: &str) -> String {
     quoted
 }
 
-/// Differences, and the numbers of snippets with equal values, with unknown ones, and of those that are refused.
+/// Returns the differences, and the numbers of snippets with equal, unknown and refused values.
 fn compared(files: &[(&str, &str)]) -> (Vec<String>, [usize; 3]) {
     let mut differences = Vec::new();
     let mut counts = [0; 3];
     for (file, text) in files {
-        // The first block says what the file has.
+        // The first block describes the file.
         for block in text.trim_end().split("\n\n").skip(1) {
             let mut lines: Vec<&str> = block.lines().collect();
             let expected = lines.pop().and_then(|value| value.strip_prefix("=> ")).expect(block);
-            // The evaluator has one type for these.
+            // The evaluator represents these types by `int`.
             let same_type = expected.replacen("byte ", "int ", 1).replacen("short ", "int ", 1);
             match evaluated(&source(&lines)) {
                 Ok(value) if value == expected || value == same_type => counts[0] += 1,
@@ -235,7 +235,7 @@ fn compared(files: &[(&str, &str)]) -> (Vec<String>, [usize; 3]) {
     (differences, counts)
 }
 
-/// On a stack as that of applications.
+/// Compares on a thread with a stack of 64 MiB.
 fn compared_aside(files: &'static [(&str, &str)]) -> (Vec<String>, [usize; 3]) {
     let machine = thread::Builder::new().stack_size(64 << 20);
     machine.spawn(|| compared(files)).expect("a thread").join().expect("values")
@@ -252,7 +252,7 @@ fn are_those_of_a_jvm() {
 #[test]
 fn in_which_a_lambda_expression_acts_or_assigns() {
     let value = |lines: &[&str]| evaluated(&source(lines)).unwrap_or_else(|reason| reason);
-    // A library may run it at any time, or a branch that is not known.
+    // A library or an undecided branch may run the lambda at any time.
     let acts = ["Runnable r = () -> arm.move();", "new Library().add(r);", "return 1;"];
     let expected =
         "refused: `add` may run a lambda expression, in which the arm moves, and is not evaluated";
@@ -301,7 +301,7 @@ fn with_a_call_whose_types_do_not_decide_the_method() {
     assert_eq!(acts, Err(expected));
 }
 
-/// Java above 17, which the JVM of `expected.py` may not know.
+/// Java after 17, which the JVM of `expected.py` may not support.
 #[test]
 fn with_patterns_of_switches() {
     let members = [

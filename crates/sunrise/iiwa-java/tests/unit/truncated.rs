@@ -1,10 +1,10 @@
-//! Texts that are cut off, and texts that are none: nothing that can be written may end in a panic.
+//! Truncated and random texts: no input may cause a panic.
 
 use proptest::prelude::*;
 
 use super::{read, unit};
 
-/// What fuzzing begins with, too.
+/// Program that is also a fuzzing seed.
 const PROGRAM: &str = include_str!("../../../../../tests/fuzz/seeds/java/stacking.java");
 
 #[test]
@@ -12,7 +12,7 @@ fn a_program_that_ends_anywhere() {
     assert_eq!(unit(PROGRAM).classes.len(), 1);
     for end in (0..PROGRAM.len()).filter(|end| PROGRAM.is_char_boundary(*end)) {
         let result = read("A.java", &PROGRAM[..end]);
-        // Within the head or behind the end, what is left is whole now and then.
+        // A text truncated within the head or after the end may be valid.
         if (200..PROGRAM.len() - 2).contains(&end) {
             let error = result.expect_err(&PROGRAM[..end]);
             assert!(error.line >= 1 && !error.to_string().contains("no result"), "{error}");
@@ -42,7 +42,7 @@ fn a_program_without_any_one_token() {
     }
 }
 
-/// What Java is written with.
+/// Generates Java words and symbols.
 fn word() -> impl Strategy<Value = &'static str> {
     prop::sample::select(
         &[
@@ -138,7 +138,8 @@ proptest! {
         }
     }
 
-    /// Whatever is written in a method, it is read as Java reads it: written out with all parentheses, it is the same.
+    /// Any expression in a method is read as Java reads it: the fully parenthesised text gives the
+    /// same tree.
     #[test]
     fn sums_in_parentheses(
         parts in prop::collection::vec((any::<bool>(), 0_usize..4, prop::sample::select(&["+", "-", "*", "<", "&&"][..])), 1..8),

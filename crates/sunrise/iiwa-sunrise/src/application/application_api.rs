@@ -1,4 +1,4 @@
-//! What applications, groups of inputs and outputs, and tools of a project inherit from KUKA's classes.
+//! Methods that applications, I/O groups, and tools of a project inherit from KUKA's classes.
 
 use std::rc::Rc;
 
@@ -11,7 +11,7 @@ use crate::application::{
     spot::Spot,
 };
 
-/// Methods of applications that do nothing unless a project says otherwise.
+/// Application methods that do nothing unless a project overrides them.
 const EMPTY: [&str; 9] = [
     "initialize",
     "run",
@@ -25,8 +25,8 @@ const EMPTY: [&str; 9] = [
 ];
 
 impl Robotics<'_> {
-    /// A method of an object of the project that only its `base` has, the first class above it that is not of the project;
-    /// none if it is not known.
+    /// Calls a method of a project object that only `base` implements, the first superclass outside
+    /// the project; `None` if the method is not modelled.
     pub(crate) fn robot_inherited(
         &mut self,
         object: &Rc<Object>,
@@ -68,13 +68,13 @@ impl Robotics<'_> {
         Ok(Self::service(service))
     }
 
-    /// The robot, unless the class of another device is named.
+    /// Returns the robot, unless the arguments name the class of another device.
     fn device(&mut self, arguments: &[Value]) -> Result<Value, Stop> {
         let controller = RobotValue::opaque("Controller");
         self.call_robot(&controller, "getDevice", arguments)
     }
 
-    /// What the constructor of a class that is not of the project makes of an object.
+    /// Models the constructor of a superclass outside the project.
     pub(crate) fn robot_constructed(
         &mut self,
         object: &Rc<Object>,
@@ -82,7 +82,7 @@ impl Robotics<'_> {
         arguments: &[Value],
     ) -> Result<(), Stop> {
         let inherited = match base {
-            // `super(controller, name)`.
+            // Call `super(controller, name)`.
             "AbstractIOGroup" => match arguments.get(1) {
                 Some(Value::Text(name)) => Some(RobotValue::IoGroup(Rc::clone(name))),
                 Some(Value::Unknown(unknown)) => {
@@ -101,7 +101,8 @@ impl Robotics<'_> {
         Ok(())
     }
 
-    /// What is injected into a field whose class is not of the project; none if that is not known.
+    /// Returns the value that is injected into a field whose class is outside the project; `None`
+    /// if the class is not modelled.
     pub(crate) fn robot_injected(
         &mut self,
         class: &str,
@@ -121,7 +122,7 @@ impl Robotics<'_> {
                 None => Ok(None),
             },
             "Flange" => Ok(Some(robot(RobotValue::Spot(Spot::Flange)))),
-            // Without a value, reading it gives an unknown value with its id.
+            // Process data without a value: reading them gives an unknown value with their id.
             "IProcessData" | "ProcessData" => {
                 let id = Rc::from(named.unwrap_or(field));
                 Ok(Some(robot(RobotValue::ProcessData(id))))
@@ -135,7 +136,8 @@ impl Robotics<'_> {
         }
     }
 
-    /// A tool of a class of its own, such as those of KUKA's gripper toolbox: by its name in the data file, or by its class.
+    /// Returns a tool with a class of its own, such as in KUKA's gripper toolbox: by its name in
+    /// the data file, or by its class.
     fn injected_by_name(&mut self, class: &str, name: &str) -> Option<Value> {
         let known = self.template(name).map(|body| (body.name, body.is_workpiece));
         let of_class = || self.template_of_class(class).map(|name| (name.to_owned(), false));
@@ -145,7 +147,7 @@ impl Robotics<'_> {
     }
 }
 
-/// Whether a class is one of those that Sunrise runs.
+/// Returns true if a class is a task that Sunrise runs.
 fn is_task(base: &str) -> bool {
     base.starts_with("RoboticsAPI")
         && ["Application", "Task", "BackgroundTask"].iter().any(|end| base.ends_with(end))

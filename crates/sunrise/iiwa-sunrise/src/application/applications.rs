@@ -1,32 +1,33 @@
-//! The applications of a project.
+//! Applications of a project.
 
 use crate::{Project, Question, QuestionKind};
 use iiwa_java::{ClassId, ClassName, Classes};
 
-/// An application of a project: a class that the controller offers to run.
+/// Application of a project: a class that the controller offers to run.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Application {
-    /// Its class, without the package.
+    /// Class name without the package.
     pub name: String,
-    /// Its class, with the package.
+    /// Class name with the package.
     pub qualified_name: String,
-    /// The file in which it stands, from the project's folder on.
+    /// Source file, relative to the project folder.
     pub file: String,
-    /// The line in it, from 1.
+    /// Line in the file, from 1.
     pub line: u32,
 }
 
-/// The classes of KUKA's from which applications inherit. Background tasks move nothing.
+/// KUKA classes from which applications inherit. Background tasks are left out because they do not
+/// move the robot.
 const BASES: [&str; 2] = ["RoboticsAPIApplication", "RoboticsAPITask"];
 
 impl Application {
-    /// The applications of a project, in order of their files and lines.
+    /// Returns the applications of a project, sorted by file and line.
     #[must_use]
     pub fn all(project: &Project) -> Vec<Self> {
         Self::with_classes(&project.classes()).into_iter().map(|(_, own)| own).collect()
     }
 
-    /// A question that concerns the application as a whole.
+    /// Creates a question that concerns the application as a whole.
     pub(crate) fn question(
         &self,
         kind: QuestionKind,
@@ -45,7 +46,7 @@ impl Application {
         }
     }
 
-    /// The same, with their classes.
+    /// Returns the applications with their class ids.
     pub(crate) fn with_classes(classes: &Classes) -> Vec<(ClassId, Self)> {
         let application = |(id, name): (ClassId, ClassName)| {
             let ClassName { name, qualified_name, file, line } = name;

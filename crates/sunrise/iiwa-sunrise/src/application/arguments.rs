@@ -1,4 +1,4 @@
-//! Arguments of the API's methods.
+//! Arguments of API methods.
 
 use std::{any::Any, rc::Rc};
 
@@ -8,7 +8,8 @@ use iiwa_program::Frame;
 
 use crate::application::robot_value::RobotValue;
 
-/// What a value is for the robot's API: an object of a project's class that inherits from one of KUKA's is that one.
+/// Returns the API value of a Java value; an object of a project class that inherits from a KUKA
+/// class is the inherited value.
 pub(crate) fn robot_value(value: &Value) -> Option<RobotValue> {
     match value {
         Value::Host(value) => {
@@ -20,7 +21,7 @@ pub(crate) fn robot_value(value: &Value) -> Option<RobotValue> {
     }
 }
 
-/// The first argument that is not known, also in an array, a list, a frame or a joint position.
+/// Returns the first unknown argument, also in an array, a list, a frame or a joint position.
 pub(crate) fn first_unknown(arguments: &[Value]) -> Option<Rc<Unknown>> {
     arguments.iter().find_map(|argument| match argument {
         Value::Unknown(unknown) => Some(Rc::clone(unknown)),
@@ -33,18 +34,18 @@ pub(crate) fn first_unknown(arguments: &[Value]) -> Option<Rc<Unknown>> {
     })
 }
 
-/// The arguments, those of an array or a list one by one: `f(a, b)` and `f(new T[] {a, b})` are the same.
+/// Flattens arrays and lists: `f(a, b)` and `f(new T[] {a, b})` are the same.
 pub(crate) fn flattened(arguments: &[Value]) -> Vec<Value> {
     let elements = |argument: &Value| argument.elements().unwrap_or_else(|| vec![argument.clone()]);
     arguments.iter().flat_map(elements).collect()
 }
 
-/// The arguments as numbers, if all are.
+/// Returns the arguments as numbers, if all are numbers.
 pub(crate) fn numbers(arguments: &[Value]) -> Option<Vec<f64>> {
     flattened(arguments).iter().map(Value::number).collect()
 }
 
-/// Seven numbers, or a joint position that is known.
+/// Returns seven numbers, or a known joint position.
 pub(crate) fn joints(arguments: &[Value]) -> Option<Joints> {
     if let [only] = arguments
         && let Some(RobotValue::Joints(joints)) = robot_value(only)
@@ -55,7 +56,7 @@ pub(crate) fn joints(arguments: &[Value]) -> Option<Joints> {
     numbers(arguments)?.try_into().ok()
 }
 
-/// Three numbers for a place in mm, or three more for angles in rad.
+/// Returns the frame of a position in mm, optionally with three angles in rad.
 pub(crate) fn frame(numbers: &[f64]) -> Option<Frame> {
     match *numbers {
         [x, y, z] => Some(Frame { xyz_mm: [x, y, z], abc_rad: [0.0; 3] }),

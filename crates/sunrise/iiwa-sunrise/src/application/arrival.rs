@@ -1,12 +1,12 @@
-//! Where motions end.
+//! End positions of motions.
 
 use iiwa_kin::{
     Joints, Pose, Robot, Status,
     rotation::{Vec3, apply, cross, dot, exp, norm, product, scaled, sub, transposed},
 };
 
-/// The joints, in rad, with which a TCP stands at `pose`: with E1 and status as given, else as they were at `from_rad`.
-/// Fails with the reason.
+/// Solves the inverse kinematics of a TCP at `pose`: with the given E1 and status, otherwise with
+/// those at `from_rad`. Joints are in rad. The error is the reason.
 pub(crate) fn joints_at(
     robot: &Robot,
     from_rad: &Joints,
@@ -22,7 +22,7 @@ pub(crate) fn joints_at(
     Ok(joints)
 }
 
-/// Where a TCP is after an offset in the orientation `axes`.
+/// Returns the TCP pose after an offset along the axes `axes`.
 pub(crate) fn moved_by(from: &Pose, offset: &Pose, axes: &[Vec3<f64>; 3]) -> Pose {
     let by = apply(axes, &offset.position_m);
     let turn = product(&product(axes, &offset.rotation), &transposed(axes));
@@ -32,8 +32,8 @@ pub(crate) fn moved_by(from: &Pose, offset: &Pose, axes: &[Vec3<f64>; 3]) -> Pos
     }
 }
 
-/// Where a circle through three points is after an angle from the first one by way of the second; none if they are on one
-/// line.
+/// Returns the point on the circle through three points at an angle from the first point, in the
+/// direction of the second; `None` if the points are collinear.
 pub(crate) fn on_circle(points_m: [&Vec3<f64>; 3], angle_rad: f64) -> Option<Vec3<f64>> {
     let [from, aux, to] = points_m;
     let (u, v) = (sub(aux, from), sub(to, from));
@@ -44,7 +44,7 @@ pub(crate) fn on_circle(points_m: [&Vec3<f64>; 3], angle_rad: f64) -> Option<Vec
     }
     let a = scaled(dot(&v, &v) / (2.0 * square), &cross(&normal, &u));
     let b = scaled(dot(&u, &u) / (2.0 * square), &cross(&normal, &v));
-    // From the first point to the centre.
+    // Vector from the first point to the centre.
     let to_center = sub(&a, &b);
     let turn = exp(&scaled(angle_rad / norm(&normal), &normal));
     let arm = apply(&turn, &to_center);

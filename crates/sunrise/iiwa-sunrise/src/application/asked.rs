@@ -1,25 +1,25 @@
-//! Questions of an application, in the order in which it asks them.
+//! Questions of an application, in the order of their evaluation.
 
 use crate::QuestionKind;
 use iiwa_java::Place;
 
-/// A question, each time that it was asked.
+/// One occurrence of a question.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct Asked {
     pub(crate) kind: QuestionKind,
-    /// The text of the dialog, or the name of what is asked for.
+    /// Text of the dialog, or name of the requested value.
     pub(crate) subject: String,
-    /// The names of the dialog's buttons.
+    /// Button names of the dialog.
     pub(crate) choices: Vec<String>,
-    /// None if it is not known.
+    /// Answer; `None` if it is unknown.
     pub(crate) answer: Option<String>,
     pub(crate) is_given: bool,
 }
 
-/// A loop that goes on for ever by the answers that it got.
+/// Loop that never ends with the given answers.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct EndlessLoop {
     pub(crate) place: Place,
-    /// The dialogs of its last turn.
+    /// Dialogs of its last iteration.
     pub(crate) dialogs: Vec<Asked>,
 }

@@ -9,41 +9,41 @@ use iiwa_program::{Frame, Tool};
 
 use crate::application::{frame_value::then, spot::Spot};
 
-/// A tool or a workpiece that a program has made.
+/// Tool or workpiece that a program has created.
 #[derive(Clone, Debug)]
 pub(crate) struct Body {
     pub(crate) name: String,
     pub(crate) is_workpiece: bool,
-    /// Its frames in its root, each behind the one that it is given in.
+    /// Frames relative to the root, each after its parent.
     pub(crate) frames: Vec<BodyFrame>,
-    /// The frame that moves unless another is named; the root if absent.
+    /// Index of the default motion frame; `None` for the root.
     pub(crate) default: Option<usize>,
     pub(crate) load: Option<Load>,
-    /// Where it is attached, and how it lies there.
+    /// Frame that the body is attached to, with its pose in that frame.
     pub(crate) attached: Option<(Spot, Frame)>,
-    /// Its name in programs, if it is a template of a tool that is used as it is.
+    /// Name in programs, if the body is an unmodified tool template.
     pub(crate) in_programs: Option<String>,
-    /// Its class in Java, if the data file states it.
+    /// Java class, if the data file states it.
     pub(crate) class: Option<String>,
-    /// The place at which it is injected, if neither the data file nor an answer describes it.
+    /// Place of injection, if neither the data file nor an answer describes the body.
     pub(crate) missing: Option<Place>,
 }
 
-/// A frame of a tool or a workpiece.
+/// Frame of a tool or a workpiece.
 #[derive(Clone, Debug)]
 pub(crate) struct BodyFrame {
-    /// As `/FRAME/FRAME`.
+    /// Path as `/FRAME/FRAME`.
     pub(crate) path: String,
-    /// Where it is in the root.
+    /// Pose relative to the root.
     pub(crate) frame: Frame,
-    /// Its name in programs, `TOOL` or `TOOL/TIP`, if the tool is used as it is.
+    /// Name in programs, `TOOL` or `TOOL/TIP`, if the tool is unmodified.
     pub(crate) in_programs: Option<String>,
-    /// The value on which its place depends, if that is not known.
+    /// Unknown value on which the pose depends, if any.
     pub(crate) unknown: Option<Rc<Unknown>>,
 }
 
 impl Body {
-    /// One without frames that weighs nothing.
+    /// Creates a body without frames and without a load.
     pub(crate) fn bare(name: &str, is_workpiece: bool) -> Self {
         Self {
             name: name.to_owned(),
@@ -58,7 +58,7 @@ impl Body {
         }
     }
 
-    /// One from a template; a tool is `imported`.
+    /// Creates a body from a template; a tool is `imported`.
     pub(crate) fn of_template(template: &ToolTemplate, imported: Option<&ImportedTool>) -> Self {
         let mut body = Self {
             load: template.load,
@@ -85,7 +85,7 @@ impl Body {
         body
     }
 
-    /// Gives the frames of a tool their names in programs.
+    /// Sets the names of the tool frames in programs.
     fn name_as(&mut self, imported: &ImportedTool) {
         self.in_programs = Some(imported.name.clone());
         let mut tips = imported.tips.iter();
@@ -101,13 +101,14 @@ impl Body {
         }
     }
 
-    /// A frame by its path, with or without the first `/`.
+    /// Returns the index of a frame by its path, with or without the first `/`.
     pub(crate) fn frame(&self, path: &str) -> Option<usize> {
         let path = path.trim_start_matches('/');
         self.frames.iter().position(|frame| frame.path.trim_start_matches('/') == path)
     }
 
-    /// As a tool of programs, where its root is at `root` in the flange's frame. What it weighs is up to the program.
+    /// Converts the body to a program tool with its root at `root` in the flange frame. The load is
+    /// set by the program.
     pub(crate) fn as_tool(&self, root: &Frame) -> Tool {
         let at =
             |index: usize| self.frames.get(index).map_or(*root, |frame| then(root, &frame.frame));
@@ -119,7 +120,7 @@ impl Body {
     }
 }
 
-/// The name of a tip in programs, by its path.
+/// Returns the name of a tip in programs, by its path.
 pub(crate) fn tip_name(path: &str) -> String {
     path.trim_start_matches('/').to_owned()
 }

@@ -6,8 +6,8 @@ use iiwa_java::{Stop, Value};
 use crate::application::{arguments::flattened, asked::Asked, robotics::Robotics};
 
 impl Robotics<'_> {
-    /// `displayModalDialog(type, text, buttons...)`: the number of the button that answers it, the first one unless another
-    /// is given.
+    /// Evaluates `displayModalDialog(type, text, buttons...)`: returns the number of the given
+    /// button, or the first button.
     pub(crate) fn ask(&mut self, arguments: &[Value]) -> Result<Value, Stop> {
         let [_, text, buttons @ ..] = arguments else {
             return Ok(self.not_known("IApplicationUI.displayModalDialog"));
@@ -39,7 +39,8 @@ impl Robotics<'_> {
         Ok(Value::Int(answer))
     }
 
-    /// The button that is given for a dialog, by its text or a part of it; the n-th time, the n-th one.
+    /// Returns the given button for a dialog, by its text or a part of it; the n-th occurrence gets
+    /// the n-th button.
     fn given_button(&mut self, text: &str) -> Option<usize> {
         let dialogs = &self.station.answers.dialogs;
         let mut parts = dialogs.keys().filter(|part| text.contains(part.as_str()));
@@ -56,7 +57,7 @@ impl Robotics<'_> {
         button
     }
 
-    /// Remembers what was asked, and what the answer was.
+    /// Records a question with its answer.
     pub(crate) fn record(
         &mut self,
         kind: QuestionKind,
@@ -67,7 +68,7 @@ impl Robotics<'_> {
     ) {
         let (file, line) = (self.here.file.to_string(), self.here.line);
         let asked = asked.to_owned();
-        // Durations and tools end no loop.
+        // Durations and tools do not end loops.
         if !matches!(kind, QuestionKind::Time | QuestionKind::Tool) {
             self.station.asked.push(Asked {
                 kind,
@@ -78,7 +79,8 @@ impl Robotics<'_> {
             });
         }
         let question = Question { kind, asked, choices, answer, is_given, file, line };
-        // An input is read again and again; each dialog and each break condition is a question of its own.
+        // An input is read repeatedly and recorded once; each dialog and each break condition is a
+        // separate question.
         if matches!(kind, QuestionKind::Dialog | QuestionKind::Fired)
             || !self.station.questions.contains(&question)
         {

@@ -5,10 +5,10 @@ use iiwa_java::{Stop, Value};
 
 use crate::application::{motion_value::HoldTime, robotics::Robotics};
 
-/// A hold that lasts longer has no end of its own: applications write `-1` or `60, TimeUnit.DAYS`.
+/// Durations from here on mean an unlimited hold: applications write `-1` or `60, TimeUnit.DAYS`.
 const LONGEST_HOLD_S: f64 = 86400.0;
 
-/// The duration of a hold of so many seconds; negative numbers stand for a hold without an end.
+/// Returns the duration of a hold from its seconds; negative numbers mean an unlimited hold.
 pub(crate) fn hold_time(seconds: f64) -> HoldTime {
     if (0.0..LONGEST_HOLD_S).contains(&seconds) {
         HoldTime::Seconds(seconds)
@@ -18,11 +18,11 @@ pub(crate) fn hold_time(seconds: f64) -> HoldTime {
 }
 
 impl Robotics<'_> {
-    /// The duration in s that is given for this line; 0 otherwise, with a note. `event` is a clause such as "the platform
-    /// drives".
+    /// Returns the given duration in s for this line; otherwise 0, with a note. `event` is a clause
+    /// such as "the platform drives".
     pub(crate) fn given_seconds(&mut self, event: &str) -> Result<f64, Stop> {
         let asked = self.here.to_string();
-        // Its file, with or without its folders; the key that states most of them counts.
+        // The file matches with or without its folders; the longest matching key has priority.
         let is_here = |key: &str| asked == key || asked.ends_with(&format!("/{key}"));
         let given = self.station.answers.times.iter().filter(|(key, _)| is_here(key));
         let given = given.max_by_key(|(key, _)| key.len()).map(|(_, seconds)| *seconds);
@@ -40,7 +40,7 @@ impl Robotics<'_> {
         Ok(seconds)
     }
 
-    /// Something takes the time that is given for this line, while the program waits.
+    /// Waits for the time given for this line.
     pub(crate) fn take_given_time(&mut self, event: &str) -> Result<(), Stop> {
         let seconds = self.given_seconds(event)?;
         if seconds > 0.0 {
@@ -49,7 +49,7 @@ impl Robotics<'_> {
         Ok(())
     }
 
-    /// The arm holds its position, while the program goes on.
+    /// Holds the robot's position while the program continues.
     pub(crate) fn hold(&mut self, time: HoldTime) -> Result<(), Stop> {
         let seconds = match time {
             HoldTime::Seconds(seconds) => seconds,
@@ -64,7 +64,8 @@ impl Robotics<'_> {
         Ok(())
     }
 
-    /// `grip` and `release` of a gripper of KUKA's gripper toolbox. Its answer is measured.
+    /// Evaluates `grip` and `release` of KUKA's gripper toolbox. The result is measured, and
+    /// therefore unknown.
     pub(crate) fn grip(&mut self, name: &str) -> Result<Value, Stop> {
         let event =
             if name.starts_with("grip") { "the gripper grips" } else { "the gripper opens" };

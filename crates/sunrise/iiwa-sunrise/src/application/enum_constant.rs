@@ -2,17 +2,17 @@
 
 use std::rc::Rc;
 
-/// A constant of an enum of KUKA's or of Java.
+/// Constant of a KUKA or Java enum.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct EnumConstant {
-    /// The enum, by its simple name.
+    /// Simple name of the enum.
     pub(crate) class: Rc<str>,
     pub(crate) name: Rc<str>,
-    /// Its place in the enum, where that counts.
+    /// Position in the enum, where the position is relevant.
     pub(crate) ordinal: i32,
 }
 
-/// The enums of which all constants are known, in order.
+/// Enums with all of their constants, in order.
 const LISTED: [(&str, &[&str]); 8] = [
     ("JointEnum", &["J1", "J2", "J3", "J4", "J5", "J6", "J7"]),
     (
@@ -27,7 +27,7 @@ const LISTED: [(&str, &[&str]); 8] = [
     ("IOTypes", &["BOOLEAN", "UNSIGNED_INTEGER", "INTEGER", "ANALOG"]),
 ];
 
-/// Enums whose constants do not change what is planned.
+/// Enums whose constants do not affect the plan.
 const OTHERS: [&str; 15] = [
     "AxisEnum",
     "CallerTask",
@@ -47,7 +47,7 @@ const OTHERS: [&str; 15] = [
 ];
 
 impl EnumConstant {
-    /// A constant by its class and name.
+    /// Returns a constant by its class and name.
     pub(crate) fn named(class: &str, name: &str) -> Option<Self> {
         let made = |ordinal: usize| Self {
             class: Rc::from(class),
@@ -60,13 +60,14 @@ impl EnumConstant {
         OTHERS.contains(&class).then(|| made(0))
     }
 
-    /// All constants of an enum that is known wholly, in order.
+    /// Returns all constants of a listed enum, in order.
     pub(crate) fn all(class: &str) -> Option<Vec<Self>> {
         let (_, names) = LISTED.iter().find(|(listed, _)| *listed == class)?;
         Some(names.iter().filter_map(|name| Self::named(class, name)).collect())
     }
 
-    /// Seconds in so much of a unit of time; whole units of less than a second are divided, so that 700 ms are 0.7 s.
+    /// Converts an amount of a time unit to seconds; units below a second divide, so that 700 ms
+    /// are exactly 0.7 s.
     pub(crate) fn seconds(&self, amount: f64) -> Option<f64> {
         if &*self.class != "TimeUnit" {
             return None;

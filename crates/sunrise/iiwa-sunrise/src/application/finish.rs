@@ -1,4 +1,4 @@
-//! The program of what an application has told the arm.
+//! Builds the program from the commanded motions of an application.
 
 use std::collections::BTreeSet;
 
@@ -17,8 +17,8 @@ struct Used {
 }
 
 impl Station {
-    /// The program, the place of each of its motions, and what was asked. It has the tools, bases and frames that its
-    /// motions use.
+    /// Returns the program, the place of each of its motions, and the questions. The program
+    /// contains only the tools, bases and frames that its motions use.
     pub(crate) fn finish(self) -> (Program, Vec<Place>, Vec<Question>) {
         let Self { schedule, workcell, robot_name, flange_m, start_rad, .. } = self;
         let (questions, first_override) = (self.questions, self.first_override);
@@ -82,7 +82,7 @@ impl Used {
         }
     }
 
-    /// What of a workcell is used; bases with those that they are given in.
+    /// Reduces a workcell to the used entries; bases are kept with their parents.
     fn of(mut self, workcell: Workcell) -> Workcell {
         let frames = workcell.frames.iter().filter(|(name, _)| self.frames.contains(*name));
         self.bases.extend(frames.filter_map(|(_, frame)| frame.base.clone()));

@@ -1,4 +1,4 @@
-//! Conditions that are measured while the arm moves: an answer says which came true.
+//! Conditions that are monitored during a motion: an answer states whether a condition became true.
 
 use crate::QuestionKind;
 use iiwa_java::Value;
@@ -6,8 +6,8 @@ use iiwa_java::Value;
 use crate::application::{asked::Asked, robotics::Robotics};
 
 impl Robotics<'_> {
-    /// The answer to the question here, by the file and line of the call; `condition` is what is asked about, as "the break
-    /// condition of a motion".
+    /// Returns the answer to the query at this file and line; `condition` names the condition, such
+    /// as "the break condition of a motion".
     pub(crate) fn ask_fired(&mut self, condition: &str) -> Value {
         let at = self.here.to_string();
         if let Some(is_fired) = self.given_fired(&at) {
@@ -30,14 +30,15 @@ impl Robotics<'_> {
         self.unknown(format!("{condition} at `{at}`, for which no answer is given"))
     }
 
-    /// The answer that is given for a place, by its file with or without its folders, and its line; the n-th time, the n-th one.
+    /// Returns the given answer for a place, by its file with or without folders, and its line; the
+    /// n-th query gets the n-th answer.
     fn given_fired(&mut self, at: &str) -> Option<bool> {
         let fired = &self.station.answers.fired;
         let is_it = |key: &&String| {
             at == key.as_str()
                 || at.strip_suffix(key.as_str()).is_some_and(|own| own.ends_with('/'))
         };
-        // The one that says most.
+        // The longest matching key is the most specific.
         let key = fired.keys().filter(is_it).max_by_key(|key| key.len())?.clone();
         let answers = fired.get(&key)?;
         let count = self.station.fired.entry(key).or_default();

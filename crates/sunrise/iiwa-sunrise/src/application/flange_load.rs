@@ -1,4 +1,4 @@
-//! What several things at the flange weigh together.
+//! Combined load of several bodies at the flange.
 
 use iiwa_kin::{
     Load, Pose, RigidBody,
@@ -6,11 +6,12 @@ use iiwa_kin::{
 };
 use iiwa_program::Frame;
 
-/// Combines loads, each given in its own frame relative to the flange, into one; `None` without loads.
+/// Combines loads, each given in its own frame relative to the flange, into one; `None` without
+/// loads.
 pub(crate) fn together(loads: &[(Frame, Load)]) -> Option<Load> {
     match loads {
         [] => None,
-        // What is given in the flange stays as it is written.
+        // A load given in the flange frame keeps its numbers as written.
         [(frame, load)] if *frame == Frame::default() => Some(*load),
         _ => {
             let bodies = loads.iter().map(|(frame, load)| moved(&frame.pose(), &load.body()));
@@ -19,7 +20,7 @@ pub(crate) fn together(loads: &[(Frame, Load)]) -> Option<Load> {
     }
 }
 
-/// A body in the frame that carries `pose`.
+/// Transforms a body by `pose`.
 fn moved(pose: &Pose, body: &RigidBody) -> RigidBody {
     let [xx, xy, xz, yy, yz, zz] = body.inertia_kg_m2;
     let own = [[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]];
@@ -36,7 +37,7 @@ fn six(i: &Mat3<f64>) -> [f64; 6] {
     [i[0][0], i[0][1], i[0][2], i[1][1], i[1][2], i[2][2]]
 }
 
-/// By its principal axes.
+/// Converts a body to a load with principal axes.
 fn as_load(body: &RigidBody) -> Load {
     let [xx, xy, xz, yy, yz, zz] = body.inertia_kg_m2;
     let (moments, axes) = principal([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]);
@@ -48,12 +49,12 @@ fn as_load(body: &RigidBody) -> Load {
     }
 }
 
-/// Eigenvalues of a symmetric matrix, and the turn whose columns are its eigenvectors: by Jacobi rotations, which leave a
-/// matrix unchanged if it is diagonal up to rounding.
+/// Returns the eigenvalues of a symmetric matrix, and the rotation whose columns are its
+/// eigenvectors, by Jacobi rotations, which keep a matrix that is diagonal up to rounding.
 fn principal(mut i: Mat3<f64>) -> ([f64; 3], Mat3<f64>) {
-    /// Each sweep squares what is left: a handful do.
+    /// Maximum number of sweeps: convergence is quadratic, and a few are enough.
     const SWEEPS: usize = 30;
-    /// Next to the diagonal, this is rounding.
+    /// Off-diagonal elements below this fraction of the diagonal are rounding errors.
     const ROUNDING: f64 = 1e-15;
     let mut axes = Pose::IDENTITY.rotation;
     for _ in 0..SWEEPS {
@@ -64,7 +65,7 @@ fn principal(mut i: Mat3<f64>) -> ([f64; 3], Mat3<f64>) {
                 continue;
             }
             is_diagonal = false;
-            // The smaller one of the two turns that make this element 0.
+            // Of the two rotations that zero this element, the smaller one.
             let angle = 0.5 * (2.0 * i[p][q]).atan2(i[q][q] - i[p][p]);
             let angle = if angle.abs() > std::f64::consts::FRAC_PI_4 {
                 angle - std::f64::consts::FRAC_PI_2.copysign(angle)
@@ -95,14 +96,14 @@ mod tests {
         let grip = Frame { xyz_mm: [0.0, 0.0, 140.0], abc_rad: [0.0; 3] };
         let both = together(&[(Frame::default(), tool), (grip, part)]).unwrap_or_default();
         assert!((both.center_mm[2] - 100.0).abs() < 1e-9);
-        // Each is 50 mm from the centre.
+        // Each centre is 50 mm from the combined centre.
         assert!(
             (both.inertia_kg_m2[0] - 0.01).abs() < 1e-12 && both.inertia_kg_m2[2].abs() < 1e-15
         );
         assert_eq!(both.abc_rad, [0.0; 3]);
     }
 
-    /// What is put together is the same body, whatever its axes.
+    /// The combined load describes the same body, whatever its axes.
     #[test]
     fn principal_axes_say_the_same_body() {
         let tool = Load {

@@ -18,7 +18,8 @@ use crate::application::{
 };
 
 impl Station {
-    /// The unknown value on which the place of a spot depends, if one does: its own, or that of a frame in which it is given.
+    /// Returns the unknown value on which the pose of a frame depends, if any: of the frame itself,
+    /// or of a parent.
     pub(crate) fn unknown_of(&self, spot: Spot) -> Option<Rc<Unknown>> {
         match spot {
             Spot::World | Spot::Flange => None,
@@ -35,7 +36,7 @@ impl Station {
         }
     }
 
-    /// True if the application has moved a frame of the data file, or a frame in which it is given.
+    /// Returns true if the application has moved a frame of the data file, or one of its parents.
     pub(crate) fn is_changed(&self, index: usize) -> bool {
         let Some(found) = self.tree.get(index) else { return false };
         found.is_changed || found.parent.is_some_and(|parent| self.is_changed(parent))
@@ -43,7 +44,7 @@ impl Station {
 }
 
 impl Robotics<'_> {
-    /// Refuses a spot whose place is not known.
+    /// Refuses a frame whose pose is unknown.
     pub(crate) fn check_known(&self, spot: Spot) -> Result<(), Stop> {
         if let Some(unknown) = self.station.unknown_of(spot) {
             let what = format!("the place of {}", self.spot_name(spot));
@@ -52,7 +53,7 @@ impl Robotics<'_> {
         self.check_template(spot)
     }
 
-    /// Refuses a tool or a workpiece that neither the data file nor an answer describes.
+    /// Refuses a tool or workpiece that neither the data file nor an answer describes.
     pub(crate) fn check_template(&self, spot: Spot) -> Result<(), Stop> {
         let Some(body) = spot.body().and_then(|index| self.station.bodies.get(index)) else {
             return Ok(());
@@ -66,8 +67,8 @@ impl Robotics<'_> {
         ))
     }
 
-    /// `addChildFrame(name, transformation)` and `addDefaultMotionFrame(name, transformation)` of a tool or workpiece, or of one of
-    /// its frames.
+    /// Evaluates `addChildFrame(name, transformation)` and `addDefaultMotionFrame(name,
+    /// transformation)` of a tool or workpiece, or of one of its frames.
     pub(crate) fn add_child(
         &mut self,
         spot: Spot,
@@ -100,7 +101,7 @@ impl Robotics<'_> {
         let added = BodyFrame { path, frame, in_programs: None, unknown };
         body.frames.push(added);
         let frame = body.frames.len() - 1;
-        // Its frames are those that the application gives it.
+        // The application defines the frames, so that no template is needed.
         body.missing = None;
         if name == "addDefaultMotionFrame" {
             body.default = Some(frame);
@@ -108,15 +109,16 @@ impl Robotics<'_> {
         Ok(robot(RobotValue::Spot(Spot::Of(index, frame))))
     }
 
-    /// A frame of an object is given another transformation from the one in which it is given.
+    /// Changes the transformation of an object's frame from its parent.
     pub(crate) fn change_frame(&mut self, spot: Spot, to: &Value) -> Result<Value, Stop> {
         let (frame, unknown) = match (offset_of(to), to) {
             (Some(frame), _) => (frame, None),
             (None, Value::Unknown(unknown)) => (Frame::default(), Some(Rc::clone(unknown))),
             (None, other) => {
                 let what = other.kind();
-                return self
-                    .refuse(format!("a frame is changed to {what}, which is no transformation"));
+                return self.refuse(format!(
+                    "a frame is changed to {what}, which is not a transformation"
+                ));
             }
         };
         match spot {
@@ -146,7 +148,7 @@ impl Robotics<'_> {
         Ok(robot(RobotValue::Spot(spot)))
     }
 
-    /// `changeFrameTransformation(frame, transformation)` of the application's data.
+    /// Evaluates `changeFrameTransformation(frame, transformation)` of the application data.
     pub(crate) fn change_data_frame(&mut self, frame: &Value, to: &Value) -> Result<Value, Stop> {
         match (robot_value_of(frame), frame) {
             (Some(spot), _) => self.change_frame(spot, to),
@@ -166,7 +168,7 @@ fn robot_value_of(value: &Value) -> Option<Spot> {
 }
 
 impl crate::application::body::Body {
-    /// Gives a frame another place in the one in which it is given; frames that are given in it move along.
+    /// Changes the pose of a frame in its parent; child frames move along.
     fn change(&mut self, of: usize, frame: Frame, unknown: Option<&Rc<Unknown>>) {
         let Some(own) = self.frames.get(of) else { return };
         let (path, old) = (own.path.clone(), own.frame);

@@ -8,24 +8,24 @@ use iiwa_program::Frame;
 
 use crate::application::spot::Spot;
 
-/// What a frame is given in.
+/// Parent of a frame.
 #[derive(Clone, Debug)]
 pub(crate) enum Parent {
     Spot(Spot),
     Frame(Rc<RefCell<FrameValue>>),
 }
 
-/// A frame that a program has made: it stays where it is in its parent until it is set.
+/// Frame that a program has created: its pose in its parent changes only by its setters.
 #[derive(Clone, Debug)]
 pub(crate) struct FrameValue {
     pub(crate) frame: Frame,
     pub(crate) parent: Parent,
     pub(crate) redundancy: RedundancyValue,
-    /// What it depends on, if it is not known.
+    /// Unknown value on which the frame depends, if any.
     pub(crate) unknown: Option<Rc<Unknown>>,
 }
 
-/// How the arm is to reach a frame, as far as that is said.
+/// Redundancy of a frame, as far as it is stated.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct RedundancyValue {
     pub(crate) e1_rad: Option<f64>,
@@ -34,7 +34,7 @@ pub(crate) struct RedundancyValue {
 }
 
 impl FrameValue {
-    /// A frame in a spot, without redundancy.
+    /// Creates a frame in a parent, without redundancy.
     pub(crate) fn within(parent: Spot, frame: Frame) -> Self {
         Self {
             frame,
@@ -45,15 +45,16 @@ impl FrameValue {
     }
 }
 
-/// The pose of a frame with lengths in mm, as they are written: those that only add up stay whole numbers.
+/// Returns the pose of a frame with lengths in mm, as written: sums of whole millimetres stay
+/// exact.
 fn pose_mm(frame: &Frame) -> Pose {
     Pose::from_xyz_abc(frame.xyz_mm, frame.abc_rad)
 }
 
-/// The frame that `frame` carries as `carried`.
+/// Composes two frames: `carried` is given in `frame`.
 pub(crate) fn then(frame: &Frame, carried: &Frame) -> Frame {
     let pose = pose_mm(frame).then(&pose_mm(carried));
-    // Angles that nothing turns stay as they are written.
+    // Angles that are not rotated keep their numbers as written.
     let abc_rad = match (frame.abc_rad, carried.abc_rad) {
         ([0.0, 0.0, 0.0], abc_rad) | (abc_rad, [0.0, 0.0, 0.0]) => abc_rad,
         _ => pose.abc_rad(),
@@ -61,7 +62,7 @@ pub(crate) fn then(frame: &Frame, carried: &Frame) -> Frame {
     Frame { xyz_mm: pose.position_m, abc_rad }
 }
 
-/// What `frame` is given in, as seen from it.
+/// Inverts a frame.
 pub(crate) fn inverse(frame: &Frame) -> Frame {
     let pose = pose_mm(frame).inverse();
     let abc_rad = match frame.abc_rad {

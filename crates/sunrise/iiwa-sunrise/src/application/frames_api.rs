@@ -17,11 +17,11 @@ use crate::application::{
     spot::Spot,
 };
 
-/// Places of a frame's numbers by the ends of the names of its methods.
+/// Indices of a frame's numbers by the ends of its method names.
 const NUMBERS: [(&str, usize); 6] =
     [("X", 0), ("Y", 1), ("Z", 2), ("AlphaRad", 3), ("BetaRad", 4), ("GammaRad", 5)];
 
-/// One of x, y, z, a, b, c.
+/// Returns one of x, y, z, a, b, c.
 fn number_of(frame: &Frame, index: usize) -> f64 {
     frame.xyz_mm.iter().chain(&frame.abc_rad).nth(index).copied().unwrap_or_default()
 }
@@ -45,7 +45,7 @@ fn vector(xyz: [f64; 3]) -> Value {
     robot(RobotValue::Vector(Rc::new(xyz)))
 }
 
-/// `offset` of `frame`, as seen along the axes of `reference`.
+/// Offsets `frame` by `offset`, given along the axes of `reference`.
 fn offset_along(frame: &Frame, offset: &Frame, reference: &Pose) -> Frame {
     let pose = frame.pose();
     let by = offset.pose();
@@ -59,7 +59,7 @@ fn offset_along(frame: &Frame, offset: &Frame, reference: &Pose) -> Frame {
 }
 
 impl Robotics<'_> {
-    /// A method of a frame that the program has made.
+    /// Calls a method of a frame that the program has created.
     pub(crate) fn call_frame(
         &mut self,
         this: &Rc<RefCell<FrameValue>>,
@@ -68,7 +68,7 @@ impl Robotics<'_> {
     ) -> Result<Value, Stop> {
         let changes = name.starts_with("set") || name == "transform";
         let result = self.frame_call(this, changes, name, arguments)?;
-        // Where a frame is after a change that is not understood is not known.
+        // After an unmodelled change, the pose of a frame is unknown.
         if changes && let Value::Unknown(unknown) = &result {
             this.borrow_mut().unknown.get_or_insert(Rc::clone(unknown));
             return Ok(robot(RobotValue::Frame(Rc::clone(this))));
@@ -136,7 +136,7 @@ impl Robotics<'_> {
         }
     }
 
-    /// Turns and moves a frame along the axes of another.
+    /// Rotates and moves a frame along the axes of another frame.
     fn transform_in(
         &mut self,
         this: &Rc<RefCell<FrameValue>>,
@@ -185,7 +185,7 @@ impl Robotics<'_> {
         Ok(robot(RobotValue::Frame(Rc::clone(this))))
     }
 
-    /// A method of any frame, which it does not change.
+    /// Calls a method that does not change the frame.
     pub(crate) fn frame_method(
         &mut self,
         this: &FrameValue,
@@ -252,7 +252,7 @@ impl Robotics<'_> {
         }
     }
 
-    /// The frame that a value is, with its parent.
+    /// Returns the frame of a value, with its parent.
     pub(crate) fn frame_of(&self, value: &Value) -> Option<FrameValue> {
         match robot_value(value)? {
             RobotValue::Frame(frame) => {
@@ -265,7 +265,8 @@ impl Robotics<'_> {
         }
     }
 
-    /// A spot as a frame in its parent; in the world, if it moves with the arm.
+    /// Returns a station frame relative to its parent; relative to the world if it moves with the
+    /// robot.
     pub(crate) fn spot_frame(&self, spot: Spot) -> Option<FrameValue> {
         if let Some(unknown) = self.station.unknown_of(spot) {
             let own = FrameValue::within(Spot::World, Frame::default());
@@ -285,7 +286,8 @@ impl Robotics<'_> {
         Some(FrameValue { redundancy, ..FrameValue::within(parent, found.frame) })
     }
 
-    /// What a frame is to be given in: another frame as it is now, since a frame does not move when that one is set.
+    /// Returns the parent for a new frame. A parent frame is copied with its current pose, since a
+    /// frame does not move when its parent is set later.
     fn parent_of(&self, value: &Value) -> Option<Parent> {
         match robot_value(value)? {
             RobotValue::Spot(spot) => Some(Parent::Spot(spot)),
@@ -300,7 +302,7 @@ impl Robotics<'_> {
         }
     }
 
-    /// `new Frame(...)`.
+    /// Evaluates `new Frame(...)`.
     pub(crate) fn new_frame(&mut self, arguments: &[Value]) -> Value {
         if let Some(unknown) = first_unknown(arguments) {
             return Value::Unknown(unknown);
@@ -322,7 +324,7 @@ impl Robotics<'_> {
         robot(RobotValue::frame(frame))
     }
 
-    /// A method of a transformation.
+    /// Calls a method of a transformation.
     pub(crate) fn call_transformation(
         &mut self,
         this: &Frame,
@@ -350,7 +352,7 @@ impl Robotics<'_> {
         }
     }
 
-    /// A method of a vector.
+    /// Calls a method of a vector.
     pub(crate) fn call_vector(
         &mut self,
         this: &[f64; 3],
@@ -381,7 +383,7 @@ impl Robotics<'_> {
         }
     }
 
-    /// A method of a redundancy.
+    /// Calls a method of a redundancy.
     pub(crate) fn call_redundancy(
         &mut self,
         this: &Rc<RefCell<RedundancyValue>>,
@@ -415,7 +417,7 @@ impl Robotics<'_> {
     }
 }
 
-/// A transformation.
+/// Returns the transformation of a value.
 pub(crate) fn offset_of(value: &Value) -> Option<Frame> {
     match robot_value(value)? {
         RobotValue::Transformation(offset) => Some(*offset),
@@ -427,7 +429,7 @@ pub(crate) fn offset_of(value: &Value) -> Option<Frame> {
     }
 }
 
-/// `Transformation.ofDeg(...)` and its like; none if there is no such method.
+/// Evaluates `Transformation.ofDeg(...)` and similar methods; `None` if the method does not exist.
 pub(crate) fn transformation_static(name: &str, arguments: &[Value]) -> Option<Value> {
     if let Some(unknown) = first_unknown(arguments) {
         return Some(Value::Unknown(unknown));
@@ -453,7 +455,7 @@ pub(crate) fn transformation_static(name: &str, arguments: &[Value]) -> Option<V
     Some(transformation(made))
 }
 
-/// `new LBRE1Redundancy(...)`.
+/// Evaluates `new LBRE1Redundancy(...)`.
 pub(crate) fn new_redundancy(arguments: &[Value]) -> Value {
     if let Some(unknown) = first_unknown(arguments) {
         return Value::Unknown(unknown);

@@ -1,4 +1,4 @@
-//! From an application of a project to the motion program that it runs.
+//! Imports an application of a project as a motion program.
 
 use std::{collections::BTreeMap, fmt::Write as _, rc::Rc, thread};
 
@@ -21,33 +21,34 @@ use crate::application::{
     station_host::StationHost,
 };
 
-/// An application as a motion program.
+/// Application as a motion program.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Import {
-    /// The application.
+    /// Application.
     pub application: Application,
-    /// The robot that runs it.
+    /// Robot that runs the application.
     pub robot: Robot,
-    /// Places in the project that state the robot and its flange; empty if both were given or assumed.
+    /// Statements of the project about the robot and its flange; empty if both were given or
+    /// assumed.
     pub statements: Vec<RobotStatement>,
-    /// The program that it runs; its motions have their places in the sources.
+    /// Motion program; its motions have their places in the sources.
     pub program: Program,
-    /// What is not as the sources have it.
+    /// Differences between the program and the sources.
     pub notes: Vec<ImportNote>,
-    /// What it asked, and how it was answered.
+    /// Questions of the application, with their answers.
     pub questions: Vec<Question>,
 }
 
-/// Bytes of stack for the evaluation, which is bounded by the depth of calls and of expressions; only what is used takes
-/// memory.
+/// Stack size in bytes of the evaluation thread. The depths of calls and expressions are bounded;
+/// only used pages take memory.
 const STACK: usize = 256 << 20;
 
-/// Runs an application of a project without a robot, and gives the program of its motions. It may be named with or without its
-/// package, by its file from the project's folder on, and not at all if the project has one only.
+/// Runs an application of a project without a robot, and returns its motions as a program. The
+/// application is named with or without its package, or by its file relative to the project folder;
+/// the name may be absent if the project has only one.
 ///
 /// ```
-/// use iiwa_application::{ImportOptions, import};
-/// use crate::Project;
+/// use iiwa_sunrise::{ImportOptions, Project, import};
 ///
 /// let project = Project::from_texts([("src/Wave.java", r#"
 ///     import static com.kuka.roboticsAPI.motionModel.BasicMotions.*;
@@ -66,8 +67,8 @@ const STACK: usize = 256 << 20;
 ///
 /// # Errors
 ///
-/// If there is no such application, if a file that it needs cannot be used, or if what it does cannot be known before it runs:
-/// then with the place, the reason, and what was understood up to there.
+/// If the application does not exist, if a file that it needs cannot be used, or if its motions
+/// cannot be known before run time: then with the place, the reason, and the motions up to there.
 pub fn import(
     project: &Project,
     name: Option<&str>,
@@ -93,7 +94,7 @@ fn data_file(project: &Project) -> Result<DataFile, ImportError> {
         ProjectData::Unreadable { path, reason } => {
             Err(ImportError::UnreadableDataFile { path: path.clone(), reason: reason.clone() })
         }
-        // There is none.
+        // The project has no data file.
         _ => Ok(DataFile::default()),
     }
 }
@@ -132,7 +133,7 @@ fn import_here(
     notes.extend(run.notes.iter().map(note));
     if let (Ok(()), Some(endless)) = (&run.end, &run.station.endless) {
         let ways = ways_out(project, name, &setup, endless, &run.station.answered);
-        // The note on the loop is the last one of its line: the evaluation ends there.
+        // The note on the loop is the last one for its line, because the evaluation ends there.
         let at = source(&endless.place);
         let own = notes.iter_mut().rev().find(|note| note.source == at);
         if let (Some(own), Some(ways)) = (own, ways) {
@@ -186,10 +187,11 @@ fn import_here(
     }
 }
 
-/// Runs that look for further entries of the data file.
+/// Maximum number of runs that search for further missing entries of the data file.
 const MAX_SURVEYS: usize = 200;
 
-/// All entries that the data file lacks, as far as runs come that have those before: `first` and others.
+/// Collects the entries that the data file lacks, `first` and others: each run adds the entries
+/// found before, and stops at the next missing one.
 fn survey(
     project: &Project,
     name: Option<&str>,
@@ -209,7 +211,7 @@ fn survey(
     found
 }
 
-/// An evaluation of an application from its beginning to its end.
+/// Complete evaluation of an application.
 struct Run {
     end: Result<(), Refusal>,
     notes: Vec<Note>,
@@ -227,7 +229,7 @@ impl Run {
         let station = Rc::new(StationHost::new(Station::new(setup)));
         let here = Place { file: application.file.as_str().into(), line: application.line };
         let mut machine = Machine::new(classes, station.clone(), here);
-        // As the controller does.
+        // The controller calls these methods in the same order.
         let end = match machine.run_class(id, &["initialize", "run"]) {
             Ok(()) | Err(Stop::Ended) => Ok(()),
             Err(Stop::Refused(refusal)) => Err(*refusal),
@@ -247,10 +249,10 @@ impl Run {
     }
 }
 
-/// Buttons that are tried, of all dialogs of a loop together.
+/// Maximum number of buttons to try, over all dialogs of a loop.
 const MAX_WAYS: usize = 16;
 
-/// The answers to dialogs that end an endless loop: each is tried in a run of its own.
+/// Finds answers to dialogs that end an endless loop: each is tried in a separate run.
 fn ways_out(
     project: &Project,
     name: Option<&str>,
@@ -289,14 +291,14 @@ fn ways_out(
     }
 }
 
-/// Where the arm stands when an exported project begins.
+/// Returns the joint positions at the start of an exported project.
 fn stated_start(data_file: &DataFile) -> Option<Joints> {
     let numbers = data_file.setting(ExportedProject::START_ID)?.split_whitespace();
     let numbers: Vec<f64> = numbers.map(str::parse).collect::<Result<_, _>>().ok()?;
     numbers.try_into().ok()
 }
 
-/// The application of this name, or the only one.
+/// Finds the application with this name, or the only one.
 fn find(
     project: &Project,
     classes: &Classes,
@@ -334,7 +336,7 @@ fn find(
     }
 }
 
-/// The error for a project without applications; a file that cannot be read may be the reason.
+/// Returns the error for a project without applications; an unreadable file may be the cause.
 fn no_application(project: &Project) -> ImportError {
     match project.files().iter().find_map(|file| file.error()) {
         Some(error) => ImportError::Source(error.clone()),

@@ -1,4 +1,4 @@
-//! Why an application is not imported.
+//! Errors of importing an application.
 
 use crate::{DataFileError, Question, QuestionKind, RobotStatement, SourceError};
 use iiwa_kin::BadLength;
@@ -6,111 +6,113 @@ use iiwa_program::{Program, Source};
 
 use crate::application::{applications::Application, import_note::ImportNote, missing::Missing};
 
-/// Why an application is not imported.
+/// Error of importing an application.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ImportError {
-    /// The project has none.
+    /// The project has no applications.
     #[error(
-        "there is no application in the project's {files} Java files: none of their classes extends RoboticsAPIApplication"
+        "no application found in the project's {files} Java files: none of their classes extends RoboticsAPIApplication"
     )]
     NoApplications {
-        /// How many files were read.
+        /// Number of files that were read.
         files: usize,
     },
-    /// The project has several, and it is not said which.
+    /// The project has several applications, and none was named.
     #[error("the project has several applications: {}; name one of them", names(.known))]
     Several {
-        /// Those that there are.
+        /// Applications of the project.
         known: Vec<Application>,
     },
-    /// There is none of this name.
+    /// No application has this name.
     #[error("the project has no application `{name}`; it has {}", names(.known))]
     Unknown {
-        /// The name.
+        /// Requested name.
         name: String,
-        /// Those that there are.
+        /// Applications of the project.
         known: Vec<Application>,
     },
-    /// A source file that is needed cannot be used.
+    /// A required source file cannot be used.
     #[error(transparent)]
     Source(SourceError),
     /// The data file cannot be used.
     #[error("{path}: {fault}")]
     DataFile {
-        /// The file, from the project's folder on.
+        /// Path of the file, relative to the project folder.
         path: String,
-        /// What is wrong with it.
+        /// Fault of the file.
         fault: DataFileError,
     },
-    /// There are several data files, and so perhaps several projects.
+    /// Several data files exist, possibly of several projects.
     #[error("there are several data files: {}; name the folder of one project", .0.join(", "))]
     SeveralDataFiles(Vec<String>),
     /// The data file cannot be read.
     #[error("{path} cannot be read: {reason}")]
     UnreadableDataFile {
-        /// The file, from the project's folder on.
+        /// Path of the file, relative to the project folder.
         path: String,
-        /// Why.
+        /// Reason.
         reason: String,
     },
-    /// The project's files name different models of robots.
+    /// The project's files name different robot models.
     #[error("the project's files do not agree on the robot: {}", said(.0))]
     Robots(Vec<RobotStatement>),
     /// The project's files name different flanges.
     #[error("the project's files do not agree on the robot's flange: {}", said(.0))]
     Flanges(Vec<RobotStatement>),
-    /// The robot that is named is not built in.
-    #[error("the robot is called `{0}`, which is no built-in model: its profile has to be given")]
+    /// The named robot is not a built-in model.
+    #[error(
+        "the robot is called `{0}`, which is not a built-in model: its profile has to be given"
+    )]
     UnknownRobot(String),
-    /// The length of the flange that is given is none.
+    /// The given flange length is not valid.
     #[error("the flange: {0}")]
     FlangeLength(BadLength),
     /// The application ends without a motion.
     #[error("{}:{}: {} moves nothing", .application.file, .application.line, .application.name)]
     NoMotions {
-        /// The application.
+        /// Application.
         application: Box<Application>,
     },
-    /// What it does cannot be known before it runs.
+    /// The motions of the application cannot be known before run time.
     #[error("{}: {}", .0.source, .0.reason)]
     Refused(Box<RefusedImport>),
-    /// The system gives no thread for the evaluation.
+    /// The system cannot start a thread for the evaluation.
     #[error("the evaluation cannot begin: {0}")]
     Thread(String),
 }
 
-/// An application that cannot be planned ahead, as far as it was understood.
+/// Application that cannot be planned offline, with its evaluation up to there.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RefusedImport {
-    /// The application.
+    /// Application.
     pub application: Application,
-    /// Where the evaluation ended.
+    /// Place at which the evaluation ended.
     pub source: Source,
-    /// Why: a sentence without its capital and its full stop.
+    /// Reason: a sentence without its capital and its full stop.
     pub reason: String,
-    /// The motions up to there.
+    /// Motions up to that place.
     pub understood: Program,
-    /// The entries that the data file lacks, if it was refused for one of them.
+    /// Entries that the data file lacks, if one of them is the reason.
     pub missing: Vec<Missing>,
-    /// What is not as the sources have it.
+    /// Differences between the program and the sources.
     pub notes: Vec<ImportNote>,
-    /// What it asked up to there, and how it was answered.
+    /// Questions up to that place, with their answers.
     pub questions: Vec<Question>,
-    /// Questions without an answer that the reason depends on.
+    /// Unanswered questions on which the reason depends.
     pub unanswered: Vec<Unanswered>,
 }
 
-/// Something that an application asks for, and that has no answer.
+/// Unanswered question of an application.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Unanswered {
-    /// Of which kind it is.
+    /// Kind of the question.
     pub kind: QuestionKind,
-    /// As of a [`Question`].
+    /// Subject, as in a [`Question`].
     pub asked: String,
 }
 
-/// The first statements of a list, as text.
+/// Formats the first statements of a list.
 fn said(statements: &[RobotStatement]) -> String {
     const MOST: usize = 6;
     let mut said: Vec<_> = statements.iter().take(MOST).map(ToString::to_string).collect();
@@ -120,7 +122,8 @@ fn said(statements: &[RobotStatement]) -> String {
     said.join(", ")
 }
 
-/// The names of applications; with their files, which select them as well, where names alone are ambiguous.
+/// Formats the names of applications; ambiguous names with their package, or as files, which select
+/// applications as well.
 fn names(applications: &[Application]) -> String {
     let name = |own: &Application| {
         let count = |is_same: &dyn Fn(&Application) -> bool| {

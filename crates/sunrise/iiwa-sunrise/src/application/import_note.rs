@@ -1,12 +1,12 @@
-//! What a user should know of an imported program.
+//! Notes on an imported program.
 
 use iiwa_program::Source;
 
-/// What the user should know of an imported program.
+/// Note for the user of an imported program.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ImportNote {
-    /// A sentence without its capital and its full stop.
+    /// Sentence without its capital and its full stop.
     pub text: String,
-    /// What it is about.
+    /// Place in the sources.
     pub source: Source,
 }

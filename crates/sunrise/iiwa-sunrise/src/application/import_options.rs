@@ -1,4 +1,4 @@
-//! The robot, the start and the answers with which an application is imported.
+//! Robot, start position and answers for an import.
 
 use crate::Answers;
 use iiwa_kin::{Joints, Robot};
@@ -6,12 +6,12 @@ use iiwa_kin::{Joints, Robot};
 /// Options of an import.
 #[derive(Clone, Debug, Default)]
 pub struct ImportOptions {
-    /// The robot that runs it; if absent, the one that the project states. A built-in model has the flange that is given, or
-    /// that the project states.
+    /// Robot; if absent, the one that the project states. A built-in model gets the flange that is
+    /// given, or that the project states.
     pub robot: Option<Robot>,
     /// Name of the given robot in the program; if absent, the robot's own name.
     pub robot_name: Option<String>,
-    /// The length of the robot's flange, in m; if absent, the one that the project states.
+    /// Flange length in m; if absent, the one that the project states.
     pub flange_m: Option<f64>,
     /// Joint positions at the start, in rad; if absent, those in the project's process data
     /// ([`START_ID`](crate::ExportedProject::START_ID)), or else all joints at 0.

@@ -6,7 +6,7 @@ use iiwa_java::{Stop, Value};
 use crate::application::{asked::Asked, robotics::Robotics};
 
 impl Robotics<'_> {
-    /// A method of a group of inputs and outputs.
+    /// Calls a method of an I/O group.
     pub(crate) fn call_io_group(
         &mut self,
         group: &str,
@@ -35,7 +35,8 @@ impl Robotics<'_> {
                 self.station.outputs.insert(format!("{group}.{signal}"), value.clone());
                 Ok(Value::Null)
             }
-            // Of a group whose class is not in the project: `getName()` and `setName(value)`.
+            // Methods `getName()` and `setName(value)` of a group whose class is not in the
+            // project.
             (_, []) if name.starts_with("get") || name.starts_with("is") => {
                 let signal = name.trim_start_matches("get").trim_start_matches("is");
                 self.read_signal(group, signal, false, false)
@@ -49,7 +50,7 @@ impl Robotics<'_> {
         }
     }
 
-    /// The value of a signal: as the program has set it, or as it is given.
+    /// Reads a signal: the value that the program has set, or the given value.
     fn read_signal(
         &mut self,
         group: &str,
@@ -63,7 +64,7 @@ impl Robotics<'_> {
             return Ok(value.clone());
         }
         let Some(given) = self.station.answers.inputs.get(&id).cloned() else {
-            // Outputs are off until they are set.
+            // Boolean outputs are false until they are set.
             if is_output && is_boolean {
                 return Ok(Value::Boolean(false));
             }
@@ -71,7 +72,7 @@ impl Robotics<'_> {
         };
         let value = match (&given, is_boolean) {
             (AnswerValue::Boolean(value), _) => Value::Boolean(*value),
-            // Signals of one bit are written both ways.
+            // Single-bit signals are given as 0 and 1 or as booleans.
             (AnswerValue::Integer(bit @ (0 | 1)), true) => Value::Boolean(*bit == 1),
             (AnswerValue::Integer(value), false) => match i32::try_from(*value) {
                 Ok(value) => Value::Int(value),
@@ -88,7 +89,8 @@ impl Robotics<'_> {
         Ok(value)
     }
 
-    /// A signal for which no value is given: what is tried, what ends a loop, or unknown.
+    /// Returns the value of a signal without a given value: the value on trial, the supposed value
+    /// that ends a loop, or unknown.
     fn without_value(&mut self, id: &str, is_output: bool) -> Value {
         if is_output {
             return self.unknown(format!("the output `{id}`, for which no value is given"));

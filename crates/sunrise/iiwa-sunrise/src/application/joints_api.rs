@@ -12,7 +12,8 @@ use crate::application::{
 };
 
 impl Robotics<'_> {
-    /// `new JointPosition(...)`: of seven numbers, of an array, of another, or all zero for a number of joints.
+    /// Evaluates `new JointPosition(...)`: of seven numbers, an array or another joint position, or
+    /// all zero for a number of joints.
     pub(crate) fn new_joints(&mut self, arguments: &[Value]) -> Result<Value, Stop> {
         if let Some(unknown) = first_unknown(arguments) {
             return Ok(Value::Unknown(unknown));
@@ -38,7 +39,8 @@ impl Robotics<'_> {
         }
     }
 
-    /// `JointPosition.ofDeg(...)` and `JointPosition.ofRad(...)` of Sunrise 2, with seven numbers or an array.
+    /// Evaluates `JointPosition.ofDeg(...)` and `JointPosition.ofRad(...)` of Sunrise 2, with seven
+    /// numbers or an array.
     pub(crate) fn joints_static(&mut self, name: &str, arguments: &[Value]) -> Result<Value, Stop> {
         let made = self.new_joints(arguments)?;
         if name == "ofDeg"
@@ -50,7 +52,7 @@ impl Robotics<'_> {
         Ok(made)
     }
 
-    /// A method of a joint position.
+    /// Calls a method of a joint position.
     pub(crate) fn call_joints(
         &mut self,
         this: &Rc<RefCell<JointsValue>>,
@@ -125,7 +127,7 @@ impl Robotics<'_> {
         }
     }
 
-    /// The index of a joint, by number from 0 or by its constant.
+    /// Returns the index of a joint, by its number from 0 or by its constant.
     fn joint_index(&mut self, joint: &Value) -> Result<usize, Stop> {
         let index = match robot_value(joint) {
             Some(RobotValue::Constant(constant)) => Some(i64::from(constant.ordinal)),

@@ -1,4 +1,4 @@
-//! Classes of KUKA's and of Java: their static methods, constructors and constants.
+//! KUKA and Java classes: their static methods, constructors and constants.
 
 use std::rc::Rc;
 
@@ -13,7 +13,8 @@ use crate::application::{
     spot::Spot,
 };
 
-/// Classes whose objects give what cannot be known, by parts of their names, and what it depends on.
+/// Classes whose objects return values unknown before run time, by parts of their names, with the
+/// origin of the values.
 const SOURCES: [(&str, &str); 22] = [
     ("Socket", "data of a socket"),
     ("DatagramPacket", "data of a socket"),
@@ -39,11 +40,11 @@ const SOURCES: [(&str, &str); 22] = [
     ("ObservableCommandBase", "a command of another device"),
 ];
 
-/// Classes of Java that run something at the same time.
+/// Java classes for concurrent execution.
 const CONCURRENT: [&str; 6] =
     ["Thread", "Timer", "TimerTask", "Executors", "ExecutorService", "CompletableFuture"];
 
-/// Classes of KUKA's whose objects do not change what is planned, by ends of their names.
+/// KUKA classes whose objects do not affect the plan, by ends of their names.
 const OPAQUE: [&str; 11] = [
     "ControlMode",
     "FRIConfiguration",
@@ -58,7 +59,7 @@ const OPAQUE: [&str; 11] = [
     "ErrorHandler",
 ];
 
-/// What values of a class depend on, if they cannot be known.
+/// Returns the origin of a class's values, if they are unknown before run time.
 fn source(class: &str) -> Option<&'static str> {
     let found = SOURCES
         .iter()
@@ -71,7 +72,8 @@ fn is_condition(class: &str) -> bool {
 }
 
 impl Robotics<'_> {
-    /// A static method of a class that is not of the project; none if the class or the method is not known.
+    /// Calls a static method of a class outside the project; `None` if the class or the method is
+    /// not modelled.
     pub(crate) fn robot_static(
         &mut self,
         class: &str,
@@ -115,7 +117,7 @@ impl Robotics<'_> {
         }
     }
 
-    /// A new object of a class that is not of the project; none if the class is not known.
+    /// Creates an object of a class outside the project; `None` if the class is not modelled.
     pub(crate) fn robot_new(
         &mut self,
         class: &str,
@@ -143,7 +145,7 @@ impl Robotics<'_> {
             return Ok(Some(condition()));
         }
         if let Some(gives) = source(class) {
-            // A reader of a socket reads what comes from there.
+            // A reader on a socket returns the socket's data.
             if let Some(unknown) = first_unknown(arguments) {
                 return Ok(Some(Value::Unknown(unknown)));
             }
@@ -158,7 +160,7 @@ impl Robotics<'_> {
         })
     }
 
-    /// A constant of a class that is not of the project; none if it is not known.
+    /// Returns a constant of a class outside the project; `None` if it is not modelled.
     pub(crate) fn robot_constant(
         &mut self,
         class: &str,
@@ -179,7 +181,7 @@ impl Robotics<'_> {
         })
     }
 
-    /// A field of a value of the API.
+    /// Returns a field of an API value.
     #[expect(clippy::unnecessary_wraps, reason = "so are all that the language asks for")]
     pub(crate) fn robot_field(&mut self, receiver: &RobotValue, name: &str) -> Result<Value, Stop> {
         if let RobotValue::Constant(own) = receiver
@@ -208,7 +210,7 @@ fn constant(constant: EnumConstant) -> Value {
     robot(RobotValue::Constant(Rc::new(constant)))
 }
 
-/// A condition: whether it comes true is measured.
+/// Creates a condition, whose outcome is measured at run time.
 fn condition() -> Value {
     robot(RobotValue::opaque("ICondition"))
 }

@@ -11,7 +11,8 @@ use crate::application::{
     robotics::Robotics,
 };
 
-/// The mass in kg and the centre of mass in mm by the arguments of `new LoadData(mass, centre, inertia)`. Its inertia is left out.
+/// Returns the load of `new LoadData(mass, centre, inertia)`: mass in kg, centre of mass in mm. The
+/// inertia is left out.
 fn load_of(arguments: &[Value]) -> Option<Load> {
     match arguments {
         [] => Some(Load::default()),
@@ -24,7 +25,7 @@ fn load_of(arguments: &[Value]) -> Option<Load> {
     }
 }
 
-/// A centre of mass in mm, by three numbers, a vector, a transformation or a frame.
+/// Returns a centre of mass in mm from three numbers, a vector, a transformation or a frame.
 fn center_of(arguments: &[Value]) -> Option<[f64; 3]> {
     if let [only] = arguments
         && let Some(value) = robot_value(only)
@@ -40,7 +41,7 @@ fn center_of(arguments: &[Value]) -> Option<[f64; 3]> {
 }
 
 impl Robotics<'_> {
-    /// `new LoadData(...)`.
+    /// Evaluates `new LoadData(...)`.
     pub(crate) fn new_load(&mut self, arguments: &[Value]) -> Value {
         let load = match first_unknown(arguments) {
             Some(_) => None,
@@ -58,7 +59,7 @@ impl Robotics<'_> {
         robot(RobotValue::Load(LoadRef::Own(Rc::new(RefCell::new(load)))))
     }
 
-    /// The load that load data stand for.
+    /// Returns the load of a reference.
     pub(crate) fn load_in(&self, load: &LoadRef) -> Load {
         match load {
             LoadRef::Own(load) => *load.borrow(),
@@ -69,7 +70,7 @@ impl Robotics<'_> {
         }
     }
 
-    /// A method of load data: those of a tool change what the arm carries.
+    /// Calls a method of load data; setters on a tool's load data change the payload.
     pub(crate) fn call_load(
         &mut self,
         this: &LoadRef,

@@ -1,23 +1,23 @@
-//! Entries that an application needs and that the project's data file lacks.
+//! Entries that an application needs and that the data file lacks.
 
 use std::fmt;
 
 use crate::{DataFile, ProcessData, ToolFrame, ToolTemplate, WorldFrame};
 use iiwa_program::Frame;
 
-/// An entry that an application needs and that the project's data file lacks.
+/// Entry that an application needs and that the project's data file lacks.
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Missing {
-    /// A frame, by its path.
+    /// Frame, by its path.
     Frame(String),
-    /// The template of a tool, by its name.
+    /// Tool template, by its name.
     Template(String),
-    /// A frame of a template.
+    /// Frame of a template.
     TemplateFrame {
-        /// The template.
+        /// Name of the template.
         template: String,
-        /// The path of the frame in it.
+        /// Path of the frame in the template.
         path: String,
     },
     /// Process data, by their id.
@@ -58,7 +58,7 @@ impl Missing {
     }
 }
 
-/// The first name of a path, and the rest.
+/// Returns the first name of a path, and the rest.
 fn first(path: &str) -> (&str, Option<&str>) {
     let path = path.trim_start_matches('/');
     match path.split_once('/') {

@@ -1,4 +1,4 @@
-//! What a program sets on a motion.
+//! Setters of motions.
 
 use std::{cell::RefCell, rc::Rc};
 
@@ -13,7 +13,7 @@ use crate::application::{
     robotics::Robotics,
 };
 
-/// A setting that a setter changes.
+/// Setting that a setter changes.
 #[derive(Clone, Copy)]
 enum Setting {
     Share(LimitKind),
@@ -61,7 +61,8 @@ const DECISIVE: [&str; 12] = [
     "Redundancy",
 ];
 
-/// The component of a relative motion's offset (x, y, z in mm; a, b, c in rad) that a setter changes.
+/// Returns the component of a relative motion's offset (x, y, z in mm; a, b, c in rad) that a
+/// setter changes.
 fn offset_component(name: &str) -> Option<usize> {
     let component = name.strip_prefix("set")?.strip_suffix("Offset")?;
     Some(match component {
@@ -76,7 +77,7 @@ fn offset_component(name: &str) -> Option<usize> {
 }
 
 impl Robotics<'_> {
-    /// A method of a motion; setters give it back.
+    /// Calls a method of a motion; setters return the motion.
     pub(crate) fn call_motion(
         &mut self,
         motion: &Rc<RefCell<MotionValue>>,
@@ -193,7 +194,7 @@ impl Robotics<'_> {
             Setting::Turn(kind) => settings.tool.turn[kind] = given,
             Setting::BlendingCart => settings.blending.cart_mm = Some(given),
             Setting::BlendingRel => settings.blending.rel = Some(given),
-            // Of a motion in joint space the controller does not take it.
+            // The controller ignores an orientation blend of a motion in joint space.
             Setting::BlendingOri if is_in_joints => {}
             Setting::BlendingOri => settings.blending.orientation_rad = Some(given),
             Setting::CircAngle => settings.circ_angle_rad = Some(given),
@@ -201,7 +202,7 @@ impl Robotics<'_> {
         Ok(())
     }
 
-    /// Sets one component of a relative motion's offset; the others stay.
+    /// Sets one component of a relative motion's offset; the others are kept.
     fn set_offset(
         &mut self,
         motion: &Rc<RefCell<MotionValue>>,
@@ -254,7 +255,7 @@ fn constant_name(arguments: &[Value]) -> Option<Rc<str>> {
     }
 }
 
-/// True if an argument of a setter is unknown: the motion then cannot be sent.
+/// Returns true if an argument of a setter is unknown: the motion then cannot be sent.
 fn is_obstructed(motion: &Rc<RefCell<MotionValue>>, name: &str, arguments: &[Value]) -> bool {
     let Some(unknown) = first_unknown(arguments) else { return false };
     let what = format!("the argument of `{name}` of this motion");

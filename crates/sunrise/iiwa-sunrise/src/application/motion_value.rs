@@ -1,4 +1,4 @@
-//! Motions as a program makes them, before they are sent.
+//! Motions as a program creates them, before they are sent.
 
 use std::{cell::RefCell, rc::Rc};
 
@@ -8,25 +8,26 @@ use iiwa_program::{AuxOrientation, ByKind, Frame, OrientationType, ToolLimits};
 
 use crate::application::{frame_value::FrameValue, spot::Spot};
 
-/// A motion that a program has made. Its setters change it, as in Java.
+/// Motion that a program has created. Its setters change it, as in Java.
 #[derive(Clone, Debug)]
 pub(crate) struct MotionValue {
     pub(crate) way: Way,
     pub(crate) settings: Settings,
-    /// Why it cannot be planned when it is sent, if it cannot.
+    /// Reason why the motion cannot be planned when it is sent, if any.
     pub(crate) obstacle: Option<Obstacle>,
 }
 
-/// Why a motion cannot be planned.
+/// Reason why a motion cannot be planned.
 #[derive(Clone, Debug)]
 pub(crate) enum Obstacle {
-    /// Something of it, as "the joint velocity of this motion", is not known.
+    /// Name of an unknown property, such as "the joint velocity of this motion", with its unknown
+    /// value.
     Unknown(String, Rc<Unknown>),
-    /// What it is, and why that cannot be planned.
+    /// Message with the motion, and the reason why it cannot be planned.
     Refused(String),
 }
 
-/// Where a motion goes, and how.
+/// Path type and target of a motion.
 #[derive(Clone, Debug)]
 pub(crate) enum Way {
     Joints(Joints),
@@ -45,26 +46,26 @@ pub(crate) enum Way {
     Spline(Vec<Rc<RefCell<MotionValue>>>),
     Batch(Vec<Rc<RefCell<MotionValue>>>),
     Hold(HoldTime),
-    /// One that cannot be planned.
+    /// Motion that cannot be planned.
     Refused,
 }
 
-/// The duration of a hold.
+/// Duration of a hold.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum HoldTime {
     Seconds(f64),
-    /// Until the operator or the program ends it.
+    /// Hold until the operator or the program ends it.
     UntilEnded,
 }
 
-/// A frame to go to: as it is when the motion is sent.
+/// Target frame, evaluated when the motion is sent.
 #[derive(Clone, Debug)]
 pub(crate) enum Goal {
     Spot(Spot),
     Frame(Rc<RefCell<FrameValue>>),
 }
 
-/// What the setters of a motion have set.
+/// Values that the setters of a motion have set.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Settings {
     pub(crate) shares: ByKind<Option<Joints>>,
@@ -74,11 +75,11 @@ pub(crate) struct Settings {
     pub(crate) turns_with_path: Option<bool>,
     pub(crate) aux_orientation: Option<AuxOrientation>,
     pub(crate) circ_angle_rad: Option<f64>,
-    /// True if a condition may end the motion.
+    /// `true` if a condition may end the motion.
     pub(crate) has_break: bool,
 }
 
-/// The sizes of a blend.
+/// Blend sizes.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Blending {
     pub(crate) cart_mm: Option<f64>,
@@ -87,7 +88,7 @@ pub(crate) struct Blending {
 }
 
 impl Way {
-    /// How deep batches are within each other, and how many motions they have in all.
+    /// Returns the nesting depth of batches, and the total number of motions.
     pub(crate) fn extent(&self) -> (usize, usize) {
         match self {
             Self::Batch(motions) | Self::Spline(motions) => {
@@ -106,20 +107,20 @@ impl MotionValue {
         Self { way, settings: Settings::default(), obstacle: None }
     }
 
-    /// One that cannot be planned, for this reason.
+    /// Creates a motion that cannot be planned, with the reason.
     pub(crate) fn refused(reason: impl Into<String>) -> Self {
         let obstacle = Some(Obstacle::Refused(reason.into()));
         Self { way: Way::Refused, settings: Settings::default(), obstacle }
     }
 
-    /// Remembers why it cannot be planned; the first reason counts.
+    /// Records the reason why the motion cannot be planned; the first reason is kept.
     pub(crate) fn obstruct(&mut self, obstacle: Obstacle) {
         self.obstacle.get_or_insert(obstacle);
     }
 }
 
 impl Settings {
-    /// These, and those of a batch or a robot where there are none.
+    /// Fills unset values from a batch or a robot.
     pub(crate) fn or(&self, defaults: &Self) -> Self {
         let or = |own: &ByKind<f64>, other: &ByKind<f64>| {
             ByKind::from_fn(|kind| if own[kind].is_finite() { own[kind] } else { other[kind] })

@@ -1,4 +1,4 @@
-//! Motions are made: what `BasicMotions` gives, and classes of motions.
+//! Creation of motions: methods of `BasicMotions`, and motion classes.
 
 use std::{cell::RefCell, rc::Rc};
 
@@ -15,7 +15,7 @@ use crate::application::{
     spot::Spot,
 };
 
-/// What cannot be planned, and why: classes of motions, and statics of `BasicMotions`.
+/// Motion classes and methods of `BasicMotions` that cannot be planned, with the reason.
 const REFUSED: [(&str, &str); 13] = [
     ("SmartServo", SERVO),
     ("SmartServoLIN", SERVO),
@@ -40,7 +40,7 @@ const HAND_GUIDING: &str = "a person moves the arm, by a way and in a time that 
 const TESTS: &str =
     "it is a test of the robot's brakes or sensors, which runs on the controller alone";
 
-/// The classes and methods that make motions, and which of them they make.
+/// Returns the kind of motion that a class or a method creates.
 fn maker(name: &str) -> Option<&'static str> {
     Some(match name {
         "ptp" | "PTP" | "CartesianPTP" => "ptp",
@@ -57,7 +57,8 @@ fn maker(name: &str) -> Option<&'static str> {
 }
 
 impl Robotics<'_> {
-    /// A motion by the name of its class or of its method in `BasicMotions`; none if there is no such motion.
+    /// Creates a motion by the name of its class or of its method in `BasicMotions`; `None` if no
+    /// such motion exists.
     pub(crate) fn new_motion(
         &mut self,
         name: &str,
@@ -125,7 +126,7 @@ impl Robotics<'_> {
         Ok(goal(arguments).map(Way::Ptp))
     }
 
-    /// A batch or a spline.
+    /// Creates a batch or a spline.
     fn sequence(&mut self, kind: &str, arguments: &[Value]) -> Result<Value, Stop> {
         let arguments = flattened(arguments);
         let mut motions = Vec::with_capacity(arguments.len());
@@ -144,7 +145,7 @@ impl Robotics<'_> {
                     other => {
                         let what = other.kind();
                         return self.refuse(format!(
-                            "{what} is no motion: batches and splines have motions"
+                            "{what} is not a motion: batches and splines have motions"
                         ));
                     }
                 },
@@ -161,12 +162,12 @@ impl Robotics<'_> {
     }
 }
 
-/// The deepest nesting of batches: following them recursively uses stack.
+/// Maximum nesting depth of batches: following them recursively uses stack.
 const MAX_DEPTH: usize = 20;
-/// Motions of a batch, at most.
+/// Maximum number of motions in a batch.
 const MAX_MOTIONS: usize = 10_000;
 
-/// The frame that a motion goes to.
+/// Returns the target frame of a motion.
 fn goal(arguments: &[Value]) -> Option<Goal> {
     let [only] = arguments else { return None };
     match robot_value(only) {
@@ -183,7 +184,7 @@ fn goal(arguments: &[Value]) -> Option<Goal> {
 
 fn lin_rel(arguments: &[Value]) -> Option<Way> {
     let (offset, within) = match arguments {
-        // Its setters give the offset.
+        // The setters define the offset.
         [] => (Some(Frame::default()), None),
         [offset] => (offset_of(std::slice::from_ref(offset)), None),
         [offset, within] if !is_number(offset) => {
@@ -199,7 +200,7 @@ fn lin_rel(arguments: &[Value]) -> Option<Way> {
     Some(Way::LinRel { offset: offset?, within })
 }
 
-/// A motion that stands for a time.
+/// Creates a position hold.
 fn position_hold(arguments: &[Value]) -> Value {
     let mut motion = MotionValue::new(Way::Hold(HoldTime::UntilEnded));
     match arguments {
@@ -220,7 +221,7 @@ fn position_hold(arguments: &[Value]) -> Value {
                 motion.obstruct(Obstacle::Refused(reason.to_owned()));
             }
         }
-        // Without a time, it has no end.
+        // Without a time, the hold is unlimited.
         _ => {}
     }
     robot(RobotValue::motion(motion))
@@ -234,7 +235,7 @@ fn is_number(value: &Value) -> bool {
     value.number().is_some()
 }
 
-/// An offset by numbers, or by a transformation.
+/// Returns an offset from numbers, or from a transformation.
 fn offset_of(arguments: &[Value]) -> Option<Frame> {
     match arguments {
         [only] if !is_number(only) => match robot_value(only)? {

@@ -1,4 +1,4 @@
-//! Motions are sent: what the program has of them, and where the arm stands then.
+//! Sends motions: appends them to the program, and tracks the robot's position.
 
 use std::{cell::RefCell, rc::Rc};
 
@@ -19,20 +19,21 @@ use crate::application::{
     station::FOOT,
 };
 
-/// More are a loop without an end.
+/// Maximum number of motions; more indicate an endless loop.
 const MAX_MOTIONS: usize = 100_000;
 
-/// A frame to go to, and where that is.
+/// Target frame with its pose.
 struct Destination {
     target: TargetRef,
-    /// In the robot's foot.
+    /// Pose relative to the robot base.
     pose: Pose,
     e1_rad: Option<f64>,
     status: Option<Status>,
 }
 
 impl Robotics<'_> {
-    /// Sends a motion of a TCP, and waits for its end unless it is asynchronous. Gives its container.
+    /// Sends a motion of a TCP, and waits for its end unless it is asynchronous. Returns the motion
+    /// container.
     pub(crate) fn send(
         &mut self,
         mover: Spot,
@@ -60,7 +61,8 @@ impl Robotics<'_> {
         Ok(robot(RobotValue::Container(Rc::new(sent))))
     }
 
-    /// A program has one override: that of its first motion.
+    /// Checks that the override does not change: a program has only the override of its first
+    /// motion.
     fn keep_override(&mut self) -> Result<(), Stop> {
         let station = &mut *self.station;
         let now = station.speed_override.as_ref().map_or(1.0, |(share, _)| *share);
@@ -127,14 +129,14 @@ impl Robotics<'_> {
         self.put(Motion::Cartesian(Box::new(own)))
     }
 
-    /// Adds a motion, unless no robot could do it.
+    /// Adds a motion, if it is valid in a program.
     fn put(&mut self, motion: Motion) -> Result<(), Stop> {
         self.check(&motion)?;
         self.station.schedule.send(motion, self.here.clone());
         Ok(())
     }
 
-    /// The program waits, while the arm moves on.
+    /// Adds a wait during which the robot continues its motions.
     pub(crate) fn wait(&mut self, seconds: f64) -> Result<(), Stop> {
         self.check_wait(seconds)?;
         let overlap = self.station.schedule.under_way();
@@ -147,12 +149,12 @@ impl Robotics<'_> {
         Ok(())
     }
 
-    /// Refuses a wait that is longer than a program can have.
+    /// Refuses a wait that is longer than a program allows.
     pub(crate) fn check_wait(&self, seconds: f64) -> Result<(), Stop> {
         self.check(&Motion::Wait { seconds, overlap: 0 })
     }
 
-    /// Refuses a motion that a program cannot have.
+    /// Refuses a motion that is not valid in a program.
     fn check(&self, motion: &Motion) -> Result<(), Stop> {
         let mut program = Program::from_rad(self.station.start_rad).build();
         program.motions.push(motion.clone());
@@ -165,7 +167,7 @@ impl Robotics<'_> {
         }
     }
 
-    /// The course of a motion; the arm stands at its end then.
+    /// Returns the course of a motion, and moves the robot to its end.
     fn course(
         &mut self,
         mover: Spot,
@@ -179,7 +181,8 @@ impl Robotics<'_> {
             OrientationType::Constant => Pose { rotation: from.rotation, ..*pose },
             _ => *pose,
         };
-        // Along a path, the arm stays on its side: only the wrist may change by its joints.
+        // Along a path, the robot keeps its status; only with joint interpolation of the wrist can
+        // it change.
         let status_of =
             |place: &Destination| place.status.filter(|_| law == OrientationType::Joints);
         match &motion.way {
@@ -210,7 +213,7 @@ impl Robotics<'_> {
                     let points = [&from.position_m, &aux.pose.position_m, &place.pose.position_m];
                     let Some(position_m) = on_circle(points, angle) else {
                         return self.refuse(
-                            "start, auxiliary frame and end are on one line: no circle goes through them",
+                            "start, auxiliary frame and end are on one line: no circle passes through them",
                         );
                     };
                     pose.position_m = position_m;
@@ -235,8 +238,8 @@ impl Robotics<'_> {
         }
     }
 
-    /// The orientation type of a motion. `OriJoint` on a spline is planned as `Variable`: the motions of its wrist axes along
-    /// a spline are not known.
+    /// Returns the orientation type of a motion. `OriJoint` on a spline is planned as `Variable`,
+    /// because the wrist motion along a spline is unknown.
     fn law_of(&mut self, way: &Way, law: Option<OrientationType>) -> Option<OrientationType> {
         let is_spline = matches!(way, Way::Spl(_) | Way::Spline(_));
         if is_spline && law == Some(OrientationType::Joints) {
@@ -246,7 +249,7 @@ impl Robotics<'_> {
         law
     }
 
-    /// The segments of a spline; the arm stands at the end of the last one then.
+    /// Returns the segments of a spline, and moves the robot to the end of the last one.
     fn spline(
         &mut self,
         from: &Pose,
@@ -304,7 +307,7 @@ impl Robotics<'_> {
                 }
                 _ => {
                     return self.refuse(
-                        "a spline has a segment that is no path of the TCP: segments are spl, lin, linRel and circ",
+                        "a spline has a segment that is not a path of the TCP: segments are spl, lin, linRel and circ",
                     );
                 }
             };
@@ -322,7 +325,7 @@ impl Robotics<'_> {
         Ok(Course::Spline(found))
     }
 
-    /// Brings the arm to a pose of its TCP.
+    /// Moves the robot to a TCP pose.
     fn arrive(
         &mut self,
         target: &TargetRef,
@@ -350,7 +353,7 @@ impl Robotics<'_> {
         }
     }
 
-    /// Where a goal is, and how the program names it.
+    /// Resolves a target frame: its pose and its name in the program.
     fn place_of(&mut self, goal: &Goal) -> Result<Destination, Stop> {
         match goal {
             Goal::Spot(Spot::Tree(index)) => {
@@ -363,7 +366,7 @@ impl Robotics<'_> {
                     return Ok(self.changed_place(*index, &found.name));
                 }
                 let Some(target) = self.station.workcell.frames.get(&found.name) else {
-                    // A base that is no frame to go to itself.
+                    // A base that is not itself a motion target.
                     let base = Target { base: Some(found.name), ..Target::at(Frame::default()) };
                     return Ok(Destination { pose: found.pose, ..given(base) });
                 };
@@ -419,7 +422,8 @@ impl Robotics<'_> {
         }
     }
 
-    /// A frame of the data file that the application has moved: its place by now, with the redundancy of the data file.
+    /// Resolves a frame of the data file that the application has moved: its current pose, with the
+    /// redundancy of the data file.
     fn changed_place(&self, index: usize, name: &str) -> Destination {
         let place = self.station.in_world(Spot::Tree(index)).unwrap_or_default();
         let target = match self.station.workcell.frames.get(name) {
@@ -429,7 +433,7 @@ impl Robotics<'_> {
         given(target)
     }
 
-    /// Before the first motion: the tool at the flange is that of the program, and its load what is carried.
+    /// Before the first motion, sets the program's tool and load from the bodies at the flange.
     fn begin_to_move(&mut self) -> Result<(), Stop> {
         if self.station.has_moved {
             return Ok(());
@@ -446,7 +450,7 @@ impl Robotics<'_> {
         self.carry(place)
     }
 
-    /// What is attached to the flange has changed.
+    /// Applies a payload change: at once if the robot has moved, otherwise at the first motion.
     pub(crate) fn load_changed(&mut self) -> Result<(), Stop> {
         let place = self.here.clone();
         if self.station.has_moved {
@@ -456,7 +460,7 @@ impl Robotics<'_> {
         Ok(())
     }
 
-    /// From here on, the program's load is what hangs on the flange.
+    /// Appends a load change if the payload differs from the program's load.
     fn carry(&mut self, place: Place) -> Result<(), Stop> {
         let wanted = self.station.flange_load();
         if self.station.carried == wanted {
@@ -470,7 +474,7 @@ impl Robotics<'_> {
         Ok(())
     }
 
-    /// A spot as messages name it.
+    /// Formats a station frame for messages.
     pub(crate) fn spot_name(&self, spot: Spot) -> String {
         match spot {
             Spot::World => "the world".to_owned(),
@@ -490,12 +494,13 @@ impl Robotics<'_> {
     }
 }
 
-/// The motions of a batch, each with its settings and, where it has none, those of the batch; any other motion alone.
+/// Returns the motions of a batch, each with its settings and, where unset, those of the batch; any
+/// other motion alone.
 fn members(motion: &Rc<RefCell<MotionValue>>, defaults: &Settings) -> Vec<(MotionValue, Settings)> {
     let own = motion.borrow().clone();
     let settings = own.settings.or(defaults);
     match &own.way {
-        // What the batch as a whole cannot do, its members cannot.
+        // A batch that cannot be planned is not split, so that its reason is reported.
         Way::Batch(motions) if own.obstacle.is_none() => {
             motions.iter().flat_map(|motion| members(motion, &settings)).collect()
         }
@@ -527,12 +532,12 @@ fn given(target: Target) -> Destination {
     }
 }
 
-/// The blend of a point-to-point motion: the Cartesian one, if there are several.
+/// Returns the blend of a PTP motion: the Cartesian one, if several are set.
 fn one_blend(blending: &Blending) -> Option<Blend> {
     blending.cart_mm.map(Blend::CartMm).or(blending.rel.map(Blend::SunriseRel))
 }
 
-/// The blend of a path.
+/// Returns the blend of a path.
 fn path_blend(blending: &Blending) -> Option<PathBlend> {
     let blend = PathBlend {
         cart_mm: blending.cart_mm,

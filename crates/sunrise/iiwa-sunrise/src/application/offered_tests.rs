@@ -1,5 +1,6 @@
-//! All methods that the host offers, called on all values that it has: each gives a value that is known, asked for or unknown
-//! with its place and reason, or is refused. The names are those of the match arms in the sources.
+//! Calls all methods that the host offers, on all values that it has: each returns a value that is
+//! known, queried or unknown with its place and reason, or is refused. The names are taken from the
+//! match arms in the sources.
 
 use std::{collections::BTreeSet, rc::Rc};
 
@@ -39,7 +40,7 @@ const SOURCES: [&str; 21] = [
     include_str!("waits.rs"),
 ];
 
-/// Texts in the sources that may be names of methods or of classes.
+/// Returns texts in the sources that may be names of methods or of classes.
 fn names(is_class: bool) -> BTreeSet<String> {
     let is_name = |text: &&str| {
         let first = text.chars().next();
@@ -55,7 +56,7 @@ fn names(is_class: bool) -> BTreeSet<String> {
     names
 }
 
-/// A value of each kind, new each time; objects without an inside by their classes.
+/// Creates a value of each kind; opaque objects by their classes.
 fn receivers() -> Vec<RobotValue> {
     let joints = JointsValue { joints_rad: [0.1; 7], unknown: None };
     let motion = MotionValue::new(Way::Home);
@@ -104,7 +105,7 @@ fn unknown(machine: &Robotics<'_>) -> Value {
     machine.unknown("an argument")
 }
 
-/// True if the contents of a value are unknown.
+/// Returns true if the contents of a value are unknown.
 fn is_spoiled(receiver: &RobotValue) -> bool {
     match receiver {
         RobotValue::Joints(own) => own.borrow().unknown.is_some(),
@@ -114,11 +115,11 @@ fn is_spoiled(receiver: &RobotValue) -> bool {
     }
 }
 
-/// Methods whose results and effects do not depend on their arguments.
+/// Returns true for methods whose results and effects do not depend on their arguments.
 fn ignores_arguments(class: &str, name: &str) -> bool {
     match class {
-        // What is said, shown, observed, switched or set there moves no arm; settings of a motion either change how the arm
-        // follows its path, or make it unknown.
+        // Logging, displaying, observing, switching and setting there does not move the robot;
+        // settings of a motion either change how the robot follows its path, or make it unknown.
         "ITaskLogger"
         | "IObserver"
         | "IApplicationUI"
@@ -129,7 +130,7 @@ fn ignores_arguments(class: &str, name: &str) -> bool {
         | "IContext"
         | "IUserKeyBar"
         | "IUserKey"
-        // A platform drives whatever its motion is; a load that stays as it was is noted.
+        // A platform drives whatever its motion is; load data that do not change are noted.
         | "MobilePlatform"
         | "PlatformMotion"
         | "LoadData"
@@ -148,7 +149,7 @@ fn ignores_arguments(class: &str, name: &str) -> bool {
                 | "isInterrupted"
                 | "interrupted"
         ),
-        // Conditions are put together; whether one fired is asked for.
+        // Conditions are combined; their outcome is queried.
         "ICondition" => matches!(name, "and" | "or" | "xor" | "invert" | "onePressed"),
         "IMotionContainer" => {
             matches!(
@@ -156,12 +157,12 @@ fn ignores_arguments(class: &str, name: &str) -> bool {
                 "await" | "cancel" | "getErrorMessage" | "hasError" | "isCanceled" | "isFinished"
             )
         }
-        // The value is kept, and unknown where it is read.
+        // The value is kept, and is unknown where it is read.
         "AbstractIOGroup" | "IProcessData" => name.starts_with("set") || name.starts_with("add"),
         "JointLimits" => name.starts_with("get"),
-        // Of frames, whatever device is named.
+        // Frame methods, whatever device is named.
         "Frame" | "ObjectFrame" | "Tool" => {
-            // A frame that is changed by an unknown value has an unknown place.
+            // A frame that is changed by an unknown value has an unknown pose.
             name.ends_with("ransformationFromParent")
                 || ["setTransformation", "changeTransformation", "setAdditionalParameter"]
                     .contains(&name)
@@ -242,7 +243,7 @@ fn static_methods_and_constructors_do_not_guess_by_unknown_arguments() {
         let mut machine = machine("");
         for count in 1..4 {
             let list = vec![unknown(&machine); count];
-            // Objects without an inside, and those whose inside is unknown.
+            // Opaque objects, and objects whose contents are unknown.
             if let Ok(Some(Value::Host(_))) = machine.robot_new(class, &list)
                 && ["Frame", "JointPosition", "LBRE1Redundancy", "Vector"].contains(&class.as_str())
             {

@@ -1,5 +1,5 @@
-//! Objects whose inside does not change what is planned: the application's data, dialogs and log, controllers, conditions,
-//! control modes.
+//! Opaque objects, whose state does not affect the plan: application data, dialogs and log,
+//! controllers, conditions, control modes.
 
 use iiwa_java::{Stop, Value};
 
@@ -11,12 +11,12 @@ use crate::application::{
     spot::Spot,
 };
 
-/// Beginnings of the names of methods that give the object itself back, if they give anything.
+/// Prefixes of method names that return the object itself, if they return anything.
 const FLUENT: [&str; 9] =
     ["set", "add", "enable", "disable", "parametrize", "with", "remove", "register", "publish"];
 
 impl Robotics<'_> {
-    /// A method of an opaque object.
+    /// Calls a method of an opaque object.
     pub(crate) fn call_opaque(
         &mut self,
         opaque: &std::rc::Rc<Opaque>,
@@ -64,7 +64,7 @@ impl Robotics<'_> {
                 return Ok(Value::Null);
             }
             "IObserverManager" => {
-                self.note("what an observer does when its condition comes true is not evaluated");
+                self.note("what an observer does when its condition becomes true is not evaluated");
                 return Ok(robot(RobotValue::opaque("IObserver")));
             }
             "ICondition" => {
@@ -146,7 +146,8 @@ impl Robotics<'_> {
         }
     }
 
-    /// The objects of the API that an application gets by its own methods or by injection, by their class.
+    /// Returns an API object that an application gets by its own methods or by injection, by its
+    /// class.
     pub(crate) fn service(class: &str) -> Option<Value> {
         let class = match class {
             arm if is_arm(arm) => return Some(robot(RobotValue::Robot)),
@@ -165,10 +166,10 @@ impl Robotics<'_> {
     }
 }
 
-/// True if a device class is the arm: `LBR` and `Robot`, and `RoboticArm` and `LBRMed7` of Sunrise.OS Med and Sunrise 2. The
-/// LBR Med has the kinematics of the LBR iiwa.
+/// Returns true if a device class is the robot arm: `LBR` and `Robot`, and `RoboticArm` and
+/// `LBRMed7` of Sunrise.OS Med and Sunrise 2. The LBR Med has the kinematics of the LBR iiwa.
 pub(crate) fn is_arm(class: &str) -> bool {
-    /// Classes of the FRI and of redundancies begin like those of robots.
+    /// FRI and redundancy classes, whose names begin like robot classes.
     const OTHERS: [&str; 3] = ["LBRE1Redundancy", "LBRJointOverlay", "LBRWrenchOverlay"];
     let is_general =
         ["Robot", "AbstractRobot", "RobotDevice", "RoboticArm", "IRoboticArm"].contains(&class);

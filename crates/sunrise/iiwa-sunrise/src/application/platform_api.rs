@@ -1,4 +1,4 @@
-//! Mobile platforms: KMR omniMove and other devices that carry the arm.
+//! Mobile platforms: KMR omniMove and other devices that carry the robot.
 
 use iiwa_java::{Stop, Value};
 
@@ -11,7 +11,7 @@ use crate::application::{
 /// Words in the names of platform classes and devices.
 const WORDS: [&str; 5] = ["mobilerobot", "mobileplatform", "omnimove", "kmp", "kmr"];
 
-/// Ends of the names of classes that belong to platforms, but are none.
+/// Suffixes of classes that belong to platforms, but are not platforms.
 const OTHERS: [&str; 11] = [
     "IOGroup",
     "Motion",
@@ -26,7 +26,8 @@ const OTHERS: [&str; 11] = [
     "Exception",
 ];
 
-/// True if a class, or the name of a device, is that of a mobile platform. The arm on a platform has another name.
+/// Returns true if a class name or device name is that of a mobile platform. The names of the robot
+/// on a platform are excluded.
 pub(crate) fn is_platform(name: &str) -> bool {
     let lower = name.to_ascii_lowercase();
     !lower.contains("lbr")
@@ -34,7 +35,7 @@ pub(crate) fn is_platform(name: &str) -> bool {
         && !OTHERS.iter().any(|end| name.ends_with(end))
 }
 
-/// Whether one of these names a mobile platform: a class or the name of a device.
+/// Returns true if one of the arguments, a class or a device name, names a mobile platform.
 pub(crate) fn name_platform(arguments: &[Value]) -> bool {
     arguments.iter().any(|argument| match argument {
         Value::ForeignClass(name) | Value::Text(name) => is_platform(name),
@@ -47,7 +48,7 @@ pub(crate) fn platform() -> Value {
 }
 
 impl Robotics<'_> {
-    /// A method of a mobile platform.
+    /// Calls a method of a mobile platform.
     pub(crate) fn call_platform(&mut self, name: &str, arguments: &[Value]) -> Result<Value, Stop> {
         match name {
             "move" | "moveAsync" | "execute" | "executeAsync" | "drive" | "driveTo" => {
@@ -58,7 +59,7 @@ impl Robotics<'_> {
                 self.station.driven_at = Some(self.here.clone());
                 Ok(robot(RobotValue::opaque("PlatformMotion")))
             }
-            // Of a manager of platforms.
+            // Methods of a platform manager.
             _ if name.starts_with("getMobileRobot") || name.starts_with("getPlatform") => {
                 Ok(platform())
             }
@@ -74,7 +75,8 @@ impl Robotics<'_> {
         }
     }
 
-    /// A method of what a drive gives: it is over, since a drive is planned as if the program waited for it.
+    /// Calls a method of a platform motion, which has ended: a drive is planned as if the program
+    /// waited for it.
     pub(crate) fn call_platform_motion(&mut self, name: &str) -> Value {
         match name {
             _ if name.starts_with("await") || name.starts_with("wait") => Value::Null,
@@ -85,7 +87,7 @@ impl Robotics<'_> {
         }
     }
 
-    /// Notes that a frame of the world is a target after a drive.
+    /// Notes that a world frame is a target after a drive.
     pub(crate) fn note_world_after_drive(&mut self) {
         let Some(place) = self.station.driven_at.take() else { return };
         self.note(format!(

@@ -1,4 +1,4 @@
-//! Values that the operator may change.
+//! Process data, which the operator may change.
 
 use crate::{AnswerValue, QuestionKind};
 use iiwa_java::{Stop, Value};
@@ -12,7 +12,7 @@ use crate::application::{
 };
 
 impl Robotics<'_> {
-    /// `getProcessData(id)`.
+    /// Evaluates `getProcessData(id)`.
     pub(crate) fn process_data(&mut self, id: &Value) -> Result<Value, Stop> {
         let id = match id {
             Value::Text(id) => id.clone(),
@@ -34,7 +34,7 @@ impl Robotics<'_> {
         ))
     }
 
-    /// A method of process data.
+    /// Calls a method of process data.
     pub(crate) fn call_process_data(
         &mut self,
         id: &str,
@@ -99,7 +99,7 @@ impl Robotics<'_> {
         }
     }
 
-    /// A text as a value of the class that the data file names.
+    /// Converts a text to a value of the class in the data file.
     fn typed(&mut self, id: &str, text: &str) -> Result<Value, Stop> {
         let data_type = self.stated(id, |data| Some(data.data_type.clone())).unwrap_or_default();
         let class = data_type.rsplit('.').next().unwrap_or_default().to_owned();
@@ -126,7 +126,7 @@ impl Robotics<'_> {
         match value {
             Some(value) => Ok(value),
             None => {
-                self.refuse(format!("the process data `{id}` are `{text}`, which is no {class}"))
+                self.refuse(format!("the process data `{id}` are `{text}`, which is not a {class}"))
             }
         }
     }

@@ -1,4 +1,4 @@
-//! KUKA's API: which file knows what a method does, and the robot's own methods.
+//! Dispatch of KUKA's API methods, and the robot's own methods.
 
 use std::rc::Rc;
 
@@ -14,7 +14,7 @@ use crate::application::{
     spot::Spot,
 };
 
-/// What the robot's sensors measure, by words in the names of methods.
+/// Sensor measurements, by words in method names.
 const MEASURED: [(&str, &str); 4] = [
     ("ForceTorque", "a measured force"),
     ("Torque", "a measured torque"),
@@ -22,11 +22,11 @@ const MEASURED: [(&str, &str); 4] = [
     ("Temperature", "a measured temperature"),
 ];
 
-/// Beginnings of the names of methods that change nothing.
+/// Prefixes of methods that change nothing.
 const READING: [&str; 8] = ["get", "is", "has", "to", "equals", "distance", "copy", "compare"];
 
 impl Robotics<'_> {
-    /// A method of a value of the API. One that is not known may have changed the value.
+    /// Calls a method of an API value. An unmodelled method may have changed the value.
     pub(crate) fn call_robot(
         &mut self,
         receiver: &RobotValue,
@@ -95,7 +95,7 @@ impl Robotics<'_> {
         }
     }
 
-    /// A method of the robot.
+    /// Calls a method of the robot.
     fn call_lbr(&mut self, name: &str, arguments: &[Value]) -> Result<Value, Stop> {
         if matches!(name, "move" | "moveAsync") {
             return self.move_by(Spot::Flange, name == "moveAsync", arguments);
@@ -171,7 +171,8 @@ impl Robotics<'_> {
         }
     }
 
-    /// Notes that a position is asked for while the arm may move: what is given is where it will stand.
+    /// Notes that the position is queried while the robot may be moving: the result is the end
+    /// position.
     fn know_where(&mut self, what: &str) {
         let readings = &self.station.position_readings;
         readings.set(readings.get() + 1);
@@ -182,7 +183,7 @@ impl Robotics<'_> {
         }
     }
 
-    /// Where a frame of an object is, in the world or in another frame.
+    /// Returns the pose of an object's frame, in the world or in another frame.
     fn cartesian_position(
         &mut self,
         frame: &Value,
@@ -222,7 +223,7 @@ impl Robotics<'_> {
         }
     }
 
-    /// Where a TCP is with the joints there, with how the arm stands.
+    /// Returns the TCP frame at joint positions, with the redundancy.
     fn frame_at(&self, joints_rad: &Joints, tcp: &Frame) -> Value {
         let model = &self.station.robot;
         let pose = model.flange_pose(joints_rad).then(&tcp.pose());
@@ -236,7 +237,7 @@ impl Robotics<'_> {
         robot(RobotValue::frame(FrameValue { redundancy, ..frame }))
     }
 
-    /// The joints with which the flange is at a frame that says E1 and status.
+    /// Returns the joint positions for the flange at a frame with E1 and status.
     fn inverse_kinematics(&mut self, frame: &Value) -> Result<Value, Stop> {
         let Some(frame) = self.frame_of(frame) else {
             return Ok(self.not_known("LBR.getInverseKinematicFromFrameAndRedundancy"));
@@ -254,7 +255,7 @@ impl Robotics<'_> {
         }
     }
 
-    /// A method of the limits of the joints.
+    /// Calls a method of the joint limits.
     fn call_limits(&mut self, name: &str) -> Value {
         let limits = self.station.robot.limits();
         let found = match name {
@@ -266,7 +267,7 @@ impl Robotics<'_> {
         robot(RobotValue::joints(found))
     }
 
-    /// The share of its speed at which an application runs.
+    /// Sets the override of an application.
     pub(crate) fn set_override(&mut self, share: &Value) -> Result<Value, Stop> {
         match share {
             Value::Unknown(unknown) => self.refuse_unknown("the speed of the application", unknown),
@@ -278,7 +279,7 @@ impl Robotics<'_> {
         }
     }
 
-    /// The result of a method, such as `Frame.getX`, that is not modelled.
+    /// Returns the result of an unmodelled method, such as `Frame.getX`.
     pub(crate) fn not_known(&self, method: &str) -> Value {
         self.unmodelled_result(method, "")
     }

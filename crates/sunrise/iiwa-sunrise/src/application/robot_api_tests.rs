@@ -1,4 +1,4 @@
-//! Applications as calls of the API, and the programs that they give.
+//! Applications as API calls, and the resulting programs.
 
 use std::rc::Rc;
 
@@ -21,7 +21,7 @@ fn finished(machine: &mut Robotics<'static>) -> (Program, Vec<u32>) {
     let idle = Station::new(StationSetup::default());
     let (program, places, _) = std::mem::replace(machine.station, idle).finish();
     let lines = places.iter().map(|place| place.line).collect();
-    // What is written has to be a program.
+    // The output must be a readable program.
     let again = Program::from_json(&program.to_json()).map(|again| again.motions.len());
     assert_eq!(again.ok(), Some(program.motions.len()));
     (program, lines)
@@ -88,7 +88,7 @@ fn frames_of_the_tree_keep_their_names() -> Result<(), Stop> {
     assert_eq!(base, Some("Table"));
     assert_eq!(program.workcell.frames.keys().collect::<Vec<_>>(), ["Table/Pick"]);
     assert_eq!(program.workcell.bases.keys().collect::<Vec<_>>(), ["Table"]);
-    // A frame keeps its E1, and an offset that of where it starts.
+    // A frame keeps its E1; an offset keeps the E1 of its start.
     assert!((at_rad[2] - 0.1).abs() < 1e-12);
     let tip = Robot::default().flange_pose(&at_rad).position_m;
     assert!((tip[0] - 0.5101).abs() < 1e-9 && (tip[1] + 0.05).abs() < 1e-9, "{tip:?}");
@@ -167,7 +167,7 @@ fn tools_and_workpieces_change_the_load() -> Result<(), Stop> {
             place: iiwa_java::Place { file: "".into(), line: 0 },
         })));
     };
-    // 1.5 kg at 50 mm, 0.5 kg at 160 mm.
+    // Loads of 1.5 kg at 50 mm and 0.5 kg at 160 mm.
     assert!((load.center_mm[2] - 77.5).abs() < 1e-9);
     let tools: Vec<Option<&str>> = program
         .motions
@@ -177,7 +177,7 @@ fn tools_and_workpieces_change_the_load() -> Result<(), Stop> {
             _ => None,
         })
         .collect();
-    // The tip is the program's tool, the workpiece one that is put together.
+    // The tip belongs to the program's tool; the workpiece is a composed tool.
     assert_eq!(tools, [None, Some("Box"), Some("flange")]);
     assert_eq!(program.workcell.tools["Box"].tips["Edge"].xyz_mm, [30.0, 0.0, 170.0]);
     Ok(())

@@ -1,4 +1,5 @@
-//! The robot that runs an application, and its flange: as given, as the project states them, or else assumed.
+//! Robot that runs an application, and its flange: as given, as the project states them, or else
+//! assumed.
 
 use crate::{
     DataFile, ExportedProject, ImportedCell, OTHER_FLANGE_M, Project, ProjectData, Question,
@@ -12,22 +13,22 @@ use crate::application::{
     import_options::ImportOptions,
 };
 
-/// The robot of an application.
+/// Robot of an application.
 pub(crate) struct RobotChoice {
     pub(crate) robot: Robot,
-    /// Its name in the program.
+    /// Name in the program.
     pub(crate) name: String,
-    /// The flange that the program states; none if the robot is a profile, which states its own.
+    /// Flange length that the program states; `None` if the robot is a profile, which has its own.
     pub(crate) flange_m: Option<f64>,
-    /// Statements of the project that were followed.
+    /// Statements of the project that were used.
     pub(crate) statements: Vec<RobotStatement>,
     pub(crate) questions: Vec<Question>,
     pub(crate) notes: Vec<ImportNote>,
 }
 
 impl RobotChoice {
-    /// Chooses the robot: the one that is given, else the one that the project states, else the LBR iiwa 7 R800, as an answer
-    /// to a question.
+    /// Chooses the robot: the given one, else the one that the project states, else the LBR iiwa 7
+    /// R800, as an answer to a question.
     ///
     /// # Errors
     ///
@@ -125,7 +126,7 @@ impl RobotChoice {
     }
 }
 
-/// The robot that the options give, or the answers.
+/// Returns the robot of the options, or of the answers.
 fn given(options: &ImportOptions) -> Result<Option<(Robot, String)>, ImportError> {
     if let Some(robot) = &options.robot {
         let name = options.robot_name.clone().unwrap_or_else(|| robot.name().to_owned());
@@ -138,13 +139,13 @@ fn given(options: &ImportOptions) -> Result<Option<(Robot, String)>, ImportError
     }
 }
 
-/// The values that files of all kinds state.
+/// Agreement between the values that all kinds of files state.
 #[derive(Clone, Copy)]
 enum Agreement<T> {
-    /// No file states one.
+    /// No file states a value.
     Nothing,
     One(T),
-    /// There is none on which all kinds of files agree that state one, or more than one.
+    /// The kinds of files that state values agree on no value, or on more than one.
     Several,
 }
 
@@ -157,8 +158,8 @@ impl<T> Agreement<T> {
     }
 }
 
-/// The value on which all kinds of files agree that state one. A station may have several robots, of which one is named
-/// elsewhere.
+/// Returns the value on which all kinds of files agree that state one. A station may have several
+/// robots, one of which is named elsewhere.
 fn agreed<T: Copy + PartialEq>(
     statements: &[RobotStatement],
     value: impl Fn(&Stated) -> Option<T>,
@@ -184,7 +185,8 @@ fn agreed<T: Copy + PartialEq>(
     }
 }
 
-/// All that the project states. Of its Java, the file of the application counts before all others.
+/// Collects all statements of the project. In Java, the application's file has priority over other
+/// files.
 fn statements(
     project: &Project,
     application: &Application,
@@ -202,7 +204,7 @@ fn statements(
     all
 }
 
-/// The data file's name and text.
+/// Returns the data file's name and text.
 fn data_text(project: &Project) -> (&str, &str) {
     match project.data() {
         ProjectData::Found { path, text } => (path, text),
@@ -210,7 +212,7 @@ fn data_text(project: &Project) -> (&str, &str) {
     }
 }
 
-/// A statement of the data file, where it has these words.
+/// Creates a statement of the data file, at the first occurrence of the words.
 fn in_data_file(project: &Project, words: &str, means: Stated) -> RobotStatement {
     let (path, text) = data_text(project);
     let before = text.find(words).and_then(|at| text.get(..at)).unwrap_or_default();
@@ -224,7 +226,8 @@ fn in_data_file(project: &Project, words: &str, means: Stated) -> RobotStatement
     }
 }
 
-/// The robots with which frames of the data file were taught, and the robot of a program that was exported.
+/// Finds the robots with which frames of the data file were taught, and the robot of an exported
+/// program.
 fn devices(project: &Project, data_file: &DataFile) -> Vec<RobotStatement> {
     let mut names: Vec<&str> = Vec::new();
     let mut open: Vec<_> = data_file.frames.iter().rev().collect();
@@ -255,17 +258,18 @@ fn devices(project: &Project, data_file: &DataFile) -> Vec<RobotStatement> {
     found
 }
 
-/// The model in the name of a device, with that name.
+/// Returns a device name with its model.
 fn named(device: &str) -> Option<(&str, StatedModel)> {
     Some((device, StatedModel::in_name(device)?))
 }
 
-/// The robot of an exported program that is no built-in model.
+/// Returns the robot of an exported program, if it is not a built-in model.
 fn foreign(data_file: &DataFile) -> Option<&str> {
     data_file.setting(ExportedProject::ROBOT_ID).filter(|name| Robot::built_in(name).is_none())
 }
 
-/// The flange with which the taught frames are reached as they were taught, if that tells the two lengths apart.
+/// Returns the flange with which more taught frames are reached as taught, if the two lengths
+/// differ in this.
 fn taught_with(project: &Project, data_file: &DataFile, robot: &Robot) -> Option<RobotStatement> {
     if data_file.setting(ExportedProject::FLANGE_ID).is_some() {
         return None;
@@ -278,7 +282,7 @@ fn taught_with(project: &Project, data_file: &DataFile, robot: &Robot) -> Option
         cell.taught_and_agreeing(&robot)
     });
     let (flange_m, most) = if other > touch { (lengths[0], other) } else { (lengths[1], touch) };
-    // Some frames are older than their tools, or than the robot.
+    // Some frames were taught before a change of the tool or of the robot, so that 90 % are enough.
     if other == touch || 10 * most < 9 * taught {
         return None;
     }
@@ -296,7 +300,7 @@ fn source(statement: &RobotStatement) -> Source {
     Source { file: statement.file.clone(), line: statement.line }
 }
 
-/// A note that the project states another model than the one that is given by its name.
+/// Creates a note if the project states another model than the given one, by name.
 fn other_than(name: &str, statement: &RobotStatement) -> Option<ImportNote> {
     let Stated::Model(model) = statement.means else { return None };
     let given = StatedModel::in_name(name)?;
@@ -306,7 +310,7 @@ fn other_than(name: &str, statement: &RobotStatement) -> Option<ImportNote> {
     })
 }
 
-/// A note that the project states another flange than the one that is given.
+/// Creates a note if the project states another flange than the given one.
 fn other_flange(given_m: f64, statement: &RobotStatement) -> Option<ImportNote> {
     let Stated::Flange(_, stated_m) = statement.means else { return None };
     (stated_m != given_m).then(|| ImportNote {

@@ -1,4 +1,4 @@
-//! Values that the robot's API gives.
+//! Values of the robot API.
 
 use std::{any::Any, cell::RefCell, rc::Rc};
 
@@ -13,70 +13,71 @@ use crate::application::{
     spot::Spot,
 };
 
-/// A value of KUKA's API; copies are the same object, as in Java.
+/// Value of KUKA's API; copies refer to the same object, as in Java.
 #[derive(Clone, Debug)]
 pub(crate) enum RobotValue {
-    /// The robot itself, an `LBR`.
+    /// Robot, an `LBR`.
     Robot,
-    /// A `JointPosition`.
+    /// `JointPosition`.
     Joints(Rc<RefCell<JointsValue>>),
-    /// A `Frame` that the program has made.
+    /// `Frame` that the program has created.
     Frame(Rc<RefCell<FrameValue>>),
-    /// A frame of the data file, of a tool, a workpiece or the robot, or one of these themselves.
+    /// Frame of the data file, a tool, a workpiece or the robot, or one of these objects itself.
     Spot(Spot),
     Transformation(Rc<Frame>),
     Vector(Rc<[f64; 3]>),
-    /// An `LBRE1Redundancy`.
+    /// `LBRE1Redundancy`.
     Redundancy(Rc<RefCell<RedundancyValue>>),
     Motion(Rc<RefCell<MotionValue>>),
-    /// The container of a motion that was sent.
+    /// Container of a sent motion.
     Container(Rc<Sent>),
-    /// The limits of the robot's joints.
+    /// Joint limits of the robot.
     JointLimits,
-    /// A `LoadData`.
+    /// `LoadData`.
     Load(LoadRef),
-    /// A value of the operator's, by its id.
+    /// Process data, by their id.
     ProcessData(Rc<str>),
-    /// A group of inputs and outputs, by its name.
+    /// I/O group, by its name.
     IoGroup(Rc<str>),
     Constant(Rc<EnumConstant>),
     Opaque(Rc<Opaque>),
 }
 
-/// A motion that was sent, or several.
+/// One or several sent motions.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Sent {
-    /// Number of motions sent by then.
+    /// Number of motions sent up to and including this one.
     pub(crate) count: usize,
-    /// True if a condition may end it.
+    /// `true` if a condition may end the motion.
     pub(crate) has_break: bool,
 }
 
-/// A `LoadData`.
+/// Reference to `LoadData`.
 #[derive(Clone, Debug)]
 pub(crate) enum LoadRef {
-    /// That of a tool or a workpiece, by its place among those that were made.
+    /// Load of a tool or a workpiece, by its index among the created bodies.
     Body(usize),
-    /// One that the program has made.
+    /// Load that the program has created.
     Own(Rc<RefCell<Load>>),
 }
 
-/// A `JointPosition`.
+/// `JointPosition`.
 #[derive(Clone, Debug)]
 pub(crate) struct JointsValue {
     pub(crate) joints_rad: Joints,
-    /// What it depends on, if it is not known.
+    /// Unknown value on which the position depends, if any.
     pub(crate) unknown: Option<Rc<Unknown>>,
 }
 
-/// An object whose inside does not change what is planned.
+/// Object whose state does not affect the plan.
 #[derive(Debug)]
 pub(crate) struct Opaque {
-    /// Its class, by its simple name.
+    /// Simple name of the class.
     pub(crate) class: Rc<str>,
-    /// What values that it gives depend on, as "a measured force"; else they are results of methods that are not known.
+    /// Origin of its values, such as "a measured force"; otherwise they are results of unmodelled
+    /// methods.
     pub(crate) gives: Option<Rc<str>>,
-    /// The task of a thread or a timer.
+    /// Task of a thread or a timer.
     pub(crate) task: Option<Value>,
 }
 
@@ -93,7 +94,7 @@ impl RobotValue {
         Self::Motion(Rc::new(RefCell::new(motion)))
     }
 
-    /// Makes unknown what a program may change of the value.
+    /// Marks the contents of the value as unknown, where a program may change them.
     pub(crate) fn spoil(&self, unknown: &Rc<Unknown>) {
         let unknown = Rc::clone(unknown);
         match self {
@@ -110,12 +111,12 @@ impl RobotValue {
         Self::Opaque(Rc::new(Opaque { class: Rc::from(class), gives: None, task: None }))
     }
 
-    /// A thread, a timer or an executor; a thread has a task.
+    /// Creates a thread, a timer or an executor; a thread has a task.
     pub(crate) fn thread(task: Option<Value>) -> Self {
         Self::Opaque(Rc::new(Opaque { class: Rc::from("Thread"), gives: None, task }))
     }
 
-    /// An object from which values come that cannot be known, for a reason.
+    /// Creates an object whose values are unknown, with their origin.
     pub(crate) fn source(class: &str, gives: &str) -> Self {
         Self::Opaque(Rc::new(Opaque {
             class: Rc::from(class),
@@ -125,7 +126,7 @@ impl RobotValue {
     }
 }
 
-/// As a value of Java.
+/// Converts to a Java value.
 pub(crate) fn robot(value: RobotValue) -> Value {
     Value::Host(Rc::new(value))
 }

@@ -1,4 +1,4 @@
-//! What KUKA's API does: the evaluation that calls it, and the station that it is about.
+//! KUKA's API: the evaluation that calls it, and the station that it acts on.
 
 use std::ops::{Deref, DerefMut};
 
@@ -6,7 +6,8 @@ use iiwa_java::Machine;
 
 use crate::application::station::Station;
 
-/// An evaluation and its station, for the time of a call. What the API does is in the files that are named after it.
+/// Evaluation and station during an API call. The API is implemented in the `*_api` modules and
+/// others named after their subject.
 pub(crate) struct Robotics<'m> {
     pub(crate) machine: &'m mut Machine,
     pub(crate) station: &'m mut Station,

@@ -1,27 +1,27 @@
-//! The motions and waits that an application commands, in order.
+//! Motions and waits that an application commands, in order.
 
 use iiwa_java::Place;
 use iiwa_kin::Load;
 use iiwa_program::Motion;
 
-/// The motions and waits of an application so far.
+/// Motions and waits of an application so far.
 #[derive(Debug, Default)]
 pub(crate) struct Schedule {
     entries: Vec<Entry>,
-    /// How many motions were sent since the program last knew the arm to stand.
+    /// Number of motions sent since the program last waited for standstill.
     under_way: usize,
-    /// How many motions were sent in all.
+    /// Number of motions sent in total.
     sent: usize,
-    /// The hold that the program has begun, and has neither awaited nor ended.
+    /// Hold that the program has started, and has neither awaited nor ended.
     hold: Option<Hold>,
 }
 
-/// A hold in progress: its wait, and how long the program has slept since it began.
+/// Hold in progress: its wait, and the time that the program has slept since its start.
 #[derive(Debug)]
 struct Hold {
     entry: usize,
     slept_s: f64,
-    /// Whether its time is known apart from what the program does: it is not cut short by the program.
+    /// `true` if the duration was given as an answer: the program does not end the hold early.
     is_fixed: bool,
 }
 
@@ -29,39 +29,39 @@ struct Hold {
 struct Entry {
     motion: Motion,
     place: Place,
-    /// Whether the program knows the arm to stand at its end.
+    /// `true` if the program waits for standstill at its end.
     is_awaited: bool,
 }
 
 impl Schedule {
     /// Adds a motion that the program does not wait for.
     pub(crate) fn send(&mut self, motion: Motion, place: Place) {
-        // It begins at the end of a hold.
+        // The motion begins at the end of a hold.
         self.hold = None;
         self.entries.push(Entry { motion, place, is_awaited: false });
         self.under_way += 1;
         self.sent += 1;
     }
 
-    /// How many motions were sent so far.
+    /// Returns the number of motions sent so far.
     pub(crate) fn sent(&self) -> usize {
         self.sent
     }
 
-    /// How many motions were sent since the program last knew the arm to stand.
+    /// Returns the number of motions sent since the program last waited for standstill.
     pub(crate) fn under_way(&self) -> usize {
         self.under_way
     }
 
-    /// Whether the arm may still be moving.
+    /// Returns true if the robot may still be moving.
     pub(crate) fn is_under_way(&self) -> bool {
         self.under_way > 0
     }
 
-    /// The program waits until the arm stands.
+    /// Waits until the robot is at rest.
     pub(crate) fn await_all(&mut self) {
         self.hold = None;
-        // What was awaited before is not looked for again.
+        // Motions that were awaited before are not searched again.
         if std::mem::take(&mut self.under_way) == 0 {
             return;
         }
@@ -70,7 +70,7 @@ impl Schedule {
         }
     }
 
-    /// The arm holds its position for so many seconds, while the program goes on.
+    /// Holds the robot's position for a number of seconds while the program continues.
     pub(crate) fn hold(&mut self, seconds: f64, is_fixed: bool, place: Place) {
         self.hold = Some(Hold { entry: self.entries.len(), slept_s: 0.0, is_fixed });
         self.sent += 1;
@@ -78,12 +78,13 @@ impl Schedule {
         self.entries.push(Entry { motion, place, is_awaited: true });
     }
 
-    /// Whether the program has begun a hold, and has neither awaited nor ended it.
+    /// Returns true if the program has started a hold, and has neither awaited nor ended it.
     pub(crate) fn is_holding(&self) -> bool {
         self.hold.is_some()
     }
 
-    /// The program ends the hold in progress, which has lasted as long as the program has slept since it began.
+    /// Ends the hold in progress; its duration is the time that the program has slept since its
+    /// start.
     pub(crate) fn end_hold(&mut self) {
         let Some(Hold { entry, slept_s, is_fixed: false }) = self.hold.take() else { return };
         if let Some(Entry { motion: Motion::Wait { seconds, .. }, .. }) =
@@ -93,7 +94,7 @@ impl Schedule {
         }
     }
 
-    /// The time that a sleep goes on after the hold in progress; all of it without a hold.
+    /// Returns the part of a sleep that exceeds the hold in progress; all of it without a hold.
     fn beyond_hold(&mut self, seconds: f64) -> f64 {
         let Some(Hold { entry, slept_s, .. }) = &mut self.hold else { return seconds };
         let Some(Entry { motion: Motion::Wait { seconds: held, .. }, .. }) =
@@ -109,7 +110,7 @@ impl Schedule {
         seconds - seconds.min(left)
     }
 
-    /// The program waits for so many seconds, while the arm moves on.
+    /// Adds a wait of a number of seconds during which the robot continues its motions.
     pub(crate) fn wait(&mut self, seconds: f64, place: Place) {
         let seconds = match self.beyond_hold(seconds) {
             0.0 if seconds > 0.0 => return,
@@ -119,9 +120,9 @@ impl Schedule {
         self.entries.push(Entry { motion, place, is_awaited: true });
     }
 
-    /// What hangs on the flange changes. Of several changes without anything between them, the last one counts.
+    /// Adds a change of the payload. Of consecutive changes, the last one is kept.
     pub(crate) fn load(&mut self, load: Option<Load>, place: Place) {
-        // A hold in progress goes on afterwards.
+        // A hold in progress continues after the load change.
         let rest = self.rest_of_hold();
         self.await_all();
         if let Some(Entry { motion: Motion::Load(_), .. }) = self.entries.last() {
@@ -135,7 +136,7 @@ impl Schedule {
         }
     }
 
-    /// Ends the hold in progress where the program is, and gives the time that is left of it.
+    /// Ends the hold in progress at the current time, and returns its remaining time.
     fn rest_of_hold(&mut self) -> Option<(f64, bool, Place)> {
         let Hold { entry, slept_s, is_fixed } = self.hold.take()?;
         let Entry { motion: Motion::Wait { seconds, .. }, place, .. } =
@@ -148,13 +149,13 @@ impl Schedule {
         Some((rest, is_fixed, place.clone()))
     }
 
-    /// All, with blends only where a motion follows that is known in time, and without changes of the load that nothing
-    /// comes after. A motion whose end the program waits for is blocking.
+    /// Returns all entries. Blends are kept only before a motion that is sent in time, and trailing
+    /// load changes are removed. A motion whose end the program waits for is blocking.
     pub(crate) fn finish(mut self) -> Vec<(Motion, Place)> {
         while let Some(Entry { motion: Motion::Load(_), .. }) = self.entries.last() {
             self.entries.pop();
         }
-        // Holds that were ended at once.
+        // Remove holds that were ended at once.
         self.entries.retain(
             |entry| !matches!(entry.motion, Motion::Wait { seconds, overlap: 0 } if seconds <= 0.0),
         );

@@ -1,21 +1,21 @@
-//! Frames of things: those that move when the thing does.
+//! Frames of objects, which move with their object.
 
-/// A frame of the station.
+/// Frame of the station.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Spot {
-    /// The world, which is the robot's foot.
+    /// World frame, which is the robot base.
     World,
     Flange,
-    /// A frame of the data file's tree, by its place among them.
+    /// Frame of the data file's tree, by its index.
     Tree(usize),
-    /// Where a tool or a workpiece begins, by its place among those that were made.
+    /// Root of a tool or a workpiece, by its index among the created bodies.
     Root(usize),
-    /// A frame of a tool or a workpiece, by its place among its frames.
+    /// Frame of a tool or a workpiece, by the indices of the body and of the frame.
     Of(usize, usize),
 }
 
 impl Spot {
-    /// The tool or workpiece of which it is.
+    /// Returns the index of the tool or workpiece of the frame.
     pub(crate) fn body(self) -> Option<usize> {
         match self {
             Self::Root(body) | Self::Of(body, _) => Some(body),

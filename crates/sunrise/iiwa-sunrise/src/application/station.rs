@@ -1,4 +1,5 @@
-//! The station that an application moves: the arm, what is attached to it, its frames, and what people and signals say.
+//! Station that an application controls: the robot, its payload, its frames, and the answers of
+//! operators and signals.
 
 use std::{
     cell::{Cell, RefCell},
@@ -21,93 +22,95 @@ use crate::application::{
     spot::Spot,
 };
 
-/// What an application finds when it begins.
+/// Initial state of a station.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct StationSetup {
     pub(crate) robot: Robot,
-    /// The name of the robot in the program.
+    /// Name of the robot in the program.
     pub(crate) robot_name: String,
-    /// The flange that the program states, in m.
+    /// Flange length that the program states, in m.
     pub(crate) flange_m: Option<f64>,
     pub(crate) data_file: DataFile,
-    /// Where the arm stands, in rad.
+    /// Joint positions at the start, in rad.
     pub(crate) start_rad: Joints,
-    /// True if the start was given; else it is assumed.
+    /// `true` if the start was given; otherwise it is assumed.
     pub(crate) is_start_known: bool,
     pub(crate) answers: Answers,
-    /// True if the run only collects missing entries of the data file: frames need not be within reach then.
+    /// `true` if the run only collects missing entries of the data file: frames need not be
+    /// reachable then.
     pub(crate) is_survey: bool,
 }
 
-/// The state of the station.
+/// State of the station.
 #[derive(Debug)]
 pub(crate) struct Station {
     pub(crate) robot: Robot,
     pub(crate) robot_name: String,
     pub(crate) flange_m: Option<f64>,
     pub(crate) start_rad: Joints,
-    /// The end of a message that the first motion is not possible, if the start is not known.
+    /// Suffix of a message that the first motion is not possible, if the start is not known.
     pub(crate) start_hint: Option<String>,
     pub(crate) is_survey: bool,
-    /// The entry of the data file for whose lack the run was refused.
+    /// Missing entry of the data file because of which the run was refused.
     pub(crate) missing: RefCell<Option<Missing>>,
-    /// Where the arm stands, or will once it has done what it was told.
+    /// Joint positions after all commanded motions.
     pub(crate) at_rad: Joints,
-    /// Where `ptpHome` goes.
+    /// Target of `ptpHome`.
     pub(crate) home_rad: Joints,
     /// Tools, bases and frames by their names in programs.
     pub(crate) workcell: Workcell,
     pub(crate) tree: Vec<TreeFrame>,
     /// Templates of tools and workpieces.
     pub(crate) templates: Vec<Body>,
-    /// Tools and workpieces that were made.
+    /// Created tools and workpieces.
     pub(crate) bodies: Vec<Body>,
-    /// Templates by name that were asked for by injection, and which body they are.
+    /// Indices of injected bodies, by the names of their templates.
     pub(crate) injected: BTreeMap<String, usize>,
-    /// Tools of programs that were put together, and of which body.
+    /// Composed program tools: body index, tool and name.
     pub(crate) composed: Vec<(usize, Tool, String)>,
     pub(crate) schedule: Schedule,
-    /// What the program's steps say is on the flange, once the arm has moved.
+    /// Payload after the load changes so far, once the robot has moved.
     pub(crate) carried: Option<Load>,
-    /// Whether a motion was sent, so that the program's tool is settled.
+    /// `true` if a motion was sent, so that the program's tool is fixed.
     pub(crate) has_moved: bool,
-    /// The place of the last change of what is attached.
+    /// Place of the last attachment or detachment.
     pub(crate) attached_at: Option<Place>,
-    /// The place of the last drive of a mobile platform, until a frame of the world is a target.
+    /// Place of the last drive of a mobile platform, until a world frame is a target.
     pub(crate) driven_at: Option<Place>,
-    /// The share of its speed at which the application runs, and where that was set.
+    /// Override of the application, and the place where it was set.
     pub(crate) speed_override: Option<(f64, Place)>,
-    /// The share at the first motion.
+    /// Override at the first motion.
     pub(crate) first_override: Option<f64>,
     pub(crate) answers: Answers,
-    /// How often each dialog was answered.
+    /// Number of answers, by dialog.
     pub(crate) answered: BTreeMap<String, usize>,
-    /// Number of questions about a condition, by place.
+    /// Number of queries of a condition, by place.
     pub(crate) fired: BTreeMap<String, usize>,
     pub(crate) questions: Vec<Question>,
     /// All questions, with their answers.
     pub(crate) asked: Vec<Asked>,
-    /// Answers after which another one is given to the same dialog.
+    /// Number of answers after which another one is given to the same dialog or condition.
     pub(crate) continued: usize,
-    /// A value of an input that is tried, and not an answer yet.
+    /// Input value on trial, which is not yet an answer.
     pub(crate) trial: Option<(String, bool)>,
-    /// Values of inputs that end loops, where none is given.
+    /// Input values that end loops, where none is given.
     pub(crate) supposed: BTreeMap<String, bool>,
-    /// The loop without an end in which the evaluation ended.
+    /// Endless loop in which the evaluation ended.
     pub(crate) endless: Option<EndlessLoop>,
-    /// Readings of the arm's position, and of outputs and process data.
+    /// Number of readings of the robot position, and of outputs and process data.
     pub(crate) position_readings: Cell<usize>,
     pub(crate) readings: usize,
-    /// What was set, by `Group.Name`.
+    /// Output values, by `Group.Name`.
     pub(crate) outputs: BTreeMap<String, Value>,
     pub(crate) process_data: Vec<ProcessData>,
-    /// What the application has made of process data, by id.
+    /// Process data that the application has set, by id.
     pub(crate) changed_data: BTreeMap<String, Value>,
 }
 
-/// The assumption on where the arm stands before the first motion; with the joints of the first taught frame, as a proposal.
+/// Returns the assumption on the start position; with the joint positions of the first taught
+/// frame, as a proposal.
 fn start_hint(cell: &ImportedCell, robot: &Robot) -> String {
-    let hint = "the start is not given: the arm is taken to stand with all joints at 0";
+    let hint = "the start is not given: all joints at 0 are assumed";
     let taught = cell.frames.iter().find_map(|frame| {
         let FrameCheck { joints_rad, verdict } = frame.check(robot);
         Some((&frame.name, joints_rad.filter(|_| verdict == Verdict::Agrees)?))
@@ -118,21 +121,21 @@ fn start_hint(cell: &ImportedCell, robot: &Robot) -> String {
     format!("{hint}; it was at the frame `{name}` with {} deg", joints.join(","))
 }
 
-/// A frame of the data file's tree.
+/// Frame of the data file's tree.
 #[derive(Clone, Debug)]
 pub(crate) struct TreeFrame {
-    /// As `/FRAME/FRAME`.
+    /// Path as `/FRAME/FRAME`.
     pub(crate) path: String,
-    /// Its name in programs.
+    /// Name in programs.
     pub(crate) name: String,
-    /// Where it is in its parent.
+    /// Pose relative to the parent.
     pub(crate) frame: Frame,
     pub(crate) parent: Option<usize>,
-    /// Where the data file has it in the robot's foot.
+    /// Pose in the data file, relative to the robot base.
     pub(crate) pose: Pose,
-    /// Whether the application has changed it.
+    /// `true` if the application has changed the frame.
     pub(crate) is_changed: bool,
-    /// The value on which its place depends, if the application has changed it by one that is not known.
+    /// Unknown value on which the pose depends, if the application has changed the frame by one.
     pub(crate) unknown: Option<Rc<Unknown>>,
 }
 
@@ -185,19 +188,20 @@ impl Station {
         }
     }
 
-    /// A frame of the tree, by its path with or without the first `/`.
+    /// Returns the index of a tree frame by its path, with or without the first `/`.
     pub(crate) fn tree_frame(&self, path: &str) -> Option<usize> {
         let path = path.trim_matches('/');
         self.tree.iter().position(|frame| frame.path.trim_matches('/') == path)
     }
 
-    /// The body of a template, as another one each time.
+    /// Creates a new body from a template, and returns its index.
     pub(crate) fn made(&mut self, template: &Body) -> usize {
         self.bodies.push(template.clone());
         self.bodies.len() - 1
     }
 
-    /// Where a spot is in the flange's frame; none if it does not hang on the flange.
+    /// Returns a frame relative to the flange; `None` if it is not attached to the flange, or
+    /// unknown.
     pub(crate) fn in_flange(&self, spot: Spot) -> Option<Frame> {
         if self.unknown_of(spot).is_some() {
             return None;
@@ -216,7 +220,8 @@ impl Station {
         }
     }
 
-    /// Where a spot is in the robot's foot; none if it is of something that lies anywhere.
+    /// Returns a frame relative to the robot base; `None` if its object is not attached, or
+    /// unknown.
     pub(crate) fn in_world(&self, spot: Spot) -> Option<Frame> {
         if self.unknown_of(spot).is_some() {
             return None;
@@ -245,7 +250,7 @@ impl Station {
         }
     }
 
-    /// Where a frame is in the robot's foot.
+    /// Returns the pose of a frame relative to the robot base.
     pub(crate) fn frame_in_world(&self, value: &FrameValue) -> Option<Frame> {
         match &value.parent {
             Parent::Spot(Spot::World) => Some(value.frame),
@@ -256,7 +261,7 @@ impl Station {
         }
     }
 
-    /// By how many others something is attached to what does not move by itself.
+    /// Returns the number of attachments between a frame and an unattached one.
     pub(crate) fn attached_deep(&self, mut spot: Spot) -> usize {
         let mut depth = 0;
         while let Some((at, _)) =
@@ -267,14 +272,14 @@ impl Station {
         depth
     }
 
-    /// Whether something hangs on something else, by way of others or not.
+    /// Returns true if a frame belongs to a body, or is attached to it directly or indirectly.
     pub(crate) fn hangs_on(&self, spot: Spot, body: usize) -> bool {
         let Some(own) = spot.body() else { return false };
         let at = || self.bodies.get(own).and_then(|own| own.attached);
         own == body || at().is_some_and(|(at, _)| self.hangs_on(at, body))
     }
 
-    /// All that hangs on the flange; none if that weighs nothing.
+    /// Returns the total payload at the flange; `None` if it has no mass.
     pub(crate) fn flange_load(&self) -> Option<Load> {
         let of = |(index, body): (usize, &Body)| {
             let load = body.load.filter(|load| load.mass_kg > 0.0)?;
@@ -283,15 +288,15 @@ impl Station {
         together(&self.bodies.iter().enumerate().filter_map(of).collect::<Vec<_>>())
     }
 
-    /// The name in programs of a tool that is at the flange as its template says.
+    /// Returns the program name of a tool that is attached at the flange as in its template.
     pub(crate) fn tool_at_flange(&self, index: usize) -> Option<&str> {
         let body = self.bodies.get(index)?;
         let is_plain = body.attached == Some((Spot::Flange, Frame::default()));
         body.in_programs.as_deref().filter(|_| is_plain)
     }
 
-    /// The name in programs of a TCP; a tool is put together for those that no template says. None if it does not hang on
-    /// the flange.
+    /// Returns the name of a TCP in programs; a tool is composed for a TCP without a template.
+    /// `None` if the TCP is not attached to the flange.
     pub(crate) fn tcp_name(&mut self, spot: Spot) -> Option<String> {
         let at = self.in_flange(spot)?;
         if at == Frame::default() && !matches!(spot, Spot::Of(..)) {
@@ -304,7 +309,7 @@ impl Station {
         let index = spot.body()?;
         if self.tool_at_flange(index).is_some()
             && let Spot::Of(_, frame) = spot
-            // A frame that the application has added or changed is of no template.
+            // A frame that the application has added or changed has no template name.
             && let Some(own) = &self.bodies.get(index)?.frames.get(frame)?.in_programs
         {
             return Some(own.clone());
@@ -336,7 +341,7 @@ impl Station {
         Some(tip.map_or_else(|| name.clone(), |tip| format!("{name}/{tip}")))
     }
 
-    /// The TCP that moves if a tool or a workpiece does.
+    /// Returns the default TCP of a tool or a workpiece.
     pub(crate) fn default_frame(&self, spot: Spot) -> Spot {
         match spot {
             Spot::Root(index) => {
@@ -348,12 +353,12 @@ impl Station {
     }
 }
 
-/// The name of the bare flange among tools of programs.
+/// Name of the bare flange among program tools.
 pub(crate) const FLANGE: &str = "flange";
-/// The name of the robot's foot among bases of programs.
+/// Name of the robot base among program bases.
 pub(crate) const FOOT: &str = "robot";
 
-/// The frames of a cell, each behind the one that it is given in.
+/// Returns the frames of a cell, each after its parent.
 fn tree(cell: &ImportedCell) -> Vec<TreeFrame> {
     let workcell = &cell.workcell;
     let own = |name: &String| {

@@ -1,4 +1,4 @@
-//! The station as the host of an evaluation.
+//! Station as the host of an evaluation.
 
 use std::{cell::RefCell, rc::Rc};
 
@@ -6,10 +6,10 @@ use iiwa_java::{Host, HostValue, Machine, Object, Progress, Stop, Value};
 
 use crate::application::{robot_value::RobotValue, robotics::Robotics, station::Station};
 
-/// The station that applications are run in.
+/// Station that applications run in.
 pub(crate) struct StationHost(RefCell<Station>);
 
-/// Methods, of any class, that move the arm, make it wait, or change its load, and classes that do.
+/// Methods and classes that move the robot, wait, or change the payload, in any class.
 const ACTING: [&str; 16] = [
     "move",
     "moveAsync",
@@ -22,7 +22,7 @@ const ACTING: [&str; 16] = [
     "awaitFileAvailable",
     "setDestination",
     "setHomePosition",
-    // Motions of mobile platforms, where they are made.
+    // Classes of platform motions, at their construction.
     "VirtualLine",
     "VirtualLineMotion",
     "RelativeMotion",
@@ -33,7 +33,7 @@ const ACTING: [&str; 16] = [
 /// Acting methods that only take time.
 const PAUSING: [&str; 5] = ["milliSleep", "nanoSleep", "sleep", "await", "awaitFileAvailable"];
 
-/// Those whose receiver must be known.
+/// Acting methods whose receiver must be known.
 const ON_RECEIVERS: [&str; 4] = ["move", "moveAsync", "attachTo", "detach"];
 
 impl StationHost {
@@ -41,7 +41,7 @@ impl StationHost {
         Self(RefCell::new(station))
     }
 
-    /// The station as it is now.
+    /// Returns the current station.
     pub(crate) fn into_station(self) -> Station {
         self.0.into_inner()
     }
@@ -53,13 +53,13 @@ impl StationHost {
     ) -> Result<T, Stop> {
         match self.0.try_borrow_mut() {
             Ok(mut station) => call(&mut Robotics { machine, station: &mut station }),
-            // The API calls no methods of the project that could call it.
+            // Not reached: the API does not call project methods, which could call the API again.
             Err(_) => machine.refuse("a method of KUKA's is called within another"),
         }
     }
 }
 
-/// A value that came from here.
+/// Returns a value that this host has created.
 fn own(value: &Rc<dyn HostValue>) -> Option<&RobotValue> {
     let value: &dyn std::any::Any = &**value;
     value.downcast_ref()

@@ -1,4 +1,4 @@
-//! Questions to a station: supposed answers, and the answers and states that keep loops going.
+//! Questions to a station: supposed answers, and the answers and states that keep loops running.
 
 use std::hash::{DefaultHasher, Hash, Hasher};
 
@@ -11,7 +11,7 @@ use crate::application::{
 };
 
 impl Station {
-    /// Hashes of the arm's position, and of outputs and process data.
+    /// Returns hashes of the robot position, and of outputs and process data.
     pub(crate) fn state(&self) -> [u64; 2] {
         let mut position = DefaultHasher::new();
         for joint in self.at_rad {
@@ -25,7 +25,8 @@ impl Station {
         [position.finish(), values.finish()]
     }
 
-    /// Supposes a value of the only input since `since` that has none; nothing if `value` is absent.
+    /// Supposes a value for the only unanswered input since `since`; false if the unanswered
+    /// questions are not one input. Without `value`, only ends the trial.
     pub(crate) fn suppose(&mut self, since: usize, value: Option<bool>) -> bool {
         self.trial = None;
         let Some(value) = value else { return true };
@@ -42,12 +43,12 @@ impl Station {
         }
     }
 
-    /// Takes the supposed value from here on.
+    /// Keeps the supposed value from here on.
     pub(crate) fn settle(&mut self) {
         self.supposed.extend(self.trial.take());
     }
 
-    /// The inputs and dialogs since `since`, with their answers.
+    /// Formats the inputs and dialogs since `since`, with their answers.
     pub(crate) fn answers_since(&self, since: usize) -> Option<String> {
         let mut found: Vec<String> = Vec::new();
         for own in self.asked.get(since..).unwrap_or_default() {
@@ -72,7 +73,7 @@ impl Station {
         (!found.is_empty()).then(|| found.join(", and "))
     }
 
-    /// Remembers the loop without an end in which the evaluation ended.
+    /// Records the endless loop in which the evaluation ended.
     pub(crate) fn ended_in_loop(&mut self, place: &Place, since: usize) {
         let asked = self.asked.get(since..).unwrap_or_default();
         let dialogs = asked.iter().filter(|own| own.kind == QuestionKind::Dialog);

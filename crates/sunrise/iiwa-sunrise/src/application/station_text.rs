@@ -23,7 +23,7 @@ impl Station {
         }
     }
 
-    /// A value as text, in strings that are put together.
+    /// Formats a value for string concatenation.
     pub(crate) fn robot_text(&self, value: &RobotValue) -> String {
         match value {
             RobotValue::Constant(constant) => constant.name.to_string(),

@@ -1,4 +1,4 @@
-//! A machine without a program, for tests of the API.
+//! Machine without a program, for tests of the API.
 
 use std::rc::Rc;
 
@@ -12,7 +12,7 @@ use crate::application::{
     station_host::StationHost,
 };
 
-/// A small station: a frame in another, a gripper with two TCPs, and a workpiece.
+/// Small station: a nested frame, a gripper with two TCPs, and a workpiece.
 const STATION: &str = r#"<RoboticsAPIData version="3">
   <world>
     <frame name="Table">
@@ -51,21 +51,21 @@ const STATION: &str = r#"<RoboticsAPIData version="3">
   </processDataContainer>
 </RoboticsAPIData>"#;
 
-/// A machine in the small station, with answers.
+/// Creates a machine in the small station, with answers.
 pub(crate) fn machine(answers: &str) -> Robotics<'static> {
     let answers = crate::Answers::from_toml(answers).unwrap_or_default();
     let data_file = DataFile::from_xml(STATION).unwrap_or_default();
     let setup = StationSetup { data_file, answers, ..StationSetup::default() };
     let idle = Rc::new(StationHost::new(Station::new(StationSetup::default())));
     let here = Place { file: Rc::from("src/Job.java"), line: 1 };
-    // For as long as the tests run.
+    // Leaked, which is acceptable for the duration of the tests.
     Robotics {
         machine: Box::leak(Box::new(Machine::new(Classes::default(), idle, here))),
         station: Box::leak(Box::new(Station::new(setup))),
     }
 }
 
-/// The arguments of calls.
+/// Creates text arguments.
 pub(crate) fn texts(texts: &[&str]) -> Vec<Value> {
     texts.iter().map(Value::text).collect()
 }
@@ -75,7 +75,7 @@ pub(crate) fn doubles(numbers: &[f64]) -> Vec<Value> {
 }
 
 impl Robotics<'_> {
-    /// A call of a method of a value, which has to be one of the API's; the line goes on.
+    /// Calls a method of an API value on a new line.
     pub(crate) fn on(
         &mut self,
         receiver: &Value,
@@ -107,7 +107,7 @@ pub(crate) fn flange() -> Value {
     robot(RobotValue::Spot(crate::application::spot::Spot::Flange))
 }
 
-/// Why something was refused, or which exception was thrown.
+/// Returns the reason of a refusal, or the exception.
 pub(crate) fn reason<T>(result: Result<T, Stop>) -> String {
     match result {
         Ok(_) => "it was not refused".to_owned(),

@@ -6,7 +6,7 @@ use iiwa_java::{Stop, Unknown, Value};
 
 use crate::application::robotics::Robotics;
 
-/// Methods by which a task changes motions of others: they are stopped, slowed, or go elsewhere.
+/// Methods by which a task interferes with other motions: stops, slows or redirects them.
 const INTERFERING: [&str; 13] = [
     "cancel",
     "cancelAll",
@@ -24,7 +24,7 @@ const INTERFERING: [&str; 13] = [
 ];
 
 impl Robotics<'_> {
-    /// A method of a thread, a timer or an executor; `own` is the thread itself, or its task.
+    /// Calls a method of a thread, a timer or an executor; `own` is the thread itself, or its task.
     pub(crate) fn call_thread(
         &mut self,
         own: Option<&Value>,
@@ -56,7 +56,8 @@ impl Robotics<'_> {
         }
     }
 
-    /// Starts a task: it is left out if it neither moves the arm nor interferes with motions; what it sets is unknown then.
+    /// Starts a task: it is left out if it neither moves the robot nor interferes with motions;
+    /// values that it sets are unknown then.
     fn start(&mut self, task: Option<&Value>) -> Result<Value, Stop> {
         let unknown = Unknown {
             reason: "what a thread does".to_owned(),

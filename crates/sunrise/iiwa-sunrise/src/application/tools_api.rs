@@ -1,4 +1,4 @@
-//! Tools, workpieces and their frames: what they move, and what they are attached to.
+//! Tools, workpieces and their frames: their motions and attachments.
 
 use std::rc::Rc;
 
@@ -17,11 +17,11 @@ use crate::application::{
     spot::Spot,
 };
 
-/// The longest chain of attached objects: following it recursively uses stack.
+/// Maximum length of a chain of attached objects: following it recursively uses stack.
 const MAX_ATTACHED: usize = 100;
 
 impl Robotics<'_> {
-    /// A method of a frame of an object, or of a tool or workpiece itself.
+    /// Calls a method of an object's frame, or of a tool or workpiece itself.
     pub(crate) fn call_spot(
         &mut self,
         spot: Spot,
@@ -87,7 +87,7 @@ impl Robotics<'_> {
                 self.note("`setAdditionalParameter` of a frame is left out of the plan");
                 Ok(Value::Null)
             }
-            // What else a tool is given, as the force of a gripper, is not planned.
+            // Other tool settings, such as the force of a gripper, are not planned.
             _ if changes(name) && matches!(spot, Spot::Root(_)) => {
                 self.note(format!("`{name}` of a tool is left out of the plan"));
                 Ok(Value::Null)
@@ -118,7 +118,7 @@ impl Robotics<'_> {
                     return self.send(mover, &motion, is_async);
                 }
                 let what = motion.kind();
-                self.refuse(format!("{what} is no motion that can be planned"))
+                self.refuse(format!("{what} is not a motion that can be planned"))
             }
             [] => self.throw("IllegalArgumentException", "a motion is missing"),
         }
@@ -141,7 +141,7 @@ impl Robotics<'_> {
                 _ => {
                     let what = to.kind();
                     return self.refuse(format!(
-                        "a tool is attached to {what}, which is no frame of an object"
+                        "a tool is attached to {what}, which is not a frame of an object"
                     ));
                 }
             },
@@ -153,7 +153,7 @@ impl Robotics<'_> {
         if self.station.hangs_on(to, body) {
             return self.refuse("a tool is attached to itself, by way of others or not");
         }
-        // The frame of it that is attached lies on the other one.
+        // The attached frame of the body coincides with the target frame.
         let own = match spot {
             Spot::Of(_, frame) => {
                 let frame = self.station.bodies.get(body).and_then(|body| body.frames.get(frame));
@@ -195,7 +195,7 @@ impl Robotics<'_> {
         Ok(())
     }
 
-    /// A frame by its path within another, or of a tool or workpiece.
+    /// Returns a frame by its path within another frame, or within a tool or workpiece.
     fn frame_within(&mut self, spot: Spot, path: &Value) -> Result<Value, Stop> {
         let path = match path {
             Value::Text(path) => path.to_string(),
@@ -249,7 +249,7 @@ impl Robotics<'_> {
         self.refuse(format!("{what} has no frame `{path}`{}", instead(&path, &known)))
     }
 
-    /// A frame of the data file, by its path.
+    /// Returns a frame of the data file, by its path.
     pub(crate) fn tree_frame(&mut self, path: &str) -> Result<Value, Stop> {
         if let Some(found) = self.station.tree_frame(path) {
             return Ok(robot(RobotValue::Spot(Spot::Tree(found))));
@@ -259,7 +259,7 @@ impl Robotics<'_> {
         self.refuse(format!("the data file has no frame `{path}`{}", instead(path, &known)))
     }
 
-    /// A new tool or workpiece from a template.
+    /// Creates a tool or workpiece from a template.
     pub(crate) fn body_of_template(&mut self, name: &Value) -> Result<Value, Stop> {
         let name = match name {
             Value::Text(name) => name.to_string(),
@@ -285,7 +285,7 @@ impl Robotics<'_> {
         self.station.templates.iter().find(|template| template.name == name).cloned()
     }
 
-    /// The tool or workpiece of a template that is injected: the same each time.
+    /// Returns the injected tool or workpiece of a template: the same body each time.
     pub(crate) fn injected_body(&mut self, name: &str, is_workpiece: bool) -> Value {
         let known = self.station.injected.get(name).copied();
         let made = known.unwrap_or_else(|| {
@@ -300,7 +300,8 @@ impl Robotics<'_> {
         robot(RobotValue::Spot(Spot::Root(made)))
     }
 
-    /// A tool or workpiece whose frames are given as an answer: `Name` its TCP, `Name/Frame` others.
+    /// Creates a tool or workpiece whose frames are given as answers: its TCP as `Name`, other
+    /// frames as `Name/Frame`.
     fn given_body(&mut self, name: &str, is_workpiece: bool) -> Option<Body> {
         let given = self.station.answers.tools.clone();
         let mut body = Body::bare(name, is_workpiece);
@@ -322,7 +323,7 @@ impl Robotics<'_> {
         (!body.frames.is_empty()).then_some(body)
     }
 
-    /// The only tool or workpiece whose template has this class.
+    /// Returns the only tool or workpiece template with this class.
     pub(crate) fn template_of_class(&self, class: &str) -> Option<&str> {
         let has_class = |body: &&Body| {
             let own = body.class.as_deref().map(|own| own.rsplit('.').next().unwrap_or(own));
@@ -357,7 +358,7 @@ impl Robotics<'_> {
         robot(RobotValue::Spot(parent))
     }
 
-    /// The frames that are given in one of the data file.
+    /// Returns the child frames of a frame in the data file.
     fn children(&self, spot: Spot) -> Vec<Spot> {
         let parent = match spot {
             Spot::World => None,
@@ -370,7 +371,8 @@ impl Robotics<'_> {
             .collect()
     }
 
-    /// `new Tool(name, ...)` and `new Workpiece(name, ...)`: from the template of that name, or bare.
+    /// Evaluates `new Tool(name, ...)` and `new Workpiece(name, ...)`: from the template of that
+    /// name, or bare.
     pub(crate) fn new_body(&mut self, is_workpiece: bool, arguments: &[Value]) -> Value {
         let name = match arguments.first() {
             Some(Value::Text(name)) => name.to_string(),
@@ -392,7 +394,8 @@ impl Robotics<'_> {
         robot(RobotValue::Spot(Spot::Root(made)))
     }
 
-    /// Notes which frame of a tool moves if its template names none: the only one of a gripper, else the root.
+    /// Notes which frame of a tool moves if its template has no default frame: the only one of a
+    /// gripper, else the root.
     pub(crate) fn note_default_frame(&mut self, mover: Spot) {
         let Spot::Root(index) = mover else { return };
         let Some(body) = self.station.bodies.get_mut(index) else { return };
@@ -422,16 +425,16 @@ impl Robotics<'_> {
     }
 }
 
-/// Whether a method changes an object, by its name.
+/// Returns true if a method changes an object, by its name.
 fn changes(name: &str) -> bool {
     let begins = |verb: &&str| name.starts_with(*verb);
     ["set", "change", "transform", "add", "remove"].iter().any(begins)
         && !name.starts_with("transformation")
 }
 
-/// What may be meant in place of `name`.
+/// Suggests names in place of `name`.
 fn instead(name: &str, known: &[String]) -> String {
-    /// More would hide the message.
+    /// More names would hide the message.
     const MOST: usize = 8;
     if let Some(meant) = meant(name, known.iter().map(String::as_str)) {
         return format!("; did you mean `{meant}`?");

@@ -1,4 +1,4 @@
-//! Keys of the smartPAD that an application defines.
+//! smartPAD keys that an application defines.
 
 use iiwa_java::Value;
 
@@ -8,7 +8,7 @@ use crate::application::{
 };
 
 impl Robotics<'_> {
-    /// A method of the user interface other than a dialog.
+    /// Calls a method of the user interface other than a dialog.
     pub(crate) fn call_user_interface(&mut self, name: &str) -> Value {
         match name {
             "createUserKeyBar" => robot(RobotValue::opaque("IUserKeyBar")),
@@ -16,7 +16,7 @@ impl Robotics<'_> {
         }
     }
 
-    /// A method of a key bar: it makes keys, whose listeners wait for a person.
+    /// Calls a method of a key bar: it creates keys, whose listeners wait for the operator.
     pub(crate) fn call_user_key_bar(&mut self, name: &str) -> Value {
         match name {
             "addUserKey" | "addDoubleUserKey" => {
@@ -28,7 +28,7 @@ impl Robotics<'_> {
         }
     }
 
-    /// A method of a key.
+    /// Calls a method of a key.
     pub(crate) fn call_user_key(&mut self, name: &str) -> Value {
         if name.starts_with("set") || name == "publish" {
             return Value::Null;

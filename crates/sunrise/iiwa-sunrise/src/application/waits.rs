@@ -1,4 +1,4 @@
-//! Programs that wait: for a time, or for the arm.
+//! Waits of programs: for a duration, or for the robot.
 
 use iiwa_java::{Stop, Value};
 
@@ -9,12 +9,12 @@ use crate::application::{
 };
 
 impl Robotics<'_> {
-    /// `ThreadUtil.milliSleep`, `Thread.sleep`.
+    /// Evaluates `ThreadUtil.milliSleep` and `Thread.sleep`.
     pub(crate) fn sleep_ms(&mut self, amount: &Value) -> Result<Value, Stop> {
         self.sleep(amount, |ms| Some(ms / 1e3))
     }
 
-    /// A method of a constant of an enum.
+    /// Calls a method of an enum constant.
     pub(crate) fn call_constant(
         &mut self,
         constant: &EnumConstant,
@@ -37,7 +37,7 @@ impl Robotics<'_> {
                 }
                 _ => Ok(self.not_known("TimeUnit.convert")),
             },
-            // The world, as it is now.
+            // Current world frame.
             ("getRootFrame", []) if &*constant.class == "World" => {
                 Ok(robot(RobotValue::Spot(crate::application::spot::Spot::World)))
             }
@@ -45,7 +45,7 @@ impl Robotics<'_> {
         }
     }
 
-    /// So much of a unit of time in another, in whole ones, as `TimeUnit.SECONDS.toMillis`.
+    /// Converts an amount between time units, in whole units, such as `TimeUnit.SECONDS.toMillis`.
     fn converted(&self, unit: &EnumConstant, name: &str, amount: &Value) -> Value {
         if let Value::Unknown(unknown) = amount {
             return Value::Unknown(unknown.clone());
@@ -86,19 +86,19 @@ impl Robotics<'_> {
             return self.refuse_unknown("the time of this wait", unknown);
         }
         let Some(seconds) = amount.number().and_then(seconds) else {
-            return self.refuse("the time of this wait is no number of a unit of time");
+            return self.refuse("the time of this wait is not a number of a unit of time");
         };
         if seconds < 0.0 {
             return self.throw("IllegalArgumentException", "timeout value is negative");
         }
-        // Nobody sees that nothing is waited for.
+        // A wait of zero duration has no effect.
         if seconds > 0.0 {
             self.wait(seconds)?;
         }
         Ok(Value::Null)
     }
 
-    /// A method of a motion's container.
+    /// Calls a method of a motion container.
     pub(crate) fn call_container(&mut self, sent: Sent, name: &str) -> Result<Value, Stop> {
         let Sent { count: sent, has_break } = sent;
         let is_under_way =

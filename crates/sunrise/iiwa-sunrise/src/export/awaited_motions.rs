@@ -1,4 +1,4 @@
-//! When the statements of the exported program go on.
+//! Synchronous and asynchronous motions of the exported program.
 
 use std::collections::BTreeSet;
 
@@ -6,19 +6,20 @@ use iiwa_program::{Motion, MotionIndex, Program};
 
 use super::error::ExportError;
 
-/// Which motions the exported program waits for, and where.
+/// Motions that the exported program waits for, and the places of these waits.
 pub(super) struct AwaitedMotions {
     asynchronous: Vec<bool>,
     blends: Vec<bool>,
-    /// Motions that are sent when the arm stands.
+    /// Motions that are sent when the robot is at rest.
     in_step: BTreeSet<usize>,
 }
 
 impl AwaitedMotions {
-    /// Of a program whose numbers have been checked.
+    /// Determines the waits of a program whose numbers have been checked.
     ///
-    /// A wait of Sunrise begins when the program comes to it: with the first of the motions that were sent since program and
-    /// arm were last in step. So all that a wait overlaps is sent in one go, and what is before them has ended by then.
+    /// A Sunrise wait begins when the program reaches it: together with the first motion that was
+    /// sent since program and robot were last synchronised. All motions that a wait overlaps are
+    /// therefore sent without a wait between them, and the motions before them have ended by then.
     pub(super) fn new(program: &Program) -> Result<Self, ExportError> {
         let motions = &program.motions;
         let blends: Vec<bool> = (0..motions.len()).map(|index| blends(motions, index)).collect();
@@ -33,7 +34,7 @@ impl AwaitedMotions {
             }
             spans.extend(overlapped.last().map(|first| (wait, *first)));
         }
-        // How many spans are around each entry, and begin before it.
+        // Number of spans that begin before each entry and contain it.
         let mut changes = vec![0_i64; motions.len() + 1];
         for (wait, first) in &spans {
             changes[first + 1] += 1;
@@ -59,23 +60,23 @@ impl AwaitedMotions {
         Ok(Self { asynchronous, blends, in_step })
     }
 
-    /// Whether a motion is sent without waiting for its end.
+    /// Returns true if a motion is sent without waiting for its end.
     pub(super) fn is_asynchronous(&self, index: usize) -> bool {
         self.asynchronous.get(index).is_some_and(|it| *it)
     }
 
-    /// Whether a motion is blended into the next one.
+    /// Returns true if a motion is blended into the next one.
     pub(super) fn blends(&self, index: usize) -> bool {
         self.blends.get(index).is_some_and(|it| *it)
     }
 
-    /// Whether a motion is to be sent when the one before has ended.
+    /// Returns true if a motion is sent only when the previous one has ended.
     pub(super) fn is_in_step(&self, index: usize) -> bool {
         self.in_step.contains(&index)
     }
 }
 
-/// Whether a motion has a blend, and another one follows without a stop.
+/// Returns true if a motion has a blend and another motion follows without a stop.
 fn blends(motions: &[Motion], index: usize) -> bool {
     let has_blend = match &motions[index] {
         Motion::Ptp(ptp) => ptp.blend.is_some(),
@@ -86,19 +87,20 @@ fn blends(motions: &[Motion], index: usize) -> bool {
     has_blend && next.find(|entry| !entry.is_overlapping_wait()).is_some_and(Motion::moves)
 }
 
-/// How long a statement sleeps.
+/// Duration of a sleep call.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum SleepCall {
-    /// In ms.
+    /// Duration in ms.
     Milliseconds(u64),
-    /// In ns, where ms are too coarse.
+    /// Duration in ns, where ms are too coarse.
     Nanoseconds(u64),
 }
 
 impl SleepCall {
-    /// That of a wait, and whether it is not the same to the last bit.
+    /// Returns the call for a wait, and true if its duration differs from the wait's in the last
+    /// bits.
     pub(super) fn of(seconds: f64) -> (Self, bool) {
-        // At most a day.
+        // Waits take at most a day (8.64e13 ns), below the clamp.
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "checked")]
         let whole = |number: f64| number.round().clamp(0.0, 1e15) as u64;
         let ms = whole(1e3 * seconds);

@@ -1,4 +1,4 @@
-//! From the tools, bases and frames of a program to those of a project.
+//! Converts the tools, bases and frames of a program to those of a project.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -7,41 +7,41 @@ use iiwa_program::{Base, Frame, NameFault, Target, TargetRef, Tool, Workcell};
 
 use crate::data_file::{DataFile, TaughtRedundancy, ToolFrame, ToolTemplate, WorldFrame};
 
-/// The robot's foot among bases.
+/// Name of the robot base among bases.
 const FOOT: &str = "robot";
 
-/// The frames of a project under construction.
+/// Frames of a project under construction.
 pub(super) struct WorldTree<'p> {
     workcell: &'p Workcell,
-    /// The robot as Sunrise calls it, in whose frames' redundancy is given.
+    /// Device name in Sunrise, to which the redundancy of the frames refers.
     device: String,
     nodes: Vec<TreeNode<'p>>,
-    /// The names of all, with their parents.
+    /// Names of all nodes with their parents.
     taken: BTreeSet<(Option<usize>, String)>,
-    /// The nodes of the bases and of the frames, by their names in the program.
+    /// Nodes of the bases and of the frames, by their names in the program.
     bases: BTreeMap<&'p str, usize>,
     targets: BTreeMap<&'p str, usize>,
-    /// The nodes of targets that were given where they are used.
+    /// Nodes of targets that are given inline.
     given: BTreeMap<GivenKey, usize>,
 }
 
-/// A frame of the world.
+/// Frame of the world.
 struct TreeNode<'p> {
     name: String,
-    /// Its name in the program, if it is a base.
+    /// Name in the program, if the frame is a base.
     base: Option<&'p str>,
     parent: Option<usize>,
     frame: Frame,
-    /// E1, status and turn, of a frame to go to.
+    /// E1, status and turn, if the frame is a motion target.
     target: Option<(Option<f64>, Option<Status>, Option<Turn>)>,
     children: Vec<usize>,
 }
 
-/// A target by its parent and the bits of its numbers.
+/// Key of a target: its parent and the bits of its numbers.
 type GivenKey = (Option<usize>, [u64; 6], Option<u64>, Option<String>, Option<u8>);
 
 impl<'p> WorldTree<'p> {
-    /// All bases and frames of a program.
+    /// Adds all bases and frames of a program.
     pub(super) fn new(workcell: &'p Workcell, device: String) -> Result<Self, NameFault> {
         let mut tree = Self {
             workcell,
@@ -53,7 +53,7 @@ impl<'p> WorldTree<'p> {
             given: BTreeMap::new(),
         };
         for name in workcell.bases.keys() {
-            // That it leads to the robot's foot.
+            // Checks that the base leads to the robot base.
             workcell.base(Some(name))?;
             tree.base(name);
         }
@@ -65,7 +65,7 @@ impl<'p> WorldTree<'p> {
         Ok(tree)
     }
 
-    /// The node of a base that leads to the robot's foot; none is the foot.
+    /// Returns the node of a base that leads to the robot base; `None` is the robot base.
     fn base(&mut self, name: &str) -> Option<usize> {
         if let Some(known) = self.bases.get(name) {
             return Some(*known);
@@ -79,7 +79,7 @@ impl<'p> WorldTree<'p> {
         Some(index)
     }
 
-    /// The node that a target is given in; `base` is the motion's.
+    /// Returns the node that a target is given in; `base` is the base of the motion.
     fn parent_of(
         &mut self,
         target: &Target,
@@ -91,7 +91,7 @@ impl<'p> WorldTree<'p> {
         Ok(if name == FOOT { None } else { self.base(name) })
     }
 
-    /// A frame to go to; if a base is the same frame, under the same name, it is that.
+    /// Adds a motion target; a base with the same name, parent and numbers is reused.
     fn add_target(&mut self, name: &str, parent: Option<usize>, target: &Target) -> usize {
         let is_same = |node: &&usize| {
             let node = &self.nodes[**node];
@@ -124,8 +124,8 @@ impl<'p> WorldTree<'p> {
         index
     }
 
-    /// The path of a frame, as `/Table/P1`. One that is given where it is used becomes a frame of the project, called
-    /// `name` unless it has been there before.
+    /// Returns the path of a frame, such as `/Table/P1`. A target that is given inline becomes a
+    /// frame of the project called `name`, unless an equal one exists.
     pub(super) fn path(
         &mut self,
         target: &TargetRef,
@@ -134,7 +134,7 @@ impl<'p> WorldTree<'p> {
     ) -> Result<String, NameFault> {
         let index = match target {
             TargetRef::Named(known) => {
-                // That it is there.
+                // Checks that the frame exists.
                 self.workcell.target(target, base)?;
                 self.targets.get(known.as_str()).copied()
             }
@@ -165,7 +165,7 @@ impl<'p> WorldTree<'p> {
         names.iter().rev().flat_map(|name| ["/", name]).collect()
     }
 
-    /// The data file with all frames, and these tools.
+    /// Returns the data file with all frames and these tools.
     pub(super) fn finish(&self, tools: Vec<ToolTemplate>) -> DataFile {
         let outermost = (0..self.nodes.len()).filter(|index| self.nodes[*index].parent.is_none());
         let frames = outermost.map(|index| self.frame(index)).collect();
@@ -176,7 +176,7 @@ impl<'p> WorldTree<'p> {
         let TreeNode { name, frame, target, children, .. } = &self.nodes[index];
         let redundancy = target.and_then(|(e1_rad, status, turn)| {
             let is_stated = e1_rad.is_some() || status.is_some() || turn.is_some();
-            // Of a frame that others are given in, it says that it is one to go to as well.
+            // On a frame with children, the redundancy marks the frame as a motion target.
             (is_stated || !children.is_empty()).then(|| TaughtRedundancy {
                 device: self.device.clone(),
                 e1_rad,
@@ -194,18 +194,18 @@ impl<'p> WorldTree<'p> {
     }
 }
 
-/// The template of a tool.
+/// Tool template of an exported tool.
 pub(super) struct ExportedTool {
-    /// Its name in the project.
+    /// Name in the project.
     pub(super) name: String,
-    /// The frame that is the TCP, and those of the tips, by their names in the program.
+    /// Names of the TCP frame and of the tip frames; tips by their names in the program.
     pub(super) tcp: String,
     pub(super) tips: BTreeMap<String, String>,
     frames: Vec<ToolFrame>,
 }
 
 impl ExportedTool {
-    /// Of a tool, without its load; `name` is taken by no other.
+    /// Creates a template without a load; `name` is unique.
     pub(super) fn new(name: String, tool: &Tool) -> Self {
         let mut taken = BTreeSet::new();
         let mut frames = Vec::new();
@@ -215,7 +215,7 @@ impl ExportedTool {
             frames.push(ToolFrame { name: name.clone(), frame, children: Vec::new() });
             name
         };
-        // Tips have their names already.
+        // Tips keep their names.
         let tcp = free("TCP", |name| tool.tips.contains_key(name));
         let tcp = add(&tcp, tool.tcp);
         let tips = tool.tips.iter();
@@ -223,7 +223,7 @@ impl ExportedTool {
         Self { name, tcp, tips, frames }
     }
 
-    /// As it is in the data file, with a load.
+    /// Returns the template for the data file, with a load.
     pub(super) fn with_load(&self, name: &str, load: Option<iiwa_kin::Load>) -> ToolTemplate {
         ToolTemplate {
             name: name.to_owned(),
@@ -235,13 +235,13 @@ impl ExportedTool {
     }
 }
 
-/// The name of a frame within the one that it is in, which is called `above` in the program.
+/// Returns the name of a frame relative to its parent, which is called `above` in the program.
 fn own_name(name: &str, above: Option<&str>) -> String {
     let own = above.and_then(|above| name.strip_prefix(above)?.strip_prefix('/'));
     plain(own.unwrap_or(name))
 }
 
-/// A name without what ends one.
+/// Replaces slashes and control characters in a name; a slash separates names in a path.
 pub(super) fn plain(name: &str) -> String {
     match name {
         "" => "unnamed".to_owned(),
@@ -249,7 +249,7 @@ pub(super) fn plain(name: &str) -> String {
     }
 }
 
-/// The name, or the first with a number behind it that is not taken.
+/// Returns the name, or the name with the first free number appended.
 pub(super) fn free(wanted: &str, is_taken: impl Fn(&str) -> bool) -> String {
     let mut given = wanted.to_owned();
     let mut count = 1;

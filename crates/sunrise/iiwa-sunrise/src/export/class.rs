@@ -1,4 +1,4 @@
-//! The class of an exported program.
+//! Class of an exported program.
 
 use std::fmt::Write as _;
 
@@ -16,45 +16,46 @@ use super::{
     tools::ExportedTools,
 };
 
-/// The most statements of a method that a person reads with ease.
+/// Maximum number of statements in a readable method.
 const MOST_STATEMENTS: usize = 60;
 
-/// How far statements are indented.
+/// Indentation of statements.
 const INDENT: usize = 8;
 
-/// What is said before a class.
+/// Head of a class.
 pub(super) struct ClassHeading<'a> {
     pub(super) class: &'a str,
-    /// What the program is called.
+    /// Name of the program.
     pub(super) program: &'a str,
     pub(super) start_deg: &'a Joints,
 }
 
-/// A class under construction.
+/// Class under construction.
 pub(super) struct ExportedClass {
     imports: ExportedImports,
-    /// The variables of tools with their templates.
+    /// Tool variables with their templates.
     tools: Vec<(String, String)>,
     initialize: Vec<String>,
     run: Vec<String>,
-    /// Whether a statement may be interrupted.
+    /// `true` if a statement can be interrupted.
     sleeps_finely: bool,
-    /// The statement of a motion that was sent last, if it may still be under way.
+    /// Index of the statement of the last motion, if that motion may still be running.
     under_way: Option<usize>,
-    /// Whether such a motion is waited for.
+    /// `true` if the program waits for such a motion.
     awaits: bool,
 }
 
-/// What is known of the motion before.
+/// State after the previous motion.
 struct MotionBefore {
     motion: MotionIndex,
     point: String,
-    /// Its blend, if it is blended into the motion that follows.
+    /// `true` if the motion is blended into the next one.
     is_blended: bool,
 }
 
 impl ExportedClass {
-    /// The statements of a program; frames and tools that they use are added to `tree` and `tools`.
+    /// Writes the statements of a program; frames and tools that they use are added to `tree` and
+    /// `tools`.
     pub(super) fn new<'p>(
         program: &'p Program,
         tree: &mut WorldTree<'p>,
@@ -75,7 +76,7 @@ impl ExportedClass {
         class.imports.class("javax.inject.Inject");
         let attached = AttachedTools::new(program);
         let awaited = AwaitedMotions::new(program)?;
-        // A change of the load before the first motion is one of the program.
+        // A load change before the first motion applies to the whole program.
         let mut at_flange: &[AtFlange<'p>] = &[];
         let mut before: Option<MotionBefore> = None;
         for (motion, entry) in program.entries() {
@@ -97,7 +98,7 @@ impl ExportedClass {
                     }
                     class.wait(motion, *seconds, notices);
                 }
-                // What is attached says it.
+                // The attached tools already state the load.
                 Motion::Load(_) => class.come_into_step(),
                 Motion::Ptp(_) | Motion::Cartesian(_) => {
                     if awaited.is_in_step(index) {
@@ -136,7 +137,7 @@ impl ExportedClass {
         Ok(class)
     }
 
-    /// Waits for the end of a motion that may still be under way.
+    /// Waits for the end of a motion that may still be running.
     fn come_into_step(&mut self) {
         let Some(statement) = self.under_way.take() else { return };
         if let Some(statement) = self.run.get_mut(statement) {
@@ -167,7 +168,7 @@ impl ExportedClass {
         self.run.push(format!("{:INDENT$}{statement}", ""));
     }
 
-    /// The class as a file.
+    /// Returns the source file of the class.
     pub(super) fn text(&self, heading: &ClassHeading<'_>) -> String {
         let ClassHeading { class, program, start_deg } = heading;
         let mut text = format!("package application;\n\n{}\n", self.imports.text());
@@ -179,7 +180,7 @@ impl ExportedClass {
         );
         let _ = writeln!(
             text,
-            " * <p>\n * The arm has to stand with its joints at {start} deg before."
+            " * <p>\n * The joints must be at {start} deg before the application runs."
         );
         let _ = writeln!(text, " */\npublic class {class} extends RoboticsAPIApplication {{");
         text.push_str("    @Inject\n    private LBR lbr;\n\n");
@@ -213,7 +214,7 @@ impl ExportedClass {
                 self.method(&mut text, &signature, false, part);
             }
         }
-        // Between methods there is an empty line, after the last there is none.
+        // Methods are separated by an empty line; the last one is not followed by one.
         text.truncate(text.trim_end().len());
         text.push_str("\n}\n");
         text
@@ -233,8 +234,9 @@ impl ExportedClass {
     }
 }
 
-/// The point that a motion moves. One to joints goes on with the point of a motion that is blended into it, unless its own
-/// blend is about a place of the TCP.
+/// Returns the point that a motion moves. A PTP motion to joint positions continues with the point
+/// of a motion that is blended into it, unless the blend of the PTP motion is itself defined by a
+/// TCP distance.
 fn point<'p>(
     entry: &'p Motion,
     motion: MotionIndex,
@@ -269,7 +271,7 @@ fn another_tool(motion: MotionIndex) -> ExportError {
     }
 }
 
-/// Attaches what is missing at the flange, and detaches what is not to be there.
+/// Detaches tools that are no longer used at the flange, and attaches the missing ones.
 fn swap<'p>(
     tools: &mut ExportedTools<'p>,
     was: &[AtFlange<'p>],

@@ -1,42 +1,42 @@
-//! What an export cannot say in Java.
+//! Errors and notices of an export.
 
 use std::fmt;
 
 use iiwa_program::{Fault, MotionIndex, NameFault};
 
-/// Why a program is not exported.
+/// Error of exporting a program.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ExportError {
     /// The program has a fault.
     #[error(transparent)]
     Fault(Box<Fault>),
-    /// A tool, a base or a frame is not there.
+    /// The tool, base or frame does not exist.
     #[error("{}`{key}`: {fault}", of(.motion.as_ref()))]
     Name {
-        /// The motion that names it; none if it is the program.
+        /// Motion that uses the name; `None` for the whole program.
         motion: Option<MotionIndex>,
-        /// The key.
+        /// Key.
         key: &'static str,
-        /// What is wrong.
+        /// Fault of the name.
         fault: NameFault,
     },
-    /// Sunrise has no call for it, or none that is known to mean the same.
+    /// Sunrise has no equivalent call, or none with known equivalent behaviour.
     #[error("{}`{key}`: {why}", of(Some(motion)))]
     NotInSunrise {
-        /// The motion.
+        /// Motion.
         motion: MotionIndex,
-        /// Its key.
+        /// Key of the motion.
         key: &'static str,
-        /// Why not.
+        /// Reason.
         why: &'static str,
     },
-    /// The name that was chosen for the class is none.
+    /// The class name is not valid.
     #[error("{found:?} cannot be the name of a class: {why}")]
     ClassName {
-        /// The name.
+        /// Class name.
         found: String,
-        /// Why not.
+        /// Reason.
         why: &'static str,
     },
 }
@@ -51,14 +51,14 @@ impl From<Fault> for ExportError {
     }
 }
 
-/// Something of a program that its Java says otherwise, or not at all, while the arm moves as planned.
+/// Difference between a program and its Java code, while the robot moves as planned.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ExportNotice {
-    /// The motion; none if it is of the program as a whole.
+    /// Motion; `None` for the whole program.
     pub motion: Option<MotionIndex>,
-    /// The key of the program.
+    /// Key of the program.
     pub key: &'static str,
-    /// What became of it.
+    /// Description of the difference.
     pub what: String,
 }
 

@@ -1,4 +1,4 @@
-//! Motions as expressions of Java.
+//! Motions as Java expressions.
 
 use std::fmt::Write as _;
 
@@ -14,14 +14,14 @@ use super::{
     literal::{angle, millimetres, number, text},
 };
 
-/// A call, the motions that are its arguments, and what is set on its result.
+/// Call with its argument motions, and the setters on its result.
 pub(super) struct MotionCall {
     call: String,
     segments: Vec<Self>,
     setters: Vec<String>,
 }
 
-/// The longest line of the program, if it can be broken.
+/// Maximum line width of the program, where lines can be broken.
 const WIDTH: usize = 110;
 
 impl MotionCall {
@@ -33,12 +33,12 @@ impl MotionCall {
         self.setters.push(format!(".{name}({value})"));
     }
 
-    /// The statement that it is the argument of: `before`, it, `);`.
+    /// Returns the statement with this call as argument: `before`, the call, `);`.
     pub(super) fn statement(&self, before: &str, indent: usize) -> String {
         format!("{:indent$}{before}{});", "", self.written(indent, before.len() + 2))
     }
 
-    /// As it is written `indent` from the left, with `around` more characters on its line.
+    /// Formats the call at `indent`, with `around` more characters on its line.
     fn written(&self, indent: usize, around: usize) -> String {
         let deeper = indent + 8;
         let mut written = self.call.clone();
@@ -60,20 +60,20 @@ impl MotionCall {
     }
 }
 
-/// Writes motions, with their frames in the project's tree.
+/// Writes motions, with their frames in the project tree.
 pub(super) struct MotionWriter<'a, 'p> {
     pub(super) tree: &'a mut WorldTree<'p>,
     pub(super) imports: &'a mut ExportedImports,
-    /// The motion that is being written.
+    /// Current motion.
     pub(super) motion: MotionIndex,
-    /// Its base.
+    /// Base of the current motion.
     pub(super) base: Option<&'p str>,
 }
 
 type WrittenMotion = Result<MotionCall, ExportError>;
 
 impl MotionWriter<'_, '_> {
-    /// A motion to joints. Without `blends` the arm stops at its end.
+    /// Writes a PTP motion to joint positions. Without `blends` the robot stops at its end.
     pub(super) fn ptp(&mut self, ptp: &Ptp, blends: bool) -> WrittenMotion {
         self.imports.basic_motion("ptp");
         let mut written = MotionCall::new(format!("ptp({})", ptp.target_rad.map(angle).join(", ")));
@@ -86,7 +86,7 @@ impl MotionWriter<'_, '_> {
         Ok(written)
     }
 
-    /// A motion to a frame. Without `blends` the arm stops at its end.
+    /// Writes a motion to a frame. Without `blends` the robot stops at its end.
     pub(super) fn cartesian(&mut self, own: &CartesianMotion, blends: bool) -> WrittenMotion {
         let number = self.motion.number();
         let mut written = match &own.course {
@@ -135,7 +135,7 @@ impl MotionWriter<'_, '_> {
         Err(ExportError::NotInSunrise { motion: self.motion, key, why })
     }
 
-    /// The frame that a motion goes to.
+    /// Returns the target frame of a motion.
     fn frame(
         &mut self,
         key: &'static str,
@@ -192,7 +192,7 @@ impl MotionWriter<'_, '_> {
         if let Some(angle_rad) = circ.angle_rad {
             written.set("setCircAngle", &angle(angle_rad));
         }
-        // Which one the controller takes by itself is not published.
+        // KUKA does not publish the controller's default, so the system is always stated.
         self.imports.class("com.kuka.roboticsAPI.motionModel.OrientationReferenceSystem");
         let system = if circ.turns_with_path { "Path" } else { "Base" };
         written
@@ -244,7 +244,7 @@ impl MotionWriter<'_, '_> {
     fn blend(&self, written: &mut MotionCall, blend: &PathBlend) -> Result<(), ExportError> {
         let PathBlend { cart_mm, orientation_rad, sunrise_rel, fraction } = *blend;
         if let Some(share) = fraction {
-            // Sunrise's share is of half a motion.
+            // Sunrise's relative blending refers to half a motion.
             let relative = 2.0 * share;
             if share > 0.0 && relative < iiwa_program::SUNRISE_REL_MIN {
                 return self.not_in_sunrise(
@@ -267,13 +267,13 @@ impl MotionWriter<'_, '_> {
     }
 }
 
-/// The name of a kind of limit within those of Java's methods.
+/// Returns the name of a limit kind with a capital, for the names of Java methods.
 fn capital(kind: LimitKind) -> String {
     let (first, rest) = kind.name().split_at(1);
     first.to_ascii_uppercase() + rest
 }
 
-/// Sets a share of the joints' limits, unless it is all of them.
+/// Sets a fraction of the joint limits, unless it is 1 for all joints.
 fn share(written: &mut MotionCall, kind: LimitKind, shares: &[f64; 7]) {
     if *shares != [1.0; 7] {
         stated_share(written, kind, shares);

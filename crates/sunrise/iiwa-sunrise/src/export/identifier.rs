@@ -1,10 +1,10 @@
-//! Names in Java.
+//! Java names.
 
 use std::collections::BTreeSet;
 
 use super::error::ExportError;
 
-/// Words that are no identifiers.
+/// Words that are not valid identifiers.
 const RESERVED: [&str; 53] = [
     "abstract",
     "assert",
@@ -61,7 +61,7 @@ const RESERVED: [&str; 53] = [
     "while",
 ];
 
-/// Classes that an exported one names, or may have in its package's way.
+/// Classes that an exported class uses, or whose names its package may hide.
 const CLASSES: [&str; 26] = [
     "BasicMotions",
     "Boolean",
@@ -91,7 +91,7 @@ const CLASSES: [&str; 26] = [
     "Transformation",
 ];
 
-/// The class for a program that is called `name`: its words joined, each with a capital.
+/// Returns the class name for a program called `name`: its words joined, each with a capital.
 pub(super) fn class_of(name: &str) -> String {
     let mut class = String::new();
     for word in words(name) {
@@ -107,7 +107,7 @@ pub(super) fn class_of(name: &str) -> String {
     class
 }
 
-/// Checks a name that somebody has chosen for a class.
+/// Checks a class name that the user has chosen.
 pub(super) fn check_class(name: &str) -> Result<(), ExportError> {
     let wrong = |why| Err(ExportError::ClassName { found: name.to_owned(), why });
     let mut letters = name.chars();
@@ -126,16 +126,16 @@ pub(super) fn check_class(name: &str) -> Result<(), ExportError> {
     Ok(())
 }
 
-/// Gives variables names of their own.
+/// Assigns unique names to variables.
 pub(super) struct VariableNames(BTreeSet<String>);
 
 impl VariableNames {
-    /// Besides these.
+    /// Reserves the names in `taken`.
     pub(super) fn besides(taken: &[&str]) -> Self {
         Self(taken.iter().map(|name| (*name).to_owned()).collect())
     }
 
-    /// A name for what is called `name`.
+    /// Returns a variable name for an item called `name`.
     pub(super) fn give(&mut self, name: &str) -> String {
         let mut wanted = String::new();
         for word in words(name) {
@@ -163,7 +163,7 @@ impl VariableNames {
     }
 }
 
-/// The runs of letters and digits that any encoding has.
+/// Returns the runs of ASCII letters and digits, which every encoding has.
 fn words(name: &str) -> impl Iterator<Item = &str> {
     name.split(|c: char| !c.is_ascii_alphanumeric()).filter(|word| !word.is_empty())
 }

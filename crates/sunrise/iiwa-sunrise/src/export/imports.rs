@@ -1,8 +1,8 @@
-//! What an exported class imports.
+//! Imports of an exported class.
 
 use std::{collections::BTreeSet, fmt::Write as _};
 
-/// The classes, and the methods of `BasicMotions`, that a class uses.
+/// Classes and methods of `BasicMotions` that a class uses.
 #[derive(Default)]
 pub(super) struct ExportedImports {
     basic_motions: BTreeSet<&'static str>,
@@ -10,17 +10,17 @@ pub(super) struct ExportedImports {
 }
 
 impl ExportedImports {
-    /// Of a method of `BasicMotions`.
+    /// Imports a method of `BasicMotions`.
     pub(super) fn basic_motion(&mut self, method: &'static str) {
         self.basic_motions.insert(method);
     }
 
-    /// Of a class, by its whole name.
+    /// Imports a class by its full name.
     pub(super) fn class(&mut self, name: &'static str) {
         self.classes.insert(name);
     }
 
-    /// As a class begins with them.
+    /// Returns the import lines at the head of the class.
     pub(super) fn text(&self) -> String {
         let mut text = String::new();
         for method in &self.basic_motions {

@@ -1,14 +1,14 @@
-//! Values as Java writes them.
+//! Java literals.
 
 use std::fmt::Write as _;
 
-/// A number that Java reads back to the last bit.
+/// Formats a number that Java reads back bit for bit.
 pub(super) fn number(value: f64) -> String {
     format!("{value:?}")
 }
 
-/// An angle in rad: in degrees where a short number of them is converted to the same bits, as `Math.toRadians` of Java 9 and
-/// Rust do.
+/// Formats an angle in rad: in degrees if a short number of degrees converts to the same bits, as
+/// `Math.toRadians` of Java 9 and Rust do.
 pub(super) fn angle(rad: f64) -> String {
     match short_degrees(rad) {
         Some(deg) if deg != 0.0 => format!("Math.toRadians({})", number(deg)),
@@ -16,7 +16,7 @@ pub(super) fn angle(rad: f64) -> String {
     }
 }
 
-/// The number of degrees that is converted to the same bits, or nearly.
+/// Returns the number of degrees that converts to the same bits, or the nearest one.
 pub(super) fn degrees(rad: f64) -> f64 {
     let about = rad.to_degrees();
     let near = [about, about.next_up(), about.next_down()];
@@ -24,7 +24,8 @@ pub(super) fn degrees(rad: f64) -> f64 {
     short_degrees(rad).or_else(exact).unwrap_or(about)
 }
 
-/// A number of degrees that somebody may have typed and that is converted to the same bits.
+/// Returns the shortest number of degrees, with at most six decimals as people type them, that
+/// converts to the same bits.
 fn short_degrees(rad: f64) -> Option<f64> {
     const MOST_DECIMALS: i32 = 6;
     let deg = rad.to_degrees();
@@ -36,15 +37,15 @@ fn short_degrees(rad: f64) -> Option<f64> {
         .find(|deg| deg.to_radians() == rad)
 }
 
-/// A length in m, or one over a power of s, in mm: the number that a program's reader makes the same bits of, if there is
-/// one.
+/// Formats a length in m, or a derivative in m/s^n, in mm: the number that a reader of programs
+/// converts to the same bits, if one exists.
 pub(super) fn millimetres(metres: f64) -> String {
     let about = 1e3 * metres;
     let near = [about, about.next_up(), about.next_down()];
     number(near.into_iter().find(|mm| 1e-3 * mm == metres).unwrap_or(about))
 }
 
-/// A string, in characters that any encoding of the file has.
+/// Formats a string in ASCII characters, which every file encoding has.
 pub(super) fn text(text: &str) -> String {
     let mut literal = "\"".to_owned();
     for unit in text.encode_utf16() {
@@ -63,7 +64,8 @@ pub(super) fn text(text: &str) -> String {
     literal
 }
 
-/// A text within a comment: nothing that ends it, and no escapes, which Java reads even there.
+/// Formats a text within a comment: without the end of the comment, and without escapes, which Java
+/// processes even in comments.
 pub(super) fn comment(text: &str) -> String {
     let plain = |c: char| match c {
         '\\' => '/',

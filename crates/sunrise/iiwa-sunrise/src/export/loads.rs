@@ -1,17 +1,17 @@
-//! What is attached to the flange during each motion.
+//! Tools and loads at the flange during each motion.
 
 use iiwa_program::{Load, Motion, Program, Workcell};
 
-/// Something at the flange: a tool, or a tool with what it holds.
+/// Item at the flange: a tool, or a tool with a load.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct AtFlange<'p> {
-    /// The tool; none is a load at the bare flange.
+    /// Tool; `None` for a load at the bare flange.
     pub(super) tool: Option<&'p str>,
-    /// All that hangs on the flange with it, if that is not the tool's own load.
+    /// Total payload, if it differs from the tool's own load.
     pub(super) load: Option<Load>,
 }
 
-/// What is attached at each entry of a program, in order; that of a wait is what was there before.
+/// Items at the flange at each entry of a program, in order; a wait keeps the previous ones.
 pub(super) struct AttachedTools<'p>(Vec<Vec<AtFlange<'p>>>);
 
 impl<'p> AttachedTools<'p> {
@@ -23,7 +23,7 @@ impl<'p> AttachedTools<'p> {
             Motion::Cartesian(own) => Some(own.tool.as_deref().or(workcell.tool.as_deref())),
             _ => None,
         };
-        // The tool of the next motion: it is at hand when the load changes.
+        // Tool of the next motion, because a load change precedes the motions that use it.
         let mut tool = workcell.tool.as_deref();
         let mut tools = vec![tool; program.motions.len()];
         for index in (0..program.motions.len()).rev() {
@@ -45,13 +45,13 @@ impl<'p> AttachedTools<'p> {
         Self(all)
     }
 
-    /// At an entry.
+    /// Returns the items at an entry.
     pub(super) fn at(&self, index: usize) -> &[AtFlange<'p>] {
         self.0.get(index).map_or(&[], Vec::as_slice)
     }
 }
 
-/// Whether what is at the flange holds all that is needed, and nothing else that counts.
+/// Returns true if the held items include all needed ones, and no others with a load.
 fn serves(workcell: &Workcell, held: &[AtFlange<'_>], needed: &[AtFlange<'_>]) -> bool {
     let is_weightless = |it: &AtFlange<'_>| {
         let tool = it.tool.and_then(|tool| workcell.tools.get(tool));
@@ -61,13 +61,13 @@ fn serves(workcell: &Workcell, held: &[AtFlange<'_>], needed: &[AtFlange<'_>]) -
         && held.iter().all(|it| needed.contains(it) || is_weightless(it))
 }
 
-/// The tool of `TOOL` or `TOOL/TIP`; none is the bare flange.
+/// Returns the tool of `TOOL` or `TOOL/TIP`; `None` for the bare flange.
 pub(super) fn tool_part(name: &str) -> Option<&str> {
     let tool = name.split_once('/').map_or(name, |(tool, _)| tool);
     (tool != "flange").then_some(tool)
 }
 
-/// What has to be at the flange for a motion of `tool` with all of this load.
+/// Returns the items at the flange for a motion of `tool` with this total load.
 fn attached<'p>(
     workcell: &'p Workcell,
     tool: Option<&'p str>,
@@ -79,7 +79,7 @@ fn attached<'p>(
     let by_that_in_use = || in_use.filter(|in_use| own_load(in_use) == load);
     match tool {
         Some(tool) if own_load(tool) == load => vec![of(tool)],
-        // A tool that was not weighed, beside the one in use.
+        // A tool without a load, next to the current tool.
         Some(tool) if own_load(tool).is_none() => match by_that_in_use() {
             Some(in_use) => vec![of(in_use), of(tool)],
             None => vec![AtFlange { tool: Some(tool), load }],

@@ -1,4 +1,4 @@
-//! The tools of a program as templates and variables.
+//! Tools of a program as templates and variables.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -13,18 +13,18 @@ use super::{
     loads::{AtFlange, tool_part},
 };
 
-/// The tools of a program, and what of them is in use.
+/// Tools of a program, and the ones that are attached.
 pub(super) struct ExportedTools<'p> {
     workcell: &'p Workcell,
     templates: BTreeMap<&'p str, ExportedTool>,
-    /// Names of templates that are taken.
+    /// Template names in use.
     taken: BTreeSet<String>,
     variables: VariableNames,
-    /// What has been attached, in the order in which it is first.
+    /// Attached items, in the order of their first use.
     used: Vec<UsedTool<'p>>,
 }
 
-/// Something that is attached to the flange.
+/// Item that is attached to the flange.
 struct UsedTool<'p> {
     what: AtFlange<'p>,
     variable: String,
@@ -45,7 +45,7 @@ impl<'p> ExportedTools<'p> {
         Self { workcell, templates, taken, variables, used: Vec::new() }
     }
 
-    /// The variable of something that is attached.
+    /// Returns the variable of an attached item.
     pub(super) fn variable(&mut self, what: &AtFlange<'p>) -> String {
         if let Some(known) = self.used.iter().find(|used| used.what == *what) {
             return known.variable.clone();
@@ -54,7 +54,7 @@ impl<'p> ExportedTools<'p> {
         let template = match (own, what.load) {
             (Some(own), None) => own.name.clone(),
             (own, _) => {
-                // As a person would call it who has to tell it from the tool.
+                // A readable name that differs from the tool's.
                 let name =
                     own.map_or_else(|| "Load".to_owned(), |own| format!("{}_Loaded", own.name));
                 let name = free(&name, |name| self.taken.contains(name));
@@ -68,13 +68,14 @@ impl<'p> ExportedTools<'p> {
         variable
     }
 
-    /// The point that a motion moves, `TOOL` or `TOOL/TIP`, as an expression; `attached` is at the flange.
+    /// Returns the point that a motion moves, `TOOL` or `TOOL/TIP`, as an expression; `attached` is
+    /// at the flange.
     pub(super) fn point(
         &mut self,
         tool: Option<&'p str>,
         attached: &[AtFlange<'p>],
     ) -> Result<String, NameFault> {
-        // That it is there.
+        // Checks that the tool exists.
         self.workcell.tcp(tool)?;
         let name = tool.or(self.workcell.tool.as_deref());
         let Some((name, part)) = name.and_then(|name| Some((name, tool_part(name)?))) else {
@@ -90,12 +91,12 @@ impl<'p> ExportedTools<'p> {
         Ok(format!("{variable}.getFrame({})", text(&path)))
     }
 
-    /// The variables with the names of their templates.
+    /// Returns the variables with the names of their templates.
     pub(super) fn used(&self) -> impl Iterator<Item = (&str, &str)> {
         self.used.iter().map(|used| (used.variable.as_str(), used.template.as_str()))
     }
 
-    /// All templates: those of the program's tools, and those with what tools hold.
+    /// Returns all templates: the program's tools, and the tools with a load.
     pub(super) fn templates(&self) -> Vec<ToolTemplate> {
         let tool = |name: &str| self.workcell.tools.get(name);
         let own = self.templates.iter().map(|(name, template)| {
@@ -112,7 +113,7 @@ impl<'p> ExportedTools<'p> {
     }
 }
 
-/// The template of what hangs on the bare flange.
+/// Returns the template of a load at the bare flange.
 fn bare(name: &str, load: Option<Load>) -> ToolTemplate {
     ExportedTool::new(name.to_owned(), &Tool::default()).with_load(name, load)
 }

@@ -3,26 +3,27 @@ package iiwasim.program;
 import java.util.List;
 
 /**
- * What moves the robot: the Sunrise controller, or something that stands for it.
+ * Interface to the robot: the Sunrise controller, or a simulation of it.
  *
- * <p>One thread calls it, except for {@link #conditions()}. No call takes longer than planning does.
+ * <p>All calls are from one thread, except for {@link #conditions()}. No call takes longer than
+ * planning.
  */
 public interface Backend {
-    /** Hears the end of a run, once, from any thread. */
+    /** Receives the end of a run, once, from any thread. */
     interface Listener {
         void ended(Outcome outcome);
     }
 
-    /** Motions that are planned and can begin. */
+    /** Planned motions that are ready to begin. */
     interface Plan {
-        /** Begins them. */
+        /** Begins the motions. */
         void begin(Listener listener) throws Refusal;
     }
 
-    /** Fails if no run may begin now: a safety stop is active, or the robot is not ready. */
+    /** Fails if a run cannot begin now: a safety stop is active, or the robot is not ready. */
     void checkReady() throws Refusal;
 
-    /** Plans motions from where the arm is. */
+    /** Plans motions from the current position. */
     Plan plan(MotionList motions) throws Refusal;
 
     /** Enables commanding over FRI. */
@@ -31,7 +32,7 @@ public interface Backend {
     /** Ends commanding over FRI; the run then ends. */
     void endCommanding() throws Refusal;
 
-    /** Stops what runs; the run then ends with an error. */
+    /** Stops the current run, which then ends with an error. */
     void stop() throws Refusal;
 
     Sensors sensors() throws Refusal;
@@ -44,18 +45,18 @@ public interface Backend {
     /** Sets an output and returns its new value. */
     SignalValue set(String name, SignalValue value) throws Refusal;
 
-    /** The conditions, as last seen: it never waits for the controller. */
+    /** The last observed conditions; never waits for the controller. */
     Conditions conditions();
 
-    /** Whether the robot is simulated, so that nobody is near it. */
+    /** True if the robot is simulated, so that nobody is near it. */
     boolean isSimulated();
 
-    /** The version of Sunrise; null if it is not known. */
+    /** Sunrise version; null if unknown. */
     String sunriseVersion();
 
-    /** The robot; null if it is not known. */
+    /** Identity of the robot; null if unknown. */
     RobotIdentity robot();
 
-    /** Ends what runs, and frees everything. */
+    /** Ends the current run, and frees all resources. */
     void close();
 }

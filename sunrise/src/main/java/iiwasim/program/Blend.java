@@ -1,6 +1,6 @@
 package iiwasim.program;
 
-/** Where the arm may leave the way to a target. Sizes that are not given are null. */
+/** Size of a blend at a target. Sizes that are not given are null. */
 public final class Blend {
     private final Double sunriseRel;
     private final Double cartMm;
@@ -24,11 +24,11 @@ public final class Blend {
         check(keys, "fraction", fraction, 0.5);
         check(keys, "sunrise_rel", rel, 1);
         check(keys, "cart_mm", cart, Double.MAX_VALUE);
-        // Sunrise's 1 is half of a motion.
+        // A relative size of 1 in Sunrise is half of a motion.
         return new Blend(fraction == null ? rel : Double.valueOf(2 * fraction), cart, null);
     }
 
-    /** Reads the blend of a path of the TCP: at least one size. */
+    /** Reads the blend of a TCP path: at least one size. */
     static Blend ofPath(Keys keys) throws Refusal {
         Double cart = keys.numberIfGiven("cart_mm");
         Double ori = keys.numberIfGiven("ori_deg");
@@ -50,22 +50,22 @@ public final class Blend {
         }
     }
 
-    /** Sunrise's relative size, 0 to 1; null if it is not given. */
+    /** Relative size in Sunrise, 0 to 1; null if not given. */
     public Double sunriseRel() {
         return sunriseRel;
     }
 
-    /** The distance from the target, in mm; null if it is not given. */
+    /** Distance from the target, in mm; null if not given. */
     public Double cartMm() {
         return cartMm;
     }
 
-    /** The turn to the target, in rad; null if it is not given. */
+    /** Angle to the target orientation, in rad; null if not given. */
     public Double oriRad() {
         return oriRad;
     }
 
-    /** Whether it is large enough not to be a stop. */
+    /** True if the blend is large enough to avoid a stop. */
     boolean hasEffect() {
         if (cartMm != null) {
             return cartMm >= 4;

@@ -2,7 +2,7 @@ package iiwasim.program;
 
 import com.eclipsesource.json.JsonObject;
 
-/** Under which conditions the robot moves. What is not known is null. */
+/** Conditions of robot motion. Unknown values are null. */
 public final class Conditions {
     private final String operationMode;
     private final Double override;
@@ -10,11 +10,11 @@ public final class Conditions {
     private final String tool;
 
     /**
-     * The conditions now.
+     * Creates current conditions.
      *
      * @param operationMode {@code t1}, {@code t2} or {@code aut}
      * @param override the share of the programmed speed, 0 to 1
-     * @param safetyStop whether a safety stop is active
+     * @param safetyStop true if a safety stop is active
      * @param tool the tool at the flange
      */
     public Conditions(String operationMode, Double override, Boolean safetyStop, String tool) {

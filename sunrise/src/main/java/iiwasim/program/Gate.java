@@ -7,8 +7,8 @@ import java.util.ArrayList;
 import java.util.List;
 
 /**
- * Admits drives by their keys, as ZAP (RFC 27 of ZeroMQ) has it. Without it everyone with the server's public key would
- * be admitted: it has to run before anything is bound.
+ * Authenticates drives by their keys with ZAP (ZeroMQ RFC 27). Without ZAP, everyone with the
+ * public key of the server would be admitted, so the gate has to run before any socket is bound.
  */
 final class Gate implements Runnable {
     static final String DOMAIN = "iiwasim";
@@ -75,7 +75,7 @@ final class Gate implements Runnable {
             }
             peer = address;
         } else if (!refused.equals(address)) {
-            // A client without a permitted key tries again and again.
+            // A client without a permitted key retries endlessly.
             refused = address;
             log.warn("a client at " + address + " has no permitted key and is refused");
         }

@@ -10,7 +10,7 @@ final class Instruction {
     enum Type { RUN_MOTIONS, BEGIN, RUN_TRAJECTORY, END_TRAJECTORY, STOP, READ_SENSORS, LIST_IO, GET_IO, SET_IO }
 
     final Type type;
-    /** The number of the run; null if it has none. */
+    /** Number of the run; null without a run. */
     final BigInteger run;
     final MotionList motions;
     /** The name of a signal. */
@@ -26,7 +26,7 @@ final class Instruction {
         this.value = value;
     }
 
-    /** What comes before the content: the keys of the object, its number and its type. */
+    /** Header of an instruction: the keys of the object, its number and its type. */
     static final class Head {
         final JsonValue json;
         final Keys keys;
@@ -41,7 +41,7 @@ final class Instruction {
         }
     }
 
-    /** Reads number and type: without them, nobody can be told which instruction is wrong. */
+    /** Reads number and type, which error messages about the instruction need. */
     static Head head(String text) throws Refusal {
         return new Head(Keys.parse(text));
     }

@@ -9,8 +9,8 @@ import java.io.InputStreamReader;
 import java.util.Arrays;
 
 /**
- * A CURVE key file as {@code iiwasim keygen} and CZMQ write it: lines {@code public-key = "..."}, and
- * {@code secret-key = "..."} in one that is secret, of 40 characters of Z85 each.
+ * A CURVE key file in the format of {@code iiwasim keygen} and CZMQ: lines {@code public-key =
+ * "..."} and, in a secret key file, {@code secret-key = "..."}, of 40 Z85 characters each.
  */
 public final class KeyFile {
     private static final String DIGITS = "0123456789abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ.-:+=^!/*?&<>()[]{}@%$#";
@@ -27,8 +27,8 @@ public final class KeyFile {
     /**
      * Reads a key file, and closes it.
      *
-     * @param name its name, for messages
-     * @throws IOException it cannot be read, or is no key file
+     * @param name name of the file, for messages
+     * @throws IOException the file cannot be read, or is not a key file
      */
     public static KeyFile read(InputStream in, String name) throws IOException {
         byte[] publicKey = null;
@@ -50,12 +50,12 @@ public final class KeyFile {
             lines.close();
         }
         if (publicKey == null) {
-            throw new IOException(name + " is no key file: it has no line `public-key = \"...\"`");
+            throw new IOException(name + " is not a key file: it has no line `public-key = \"...\"`");
         }
         return new KeyFile(publicKey, secretKey);
     }
 
-    /** Messages do not show the key, which may be a secret one. */
+    /** Decodes a key. Messages do not show the key, as it may be secret. */
     private static byte[] decode(String quoted, String name, int line) throws IOException {
         boolean isQuoted = quoted.length() == CHARS + 2 && quoted.startsWith("\"") && quoted.endsWith("\"");
         String text = isQuoted ? quoted.substring(1, CHARS + 1) : "";
@@ -73,7 +73,7 @@ public final class KeyFile {
         return publicKey.clone();
     }
 
-    /** The secret key; null if the file is for others. */
+    /** The secret key; null in a public key file. */
     public byte[] secretKey() {
         return secretKey == null ? null : secretKey.clone();
     }

@@ -13,10 +13,9 @@ import java.util.List;
 import java.util.Set;
 
 /**
- * The keys of a JSON object, read one by one. Errors name the key and where it is.
+ * The keys of a JSON object, read one by one. Errors name the key and its place.
  *
- * <p>A key that is there twice is refused where it is asked for. One that nobody has asked for is refused by
- * {@link #refuseOthers()}.
+ * <p>Reading a duplicate key is an error. {@link #refuseOthers()} refuses keys that were not read.
  */
 final class Keys {
     private static final BigInteger MAX_U64 = BigInteger.ONE.shiftLeft(64).subtract(BigInteger.ONE);
@@ -29,7 +28,8 @@ final class Keys {
     /**
      * The keys of {@code value}.
      *
-     * @param where what it is in messages, such as {@code motion 1}; empty for the instruction
+     * @param where name of the object in messages, such as {@code motion 1}; empty for the
+     *     instruction
      */
     Keys(JsonValue value, String where) throws Refusal {
         this.where = where;
@@ -45,7 +45,7 @@ final class Keys {
         }
     }
 
-    /** The value of a JSON text. */
+    /** Parses a JSON text. */
     static JsonValue parse(String text) throws Refusal {
         try {
             return Json.parse(text);
@@ -62,7 +62,7 @@ final class Keys {
         }
     }
 
-    /** Whether a key is there. */
+    /** True if the object has the key. */
     boolean has(String name) throws Refusal {
         known.add(name);
         if (twice.contains(name)) {
@@ -71,7 +71,7 @@ final class Keys {
         return object.get(name) != null;
     }
 
-    /** Whether a key is there and is not null. */
+    /** True if the object has the key, with a value other than null. */
     boolean isGiven(String name) throws Refusal {
         return has(name) && !object.get(name).isNull();
     }
@@ -122,7 +122,7 @@ final class Keys {
         return new BigInteger(text);
     }
 
-    /** A whole number of a small range; null if the key is absent or null. */
+    /** A whole number from 0 to {@code max}; null if the key is absent or null. */
     Integer wholeIfGiven(String name, int max) throws Refusal {
         if (!isGiven(name)) {
             return null;
@@ -147,7 +147,7 @@ final class Keys {
         return isGiven(name) ? text(name) : null;
     }
 
-    /** One of some words; the first one if the key is absent. */
+    /** One of the given words; the first one if the key is absent. */
     String word(String name, String... words) throws Refusal {
         if (!has(name)) {
             return words[0];
@@ -175,7 +175,7 @@ final class Keys {
         return new Keys(value(name), where.length() == 0 ? "`" + name + "`" : where + ": `" + name + "`");
     }
 
-    /** The keys of an object of objects; none if the key is absent. */
+    /** The names in an object of objects; empty if the key is absent. */
     List<String> namesIn(String name) throws Refusal {
         if (!has(name)) {
             return Collections.emptyList();
@@ -187,7 +187,7 @@ final class Keys {
         return entries.object.names();
     }
 
-    /** Refuses keys that were not asked for: what they say may be a limit. */
+    /** Refuses keys that were not read, as an unknown key may be a limit. */
     void refuseOthers() throws Refusal {
         for (String name : object.names()) {
             if (!known.contains(name)) {
@@ -196,7 +196,7 @@ final class Keys {
         }
     }
 
-    /** A refusal that says where. */
+    /** A refusal with the place of the object. */
     Refusal wrong(String what) {
         return Refusal.bad(where.length() == 0 ? what : where + ": " + what);
     }
@@ -211,11 +211,11 @@ final class Keys {
 
     /** A whole number as JSON. */
     static JsonValue number(BigInteger number) {
-        // The library has no whole numbers beyond those of 64 bits with a sign.
+        // The library does not support integers beyond signed 64 bits.
         return number.bitLength() < 64 ? Json.value(number.longValue()) : Json.parse(number.toString());
     }
 
-    /** What a value is, in messages. */
+    /** Type of a value, for messages. */
     static String kind(JsonValue value) {
         if (value.isString()) {
             return "the text `" + Messages.excerpt(value.asString()) + "`";

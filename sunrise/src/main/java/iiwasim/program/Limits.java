@@ -2,9 +2,9 @@ package iiwasim.program;
 
 import java.util.Arrays;
 
-/** The limits of a motion: shares of the joints' limits, and limits of the TCP. */
+/** Limits of a motion: shares of the joint limits, and TCP limits. */
 public final class Limits {
-    /** Shares below this are taken for a slip. */
+    /** Minimum share; smaller shares are refused as mistakes. */
     private static final double MIN_SHARE = 1e-6;
 
     private static final String[] SHARES = {"velocity_rel", "acceleration_rel", "jerk_rel"};
@@ -18,7 +18,7 @@ public final class Limits {
     private Limits() {
     }
 
-    /** Reads shares of the joints' limits. */
+    /** Reads shares of the joint limits. */
     static Limits ofJoints(Keys keys) throws Refusal {
         Limits limits = new Limits();
         for (int kind = 0; kind < 3; kind++) {
@@ -29,7 +29,7 @@ public final class Limits {
         return limits;
     }
 
-    /** Reads shares of the joints' limits and limits of the TCP, any of which may be null. */
+    /** Reads shares of the joint limits and TCP limits, any of which may be null. */
     static Limits ofPath(Keys keys) throws Refusal {
         Limits limits = new Limits();
         for (int kind = 0; kind < 3; kind++) {
@@ -62,47 +62,47 @@ public final class Limits {
         return shares;
     }
 
-    /** Shares of the joints' velocity limits, A1 to A7; null for all of them. */
+    /** Shares of the joint velocity limits, A1 to A7; null for the full limits. */
     public double[] velocityRel() {
         return shares[0];
     }
 
-    /** Shares of the joints' acceleration limits, A1 to A7; null for all of them. */
+    /** Shares of the joint acceleration limits, A1 to A7; null for the full limits. */
     public double[] accelerationRel() {
         return shares[1];
     }
 
-    /** Shares of the joints' jerk limits, A1 to A7; null for all of them. */
+    /** Shares of the joint jerk limits, A1 to A7; null for the full limits. */
     public double[] jerkRel() {
         return shares[2];
     }
 
-    /** Limit of the TCP's speed, in mm/s; null for none. */
+    /** TCP speed limit, in mm/s; null without a limit. */
     public Double cartVelocity() {
         return tool[0];
     }
 
-    /** Limit of the TCP's acceleration, in mm/s^2; null for none. */
+    /** TCP acceleration limit, in mm/s^2; null without a limit. */
     public Double cartAcceleration() {
         return tool[1];
     }
 
-    /** Limit of the TCP's jerk, in mm/s^3; null for none. */
+    /** TCP jerk limit, in mm/s^3; null without a limit. */
     public Double cartJerk() {
         return tool[2];
     }
 
-    /** Limit of the TCP's turning speed, in rad/s; null for none. */
+    /** Angular TCP speed limit, in rad/s; null without a limit. */
     public Double orientationVelocity() {
         return tool[3];
     }
 
-    /** Limit of the TCP's turning acceleration, in rad/s^2; null for none. */
+    /** Angular TCP acceleration limit, in rad/s^2; null without a limit. */
     public Double orientationAcceleration() {
         return tool[4];
     }
 
-    /** Limit of the TCP's turning jerk, in rad/s^3; null for none. */
+    /** Angular TCP jerk limit, in rad/s^3; null without a limit. */
     public Double orientationJerk() {
         return tool[5];
     }

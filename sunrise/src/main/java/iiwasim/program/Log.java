@@ -1,6 +1,6 @@
 package iiwasim.program;
 
-/** Where the program tells people what happens: the smartPAD, or standard error. */
+/** Log for people: the smartPAD, or standard error. */
 public interface Log {
     void info(String text);
 

@@ -2,18 +2,18 @@ package iiwasim.program;
 
 import java.util.Locale;
 
-/** Texts for people, in messages that go over the network. */
+/** Texts for people, in network messages. */
 public final class Messages {
     /** Longest message, in characters; all of them are ASCII. */
     static final int MAX_CHARS = 500;
 
-    /** Longest excerpt of a text from elsewhere, in characters. */
+    /** Longest excerpt of a received text, in characters. */
     private static final int MAX_EXCERPT = 60;
 
     private Messages() {
     }
 
-    /** A text on one line, not too long, in printable ASCII. */
+    /** A text on one line, of limited length, in printable ASCII. */
     public static String line(String text) {
         StringBuilder line = new StringBuilder();
         for (int i = 0; i < text.length(); i++) {
@@ -31,7 +31,7 @@ public final class Messages {
         return line.toString();
     }
 
-    /** The beginning of a text from elsewhere. */
+    /** The beginning of a received text. */
     public static String excerpt(String text) {
         StringBuilder excerpt = new StringBuilder();
         for (int i = 0; i < text.length(); i++) {
@@ -43,7 +43,7 @@ public final class Messages {
         return excerpt.toString();
     }
 
-    /** A message of an exception, which may have none. */
+    /** The message of an exception, also of one without a message. */
     public static String of(Throwable error) {
         String message = error.getMessage();
         return message == null || message.length() == 0 ? error.getClass().getSimpleName() : message;

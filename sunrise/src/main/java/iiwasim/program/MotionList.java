@@ -5,7 +5,7 @@ import com.eclipsesource.json.JsonObject;
 import java.util.Collections;
 import java.util.List;
 
-/** Motions in order, as an instruction gives them. */
+/** Motions of an instruction, in order. */
 public final class MotionList {
     private final List<Motion> motions;
     private final boolean isT1;
@@ -21,12 +21,12 @@ public final class MotionList {
         return motions;
     }
 
-    /** Whether TCP and flange are to move slowly, as in the mode T1. */
+    /** True if TCP and flange have to move slowly, as in the operation mode T1. */
     public boolean isT1() {
         return isT1;
     }
 
-    /** The instruction that gave them. */
+    /** The instruction with the motions. */
     public JsonObject source() {
         return source;
     }

@@ -7,11 +7,11 @@ import java.util.Arrays;
 import java.util.List;
 import java.util.Locale;
 
-/** Reads motions, and checks all that can be checked without a robot. */
+/** Reads motions, and checks everything that can be checked without a robot. */
 final class MotionReader {
     private static final String[] TYPES = {"ptp", "lin", "lin_rel", "circ", "spline", "spl", "wait", "load"};
     private static final String[] ORIENTATIONS = {"variable", "constant", "ori_joint", "ignore"};
-    /** A day: a longer wait is a slip of the pen. */
+    /** A day: longer waits are refused as mistakes. */
     private static final double MAX_WAIT_S = 86400;
     private static final int MAX_SEGMENTS = 20;
 
@@ -21,7 +21,7 @@ final class MotionReader {
         this.workcell = workcell;
     }
 
-    /** The motions of an instruction, whose keys {@code keys} are. */
+    /** Reads the motions of an instruction with the keys {@code keys}. */
     static MotionList read(Keys keys, JsonValue source) throws Refusal {
         Workcell workcell = new Workcell(keys);
         MotionReader reader = new MotionReader(workcell);
@@ -148,7 +148,7 @@ final class MotionReader {
         }
     }
 
-    /** Reads the point that moves, and returns the base of its frames. */
+    /** Reads the TCP of a motion, and returns the base of its frames. */
     private String readPlace(Motion motion, Keys keys) throws Refusal {
         String tool = keys.textIfGiven("tool");
         try {
@@ -211,7 +211,7 @@ final class MotionReader {
             readCircle(segment, keys, base);
         } else {
             segment.frame = workcell.target(keys, "frame", base);
-            // What is said of circles may be there with what it is anyway.
+            // Keys of circular motions are allowed with their default values.
             boolean isPlain = !keys.isGiven("aux") && !keys.isGiven("circ_angle_deg")
                 && keys.word("orientation_reference", "base", "path").equals("base")
                 && keys.word("aux_orientation", "consider", "interpolate", "ignore").equals("consider")

@@ -4,7 +4,7 @@ import com.eclipsesource.json.JsonObject;
 
 import java.math.BigInteger;
 
-/** How a run ended. */
+/** Outcome of a run. */
 public final class Outcome {
     private final Double startS;
     private final Double endS;
@@ -16,17 +16,17 @@ public final class Outcome {
         this.error = error;
     }
 
-    /** The end of a run whose times nobody knows on FRI's clock. */
+    /** The end of a run whose times on the FRI clock are unknown. */
     public static Outcome untimed(Refusal error) {
         return new Outcome(null, null, error);
     }
 
-    /** The end of a run by FRI's clock, in s; {@code startS} is null if it did not start. */
+    /** The end of a run by the FRI clock, in s; {@code startS} is null if the run did not start. */
     public static Outcome timed(Double startS, Double endS, Refusal error) {
         return new Outcome(startS, endS, error);
     }
 
-    /** Why it was aborted; null if it was not. */
+    /** Reason for an abort; null without an abort. */
     public Refusal error() {
         return error;
     }

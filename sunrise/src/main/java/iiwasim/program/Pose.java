@@ -5,7 +5,7 @@ public final class Pose {
     public static final Pose IDENTITY = Pose.of(0, 0, 0, 0, 0, 0);
 
     private final double[] xyz;
-    /** Rows of the rotation. */
+    /** Rows of the rotation matrix. */
     private final double[][] rotation;
 
     private Pose(double[] xyz, double[][] rotation) {
@@ -13,7 +13,7 @@ public final class Pose {
         this.rotation = rotation;
     }
 
-    /** From lengths in mm and angles in rad. */
+    /** A pose from lengths in mm and angles in rad. */
     public static Pose of(double x, double y, double z, double a, double b, double c) {
         double ca = Math.cos(a);
         double sa = Math.sin(a);
@@ -28,7 +28,7 @@ public final class Pose {
         });
     }
 
-    /** This pose, then {@code next} in its frame. */
+    /** The composition of this pose with {@code next}, given in the frame of this pose. */
     public Pose then(Pose next) {
         double[] position = new double[3];
         double[][] product = new double[3][3];
@@ -44,7 +44,7 @@ public final class Pose {
         return new Pose(position, product);
     }
 
-    /** The pose that undoes this one. */
+    /** The inverse pose. */
     public Pose inverse() {
         double[] position = new double[3];
         double[][] transposed = new double[3][3];
@@ -62,7 +62,7 @@ public final class Pose {
         return xyz.clone();
     }
 
-    /** a, b and c in rad. Where b is a right angle, c is 0. */
+    /** a, b and c in rad. If b is 90 degrees, c is 0. */
     public double[] abcRad() {
         double cosB = Math.hypot(rotation[0][0], rotation[1][0]);
         double b = Math.atan2(0.0 - rotation[2][0], cosB);
@@ -73,7 +73,7 @@ public final class Pose {
         return new double[] {a, b, Math.atan2(rotation[2][1], rotation[2][2])};
     }
 
-    /** The distance of two origins, in mm. */
+    /** The distance between two origins, in mm. */
     public double distanceMm(Pose other) {
         double sum = 0;
         for (int i = 0; i < 3; i++) {

@@ -8,9 +8,10 @@ import java.math.BigInteger;
 import java.util.List;
 
 /**
- * The robot program without its sockets: instructions go in as text, and acknowledgements and states come out.
+ * The robot program without its sockets: instructions are the input, acknowledgements and states
+ * the output, all as text.
  *
- * <p>One thread instructs, others read the state and report the ends of runs.
+ * <p>One thread gives instructions, others read the state and report the ends of runs.
  */
 public final class Program {
     /** The version of the protocol. */
@@ -19,10 +20,12 @@ public final class Program {
     /** The version of this program. */
     public static final String VERSION = "iiwasim 0.1.0";
 
-    /** How long planned motions wait to begin: the drive or its client may be gone. */
+    /**
+     * Maximum time from planning to the begin of motions, as the drive or its client may be gone.
+     */
     private static final long BEGIN_WITHIN_NS = 2000000000L;
 
-    /** Tells the time, in ns since any instant. */
+    /** Clock with the time in ns since any fixed instant. */
     public interface Clock {
         long nanoTime();
     }
@@ -45,7 +48,7 @@ public final class Program {
     private BigInteger planned;
     private long plannedAt;
 
-    // Also of other threads: by `this`.
+    // Shared by threads: guarded by `this`.
     private State state = State.IDLE;
     private BigInteger run;
     private BigInteger endedRun;
@@ -53,7 +56,7 @@ public final class Program {
     private long changes;
 
     /**
-     * A program that nobody has instructed yet.
+     * A program without instructions so far.
      *
      * @param boot a number that differs with each start
      */
@@ -63,7 +66,7 @@ public final class Program {
         this.clock = clock;
     }
 
-    /** Carries out an instruction of several frames, and returns the acknowledgement. */
+    /** Executes an instruction of several frames, and returns the acknowledgement. */
     public String instruct(List<String> frames) {
         if (frames.size() != 1) {
             return refused(null, Refusal.bad("an instruction has to consist of one frame"));
@@ -71,7 +74,7 @@ public final class Program {
         return instruct(frames.get(0));
     }
 
-    /** Carries out an instruction, null if it is no text, and returns the acknowledgement. */
+    /** Executes an instruction, null for invalid text, and returns the acknowledgement. */
     public String instruct(String text) {
         BigInteger seq = null;
         try {
@@ -86,7 +89,8 @@ public final class Program {
         } catch (Refusal refusal) {
             return refused(seq, refusal);
         } catch (RuntimeException error) {
-            // What the controller throws must not end the program: it is what brings the arm to a stop.
+            // An exception of the controller must not end the program, which brings the robot to a
+            // stop.
             return refused(seq, Refusal.robot("the robot program has failed: " + Messages.of(error)));
         }
     }
@@ -156,8 +160,8 @@ public final class Program {
     }
 
     /**
-     * Begins a run. Nobody sees a state in between: that the robot refuses it, or reports its end at once, is told as a
-     * whole.
+     * Begins a run. The lock hides intermediate states: a refusal by the robot, or an immediate
+     * end, is published as one change.
      */
     private synchronized void begin(State kind, BigInteger started, Backend.Plan what) throws Refusal {
         state = kind;
@@ -213,12 +217,12 @@ public final class Program {
         }
     }
 
-    /** How often the state has changed. */
+    /** Number of state changes. */
     public synchronized long changes() {
         return changes;
     }
 
-    /** The state, as the drive is told it. */
+    /** The state message for the drive. */
     public String state() {
         Conditions conditions = backend.conditions();
         String sunrise = backend.sunriseVersion();

@@ -1,6 +1,6 @@
 package iiwasim.program;
 
-/** Why an instruction is not carried out, or a run did not end well. */
+/** Reason for the refusal of an instruction, or for the failure of a run. */
 public final class Refusal extends Exception {
     private static final long serialVersionUID = 1L;
 
@@ -12,7 +12,7 @@ public final class Refusal extends Exception {
         NOT_IDLE("not_idle"),
         /** A limit of the robot would be exceeded. */
         LIMIT("limit"),
-        /** The robot is not able to, or has stopped. */
+        /** The robot is not ready, or has stopped. */
         ROBOT("robot"),
         /** A deadline has passed. */
         TIMEOUT("timeout");
@@ -28,7 +28,7 @@ public final class Refusal extends Exception {
             return text;
         }
 
-        /** The code with this text; {@link #ROBOT} if there is none. */
+        /** The code with this text; {@link #ROBOT} for an unknown text. */
         public static Code of(String text) {
             for (Code code : values()) {
                 if (code.text.equals(text)) {
@@ -46,12 +46,12 @@ public final class Refusal extends Exception {
         this.code = code;
     }
 
-    /** A refusal of something that is malformed, or that does not exist. */
+    /** A refusal of a malformed instruction, or of a name that does not exist. */
     public static Refusal bad(String message) {
         return new Refusal(Code.BAD_REQUEST, message);
     }
 
-    /** A refusal because the robot is not able to. */
+    /** A refusal because of the robot's condition. */
     public static Refusal robot(String message) {
         return new Refusal(Code.ROBOT, message);
     }
@@ -60,7 +60,7 @@ public final class Refusal extends Exception {
         return code;
     }
 
-    /** Nothing looks at where it was thrown, and filling that in takes time. */
+    /** Does nothing, as nobody reads the stack trace, and filling it in takes time. */
     @Override
     public synchronized Throwable fillInStackTrace() {
         return this;

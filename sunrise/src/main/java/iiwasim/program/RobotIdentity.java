@@ -2,9 +2,12 @@ package iiwasim.program;
 
 import com.eclipsesource.json.JsonObject;
 
-/** The identity of the robot at the cabinet: model and flange. The drive refuses runs if its own robot is another one. */
+/**
+ * Identity of the robot at the cabinet: model and flange. The drive refuses runs if it differs from
+ * the robot of the drive.
+ */
 public final class RobotIdentity {
-    /** Names of the models that {@code robot} in the settings can have. */
+    /** Model names for {@code robot} in the settings. */
     public static final String MODELS = "lbr_iiwa_7_r800 or lbr_iiwa_14_r820";
 
     private final String model;
@@ -22,7 +25,7 @@ public final class RobotIdentity {
         this.flangeMm = flangeMm;
     }
 
-    /** The robot of this model; null if there is no such model. */
+    /** The robot of this model; null for an unknown model. */
     public static RobotIdentity of(String model, double flangeMm) {
         if (model.equals("lbr_iiwa_7_r800")) {
             return new RobotIdentity(model, 340, 400, 400, flangeMm);

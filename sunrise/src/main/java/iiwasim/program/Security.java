@@ -5,7 +5,7 @@ import java.util.ArrayList;
 import java.util.Collection;
 import java.util.List;
 
-/** Who may instruct the robot program: processes of this machine, or drives whose keys are known. */
+/** Access control of the robot program: processes of this machine, or drives with known keys. */
 public final class Security {
     private final KeyFile own;
     private final List<KeyFile> allowed;
@@ -15,15 +15,15 @@ public final class Security {
         this.allowed = allowed;
     }
 
-    /** Without keys: this machine only. */
+    /** Access without keys, from this machine only. */
     public static Security open() {
         return new Security(null, new ArrayList<KeyFile>());
     }
 
     /**
-     * With keys, for other machines.
+     * Access with keys, also from other machines.
      *
-     * @throws IOException the own file is not a secret one, or one of the others is
+     * @throws IOException {@code own} is not a secret key file, or one of {@code allowed} is
      */
     public static Security withKeys(KeyFile own, Collection<KeyFile> allowed) throws IOException {
         if (own.secretKey() == null) {

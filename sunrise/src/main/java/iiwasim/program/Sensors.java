@@ -13,7 +13,7 @@ public final class Sensors {
     /**
      * Readings of joints A1 to A7.
      *
-     * @param temperaturesC in degrees Celsius; null where nothing measures them
+     * @param temperaturesC in degrees Celsius; null if not measured
      * @param externalTorquesNm in Nm
      */
     public Sensors(double[] temperaturesC, double[] externalTorquesNm) {

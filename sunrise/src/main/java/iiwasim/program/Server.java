@@ -15,32 +15,35 @@ import java.util.List;
  *
  * <table>
  * <tr><th>thread</th><th>task</th></tr>
- * <tr><td>instructions</td><td>receives instructions and acknowledges them; it alone calls the backend</td></tr>
+ * <tr><td>instructions</td><td>acknowledges instructions; the only caller of the backend</td></tr>
  * <tr><td>states</td><td>sends the state until it is acknowledged</td></tr>
- * <tr><td>gate</td><td>checks keys, if there are any</td></tr>
+ * <tr><td>gate</td><td>checks keys, if configured</td></tr>
  * </table>
  *
- * <p>Nothing of it is static, and all of it ends with {@link #close()}: the Java of a cabinet outlives the program.
+ * <p>The server does not have static state, and {@link #close()} ends all of it: the JVM of a
+ * cabinet outlives the program.
  */
 public final class Server {
     static final int POLL_MS = 50;
 
-    /** Longest instruction, in bytes: what a drive sends at most is half of it. */
+    /** Longest instruction, in bytes: twice the longest instruction of a drive. */
     private static final int MAX_INSTRUCTION_BYTES = 8 << 20;
     private static final int MAX_ACKNOWLEDGEMENT_BYTES = 1024;
 
     private static final int STATES_KEPT = 10;
 
-    /** How often the state is looked at, sent again and sent anyway, in ms. */
+    /**
+     * Intervals for polling the state, repeating a message and sending an unchanged state, in ms.
+     */
     private static final int LOOK_MS = 2;
     private static final int AGAIN_MS = 100;
     private static final int EVERY_MS = 500;
 
-    /** How long the ports may be in use by a program that is just ending, in ms. */
+    /** Maximum time for which a program that is ending may still use the ports, in ms. */
     private static final int BIND_WITHIN_MS = 10000;
     private static final int BIND_AGAIN_MS = 200;
 
-    /** How long threads may take to end, in ms: an instruction may be on its way to the controller. */
+    /** Maximum time for threads to end, in ms: the controller may still execute an instruction. */
     private static final int JOIN_MS = 5000;
 
     private final Program program;
@@ -52,11 +55,11 @@ public final class Server {
     private volatile String failure;
 
     /**
-     * Starts to serve.
+     * Starts the server.
      *
      * @param instructions the address for instructions, such as {@code tcp://0.0.0.0:30001}
      * @param states the address for states
-     * @throws IOException an address needs keys, or cannot be bound within ten seconds
+     * @throws IOException an address requires keys, or cannot be bound within ten seconds
      */
     public Server(Program program, String instructions, String states, Security security, Log log) throws IOException {
         this.program = program;
@@ -91,12 +94,12 @@ public final class Server {
         }
     }
 
-    /** The address of the drive that has connected last; null if there was none, or there are no keys. */
+    /** Address of the drive that connected last; null before the first one, and without keys. */
     public String peer() {
         return gate == null ? null : gate.peer();
     }
 
-    /** Ends all threads and frees the ports. It may be called again. */
+    /** Ends all threads and frees the ports. Further calls are allowed. */
     public synchronized void close() {
         isClosing = true;
         if (gate != null) {
@@ -108,7 +111,7 @@ public final class Server {
         }
         threads.clear();
         if (haveEnded) {
-            // JeroMQ waits for nothing in a thread that is interrupted.
+            // JeroMQ does not wait in an interrupted thread.
             boolean wasInterrupted = Thread.interrupted();
             context.term();
             if (wasInterrupted) {
@@ -139,7 +142,7 @@ public final class Server {
         try {
             socket.setLinger(0);
             if (type == ZMQ.DEALER) {
-                // A drive that has gone does not read: old states are not kept for it.
+                // Old states are not queued for a drive that has disconnected.
                 socket.setSndHWM(STATES_KEPT);
             }
             socket.setMaxMsgSize(maxBytes);
@@ -232,7 +235,7 @@ public final class Server {
         }
     }
 
-    /** Why the drive is no longer served; null as long as it is. */
+    /** Reason for the failure of the server; null while it runs. */
     public String failure() {
         return failure;
     }

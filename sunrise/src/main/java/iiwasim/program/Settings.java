@@ -13,24 +13,24 @@ import java.util.List;
 import java.util.Map;
 
 /**
- * The settings of the robot program: lines {@code name = value}; from {@code #} on, the rest of a line is for people.
- * What is not there has a default. Whatever is wrong is refused with its line: a setting that is passed over may be the
- * one that matters.
+ * Settings of the robot program: lines {@code name = value}, with comments from {@code #} on.
+ * Missing settings have defaults. Every invalid or unknown setting is refused with its line, as an
+ * ignored setting may be the one that matters.
  */
 public final class Settings {
-    /** The setting that takes the address of the drive for that of its FRI. */
+    /** Value of the FRI client setting for the address of the connected drive. */
     public static final String DRIVE = "drive";
 
     /** Types of signals. */
     public enum SignalType { BOOLEAN, INTEGER, UNSIGNED, ANALOG }
 
-    /** An input or output that is declared. */
+    /** A declared input or output. */
     public static final class DeclaredSignal {
         public final String group;
         public final String name;
         public final boolean isOutput;
         public final SignalType type;
-        /** Its size, in bits. */
+        /** Size, in bits. */
         public final int bits;
         /** The range of an analog output. */
         public final double min;
@@ -78,8 +78,8 @@ public final class Settings {
     /**
      * Reads settings, and closes them.
      *
-     * @param file their name, for messages
-     * @throws IOException they cannot be read, or one of them is wrong
+     * @param file name of the settings file, for messages
+     * @throws IOException the settings cannot be read, or one of them is invalid
      */
     public static Settings read(InputStream in, String file) throws IOException {
         Settings settings = new Settings(file);
@@ -117,11 +117,14 @@ public final class Settings {
         } else if (DEFAULTS.containsKey(name)) {
             values.put(name, value);
         } else {
-            throw wrong(number, "there is no setting `" + Messages.excerpt(name) + "`");
+            throw wrong(number, "unknown setting `" + Messages.excerpt(name) + "`");
         }
     }
 
-    /** An input or output: {@code output.GROUP.NAME = boolean}, {@code unsigned 8} or {@code analog 16 0 10}. */
+    /**
+     * An input or output: {@code output.GROUP.NAME = boolean}, {@code unsigned 8} or {@code analog
+     * 16 0 10}.
+     */
     private DeclaredSignal signal(String key, String value, int number) throws IOException {
         String[] path = key.split("\\.", 3);
         String[] words = value.split("\\s+");
@@ -133,7 +136,7 @@ public final class Settings {
         int index = types.indexOf(words[0]);
         boolean hasRange = isOutput && index == 3;
         if (index < 0 || words.length != (index == 0 ? 1 : hasRange ? 4 : 2)) {
-            throw wrong(number, "`" + Messages.excerpt(value) + "` is no type; it is `boolean`, `integer BITS`,"
+            throw wrong(number, "`" + Messages.excerpt(value) + "` is not a type; it is `boolean`, `integer BITS`,"
                 + " `unsigned BITS`, `analog BITS`, or of an output `analog BITS LEAST GREATEST`");
         }
         try {
@@ -198,7 +201,10 @@ public final class Settings {
             + "`; it has to be a length in mm, such as 126 for the plain flange or 152 for the media flange Touch");
     }
 
-    /** Host names are not taken: they may lead to an address of IPv6 that nothing answers. */
+    /**
+     * True for an IP address. Host names are refused: they may resolve to an unreachable IPv6
+     * address.
+     */
     private static boolean isAddress(String text) {
         if (!text.matches("\\d{1,3}(\\.\\d{1,3}){3}")) {
             return false;
@@ -218,7 +224,7 @@ public final class Settings {
                 return value;
             }
         } catch (NumberFormatException error) {
-            // Told below.
+            // Reported below.
         }
         throw wrong(name, "`" + name + "` is `" + Messages.excerpt(text(name)) + "`; it has to be a whole number from " + min
             + " to " + max);
@@ -241,7 +247,7 @@ public final class Settings {
         return Integer.parseInt(text(name));
     }
 
-    /** The address that is listened at: 127.0.0.1 without keys. */
+    /** Listening address: 127.0.0.1 without keys. */
     public String address() {
         return keyFile() == null ? "127.0.0.1" : text("address");
     }
@@ -254,18 +260,18 @@ public final class Settings {
         return number("state_port");
     }
 
-    /** The file with the own key; null without keys. */
+    /** File with the secret key of this program; null without keys. */
     public String keyFile() {
         return text("key").length() == 0 ? null : text("key");
     }
 
-    /** The files with the keys of drives. */
+    /** Files with the public keys of drives. */
     public List<String> allowedKeyFiles() {
         String files = text("allow");
         return files.length() == 0 ? Collections.<String>emptyList() : Arrays.asList(files.split("\\s*,\\s*"));
     }
 
-    /** The address of FRI's client; {@link #DRIVE} for that of the drive that has connected. */
+    /** Address of the FRI client; {@link #DRIVE} for the address of the connected drive. */
     public String friClient() {
         return text("fri_client");
     }
@@ -282,22 +288,22 @@ public final class Settings {
         return number("fri_receive_multiplier");
     }
 
-    /** The template of the tool at the flange; null for none. */
+    /** Template of the tool at the flange; null without a tool. */
     public String tool() {
         return text("tool").length() == 0 ? null : text("tool");
     }
 
-    /** How many motions are handed to the controller at once. */
+    /** Number of motions that are handed to the controller at once. */
     public int batch() {
         return number("batch");
     }
 
-    /** The version of Sunrise, as the person who installed it has written it; null if nobody has. */
+    /** Sunrise version from the settings; null if not set. */
     public String sunrise() {
         return text("sunrise").length() == 0 ? null : text("sunrise");
     }
 
-    /** The robot at the cabinet, as the person who installed the program has written it; null if nobody has. */
+    /** Robot at the cabinet, from the settings; null if not set. */
     public RobotIdentity robot() {
         return text("robot").length() == 0 ? null : RobotIdentity.of(text("robot"), Double.parseDouble(text("flange_mm")));
     }

@@ -37,11 +37,11 @@ public final class Signal {
             }
             known.append(known.length() == 0 ? "" : ", ").append(signal.name);
         }
-        throw Refusal.bad("there is no input or output `" + Messages.excerpt(name) + "`; known names are "
+        throw Refusal.bad("unknown input or output `" + Messages.excerpt(name) + "`; known names are "
             + (known.length() == 0 ? "none" : known));
     }
 
-    /** A value as this output takes it. */
+    /** Converts a value to the type of this output. */
     public SignalValue fitting(SignalValue wanted) throws Refusal {
         if (!isOutput) {
             throw Refusal.bad(name + " is an input; it cannot be set");

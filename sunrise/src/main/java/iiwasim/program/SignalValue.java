@@ -41,7 +41,7 @@ public final class SignalValue {
         return of(value);
     }
 
-    /** The value of a boolean or a number in JSON. */
+    /** The value of a JSON boolean or number. */
     public static SignalValue of(JsonValue value) {
         if (value.isBoolean()) {
             return of(value.asBoolean());
@@ -53,12 +53,12 @@ public final class SignalValue {
         return of(value.asDouble());
     }
 
-    /** The boolean; null if it is a number. */
+    /** The boolean; null for a number. */
     public Boolean truth() {
         return truth;
     }
 
-    /** The whole number; null if it is a boolean or has a fraction or a sign. */
+    /** The whole number; null for a boolean, a fraction or a negative number. */
     public BigInteger whole() {
         return whole;
     }
@@ -73,7 +73,7 @@ public final class SignalValue {
         if (truth != null) {
             return Json.value(truth);
         }
-        // With its decimals: a whole number is a value of another type.
+        // Written with decimals, as a whole number is a value of another type.
         return whole != null ? Keys.number(whole) : Json.parse(Double.toString(number));
     }
 

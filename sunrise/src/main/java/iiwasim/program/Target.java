@@ -1,6 +1,6 @@
 package iiwasim.program;
 
-/** A frame to go to, in the robot's foot, and which joints reach it. */
+/** A target frame relative to the robot foot, with the redundancy data of the joints. */
 public final class Target {
     private final Pose pose;
     private final Double e1Rad;
@@ -14,27 +14,27 @@ public final class Target {
         this.turn = turn;
     }
 
-    /** Where it is, in the robot's foot. */
+    /** Pose relative to the robot foot. */
     public Pose pose() {
         return pose;
     }
 
-    /** The position of joint A3, in rad; null if it is not given. */
+    /** Position of joint A3, in rad; null if not given. */
     public Double e1Rad() {
         return e1Rad;
     }
 
-    /** Sunrise's status, 0 to 7; null if it is not given. */
+    /** Sunrise status, 0 to 7; null if not given. */
     public Integer status() {
         return status;
     }
 
-    /** Sunrise's turn, 0 to 127; null if it is not given. */
+    /** Sunrise turn, 0 to 127; null if not given. */
     public Integer turn() {
         return turn;
     }
 
-    /** The same, in {@code base}. */
+    /** Converts a target in {@code base} to the frame in which {@code base} is given. */
     Target in(Pose base) {
         return new Target(base.then(pose), e1Rad, status, turn);
     }

@@ -1,6 +1,6 @@
 package iiwasim.program;
 
-/** The point of the arm that a motion moves: of a tool, or the bare flange. */
+/** TCP of a motion: of a tool, or the bare flange. */
 public final class Tcp {
     /** The name of the bare flange. */
     public static final String FLANGE = "flange";
@@ -15,17 +15,17 @@ public final class Tcp {
         this.pose = pose;
     }
 
-    /** The name of the tool; {@link #FLANGE} for none. */
+    /** Name of the tool; {@link #FLANGE} without a tool. */
     public String tool() {
         return tool;
     }
 
-    /** The name of a further TCP of the tool; null for its own. */
+    /** Name of a further TCP of the tool; null for the default TCP. */
     public String tip() {
         return tip;
     }
 
-    /** Where it is in the flange's frame. */
+    /** Pose in the flange frame. */
     public Pose pose() {
         return pose;
     }

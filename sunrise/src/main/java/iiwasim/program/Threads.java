@@ -1,15 +1,15 @@
 package iiwasim.program;
 
-/** Waiting for threads. */
+/** Functions that wait for threads. */
 public final class Threads {
     private Threads() {
     }
 
     /**
-     * Waits for the end of a thread, not for ever, and whether the caller is interrupted or not: a cabinet interrupts a program
-     * to end it, and what is not waited for is left behind.
+     * Waits for the end of a thread, for a limited time, even if the caller is interrupted: a
+     * cabinet interrupts a program to end it, and threads that nobody waits for are left behind.
      *
-     * @return whether it has ended
+     * @return true if the thread has ended
      */
     public static boolean join(Thread thread, long milliseconds) {
         boolean wasInterrupted = Thread.interrupted();

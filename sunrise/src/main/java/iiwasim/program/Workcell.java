@@ -8,7 +8,7 @@ import java.util.Map;
 import java.util.TreeMap;
 import java.util.TreeSet;
 
-/** Tools, bases and frames by their names, and which of them are in use. */
+/** Tools, bases and frames by their names, with the tool and base in use. */
 final class Workcell {
     private static final String ROBOT = "robot";
 
@@ -31,7 +31,7 @@ final class Workcell {
         }
     }
 
-    /** A target in a base; null for that of the program or motion. */
+    /** A target in a base; null for the base of the program or motion. */
     private static final class PlacedTarget {
         final Target target;
         final String base;
@@ -42,7 +42,10 @@ final class Workcell {
         }
     }
 
-    /** Reads the keys {@code tools}, {@code bases}, {@code frames}, {@code tool}, {@code base}, {@code mode} and {@code mount}. */
+    /**
+     * Reads the keys {@code tools}, {@code bases}, {@code frames}, {@code tool}, {@code base},
+     * {@code mode} and {@code mount}.
+     */
     Workcell(Keys keys) throws Refusal {
         for (String name : keys.namesIn("tools")) {
             check("tool", name, Tcp.FLANGE);
@@ -65,7 +68,7 @@ final class Workcell {
         tool = keys.textIfGiven("tool");
         base = keys.textIfGiven("base");
         if (keys.isGiven("mount")) {
-            // How the robot stands, Sunrise knows by itself.
+            // Sunrise knows the mounting of the robot from its own configuration.
             Keys mount = keys.object("mount");
             mount.numbers("rpy_deg", 3);
             mount.refuseOthers();
@@ -75,7 +78,7 @@ final class Workcell {
         base(null);
     }
 
-    /** Whether the motions are to keep to the speed of the mode T1. */
+    /** True if the motions have to keep the speed limit of the operation mode T1. */
     boolean isT1() {
         return isT1;
     }
@@ -107,9 +110,9 @@ final class Workcell {
     }
 
     /**
-     * Reads a load for what may be wrong with it: that of a tool is the one of the tool in Sunrise.
+     * Validates a load. Its values are not used, as the load of a tool is set in Sunrise.
      *
-     * @param hasBody whether its moments of inertia, too, have to be those of a body
+     * @param hasBody true if the moments of inertia also have to be physically possible
      */
     static void readLoad(Keys load, boolean hasBody) throws Refusal {
         if (load.number("mass_kg") < 0) {
@@ -127,7 +130,7 @@ final class Workcell {
         load.refuseOthers();
     }
 
-    /** The numbers of a pose; 0 for those that are missing, unless it needs all of them. */
+    /** Reads a pose; missing numbers are 0, unless {@code needsAll}. */
     static Pose pose(Keys keys, boolean needsAll) throws Refusal {
         double[] numbers = new double[6];
         String[] axes = {"x", "y", "z", "a", "b", "c"};
@@ -148,7 +151,7 @@ final class Workcell {
         return Pose.of(numbers[0], numbers[1], numbers[2], numbers[3], numbers[4], numbers[5]);
     }
 
-    /** An angle in rad that is given in rad or in degrees; null if it is not given. */
+    /** An angle in rad, given in rad or in degrees; null if not given. */
     static Double angle(Keys keys, String name) throws Refusal {
         Double deg = keys.numberIfGiven(name + "_deg");
         Double rad = keys.numberIfGiven(name + "_rad");
@@ -167,7 +170,7 @@ final class Workcell {
         return placed;
     }
 
-    /** A TCP by its name, {@code TOOL} or {@code TOOL/TIP}; that in use for null. */
+    /** A TCP by its name, {@code TOOL} or {@code TOOL/TIP}; the TCP in use for null. */
     Tcp tcp(String name) throws Refusal {
         String wanted = name != null ? name : tool != null ? tool : Tcp.FLANGE;
         if (wanted.equals(Tcp.FLANGE)) {
@@ -183,7 +186,7 @@ final class Workcell {
         return new Tcp(ofTool, tip, pose);
     }
 
-    /** A base in the robot's foot, by its name; that in use for null. */
+    /** A base relative to the robot foot, by its name; the base in use for null. */
     private Pose base(String name) throws Refusal {
         String next = name != null ? name : base != null ? base : ROBOT;
         Pose pose = Pose.IDENTITY;
@@ -202,10 +205,10 @@ final class Workcell {
     }
 
     /**
-     * The target that a key of a motion gives by its name or as an object.
+     * The target of a motion key, given by its name or as an object.
      *
-     * @param base the base of the motion; null for the program's. A target by its name is in the program's, so that it
-     *     is the same place for all motions.
+     * @param base the base of the motion; null for the base of the program. A target given by its
+     *     name always uses the base of the program, so that it is the same place for all motions.
      */
     Target target(Keys motion, String key, String base) throws Refusal {
         JsonValue value = motion.value(key);
@@ -231,7 +234,7 @@ final class Workcell {
         }
     }
 
-    /** Fails if there is no such base, whether or not anything is given in it. */
+    /** Fails for an unknown base, even if the motion does not use it. */
     void checkBase(Keys motion, String name) throws Refusal {
         try {
             base(name);
@@ -242,6 +245,6 @@ final class Workcell {
 
     private static Refusal unknown(String kind, String name, Collection<String> known) {
         String listed = known.isEmpty() ? "none" : Keys.join(new TreeSet<String>(known).toArray(new String[known.size()]));
-        return Refusal.bad("there is no " + kind + " `" + Messages.excerpt(name) + "`; known are " + listed);
+        return Refusal.bad("unknown " + kind + " `" + Messages.excerpt(name) + "`; known are " + listed);
     }
 }

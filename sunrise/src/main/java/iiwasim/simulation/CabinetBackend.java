@@ -28,8 +28,8 @@ import java.util.concurrent.CountDownLatch;
 import java.util.concurrent.TimeUnit;
 
 /**
- * A robot that an {@code iiwasim cabinet} simulates. The cabinet is instructed as a drive would do it, with numbers of
- * its own, and speaks FRI with the drive itself.
+ * A robot simulated by an {@code iiwasim cabinet}. This class instructs the cabinet like a drive,
+ * with its own instruction numbers, and the cabinet communicates with the drive over FRI.
  */
 final class CabinetBackend implements Backend {
     private static final int ANSWER_MS = 5000;
@@ -47,13 +47,14 @@ final class CabinetBackend implements Backend {
     private volatile boolean isClosing;
     private volatile Conditions conditions;
 
-    /** Who hears the end of which run. */
+    /** Listeners by the number of their run. */
     private final Map<Long, Listener> running = new HashMap<Long, Listener>();
 
     /**
      * Connects to a cabinet.
      *
-     * @param isTimed whether times and temperatures are passed on, which a real robot program does not know
+     * @param isTimed true to pass on times and temperatures, which a real robot program does not
+     *     know
      */
     CabinetBackend(String instructionsAt, String statesAt, boolean isTimed) {
         this.isTimed = isTimed;
@@ -203,7 +204,7 @@ final class CabinetBackend implements Backend {
         };
     }
 
-    /** Instructs about a run; if that is refused, nobody waits for its end. */
+    /** Sends an instruction about a run; a refusal removes the listener of the run. */
     private void askOf(long run, JsonObject instruction) throws Refusal {
         boolean isAccepted = false;
         try {

@@ -19,7 +19,7 @@ import java.util.List;
 import java.util.Map;
 import java.util.Random;
 
-/** The robot program on a PC, in front of a simulated robot. */
+/** The robot program on a PC, with a simulated robot. */
 public final class Main {
     private static final String HELP = "usage: java -jar simulated-robot-program.jar [OPTION]...\n"
         + "The robot program of iiwasim in front of a simulated robot, for tests without a cabinet.\n\n"
@@ -41,13 +41,13 @@ public final class Main {
     private Main() {
     }
 
-    /** Runs until it is killed. Its first line on standard output is {@code ready}. */
+    /** Runs until the process is killed. The first line on standard output is {@code ready}. */
     public static void main(String[] arguments) throws Exception {
         Map<String, String> options = options(arguments);
         if (options == null) {
             return;
         }
-        // JeroMQ tells of refused connections there, and whoever started this reads it.
+        // JeroMQ prints refused connections to standard output, which the parent process reads.
         PrintStream out = System.out;
         System.setOut(System.err);
         Log log = new Log() {

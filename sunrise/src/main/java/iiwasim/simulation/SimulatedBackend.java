@@ -23,8 +23,9 @@ import java.util.concurrent.ThreadFactory;
 import java.util.concurrent.TimeUnit;
 
 /**
- * A robot in pure Java, for tests of the protocol. It stops at each target, takes a time for each motion that its
- * slowest joint needs at its greatest speed, and has no FRI: in commanding it holds its position.
+ * A robot in pure Java, for protocol tests. The robot stops at each target, the time of a motion is
+ * the time that its slowest joint needs at maximum speed, and FRI is missing: during commanding the
+ * robot holds its position.
  */
 public final class SimulatedBackend implements Backend {
     /** Velocity limits of an LBR iiwa 7 R800, in rad/s. */
@@ -78,7 +79,7 @@ public final class SimulatedBackend implements Backend {
 
     @Override
     public void checkReady() {
-        // Nothing stops it.
+        // The simulated robot is always ready.
     }
 
     @Override

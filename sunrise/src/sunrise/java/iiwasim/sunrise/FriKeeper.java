@@ -1,6 +1,6 @@
 package iiwasim.sunrise;
 
-// Sunrise 1.7 to 1.10 have these in com.kuka.connectivity.fri. No other file of this program uses FRI.
+// In Sunrise 1.7 to 1.10, these classes are in com.kuka.connectivity.fri. Only this file uses FRI.
 import com.kuka.connectivity.fastRobotInterface.ClientCommandMode;
 import com.kuka.connectivity.fastRobotInterface.FRIChannelInformation;
 import com.kuka.connectivity.fastRobotInterface.FRIChannelInformation.FRISessionState;
@@ -19,15 +19,18 @@ import java.util.concurrent.TimeUnit;
 import java.util.concurrent.TimeoutException;
 
 /**
- * Keeps a session of FRI open, for monitoring all the time: opens it, waits for the client, and opens it again when it has
- * ended, for ever.
+ * Keeps an FRI session open for permanent monitoring: opens it, waits for the client, and reopens
+ * it whenever it has ended.
  */
 final class FriKeeper {
     private static final long AWAIT_S = 10;
     private static final long LOOK_MS = 500;
     private static final long CLIENT_MS = 200;
 
-    /** A session takes five seconds to die; a new one before that fails. */
+    /**
+     * Pause before a new session: an ended session takes five seconds to close, and a new one fails
+     * until then.
+     */
     private static final long DIES_MS = 6000;
 
     private final LBR robot;
@@ -79,7 +82,7 @@ final class FriKeeper {
         }
     }
 
-    /** The address of FRI's client; waits for the drive, if it is the drive's. */
+    /** Address of the FRI client; waits for the drive if the drive is the client. */
     private String client(Server server) throws InterruptedException {
         if (!settings.friClient().equals(Settings.DRIVE)) {
             return settings.friClient();
@@ -134,7 +137,7 @@ final class FriKeeper {
         return information != null && information.getFRISessionState() == FRISessionState.COMMANDING_ACTIVE;
     }
 
-    /** The session as people are told it. */
+    /** State of the session, for people. */
     String state() {
         FRIChannelInformation information = information();
         if (information == null) {
@@ -143,12 +146,12 @@ final class FriKeeper {
         return "session " + information.getFRISessionState() + ", quality " + information.getQuality();
     }
 
-    /** What lays set-points over a motion. */
+    /** Motion overlay of the set-points. */
     synchronized FRIJointOverlay overlay() {
         return new FRIJointOverlay(session, ClientCommandMode.POSITION);
     }
 
-    /** Tells something once, not at each attempt. */
+    /** Logs a text once, and not at each attempt. */
     private void tell(String text) {
         if (!text.equals(told)) {
             told = text;

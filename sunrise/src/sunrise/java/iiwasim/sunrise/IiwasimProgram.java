@@ -19,10 +19,10 @@ import java.util.List;
 import java.util.Random;
 
 /**
- * The robot program of iiwasim: runs motions and trajectories that a drive asks for.
+ * The robot program of iiwasim: runs the motions and trajectories that a drive requests.
  *
- * <p>A person starts it on the smartPAD, and its STOP key ends what it runs. It begins nothing by itself, and never goes
- * on after a stop or a pause.
+ * <p>A person starts the program on the smartPAD, and the STOP key ends the current run. The
+ * program does not begin a motion by itself, and never resumes one after a stop or a pause.
  */
 public class IiwasimProgram extends RoboticsAPIApplication {
     private static final String SETTINGS = "iiwasim.settings";
@@ -45,7 +45,7 @@ public class IiwasimProgram extends RoboticsAPIApplication {
         try {
             serve();
         } finally {
-            // What was opened while the program was being ended.
+            // Closes resources that were opened while the program was ending.
             close();
         }
     }
@@ -80,14 +80,14 @@ public class IiwasimProgram extends RoboticsAPIApplication {
         log.info("waiting for the drive");
         while (!isStopping) {
             if (server.failure() != null) {
-                // A program that cannot be reached must not look as if it ran.
+                // An unreachable program must not appear to be running.
                 throw new IllegalStateException(server.failure());
             }
             Thread.sleep(LOOK_MS);
         }
     }
 
-    /** Called even after an exception in the methods above: the ports have to be free for the next start. */
+    /** Frees the ports for the next start; called even after an exception in the methods above. */
     @Override
     public void dispose() throws Exception {
         isStopping = true;
@@ -135,7 +135,7 @@ public class IiwasimProgram extends RoboticsAPIApplication {
         return Security.withKeys(KeyFile.read(resource(settings.keyFile()), settings.keyFile()), allowed);
     }
 
-    /** A file beside this class. */
+    /** A file next to this class. */
     InputStream resource(String name) throws IOException {
         InputStream found = IiwasimProgram.class.getResourceAsStream(name);
         if (found == null) {

@@ -15,9 +15,12 @@ import java.util.LinkedHashMap;
 import java.util.List;
 import java.util.Map;
 
-/** The inputs and outputs that the settings declare, by the names of their groups: no generated class is needed. */
+/**
+ * Inputs and outputs declared in the settings, by the names of their groups, without generated
+ * classes.
+ */
 final class IoGroups {
-    /** An output shows its new value with a delay. */
+    /** Maximum number of readings of an output, whose new value is visible with a delay. */
     private static final int LOOKS = 10;
     private static final long LOOK_MS = 50;
 
@@ -36,7 +39,7 @@ final class IoGroups {
         }
     }
 
-    /** One of the cabinet's groups. */
+    /** An I/O group of the cabinet. */
     private static final class Group extends AbstractIOGroup {
         Group(Controller controller, String name) {
             super(controller, name);
@@ -81,7 +84,7 @@ final class IoGroups {
         }
     }
 
-    /** All of them, with their values. */
+    /** All inputs and outputs with their values. */
     List<Signal> all() throws Refusal {
         List<Signal> all = new ArrayList<Signal>();
         for (DeclaredSignal signal : signals) {

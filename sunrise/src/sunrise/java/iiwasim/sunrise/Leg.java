@@ -6,13 +6,13 @@ import com.kuka.roboticsAPI.motionModel.RobotMotion;
 import java.util.ArrayList;
 import java.util.List;
 
-/** Motions of one point of the arm up to a stop, and how long the arm waits there. */
+/** Motions with one TCP up to a stop, and the waiting time there. */
 final class Leg {
-    /** The point that moves. */
+    /** TCP of the motions. */
     final ObjectFrame frame;
     /** Batches, one after another without a stop. */
     final List<List<RobotMotion<?>>> batches = new ArrayList<List<RobotMotion<?>>>();
-    /** In s. */
+    /** Waiting time, in s. */
     double waitS;
 
     Leg(ObjectFrame frame) {

@@ -35,11 +35,11 @@ import java.util.List;
 import java.util.Locale;
 
 /**
- * What the motions of a program are in KUKA's interface. An option that has no counterpart is refused: passing over it
- * would move the arm otherwise than it was planned.
+ * Conversion of motions to the RoboticsAPI of KUKA. An option without a counterpart is refused, as
+ * ignoring it would change the planned motion.
  */
 final class MotionMapping {
-    /** A TCP of the program and that of the tool in Sunrise are the same up to this. */
+    /** Tolerance between a TCP of the program and the TCP of the tool in Sunrise. */
     private static final double TCP_MM = 0.1;
     private static final double TCP_RAD = Math.toRadians(0.1);
 
@@ -56,7 +56,7 @@ final class MotionMapping {
         this.toolName = toolName;
     }
 
-    /** The motions, divided where the arm stops to wait or where another point moves. */
+    /** The motions, divided at waits and at changes of the TCP. */
     List<Leg> legs(MotionList list, int batch) throws Refusal {
         if (list.isT1() && robot.getOperationMode() != OperationMode.T1) {
             throw Refusal.robot("the program is for T1, and the robot is in " + robot.getOperationMode()
@@ -93,7 +93,8 @@ final class MotionMapping {
                 legs.add(leg);
             }
             if (blended != null) {
-                // Not of a last motion: Sunrise would stop where the blend begins, and not at the target.
+                // Not for a last motion, which Sunrise would stop at the blend start instead of the
+                // target.
                 blend(last, blended);
             }
             last = motion(motion);
@@ -114,7 +115,10 @@ final class MotionMapping {
         return Refusal.bad("motion " + motion.number + ": " + what);
     }
 
-    /** The point that a motion moves. Its place is that of Sunrise's tool, whose load the controller knows. */
+    /**
+     * The TCP of a motion. Its pose is taken from the Sunrise tool, whose load the controller
+     * knows.
+     */
     private ObjectFrame frame(Motion motion) throws Refusal {
         if (motion.tcp.isFlange()) {
             return robot.getFlange();
@@ -130,7 +134,7 @@ final class MotionMapping {
         } catch (RuntimeException error) {
             throw wrong(motion, "the tool in Sunrise has no frame `/" + Messages.excerpt(motion.tcp.tip()) + "`");
         }
-        // By two readings of the arm at rest: TCP and flange in the same frame.
+        // From two readings at rest: TCP and flange poses in the same frame.
         Pose inSunrise = pose(robot.getCurrentCartesianPosition(robot.getFlange())).inverse()
             .then(pose(robot.getCurrentCartesianPosition(frame)));
         double offMm = inSunrise.distanceMm(motion.tcp.pose());
@@ -193,7 +197,7 @@ final class MotionMapping {
         return new JointPosition(motion.jointsRad);
     }
 
-    /** A frame in the robot's foot. */
+    /** A frame relative to the robot foot. */
     private Frame frame(Target target) {
         double[] xyz = target.pose().xyzMm();
         double[] abc = target.pose().abcRad();
@@ -267,7 +271,7 @@ final class MotionMapping {
         }
     }
 
-    /** Limits of the whole spline are set on each segment that has none of its own. */
+    /** Converts a spline. Its limits are set on each segment without its own limits. */
     private Spline spline(Motion spline) throws Refusal {
         List<SplineMotionCP<?>> segments = new ArrayList<SplineMotionCP<?>>();
         for (Motion segment : spline.segments) {

@@ -8,7 +8,7 @@ import iiwasim.program.Refusal;
 
 import java.util.List;
 
-/** Motions that the controller plans and runs. */
+/** A run of motions that the controller plans. */
 final class MotionRun extends Run {
     private final List<Leg> legs;
 
@@ -34,7 +34,10 @@ final class MotionRun extends Run {
         }
     }
 
-    /** Batches of a leg follow each other without a stop where the last motion of one is blended. */
+    /**
+     * Sends the batches of a leg. The robot does not stop between batches if the last motion is
+     * blended.
+     */
     private void send(Leg leg) {
         for (List<RobotMotion<?>> motions : leg.batches) {
             MotionBatch batch = new MotionBatch(motions.toArray(new RobotMotion<?>[motions.size()]));

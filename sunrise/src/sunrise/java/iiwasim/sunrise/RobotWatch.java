@@ -10,11 +10,11 @@ import iiwasim.program.Conditions;
 import java.util.Locale;
 
 /**
- * Looks at the robot's conditions, five times a second: asked more often than ten times, the controller's interface breaks
- * down. That is not what stops the arm; it is what keeps a stopped run from going on.
+ * Polls the conditions of the robot at 5 Hz: above 10 Hz, the interface of the controller breaks
+ * down. The polling does not stop the robot; it prevents a stopped run from continuing.
  */
 final class RobotWatch {
-    /** Hears of stops. */
+    /** Receives stops. */
     interface Listener {
         void stopped(String why);
     }
@@ -48,12 +48,12 @@ final class RobotWatch {
         thread.start();
     }
 
-    /** The conditions when they were last looked at; null before that. */
+    /** The last polled conditions; null before the first poll. */
     Conditions conditions() {
         return conditions;
     }
 
-    /** Whether the execution of motions is paused. */
+    /** True if the execution of motions is paused. */
     boolean isPaused() {
         return isPaused;
     }

@@ -18,16 +18,16 @@ import java.util.List;
 import java.util.Set;
 
 /**
- * A run on the controller, from its beginning until the arm is at rest.
+ * A run on the controller, from its beginning until the robot is at rest.
  *
- * <p>A thread of its own follows it. Callbacks of the controller set fields and wake it, no more. What ends a run before
- * its time cancels everything that is left of it: nothing is ever resumed.
+ * <p>A separate thread follows the run. Callbacks of the controller only set fields and wake this
+ * thread. An early end cancels all remaining motions; a run is never resumed.
  */
 abstract class Run {
-    /** How often it looks whether motions have ended, in case that nobody is told, in ms. */
+    /** Poll interval for the end of motions, in case that a callback is missing, in ms. */
     private static final long LOOK_MS = 200;
 
-    /** How long the arm may take to come to rest. */
+    /** Maximum time for the robot to stop. */
     private static final long REST_MS = 5000;
 
     private final Backend.Listener listener;
@@ -35,7 +35,10 @@ abstract class Run {
     private final Set<IMotionContainer> cancelled = new HashSet<IMotionContainer>();
     private final Thread thread;
     private Refusal error;
-    /** Everything was done: what the controller says of a hold that is taken back is no error. */
+    /**
+     * True once the run is complete: errors of the controller about a cancelled hold are ignored
+     * then.
+     */
     private boolean isComplete;
     private boolean hasEnded;
 
@@ -53,7 +56,7 @@ abstract class Run {
 
         @Override
         public void motionStarted(IMotion motion) {
-            // The drive sees it over FRI.
+            // The drive observes the motion over FRI.
         }
 
         @Override
@@ -76,10 +79,15 @@ abstract class Run {
     /** Hands the first motions to the controller. */
     abstract void start() throws Refusal;
 
-    /** Waits for the end of what was started, and starts what follows. What is left when it returns is cancelled. */
+    /**
+     * Waits for the end of the started motions, and starts the next ones. Remaining motions are
+     * cancelled when it returns.
+     */
     abstract void proceed() throws Refusal, InterruptedException;
 
-    /** Begins. If the controller refuses the first motions, the arm is at rest when this returns. */
+    /**
+     * Begins the run. If the controller refuses the first motions, the robot is at rest on return.
+     */
     final void begin() throws Refusal {
         boolean isStarted = false;
         try {
@@ -128,7 +136,7 @@ abstract class Run {
         listener.ended(Outcome.untimed(why));
     }
 
-    /** Ends the run with an error, unless it has ended or has one. */
+    /** Ends the run with an error, unless it has ended or already has an error. */
     final void abort(Refusal why) {
         synchronized (this) {
             if (hasEnded) {
@@ -150,7 +158,7 @@ abstract class Run {
         join(thread);
     }
 
-    /** Keeps a container, to be cancelled with the others. */
+    /** Registers a container, which is cancelled with the others. */
     final void add(IMotionContainer container) {
         boolean isLate;
         synchronized (this) {
@@ -173,7 +181,10 @@ abstract class Run {
         }
     }
 
-    /** Waits until all containers have finished; fails if one of them has an error, or the run was aborted. */
+    /**
+     * Waits until all containers have finished; fails if one of them has an error, or the run was
+     * aborted.
+     */
     final void awaitContainers() throws Refusal, InterruptedException {
         for (IMotionContainer container : snapshot()) {
             while (!container.isFinished()) {
@@ -190,7 +201,7 @@ abstract class Run {
         }
     }
 
-    /** Waits, or until something has changed. */
+    /** Waits for a change, at most for the given time. */
     final synchronized void pause(long milliseconds) throws InterruptedException {
         wait(milliseconds);
     }
@@ -205,7 +216,7 @@ abstract class Run {
         }
     }
 
-    /** Cancels a container once: what the controller calls meanwhile may come here again. */
+    /** Cancels a container once, as callbacks of the controller may call this method again. */
     private void cancel(IMotionContainer container) {
         synchronized (this) {
             if (!cancelled.add(container)) {
@@ -217,7 +228,7 @@ abstract class Run {
                 container.cancel();
             }
         } catch (RuntimeException refusal) {
-            // The others have to be cancelled all the same. This one is waited for.
+            // The other containers still have to be cancelled, and the run waits for this one.
             return;
         }
     }
@@ -250,7 +261,7 @@ abstract class Run {
         return message == null ? "it gives no reason" : Messages.line(message);
     }
 
-    /** Waits for the end of a thread, not for ever. */
+    /** Waits for the end of a thread, for a limited time. */
     static void join(Thread thread) {
         Threads.join(thread, REST_MS + 2 * LOOK_MS);
     }

@@ -25,7 +25,7 @@ import iiwasim.program.SignalValue;
 
 import java.util.List;
 
-/** The robot, by KUKA's RoboticsAPI. */
+/** The robot, controlled through KUKA's RoboticsAPI. */
 final class SunriseBackend implements Backend {
     private final LBR robot;
     private final Settings settings;
@@ -34,7 +34,7 @@ final class SunriseBackend implements Backend {
     private final IoGroups io;
     private final FriKeeper fri;
     private Run run;
-    /** The program ends: nothing begins any more. */
+    /** True while the program ends: runs cannot begin any more. */
     private boolean isEnding;
 
     SunriseBackend(LBR robot, IApplicationControl control, IApplicationData data, Settings settings, Log log) {
@@ -52,7 +52,7 @@ final class SunriseBackend implements Backend {
             @Override
             public ErrorHandlingAction handleError(Device device, IMotionContainer failed, List<IMotionContainer> canceled) {
                 abort(failed.getErrorMessage() == null ? "the controller has aborted a motion" : failed.getErrorMessage());
-                // Ending the program would take away the connection that tells why.
+                // Ending the program would close the connection that reports the reason.
                 return ErrorHandlingAction.Ignore;
             }
         });
@@ -65,12 +65,12 @@ final class SunriseBackend implements Backend {
         watch.start();
     }
 
-    /** Opens FRI; its client may be the drive that has connected. */
+    /** Opens FRI; the client may be the connected drive. */
     void openFri(Server server) {
         fri.start(server);
     }
 
-    /** Ends what runs, for a reason that people are told. */
+    /** Aborts the current run, for a reason that people can read. */
     void abort(String why) {
         Run current = current();
         if (current != null) {
@@ -89,7 +89,9 @@ final class SunriseBackend implements Backend {
         run = next;
     }
 
-    /** Ends what runs, and begins nothing after it: the drive is served until the ports are closed. */
+    /**
+     * Aborts the current run, and refuses further runs; the drive is served until the ports close.
+     */
     void end(String why) {
         synchronized (this) {
             isEnding = true;
@@ -155,7 +157,7 @@ final class SunriseBackend implements Backend {
 
     @Override
     public Sensors sensors() {
-        // No call for temperatures is known.
+        // A call for temperatures is not known.
         return new Sensors(null, robot.getExternalTorque().getTorqueValues());
     }
 
@@ -208,7 +210,7 @@ final class SunriseBackend implements Backend {
         }
     }
 
-    /** What the controller says of a command that it does not take. */
+    /** A refusal from the exception of a command that the controller rejects. */
     static Refusal refused(RuntimeException error) {
         return Refusal.robot("the controller refuses: " + Messages.of(error));
     }

@@ -11,15 +11,15 @@ import iiwasim.program.Refusal;
 import java.util.concurrent.TimeUnit;
 
 /**
- * A trajectory whose set-points come over FRI: the controller holds its position, and FRI is laid over it. The hold is
- * there only as long as the trajectory, so that the brakes close in between.
+ * A trajectory with set-points over FRI: the controller holds its position, with FRI as an overlay.
+ * The hold lasts only as long as the trajectory, so that the brakes close between trajectories.
  */
 final class TrajectoryRun extends Run {
-    /** How long the session may take to become active. */
+    /** Maximum time for the session to become active. */
     private static final long ACTIVE_MS = 5000;
     private static final long LOOK_MS = 100;
 
-    /** Two looks at the arm: if it moves less in between, it is at rest. */
+    /** Interval of two position readings, which detect standstill. */
     private static final long REST_MS = 50;
     private static final double REST_RAD = 5e-4;
 
@@ -72,7 +72,7 @@ final class TrajectoryRun extends Run {
         return false;
     }
 
-    /** The drive has sent its last set-point. */
+    /** Ends the trajectory after the last set-point of the drive. */
     synchronized void finish() {
         isFinished = true;
         notifyAll();

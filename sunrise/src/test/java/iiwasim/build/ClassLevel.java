@@ -13,10 +13,10 @@ import java.util.zip.ZipInputStream;
 import java.util.zip.ZipOutputStream;
 
 /**
- * Labels the classes of a jar with the version of Java 6, and refuses a jar that has others.
+ * Relabels the classes of a jar as Java 6, and refuses a jar with other class versions.
  *
- * <p>JeroMQ 0.4.3 says Java 7 and uses nothing of it: two bytes of each class are all that keeps it off a cabinet. The
- * build checks its API beside this, and its tests run on what comes out.
+ * <p>JeroMQ 0.4.3 is labelled as Java 7 without using Java 7: only two bytes of each class keep it
+ * off a cabinet. The build also checks the used API, and the tests run on the relabelled classes.
  */
 public final class ClassLevel {
     private static final int JAVA_6 = 50;
@@ -27,7 +27,7 @@ public final class ClassLevel {
     private ClassLevel() {
     }
 
-    /** Relabels the jars that are named after a folder, which gets the classes of the first one. */
+    /** Relabels the jars given after a folder; the folder gets the classes of the first jar. */
     public static void main(String[] arguments) throws IOException {
         for (int i = 1; i < arguments.length; i++) {
             File jar = new File(arguments[i]);
@@ -38,7 +38,7 @@ public final class ClassLevel {
         }
     }
 
-    /** Relabels a jar, and writes its classes into a folder unless that is null. */
+    /** Relabels a jar, and writes its classes into a folder unless the folder is null. */
     static void relabel(File jar, File classes) throws IOException {
         File made = new File(jar.getPath() + ".part");
         int count = 0;
@@ -56,7 +56,7 @@ public final class ClassLevel {
                     write(new File(classes, entry.getName()), content);
                 }
                 ZipEntry copy = new ZipEntry(entry.getName());
-                // The same input makes the same jar.
+                // A fixed time makes the jar reproducible.
                 copy.setTime(new GregorianCalendar(2000, Calendar.JANUARY, 1).getTimeInMillis());
                 out.putNextEntry(copy);
                 out.write(content);

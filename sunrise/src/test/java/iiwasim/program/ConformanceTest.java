@@ -26,16 +26,19 @@ import java.util.concurrent.Executors;
 import java.util.concurrent.Future;
 import java.util.concurrent.atomic.AtomicInteger;
 
-/** The cases of {@code conformance}, in the form that its README defines, against the robot program with a simple robot. */
+/**
+ * Runs the cases of {@code conformance}, whose format its README defines, on the robot program with
+ * a simple robot.
+ */
 public class ConformanceTest {
-    /** What the simple robot has of what cases need. */
+    /** Features of the simple robot that cases may require. */
     private static final List<String> HAS = Arrays.asList("motion", "io", "times");
 
     private final AtomicInteger passed = new AtomicInteger();
     private final AtomicInteger skipped = new AtomicInteger();
     private final List<String> failures = Collections.synchronizedList(new ArrayList<String>());
 
-    /** Each file has a program of its own, and most of its time is spent waiting: they run side by side. */
+    /** Runs all files in parallel: each has its own program, and waits most of the time. */
     @Test
     public void allCases() throws Exception {
         ExecutorService threads = Executors.newCachedThreadPool();
@@ -113,7 +116,7 @@ public class ConformanceTest {
         }
     }
 
-    /** What is wrong; null for nothing. */
+    /** The failure of a step; null for success. */
     private static String step(JsonObject step, Peer peer) throws Exception {
         String name = step.names().get(0);
         JsonValue value = step.get(name);

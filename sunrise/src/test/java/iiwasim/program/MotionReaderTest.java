@@ -42,7 +42,7 @@ public class MotionReaderTest {
         assertEquals(Math.PI / 2, motion.jointsRad[0], 1e-12);
         assertArrayEquals(new double[] {0.5, 0.5, 0.5, 0.5, 0.5, 0.5, 0.5}, motion.limits.velocityRel(), 0);
         assertNull(motion.limits.jerkRel());
-        // Sunrise's 1 is half of a motion.
+        // A relative size of 1 in Sunrise is half of a motion.
         assertEquals(0.5, motion.blend.sunriseRel(), 0);
         assertEquals("gripper", motion.tcp.toString());
     }
@@ -96,7 +96,7 @@ public class MotionReaderTest {
     public void whatIsWrongIsNamed() {
         assertRefused("{'type':'fly'}", "`fly`");
         assertRefused("{'type':'ptp'}", "motion 1");
-        assertRefused("{'type':'ptp','frame':'pik'}", "no frame `pik`");
+        assertRefused("{'type':'ptp','frame':'pik'}", "unknown frame `pik`");
         assertRefused("{'type':'ptp','joints_deg':[0,0,0,0,0,0,0],'speed':1}", "`speed`");
         assertRefused("{'type':'wait','seconds':1},{'type':'wait','seconds':-1}", "motion 2");
         assertRefused("{'type':'lin','frame':'pick','blend':{'fraction':0.1}}", "`fraction`");
@@ -105,8 +105,8 @@ public class MotionReaderTest {
         assertRefused("{'type':'spline','segments':[]}", "`segments`");
         assertRefused("{'type':'lin','frame':'pick','blend':{'cart_mm':30}},{'type':'wait','seconds':1}", "wait");
         assertRefused("{'type':'lin','frame':'pick','cart_acceleration_mm_s2':0.5}", "at least 1");
-        assertRefused("{'type':'lin','frame':'pick','tool':'drill'}", "no tool `drill`");
-        assertRefused("{'type':'lin','frame':'pick','base':'shelf'}", "no base `shelf`");
+        assertRefused("{'type':'lin','frame':'pick','tool':'drill'}", "unknown tool `drill`");
+        assertRefused("{'type':'lin','frame':'pick','base':'shelf'}", "unknown base `shelf`");
     }
 
     @Test

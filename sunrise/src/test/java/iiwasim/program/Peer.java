@@ -11,20 +11,20 @@ import java.util.concurrent.BlockingQueue;
 import java.util.concurrent.LinkedBlockingQueue;
 import java.util.concurrent.TimeUnit;
 
-/** What a drive is to a robot program: a socket for instructions, and one for states. */
+/** A drive from the view of a robot program: a socket for instructions, and one for states. */
 final class Peer {
     static final Charset UTF_8 = Charset.forName("UTF-8");
     private static final int POLL_MS = 20;
 
     final BlockingQueue<JsonValue> states = new LinkedBlockingQueue<JsonValue>();
-    /** The answer to states; null for none. */
+    /** The answer to states; null to send no answer. */
     volatile String acknowledgement = "{\"ok\":true}";
     private final ZMQ.Context context = ZMQ.context(1);
     private final ZMQ.Socket instructions;
     private final Thread receiver;
     private volatile boolean isClosing;
 
-    /** Connects, with keys of its own if they are given. */
+    /** Connects, with the key pair {@code own} if given. */
     Peer(String instructionsAt, String statesAt, byte[] serverKey, ZMQ.Curve.KeyPair own) {
         instructions = socket(ZMQ.DEALER, instructionsAt, serverKey, own);
         // DEALER, as REP has to answer.
@@ -81,7 +81,7 @@ final class Peer {
         }
     }
 
-    /** The next answer; null if there is none in time. */
+    /** The next answer; null after a timeout. */
     JsonValue answer(double withinS) {
         long until = System.nanoTime() + (long) (withinS * 1e9);
         do {
@@ -101,7 +101,7 @@ final class Peer {
         return answer(10);
     }
 
-    /** The next state; null if there is none in time. */
+    /** The next state; null after a timeout. */
     JsonValue state(double withinS) throws InterruptedException {
         return states.poll((long) (withinS * 1e3), TimeUnit.MILLISECONDS);
     }

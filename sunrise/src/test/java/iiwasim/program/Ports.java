@@ -12,16 +12,21 @@ import java.util.List;
 import java.util.Random;
 import java.util.Scanner;
 
-/** Ports that nobody else uses, each given once: by the same blocks as {@code tests/src/ports.rs}. */
+/** Unused ports, each given out once, from the same blocks as in {@code tests/src/ports.rs}. */
 public final class Ports {
     private static final int FIRST = 10000;
     private static final int END = 30000;
     private static final int BLOCK = 50;
 
-    /** Whoever holds the UDP port at the beginning of a block has the others, until it ends. */
+    /**
+     * UDP sockets at the beginning of blocks: their owner has the other ports of the block until it
+     * ends.
+     */
     private static final List<DatagramSocket> GUARDS = new ArrayList<DatagramSocket>();
 
-    /** Where blocks begin that were not tried; those where an outgoing connection could take a port come last. */
+    /**
+     * First ports of blocks not tried yet; blocks in the range of outgoing connections are last.
+     */
     private static LinkedList<Integer> untried;
     private static int next;
     private static int end;
@@ -52,7 +57,7 @@ public final class Ports {
         try {
             GUARDS.add(new DatagramSocket(begin, InetAddress.getByName("127.0.0.1")));
         } catch (IOException error) {
-            // It is another process's.
+            // Another process owns the block.
             return;
         }
         next = begin + 1;
@@ -74,7 +79,7 @@ public final class Ports {
         return blocks;
     }
 
-    /** The first and the last port that this system gives to outgoing connections. */
+    /** The first and the last port of the system for outgoing connections. */
     private static int[] outgoing() {
         try {
             Scanner range = new Scanner(new File("/proc/sys/net/ipv4/ip_local_port_range"));
@@ -88,7 +93,7 @@ public final class Ports {
         }
     }
 
-    /** Whether no program has it, be it one that knows nothing of blocks. */
+    /** True if the port is unused, also by programs that do not use blocks. */
     private static boolean isFree(int port) throws IOException {
         InetAddress here = InetAddress.getByName("127.0.0.1");
         try {

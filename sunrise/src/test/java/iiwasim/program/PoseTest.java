@@ -29,7 +29,7 @@ public class PoseTest {
         assertEquals(0, back.distanceMm(Pose.IDENTITY), 1e-9);
         assertEquals(0, back.angleRad(Pose.IDENTITY), 1e-9);
         assertEquals(0.25, pose.angleRad(pose.then(Pose.of(0, 0, 0, 0, 0, 0.25))), 1e-9);
-        // The tool of a gripper that looks down.
+        // The TCP of a gripper that points down.
         Pose down = Pose.of(500, 0, 400, 0, Math.PI, 0).then(Pose.of(0, 0, 120, 0, 0, 0));
         assertArrayEquals(new double[] {500, 0, 280}, down.xyzMm(), 1e-9);
     }

@@ -29,7 +29,7 @@ public class ProgramTest {
         }
     });
 
-    /** A robot that does nothing and remembers what it was asked for. */
+    /** A robot that does not move and records its calls. */
     static class Recorder implements Backend {
         String calls = "";
         Refusal refusal;
@@ -156,7 +156,7 @@ public class ProgramTest {
         backend.listener.ended(Outcome.timed(1.0, 2.5, null));
         assertEquals("{\"run\":7,\"start_s\":1,\"end_s\":2.5}", state().get("outcome").toString());
         assertEquals("idle", state().getString("state", ""));
-        // It ends once.
+        // A run ends only once.
         backend.listener.ended(Outcome.untimed(Refusal.robot("again")));
         assertTrue(state().get("outcome").asObject().get("error") == null);
     }
@@ -190,7 +190,8 @@ public class ProgramTest {
         assertEquals("robot", code(RUN));
         assertTrue(ask(of("run_trajectory")).toString().contains("it broke"));
         assertEquals("idle", state().getString("state", ""));
-        // Not even for a moment: a drive takes a state that names the run for its beginning.
+        // Not even temporarily: a drive takes a state with the run number as the beginning of the
+        // run.
         assertEquals(changes, program.changes());
     }
 
@@ -216,14 +217,14 @@ public class ProgramTest {
         assertEquals("{\"model\":\"lbr_iiwa_14_r820\",\"lengths_mm\":{\"base\":360,\"upper_arm\":420,\"forearm\":400,\"flange\":126}}",
             state.get("hello").asObject().get("robot").toString());
         assertEquals(Program.PROTOCOL, state.get("hello").asObject().getInt("protocol", 0));
-        // Only a simulated robot says so: clients turn its joints without a second question.
+        // Only a simulated robot reports this: clients move its joints without confirmation.
         assertTrue(state.get("simulated") == null);
         long changes = program.changes();
         ask(of("run_trajectory"));
         assertEquals(changes + 1, program.changes());
     }
 
-    /** The version is that of the drive that it is released with. */
+    /** The version equals the version of the drive in the same release. */
     @Test
     public void theVersionIsThatOfTheWorkspace() throws Exception {
         String version = Program.VERSION.replace("iiwasim ", "");

@@ -28,12 +28,12 @@ public class ServerTest {
     static final Log SILENT = new Log() {
         @Override
         public void info(String text) {
-            // Nobody reads it.
+            // Not read.
         }
 
         @Override
         public void warn(String text) {
-            // Nobody reads it.
+            // Not read.
         }
     };
 
@@ -143,7 +143,7 @@ public class ServerTest {
         Server server = new Server(program, instructions, states, security, SILENT);
         assertNull(server.peer());
         byte[] serverKey = ZMQ.Curve.z85Decode(cabinet.publicKey);
-        // No key, an unknown key, and the drive's key with another server's.
+        // Without a key, with an unknown key, and with the drive key and another server key.
         Peer[] strangers = {
             new Peer(instructions, states, null, null),
             new Peer(instructions, states, serverKey, ZMQ.Curve.generateKeyPair()),
@@ -166,7 +166,7 @@ public class ServerTest {
         server.close();
     }
 
-    /** Whoever reaches a port can send anything to it. */
+    /** Anyone who can reach a port can send any bytes to it. */
     @Test
     public void strayBytesAreHarmless() throws Exception {
         String instructions = free();
@@ -196,7 +196,7 @@ public class ServerTest {
                         stray.close();
                     }
                 } catch (IOException error) {
-                    // It is thrown out.
+                    // The server closes the connection.
                 }
             }
         }

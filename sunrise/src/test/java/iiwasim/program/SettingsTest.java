@@ -59,7 +59,7 @@ public class SettingsTest {
         assertRefused("robot = lbr_iiwa_7_r800\n", "line 1", "belong together");
         assertRefused("robot = lbr_iiwa_7_r800\nflange_mm = -1\n", "line 2", "length in mm");
         assertRefused("fri_port = 1\n", "line 1", "30200 to 30209");
-        assertRefused("# a\n\nspeed = 3 # fast\n", "line 3", "no setting `speed`");
+        assertRefused("# a\n\nspeed = 3 # fast\n", "line 3", "unknown setting `speed`");
         assertRefused("tool = a\ntool = b\n", "line 2", "line 1");
         assertRefused("tool\n", "line 1", "name = value");
         assertRefused("key = cabinet.key\n", "line 1", "`allow`");

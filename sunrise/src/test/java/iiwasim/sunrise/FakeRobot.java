@@ -27,7 +27,7 @@ import java.util.List;
 import java.util.Map;
 import java.util.concurrent.ConcurrentHashMap;
 
-/** A robot whose motions end when a test says so. */
+/** A robot whose motions end on request of a test. */
 final class FakeRobot implements LBR, IApplicationControl, IApplicationData {
     final List<Container> containers = Collections.synchronizedList(new ArrayList<Container>());
     final Map<String, Point> points = new ConcurrentHashMap<String, Point>();
@@ -39,11 +39,11 @@ final class FakeRobot implements LBR, IApplicationControl, IApplicationData {
     volatile JointPosition joints = new JointPosition(new double[7]);
     volatile RuntimeException refusal;
     volatile IErrorHandler errorHandler;
-    /** Refuses motions after so many. */
+    /** Number of motions after which further motions are refused. */
     volatile int refuseAfter = Integer.MAX_VALUE;
     volatile Runnable onCancel;
 
-    /** A motion under way. */
+    /** A motion in progress. */
     final class Container implements IMotionContainer {
         final String what;
         private final IMotionContainerListener listener;
@@ -87,7 +87,7 @@ final class FakeRobot implements LBR, IApplicationControl, IApplicationData {
         }
     }
 
-    /** A point of the arm that can be moved. */
+    /** A TCP. */
     final class Point implements ObjectFrame {
         private final String name;
         private final double z;

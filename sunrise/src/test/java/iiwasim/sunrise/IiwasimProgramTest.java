@@ -29,12 +29,12 @@ import java.util.HashSet;
 import java.util.Map;
 import java.util.Set;
 
-/** The application as a cabinet starts and ends it, on a robot of stubs. The Java of a cabinet outlives it. */
+/** The application, started and ended as on a cabinet, whose JVM outlives it, with a stub robot. */
 public class IiwasimProgramTest {
     private static final long LONG_MS = 20000;
 
     private final FakeRobot robot = new FakeRobot();
-    /** The files beside the application. */
+    /** The files next to the application. */
     private final Map<String, String> files = new HashMap<String, String>();
     private final int[] ports = new int[2];
     private volatile Exception failure;
@@ -52,17 +52,17 @@ public class IiwasimProgramTest {
         RoboticsAPIApplication.logger = new ITaskLogger() {
             @Override
             public void info(String text) {
-                // Nobody reads it.
+                // Not read.
             }
 
             @Override
             public void warn(String text) {
-                // Nobody reads it.
+                // Not read.
             }
 
             @Override
             public void error(String text) {
-                // Nobody reads it.
+                // Not read.
             }
         };
         for (int i = 0; i < 2; i++) {
@@ -104,7 +104,7 @@ public class IiwasimProgramTest {
                 try {
                     application.run();
                 } catch (InterruptedException interrupt) {
-                    // The cabinet ends it so, too.
+                    // The cabinet also ends the application after an exception.
                 } catch (Exception error) {
                     failure = error;
                 }
@@ -130,7 +130,7 @@ public class IiwasimProgramTest {
         return new HashSet<Thread>(Thread.getAllStackTraces().keySet());
     }
 
-    /** Threads that are there now and were not before. */
+    /** New threads since {@code before}. */
     private static Set<Thread> left(Set<Thread> before) throws InterruptedException {
         Set<Thread> left = Collections.emptySet();
         long until = System.nanoTime() + LONG_MS * 1000000;
@@ -196,7 +196,7 @@ public class IiwasimProgramTest {
             }
             assertEquals(row[1], Collections.emptySet(), left(before));
         }
-        // Even one that was not started.
+        // Also without a start.
         application().dispose();
     }
 }

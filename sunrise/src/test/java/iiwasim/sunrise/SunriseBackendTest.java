@@ -29,7 +29,7 @@ import java.io.ByteArrayInputStream;
 import java.io.IOException;
 import java.util.ArrayList;
 
-/** The robot program on a robot of stubs: what is asked of the controller, and what the drive is told. */
+/** The robot program with a stub robot: calls of the controller, and messages to the drive. */
 public class SunriseBackendTest {
     private static final long LONG_MS = 20000;
     private static final String TOOLS = "'tools':{'gripper':{'tcp':{'z_mm':120},'tips':{'left':{'z_mm':130}}}},'tool':'gripper',";
@@ -45,12 +45,12 @@ public class SunriseBackendTest {
         Log silent = new Log() {
             @Override
             public void info(String text) {
-                // Nobody reads it.
+                // Not read.
             }
 
             @Override
             public void warn(String text) {
-                // Nobody reads it.
+                // Not read.
             }
         };
         FRISession.CALLS.clear();
@@ -115,7 +115,7 @@ public class SunriseBackendTest {
         assertEquals(count, robot.containers.size());
     }
 
-    /** Waits for the end, and returns its error; empty for none. */
+    /** Waits for the end of a run, and returns its error; empty without an error. */
     private String end() throws InterruptedException {
         await("end", new Condition() {
             @Override
@@ -125,7 +125,7 @@ public class SunriseBackendTest {
         });
         JsonObject outcome = state().get("outcome").asObject();
         assertEquals(7, outcome.getInt("run", 0));
-        // FRI's clock is not known here.
+        // The time on the FRI clock is unknown.
         assertNull(outcome.get("end_s"));
         JsonValue error = outcome.get("error");
         return error == null ? "" : error.asObject().getString("message", "");
@@ -153,12 +153,12 @@ public class SunriseBackendTest {
         open("batch = 2\n");
         run("", ptp(1) + "," + ptp(2) + "," + ptp(3) + ",{'type':'wait','seconds':0.05},"
             + "{'type':'ptp','joints_deg':[4,0,0,0,0,0,0],'blend':{'sunrise_rel':0.5}}");
-        // Two batches are queued, so that there is no stop between them.
+        // Two batches are queued, so that the robot does not stop between them.
         awaitContainers(2);
         robot.containers.get(0).finish(null);
         robot.containers.get(1).finish(null);
         awaitContainers(3);
-        // Sunrise would stop where the blend begins.
+        // Sunrise would stop at the blend start.
         assertFalse(robot.containers.get(2).what, robot.containers.get(2).what.contains("Blending"));
         robot.containers.get(2).finish(null);
         assertEquals("", end());
@@ -249,7 +249,7 @@ public class SunriseBackendTest {
         assertTrue(error("{'seq':2,'type':'begin','run':7}").contains("workspace error"));
         assertEquals("idle", state().getString("state", ""));
         robot.refusal = null;
-        // Of two batches the second: the first is taken back.
+        // The second of two batches is refused: the first is cancelled.
         String motions = ptp(1) + ",{'type':'wait','seconds':0}," + ptp(2);
         assertNull(error("{'seq':1,'type':'run_motions','run':7,'motions':[" + motions + "]}"));
         robot.refuseAfter = 1;
@@ -264,7 +264,7 @@ public class SunriseBackendTest {
         awaitContainers(1);
         robot.containers.get(0).finish("the path cannot be planned");
         assertTrue(end().contains("the path cannot be planned"));
-        // The next one begins.
+        // The next run begins.
         run("", ptp(1));
         awaitContainers(2);
         robot.containers.get(1).finish(null);
@@ -342,7 +342,7 @@ public class SunriseBackendTest {
         assertEquals("robot: PositionHold for(-1) addMotionOverlay(overlay)", robot.containers.get(0).what);
         FRISession.state = FRISessionState.COMMANDING_ACTIVE;
         final IMotionContainer hold = robot.containers.get(0);
-        // A controller that takes the end of the hold for an error.
+        // A controller that reports the end of the hold as an error.
         robot.onCancel = new Runnable() {
             @Override
             public void run() {

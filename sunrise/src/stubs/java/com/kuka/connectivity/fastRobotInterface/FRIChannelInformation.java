@@ -1,11 +1,11 @@
 package com.kuka.connectivity.fastRobotInterface;
 
-/** A stub of ours: see src/stubs/README.md. */
+/** Stub of the KUKA type: see src/stubs/README.md. */
 public class FRIChannelInformation {
-    /** A stub of ours. */
+    /** Stub of the KUKA type. */
     public enum FRISessionState { IDLE, MONITORING_WAIT, MONITORING_READY, COMMANDING_WAIT, COMMANDING_ACTIVE }
 
-    /** A stub of ours. */
+    /** Stub of the KUKA type. */
     public enum FRIConnectionQuality { POOR, FAIR, GOOD, EXCELLENT }
 
     private final FRISessionState state;

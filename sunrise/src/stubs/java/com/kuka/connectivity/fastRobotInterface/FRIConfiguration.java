@@ -2,7 +2,7 @@ package com.kuka.connectivity.fastRobotInterface;
 
 import com.kuka.roboticsAPI.deviceModel.LBR;
 
-/** A stub of ours: see src/stubs/README.md. */
+/** Stub of the KUKA type: see src/stubs/README.md. */
 public class FRIConfiguration {
     public final String client;
     public int periodMs;

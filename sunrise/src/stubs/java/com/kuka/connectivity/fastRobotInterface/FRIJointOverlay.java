@@ -2,7 +2,7 @@ package com.kuka.connectivity.fastRobotInterface;
 
 import com.kuka.roboticsAPI.motionModel.IMotionOverlay;
 
-/** A stub of ours: see src/stubs/README.md. */
+/** Stub of the KUKA type: see src/stubs/README.md. */
 public class FRIJointOverlay implements IMotionOverlay {
     public FRIJointOverlay(FRISession session, ClientCommandMode mode) {
     }

@@ -6,11 +6,11 @@ import java.util.List;
 import java.util.concurrent.TimeUnit;
 import java.util.concurrent.TimeoutException;
 
-/** A stub of ours: see src/stubs/README.md. */
+/** Stub of the KUKA type: see src/stubs/README.md. */
 public class FRISession {
-    /** What sessions were asked for, for tests. */
+    /** Calls of all sessions, for tests. */
     public static final List<String> CALLS = Collections.synchronizedList(new ArrayList<String>());
-    /** The state that all of them are in. */
+    /** State of all sessions. */
     public static volatile FRIChannelInformation.FRISessionState state = FRIChannelInformation.FRISessionState.MONITORING_READY;
 
     public FRISession(FRIConfiguration configuration) {

@@ -2,7 +2,7 @@ package com.kuka.roboticsAPI.applicationModel;
 
 import com.kuka.roboticsAPI.motionModel.IErrorHandler;
 
-/** A stub of ours: see src/stubs/README.md. */
+/** Stub of the KUKA type: see src/stubs/README.md. */
 public interface IApplicationControl {
     double getApplicationOverride();
 

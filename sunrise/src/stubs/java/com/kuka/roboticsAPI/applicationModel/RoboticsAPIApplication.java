@@ -2,7 +2,7 @@ package com.kuka.roboticsAPI.applicationModel;
 
 import com.kuka.task.ITaskLogger;
 
-/** A stub of ours: see src/stubs/README.md. */
+/** Stub of the KUKA type: see src/stubs/README.md. */
 public abstract class RoboticsAPIApplication {
     public static RoboticsContext context;
     public static ITaskLogger logger;

@@ -2,7 +2,7 @@ package com.kuka.roboticsAPI.controllerModel;
 
 import com.kuka.roboticsAPI.executionModel.IExecutionService;
 
-/** A stub of ours: see src/stubs/README.md. */
+/** Stub of the KUKA type: see src/stubs/README.md. */
 public interface Controller {
     String getName();
 

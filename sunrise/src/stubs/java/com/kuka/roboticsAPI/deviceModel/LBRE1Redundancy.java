@@ -1,6 +1,6 @@
 package com.kuka.roboticsAPI.deviceModel;
 
-/** A stub of ours: see src/stubs/README.md. */
+/** Stub of the KUKA type: see src/stubs/README.md. */
 public class LBRE1Redundancy {
     private Double e1;
     private Integer status;

@@ -1,6 +1,6 @@
 package com.kuka.roboticsAPI.deviceModel;
 
-/** A stub of ours: see src/stubs/README.md. */
+/** Stub of the KUKA type: see src/stubs/README.md. */
 public enum OperationMode {
     T1, T2, AUT
 }

@@ -1,6 +1,6 @@
 package com.kuka.roboticsAPI.executionModel;
 
-/** A stub of ours: see src/stubs/README.md. */
+/** Stub of the KUKA type: see src/stubs/README.md. */
 public class CommandInvalidException extends RuntimeException {
     private static final long serialVersionUID = 1L;
 

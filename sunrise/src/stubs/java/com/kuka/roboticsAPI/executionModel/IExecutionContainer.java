@@ -1,5 +1,5 @@
 package com.kuka.roboticsAPI.executionModel;
 
-/** A stub of ours: see src/stubs/README.md. */
+/** Stub of the KUKA type: see src/stubs/README.md. */
 public interface IExecutionContainer {
 }

@@ -1,6 +1,6 @@
 package com.kuka.roboticsAPI.geometricModel;
 
-/** A stub of ours: see src/stubs/README.md. */
+/** Stub of the KUKA type: see src/stubs/README.md. */
 public interface AbstractFrame {
     double getX();
 

@@ -4,7 +4,7 @@ import com.kuka.roboticsAPI.deviceModel.LBR;
 import com.kuka.roboticsAPI.deviceModel.LBRE1Redundancy;
 import java.util.Arrays;
 
-/** A stub of ours: see src/stubs/README.md. */
+/** Stub of the KUKA type: see src/stubs/README.md. */
 public class Frame implements AbstractFrame {
     private final double[] values;
     private LBRE1Redundancy redundancy;

@@ -4,9 +4,9 @@ import com.kuka.roboticsAPI.controllerModel.Controller;
 import java.util.HashMap;
 import java.util.Map;
 
-/** A stub of ours: see src/stubs/README.md. */
+/** Stub of the KUKA type: see src/stubs/README.md. */
 public abstract class AbstractIOGroup {
-    /** What the group was asked for, for tests. */
+    /** Calls of the group, for tests. */
     public final StringBuilder calls = new StringBuilder();
     private final Map<String, Object> values = new HashMap<String, Object>();
 

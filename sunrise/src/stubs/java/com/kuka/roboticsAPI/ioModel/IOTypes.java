@@ -1,6 +1,6 @@
 package com.kuka.roboticsAPI.ioModel;
 
-/** A stub of ours: see src/stubs/README.md. */
+/** Stub of the KUKA type: see src/stubs/README.md. */
 public enum IOTypes {
     BOOLEAN, INTEGER, UNSIGNED_INTEGER, ANALOG
 }

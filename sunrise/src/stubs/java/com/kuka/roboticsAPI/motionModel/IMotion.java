@@ -1,5 +1,5 @@
 package com.kuka.roboticsAPI.motionModel;
 
-/** A stub of ours: see src/stubs/README.md. */
+/** Stub of the KUKA type: see src/stubs/README.md. */
 public interface IMotion {
 }

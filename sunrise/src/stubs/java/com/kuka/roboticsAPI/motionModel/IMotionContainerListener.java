@@ -3,7 +3,7 @@ package com.kuka.roboticsAPI.motionModel;
 import com.kuka.roboticsAPI.executionModel.ExecutionState;
 import com.kuka.roboticsAPI.executionModel.IExecutionContainer;
 
-/** A stub of ours: see src/stubs/README.md. */
+/** Stub of the KUKA type: see src/stubs/README.md. */
 public interface IMotionContainerListener {
     void onStateChanged(IExecutionContainer container, ExecutionState state);
 

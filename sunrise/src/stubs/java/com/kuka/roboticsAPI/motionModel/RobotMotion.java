@@ -2,7 +2,7 @@ package com.kuka.roboticsAPI.motionModel;
 
 import java.util.Arrays;
 
-/** A stub of ours: see src/stubs/README.md. */
+/** Stub of the KUKA type: see src/stubs/README.md. */
 public abstract class RobotMotion<T extends RobotMotion<T>> implements IMotion {
     /** The calls so far, for tests. */
     public final StringBuilder calls = new StringBuilder();

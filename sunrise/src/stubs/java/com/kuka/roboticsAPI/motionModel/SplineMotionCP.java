@@ -1,6 +1,6 @@
 package com.kuka.roboticsAPI.motionModel;
 
-/** A stub of ours: see src/stubs/README.md. */
+/** Stub of the KUKA type: see src/stubs/README.md. */
 public abstract class SplineMotionCP<T extends SplineMotionCP<T>> extends RobotMotion<T> {
     public T setCartVelocity(double value) {
         return note("setCartVelocity", value);

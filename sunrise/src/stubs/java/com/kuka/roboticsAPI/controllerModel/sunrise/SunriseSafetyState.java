@@ -1,7 +1,7 @@
 package com.kuka.roboticsAPI.controllerModel.sunrise;
 
-/** A stub of ours: see src/stubs/README.md. */
+/** Stub of the KUKA type: see src/stubs/README.md. */
 public interface SunriseSafetyState {
-    /** A stub of ours. */
+    /** Stub of the KUKA type. */
     enum SafetyStopType { NOSTOP, STOP0, STOP1, STOP2 }
 }

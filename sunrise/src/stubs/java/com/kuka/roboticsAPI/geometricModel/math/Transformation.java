@@ -2,7 +2,7 @@ package com.kuka.roboticsAPI.geometricModel.math;
 
 import java.util.Arrays;
 
-/** A stub of ours: see src/stubs/README.md. */
+/** Stub of the KUKA type: see src/stubs/README.md. */
 public class Transformation {
     private final double[] values;
 
