@@ -1,4 +1,4 @@
-"""What axe-core finds wrong with a page for people who cannot see it well or use no mouse."""
+"""Accessibility check of a page with axe-core."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from pathlib import Path
 
 from chromium import Browser
 
-# Where .ci/run installs it; elsewhere by AXE.
+# Path of axe-core as installed by .ci/run; the variable AXE overrides it.
 AXE = Path(
     os.environ.get(
         "AXE", Path(__file__).resolve().parents[2] / "target/ci/node_modules/axe-core/axe.min.js"
@@ -17,7 +17,7 @@ AXE = Path(
 
 
 def check_accessibility(browser: Browser, page: str) -> None:
-    """Fails with what is serious or critical."""
+    """Fails for serious or critical violations."""
     assert AXE.exists(), f"axe-core is not at {AXE}: npm install --prefix target/ci axe-core@4.14.1"
     browser.run(AXE.read_text() + "; 1")
     found = browser.run("axe.run(document, { resultTypes: ['violations'] })")
@@ -26,7 +26,7 @@ def check_accessibility(browser: Browser, page: str) -> None:
         (it["id"], it["impact"], [node["html"][:160] for node in it["nodes"][:4]]) for it in serious
     ]
     assert not told, f"{page}: {json.dumps(told, indent=1)}"
-    # It has looked at something.
+    # Makes sure that axe-core has checked elements.
     assert (
         browser.run("axe.run(document, { resultTypes: ['passes'] }).then(it => it.passes.length)")
         > 10

@@ -1,4 +1,4 @@
-"""Checks of the charts in pages of `iiwasim report`: what they write, and what mouse, fingers and keys do to them."""
+"""Checks of the charts in `iiwasim report` pages: texts, and input by mouse, touch and keys."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from accessibility import check_accessibility
 from chromium import Browser
 from pages import desk, seek
 
-# The texts that charts write, with where each begins and ends, in px of its canvas; and the lines that they draw.
+# Records the texts of charts, with their extents in canvas px, and the lines that they draw.
 WATCH = """(() => {
     window.texts = [];
     window.lines = [];
@@ -37,7 +37,7 @@ TOLD = "document.querySelector('.told:not([hidden])')"
 
 
 def numbers_along_axes_are_whole(browser: Browser, pages) -> None:
-    """None is cut off at an edge, at any size, and none has more digits than anybody reads."""
+    """Tick labels are not cut off at any size, and are short."""
     for name in ("exact", "run", "scene-run", "tool", "long-wait", "appendix-b"):
         for wide in (1400, 400):
             browser.size(wide, 900, phone=wide == 400)
@@ -51,26 +51,26 @@ def numbers_along_axes_are_whole(browser: Browser, pages) -> None:
                 assert it["top"] >= 0 and it["top"] + 10 <= it["high"], f"{name}, {wide} px: {it}"
                 assert len(it["text"].replace(" s", "")) <= 8 or " " in it["text"], it
     desk(browser)
-    # A recording that is on its path but for rounding.
+    # A recording that is on its path except for rounding.
     browser.open(pages.page("exact"))
     titles = browser.run(
         "[...document.querySelectorAll('#deviations h3')].map(it => it.textContent)"
     )
     assert titles == [
-        "Flange off its path: below 0.001 mm",
-        "Joints off their path: below 0.001 mrad",
+        "Flange deviation: below 0.001 mm",
+        "Joint deviation: below 0.001 mrad",
     ], titles
     assert "below 0.001 mm" in browser.run("document.getElementById('errors').textContent")
 
 
 def deviations_go_on_in_time(browser: Browser, pages) -> None:
-    """Over waits, stops, a motion of no length and gaps."""
+    """Deviations continue over waits, stops, a motion without length, and gaps."""
     desk(browser)
     for name, gaps in (("waiting", 0), ("gap", 1)):
         browser.open(pages.page(name))
         browser.run(WATCH)
         browser.run("(lines.length = 0, drawCharts())")
-        # Grids are lines from side to side, or from top to bottom.
+        # Grid lines extend from side to side, or from top to bottom.
         lines = [
             (kind, x, y) for kind, x, y in browser.run("lines") if x % 1 != 0.5 and y % 1 != 0.5
         ]
@@ -85,7 +85,7 @@ def deviations_go_on_in_time(browser: Browser, pages) -> None:
             assert breaks == gaps, (name, key, breaks)
             times = f"report.compared.{key}.t_s"
             assert browser.run(f"{times}.every((t, i) => i === 0 || t >= {times}[i - 1])"), name
-            # All of the time is there, the waits, too.
+            # The curve covers the whole time, including waits.
             first, last = browser.run(f"[{times}[0], {times}.at(-1)]")
             assert (
                 last - first > 0.9 * browser.run("report.compared.report.cycle_time.real_s") - 0.4
@@ -107,7 +107,7 @@ def values_are_at_the_mouse(browser: Browser, pages) -> None:
     percent = 200 * (q - lower) / (upper - lower) - 100
     assert f"A2 {percent:.1f} %" in told, (percent, told)
     assert all(f"A{j} " in told for j in range(1, 8)), told
-    # In degrees, and without a joint that is not shown.
+    # In degrees, and without a hidden joint.
     browser.click("#units")
     browser.click("#chips label:nth-child(1)")
     browser.box("#charts canvas")
@@ -115,7 +115,7 @@ def values_are_at_the_mouse(browser: Browser, pages) -> None:
     browser.move(box["x"] + 0.4 * box["width"], box["y"] + 70)
     told = browser.run(f"{TOLD}.textContent")
     assert f"A2 {math.degrees(q):.2f} deg" in told and "A1" not in told, told
-    # The line is on all charts, and within them, as the values are, at both ends.
+    # Line and values are within all charts at both ends.
     assert browser.run("charts.every(it => !it.hover.hidden)")
     for share in (0.05, 0.99):
         browser.move(box["x"] + share * box["width"], box["y"] + 70)
@@ -126,7 +126,7 @@ def values_are_at_the_mouse(browser: Browser, pages) -> None:
         assert inside, share
     browser.move(5, 5)
     assert browser.run(f"{TOLD}") is None
-    # Of two arms, both; the clearance, with what is nearest.
+    # Values of both robots; the clearance with the nearest pair.
     browser.open(pages.page("scene-run"))
     for chart, words in (("#clearances canvas", "link "), ("#point-charts canvas", "measured")):
         box = browser.box(chart)
@@ -138,7 +138,9 @@ def values_are_at_the_mouse(browser: Browser, pages) -> None:
 
 
 def torques_have_a_curve(browser: Browser, pages) -> None:
-    """Those of the plan as they are in its file, and those of the recording, whose sign is the controller's, turned."""
+    """Torques of the plan as in its file, and torques of the recording, with the controller's sign
+    inverted.
+    """
     desk(browser)
     browser.open(pages.page("run"))
     titles = browser.run("[...document.querySelectorAll('#charts h3')].map(it => it.textContent)")
@@ -154,7 +156,8 @@ def torques_have_a_curve(browser: Browser, pages) -> None:
             )
             off = [abs(a - sign * b) for a, b in zip(shown, effort)]
             assert max(off) < 0.01, (file, t, shown, effort)
-    # At the mouse, as a share of the limit and in Nm; in the table beside the arm; in that of the motions; in the head.
+    # At the mouse, as a share of the limit and in Nm; in the table of values; in the table of
+    # motions; in the head.
     box = browser.box("#charts .chart:last-child canvas")
     browser.move(box["x"] + 0.4 * box["width"], box["y"] + 50)
     t, limit = browser.run("[pointing.t, report.robot.torque_nm[1]]")
@@ -182,7 +185,7 @@ def torques_have_a_curve(browser: Browser, pages) -> None:
     ), shares
     assert "peak power" in browser.run("document.getElementById('figures').textContent")
     pages.keep(browser, "torques")
-    # A file without torques says nothing of them.
+    # The page of a file without torques does not mention torques.
     browser.open(pages.page("recorder"))
     assert "Torque" not in browser.run("document.getElementById('charts').textContent")
     assert browser.run("document.getElementById('torques').hidden")
@@ -200,12 +203,12 @@ def a_part_is_zoomed_into(browser: Browser, pages) -> None:
         abs(window[0] - 0.25 * whole) < 0.01 * whole and abs(window[1] - 0.5 * whole) < 0.01 * whole
     ), window
     assert browser.run("state.time") == 0, "a zoom takes the arm along"
-    # A click takes the arm there, and a double click shows the whole again.
+    # A click sets the time, and a double click shows the whole time again.
     browser.press(left + 0.5 * inner, y)
     assert abs(browser.run("state.time") - 0.375 * whole) < 0.01 * whole
     browser.press(left + 0.5 * inner, y, 2)
     assert browser.run(SPAN) == whole
-    # Backwards, too; beyond the chart, up to its end.
+    # Also backwards; beyond the chart, the selection ends at its edge.
     browser.drag([(left + share * inner, y) for share in (0.5, 0.3, -0.2)])
     assert (
         browser.run("state.window.from") == 0
@@ -219,7 +222,7 @@ def charts_have_keys(browser: Browser, pages) -> None:
     desk(browser)
     browser.open(pages.page("ten-motions"))
     whole = browser.run(SPAN)
-    # By Tab alone.
+    # With Tab only.
     browser.run("document.getElementById('whole').focus()")
     browser.key("Tab")
     assert browser.run("document.activeElement === charts[0].canvas")
@@ -266,7 +269,7 @@ def the_tcp_has_curves(browser: Browser, pages) -> None:
     assert browser.run("document.querySelectorAll('#point-charts canvas').length") == 3
     assert browser.run("document.getElementById('point-tcp').hidden"), "there is no tool"
     assert browser.run("document.getElementById('point-title').textContent") == "Flange over time"
-    # As the program has it: place, angles, and speed along the way.
+    # Position, angles and path speed of the program.
     for t in (0.4, 3.1):
         joints = ",".join(repr(q) for q in browser.run(f"jointsAt(report.arms[0], {t})"))
         printed = pages.iiwasim("fk", f"--joints-rad={joints}", "--json")
@@ -285,7 +288,7 @@ def the_tcp_has_curves(browser: Browser, pages) -> None:
     browser.click("#level")
     assert browser.run(f"{canvas}.toDataURL()") != before, "there is no line at 250 mm/s"
     browser.click("#level")
-    # With a tool: its TCP, or the flange.
+    # With a tool, the TCP or the flange can be shown.
     browser.open(pages.page("tool"))
     assert browser.run("document.getElementById('point-title').textContent") == "TCP over time"
     look = "[...document.querySelectorAll('#point-charts canvas')].map(it => it.toDataURL())"
@@ -301,7 +304,7 @@ def the_tcp_has_curves(browser: Browser, pages) -> None:
         "1000 * Math.max(...report.arms[0].speed.high.filter((_, i) => i % 2 === 1))"
     )
     assert highest > 0.95 * most, (highest, most)
-    # A recording has them, too.
+    # Also for a recording.
     browser.open(pages.page("run"))
     assert browser.run("report.arms[1].speed.columns") > 100
 

@@ -1,4 +1,4 @@
-"""Runs checks one after the other, in one browser, and tells how they went."""
+"""Runs checks one after the other in one browser, and reports their results."""
 
 from __future__ import annotations
 
@@ -9,7 +9,9 @@ from chromium import Browser
 
 
 def run_checks(name: str, checks: list[Callable], subject: object) -> int:
-    """The exit code. A check takes the browser and `subject`; what it returns is a figure."""
+    """Runs checks and returns the exit code. A check takes the browser and `subject`, and may
+    return a figure.
+    """
     failed = 0
     figures = []
     browser = Browser()

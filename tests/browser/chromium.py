@@ -1,4 +1,4 @@
-"""A browser without a window, driven over the DevTools protocol."""
+"""A headless browser, controlled by the DevTools protocol."""
 
 from __future__ import annotations
 
@@ -14,8 +14,9 @@ import websocket
 
 
 class Browser:
-    """Chromium with one page, as the system has it. `complaints` is what it wrote to its console as an
-    error or a warning, and what its scripts threw."""
+    """The Chromium of the system with one page. `complaints` are errors and warnings in its
+    console, and uncaught exceptions.
+    """
 
     def __init__(self) -> None:
         program = shutil.which("chromium") or shutil.which("chromium-browser")
@@ -26,11 +27,11 @@ class Browser:
             [
                 program,
                 "--headless=new",
-                # In a container there is neither a sandbox nor a graphics card.
+                # A container has neither a sandbox nor a graphics card.
                 "--no-sandbox",
                 "--use-angle=swiftshader",
                 "--enable-unsafe-swiftshader",
-                # Without a card, all but WebGL is drawn ten times as fast in the usual way.
+                # Without a graphics card, everything except WebGL is ten times as fast in software.
                 "--disable-gpu-rasterization",
                 "--disable-gpu-compositing",
                 "--hide-scrollbars",
@@ -79,7 +80,7 @@ class Browser:
         shutil.rmtree(self.folder, ignore_errors=True)
 
     def call(self, method: str, **parameters: object) -> dict:
-        """Asks for something and waits for the answer."""
+        """Sends a command and waits for the answer."""
         self.count += 1
         number = self.count
         message = {"id": number, "method": method, "params": parameters}
@@ -105,7 +106,7 @@ class Browser:
             self.complaints.append(f"{parameters['type']}: {' '.join(words)}")
         elif method == "Log.entryAdded" and parameters["entry"]["level"] in ("error", "warning"):
             entry = parameters["entry"]
-            # A driver without a graphics card tells that it was asked for pixels.
+            # Ignored: a driver without a graphics card warns about reading pixels.
             if "GPU stall due to ReadPixels" not in entry["text"]:
                 self.complaints.append(f"{entry['level']}: {entry['text']}")
         elif method == "Network.requestWillBeSent":
@@ -113,7 +114,7 @@ class Browser:
         self.events.append(event)
 
     def run(self, script: str) -> object:
-        """The value of a script in the page; a promise is waited for."""
+        """Runs a script in the page and returns its value; promises are awaited."""
         answer = self.call(
             "Runtime.evaluate", expression=script, returnByValue=True, awaitPromise=True
         )
@@ -130,20 +131,20 @@ class Browser:
         self.frames()
 
     def go(self, url: str) -> None:
-        """Opens an address."""
+        """Opens a URL."""
         self.events.clear()
         self.requests.clear()
         self.call("Page.navigate", url="about:blank")
         self.call("Page.navigate", url=url)
 
     def frames(self) -> None:
-        """Waits until what was asked for is on the screen."""
+        """Waits until requested changes are on the screen."""
         self.run(
             "new Promise(done => requestAnimationFrame(() => requestAnimationFrame(() => done(1))))"
         )
 
     def until(self, script: str, seconds: float = 300) -> None:
-        """Waits until a script says yes."""
+        """Waits until a script returns true."""
         until = time.monotonic() + seconds
         while not self.run(script):
             if time.monotonic() > until:
@@ -151,7 +152,7 @@ class Browser:
             time.sleep(0.03)
 
     def size(self, width: int, height: int, ratio: float = 1, phone: bool = False) -> None:
-        """Makes the screen of so many CSS px."""
+        """Sets the screen size, in CSS px."""
         self.call(
             "Emulation.setDeviceMetricsOverride",
             width=width,
@@ -161,7 +162,7 @@ class Browser:
         )
 
     def scheme(self, name: str) -> None:
-        """Light or dark."""
+        """Sets the colour scheme: light or dark."""
         features = [{"name": "prefers-color-scheme", "value": name}]
         self.call("Emulation.setEmulatedMedia", features=features)
         self.frames()
@@ -178,7 +179,7 @@ class Browser:
         return base64.b64decode(answer["data"])
 
     def pdf(self) -> bytes:
-        """The page as it is printed on A4."""
+        """The page printed on A4."""
         answer = self.call(
             "Page.printToPDF",
             printBackground=True,
@@ -189,7 +190,7 @@ class Browser:
         return base64.b64decode(answer["data"])
 
     def click(self, selector: str) -> None:
-        """Presses the mouse in the middle of an element, again if the page moved under the mouse."""
+        """Clicks the centre of an element, again if the page moved under the mouse."""
         told = f"event.target.closest?.({json.dumps(selector)})"
         for _ in range(10):
             self.run(
@@ -198,7 +199,8 @@ class Browser:
             )
             box = self.box(selector)
             self.press(box["x"] + box["width"] / 2, box["y"] + box["height"] / 2)
-            # A busy browser confirms the press before the page sees it: pressed again at once, a button would be pressed twice.
+            # A busy browser confirms a click before the page receives it; an immediate retry would
+            # click twice.
             until = time.monotonic() + 30
             while (
                 met := self.run("window.met ?? 'another page'")
@@ -209,10 +211,10 @@ class Browser:
         raise AssertionError(f"the mouse does not meet {selector}")
 
     def box(self, selector: str) -> dict:
-        """Where an element is, after it was brought into view."""
+        """Scrolls an element into view, and returns its box."""
         find = f"document.querySelector({json.dumps(selector)})"
         self.run(f"{find}.scrollIntoView({{ block: 'center' }})")
-        # The mouse meets what is on the screen.
+        # The mouse hits the elements on the screen, so wait for the scrolled frame.
         self.frames()
         script = f"""(() => {{
             const found = {find};
@@ -224,7 +226,7 @@ class Browser:
         return box
 
     def press(self, x: float, y: float, count: int = 1) -> None:
-        """Presses the mouse at a place, once or twice."""
+        """Clicks at a place, once or twice."""
         for i in range(count):
             self._mouse("mousePressed", x, y, "left", True, count=i + 1)
             self._mouse("mouseReleased", x, y, "left", False, count=i + 1)
@@ -238,7 +240,7 @@ class Browser:
     def drag(
         self, places: list[tuple[float, float]], button: str = "left", shift: bool = False
     ) -> None:
-        """Presses the mouse, moves it and lets go."""
+        """Drags the mouse through places."""
         for i, (x, y) in enumerate(places):
             kind = "mousePressed" if i == 0 else "mouseMoved"
             self._mouse(kind, x, y, button, True, shift)
@@ -267,16 +269,16 @@ class Browser:
         )
 
     def wheel(self, x: float, y: float, down: float) -> None:
-        """Turns the wheel at a place, by so many px."""
+        """Turns the wheel at a place, in px."""
         self.call("Input.dispatchMouseEvent", type="mouseWheel", x=x, y=y, deltaX=0, deltaY=down)
         self.frames()
 
     def fingers(self, ways: list[list[tuple[float, float]]]) -> None:
-        """Puts fingers on the screen, moves each along its way, and lifts them."""
+        """Touches the screen with fingers, moves each along its path, and lifts them."""
         self.touch([list(places) for places in zip(*ways, strict=True)])
 
     def touch(self, places: list[list[tuple[float, float]]]) -> None:
-        """Fingers go down, from place to place, and up."""
+        """Sends touch events for fingers: start, moves, end."""
         for i, fingers in enumerate(places):
             points = [{"x": x, "y": y, "id": k} for k, (x, y) in enumerate(fingers)]
             self.call(

@@ -1,4 +1,4 @@
-"""How often the page of `iiwasim twin` is drawn, how late, and what it takes of the memory."""
+"""Frame rate, latency and memory of the `iiwasim twin` page."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from twins import Mover, Twin
 
 
 class Witness(threading.Thread):
-    """Another client of the drive: when it heard of each stamp, in ms since 1970."""
+    """Another client of the drive, which records the arrival of each stamp, in ms since 1970."""
 
     def __init__(self, rig: Rig) -> None:
         super().__init__(daemon=True)
@@ -52,7 +52,7 @@ def resident_kb(process: subprocess.Popen) -> int:
 
 
 def heap_kb(browser: Browser) -> int:
-    """What the page holds once what nobody needs is thrown away."""
+    """Heap size of the page after garbage collection."""
     for _ in range(2):
         browser.call("HeapProfiler.collectGarbage")
     return int(browser.call("Runtime.getHeapUsage")["usedSize"]) // 1024
@@ -62,7 +62,7 @@ def frames_latency_and_memory(browser: Browser, twin: Twin) -> str:
     twin.open(browser)
     witness = Witness(twin.rig)
     mover = Mover(twin.rig)
-    # The page's word for a frame is kept with when it was drawn.
+    # Records the data of each frame with its drawing time.
     browser.run("""(() => {
         window.frames_ = [];
         const drawn = drawnNow;
@@ -74,10 +74,10 @@ def frames_latency_and_memory(browser: Browser, twin: Twin) -> str:
     frames: list[list[float]] = []
     memory = []
     end = time.monotonic() + 60 * twin.minutes
-    # A busy machine without a graphics card takes seconds for a frame.
+    # A busy machine without a graphics card needs seconds per frame.
     last_end = end + 180
     try:
-        # It finds its pace first.
+        # The page adapts its resolution first.
         time.sleep(10)
         browser.run("frames_.length = 0")
         while time.monotonic() < (end if frames else last_end):
@@ -86,7 +86,7 @@ def frames_latency_and_memory(browser: Browser, twin: Twin) -> str:
                 time.sleep(1)
                 frames += browser.run("frames_.splice(0)")
             memory.append((resident_kb(twin.process), heap_kb(browser)))
-            # To collect garbage takes frames.
+            # Garbage collection delays frames, which are dropped.
             browser.run("frames_.length = 0")
     finally:
         mover.end()
@@ -103,7 +103,7 @@ def frames_latency_and_memory(browser: Browser, twin: Twin) -> str:
     )
     usual = statistics.median(seconds.values())
     share = lambda part: late_ms[int(part * (len(late_ms) - 1))]
-    # The first words of everything are behind it by then.
+    # The initial messages have been received by then.
     first, last = memory[len(memory) // 4], memory[-1]
     grown = f"twin {first[0] / 1e3:.1f} to {last[0] / 1e3:.1f} MB, page {first[1] / 1e3:.1f} to {last[1] / 1e3:.1f} MB"
     figure = (

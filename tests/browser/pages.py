@@ -1,4 +1,4 @@
-"""Pages of `iiwasim report` for a browser, and the files that they are made of."""
+"""Pages of `iiwasim report` for a browser, and their input files."""
 
 from __future__ import annotations
 
@@ -18,16 +18,16 @@ from scene import write_scene
 FIXTURES = Path(__file__).resolve().parents[2] / "fixtures"
 
 
-# What was drawn is gone once it is on the screen.
+# The WebGL buffer is cleared once it is on the screen, so draw and read it at once.
 SCENE = "(drawScene(), document.getElementById('scene').toDataURL())"
 CLOCK = "parseFloat(document.getElementById('clock').textContent)"
-# A canvas that was read is drawn in another way from then on, so that it is drawn anew and read again.
+# Reading a canvas changes how it is drawn afterwards, so it is drawn again and read again.
 READ = "[...document.querySelectorAll('#charts canvas')].map(it => it.toDataURL()).join()"
 CHARTS = f"(() => {{ {READ}; drawCharts(); return {READ} }})()"
 
 
 def many_motions(count: int) -> dict:
-    """To and fro, with blends and limits of their own now and then."""
+    """A program of alternating motions, some with blends and motion-specific limits."""
     motions = []
     for i in range(count):
         joints = [60 * math.sin(0.7 * i + j) for j in range(7)]
@@ -42,7 +42,7 @@ def many_motions(count: int) -> dict:
     return {"version": 1, "start": {"joints_deg": [0, 20, 0, -70, 0, 90, 0]}, "motions": motions}
 
 
-# Stops, waits, and a motion of no length.
+# Stops, waits, and a motion without length.
 WAITING = {
     "version": 1,
     "start": {"joints_deg": [0, 20, 0, -70, 0, 90, 0]},
@@ -55,7 +55,7 @@ WAITING = {
         {"type": "ptp", "joints_deg": [0, 20, 0, -70, 0, 90, 0]},
     ],
 }
-# A tool that is bent, and a line of its TCP.
+# An angled tool, and a linear motion of its TCP.
 WITH_TOOL = {
     "version": 1,
     "tools": {"gripper": {"tcp": {"z_mm": 120, "b_deg": 20}}},
@@ -70,7 +70,7 @@ WITH_TOOL = {
 
 
 class Pages:
-    """The program, and where its pages go."""
+    """The `iiwasim` program, and the folder of its pages."""
 
     def __init__(self, program: Path, folder: Path, urdf: Path | None = None) -> None:
         self.program = program.resolve()
@@ -88,12 +88,12 @@ class Pages:
         for name in ("ten-motions", "appendix-b", "waits-and-stops"):
             self.iiwasim("plan", str(FIXTURES / f"{name}.json"), "-o", f"{name}.mcap")
             self.iiwasim("report", f"{name}.mcap")
-        # What stands for the robot: the same program without limits of jerk, and with other blends.
+        # Substitute for the robot: the same program without jerk limits, and with other blends.
         program = str(FIXTURES / "appendix-b.json")
         other = ["--timing", "acceleration", "--blend-shape", "alpha", "--rate", "1000"]
         self.iiwasim("plan", program, "-o", "measured.mcap", *other)
         self.iiwasim("report", "appendix-b.mcap", "measured.mcap", "-o", "compared.html")
-        # At ten times the speed: times are the robot's.
+        # Ten times as fast as real time; time stamps are those of the robot.
         with Rig(self.program, self.folder, "--speed", "10", "--noise", "2e-5") as rig:
             rig.run(
                 FIXTURES / "ten-motions.json",
@@ -103,16 +103,16 @@ class Pages:
                 "--move-to-start=100",
             )
         self.iiwasim("report", "ten-motions.mcap", "real.mcap", "-o", "run.html")
-        # The recording holds its program, so that its plan can be beside it.
+        # The recording contains its program, so that the page can also show its plan.
         self.iiwasim("report", "real.mcap", "-o", "run-alone.html")
         self.iiwasim("report", str(FIXTURES / "data-recorder.log"), "-o", "recorder.html")
-        # Many motions at limits of their own, some of them alike; one motion.
+        # Many motions with motion-specific limits, some of them equal; one motion.
         (self.folder / "many.json").write_text(json.dumps(many_motions(300)))
         (self.folder / "one.json").write_text(json.dumps(many_motions(1)))
         for name in ("many", "one"):
             self.iiwasim("plan", f"{name}.json")
             self.iiwasim("report", f"{name}.mcap")
-        # What stands around, and a tool of all kinds of shapes.
+        # Obstacles, and a tool with all kinds of shapes.
         scene = write_scene(self.folder)
         self.iiwasim("report", "ten-motions.mcap", "--scene", scene, "-o", "scene.html")
         self.iiwasim(
@@ -120,14 +120,14 @@ class Pages:
         )
         self.make_deviations()
         self.make_tool()
-        # A long file, so that there are several chunks, cut off.
+        # A truncated file, long enough for several chunks.
         self.iiwasim("plan", program, "-o", "cut.mcap", "--rate", "4000")
         cut = self.folder / "cut.mcap"
         cut.write_bytes(cut.read_bytes()[: cut.stat().st_size // 2])
         self.iiwasim("report", "cut.mcap")
 
     def make_deviations(self) -> None:
-        """Recordings that are exact, that wait, and that have a gap."""
+        """Creates recordings: exact, with waits, and with a gap."""
         (self.folder / "waiting.json").write_text(json.dumps(WAITING))
         self.iiwasim("plan", "waiting.json")
         self.csv("ten-motions", "exact.csv", 0.0)
@@ -149,7 +149,7 @@ class Pages:
     def csv(
         self, plan: str, name: str, noise_rad: float, gap: tuple[float, float] = (0, 0)
     ) -> None:
-        """What a robot would record that follows a plan, but for some noise and a gap."""
+        """Creates the recording of a robot that follows a plan, with noise and a gap."""
         random = Random(7)
         with (
             (self.folder / name).open("w") as table,
@@ -167,7 +167,7 @@ class Pages:
                 table.write(f"{t - start:.6f}," + ",".join(f"{q:.9f}" for q in joints) + "\n")
 
     def efforts(self, name: str) -> list[tuple[float, list[float]]]:
-        """Stamps in s and torques of a file, as they are in it."""
+        """Stamps in s and torques of a file, without conversion."""
         with (self.folder / f"{name}.mcap").open("rb") as file:
             reader = make_reader(file, decoder_factories=[DecoderFactory()])
             messages = [
@@ -194,7 +194,7 @@ def desk(browser: Browser) -> None:
 
 
 def seek(browser: Browser, t: float) -> None:
-    """As people do with the keyboard or a finger: the slider has another value."""
+    """Sets the time slider, like a user with keyboard or touch."""
     script = f"""(() => {{
         const scrub = document.getElementById("scrub");
         scrub.value = {t};

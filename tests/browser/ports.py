@@ -1,4 +1,4 @@
-"""Ports that nobody else uses, each given once: by the same blocks as `tests/src/ports.rs`."""
+"""Unused ports, each given out once, from the same blocks as in `tests/src/ports.rs`."""
 
 from __future__ import annotations
 
@@ -14,12 +14,13 @@ if TYPE_CHECKING:
 PORTS = range(10_000, 30_000)
 BLOCK = 50
 
-# Whoever holds the UDP port at the beginning of a block has the others, until it ends.
+# UDP sockets at the beginning of blocks: their owner has the other ports of the block until it
+# ends.
 guards: list[socket.socket] = []
 
 
 def outgoing() -> tuple[int, int]:
-    """The first and the last port that this system gives to outgoing connections."""
+    """The first and the last port of the system for outgoing connections."""
     try:
         first, last = Path("/proc/sys/net/ipv4/ip_local_port_range").read_text().split()
     except OSError:
@@ -28,7 +29,7 @@ def outgoing() -> tuple[int, int]:
 
 
 def is_free(port: int) -> bool:
-    """Whether no program has it, be it one that knows nothing of blocks."""
+    """True if the port is unused, also by programs that do not use blocks."""
     with socket.socket() as tcp, socket.socket(type=socket.SOCK_DGRAM) as udp:
         try:
             tcp.bind(("127.0.0.1", port))
@@ -43,7 +44,8 @@ def take_ports() -> Iterator[int]:
     blocks = list(PORTS[::BLOCK])
     at = os.getpid() % len(blocks)
     blocks = blocks[at:] + blocks[:at]
-    # An outgoing connection could take a port between its choice and its use: such blocks come last.
+    # Blocks in the range of outgoing connections are last, as a connection could take a port before
+    # its use.
     blocks.sort(key=lambda begin: begin + BLOCK > first and begin <= last)
     for begin in blocks:
         guard = socket.socket(type=socket.SOCK_DGRAM)
@@ -57,5 +59,5 @@ taken = take_ports()
 
 
 def free_ports(count: int) -> list[int]:
-    """Ports that nobody has, neither of TCP nor of UDP."""
+    """Ports that are unused by both TCP and UDP."""
     return [next(taken) for _ in range(count)]

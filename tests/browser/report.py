@@ -1,12 +1,13 @@
 #!/usr/bin/env python3
-"""Opens pages of `iiwasim report` in a browser and uses them as people do.
+"""Opens pages of `iiwasim report` in a browser and operates them like a user.
 
     report.py IIWASIM FOLDER [--hour] [--urdf FILE] [--only CHECK]
 
-IIWASIM is the program; pages and screenshots go to FOLDER. With --hour, an hour of a recording at
-1 kHz, too, which takes 300 MB there while it runs. --urdf is that of pybullet_data/kuka_iiwa in pybullet 3.2.7, whose meshes
-are drawn, too. --only runs one check, by its name. Exit code 1
-when a check fails. Needs Chromium and what requirements.txt names, next to this file.
+IIWASIM is the program; pages and screenshots are written to FOLDER. --hour adds a recording of one
+hour at 1 kHz, which takes 300 MB in FOLDER while it runs. --urdf is the URDF in
+pybullet_data/kuka_iiwa of pybullet 3.2.7, whose meshes are also drawn. --only runs one check, by
+its name. Exit code 1 when a check fails. Needs Chromium and the packages in requirements.txt, next
+to this file.
 """
 
 from __future__ import annotations
@@ -65,7 +66,7 @@ def arm_moves(browser: Browser, pages: Pages) -> None:
         pictures.add(browser.run(SCENE))
         pages.keep(browser, f"ten-motions-at-{i}", whole=False)
     assert len(pictures) == 5, "the arm looks the same at different times"
-    # There is an arm: its orange is in the middle of the view.
+    # The robot is visible: its orange is in the middle of the view.
     script = """(() => {
         const scene = document.getElementById("scene");
         const flat = document.createElement("canvas");
@@ -107,7 +108,7 @@ def buttons_do_what_they_say(browser: Browser, pages: Pages) -> None:
     browser.open(pages.page("ten-motions"))
     assert browser.run(CLOCK) == 0
     before = browser.run(SCENE)
-    # Slowly: a busy machine is not to reach the end before it pauses.
+    # Slowly, so that a busy machine does not reach the end before the pause.
     speed(browser, 0.25)
     browser.click("#play")
     assert browser.run("document.getElementById('play').textContent") == "Pause"
@@ -121,10 +122,10 @@ def buttons_do_what_they_say(browser: Browser, pages: Pages) -> None:
     assert browser.run(SCENE) != before
 
     def pace(factor: float) -> float:
-        """Seconds of the page for each second."""
+        """Page time per second of real time."""
         seek(browser, 0)
         speed(browser, factor)
-        # Frames may be few and far between. Each takes the page on by the time since the last one, by a second at most.
+        # Frames may be rare. Each advances the page by the time since the last one, at most 1 s.
         script = """(async () => {
             document.getElementById("play").click();
             const frame = () => new Promise(done => requestAnimationFrame(done));
@@ -145,7 +146,7 @@ def buttons_do_what_they_say(browser: Browser, pages: Pages) -> None:
         found = pace(factor)
         assert 0.6 * factor < found < 1.4 * factor, f"{found} at a speed of {factor}"
 
-    # To its end, and again from its start.
+    # To the end, and again from the start.
     speed(browser, 10)
     seek(browser, 7.0)
     browser.click("#play")
@@ -179,7 +180,7 @@ def timeline_and_table_are_linked(browser: Browser, pages: Pages) -> None:
     assert browser.run(SCENE) != before
     browser.click("#table tbody tr:nth-child(2) td")
     assert abs(browser.run("state.time - report.figures.motions[1].start_s")) < 1e-9
-    # It takes the time along while it is dragged.
+    # Dragging sets the time.
     box = browser.box("#timeline")
     y = box["y"] + 15
     browser.drag([(box["x"] + 100, y), (box["x"] + 200, y), (box["x"] + 400, y)])
@@ -206,7 +207,7 @@ def curves_can_be_chosen(browser: Browser, pages: Pages) -> None:
     for selector in ("#units", "#chips label:nth-child(1)"):
         browser.click(selector)
     assert browser.run(CHARTS) in seen, "what was changed back looks otherwise"
-    # The snap is shown on request, without any limit. Each ramp of a line has some where it begins.
+    # The snap is shown on request, without a limit. Each ramp of a linear motion begins with snap.
     titles = "[...document.querySelectorAll('#charts h3:not([hidden])')].map(it => it.textContent)"
     browser.click("#snap")
     assert browser.run(shown) == 6
@@ -232,12 +233,12 @@ def schemes_and_phones(browser: Browser, pages: Pages) -> None:
             browser.frames()
             width = browser.run("document.documentElement.scrollWidth")
             assert width <= 390, f"{name}: {width} px wide on a phone"
-            # Fingers need room.
+            # Touch targets need a minimum size.
             script = "[...document.querySelectorAll('button, select, #chips label')].map(it => it.getBoundingClientRect().height)"
             assert min(h for h in browser.run(script) if h > 0) >= 32, name
             pages.keep(browser, f"{name}-{scheme}-phone")
         assert all(a != b for a, b in zip(*looks)), f"{name}: light and dark look the same"
-    # It changes while the page is open, too.
+    # The colour scheme can change while the page is open.
     desk(browser)
     browser.open(pages.page("appendix-b"))
     before = browser.run(CHARTS)
@@ -260,7 +261,7 @@ def paper_has_the_tables(browser: Browser, pages: Pages) -> None:
         figures = browser.run("report.figures")
         words = ["Motions", "Plan against recording", "limited by", "A1", "A7"]
         words += [f"{motion['end_s']:.3f}" for motion in figures["motions"]]
-        # The plan's cycle time and that of what stands for the robot.
+        # Cycle times of the plan and of the substitute for the robot.
         cycle = browser.run("report.compared.report.cycle_time")
         words += [f"{seconds:.3f}" for seconds in (figures["cycle_time_s"], cycle["real_s"])]
         for word in words:
@@ -275,7 +276,7 @@ def paper_has_the_tables(browser: Browser, pages: Pages) -> None:
         assert images >= 1, "no picture on paper"
         browser.frames()
         assert browser.run(CHARTS) == before, "the page looks otherwise after it was printed"
-    # What is printed of the 3D view is not empty.
+    # The printed 3D view is not empty.
     browser.run("window.dispatchEvent(new Event('beforeprint'))")
     assert (
         browser.run(
@@ -306,11 +307,11 @@ def own_limits_are_bands(browser: Browser, pages: Pages) -> None:
     assert len(runs["velocity"]) == len(expected) == 2
     for run, (start, end, share) in zip(runs["velocity"], expected):
         assert abs(run["from"] - start) < 1e-6 and run["shares"] == [share] * 7, run
-        # The band goes on while the arm settles.
+        # The band continues during the settling time.
         assert end - 1e-6 < run["to"] < end + 0.06, run
     assert [run["shares"] for run in runs["acceleration"]] == [[1, 0.5, 1, 0.5, 1, 0.5, 1]]
     assert not runs["jerk"] and not runs["position"]
-    # They can be seen.
+    # The bands are visible.
     seen = browser.run(CHARTS)
     assert (
         browser.run(f"(() => {{ for (const it of QUANTITIES) it.own = []; return {CHARTS} }})()")
@@ -335,7 +336,7 @@ def a_run_is_beside_its_plan(browser: Browser, pages: Pages) -> None:
         told = browser.run("report.compared.report")
         assert told["tcp_deviation"]["max_mm"] < 0.2, told["tcp_deviation"]
         assert abs(told["cycle_time"]["error_s"]) < 0.01, told["cycle_time"]
-        # The curves are over each other: at the same time, both arms are in one place.
+        # The curves coincide: at the same time, both robots have the same position.
         off = browser.run(
             "Math.max(...[1, 2, 3, 4, 5, 6, 7].map(t => Math.max(...jointsAt(first, t).map("
             "(q, j) => Math.abs(q - jointsAt(second, t)[j])))))"
@@ -372,12 +373,12 @@ def a_scene_is_shown(browser: Browser, pages: Pages) -> None:
     ), figures
     assert f"{itself['distance_mm']:.1f} mm" in figures, figures
     assert browser.run("document.querySelectorAll('#clearances canvas').length") == 2
-    # What is written is the clearance where the arm is.
+    # The text shows the clearance at the current position.
     for t in (0.0, 0.96, 3.3, 6.0):
         seek(browser, t)
         pair = browser.run("document.getElementById('pair').textContent")
         assert re.fullmatch(rf"At {t:.3f} s: [0-9.]+ mm, (the tool|link [2-7]) and .+", pair), pair
-    # All shapes are drawn, each of them: without it, the view looks otherwise.
+    # Each shape is drawn: without it, the picture differs.
     looks = [browser.run(SCENE)]
     count = browser.run("around.tool.length")
     assert count == len(TOOL)
@@ -392,7 +393,7 @@ def a_scene_is_shown(browser: Browser, pages: Pages) -> None:
     assert len(set(looks)) == count + 3, "a shape is not drawn"
     browser.run("scene.fill(around)")
     assert browser.run(SCENE) == looks[0]
-    # The chart takes the time along, as all do, and shows another window.
+    # The chart sets the time like all charts, and shows another time window.
     canvas = "document.querySelector('#clearances canvas')"
     before = browser.run(f"{canvas}.toDataURL()")
     box = browser.box("#clearances canvas")
@@ -419,7 +420,7 @@ def a_scene_is_shown(browser: Browser, pages: Pages) -> None:
     reader = pypdf.PdfReader(io.BytesIO(pdf))
     printed = " ".join(page.extract_text() for page in reader.pages)
     assert "Clearance" in printed and len(reader.pages) <= 4, len(reader.pages)
-    # Without one, there is nothing of it.
+    # Without a scene, the page has no clearance.
     browser.open(pages.page("ten-motions"))
     assert browser.run("document.getElementById('clearance').hidden")
     assert not browser.run("around.obstacles.length + around.tool.length")
@@ -434,7 +435,7 @@ def many_motions_and_one(browser: Browser, pages: Pages) -> None:
         browser.size(390, 844, phone=True)
         browser.frames()
         assert browser.run("document.documentElement.scrollWidth") <= 390
-        # The table is all within the screen.
+        # The whole table is within the screen.
         wide = browser.run(
             "Math.max(...[...document.querySelectorAll('#table td')].map(it => it.getBoundingClientRect().right))"
         )
@@ -462,7 +463,7 @@ def an_hour(browser: Browser, pages: Pages) -> str:
         table.write("t_s,q1,q2,q3,q4,q5,q6,q7\n")
         for k in range(3_600_000):
             q = math.sin(k / 1000)
-            # A peak of one sample on top of the sine: it must not get lost.
+            # A peak of one sample on top of the sine, which must not be lost.
             off = 0.05 if k == 1_233_075 else 0
             table.write(
                 f"{k / 1000},{q:.6f},{0.3 * q + off:.6f},0,{0.5 * q - 1.2:.6f},0,{0.5 * q:.6f},0\n"
@@ -475,7 +476,7 @@ def an_hour(browser: Browser, pages: Pages) -> str:
     desk(browser)
     browser.open(page, "#t=1234")
     ms = int(browser.run("document.documentElement.dataset.drawnMs"))
-    # The peak is where it was.
+    # The peak is at its original time.
     high = browser.run(
         "(() => { const { t_s, high } = report.arms[0].position;"
         " return high[7 * (countUpTo(t_s, 1233.075) - 1) + 1] })()"

@@ -12,13 +12,13 @@ from ports import free_ports
 
 
 def cpu_s(pid: int) -> float:
-    """User and system time of a process so far."""
+    """User and system CPU time of a process."""
     fields = Path(f"/proc/{pid}/stat").read_text().rsplit(")", 1)[1].split()
     return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
 
 
 class Rig:
-    """What was started ends with the `with` block."""
+    """A robot and its drive, which end with the `with` block."""
 
     def __init__(self, program: Path, folder: Path, *cabinet: str) -> None:
         self.program = program.resolve()
@@ -71,12 +71,12 @@ class Rig:
         self.drive = self.start("drive", *self.drive_options)
 
     def run(self, program: Path, *options: str) -> None:
-        """A program on the robot, to its end."""
+        """Runs a program on the robot to its end."""
         command = ["run", str(program), *options, *self.drive_at, *self.stream_at]
         subprocess.run([self.program, *command], cwd=self.folder, check=True, capture_output=True)
 
     def wait_until_ready(self) -> None:
-        """Robot and drive take a moment to find each other."""
+        """Waits until robot and drive are connected."""
         until = time.monotonic() + 300
         while True:
             command = [self.program, "status", "--json", *self.drive_at]

@@ -1,4 +1,4 @@
-"""A scene with a tool of all kinds of shapes, for pages."""
+"""A scene for pages, with a tool of all kinds of shapes."""
 
 from __future__ import annotations
 
@@ -7,7 +7,8 @@ from pathlib import Path
 
 FIXTURES = Path(__file__).resolve().parents[2] / "fixtures"
 
-# Side by side, so that each of them can be told; small, so that programs in the cage touch nothing.
+# Side by side, so that each shape is distinguishable; small, so that programs in the cage do not
+# collide.
 TOOL = [
     {"type": "cylinder", "center_mm": [0, 0, 12], "radius_mm": 20, "length_mm": 24},
     {"type": "box", "center_mm": [0, 14, 30], "size_mm": [12, 10, 20], "rpy_deg": [0, 0, 20]},
@@ -18,7 +19,7 @@ WEDGE = "v 0 0 0\nv 16 0 0\nv 0 16 0\nv 2 2 20\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1
 
 
 def write_scene(folder: Path) -> str:
-    """The cage with this tool, and the mesh beside it; its file's name."""
+    """Writes the cage with this tool, and the mesh next to it; returns the file name."""
     cage = json.loads((FIXTURES / "cage.json").read_text())
     (folder / "cage.json").write_text(json.dumps(cage | {"tool": TOOL}))
     (folder / "wedge.obj").write_text(WEDGE)

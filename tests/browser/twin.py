@@ -1,11 +1,12 @@
 #!/usr/bin/env python3
-"""Opens the page of `iiwasim twin` in a browser, before a simulated robot, and uses it as people do.
+"""Opens the page of `iiwasim twin` with a simulated robot in a browser, and operates it like a
+user.
 
     twin.py IIWASIM FOLDER [--minutes N] [--only CHECK]
 
-IIWASIM is the program; screenshots go to FOLDER. The robot is followed for N minutes (2 where none are
-given), over which frames, latency and memory are measured. --only runs one check, by its name. Exit code
-1 when a check fails. Needs Chromium and what requirements.txt names, next to this file.
+IIWASIM is the program; screenshots are written to FOLDER. Frames, latency and memory are measured
+over N minutes (default 2). --only runs one check, by its name. Exit code 1 when a check fails.
+Needs Chromium and the packages in requirements.txt, next to this file.
 """
 
 from __future__ import annotations
@@ -39,7 +40,7 @@ def page_follows_the_robot(browser: Browser, twin: Twin) -> None:
     mover = Mover(twin.rig)
     try:
         browser.until("live.health.status.state === 'running_motion'")
-        # Between two runs it stands for a moment.
+        # Between two runs, the robot is briefly at rest.
         for _ in range(100):
             time.sleep(0.7)
             before = len(pictures)
@@ -48,7 +49,7 @@ def page_follows_the_robot(browser: Browser, twin: Twin) -> None:
                 twin.keep(browser, f"twin-moves-{before}")
             if len(pictures) == 5:
                 break
-        # What is written is where the arm is.
+        # The text shows the current position.
         written = "parseFloat(document.querySelector('#joints td:nth-child(2)').textContent)"
         assert browser.run(f"new Set([{written}, 1]).size") == 2
     finally:
@@ -64,7 +65,8 @@ def page_follows_the_robot(browser: Browser, twin: Twin) -> None:
 
 def tool_is_drawn(browser: Browser, twin: Twin) -> None:
     twin.open(browser)
-    # The live arm may tremble: the same poses for all, so that each shape is in front of the others in one of them.
+    # Fixed poses, because the live robot may have noise; in one of them, each shape is in front of
+    # the others.
     poses = [[0, 0.5, 0, -1.2, 0, 1, turn] for turn in (0, 1.5, 3, -1.5)]
     look = (
         f"{json.dumps(poses)}.map(q => (scene.show([{{ q, ghost: null }}]),"
@@ -104,14 +106,14 @@ def program_is_simulated_sent_and_replayed(browser: Browser, twin: Twin) -> None
     assert f"{cycle_s:.3f} s" in text(browser, "plan-figures") and "10" in text(
         browser, "plan-figures"
     )
-    # The simulation plays by itself, next to the arm as it is.
+    # The simulation starts to play automatically, next to the live robot.
     browser.until(
         "document.getElementById('mode').textContent === \"Live, with the plan's simulation\""
     )
     browser.until("shown.time > 1")
     pictures = {browser.run(SCENE)}
     twin.keep(browser, "twin-simulation")
-    # All in one: on a slow machine, the simulation may have come to its end before a mouse is there.
+    # In one script: on a slow machine, the simulation may end before a mouse event arrives.
     assert (
         browser.run(
             "(play(true), shown.time = 1, document.getElementById('play').click(), shown.playing)"
@@ -133,14 +135,14 @@ def program_is_simulated_sent_and_replayed(browser: Browser, twin: Twin) -> None
     browser.until("document.getElementById('mode').textContent === 'Live'")
     assert browser.run("document.getElementById('play').disabled")
 
-    # A second thought.
+    # Cancelled in the dialog.
     browser.click("#send")
     browser.until("document.getElementById('confirm').open")
     twin.keep(browser, "twin-confirm")
     browser.click("#confirm button[value=no]")
     browser.until("!document.getElementById('confirm').open")
     assert browser.run("desk.run") is None
-    # The start of the motion. The page drops it at the end of the run.
+    # Record the start of the motion, which the page drops at the end of the run.
     browser.run(
         "(() => { const known = remember; window.left_ = null;"
         " remember = it => { known(it); left_ = watched.left_s ?? left_ } })()"
@@ -151,7 +153,8 @@ def program_is_simulated_sent_and_replayed(browser: Browser, twin: Twin) -> None
     )
     browser.until("document.getElementById('mode').textContent === 'Live'")
     twin.keep(browser, "twin-running")
-    # Measured torques, and below them the planned ones, from the page's history: on a busy machine the run may be over.
+    # Measured torques, with planned ones below, from the history of the page: on a busy machine,
+    # the run may be over.
     browser.run("document.getElementById('history-torque').scrollIntoView({ block: 'center' })")
     browser.until("left_ !== null && live.newest.t_s - left_ > 3")
     q, *both, planned = browser.run(
@@ -165,7 +168,7 @@ def program_is_simulated_sent_and_replayed(browser: Browser, twin: Twin) -> None
     twin.keep(browser, "twin-torques")
     browser.until("desk.run.phase === 'done'")
     assert browser.run("watched.from_rad") is None
-    assert "It took 7." in text(browser, "run-notes"), text(browser, "run-notes")
+    assert "Measured 7." in text(browser, "run-notes"), text(browser, "run-notes")
     browser.click("#replay")
     assert text(browser, "mode") == "Replay: not live"
     browser.until("shown.time > 1")
@@ -178,7 +181,7 @@ def program_is_simulated_sent_and_replayed(browser: Browser, twin: Twin) -> None
     link = browser.run(
         "[...document.querySelectorAll('#files a')].map(it => [it.textContent, it.href])"
     )
-    assert [name for name, _ in link] == ["Report", "Program", "Plan", "What the robot did"]
+    assert [name for name, _ in link] == ["Report", "Program", "Plan", "Run result"]
     browser.go(dict(link)["Report"])
     browser.until("document.documentElement?.dataset.drawnMs > ''")
     assert browser.run("report.arms.length") == 2
@@ -212,7 +215,8 @@ UNMET = """(elements => [...elements].filter(it => {
     return !it.contains(met) && !it.closest('label')?.contains(met);
 }).map(it => it.outerHTML))"""
 
-# Buttons, fields and links that are drawn, but those in dialogs and the ones that open a file dialog.
+# Buttons, fields and links that are drawn, but those in dialogs and the ones that open a file
+# dialog.
 CONTROLS = """[...document.querySelectorAll('main :is(button, input:not([type=file]), a)')]
     .filter(it => it.offsetWidth && !it.disabled)"""
 
@@ -324,7 +328,7 @@ def escape_and_dialogs_stop(browser: Browser, twin: Twin) -> None:
         browser.until("desk.run.phase === 'failed'")
         assert "stopped on request" in text(browser, "run"), stop.__name__
         assert text(browser, "stop-said") == ""
-    # A stop that fails is reported in view, and the header with it.
+    # A failed stop is reported in the visible header.
     browser.run("link.open = false")
     browser.click(".view .stop")
     browser.until("!document.fullscreenElement")
@@ -336,7 +340,7 @@ def escape_and_dialogs_stop(browser: Browser, twin: Twin) -> None:
 
 def positions_are_kept(browser: Browser, twin: Twin) -> None:
     twin.open(browser)
-    # A name is asked for, and suggested.
+    # The page asks for a name, and suggests one.
     browser.until("document.getElementById('position-name').value === 'P1'")
     browser.run("document.getElementById('position-name').value = ''")
     browser.click("#save button")
@@ -352,7 +356,7 @@ def positions_are_kept(browser: Browser, twin: Twin) -> None:
     browser.frames()
     assert "<i>first</i>" in text(browser, "positions")
     names = "desk.positions.map(it => it.name).join()"
-    # The same name is refused; what was wrong goes with what comes next.
+    # The same name is refused; the next request removes the error.
     browser.run("document.getElementById('position-name').value = 'P2'")
     browser.click("#save button")
     browser.until("document.getElementById('positions-said').textContent.includes('already')")
@@ -373,13 +377,13 @@ def positions_are_kept(browser: Browser, twin: Twin) -> None:
     browser.click("#make button")
     browser.until("desk.plan && desk.plan.name.startsWith('positions')")
     twin.keep(browser, "twin-positions")
-    # The program has them by name.
+    # The program refers to positions by name.
     link = browser.run(
         "[...document.querySelectorAll('#files a')].find(it => it.textContent === 'Program').href"
     )
     program = json.loads(urllib.request.urlopen(link, timeout=10).read())
     assert program["motions"][0]["frame"] == "home" and "home" in program["frames"], program
-    # They survive the twin.
+    # Positions are kept across restarts of the twin.
     twin.process.terminate()
     twin.process.wait(60)
     browser.go("about:blank")
@@ -403,7 +407,7 @@ def nothing_is_armed_after_a_broken_file(browser: Browser, twin: Twin) -> None:
         "document.getElementById('program-said').textContent.includes('Nothing is loaded')"
     )
     twin.keep(browser, "twin-broken")
-    # What is odd about the next one is told, and what was wrong before is gone.
+    # The next program has a warning, and the previous error is gone.
     program = twin.rig.folder / "odd.json"
     program.write_text(json.dumps(ODD))
     load(browser, program)
@@ -431,7 +435,7 @@ def the_last_minutes_are_plotted(browser: Browser, twin: Twin) -> None:
         twin.keep(browser, "twin-history")
     finally:
         mover.end()
-    # As the arm was, by its own stamps, each once.
+    # Positions of the robot by their own stamps, each once.
     assert browser.run(
         "history_.t_s.subarray(0, history_.count).every((t, i, all) => i === 0 || t > all[i - 1])"
     )
@@ -445,14 +449,14 @@ def the_last_minutes_are_plotted(browser: Browser, twin: Twin) -> None:
     assert (
         browser.run("document.getElementById('history-120').getAttribute('aria-pressed')") == "true"
     )
-    # Two minutes are kept, and no more than there is room for.
+    # Two minutes are kept, within the capacity.
     kept = browser.run(
         "(() => { const t = history_.t_s[history_.count - 1];"
         " for (let i = 1; i < 40000; i++) remember({ t_s: t + 0.01 * i, joints_rad: live.newest.joints_rad });"
         " return [history_.count, history_.t_s[history_.count - 1] - history_.t_s[0]] })()"
     )
     assert kept[0] <= 16_000 and kept[1] >= 119, kept
-    # Another drive has other times.
+    # A restarted drive has other times.
     browser.until("history_.count < 10_000")
 
 
@@ -462,7 +466,7 @@ def joints_are_turned(browser: Browser, twin: Twin) -> None:
         "live.health.status.state === 'idle' && document.body.classList.contains('simulated')"
     )
     assert browser.run("getComputedStyle(document.getElementById('simulated')).display") != "none"
-    # The table of the joints fits into its column.
+    # The joint table fits into its column.
     assert browser.run(
         "document.querySelector('aside').scrollWidth <= document.querySelector('aside').clientWidth"
     )
@@ -475,11 +479,11 @@ def joints_are_turned(browser: Browser, twin: Twin) -> None:
         browser.until(f"Math.abs({joint} - {before + by}) < 0.01")
         assert text(browser, "jog-said") == ""
     twin.keep(browser, "twin-jog")
-    # What is refused is told, and what is no step is not even asked for.
+    # A refusal is reported, and an invalid step is not requested.
     why = browser.run("order('jog', { joint: 3, step_deg: 46 }).then(() => '', it => it.message)")
     assert "45 deg at most" in why, why
-    # Without a word of the drive that the robot is simulated, there are no such buttons.
-    # In one go: the next word of the drive takes it back.
+    # The buttons are hidden unless the drive reports a simulated robot.
+    # In one script, as the next message of the drive restores the state.
     shown = browser.run(
         "(link.takes.health({ status: { ...live.health.status, simulated: false } }),"
         " getComputedStyle(document.querySelector('td.jog')).display)"
@@ -492,7 +496,7 @@ def nothing_is_called_live_before_data(browser: Browser, twin: Twin) -> None:
     browser.run("([live.newest, live.fresh] = [null, false], link.takes.live = () => {}, 1)")
     browser.until("document.getElementById('mode').textContent !== 'Live'")
     browser.until("document.getElementById('link').textContent !== 'live'")
-    # As the page is before its first word.
+    # The page before its first message.
     page = urllib.request.urlopen(twin.address, timeout=10).read().decode()
     assert '<span id="link" class="chip waiting">connecting</span>' in page
     green = browser.run(
@@ -507,7 +511,7 @@ def people_without_a_mouse_are_served(browser: Browser, twin: Twin) -> None:
     twin.open(browser)
     load(browser, FIXTURES / "ten-motions.json")
     browser.run("document.getElementById('position-name').value = 'there'")
-    # What is loaded moves the button: a mouse could miss it.
+    # Loading moves the button, so that a mouse click could miss it.
     browser.run("document.querySelector('#save button').click()")
     browser.until("desk.positions.length === 1")
     for scheme in ("light", "dark"):
@@ -544,9 +548,9 @@ def too_near_is_not_sent(browser: Browser, twin: Twin) -> None:
     program = twin.rig.folder / "back.json"
     program.write_text(json.dumps(back))
     load(browser, program)
-    assert "It cannot be sent: " in text(browser, "plan-refused")
+    assert "Cannot be sent: " in text(browser, "plan-refused")
     assert browser.run("document.getElementById('send').disabled")
-    # The page's own scruples are not all there is.
+    # The server also refuses, not only the page.
     why = browser.run(
         "order('send', { plan: desk.plan.id, move_to_start: true }).then(() => '', it => it.message)"
     )
@@ -579,7 +583,7 @@ def drive_goes_and_comes_back(browser: Browser, twin: Twin) -> None:
     browser.until("document.getElementById('banner').textContent.includes('no drive answers')")
     browser.until("!document.getElementById('banner').hidden")
     browser.until("document.getElementById('link').textContent === 'not live'")
-    browser.until("document.getElementById('mode').textContent === 'Not live: where the arm was'")
+    browser.until("document.getElementById('mode').textContent === 'Not live: last known position'")
     twin.keep(browser, "twin-no-drive")
     twin.rig.start_drive()
     browser.until("document.getElementById('link').textContent === 'live'")
@@ -595,10 +599,10 @@ def twin_ends(browser: Browser, twin: Twin) -> None:
         "document.getElementById('banner').textContent.includes('The twin cannot be reached')"
     )
     twin.keep(browser, "twin-gone")
-    # The browser tells of connections that fail.
+    # The browser would log failed connections.
     browser.go("about:blank")
     browser.complaints.clear()
-    # Another one has another token.
+    # A new twin has a new token.
     twin.start()
     assert token not in twin.address
     try:

@@ -1,4 +1,4 @@
-"""A robot with its drive and its twin, and what people do with its page."""
+"""A robot with its drive and its twin, and user actions on the page."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from scene import write_scene
 
 FIXTURES = Path(__file__).resolve().parents[2] / "fixtures"
 
-# The arm goes to and fro; blended, so that it moves nearly all the time.
+# Alternating motions, blended, so that the robot moves nearly all the time.
 TO_AND_FRO = {
     "version": 1,
     "start": {"joints_deg": [0, 20, 0, -70, 0, 90, 0]},
@@ -30,7 +30,7 @@ TO_AND_FRO = {
 }
 
 
-# A target whose turn is not that of the joints there.
+# A target whose turn does not match the joints there.
 ODD = {
     "version": 1,
     "start": {"joints_deg": [0, 30, 0, -60, 0, 90, 0]},
@@ -54,7 +54,7 @@ class Twin:
         self.start()
 
     def start(self) -> None:
-        """The same port each time, so that an open page finds it again."""
+        """Starts the twin, on the same port each time, so that an open page can reconnect."""
         rig = self.rig
         options = [
             "--port",
@@ -91,7 +91,7 @@ def text(browser: Browser, place: str) -> str:
 
 
 def load(browser: Browser, program: Path) -> None:
-    """As if its file had been chosen."""
+    """Loads a program as if its file had been selected."""
     words = json.dumps(program.read_text())
     browser.run("desk.before = desk.plan && desk.plan.id")
     browser.run(f"loadFile(new File([{words}], {json.dumps(program.name)}))")
@@ -111,7 +111,7 @@ def send(browser: Browser) -> None:
 
 
 class Mover(threading.Thread):
-    """Has the robot go to and fro until it is told to end."""
+    """Runs alternating motions until it is stopped."""
 
     def __init__(self, rig: Rig) -> None:
         super().__init__(daemon=True)

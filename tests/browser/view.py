@@ -1,4 +1,4 @@
-"""Checks of the 3D view of a report: what is drawn, and how it is looked at."""
+"""Checks of the 3D view of a report: drawing and camera control."""
 
 from __future__ import annotations
 
@@ -58,7 +58,7 @@ def view_is_shifted(browser: Browser, pages: Pages) -> None:
     assert browser.run(SCENE) not in (usual, *seen)
     browser.key("0")
     assert browser.run(SCENE) == usual
-    # Two fingers that stay apart shift it, others take it nearer.
+    # Two fingers at a constant distance shift the view, others zoom.
     browser.size(390, 844, phone=True)
     browser.call("Emulation.setTouchEmulationEnabled", enabled=True)
     usual = browser.run(SCENE)
@@ -80,7 +80,7 @@ def wheel_is_the_pages_until_the_view_is_clicked(browser: Browser, pages: Pages)
     usual = browser.run(SCENE)
     box = browser.box("#scene")
     x, y = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
-    # One who comes to it while scrolling scrolls on, and is told how to take the view nearer.
+    # The wheel over the view scrolls the page, and a hint explains how to zoom.
     at = browser.run("scrollY")
     browser.wheel(x, y, 60)
     browser.until(f"scrollY > {at}")
@@ -113,7 +113,7 @@ def view_fills_the_screen(browser: Browser, pages: Pages) -> None:
 
 
 def view_takes_in_the_arm_and_its_way(browser: Browser, pages: Pages) -> None:
-    """Nothing of it is cut off, and little of the view is empty: from each side, wide and narrow."""
+    """Robot and path are not cut off and fill most of the view, from each side, wide and narrow."""
     for width in (1280, 390):
         browser.size(width, 844)
         for name in ("ten-motions", "scene"):
@@ -136,7 +136,7 @@ def view_takes_in_the_arm_and_its_way(browser: Browser, pages: Pages) -> None:
 
 
 def picture_gets_sharp_at_rest(browser: Browser, pages: Pages) -> None:
-    """Of a slow machine: coarse while the arm moves, and once as sharp as the screen when it rests."""
+    """On a slow machine, the resolution is reduced in motion, and full once at rest."""
     desk(browser)
     browser.open(pages.page("ten-motions"))
     script = """(() => {
@@ -160,7 +160,7 @@ def picture_gets_sharp_at_rest(browser: Browser, pages: Pages) -> None:
 
 
 def meshes_of_a_urdf_are_drawn(browser: Browser, pages: Pages) -> str:
-    """Those of an LBR iiwa 14 R820 as others have drawn it, whose links are blue, orange and grey."""
+    """Meshes of an LBR iiwa 14 R820 from another project, whose links are blue, orange and grey."""
     program = str(FIXTURES / "ten-motions.json")
     pages.iiwasim("plan", program, "--robot", "lbr_iiwa_14_r820", "-o", "meshes.mcap")
     pages.iiwasim("report", "meshes.mcap", "-o", "shells.html")
@@ -189,7 +189,7 @@ def meshes_of_a_urdf_are_drawn(browser: Browser, pages: Pages) -> str:
         return blue;
     })()""")
     assert blue > 2000, blue
-    # Normals are of length 1, and lie as the triangles do, but at creases.
+    # Normals have unit length, and match the triangles, except at creases.
     along = browser.run("""(() => {
         const { floats, triangles } = unpackLook(robot.look);
         let sum = 0;

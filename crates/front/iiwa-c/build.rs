@@ -1,4 +1,5 @@
-//! The shared library's own name, which programs that are linked with it look for: without one they keep its path.
+//! Sets the soname of the shared library: without it, programs linked with the library store its
+//! path.
 
 fn main() {
     println!("cargo::rerun-if-changed=build.rs");

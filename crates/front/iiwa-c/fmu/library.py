@@ -1,4 +1,4 @@
-"""The functions of iiwasim.h that are needed for FMUs and tests, by ctypes."""
+"""ctypes bindings of the functions of iiwasim.h that FMUs and tests need."""
 
 import ctypes
 import json
@@ -43,7 +43,7 @@ class Error(ctypes.Structure):
 
 
 class Failure(Exception):
-    """A call that failed, with its status and its place in the program's text."""
+    """A failed call, with its status and its place in the program text."""
 
     def __init__(self, error):
         super().__init__(error.message.decode())
@@ -75,7 +75,7 @@ class Library:
             raise Failure(error)
 
     def text(self, name, *arguments):
-        """A text that the library hands out."""
+        """A text returned by the library."""
         place = ctypes.c_void_p()
         self.call(name, *arguments, ctypes.byref(place))
         try:
@@ -85,7 +85,7 @@ class Library:
 
     @contextmanager
     def plan(self, program, *, robot=None, timing="sunrise", limit_torque_percent=0.0):
-        """The plan of a program: a path, or a text in bytes."""
+        """Plans a program, given as a path or as text in bytes."""
         options = Options()
         self.call("iiwasim_options_default", ctypes.byref(options))
         options.robot = None if robot is None else robot.encode()

@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
-"""Makes an FMU (FMI 3.0, co-simulation) of a motion program.
+"""Builds an FMU (FMI 3.0, co-simulation) of a motion program.
 
     pack.py PROGRAM.json [-o PROGRAM.fmu] [--library target/release/libiiwasim.so]
 
-The program is planned first: one that cannot be is refused. For more platforms than this one, their libraries are given
-as well: --also x86_64-windows=iiwasim.dll. The same input gives the same bytes.
+The program is planned first, and refused if planning fails. Libraries of further platforms are
+given by --also x86_64-windows=iiwasim.dll. The same input gives the same bytes.
 """
 
 import argparse
@@ -16,7 +16,7 @@ from pathlib import Path
 
 from library import Failure, Library
 
-# As FMI 3.0 names systems, with the endings of their libraries.
+# Names of systems in FMI 3.0, with the suffixes of their libraries.
 SYSTEMS = {
     "Linux": ("linux", ".so"),
     "Windows": ("windows", ".dll"),
@@ -49,7 +49,7 @@ def pack(fmu, program, library, also=(), **options):
         contents[f"binaries/{target}/iiwasim{ending}"] = Path(path).read_bytes()
     with zipfile.ZipFile(fmu, "w", zipfile.ZIP_DEFLATED) as archive:
         for name, content in contents.items():
-            # With the earliest date that there is, rather than today's.
+            # With the earliest possible date instead of today's, for reproducible files.
             archive.writestr(zipfile.ZipInfo(name), content, zipfile.ZIP_DEFLATED)
 
 

@@ -11,11 +11,11 @@
 #include <stdint.h>
 
 /*
- Whether a call has done what it is for.
+ Status of a call.
  */
 typedef enum IiwasimStatus {
   /*
-   It has.
+   The call succeeded.
    */
   IIWASIM_STATUS_OK = 0,
   /*
@@ -27,11 +27,11 @@ typedef enum IiwasimStatus {
    */
   IIWASIM_STATUS_FILE = 2,
   /*
-   The program or the robot's profile is not valid.
+   The program or the robot's profile is invalid.
    */
   IIWASIM_STATUS_PROGRAM = 3,
   /*
-   The robot cannot do what the program asks for.
+   The robot cannot perform the program.
    */
   IIWASIM_STATUS_PLAN = 4,
   /*
@@ -41,7 +41,7 @@ typedef enum IiwasimStatus {
 } IiwasimStatus;
 
 /*
- Which limits are kept.
+ Set of active limits.
  */
 typedef enum IiwasimTiming {
   /*
@@ -53,31 +53,32 @@ typedef enum IiwasimTiming {
    */
   IIWASIM_TIMING_ACCELERATION = 1,
   /*
-   As jerk-limited, but PTP motions and splines from rest to rest as Sunrise was seen to plan them: splines by a model.
+   Jerk-limited, but with PTP motions and splines from rest to rest as Sunrise was observed to
+   plan them: splines by a model.
    */
   IIWASIM_TIMING_SUNRISE = 2,
 } IiwasimTiming;
 
 /*
- A program's plan. It does not change, and may be used by several threads at once.
+ Plan of a program. It is immutable, and may be used by several threads at once.
  */
 typedef struct IiwasimPlan IiwasimPlan;
 
 /*
- A motion program. It does not change, and may be used by several threads at once.
+ Motion program. It is immutable, and may be used by several threads at once.
  */
 typedef struct IiwasimProgram IiwasimProgram;
 
 /*
- Why the last call of this thread failed.
+ Reason for the failure of the last call of this thread.
  */
 typedef struct IiwasimError {
   /*
-   What it returned.
+   Status that the call returned.
    */
   enum IiwasimStatus status;
   /*
-   Line of the program's text, from 1; 0 if it is about no place in it.
+   Line in the program's text, from 1; 0 if the error has no place in the text.
    */
   uint32_t line;
   /*
@@ -85,25 +86,28 @@ typedef struct IiwasimError {
    */
   uint32_t column;
   /*
-   The motion of the program, from 1; 0 if it is about none.
+   Motion of the program, from 1; 0 if the error concerns no motion.
    */
   uint32_t motion;
   /*
-   What is wrong, where, and what to do; in UTF-8, empty after a call that succeeded.
+   Message with the fault, its place and its remedy, in UTF-8; empty after a call that
+   succeeded.
    */
   const char *message;
 } IiwasimError;
 
 /*
- How a program is planned. `iiwasim_options_default` fills it in, so that fields that are not set mean what is usual.
+ Planning options. `iiwasim_options_default` initialises them, so that unset fields have their
+ default values.
  */
 typedef struct IiwasimOptions {
   /*
-   A built-in robot's name, or the JSON text of a robot's profile; NULL for the robot that the program names.
+   Name of a built-in robot, or the JSON text of a robot's profile; NULL for the robot that the
+   program names.
    */
   const char *robot;
   /*
-   Which limits are kept: an `IiwasimTiming`.
+   Set of active limits: an `IiwasimTiming`.
    */
   int32_t timing;
   /*
@@ -111,17 +115,17 @@ typedef struct IiwasimOptions {
    */
   uint32_t samples;
   /*
-   Limit of torques, in per cent of the robot's; 0 for the program's own limit, if it has one.
+   Torque limit, in per cent of the robot's; 0 for the program's own limit, if it has one.
    */
   double limit_torque_percent;
 } IiwasimOptions;
 
 /*
- What the arm does at one instant.
+ State of the arm at one instant.
  */
 typedef struct IiwasimState {
   /*
-   When, in s.
+   Time, in s.
    */
   double t_s;
   /*
@@ -133,19 +137,20 @@ typedef struct IiwasimState {
    */
   double dq[7];
   /*
-   Accelerations, in rad/s^2. Where they jump, the value after the jump.
+   Accelerations, in rad/s^2. At jumps, the value after the jump.
    */
   double ddq[7];
   /*
-   Position of the TCP in the robot's base frame, in m. The TCP is that of the motion's tool, or the flange.
+   TCP position in the robot's base frame, in m. The TCP is that of the motion's tool, or the
+   flange.
    */
   double tcp_m[3];
   /*
-   Its orientation there, a unit quaternion x, y, z, w with w >= 0.
+   TCP orientation in the robot's base frame, a unit quaternion x, y, z, w with w >= 0.
    */
   double tcp_xyzw[4];
   /*
-   The motion of the program, from 1.
+   Motion of the program, from 1.
    */
   uint32_t motion;
 } IiwasimState;
@@ -155,20 +160,21 @@ extern "C" {
 #endif // __cplusplus
 
 /*
- Writes why the last call of this thread failed to `*error`. Its message stays as it is until the next call of this thread.
+ Writes the reason for the failure of the last call of this thread to `*error`. Its message is
+ valid until the next call of this thread.
 
  Returns `IIWASIM_STATUS_ARGUMENT` if `error` is NULL, and keeps the error then.
  */
 enum IiwasimStatus iiwasim_last_error(struct IiwasimError *error);
 
 /*
- Writes the options that are used where none are given.
+ Writes the default options.
  */
 enum IiwasimStatus iiwasim_options_default(struct IiwasimOptions *options);
 
 /*
- Plans a program, and writes the plan to `*plan`: `iiwasim_plan_free` frees it. `*plan` is NULL where it fails. Without
- `options` (NULL) it is planned with the default ones.
+ Plans a program, and writes the plan to `*plan`: `iiwasim_plan_free` frees it. `*plan` is NULL
+ after a failure. Without `options` (NULL) the default options apply.
 
  # Safety
 
@@ -179,29 +185,32 @@ enum IiwasimStatus iiwasim_plan(const struct IiwasimProgram *program,
                                 struct IiwasimPlan **plan);
 
 /*
- Frees a plan; NULL is left alone.
+ Frees a plan; NULL is ignored.
  */
 void iiwasim_plan_free(struct IiwasimPlan *plan);
 
 /*
- Writes the cycle time to `*seconds`: from the start to the end of the last settling or waiting, in s.
+ Writes the cycle time to `*seconds`: from the start to the end of the last settle time or wait,
+ in s.
  */
 enum IiwasimStatus iiwasim_plan_cycle_time_s(const struct IiwasimPlan *plan,
                                              double *seconds);
 
 /*
- Writes what the arm does `t_s` after the start of the program to `*state`. Before the start and after the end it stands.
+ Writes the state of the arm `t_s` after the start of the program to `*state`. Before the start
+ and after the end the arm is at rest.
  */
 enum IiwasimStatus iiwasim_plan_at(const struct IiwasimPlan *plan,
                                    double t_s,
                                    struct IiwasimState *state);
 
 /*
- Writes what the arm does `rate_hz` times a second to `states`, from the start to the end: the first sample is at 0, the
- last exactly at the cycle time. `*count` is how many there are.
+ Writes the states of the arm at `rate_hz` samples per second to `states`, from the start to the
+ end: the first sample is at 0, the last exactly at the cycle time. `*count` is the number of
+ samples.
 
- With `states` NULL and `capacity` 0 it only counts. Where there is room for fewer states, it writes as many, and returns
- `IIWASIM_STATUS_ARGUMENT`.
+ With `states` NULL and `capacity` 0 the function only counts. If `capacity` is too small, it
+ writes `capacity` states, and returns `IIWASIM_STATUS_ARGUMENT`.
 
  # Safety
 
@@ -214,30 +223,32 @@ enum IiwasimStatus iiwasim_plan_sample(const struct IiwasimPlan *plan,
                                        size_t *count);
 
 /*
- Writes the figures to `*json`: the object of `iiwasim plan --json`, without `output`. `iiwasim_string_free` frees it;
- `*json` is NULL where it fails.
+ Writes the figures to `*json`: the object of `iiwasim plan --json`, without `output`.
+ `iiwasim_string_free` frees it; `*json` is NULL after a failure.
  */
 enum IiwasimStatus iiwasim_plan_figures_json(const struct IiwasimPlan *plan,
                                              char **json);
 
 /*
- Writes the text files of an FMU that does what is planned to `*json`: an object with a text for each path. Together with
- this library as `binaries/PLATFORM/iiwasim.so`, `.dll` or `.dylib`, as FMI 3.0 names the platform, they are the FMU.
- `iiwasim_string_free` frees it; `*json` is NULL where it fails.
+ Writes the text files of an FMU that runs the plan to `*json`: an object with a text for each
+ path. Together with this library as `binaries/PLATFORM/iiwasim.so`, `.dll` or `.dylib`, where
+ FMI 3.0 defines the platform names, these files are the FMU. `iiwasim_string_free` frees the
+ text; `*json` is NULL after a failure.
 
  # Safety
 
- `name`, the model's, is NULL, or a string in UTF-8 that ends with a NUL.
+ `name`, the name of the model, is NULL, or a string in UTF-8 that ends with a NUL.
  */
 enum IiwasimStatus iiwasim_plan_fmu_json(const struct IiwasimPlan *plan,
                                          const char *name,
                                          char **json);
 
 /*
- Reads a program from its JSON text, and writes it to `*program`: `iiwasim_program_free` frees it. `*program` is NULL
- where it fails.
+ Reads a program from its JSON text, and writes it to `*program`: `iiwasim_program_free` frees
+ it. `*program` is NULL after a failure.
 
- A program that includes a file, or names a robot's profile by its file, is loaded by `iiwasim_program_load`.
+ Use `iiwasim_program_load` for a program that includes a file, or names the file of a robot's
+ profile.
 
  # Safety
 
@@ -247,8 +258,9 @@ enum IiwasimStatus iiwasim_program_from_json(const char *json,
                                              struct IiwasimProgram **program);
 
 /*
- Reads a program from a file, with the files beside it that it includes or names as its robot's profile, and writes it to
- `*program`: `iiwasim_program_free` frees it. `*program` is NULL where it fails.
+ Reads a program from a file, with the files that it includes or names as its robot's profile,
+ and writes it to `*program`: `iiwasim_program_free` frees it. `*program` is NULL after a
+ failure.
 
  # Safety
 
@@ -258,21 +270,21 @@ enum IiwasimStatus iiwasim_program_load(const char *path,
                                         struct IiwasimProgram **program);
 
 /*
- Frees a program; NULL is left alone. Plans that were made of it stay.
+ Frees a program; NULL is ignored. Plans of this program remain valid.
  */
 void iiwasim_program_free(struct IiwasimProgram *program);
 
 /*
- The library's version, such as `0.1.0`. It is not to be freed.
+ Returns the version of the library, such as `0.1.0`. It must not be freed.
  */
 const char *iiwasim_version(void);
 
 /*
- Frees a string that a function has written; NULL is left alone.
+ Frees a string written by a function of this library; NULL is ignored.
 
  # Safety
 
- `string` is NULL, or was written by this library and not freed yet.
+ `string` is NULL, or was written by this library and has not been freed yet.
  */
 void iiwasim_string_free(char *string);
 

@@ -1,4 +1,4 @@
-//! How calls return: a status, and the last error of the thread.
+//! Results of calls: a status, and the last error of the thread.
 
 use std::{
     cell::RefCell,
@@ -12,19 +12,19 @@ use iiwa_program::MotionIndex;
 
 use crate::failure::{Failure, FailureKind};
 
-/// Whether a call has done what it is for.
+/// Status of a call.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum IiwasimStatus {
-    /// It has.
+    /// The call succeeded.
     Ok = 0,
     /// An argument is NULL or out of range.
     Argument = 1,
     /// A file cannot be read.
     File = 2,
-    /// The program or the robot's profile is not valid.
+    /// The program or the robot's profile is invalid.
     Program = 3,
-    /// The robot cannot do what the program asks for.
+    /// The robot cannot perform the program.
     Plan = 4,
     /// A fault of this library; please report it.
     Internal = 5,
@@ -42,23 +42,24 @@ impl From<FailureKind> for IiwasimStatus {
     }
 }
 
-/// Why the last call of this thread failed.
+/// Reason for the failure of the last call of this thread.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct IiwasimError {
-    /// What it returned.
+    /// Status that the call returned.
     pub status: IiwasimStatus,
-    /// Line of the program's text, from 1; 0 if it is about no place in it.
+    /// Line in the program's text, from 1; 0 if the error has no place in the text.
     pub line: u32,
     /// Column in characters, from 1; 0 as for `line`.
     pub column: u32,
-    /// The motion of the program, from 1; 0 if it is about none.
+    /// Motion of the program, from 1; 0 if the error concerns no motion.
     pub motion: u32,
-    /// What is wrong, where, and what to do; in UTF-8, empty after a call that succeeded.
+    /// Message with the fault, its place and its remedy, in UTF-8; empty after a call that
+    /// succeeded.
     pub message: *const c_char,
 }
 
-/// An error, and the text that it points to.
+/// Error, and the text that it points to.
 struct LastError {
     error: IiwasimError,
     message: CString,
@@ -88,17 +89,17 @@ thread_local! {
     static LAST: RefCell<LastError> = RefCell::new(LastError::new(None));
 }
 
-/// Does what a function is for, keeps why it failed, and lets no panic out.
+/// Runs a function, stores the reason for its failure, and catches panics.
 pub(crate) fn call(work: impl FnOnce() -> Result<(), Failure>) -> IiwasimStatus {
     let failure = caught(work).err();
     let last = LastError::new(failure.as_ref());
     let status = last.error.status;
-    // A thread that is ending keeps no error any more.
+    // A thread that is ending stores no error.
     let _ = LAST.try_with(|place| *place.borrow_mut() = last);
     status
 }
 
-/// The result, or the failure that a panic is.
+/// Returns the result, or converts a panic to a failure.
 pub(crate) fn caught<T>(work: impl FnOnce() -> Result<T, Failure>) -> Result<T, Failure> {
     catch_unwind(AssertUnwindSafe(work)).unwrap_or_else(|panic| {
         let what = panic
@@ -113,12 +114,13 @@ pub(crate) fn caught<T>(work: impl FnOnce() -> Result<T, Failure>) -> Result<T, 
     })
 }
 
-/// What an argument points to.
+/// Returns an argument that must not be NULL.
 pub(crate) fn given<T>(argument: Option<T>, what: &str) -> Result<T, Failure> {
     argument.ok_or_else(|| Failure::argument(format!("{what} is NULL")))
 }
 
-/// Writes why the last call of this thread failed to `*error`. Its message stays as it is until the next call of this thread.
+/// Writes the reason for the failure of the last call of this thread to `*error`. Its message is
+/// valid until the next call of this thread.
 ///
 /// Returns `IIWASIM_STATUS_ARGUMENT` if `error` is NULL, and keeps the error then.
 #[unsafe(no_mangle)]
@@ -147,7 +149,7 @@ mod tests {
         assert_eq!(status, IiwasimStatus::Internal);
         let mut error = MaybeUninit::uninit();
         assert_eq!(iiwasim_last_error(Some(&mut error)), IiwasimStatus::Ok);
-        // SAFETY: it was written, and its message ends with a NUL.
+        // SAFETY: `error` was written, and its message ends with a NUL.
         let message = unsafe { CStr::from_ptr(error.assume_init().message) };
         assert!(message.to_str().unwrap().ends_with("with the program: at the 8th joint"));
     }

@@ -1,25 +1,25 @@
-//! Why a call failed.
+//! Failures of calls.
 
 use iiwa_kin::ProfileError;
 use iiwa_plan::Error;
 use iiwa_program::MotionIndex;
 
-/// What kind of failure it is.
+/// Kind of failure.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum FailureKind {
     /// An argument is missing or out of range.
     Argument,
     /// A file cannot be read.
     File,
-    /// The program or the robot's profile is not valid.
+    /// The program or the robot's profile is invalid.
     Program,
-    /// The robot cannot do what the program asks for.
+    /// The robot cannot perform the program.
     Plan,
     /// A fault of this library.
     Internal,
 }
 
-/// Why a call failed, with its place in the program's text where that is known.
+/// Reason for a failed call, with its place in the program's text if known.
 #[derive(Clone, Debug)]
 pub(crate) struct Failure {
     pub(crate) kind: FailureKind,
@@ -38,7 +38,7 @@ impl Failure {
         Self::new(FailureKind::Argument, message)
     }
 
-    /// A text that is no profile; the place is one in that text.
+    /// Creates the failure of an invalid profile; the place refers to the profile's text.
     pub(crate) fn profile(error: &ProfileError) -> Self {
         let place = error.place();
         let failure = Self::new(FailureKind::Program, format!("the robot's profile: {error}"));
@@ -46,13 +46,13 @@ impl Failure {
     }
 }
 
-/// A program that cannot be read or planned.
+/// Failure of a program that cannot be read or planned.
 impl From<Error> for Failure {
     fn from(error: Error) -> Self {
         let kind = match &error {
             Error::File { .. } => FailureKind::File,
             Error::Plan { .. } => FailureKind::Plan,
-            // The place is one in the profile, as where the profile is given.
+            // The place refers to the profile, as for a profile given directly.
             Error::Profile { error, .. } => return Self::profile(error),
             _ => FailureKind::Program,
         };

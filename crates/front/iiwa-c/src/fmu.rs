@@ -1,7 +1,8 @@
-//! The library as the binary of an FMU for co-simulation (FMI 3.0).
+//! Library as the binary of an FMU for co-simulation (FMI 3.0).
 //!
-//! `model` is what the FMU does, without C; `variables` are its inputs and outputs, `description` says so in XML, `resources`
-//! hold the program. `functions` are those of the standard, `refused` those of it that need what this FMU has not.
+//! `model` is the behaviour of the FMU, without C; `variables` are its inputs and outputs,
+//! `description` describes them in XML, `resources` contain the program. `functions` are the
+//! supported functions of the standard, `refused` those that require capabilities this FMU lacks.
 
 mod description;
 mod functions;

@@ -1,9 +1,10 @@
-//! Plans from C, C++ and C#: programs are loaded, planned and sampled through the functions of `include/iiwasim.h`, which is
-//! made from this crate. The same library is the binary of FMUs for co-simulation (FMI 3.0).
+//! Plans from C, C++ and C#: programs are loaded, planned and sampled through the functions of
+//! `include/iiwasim.h`, which is generated from this crate. The same library is the binary of FMUs
+//! for co-simulation (FMI 3.0).
 //!
-//! Functions take pointers as references that may be missing, so that all but strings and arrays are checked by the compiler;
-//! `pointers` converts those two. No panic crosses the border, and no function keeps a pointer that it was given, except an FMU's
-//! callback for messages.
+//! Functions take pointers as optional references, so that the compiler checks all but strings and
+//! arrays; `pointers` converts those two. Panics do not cross the C interface, and functions do not
+//! keep the pointers they are given, except an FMU's callback for messages.
 
 mod border;
 mod failure;
@@ -18,7 +19,7 @@ mod program;
 mod state;
 mod strings;
 
-/// The functions as C calls them, from the same test executable.
+/// Tests of the functions as C calls them, in the same test executable.
 #[cfg(test)]
 #[path = "../tests/functions.rs"]
 mod functions;

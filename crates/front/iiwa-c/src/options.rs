@@ -1,4 +1,4 @@
-//! How a program is planned, as C has it.
+//! Planning options for C.
 
 use std::{ffi::c_char, mem::MaybeUninit, ptr};
 
@@ -11,7 +11,7 @@ use crate::{
     pointers,
 };
 
-/// Which limits are kept.
+/// Set of active limits.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum IiwasimTiming {
@@ -19,25 +19,28 @@ pub enum IiwasimTiming {
     Jerk = 0,
     /// Velocity and acceleration.
     Acceleration = 1,
-    /// As jerk-limited, but PTP motions and splines from rest to rest as Sunrise was seen to plan them: splines by a model.
+    /// Jerk-limited, but with PTP motions and splines from rest to rest as Sunrise was observed to
+    /// plan them: splines by a model.
     Sunrise = 2,
 }
 
-/// How a program is planned. `iiwasim_options_default` fills it in, so that fields that are not set mean what is usual.
+/// Planning options. `iiwasim_options_default` initialises them, so that unset fields have their
+/// default values.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct IiwasimOptions {
-    /// A built-in robot's name, or the JSON text of a robot's profile; NULL for the robot that the program names.
+    /// Name of a built-in robot, or the JSON text of a robot's profile; NULL for the robot that the
+    /// program names.
     pub robot: *const c_char,
-    /// Which limits are kept: an `IiwasimTiming`.
+    /// Set of active limits: an `IiwasimTiming`.
     pub timing: i32,
     /// Samples per blend under `IIWASIM_TIMING_ACCELERATION`, 2 to 100000.
     pub samples: u32,
-    /// Limit of torques, in per cent of the robot's; 0 for the program's own limit, if it has one.
+    /// Torque limit, in per cent of the robot's; 0 for the program's own limit, if it has one.
     pub limit_torque_percent: f64,
 }
 
-/// Writes the options that are used where none are given.
+/// Writes the default options.
 #[unsafe(no_mangle)]
 pub extern "C" fn iiwasim_options_default(
     options: Option<&mut MaybeUninit<IiwasimOptions>>,
@@ -59,13 +62,13 @@ pub extern "C" fn iiwasim_options_default(
 }
 
 impl IiwasimOptions {
-    /// The robot, if it is given, and the choices.
+    /// Returns the robot, if given, and the planning options.
     ///
     /// # Safety
     ///
     /// `robot` is NULL or a string that ends with a NUL.
     pub(crate) unsafe fn read(&self) -> Result<(Option<Robot>, Choices), Failure> {
-        // SAFETY: the caller's promise is the same.
+        // SAFETY: the caller gives the same guarantee.
         let robot = unsafe { pointers::optional_text(self.robot, "options->robot") }?;
         let timing = match self.timing {
             known if known == IiwasimTiming::Jerk as i32 => ChosenTiming::Jerk,
@@ -85,7 +88,7 @@ impl IiwasimOptions {
     }
 }
 
-/// The built-in robot of this name, or the robot of this profile.
+/// Returns the built-in robot of this name, or the robot of this profile.
 fn robot_of(name_or_profile: &str) -> Result<Robot, Failure> {
     if name_or_profile.trim_start().starts_with('{') {
         return Robot::from_profile(name_or_profile).map_err(|error| Failure::profile(&error));

@@ -1,4 +1,4 @@
-//! Plans, as C has them.
+//! Plans for C.
 
 use std::{ffi::c_char, mem::MaybeUninit, ptr};
 
@@ -13,17 +13,17 @@ use crate::{
     strings::hand_out,
 };
 
-/// A program's plan. It does not change, and may be used by several threads at once.
+/// Plan of a program. It is immutable, and may be used by several threads at once.
 #[derive(Debug)]
 pub struct IiwasimPlan {
     pub(crate) planned: Planned,
 }
 
-/// Most samples at once: a gigabyte of them.
+/// Maximum number of samples at once: a gigabyte.
 const MAX_SAMPLES: f64 = 4e6;
 
-/// Plans a program, and writes the plan to `*plan`: `iiwasim_plan_free` frees it. `*plan` is NULL where it fails. Without
-/// `options` (NULL) it is planned with the default ones.
+/// Plans a program, and writes the plan to `*plan`: `iiwasim_plan_free` frees it. `*plan` is NULL
+/// after a failure. Without `options` (NULL) the default options apply.
 ///
 /// # Safety
 ///
@@ -39,7 +39,7 @@ pub unsafe extern "C" fn iiwasim_plan(
         let program = given(program, "program")?;
         let (robot, choices) = match options {
             None => (None, Choices::default()),
-            // SAFETY: the caller's promise is the same.
+            // SAFETY: the caller gives the same guarantee.
             Some(options) => unsafe { options.read() }?,
         };
         let planned = Planned::new(&program.source, robot, choices)?;
@@ -48,13 +48,14 @@ pub unsafe extern "C" fn iiwasim_plan(
     })
 }
 
-/// Frees a plan; NULL is left alone.
+/// Frees a plan; NULL is ignored.
 #[unsafe(no_mangle)]
 pub extern "C" fn iiwasim_plan_free(plan: Option<Box<IiwasimPlan>>) {
     drop(plan);
 }
 
-/// Writes the cycle time to `*seconds`: from the start to the end of the last settling or waiting, in s.
+/// Writes the cycle time to `*seconds`: from the start to the end of the last settle time or wait,
+/// in s.
 #[unsafe(no_mangle)]
 pub extern "C" fn iiwasim_plan_cycle_time_s(
     plan: Option<&IiwasimPlan>,
@@ -67,7 +68,8 @@ pub extern "C" fn iiwasim_plan_cycle_time_s(
     })
 }
 
-/// Writes what the arm does `t_s` after the start of the program to `*state`. Before the start and after the end it stands.
+/// Writes the state of the arm `t_s` after the start of the program to `*state`. Before the start
+/// and after the end the arm is at rest.
 #[unsafe(no_mangle)]
 pub extern "C" fn iiwasim_plan_at(
     plan: Option<&IiwasimPlan>,
@@ -85,11 +87,12 @@ pub extern "C" fn iiwasim_plan_at(
     })
 }
 
-/// Writes what the arm does `rate_hz` times a second to `states`, from the start to the end: the first sample is at 0, the
-/// last exactly at the cycle time. `*count` is how many there are.
+/// Writes the states of the arm at `rate_hz` samples per second to `states`, from the start to the
+/// end: the first sample is at 0, the last exactly at the cycle time. `*count` is the number of
+/// samples.
 ///
-/// With `states` NULL and `capacity` 0 it only counts. Where there is room for fewer states, it writes as many, and returns
-/// `IIWASIM_STATUS_ARGUMENT`.
+/// With `states` NULL and `capacity` 0 the function only counts. If `capacity` is too small, it
+/// writes `capacity` states, and returns `IIWASIM_STATUS_ARGUMENT`.
 ///
 /// # Safety
 ///
@@ -111,7 +114,7 @@ pub unsafe extern "C" fn iiwasim_plan_sample(
                 "rate_hz is {rate_hz}; it must be above 0, and give at most {MAX_SAMPLES} samples"
             )));
         }
-        // SAFETY: the caller promises room for `capacity` states.
+        // SAFETY: the caller guarantees room for `capacity` states.
         let places = unsafe { pointers::places(states, capacity, "states") }?;
         let mut count = 0;
         for state in planned.trajectory().samples(rate_hz) {
@@ -130,8 +133,8 @@ pub unsafe extern "C" fn iiwasim_plan_sample(
     })
 }
 
-/// Writes the figures to `*json`: the object of `iiwasim plan --json`, without `output`. `iiwasim_string_free` frees it;
-/// `*json` is NULL where it fails.
+/// Writes the figures to `*json`: the object of `iiwasim plan --json`, without `output`.
+/// `iiwasim_string_free` frees it; `*json` is NULL after a failure.
 #[unsafe(no_mangle)]
 pub extern "C" fn iiwasim_plan_figures_json(
     plan: Option<&IiwasimPlan>,

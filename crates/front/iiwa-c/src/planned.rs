@@ -1,4 +1,4 @@
-//! A program and its plan.
+//! Program and its plan.
 
 use iiwa_kin::{Pose, Robot};
 use iiwa_plan::{Error, Plan, PlanFigures, PlanOptions, PlanRequest, ProgramSource};
@@ -8,19 +8,19 @@ use serde::{Deserialize, Serialize};
 
 use crate::failure::{Failure, FailureKind};
 
-/// How a program is planned.
+/// Planning options.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Choices {
-    /// Which limits are kept.
+    /// Set of active limits.
     pub(crate) timing: ChosenTiming,
-    /// Samples per blend under limits of acceleration.
+    /// Samples per blend with acceleration limits.
     pub(crate) samples: u32,
-    /// The limit of torque, in percent of the robot's; `None` keeps the program's own.
+    /// Torque limit, in percent of the robot's; `None` keeps the program's own limit.
     pub(crate) limit_torque_percent: Option<f64>,
 }
 
-/// Which limits are kept.
+/// Set of active limits.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub(crate) enum ChosenTiming {
@@ -29,7 +29,7 @@ pub(crate) enum ChosenTiming {
     Sunrise,
 }
 
-/// What is planned with unless something else is asked for.
+/// Default planning options.
 impl Default for Choices {
     fn default() -> Self {
         Self { timing: ChosenTiming::Sunrise, samples: 100, limit_torque_percent: None }
@@ -37,7 +37,7 @@ impl Default for Choices {
 }
 
 impl Choices {
-    /// As the planner takes them.
+    /// Converts the options for the planner.
     fn plan_options(&self) -> Result<PlanOptions, Failure> {
         if !(2..=100_000).contains(&self.samples) {
             let found = self.samples;
@@ -55,16 +55,16 @@ impl Choices {
     }
 }
 
-/// A program and its plan.
+/// Program and its plan.
 #[derive(Debug)]
 pub(crate) struct Planned {
-    /// The program's text, complete.
+    /// Complete text of the program.
     pub(crate) program: String,
     pub(crate) choices: Choices,
     plan: Plan,
 }
 
-/// The figures and the warnings, as one object.
+/// Figures and warnings in one object.
 #[derive(Serialize)]
 struct FiguresJson<'a> {
     #[serde(flatten)]
@@ -73,7 +73,7 @@ struct FiguresJson<'a> {
 }
 
 impl Planned {
-    /// Plans a program for `robot`, or for the robot that it names.
+    /// Plans a program for `robot`, or for the robot that the program names.
     pub(crate) fn new(
         source: &ProgramSource,
         robot: Option<Robot>,
@@ -86,7 +86,7 @@ impl Planned {
             ..PlanRequest::default()
         };
         let plan = request.plan(source).map_err(|error| match &error {
-            // The program does not say it.
+            // The torque limit was given as an option, not by the program.
             Error::Plan { error: plan, message, .. }
                 if choices.limit_torque_percent.is_some() && is_torque_limit(plan) =>
             {
@@ -105,14 +105,14 @@ impl Planned {
         self.plan.robot()
     }
 
-    /// The figures as a JSON object, with the warnings.
+    /// Figures as a JSON object, with the warnings.
     pub(crate) fn figures_json(&self) -> Result<String, Failure> {
         let figures = self.plan.figures();
         let warnings = self.plan.warnings(&figures);
         to_json(&FiguresJson { figures: &figures, warnings })
     }
 
-    /// Pose of the TCP in the robot's base frame: that of the tool of the state's motion.
+    /// TCP pose in the robot's base frame, for the tool of the state's motion.
     pub(crate) fn tcp(&self, state: &State) -> Pose {
         self.robot().flange_pose(&state.q).then(self.trajectory().path().tcp(state.motion))
     }
@@ -122,7 +122,7 @@ fn is_torque_limit(error: &PlanError) -> bool {
     matches!(error, PlanError::Fault(Fault::TorqueLimit { .. }))
 }
 
-/// A value as JSON.
+/// Converts a value to JSON.
 pub(crate) fn to_json(value: &impl Serialize) -> Result<String, Failure> {
     serde_json::to_string(value)
         .map_err(|error| Failure::new(FailureKind::Internal, error.to_string()))

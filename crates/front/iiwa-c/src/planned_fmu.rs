@@ -1,4 +1,4 @@
-//! The files of an FMU of a plan, as C has them.
+//! FMU files of a plan, for C.
 
 use std::{ffi::c_char, mem::MaybeUninit, ptr};
 
@@ -11,13 +11,14 @@ use crate::{
     strings::hand_out,
 };
 
-/// Writes the text files of an FMU that does what is planned to `*json`: an object with a text for each path. Together with
-/// this library as `binaries/PLATFORM/iiwasim.so`, `.dll` or `.dylib`, as FMI 3.0 names the platform, they are the FMU.
-/// `iiwasim_string_free` frees it; `*json` is NULL where it fails.
+/// Writes the text files of an FMU that runs the plan to `*json`: an object with a text for each
+/// path. Together with this library as `binaries/PLATFORM/iiwasim.so`, `.dll` or `.dylib`, where
+/// FMI 3.0 defines the platform names, these files are the FMU. `iiwasim_string_free` frees the
+/// text; `*json` is NULL after a failure.
 ///
 /// # Safety
 ///
-/// `name`, the model's, is NULL, or a string in UTF-8 that ends with a NUL.
+/// `name`, the name of the model, is NULL, or a string in UTF-8 that ends with a NUL.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn iiwasim_plan_fmu_json(
     plan: Option<&IiwasimPlan>,
@@ -28,7 +29,7 @@ pub unsafe extern "C" fn iiwasim_plan_fmu_json(
         let json = given(json, "json")?;
         json.write(ptr::null_mut());
         let plan = given(plan, "plan")?;
-        // SAFETY: the caller's promise is the same.
+        // SAFETY: the caller gives the same guarantee.
         let name = unsafe { pointers::text(name, "name") }?;
         hand_out(to_json(&fmu_files(&plan.planned, name)?)?, json)
     })

@@ -1,4 +1,4 @@
-//! Strings and arrays of C as those of Rust: here, and nowhere else, raw pointers are read.
+//! Conversion of C strings and arrays: raw pointers are read only in this module.
 
 use std::{
     ffi::{CStr, c_char},
@@ -8,22 +8,22 @@ use std::{
 
 use crate::failure::Failure;
 
-/// A text that has to be given; `what` names it in errors.
+/// Converts a mandatory text; `what` names it in errors.
 ///
 /// # Safety
 ///
-/// `text` is NULL or a string that ends with a NUL and stays as it is for `'a`.
+/// `text` is NULL or a string that ends with a NUL and does not change during `'a`.
 pub(crate) unsafe fn text<'a>(text: *const c_char, what: &str) -> Result<&'a str, Failure> {
-    // SAFETY: the caller's promise is the same.
+    // SAFETY: the caller gives the same guarantee.
     unsafe { optional_text(text, what) }?
         .ok_or_else(|| Failure::argument(format!("{what} is NULL")))
 }
 
-/// A text that may be NULL.
+/// Converts a text that may be NULL.
 ///
 /// # Safety
 ///
-/// As of [`text`].
+/// See [`text`].
 pub(crate) unsafe fn optional_text<'a>(
     text: *const c_char,
     what: &str,
@@ -31,19 +31,19 @@ pub(crate) unsafe fn optional_text<'a>(
     if text.is_null() {
         return Ok(None);
     }
-    // SAFETY: it is not NULL, and the caller promises the rest.
+    // SAFETY: `text` is not NULL, and the caller guarantees the rest.
     let text = unsafe { CStr::from_ptr(text) };
     match text.to_str() {
         Ok(text) => Ok(Some(text)),
-        Err(error) => Err(Failure::argument(format!("{what} is no text in UTF-8: {error}"))),
+        Err(error) => Err(Failure::argument(format!("{what} is not UTF-8 text: {error}"))),
     }
 }
 
-/// The values of an array.
+/// Converts an array of values.
 ///
 /// # Safety
 ///
-/// `values` is NULL, or has `count` values that stay as they are for `'a`.
+/// `values` is NULL, or has `count` values that do not change during `'a`.
 pub(crate) unsafe fn values<'a, T>(
     values: *const T,
     count: usize,
@@ -52,16 +52,17 @@ pub(crate) unsafe fn values<'a, T>(
     match (values.is_null(), count) {
         (_, 0) => Ok(&[]),
         (true, _) => Err(Failure::argument(format!("{what} is NULL"))),
-        // SAFETY: it is not NULL, and the caller promises the rest.
+        // SAFETY: `values` is not NULL, and the caller guarantees the rest.
         (false, _) => Ok(unsafe { slice::from_raw_parts(values, count) }),
     }
 }
 
-/// An array to be written, whatever is in it.
+/// Converts an array to be written, which may be uninitialised.
 ///
 /// # Safety
 ///
-/// `places` is NULL, or has room for `count` values, which nothing else reads or writes during `'a`.
+/// `places` is NULL, or has room for `count` values, which nothing else reads or writes during
+/// `'a`.
 pub(crate) unsafe fn places<'a, T>(
     places: *mut T,
     count: usize,
@@ -70,7 +71,8 @@ pub(crate) unsafe fn places<'a, T>(
     match (places.is_null(), count) {
         (_, 0) => Ok(&mut []),
         (true, _) => Err(Failure::argument(format!("{what} is NULL"))),
-        // SAFETY: it is not NULL, and the caller promises the rest; any bytes are a `MaybeUninit`.
+        // SAFETY: `places` is not NULL, and the caller guarantees the rest; any bytes are a valid
+        // `MaybeUninit`.
         (false, _) => Ok(unsafe { slice::from_raw_parts_mut(places.cast(), count) }),
     }
 }

@@ -1,4 +1,4 @@
-//! Programs, as C has them.
+//! Programs for C.
 
 use std::{ffi::c_char, mem::MaybeUninit, path::Path};
 
@@ -9,16 +9,17 @@ use crate::{
     pointers,
 };
 
-/// A motion program. It does not change, and may be used by several threads at once.
+/// Motion program. It is immutable, and may be used by several threads at once.
 #[derive(Debug)]
 pub struct IiwasimProgram {
     pub(crate) source: ProgramSource,
 }
 
-/// Reads a program from its JSON text, and writes it to `*program`: `iiwasim_program_free` frees it. `*program` is NULL
-/// where it fails.
+/// Reads a program from its JSON text, and writes it to `*program`: `iiwasim_program_free` frees
+/// it. `*program` is NULL after a failure.
 ///
-/// A program that includes a file, or names a robot's profile by its file, is loaded by `iiwasim_program_load`.
+/// Use `iiwasim_program_load` for a program that includes a file, or names the file of a robot's
+/// profile.
 ///
 /// # Safety
 ///
@@ -30,7 +31,7 @@ pub unsafe extern "C" fn iiwasim_program_from_json(
 ) -> IiwasimStatus {
     call(|| {
         let place = given(program, "program")?.write(std::ptr::null_mut());
-        // SAFETY: the caller's promise is the same.
+        // SAFETY: the caller gives the same guarantee.
         let json = unsafe { pointers::text(json, "json") }?;
         let source = ProgramSource::from_json(json)?;
         *place = Box::into_raw(Box::new(IiwasimProgram { source }));
@@ -38,8 +39,9 @@ pub unsafe extern "C" fn iiwasim_program_from_json(
     })
 }
 
-/// Reads a program from a file, with the files beside it that it includes or names as its robot's profile, and writes it to
-/// `*program`: `iiwasim_program_free` frees it. `*program` is NULL where it fails.
+/// Reads a program from a file, with the files that it includes or names as its robot's profile,
+/// and writes it to `*program`: `iiwasim_program_free` frees it. `*program` is NULL after a
+/// failure.
 ///
 /// # Safety
 ///
@@ -51,7 +53,7 @@ pub unsafe extern "C" fn iiwasim_program_load(
 ) -> IiwasimStatus {
     call(|| {
         let place = given(program, "program")?.write(std::ptr::null_mut());
-        // SAFETY: the caller's promise is the same.
+        // SAFETY: the caller gives the same guarantee.
         let path = unsafe { pointers::text(path, "path") }?;
         let source = ProgramSource::load(Path::new(path))?;
         *place = Box::into_raw(Box::new(IiwasimProgram { source }));
@@ -59,7 +61,7 @@ pub unsafe extern "C" fn iiwasim_program_load(
     })
 }
 
-/// Frees a program; NULL is left alone. Plans that were made of it stay.
+/// Frees a program; NULL is ignored. Plans of this program remain valid.
 #[unsafe(no_mangle)]
 pub extern "C" fn iiwasim_program_free(program: Option<Box<IiwasimProgram>>) {
     drop(program);

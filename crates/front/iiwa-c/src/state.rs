@@ -1,26 +1,27 @@
-//! What the arm does at one instant, as C has it.
+//! State of the arm at one instant, for C.
 
 use iiwa_traj::State;
 
 use crate::planned::Planned;
 
-/// What the arm does at one instant.
+/// State of the arm at one instant.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct IiwasimState {
-    /// When, in s.
+    /// Time, in s.
     pub t_s: f64,
     /// Positions of A1 to A7, in rad.
     pub q: [f64; 7],
     /// Velocities, in rad/s.
     pub dq: [f64; 7],
-    /// Accelerations, in rad/s^2. Where they jump, the value after the jump.
+    /// Accelerations, in rad/s^2. At jumps, the value after the jump.
     pub ddq: [f64; 7],
-    /// Position of the TCP in the robot's base frame, in m. The TCP is that of the motion's tool, or the flange.
+    /// TCP position in the robot's base frame, in m. The TCP is that of the motion's tool, or the
+    /// flange.
     pub tcp_m: [f64; 3],
-    /// Its orientation there, a unit quaternion x, y, z, w with w >= 0.
+    /// TCP orientation in the robot's base frame, a unit quaternion x, y, z, w with w >= 0.
     pub tcp_xyzw: [f64; 4],
-    /// The motion of the program, from 1.
+    /// Motion of the program, from 1.
     pub motion: u32,
 }
 

@@ -1,4 +1,4 @@
-//! Strings that are handed out.
+//! Strings that callers own.
 
 use std::{
     ffi::{CString, c_char},
@@ -7,27 +7,27 @@ use std::{
 
 use crate::failure::{Failure, FailureKind};
 
-/// The library's version, such as `0.1.0`. It is not to be freed.
+/// Returns the version of the library, such as `0.1.0`. It must not be freed.
 #[unsafe(no_mangle)]
 pub extern "C" fn iiwasim_version() -> *const c_char {
     const VERSION: &str = concat!(env!("CARGO_PKG_VERSION"), "\0");
     VERSION.as_ptr().cast()
 }
 
-/// Frees a string that a function has written; NULL is left alone.
+/// Frees a string written by a function of this library; NULL is ignored.
 ///
 /// # Safety
 ///
-/// `string` is NULL, or was written by this library and not freed yet.
+/// `string` is NULL, or was written by this library and has not been freed yet.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn iiwasim_string_free(string: *mut c_char) {
     if !string.is_null() {
-        // SAFETY: the caller promises that it comes from `hand_out`.
+        // SAFETY: the caller guarantees that the string comes from `hand_out`.
         drop(unsafe { CString::from_raw(string) });
     }
 }
 
-/// Hands a text out, which is then the caller's to free.
+/// Passes a text to the caller, who must free it.
 pub(crate) fn hand_out(text: String, place: &mut MaybeUninit<*mut c_char>) -> Result<(), Failure> {
     let text = CString::new(text).map_err(|error| {
         Failure::new(FailureKind::Internal, format!("a text with a NUL: {error}"))

@@ -10,7 +10,7 @@ from pathlib import Path
 CRATE = Path(__file__).resolve().parents[1]
 STRICT = ["-Wall", "-Wextra", "-pedantic", "-Werror"]
 
-# A program with a target out of reach, and where it says so.
+# A program with an unreachable target, and the place of that error.
 BAD = """{ "version": 1, "start": { "joints_deg": [0, 0, 0, 0, 0, 0, 0] }, "motions": [
   { "type": "ptp", "joints_deg": [10, 0, 0, 0, 0, 0, 0] },
   { "type": "ptp", "joints_deg": [10, 0, 0, 130, 0, 0, 0] }
@@ -30,7 +30,7 @@ def run(*command, code=0, **options):
 
 
 def install(library, prefix):
-    """Header, libraries and what pkg-config reads, as the guide installs them."""
+    """Installs header, libraries and pkg-config file as in the guide."""
     for folder in ("include", "lib/pkgconfig"):
         (prefix / folder).mkdir(parents=True)
     shutil.copy(CRATE / "include/iiwasim.h", prefix / "include")
@@ -39,7 +39,7 @@ def install(library, prefix):
 
 
 def check(library, program, loaded, folder):
-    """Compiles and runs it all; `loaded` is the same library, whose figures are compared with."""
+    """Compiles and runs all programs; `loaded` is the same library, with the expected figures."""
     header = CRATE / "include/iiwasim.h"
     for compiler, language, standard in [("gcc", "c", "c11"), ("g++", "c++", "c++17")]:
         run(compiler, f"-std={standard}", *STRICT, "-fsyntax-only", "-x", language, header)
@@ -115,7 +115,7 @@ def check_memory(plan_c, program, folder):
 
 
 def check_fmu_memory(library, program, loaded, folder):
-    """The functions of FMI as a program in C calls them."""
+    """Calls the FMI functions from a C program under valgrind."""
     with loaded.plan(program) as plan:
         files = json.loads(loaded.text("iiwasim_plan_fmu_json", plan, b"arm"))
         planned = [loaded.at(plan, t_s).q[3] for t_s in (0.8, 0.4)]

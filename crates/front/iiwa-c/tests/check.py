@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
-"""Holds the library for C, and the FMUs that are made with it, against what they promise.
+"""Checks the C library, and the FMUs built with it, against their specification.
 
     check.py [target/release/libiiwasim.so]
 
-Needs gcc, g++, cmake, pkg-config and valgrind, and requirements.txt beside it.
+Needs gcc, g++, cmake, pkg-config and valgrind, and requirements.txt next to this file.
 """
 
 import sys
@@ -20,7 +20,7 @@ import fmus
 import refusals
 from library import Library
 
-# A tool, a file that is included, and a profile: what an FMU has to hold itself.
+# A tool, an included file and a profile, which an FMU has to contain.
 CELL = '{ "version": 1, "tools": { "gripper": { "tcp": { "z_mm": 120 } } } }'
 PROFILE = '{ "version": 1, "base": "lbr_iiwa_14_r820", "lengths_mm": { "flange": 126 } }'
 WITH_FILES = """{ "version": 1, "robot": "own.json", "include": "cell.json", "tool": "gripper",

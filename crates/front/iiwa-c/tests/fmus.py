@@ -1,4 +1,4 @@
-"""FMUs, as FMPy checks and runs them, against the plans that the C functions give."""
+"""FMUs, validated and run by FMPy, compared with plans of the C functions."""
 
 import zipfile
 
@@ -25,8 +25,8 @@ NAMES = {
 
 
 def simulate(fmu, inputs, stop_s):
-    """Inputs are rows of time, start and override."""
-    # As they are to the end: FMPy takes no single row.
+    """Simulates an FMU; inputs are rows of time, start and override."""
+    # The last row is repeated at the end, as FMPy does not accept a single row.
     inputs = [*inputs, (stop_s + 1.0, *inputs[-1][1:])]
     signals = np.array(inputs, dtype=[("time", float), ("start", bool), ("override", float)])
     return simulate_fmu(str(fmu), stop_time=stop_s, output_interval=STEP_S, input=signals)
@@ -37,7 +37,9 @@ def columns(result, key):
 
 
 def difference(library, plan, result, program_s, rate):
-    """By how much outputs differ from what is planned, where the program was at `program_s` and as fast as `rate`."""
+    """Differences between outputs and plan, for the program times `program_s` and the program rates
+    `rate`.
+    """
     states = [library.at(plan, t_s) for t_s in program_s]
     largest = 0.0
     for key in NAMES:
@@ -98,18 +100,18 @@ def at_half_speed(library, plan, fmu, cycle_s):
 
 
 def overrides(library, plan, fmu, cycle_s):
-    """At 1 for 0.4 s, standing for 0.2 s, at 0.3 to the end: with a corner in the program's time at each change."""
+    """Override 1 for 0.4 s, 0 for 0.2 s, then 0.3: the program time has a corner at each change."""
     end_s = 0.6 + (cycle_s - 0.4) / 0.3
     result = simulate(fmu, [(0.0, True, 1.0), (0.4, True, 0.0), (0.6, True, 0.3)], end_s + 0.1)
     t = result["time"]
     program_s = np.where(t <= 0.4, t, np.where(t <= 0.6, 0.4, 0.4 + 0.3 * (t - 0.6)))
-    # The outputs are those of the step that ended: at a change they are still as fast as before.
+    # Outputs belong to the step that has ended: at a change, they still have the previous speed.
     rate = np.where(t <= 0.4 + 1e-9, 1.0, np.where(t <= 0.6 + 1e-9, 0.0, 0.3))
     return difference(library, plan, result, np.clip(program_s, 0, cycle_s), rate)
 
 
 def begun_again(library, plan, fmu, cycle_s):
-    """What rises while the program runs is ignored; after its end it begins anew."""
+    """A rising start input is ignored while the program runs, and restarts it after its end."""
     again_s = round(cycle_s + 0.5, 3)
     inputs = [
         (0.0, True, 1.0),
@@ -120,7 +122,7 @@ def begun_again(library, plan, fmu, cycle_s):
     ]
     result = simulate(fmu, inputs, again_s + cycle_s + 0.1)
     t = result["time"]
-    # At the instant itself the outputs are those of the step before.
+    # At the instant of the restart, outputs belong to the step before.
     second = t > again_s + 1e-9
     assert result["done"][~second][-1] and not result["done"][second][0] and result["done"][-1]
     program_s = np.where(second, t - again_s, t)
@@ -128,7 +130,7 @@ def begun_again(library, plan, fmu, cycle_s):
 
 
 class ByHand:
-    """An instance, driven call by call."""
+    """An FMU instance with single calls."""
 
     def __init__(self, fmu, folder, begins=True):
         self.folder = extract(str(fmu), unzipdir=str(folder))
@@ -183,7 +185,8 @@ class ByHand:
 
 
 def by_hand(library, plan, fmu, folder, cycle_s):
-    # One of each of two copies of the FMU, in the same process, begun at different times.
+    # One instance of each of two copies of the FMU, in the same process, started at different
+    # times.
     one, other = ByHand(fmu, folder / "one"), ByHand(fmu, folder / "other")
     largest = 0.0
 
@@ -201,7 +204,7 @@ def by_hand(library, plan, fmu, folder, cycle_s):
         other.step()
         compare(one, one.time_s)
         compare(other, other.time_s - began_s if i >= 20 else 0.0)
-    # Back to a state, and the same way again.
+    # Restores a state, and repeats the same steps.
     state, time_s = one.slave.getFMUState(), one.time_s
     for _ in range(2):
         one.slave.setFMUState(state)
@@ -234,7 +237,7 @@ def refusals(one):
             lambda value=value: slave.setFloat64([reference["override"]], [value]),
         )
     q1 = reference["q[1]"]
-    one.refused("q[1] is no input", error, lambda: slave.setFloat64([q1], [0.0]))
+    one.refused("q[1] is not an input", error, lambda: slave.setFloat64([q1], [0.0]))
     one.refused("q[1] is of another type", error, lambda: slave.getBoolean([q1]))
     one.refused("no variable has the value reference 99", error, lambda: slave.getFloat64([99]))
     one.refused("no variables of this type", error, lambda: slave.getInt64([q1]))
@@ -242,12 +245,12 @@ def refusals(one):
     one.refused("the simulation is at", error, lambda: slave.doStep(0.0, 0.001))
     one.refused("in the state Step", error, lambda: slave.enterInitializationMode())
     one.refused("no event mode", error, lambda: slave.enterEventMode())
-    # What was refused has changed nothing.
+    # Refused calls have not changed the state.
     one.step()
 
 
 def check_two_programs(library, binary, programs, folder):
-    """Different programs in one process, step by step in turn."""
+    """Different programs in one process, stepped in turns."""
     instances = []
     for program in programs:
         fmu = folder / f"{program.stem}.fmu"
@@ -271,7 +274,7 @@ def check_two_programs(library, binary, programs, folder):
 
 
 def check_altered(binary, program, folder):
-    """Resources that are not those that the FMU was made of."""
+    """FMUs with altered resources."""
     fmu = folder / "altered.fmu"
     pack(fmu, program, binary)
     with zipfile.ZipFile(fmu) as archive:

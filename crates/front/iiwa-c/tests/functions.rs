@@ -1,4 +1,4 @@
-//! The functions, as C calls them, against the libraries that they stand for.
+//! Tests of the C functions against the Rust libraries behind them.
 
 use std::{
     ffi::{CStr, CString, c_char},
@@ -31,10 +31,10 @@ fn program(text: &str) -> Result<Box<IiwasimProgram>, IiwasimStatus> {
     let mut program = MaybeUninit::uninit();
     // SAFETY: the text ends with a NUL.
     let status = unsafe { iiwasim_program_from_json(text.as_ptr(), Some(&mut program)) };
-    // SAFETY: it is written whatever is returned.
+    // SAFETY: the function always writes it.
     let program = unsafe { program.assume_init() };
     assert_eq!(program.is_null(), status != IiwasimStatus::Ok);
-    // SAFETY: what is not NULL is a program of ours.
+    // SAFETY: a pointer other than NULL is a program of this library.
     if program.is_null() { Err(status) } else { Ok(unsafe { Box::from_raw(program) }) }
 }
 
@@ -42,38 +42,38 @@ fn plan(program: &IiwasimProgram) -> Result<Box<IiwasimPlan>, IiwasimStatus> {
     let mut plan = MaybeUninit::uninit();
     // SAFETY: there are no options.
     let status = unsafe { iiwasim_plan(Some(program), None, Some(&mut plan)) };
-    // SAFETY: it is written whatever is returned.
+    // SAFETY: the function always writes it.
     let plan = unsafe { plan.assume_init() };
-    // SAFETY: what is not NULL is a plan of ours.
+    // SAFETY: a pointer other than NULL is a plan of this library.
     if plan.is_null() { Err(status) } else { Ok(unsafe { Box::from_raw(plan) }) }
 }
 
 fn at(plan: &IiwasimPlan, t_s: f64) -> IiwasimState {
     let mut state = MaybeUninit::uninit();
     assert_eq!(iiwasim_plan_at(Some(plan), t_s, Some(&mut state)), IiwasimStatus::Ok);
-    // SAFETY: it was written.
+    // SAFETY: the state was written.
     unsafe { state.assume_init() }
 }
 
-/// The figures and the warnings.
+/// Returns figures and warnings.
 fn figures(plan: &IiwasimPlan) -> serde_json::Value {
     let mut json = MaybeUninit::uninit();
     assert_eq!(iiwasim_plan_figures_json(Some(plan), Some(&mut json)), IiwasimStatus::Ok);
-    // SAFETY: it was written, and ends with a NUL.
+    // SAFETY: the pointer was written, and its text ends with a NUL.
     let json: *mut c_char = unsafe { json.assume_init() };
     // SAFETY: likewise.
     let text = unsafe { CStr::from_ptr(json) }.to_str().unwrap();
     let figures = serde_json::from_str(text).unwrap();
-    // SAFETY: it is of this library, and freed once.
+    // SAFETY: the text belongs to this library, and is freed once.
     unsafe { iiwasim_string_free(json) };
     figures
 }
 
-/// The error of this thread, and its message.
+/// Returns the error of this thread, and its message.
 fn last_error() -> (IiwasimError, String) {
     let mut error = MaybeUninit::uninit();
     assert_eq!(iiwasim_last_error(Some(&mut error)), IiwasimStatus::Ok);
-    // SAFETY: it was written, and its message ends with a NUL.
+    // SAFETY: the error was written, and its message ends with a NUL.
     let error: IiwasimError = unsafe { error.assume_init() };
     // SAFETY: likewise.
     (error, unsafe { CStr::from_ptr(error.message) }.to_str().unwrap().to_owned())
@@ -94,7 +94,7 @@ fn states_are_those_of_the_trajectory() {
     let mut cycle_time_s = MaybeUninit::uninit();
     let status = iiwasim_plan_cycle_time_s(Some(&plan), Some(&mut cycle_time_s));
     assert_eq!(status, IiwasimStatus::Ok);
-    // SAFETY: it was written.
+    // SAFETY: the time was written.
     assert_eq!(unsafe { cycle_time_s.assume_init() }, trajectory.cycle_time_s());
     for expected in trajectory.samples(1000.0) {
         let found = at(&plan, expected.t_s);
@@ -102,7 +102,7 @@ fn states_are_those_of_the_trajectory() {
         assert_eq!(found.ddq, expected.ddq);
         assert_eq!(found.motion as usize, expected.motion.number());
         let flange = path.robot().flange_pose(&expected.q);
-        // The gripper belongs to the last motion alone.
+        // Only the last motion uses the gripper.
         let reach_m = if found.motion == 3 { 0.12 } else { 0.0 };
         let tcp: [f64; 3] =
             std::array::from_fn(|i| flange.position_m[i] + reach_m * flange.rotation[i][2]);
@@ -117,11 +117,11 @@ fn samples_are_as_many_as_they_are_counted() {
     let sample = |states: &mut [MaybeUninit<IiwasimState>]| {
         let mut count = MaybeUninit::new(0);
         let place = if states.is_empty() { ptr::null_mut() } else { states.as_mut_ptr().cast() };
-        // SAFETY: there is room for so many.
+        // SAFETY: the array has this capacity.
         let status = unsafe {
             iiwasim_plan_sample(Some(&plan), 250.0, place, states.len(), Some(&mut count))
         };
-        // SAFETY: it was written from the beginning.
+        // SAFETY: the count was initialised above.
         (status, unsafe { count.assume_init() })
     };
     let (status, count) = sample(&mut []);
@@ -129,7 +129,7 @@ fn samples_are_as_many_as_they_are_counted() {
     let mut states = vec![MaybeUninit::uninit(); count];
     assert_eq!(sample(&mut states), (IiwasimStatus::Ok, count));
     for (i, state) in states.iter().enumerate().take(count - 1) {
-        // SAFETY: all were written.
+        // SAFETY: all states were written.
         assert_eq!(unsafe { state.assume_init() }, at(&plan, i as f64 / 250.0));
     }
     assert_eq!(sample(&mut states[1..]), (IiwasimStatus::Argument, count));
@@ -152,7 +152,7 @@ fn a_program_is_planned_for_the_robot_that_it_names() {
         let plan = plan(&program(text).unwrap()).unwrap();
         let mut time_s = MaybeUninit::uninit();
         assert_eq!(iiwasim_plan_cycle_time_s(Some(&plan), Some(&mut time_s)), IiwasimStatus::Ok);
-        // SAFETY: it was written.
+        // SAFETY: the time was written.
         (figures(&plan)["robot"].clone(), unsafe { time_s.assume_init() })
     };
     let heavy = PROGRAM.replacen('{', r#"{ "robot": "lbr_iiwa_14_r820", "#, 1);
@@ -173,7 +173,7 @@ fn errors_say_where_and_are_of_their_thread() {
     assert!(message.starts_with("motion 2: joint A2 is at 150 deg"), "{message}");
     thread::spawn(|| assert_eq!(last_error().1, "")).join().unwrap();
     assert_eq!(last_error().1, message);
-    // A call that succeeds has none.
+    // A successful call has no error.
     let good = program(PROGRAM).unwrap();
     assert_eq!(last_error().0.status, IiwasimStatus::Ok);
     assert_eq!(iiwasim_last_error(None), IiwasimStatus::Argument);
@@ -181,7 +181,7 @@ fn errors_say_where_and_are_of_their_thread() {
     iiwasim_program_free(Some(good));
     iiwasim_program_free(None);
     iiwasim_plan_free(None);
-    // SAFETY: NULL is left alone.
+    // SAFETY: NULL is ignored.
     unsafe { iiwasim_string_free(ptr::null_mut()) };
 }
 

@@ -1,4 +1,4 @@
-"""What the C functions refuse, and what they say."""
+"""Refusals of the C functions, and their messages."""
 
 import ctypes
 import math
@@ -40,7 +40,7 @@ def check(library: Library, folder):
             "program is NULL",
             lambda: library.call("iiwasim_program_from_json", GOOD, None),
         ),
-        (ARGUMENT, "json is no text in UTF-8", plan(b"\xff")),
+        (ARGUMENT, "json is not UTF-8 text", plan(b"\xff")),
         (ARGUMENT, "path is NULL", lambda: library.call("iiwasim_program_load", None, place)),
         (ARGUMENT, "program is NULL", lambda: library.call("iiwasim_plan", None, None, place)),
         (ARGUMENT, "plan is NULL", lambda: library.at(None, 0.0)),
@@ -75,13 +75,13 @@ def check(library: Library, folder):
         ]:
             refused(*arguments)
             cases += 1
-        # One that is refused leaves the next one as it is.
+        # A refused call does not affect the next one.
         assert sample(library, loaded, 1e-3, state, 0) == 2
         assert library.at(loaded, math.inf).q[0] == library.at(loaded, 1e9).q[0]
     print(f"{cases} bad calls are refused with a message, and where it is")
 
 
-# No motion is slow enough for a limit of torques of 20 % with an arm stretched out.
+# No motion is slow enough for a torque limit of 20 % with an outstretched arm.
 HOLDS_NOT = b"""{ "version": 1, "limit_torque_percent": 20, "start": { "joints_deg": [0, 90, 0, 0, 0, 0, 0] },
   "motions": [
 { "type": "ptp", "joints_deg": [10, 90, 0, 0, 0, 0, 0] }] }"""

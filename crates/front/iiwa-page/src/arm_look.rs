@@ -1,4 +1,5 @@
-//! The look of the arm on pages: the triangles of its links, our own shells or a user's meshes, packed.
+//! Appearance of the arm on pages: packed triangles of its links, from built-in shells or a user's
+//! meshes.
 
 mod look;
 mod packed;

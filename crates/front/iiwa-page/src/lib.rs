@@ -1,10 +1,12 @@
-//! Plans, recordings and live robots of the KUKA LBR iiwa as HTML pages, each one file that loads nothing.
+//! Plans, recordings and live robots of the KUKA LBR iiwa as HTML pages, each a single
+//! self-contained file.
 //!
-//! Everything comes back as text. The crate opens the files that it is asked to show ([`Page::read`]); it writes none, and
-//! serves nothing.
+//! All results are returned as text. The crate opens the files to show ([`Page::read`]); it writes
+//! no files, and serves nothing.
 //!
 //! - [`Page`] shows a plan, a recording or both. [`twin_page`] is the page that follows a robot.
-//! - [`ArmSource`] says where the arm's shape comes from, [`NearestPlaces`] where the arm is nearest to an obstacle.
+//! - [`ArmSource`] provides the meshes of the arm, [`NearestPlaces`] the points of smallest
+//!   clearance.
 
 mod arm_look;
 mod nearest;

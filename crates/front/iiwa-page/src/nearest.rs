@@ -1,28 +1,28 @@
-//! How near the arm is to an obstacle or to itself, for pages.
+//! Clearance of the arm to obstacles and to itself, for pages.
 
 use iiwa_kin::part_name;
 use iiwa_scene::{ArmInScene, Clearance};
 use serde::Serialize;
 
-/// Where the arm is nearest to an obstacle, or to itself.
+/// Smallest clearance of the arm to an obstacle, or to itself.
 #[derive(Clone, Debug, Serialize)]
 pub struct Nearest {
-    /// Distance in mm; 0 if they touch.
+    /// Distance in mm; 0 for contact.
     pub distance_mm: f64,
-    /// The arm's link, 2 to 7, or 8 for the tool.
+    /// Link of the arm, 2 to 7, or 8 for the tool.
     pub link: usize,
-    /// The name of the obstacle, or of another link of the arm.
+    /// Name of the obstacle, or of another link of the arm.
     pub other: String,
-    /// The nearest point of the link, in m.
+    /// Nearest point of the link, in m.
     pub on_link_m: [f64; 3],
-    /// The nearest point of the other, in m.
+    /// Nearest point of the other body, in m.
     pub on_other_m: [f64; 3],
-    /// When, in a plan, in s.
+    /// Time in a plan, in s.
     pub at_s: Option<f64>,
 }
 
 impl Nearest {
-    /// Of a `clearance` of `arm` in its scene, at a time in a plan.
+    /// Converts a `clearance` of `arm` in its scene, at a time in a plan.
     #[must_use]
     pub fn new(arm: &ArmInScene, clearance: &Clearance, at_s: Option<f64>) -> Self {
         Self {
@@ -35,7 +35,7 @@ impl Nearest {
         }
     }
 
-    /// Why this is too near, with at least `min_mm` of clearance required, if it is. Touching always is.
+    /// Describes the violation if the clearance is below `min_mm`, or zero.
     #[must_use]
     pub fn too_near(&self, min_mm: f64) -> Option<String> {
         let Self { distance_mm, link, other, at_s, .. } = self;
@@ -53,19 +53,20 @@ impl Nearest {
     }
 }
 
-/// Where the arm is nearest to the obstacles of its scene, and to itself.
+/// Smallest clearances of the arm to the obstacles of its scene, and to itself.
 #[derive(Clone, Debug, Default, Serialize)]
 pub struct NearestPlaces {
-    /// None without obstacles.
+    /// `None` without obstacles.
     #[serde(rename = "nearest")]
     pub to_scene: Option<Nearest>,
-    /// None if it is unknown.
+    /// `None` if unknown.
     #[serde(rename = "self_nearest")]
     pub to_itself: Option<Nearest>,
 }
 
 impl NearestPlaces {
-    /// Why the arm is too near to the scene, as [`Nearest::too_near`] says, or touches itself.
+    /// Describes the violation if the clearance to the scene is too small, see
+    /// [`Nearest::too_near`], or the arm touches itself.
     #[must_use]
     pub fn too_near(&self, min_mm: f64) -> Option<String> {
         let to_scene = self.to_scene.as_ref().and_then(|it| it.too_near(min_mm));

@@ -1,7 +1,7 @@
-//! What pages share: the arm in 3D, poses over time, style; and how a page is put together.
+//! Common parts of pages: the arm in 3D, poses over time, style; and assembly of a page.
 //!
-//! A page is one file that loads nothing: its style, its scripts and its data are in it. It is markup
-//! with a place for each part, as `/*arm.js*/`, `<!--title-->` and `<!--data-->`.
+//! A page is a single self-contained file: it contains its style, scripts and data. Its source is
+//! markup with a placeholder for each part, such as `/*arm.js*/`, `<!--title-->` and `<!--data-->`.
 
 mod arm_source;
 mod poses;
@@ -13,7 +13,7 @@ use serde::Serialize;
 
 use crate::PageError;
 
-/// A place in a page, and what comes there.
+/// Placeholder in a page, and its content.
 pub(crate) type Part = (&'static str, &'static str);
 
 /// Parts of all pages.
@@ -32,7 +32,7 @@ const PARTS: [Part; 12] = [
     ("/*view.js*/", include_str!("page/view.js")),
 ];
 
-/// A page with its parts, its title and its data, which its scripts read as JSON.
+/// Assembles a page from its parts, its title and its data, which its scripts read as JSON.
 pub(crate) fn assemble(
     page: &str,
     parts: &[Part],
@@ -42,14 +42,14 @@ pub(crate) fn assemble(
     let all = PARTS.iter().chain(parts);
     let html = all.fold(page.to_owned(), |html, (place, part)| html.replace(place, part));
     let html = html.replace("<!--title-->", &escaped(title));
-    // Last, so that nothing in it is taken for a place.
+    // The data come last, so that nothing in them is taken for a placeholder.
     let json = serde_json::to_string(data).map_err(|source| PageError::Json { source })?;
     let json = json.replace('<', "\\u003c");
     let (before, after) = html.split_once("<!--data-->").unwrap_or((&html, ""));
     Ok([before, &json, after].concat())
 }
 
-/// A text that is no markup.
+/// Escapes a text for HTML.
 fn escaped(text: &str) -> String {
     text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;")
 }

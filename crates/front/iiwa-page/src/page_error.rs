@@ -1,96 +1,96 @@
-//! Why a page cannot be made.
+//! Errors of pages.
 
 use std::io;
 
 use iiwa_log::{JointLogError, ReadError, RecordedRobotError, WriteError};
 use iiwa_scene::ArmMeshError;
 
-/// Why a page cannot be made.
+/// Reason why a page cannot be created.
 ///
 /// As usual, a message does not repeat its [source](std::error::Error::source);
-/// [`with_causes`](iiwa_report::with_causes) gives all of them.
+/// [`with_causes`](iiwa_report::with_causes) returns all of them.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum PageError {
     /// A file cannot be opened or read.
     #[error("cannot read {name}")]
     Open {
-        /// The file's name.
+        /// Name of the file.
         name: String,
-        /// What the system reports.
+        /// Error of the system.
         source: io::Error,
     },
-    /// A file has no joint positions that can be shown, or they do not fit the robot.
+    /// A file has no joint positions to show, or they do not fit the robot.
     #[error("{name}")]
     Recording {
-        /// The file's name.
+        /// Name of the file.
         name: String,
-        /// What is wrong with it.
+        /// Fault of the file.
         source: JointLogError,
     },
     /// The plan in a file cannot be read.
     #[error("{name}")]
     Plan {
-        /// The file's name.
+        /// Name of the file.
         name: String,
-        /// What is wrong with it.
+        /// Fault of the file.
         source: ReadError,
     },
-    /// The robot that a file was made with is unknown, and no other one was given.
+    /// The robot of a file is unknown, and no other robot was given.
     #[error("{name}")]
     UnknownRobot {
-        /// The file's name.
+        /// Name of the file.
         name: String,
-        /// Why it is unknown.
+        /// Cause.
         source: RecordedRobotError,
     },
-    /// A plan was given as what was measured, and a recording as the plan.
+    /// A plan was given as the measurement, and a recording as the plan.
     #[error("{recording} is a recording and {plan} a plan: name the plan first")]
     Swapped {
-        /// The file's name.
+        /// Name of the recording.
         recording: String,
-        /// The other file's name.
+        /// Name of the plan.
         plan: String,
     },
-    /// The program that a recording holds has no plan.
+    /// The program in a recording cannot be planned.
     #[error("the recorded program")]
     RecordedProgram {
-        /// Why not.
+        /// Cause.
         source: Box<iiwa_plan::Error>,
     },
-    /// A URDF gives no meshes of the arm.
+    /// A URDF contains no meshes of the arm.
     #[error("no meshes of the arm")]
     Arm {
-        /// Why not.
+        /// Cause.
         #[from]
         source: ArmMeshError,
     },
-    /// A plan is too long to be drawn.
+    /// A plan is too long to draw.
     #[error("it takes {duration} or more, too long to be drawn")]
     TooLong {
-        /// How long it takes, at least.
+        /// Lower bound on its duration.
         duration: String,
     },
-    /// A plan that is made for a page cannot be stored.
+    /// A plan computed for a page cannot be stored.
     #[error("cannot store the plan of the recorded program")]
     Write {
-        /// Why not.
+        /// Cause.
         #[from]
         source: WriteError,
     },
-    /// Data does not become JSON.
+    /// Data cannot be converted to JSON.
     #[error("cannot write JSON")]
     Json {
-        /// Why not.
+        /// Cause.
         source: serde_json::Error,
     },
-    /// The caller ended the work.
+    /// The caller interrupted the work.
     #[error("interrupted")]
     Interrupted,
 }
 
 impl PageError {
-    /// Whether what was given is at fault, rather than what happened while it was worked on.
+    /// Returns true if the input is at fault, rather than an internal failure.
     #[must_use]
     pub fn is_input(&self) -> bool {
         !matches!(self, Self::Write { .. } | Self::Json { .. } | Self::Interrupted)

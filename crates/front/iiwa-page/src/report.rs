@@ -1,8 +1,9 @@
-//! A page that shows a plan or a recording: one file, which needs no network.
+//! Page that shows a plan or a recording: a single file that needs no network.
 //!
-//! Data flows one way: files are read ([`source`]), the program of a recording is planned
-//! ([`attached`]), both are made into curves for the screen ([`planned`], [`measured`], [`clearance`], [`curve`], [`curves`]) and
-//! gathered ([`data`]). The scripts draw; what they show is decided here.
+//! Data flow one way: files are read ([`source`]), the program of a recording is planned
+//! ([`attached`]), both are converted to curves for the screen ([`planned`], [`measured`],
+//! [`clearance`], [`curve`], [`curves`]) and collected ([`data`]). The scripts only draw; this
+//! module selects the content.
 
 mod attached;
 mod clearance;

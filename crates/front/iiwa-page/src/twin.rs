@@ -1,4 +1,4 @@
-//! The page that follows a robot: its markup, its style and its scripts, but not its server.
+//! Page that follows a robot: its markup, its style and its scripts, but not its server.
 
 use crate::arm_look::Look;
 use iiwa_kin::{Joints, Robot};
@@ -10,7 +10,7 @@ use crate::{
     page::{self, Part},
 };
 
-/// Parts of this page alone.
+/// Parts of this page only.
 const PARTS: [Part; 10] = [
     ("/*twin.css*/", include_str!("twin/twin.css")),
     ("/*plot.js*/", include_str!("page/plot.js")),
@@ -24,24 +24,24 @@ const PARTS: [Part; 10] = [
     ("/*main.js*/", include_str!("twin/main.js")),
 ];
 
-/// What the page of a twin knows from the start. Everything else reaches it over its connection.
+/// Initial data of a twin's page. All other data arrive over its connection.
 #[derive(Clone, Debug, Serialize)]
 pub struct TwinSetup<'a> {
-    /// The robot.
+    /// Robot data.
     pub robot: TwinRobot<'a>,
-    /// The obstacles, if there are any.
+    /// Obstacles, if any.
     pub scene: Option<&'a Scene>,
-    /// Programs that come nearer to an obstacle are not sent, in mm.
+    /// Minimum clearance of programs that may be sent, in mm.
     pub min_clearance_mm: f64,
-    /// The drive's address.
+    /// Address of the drive.
     pub drive: &'a str,
-    /// The file of saved positions.
+    /// File of saved positions.
     pub positions: String,
-    /// The folder of the twin's files, if they are kept.
+    /// Folder of the twin's files, if they are kept.
     pub folder: Option<String>,
 }
 
-/// What the page needs to know about the robot.
+/// Robot data of the page.
 #[derive(Clone, Debug, Serialize)]
 pub struct TwinRobot<'a> {
     name: &'a str,
@@ -53,7 +53,7 @@ pub struct TwinRobot<'a> {
 }
 
 impl<'a> TwinRobot<'a> {
-    /// A robot, with these meshes if there are any.
+    /// Creates the robot data, with these meshes if given.
     #[must_use]
     pub fn new(robot: &'a Robot, meshes: Option<&ArmMeshes>) -> Self {
         Self {
@@ -67,7 +67,7 @@ impl<'a> TwinRobot<'a> {
     }
 }
 
-/// The page of a twin as HTML, with its style, its scripts and what it knows from the start.
+/// Assembles the page of a twin as HTML, with its style, its scripts and its initial data.
 ///
 /// # Errors
 ///

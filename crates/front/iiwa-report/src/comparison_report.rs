@@ -1,4 +1,4 @@
-//! A recording compared with a plan, as JSON and in words.
+//! Comparison of a recording with a plan, as JSON and as text.
 
 use std::{fmt::Write as _, path::Path};
 
@@ -14,30 +14,30 @@ use crate::{
     table::{shortened, table},
 };
 
-/// A recording compared with a plan. As JSON, this is the object of `iiwasim compare --json`.
+/// Comparison of a recording with a plan. As JSON, this is the object of `iiwasim compare --json`.
 #[derive(Clone, Debug, Serialize)]
 pub struct ComparisonReport {
     plan: String,
     measured: String,
     robot: String,
-    /// Larsen 2019, Eq. 40.
+    /// Cycle time error (Larsen 2019, Eq. 40).
     cycle_time: CycleTimeRow,
-    /// When the arm leaves its start, and when it arrives at its end, in s of the recording.
+    /// Times at which the arm departs and arrives, in s of the recording.
     departure_s: f64,
     arrival_s: f64,
     motions: Vec<MotionTimeRow>,
     stops: Vec<StopTimeRow>,
     joint_deviation: JointRow,
     tcp_deviation: TcpRow,
-    /// Recorded torques less those of the plan at the same place; null if the recording has none.
+    /// Recorded minus planned torques at the same path point; null if the recording has no torques.
     torque_difference: Option<TorqueRow>,
-    /// Of the recording, in motion.
+    /// Number of samples in motion, their rate and noise.
     samples: usize,
     rate_hz: f64,
     noise_rad: f64,
-    /// When the program begins once more in the recording.
+    /// Start of a repetition of the program within the recording.
     again_s: Option<f64>,
-    /// What the figures leave out or take for granted.
+    /// Missing data and assumptions behind the figures.
     losses: Vec<String>,
     picture: Option<String>,
 }
@@ -48,13 +48,13 @@ struct CycleTimeRow {
     real_s: f64,
     error_s: f64,
     error_percent: f64,
-    /// For how long the plan stands at its start and end: in both times.
+    /// Standstill of the plan at start and end, included in both times.
     standing_s: f64,
     /// Standard deviation of the real time due to noise.
     deviation_s: f64,
-    /// As the recording's metadata states it.
+    /// Cycle time in the metadata of the recording.
     stated_s: Option<f64>,
-    /// What that was taken from, if not from the robot program's clock.
+    /// Clock of the stated time, if not that of the robot program.
     #[serde(skip_serializing_if = "Option::is_none")]
     timed_by: Option<&'static str>,
 }
@@ -82,7 +82,7 @@ struct StopTimeRow {
 struct JointRow {
     mean_rad: f64,
     max_rad: f64,
-    /// Where it is the largest.
+    /// Motion with the largest deviation.
     motion: usize,
     plan_s: f64,
     recording_s: f64,
@@ -94,7 +94,7 @@ struct JointRow {
 struct TcpRow {
     mean_mm: f64,
     max_mm: f64,
-    /// Where it is the largest.
+    /// Motion with the largest deviation.
     motion: usize,
     plan_s: f64,
     recording_s: f64,
@@ -106,12 +106,12 @@ struct TcpRow {
 struct TorqueRow {
     rms_nm: [f64; 7],
     max_nm: [f64; 7],
-    /// When it is the largest.
+    /// Times of the largest differences.
     recording_s: [f64; 7],
-    /// The largest that the plan needs.
+    /// Largest torques in the plan.
     planned_peak_nm: [f64; 7],
     samples: usize,
-    /// Whether the recording has the sign of plans, not that of KUKA's controller.
+    /// `true` if the recording has the sign of plans, not that of KUKA's controller.
     turned: bool,
 }
 
@@ -181,7 +181,7 @@ impl From<&Deviation> for TcpRow {
 }
 
 impl ComparisonReport {
-    /// Of a plan and a recording, each with its file, and a picture of both.
+    /// Creates the report on a plan and a recording, each with its file, and a picture of both.
     #[must_use]
     pub fn new(
         [plan_file, measured_file]: [&Path; 2],
@@ -225,26 +225,26 @@ impl ComparisonReport {
         }
     }
 
-    /// The real cycle time, in s.
+    /// Measured cycle time, in s.
     #[must_use]
     pub fn measured_cycle_time_s(&self) -> f64 {
         self.cycle_time.real_s
     }
 
-    /// By how much the simulated cycle time is off, in per cent of the real one (Larsen 2019, Eq. 40).
+    /// Error of the simulated cycle time, in per cent of the measured one (Larsen 2019, Eq. 40).
     #[must_use]
     pub fn error_percent(&self) -> f64 {
         self.cycle_time.error_percent
     }
 
-    /// The largest distance of the flange from its planned path, in mm.
+    /// Largest distance of the flange from its planned path, in mm.
     #[must_use]
     pub fn max_deviation_mm(&self) -> f64 {
         self.tcp_deviation.max_mm
     }
 
-    /// Which gates are not met, if any: the error of the cycle time, either way, in per cent of the real one,
-    /// and the deviation of the flange, in mm.
+    /// Describes the violated gates, if any: absolute error of the cycle time, in per cent of the
+    /// measured one, and deviation of the flange, in mm.
     #[must_use]
     pub fn complaint(
         &self,
@@ -262,13 +262,13 @@ impl ComparisonReport {
         (!missed.is_empty()).then(|| missed.join("; "))
     }
 
-    /// Tables and sentences.
+    /// Formats the report as tables and sentences.
     #[must_use]
     pub fn text(&self) -> String {
         let head = ["motion", "type", "planned s", "real s", "error s", "error %"];
         let mut motions = table(&head);
         shortened(&mut motions, &self.motions, |table, row| {
-            // Unknown times are shown as `?`; there is no share of zero time.
+            // Unknown times are shown as `?`; a zero time has no relative error.
             let (real_s, error_s, percent) = match (row.real_s, row.error_s) {
                 (Some(real_s), Some(error_s)) => (
                     format!("{:.3}", rounded(real_s, 3)),
@@ -366,7 +366,7 @@ impl ComparisonReport {
     }
 }
 
-/// A deviation with three decimals; what they do not show is said to be below them.
+/// Formats a deviation with three decimals; smaller values are reported as below 0.001.
 fn shown(value: f64, unit: &str) -> String {
     if value < 0.001 { format!("below 0.001 {unit}") } else { format!("{value:.3} {unit}") }
 }

@@ -1,8 +1,8 @@
-//! Long durations in words.
+//! Long durations as text.
 
 use std::time::Duration;
 
-/// A long duration, given in s, to the second: `11 days 13 h 46 min 40 s`.
+/// Formats a long duration, given in s, to the second: `11 days 13 h 46 min 40 s`.
 #[must_use]
 pub fn long_duration(time_s: f64) -> String {
     let time = Duration::try_from_secs_f64(time_s.round()).unwrap_or(Duration::MAX);

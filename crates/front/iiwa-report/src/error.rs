@@ -1,4 +1,4 @@
-//! Why a picture or a report cannot be made.
+//! Errors of pictures and reports.
 
 use std::{error::Error, fmt::Write as _};
 
@@ -6,67 +6,68 @@ use iiwa_eval::{CompareError, VirtualRobotError, identify::IdentifyError};
 use iiwa_program::Fault;
 use iiwa_traj::PlanError;
 
-/// Why a picture or a report cannot be made.
+/// Reason why a picture or a report cannot be created.
 ///
-/// As usual, a message does not repeat its [source](Error::source); [`with_causes`] gives all of them.
+/// As usual, a message does not repeat its [source](Error::source); [`with_causes`] returns all of
+/// them.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum ReportError {
-    /// The robot cannot do what a program asks for.
+    /// A program contains a motion that the robot cannot perform.
     #[error("{name}")]
     Path {
-        /// The program's name.
+        /// Name of the program.
         name: String,
-        /// What it cannot do.
+        /// Fault of the program.
         source: Fault,
     },
     /// A program cannot be planned.
     #[error("cannot plan {name}")]
     Planning {
-        /// The program's name.
+        /// Name of the program.
         name: String,
-        /// Why not.
+        /// Cause.
         source: PlanError,
     },
     /// A virtual robot cannot run a program.
     #[error("the virtual robot cannot run {name}")]
     VirtualRobot {
-        /// The program's name.
+        /// Name of the program.
         name: String,
-        /// Why not.
+        /// Cause.
         source: VirtualRobotError,
     },
-    /// No robot can be identified from the recordings.
+    /// The recordings do not identify a robot.
     #[error("the recordings do not identify the robot")]
     Identify {
-        /// Why not.
+        /// Cause.
         source: IdentifyError,
     },
     /// A recording cannot be compared with the plan of its program.
     #[error("{name} cannot be compared with its plan")]
     Compare {
-        /// The program's name.
+        /// Name of the program.
         name: String,
-        /// Why not.
+        /// Cause.
         source: CompareError,
     },
     /// A picture cannot be drawn.
     #[error("cannot draw the picture")]
     Draw {
-        /// Why not.
+        /// Cause.
         source: Box<dyn Error + Send + Sync>,
     },
 }
 
 impl ReportError {
-    /// Whether what was given is at fault, rather than what happened while it was worked on.
+    /// Returns true if the input is at fault, rather than an internal or environmental failure.
     #[must_use]
     pub fn is_input(&self) -> bool {
         matches!(self, Self::Path { .. } | Self::Planning { source: PlanError::Fault(_), .. })
     }
 }
 
-/// An error and all its causes in one line.
+/// Formats an error and all its causes in one line.
 #[must_use]
 pub fn with_causes(error: &dyn Error) -> String {
     let mut text = error.to_string();

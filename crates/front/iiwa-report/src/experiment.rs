@@ -1,5 +1,5 @@
-//! The thesis's experiments, done again, one about paths of the TCP, and one about loads: their programs, and reports on what was
-//! recorded.
+//! Experiments: those of the thesis repeated, one on TCP paths, and one on loads; their programs,
+//! and reports on their recordings.
 
 mod bench;
 mod blends;

@@ -1,4 +1,4 @@
-//! What was identified from recordings, as JSON and as text.
+//! Results of an identification from recordings, as JSON and as text.
 
 mod figure;
 mod ramp_figures;
@@ -25,28 +25,29 @@ use self::{
     torque_figures::TorqueFigures,
 };
 
-/// What was identified from recordings of a robot. As JSON, this is the object of `iiwasim identify --json`.
+/// Results of an identification from recordings. As JSON, this is the object of `iiwasim identify
+/// --json`.
 #[derive(Clone, Debug, Serialize)]
 pub struct IdentificationReport {
     robot: String,
     recordings: Vec<String>,
-    /// Joints A1 to A7; null where the recordings do not show a limit.
+    /// Joints A1 to A7; null if the recordings do not show a limit.
     velocity_deg_s: [Option<Figure>; 7],
     acceleration_deg_s2: [Option<Figure>; 7],
     jerk_deg_s3: [Option<Figure>; 7],
-    /// The ramps of PTP motions; null if none begins with constant snap.
+    /// Ramps of PTP motions; null if none begins with constant snap.
     ramps: Option<RampFigures>,
     settle: Option<SettleFigure>,
     kappa: Option<KappaFigure>,
     /// 0 if blends begin and end at equal distances (Larsen 2019, Algorithm 3), 1 if they do not.
     unequal_share: Option<Figure>,
-    /// Of paths of the TCP; null if there are none.
+    /// TCP paths; null if there are none.
     tcp: Option<TcpFigures>,
     /// Load and friction; null if no recording has torques.
     torques: Option<TorqueFigures>,
     lines: Vec<LineRow>,
     blends: Vec<BlendRow>,
-    /// What the recordings lack, and what was not used.
+    /// Missing parts of the recordings, and unused data.
     losses: Vec<String>,
     output: Option<String>,
 }
@@ -57,21 +58,22 @@ struct SettleFigure {
     deviation_s: f64,
 }
 
-/// A motion along a line.
+/// Motion along a straight line in joint space.
 #[derive(Clone, Debug, Serialize)]
 struct LineRow {
     /// Recording and motion, from 1.
     recording: usize,
     motion: usize,
-    /// The joint, from 1, if only one moves.
+    /// Joint, from 1, if only one moves.
     joint: Option<usize>,
     start_s: f64,
     end_s: f64,
-    /// Along the way, the norm of the joints.
+    /// Limits along the path (norm over the joints).
     velocity_deg_s: Option<f64>,
     acceleration_deg_s2: Option<f64>,
     jerk_deg_s3: Option<f64>,
-    /// `jerk` if constant jerk explains it, `snap` if ramps that begin with constant snap do.
+    /// `jerk` if constant jerk explains the motion, `snap` if ramps that begin with constant snap
+    /// do.
     law: &'static str,
     residual_deg: f64,
     noise_deg: f64,
@@ -100,14 +102,14 @@ impl From<&LineObservation> for LineRow {
 
 #[derive(Clone, Debug, Serialize)]
 struct BlendRow {
-    /// Recording and motion whose target is blended away, from 1.
+    /// Recording and motion whose target is blended, from 1.
     recording: usize,
     motion: usize,
     gamma_deg: f64,
     kappa: f64,
     /// Standard deviation of kappa.
     deviation: f64,
-    /// How far before and behind the target the blend should begin and end, and does.
+    /// Expected distance from the target to both ends of the blend, and the measured distances.
     reach_deg: f64,
     found_reach_deg: Option<[f64; 2]>,
     residual_deg: f64,
@@ -129,8 +131,8 @@ impl From<&BlendObservation> for BlendRow {
 }
 
 impl IdentificationReport {
-    /// Of what was `found` in recordings, given in the same order; the robot is to be called `robot`, and
-    /// its profile is in the file `output`, if it is written.
+    /// Creates the report on `found`, identified from `recordings` in the same order; `robot` is
+    /// the name of the identified robot, and `output` the file of its profile, if written.
     #[must_use]
     pub fn new(
         recordings: &[(&str, &JointLog)],
@@ -171,7 +173,7 @@ impl IdentificationReport {
         }
     }
 
-    /// Whether nothing was found.
+    /// Returns true if nothing was identified.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         let limits = [&self.velocity_deg_s, &self.acceleration_deg_s2, &self.jerk_deg_s3];
@@ -182,12 +184,12 @@ impl IdentificationReport {
             && self.torques.is_none()
     }
 
-    /// The first of what the recordings lack.
+    /// First entries of the missing data.
     pub fn first_losses(&self) -> impl Iterator<Item = &str> {
         self.losses.iter().take(SHOWN).map(String::as_str)
     }
 
-    /// Tables and sentences, beside what the `model` has.
+    /// Formats tables and sentences, with the values of the `model` for comparison.
     #[must_use]
     pub fn text(&self, model: &Robot) -> String {
         let mut rows = table(&[
@@ -267,10 +269,10 @@ impl IdentificationReport {
     }
 }
 
-/// Losses that are shown one by one.
+/// Number of losses shown individually.
 const SHOWN: usize = 10;
 
-/// What a recording lacks, all gaps in one line.
+/// Describes the missing data of a recording, all gaps in one line.
 fn losses(log: &JointLog) -> Vec<String> {
     let mut gaps = 0;
     let mut gaps_s = 0.0;

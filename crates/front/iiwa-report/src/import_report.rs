@@ -1,4 +1,4 @@
-//! What was taken from a Sunrise project, as JSON and as text.
+//! Content imported from a Sunrise project, as JSON and as text.
 
 use std::{fmt::Write as _, path::Path};
 
@@ -11,8 +11,8 @@ use serde::Serialize;
 
 use crate::table::{shortened, table};
 
-/// What was taken from a Sunrise project, and whether a robot reaches its frames as they were taught. As JSON, this is
-/// the object of `iiwasim import --json`.
+/// Content imported from a Sunrise project, and the frames that a robot reaches as taught. As JSON,
+/// this is the object of `iiwasim import --json`.
 #[derive(Clone, Debug, Serialize)]
 pub struct ImportReport {
     robot: String,
@@ -20,16 +20,17 @@ pub struct ImportReport {
     tools: Vec<ToolRow>,
     bases: usize,
     frames: Vec<FrameRow>,
-    /// Frames that were taught with E1, status and a TCP, and how many of them the robot reaches as they were.
+    /// Number of frames taught with E1, status and a TCP, and number of those that the robot
+    /// reaches as taught.
     taught: usize,
     agreeing: usize,
-    /// How many it would reach with another flange, where these are more.
+    /// Number of frames reached with another flange, if larger.
     #[serde(skip_serializing_if = "Option::is_none")]
     other_flange: Option<OtherFlange>,
     renamed: Vec<RenamedRow>,
     not_taken: Vec<NotTakenRow>,
     output: Option<String>,
-    /// The built-in model on which the frames were taught, unless it is the robot.
+    /// Built-in model on which the frames were taught, unless it is the robot.
     #[serde(skip_serializing_if = "Option::is_none")]
     taught_on: Option<&'static str>,
 }
@@ -37,7 +38,7 @@ pub struct ImportReport {
 #[derive(Clone, Debug, Serialize)]
 struct ToolRow {
     name: String,
-    /// The frame that is the TCP; null if it is the flange.
+    /// Frame that is the TCP; null for the flange.
     tcp: Option<String>,
     tips: Vec<String>,
     mass_kg: Option<f64>,
@@ -49,15 +50,15 @@ struct FrameRow {
     name: String,
     is_base: bool,
     is_target: bool,
-    /// The TCP by its name in the project.
+    /// TCP by its name in the project.
     taught_with: Option<String>,
-    /// The same by its name in programs; null if the project has it no longer.
+    /// TCP by its name in programs; null if the project no longer has it.
     tool: Option<String>,
-    /// How far it is from where it was when the frame was taught.
+    /// Displacement of the TCP since the frame was taught.
     #[serde(skip_serializing_if = "Option::is_none")]
     tcp_change: Option<TcpChangeRow>,
     joints_deg: Option<[f64; 7]>,
-    /// None if there was nothing to check.
+    /// `None` without data to check.
     agrees: Option<bool>,
     check: String,
 }
@@ -89,7 +90,8 @@ struct NotTakenRow {
 }
 
 impl ImportReport {
-    /// What `cell` has of the project `file`, checked on `robot`; `output` is where it was written.
+    /// Creates the report on `cell` from the project `file`, checked on `robot`; `output` is the
+    /// file of the imported cell.
     #[must_use]
     pub fn new(
         project: &Path,
@@ -138,13 +140,14 @@ impl ImportReport {
         }
     }
 
-    /// The built-in model on which the frames were taught, unless it is the robot on which they were checked.
+    /// Built-in model on which the frames were taught, unless it is the robot on which they were
+    /// checked.
     #[must_use]
     pub fn taught_on(&self) -> Option<&'static str> {
         self.taught_on
     }
 
-    /// For people.
+    /// Formats the report as text.
     #[must_use]
     pub fn text(&self) -> String {
         let mut text = String::new();
@@ -259,7 +262,7 @@ impl FrameRow {
     }
 }
 
-/// The flange, other than the robot's, with which most frames agree, and how many.
+/// Returns the flange, other than the robot's, with which most frames agree, and their number.
 fn other_flange(cell: &ImportedCell, robot: &Robot) -> Option<OtherFlange> {
     let others = [OTHER_FLANGE_M, TOUCH_FLANGE_M]
         .into_iter()
@@ -272,7 +275,8 @@ fn other_flange(cell: &ImportedCell, robot: &Robot) -> Option<OtherFlange> {
     counted.max_by_key(|other| other.agreeing)
 }
 
-/// The built-in model on which most frames were taught: devices are called after their models, with a number.
+/// Returns the built-in model on which most frames were taught: device names are model names with a
+/// number.
 fn taught_on(cell: &ImportedCell) -> Option<&'static str> {
     let devices = cell.frames.iter().filter_map(|frame| frame.teaching.as_ref());
     let devices: Vec<_> = devices.map(|teaching| teaching.device.to_ascii_lowercase()).collect();

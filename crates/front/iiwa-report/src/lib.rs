@@ -1,12 +1,15 @@
-//! Plans and recordings of the KUKA LBR iiwa in words: reports (Markdown), tables (text) and pictures (SVG).
+//! Plans and recordings of the KUKA LBR iiwa as reports (Markdown), tables (text) and pictures
+//! (SVG).
 //!
-//! Everything comes back as text or as a value that serialises to JSON. The crate reads and writes no file, and prints nothing.
+//! All results are returned as text or as values that serialise to JSON. The crate reads and writes
+//! no files, and prints nothing.
 //!
-//! - [`PlanPicture`] draws a plan while it is made, [`draw_comparison`] a recording beside its plan.
-//! - [`ExperimentKind`] lists the experiments, those of the thesis (Larsen 2019) and ours, and writes each one's
-//!   [`Chapter`].
-//! - [`ComparisonReport`], [`IdentificationReport`], [`ImportReport`], [`plan_table`] and [`Summary`] put results
-//!   into words and tables.
+//! - [`PlanPicture`] draws a plan while it is computed, [`draw_comparison`] a recording beside its
+//!   plan.
+//! - [`ExperimentKind`] lists the experiments, those of the thesis (Larsen 2019) and those of this
+//!   project, and writes the [`Chapter`] of each.
+//! - [`ComparisonReport`], [`IdentificationReport`], [`ImportReport`], [`plan_table`] and
+//!   [`Summary`] format results as text and tables.
 
 mod comparison_report;
 mod duration;

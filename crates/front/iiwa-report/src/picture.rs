@@ -1,4 +1,4 @@
-//! Pictures: what those of plans and of comparisons share.
+//! Common parts of plan pictures and comparison pictures.
 
 mod comparison;
 mod format;
@@ -24,7 +24,7 @@ pub use format::PictureFormat;
 pub use picture_error::PictureError;
 pub use plan::PlanPicture;
 
-/// Colours that the colour-blind can tell apart (Okabe and Ito), one a joint.
+/// Colours for the colour-blind (Okabe and Ito), one per joint.
 pub(crate) const COLOURS: [RGBColor; 7] = [
     RGBColor(0, 114, 178),
     RGBColor(230, 159, 0),
@@ -36,16 +36,16 @@ pub(crate) const COLOURS: [RGBColor; 7] = [
 ];
 
 pub(crate) const INK: RGBColor = RGBColor(60, 60, 60);
-/// Of frames: x, y, z.
+/// Colours of frame axes: x, y, z.
 const AXES: [RGBColor; 3] = [RGBColor(200, 40, 40), RGBColor(30, 140, 50), RGBColor(40, 90, 220)];
 const SHADE: RGBColor = RGBColor(225, 232, 240);
 
-/// What is planned or calculated, and what was measured: blue and red, as in the thesis (Larsen 2019,
-/// Fig. 22).
+/// Colours of planned or calculated, and of measured data: blue and red, as in the thesis (Larsen
+/// 2019, Fig. 22).
 pub(crate) const PLANNED: RGBColor = RGBColor(0, 114, 178);
 pub(crate) const MEASURED: RGBColor = RGBColor(205, 30, 30);
 
-/// From slow to fast.
+/// Colours from slow to fast.
 const SLOW: RGBColor = RGBColor(68, 1, 84);
 const MIDDLE: RGBColor = RGBColor(33, 145, 140);
 const FAST: RGBColor = RGBColor(245, 190, 20);
@@ -53,7 +53,8 @@ const FAST: RGBColor = RGBColor(245, 190, 20);
 const WIDTH: u32 = 960;
 const HEIGHT: u32 = 900;
 
-/// The backend draws in whole units: it gets a larger canvas, which the picture then shows small.
+/// Scale of the canvas: the backend draws in whole units, so the canvas is larger and the picture
+/// shows it reduced.
 const FINE: u32 = 4;
 
 /// Length of a line in a legend.
@@ -63,7 +64,7 @@ type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
 type Drawn = Result<(), Box<dyn std::error::Error>>;
 type Chart<'a> = ChartContext<'a, SVGBackend<'a>, Cartesian2d<RangedCoordf64, RangedCoordf64>>;
 
-/// A picture of so many pixels as SVG.
+/// Draws a picture of this size in pixels as SVG.
 fn svg(
     [width, height]: [u32; 2],
     draw: impl FnOnce(&Area<'_>) -> Drawn,
@@ -101,7 +102,7 @@ fn legend(chart: &mut Chart<'_>, position: SeriesLabelPosition) -> Drawn {
     Ok(())
 }
 
-/// The colour of a share of the speed limit.
+/// Returns the colour of a speed relative to its limit.
 pub(crate) fn shade(share: f64) -> RGBColor {
     let mix = |from: RGBColor, to: RGBColor, share: f64| {
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "0 to 255")]
@@ -112,7 +113,7 @@ pub(crate) fn shade(share: f64) -> RGBColor {
     if share < 0.5 { mix(SLOW, MIDDLE, 2.0 * share) } else { mix(MIDDLE, FAST, 2.0 * share - 1.0) }
 }
 
-/// The space that points in mm take.
+/// Bounding box of points in mm.
 struct Space {
     ranges: [(f64, f64); 3],
 }
@@ -132,14 +133,14 @@ impl Space {
         self.ranges[axis].1 - self.ranges[axis].0
     }
 
-    /// The planes (across and up), the one that shows most first.
+    /// Planes (across and up), in descending order of the visible area.
     fn planes(&self) -> [(usize, usize); 3] {
         let mut seen_along = [2, 1, 0];
         seen_along.sort_by(|a, b| self.extent(*a).total_cmp(&self.extent(*b)));
         seen_along.map(|axis| [(1, 2), (0, 2), (0, 1)][axis])
     }
 
-    /// A chart of a plane in mm, with the same scale on both axes.
+    /// Creates a chart of a plane in mm, with the same scale on both axes.
     fn chart<'a>(
         &self,
         area: &Area<'a>,

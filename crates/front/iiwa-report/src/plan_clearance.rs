@@ -1,10 +1,10 @@
-//! How near a plan comes to a scene, and the arm to itself.
+//! Clearance of a plan to a scene, and of the arm to itself.
 
 use iiwa_plan::{ClearanceRecord, PlanFigures, SelfClearanceRecord};
 use iiwa_scene::{ArmInScene, Other, PlannedClearance};
 use iiwa_traj::Section;
 
-/// Adds the least clearances in a section to the figures.
+/// Adds the smallest clearances in a section to the figures.
 pub fn add_clearances(figures: &mut PlanFigures, arm: &ArmInScene, section: &Section) {
     let planned = [arm.clearance_of_section(section), arm.self_clearance_of_section(section)];
     for PlannedClearance { clearance, at_s, .. } in planned.into_iter().flatten() {

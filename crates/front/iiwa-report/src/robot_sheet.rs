@@ -1,4 +1,4 @@
-//! A robot's geometry and limits in tables.
+//! Tables of robot geometry and limits.
 
 use std::fmt::Write as _;
 
@@ -6,7 +6,8 @@ use iiwa_kin::Robot;
 
 use crate::table::table;
 
-/// The robot's geometry, limits, blends and masses as text, with what is assumed of them.
+/// Formats geometry, limits, blends and masses of the robot as text, with the assumptions behind
+/// them.
 #[must_use]
 pub fn robot_sheet(robot: &Robot) -> String {
     let mut text = format!("{}\n\n", robot.name());
@@ -72,15 +73,15 @@ pub fn robot_sheet(robot: &Robot) -> String {
     text
 }
 
-/// Three places at most, and no zeros behind the point.
+/// Formats a number with at most three decimals, without trailing zeros.
 #[must_use]
 pub fn rounded(value: f64) -> String {
     let value = (value * 1000.0).round() / 1000.0;
-    // No negative zero.
+    // Avoids a negative zero.
     format!("{}", value + 0.0)
 }
 
-/// A table of the built-in robots.
+/// Formats a table of the built-in robots.
 #[must_use]
 pub fn robots_table() -> String {
     let mut table = table(&["robot", "reach m", "flange m", "assumed"]);

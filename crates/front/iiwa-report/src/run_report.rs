@@ -1,4 +1,4 @@
-//! How a run went beside its plan, as JSON and in words.
+//! Result of a run beside its plan, as JSON and as text.
 
 use std::{fmt::Write as _, path::Path};
 
@@ -8,44 +8,46 @@ use serde::Serialize;
 
 use crate::{signed::signed, stated_time::stated_time};
 
-/// How a run went beside its plan. As JSON, this is the object of `iiwasim run --json`.
+/// Result of a run beside its plan. As JSON, this is the object of `iiwasim run --json`.
 ///
-/// The measured cycle time is that of `iiwasim compare` and of the report: from departure to arrival as the joint
-/// positions tell, plus the plan's standing at the start and the end. It is finer than the cycle in which the robot
-/// program counts. Where the positions do not tell (an arm that does not move), the robot program's time is taken, or that
-/// of the commanded positions with the plan's standing.
+/// The measured cycle time is that of `iiwasim compare` and of the report: from departure to
+/// arrival according to the joint positions, plus the plan's standstill at start and end. It is
+/// finer than the cycle of the robot program's clock. If the positions show no departure or arrival
+/// (an arm that does not move), the measured cycle time is that of the robot program, or that of
+/// the commanded positions plus the plan's standstill.
 #[derive(Clone, Debug, Serialize)]
 pub struct RunReport {
     planned_cycle_time_s: f64,
     measured_cycle_time_s: Option<f64>,
     error_s: Option<f64>,
     error_percent: Option<f64>,
-    /// As the robot program counts it, in whole cycles.
+    /// Cycle time of the robot program, in whole cycles.
     robot_program_cycle_time_s: Option<f64>,
-    /// From the first to the last change of the commanded positions, if the robot program told no times.
+    /// Time from the first to the last change of the commanded positions, if the robot program
+    /// reported no times.
     #[serde(skip_serializing_if = "Option::is_none")]
     commanded_cycle_time_s: Option<f64>,
-    /// For how long the plan stands at its start and end, which is not part of that.
+    /// Standstill of the plan at start and end, which `commanded_cycle_time_s` does not include.
     #[serde(skip)]
     standing_s: f64,
-    /// The usual time between two samples.
+    /// Median time between two samples.
     sample_step_s: Option<f64>,
-    /// When a run that broke off did so.
+    /// End of a run that was aborted.
     ended_after_s: Option<f64>,
     samples: usize,
     output: Option<String>,
 }
 
 impl RunReport {
-    /// Of the run of a plan, whose log has the robot program's time if that reported one. `file` has the samples, if
-    /// they were written.
+    /// Creates the report on the run of a plan. The log has the robot program's time if the robot
+    /// program reported it. `file` contains the samples, if written.
     #[must_use]
     pub fn new(plan: &Plan, measured: &JointLog, complete: bool, file: Option<&Path>) -> Self {
         let planned_s = plan.cycle_time_s();
         let stated_s = measured.cycle_time_s;
         let complete_s = |by| stated_s.filter(|_| complete && measured.timed_by == by);
         let measured_s = complete.then(|| measured_cycle_time_s(plan, measured)).flatten();
-        // As Eq. 40 of the thesis has it: of the measured time.
+        // Relative to the measured time, as in Eq. 40 of the thesis.
         let error_s = measured_s.map(|measured_s| planned_s - measured_s);
         Self {
             planned_cycle_time_s: planned_s,
@@ -64,7 +66,7 @@ impl RunReport {
         }
     }
 
-    /// In words.
+    /// Formats the report as text.
     #[must_use]
     pub fn text(&self) -> String {
         let mut text = String::new();
@@ -100,7 +102,7 @@ impl RunReport {
     }
 }
 
-/// The cycle time of a run, in s, see [`RunReport`].
+/// Returns the cycle time of a run, in s, see [`RunReport`].
 fn measured_cycle_time_s(plan: &Plan, measured: &JointLog) -> Option<f64> {
     compare(plan, measured).map(|comparison| comparison.cycle_time.real_s).ok().or_else(|| {
         let stands_s = match measured.timed_by {

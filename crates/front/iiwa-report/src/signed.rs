@@ -1,12 +1,12 @@
 //! Numbers without a negative zero.
 
-/// A number that is not -0 when it is printed.
+/// Rounds a number; the result never prints as -0.
 pub(crate) fn rounded(value: f64, digits: i32) -> f64 {
     let scale = 10_f64.powi(digits);
     (value * scale).round() / scale + 0.0
 }
 
-/// A number with its sign; zero has none.
+/// Formats a number with its sign; zero has no sign.
 pub(crate) fn signed(value: f64, digits: u8) -> String {
     let precision = usize::from(digits);
     match rounded(value, i32::from(digits)) {

@@ -1,9 +1,10 @@
-//! The cycle time that a recording states, in words.
+//! Stated cycle time of a recording, as text.
 
 use iiwa_log::CycleClock;
 
-/// One line on a stated cycle time, in s, of a recording with a sample every `step_s` seconds. The plan takes `plan_s`, of
-/// which the arm stands for `standing_s` at the start and the end.
+/// Formats one line on a stated cycle time, in s, of a recording with a sample every `step_s`
+/// seconds. The plan takes `plan_s`, of which the arm is at rest for `standing_s` at the start and
+/// the end.
 pub(crate) fn stated_time(
     stated_s: f64,
     timed_by: CycleClock,

@@ -1,4 +1,4 @@
-//! The results of many programs in one table.
+//! Results of many programs in one table.
 
 use std::{
     collections::{BTreeMap, BTreeSet},
@@ -12,23 +12,23 @@ use crate::table::table;
 use iiwa_json::printable;
 use iiwa_plan::PlanGates;
 
-/// The result of one program.
+/// Result of one program.
 #[derive(Clone, Debug)]
 pub struct SummaryRow {
-    /// The program's name.
+    /// Name of the program.
     pub program: String,
-    /// What it takes, if it was planned.
+    /// Times of the plan; `None` if planning failed.
     pub times: Option<PlannedTimes>,
-    /// Whether it takes longer than it may.
+    /// `true` if the cycle time exceeds its limit.
     pub too_long: bool,
-    /// Whether it comes nearer to an obstacle than it may.
+    /// `true` if the clearance to an obstacle falls below its limit.
     pub too_near: bool,
-    /// Whether a joint exerts more than it may.
+    /// `true` if a joint torque exceeds its limit.
     pub overloaded: bool,
 }
 
 impl SummaryRow {
-    /// Of a program that was not planned.
+    /// Creates the result of a program that was not planned.
     #[must_use]
     pub fn failed(program: String) -> Self {
         let [too_long, too_near, overloaded] = [false; 3];
@@ -49,7 +49,7 @@ impl SummaryRow {
     }
 }
 
-/// What a planned program takes; its size does not grow with the program.
+/// Times of a planned program; the size of this value does not grow with the program.
 #[derive(Clone, Debug)]
 pub struct PlannedTimes {
     motions: usize,
@@ -81,7 +81,7 @@ impl From<&PlanFigures> for PlannedTimes {
     }
 }
 
-/// The limit of the motions that take the longest together.
+/// Returns the limit with the longest total time of motions.
 fn longest_limit(figures: &PlanFigures) -> Option<String> {
     let mut times = BTreeMap::new();
     for motion in &figures.motions {
@@ -94,11 +94,11 @@ fn longest_limit(figures: &PlanFigures) -> Option<String> {
     longest.map(|(_, limit)| limit.to_string())
 }
 
-/// The results of all programs.
+/// Results of all programs.
 #[derive(Clone, Debug, Default)]
 pub struct Summary {
     rows: Vec<SummaryRow>,
-    /// Limits that no source states, each with its robot.
+    /// Limits without a source, each with its robot.
     assumptions: BTreeSet<String>,
 }
 
@@ -111,13 +111,13 @@ impl Summary {
         self.rows.push(row);
     }
 
-    /// How many programs there are so far.
+    /// Number of programs so far.
     #[must_use]
     pub fn programs(&self) -> usize {
         self.rows.len()
     }
 
-    /// What keeps the results from being all well, if anything: failed programs, and gates that are not met.
+    /// Describes the failures, if any: failed programs, and violated gates.
     #[must_use]
     pub fn complaint(&self, gates: &PlanGates) -> Option<String> {
         let count = self.programs();
@@ -142,7 +142,7 @@ impl Summary {
         (!unmet.is_empty()).then(|| unmet.join(", "))
     }
 
-    /// How many of them failed.
+    /// Number of failed programs.
     #[must_use]
     pub fn failed(&self) -> usize {
         self.rows.iter().filter(|row| row.times.is_none()).count()
@@ -152,7 +152,7 @@ impl Summary {
         self.rows.iter().filter_map(|row| row.times.as_ref())
     }
 
-    /// A row for each program, and the totals.
+    /// Formats a row per program, and the totals.
     #[must_use]
     pub fn text(&self) -> String {
         let mut head = vec![
@@ -196,7 +196,7 @@ impl Summary {
             "{} planned, {} failed; cycle times together {:.3} s",
             self.times().count(),
             self.failed(),
-            // From 0.0: a sum of nothing is -0.0.
+            // Starts at 0.0: an empty sum is -0.0.
             self.times().fold(0.0, |sum, times| sum + times.cycle_s)
         );
         for assumption in &self.assumptions {

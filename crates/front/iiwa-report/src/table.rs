@@ -1,4 +1,4 @@
-//! Tables on the terminal.
+//! Tables for the terminal.
 
 use std::fmt::Write as _;
 
@@ -11,13 +11,13 @@ use iiwa_plan::{
 
 use iiwa_json::printable;
 
-/// Motions that are shown at the start and at the end of a long program.
+/// Number of motions shown at the start and at the end of a long program.
 const SHOWN: usize = 100;
 
-/// Width of a plan's table: that of the narrowest terminal that is usual. Longer cells are wrapped.
+/// Width of a plan table: that of the narrowest usual terminal. Longer cells are wrapped.
 const WIDTH: u16 = 80;
 
-/// A table with a head; columns of numbers are aligned to the right.
+/// Creates a table with a header; columns of numbers are right-aligned.
 #[must_use]
 pub fn table(head: &[&str]) -> Table {
     let mut table = Table::new();
@@ -66,7 +66,7 @@ pub fn table(head: &[&str]) -> Table {
     table
 }
 
-/// Adds a row for each motion; of a long program, for the first and the last ones.
+/// Adds a row per motion; for a long program, only for the first and the last ones.
 pub(crate) fn shortened<T>(table: &mut Table, rows: &[T], mut add: impl FnMut(&mut Table, &T)) {
     let hidden = rows.len().saturating_sub(2 * SHOWN);
     for (index, row) in rows.iter().enumerate() {
@@ -78,7 +78,7 @@ pub(crate) fn shortened<T>(table: &mut Table, rows: &[T], mut add: impl FnMut(&m
     }
 }
 
-/// The figures of a plan, for people.
+/// Formats the figures of a plan as a table.
 #[must_use]
 pub fn plan_table(figures: &PlanFigures) -> String {
     let mut head = vec!["motion", "type", "start s", "time s", "top %"];
@@ -145,7 +145,7 @@ pub fn plan_table(figures: &PlanFigures) -> String {
     text
 }
 
-/// What is assumed of the controller, as far as the time rests on it, one line each.
+/// Formats the assumptions about the controller that the time depends on, one line each.
 #[must_use]
 pub fn assumption_lines(rests_on: &[AssumptionRecord]) -> String {
     let mut text = String::new();
@@ -162,9 +162,9 @@ pub fn assumption_lines(rests_on: &[AssumptionRecord]) -> String {
     text
 }
 
-/// Adds a line for each of some things; of many, for the first ones.
+/// Adds a line per entry, or for the first entries of a long list.
 fn shortened_lines<T>(text: &mut String, all: &[T], line: impl Fn(&T) -> String) {
-    /// Lines at most.
+    /// Maximum number of lines.
     const NAMED: usize = 10;
     for one in all.iter().take(NAMED) {
         let _ = writeln!(text, "{}", line(one));
@@ -174,7 +174,7 @@ fn shortened_lines<T>(text: &mut String, all: &[T], line: impl Fn(&T) -> String)
     }
 }
 
-/// What kept the arm from going on through a blend.
+/// Describes a blend that the arm could not pass without stopping.
 fn late_blend(late: &LateBlendRecord) -> String {
     let LateBlendRecord { after_motion, known_s, needed_s } = late;
     format!(
@@ -182,7 +182,7 @@ fn late_blend(late: &LateBlendRecord) -> String {
     )
 }
 
-/// How near the arm comes to what.
+/// Describes the clearance between the arm and an obstacle.
 fn clearance(nearest: &ClearanceRecord) -> String {
     let ClearanceRecord { distance_mm, link, obstacle, at_s } = nearest;
     let part = part_name(*link);
@@ -194,7 +194,7 @@ fn clearance(nearest: &ClearanceRecord) -> String {
     }
 }
 
-/// How near the arm comes to itself.
+/// Describes the clearance of the arm to itself.
 fn self_clearance(nearest: &SelfClearanceRecord) -> String {
     let SelfClearanceRecord { distance_mm, link, other_link, at_s } = nearest;
     let [part, other] = [*link, *other_link].map(part_name);
@@ -205,9 +205,9 @@ fn self_clearance(nearest: &SelfClearanceRecord) -> String {
     }
 }
 
-/// What a motion is limited by and for how long, as far as it matters.
+/// Lists the relevant active limits of a motion with their shares of its time.
 fn limits(first: &LimitRecord, all: &[LimitShareRecord]) -> String {
-    /// Shares of the time below which a limit is left out.
+    /// Smallest share of the time that is shown.
     const SHOWN_SHARE: f64 = 0.05;
     let shown: Vec<_> = all
         .iter()
@@ -218,7 +218,7 @@ fn limits(first: &LimitRecord, all: &[LimitShareRecord]) -> String {
     if shown.is_empty() { first.to_string() } else { shown.join(", ") }
 }
 
-/// A row; with the TCP's top speed and with what the motion was made from if any motion has one.
+/// Adds a row; with the top TCP speed, and with the source of the motion if any motion has one.
 fn add(table: &mut Table, row: &MotionRecord, has_tcp: bool, has_source: bool) {
     let limit = row.limited_by.as_ref();
     let limited_by = limit.map(|limit| limits(limit, &row.limits));
@@ -237,7 +237,7 @@ fn add(table: &mut Table, row: &MotionRecord, has_tcp: bool, has_source: bool) {
         ));
     }
     if has_source {
-        // Without the folders, which would take the width of the table.
+        // Omits the folders, which would fill the width of the table.
         let short = |source: String| source.rsplit('/').next().unwrap_or_default().to_owned();
         let source = row.source.as_ref().map(|source| printable(&short(source.to_string())));
         cells.push(Cell::new(source.unwrap_or_default()));

@@ -1,5 +1,5 @@
-//! A recording of a robot against the plan of its program, as a table with a score, to be sent to others: names of files are in
-//! it, their folders are not.
+//! Recording of a robot compared with the plan of its program, as a table with a score, for
+//! sharing: it contains file names, but not their folders.
 
 use std::{ffi::OsStr, fmt::Write as _, path::Path};
 
@@ -16,60 +16,63 @@ use crate::{
     table::{assumption_lines, shortened, table},
 };
 
-/// A recording against the plan of its program. As JSON, this is the object of `iiwasim validate --json`.
+/// Recording compared with the plan of its program. As JSON, this is the object of `iiwasim
+/// validate --json`.
 #[derive(Clone, Debug, Serialize)]
 pub struct ValidationReport {
-    /// Of iiwasim.
+    /// Version of iiwasim.
     version: &'static str,
     recording: String,
     program: String,
     robot: String,
     timing: String,
     override_percent: f64,
-    /// Where the positions were read.
+    /// Origin of the positions.
     positions: Option<String>,
     rate_hz: f64,
     noise_deg: f64,
     motions: Vec<ValidatedMotion>,
-    /// Over the motions that have a duration: absolute errors.
+    /// Absolute errors over the motions that have a duration.
     score: Score,
-    /// What the plan rests on, beside published figures.
+    /// Assumptions of the plan, beside published figures.
     assumptions: Vec<String>,
-    /// What is assumed of the controller.
+    /// Assumptions about the controller.
     rests_on: Vec<AssumptionRecord>,
-    /// What the figures leave out or take for granted.
+    /// Missing data and assumptions behind the figures.
     notes: Vec<String>,
 }
 
-/// A motion; durations are those at the override.
+/// Motion; durations are those at the override.
 #[derive(Clone, Debug, Serialize)]
 struct ValidatedMotion {
     index: usize,
     r#type: &'static str,
     planned_s: f64,
-    /// Null if the recording does not show it.
+    /// Measured duration; null if the recording does not show the motion.
     measured_s: Option<f64>,
     /// Planned minus measured, in per cent of the measured duration.
     error_percent: Option<f64>,
-    /// The joint, from 1, that is farthest off the path, and by how much; null without samples, and for waits.
+    /// Joint, from 1, that deviates most from the path, and its deviation; null without samples,
+    /// and for waits.
     worst_joint: Option<usize>,
     joint_off_deg: Option<f64>,
     tcp_off_mm: Option<f64>,
 }
 
-/// How well the plan fits.
+/// Quality of the plan.
 #[derive(Clone, Copy, Debug, Serialize)]
 struct Score {
-    /// Motions with an error of time, without waits.
+    /// Number of motions with a time error, without waits.
     motions: usize,
     time_percent: Option<Spread>,
     joint_off_deg: Option<Spread>,
     tcp_off_mm: Option<Spread>,
-    /// Of the whole program, signed; the plan's standing at its start and end is in both times.
+    /// Signed error of the whole program; both times include the plan's standstill at start and
+    /// end.
     cycle_time_percent: f64,
 }
 
-/// Of absolute values: half and 95 % of them are at most so large.
+/// Quantiles of absolute values: median, 95 % quantile and maximum.
 #[derive(Clone, Copy, Debug, Serialize)]
 struct Spread {
     median: f64,
@@ -77,7 +80,7 @@ struct Spread {
     worst: f64,
 }
 
-/// If most motions are off by more, the recording is of another setting of the robot.
+/// Threshold: if most motions deviate by more, the robot ran with other settings.
 const SLOWER_PERCENT: f64 = -8.0;
 
 const PLAN: &str = "the recording is a plan: nothing of it was measured on a robot";
@@ -90,14 +93,14 @@ impl Spread {
         let mut all: Vec<f64> = values.map(f64::abs).collect();
         all.sort_by(f64::total_cmp);
         let worst = *all.last()?;
-        // The smallest value that so many per cent do not exceed.
+        // Smallest value that this percentage of the values does not exceed.
         let most = |percent: usize| all[(all.len() * percent).div_ceil(100).max(1) - 1];
         Some(Self { median: most(50), most: most(95), worst })
     }
 }
 
 impl ValidationReport {
-    /// Of a recording and its program, each with its file.
+    /// Creates the report on a recording and its program, each with its file.
     #[must_use]
     pub fn new(
         [recording, program]: [&Path; 2],
@@ -146,7 +149,7 @@ impl ValidationReport {
         }
     }
 
-    /// Table and sentences.
+    /// Formats the report as a table and sentences.
     #[must_use]
     pub fn text(&self) -> String {
         let head =
@@ -217,7 +220,7 @@ impl ValidationReport {
     }
 }
 
-/// The row of a motion.
+/// Returns the row of a motion.
 fn row(motion: &MotionTime, comparison: &Comparison) -> ValidatedMotion {
     let is_wait = motion.motion_type == MotionType::Wait;
     let (planned_s, measured_s) = (motion.planned_s, motion.real_s);

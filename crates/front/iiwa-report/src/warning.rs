@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use iiwa_json::printable;
 
-/// Warnings as they are reported on standard error; of one of many programs, with its name.
+/// Formats warnings for standard error, with the name of the program if there are many.
 #[must_use]
 pub fn warning_lines(warnings: &[String], program: Option<&str>) -> String {
     let name = program.map_or_else(String::new, |name| format!("{}: ", printable(name)));

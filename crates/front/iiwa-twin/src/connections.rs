@@ -1,9 +1,9 @@
-//! Bounds on connections: how many there may be, and how long one may take to present the token.
+//! Bounds on connections: their number, and the time until they present the token.
 //!
-//! A connection is unverified until it presents the token. The number of unverified connections is bounded, and
-//! the oldest is closed for a new one beyond that: a page can connect, however many idle connections another
-//! program opens. A verified connection is never closed for an unverified one. Pages are counted apart from
-//! other requests, which cannot use up their number.
+//! A connection is unverified until it presents the token. The number of unverified connections is
+//! bounded, and the oldest is closed for a new one beyond that: a page can connect, however many
+//! idle connections another program opens. A verified connection is never closed for an unverified
+//! one. Pages are counted separately from other requests, which cannot exhaust their number.
 
 use std::{
     collections::BTreeMap,
@@ -22,31 +22,33 @@ use tokio::{
     time,
 };
 
-/// Unverified connections, at most: a small part of the files that a process may have open.
+/// Maximum number of unverified connections: a small part of the files that a process may have
+/// open.
 const MAX_UNVERIFIED: usize = 64;
 
-/// Open pages, at most: each holds its last messages until the browser receives them.
+/// Maximum number of open pages: each holds its last messages until the browser receives them.
 const MAX_PAGES: usize = 16;
 
-/// Other requests with the token at one time, at most: a browser opens six connections.
+/// Maximum number of other requests with the token at one time: a browser opens six connections.
 const MAX_OTHERS: usize = 8;
 
-/// How long a connection may take to present the token and, if it is rejected, to receive the answer.
+/// Time limit for a connection to present the token and, if it is rejected, to receive the answer.
 const TIMEOUT: Duration = Duration::from_secs(5);
 
 /// Pause after the system could not accept a connection.
 const PAUSE: Duration = Duration::from_millis(20);
 
-/// Bytes of a request's head, at most.
+/// Maximum size of a request's head, in bytes.
 const HEAD_BYTES: usize = 16 << 10;
 
-/// Accepts connections, which `router` answers; never returns. Requests carry the [`Connection`] as an
-/// extension. Each connection has one request: `router` answers with `Connection: close`.
+/// Accepts connections, which `router` answers; never returns. Requests carry the [`Connection`] as
+/// an extension. Each connection has one request: `router` answers with `Connection: close`.
 pub(crate) async fn accept(listener: TcpListener, router: Router) {
     let connections = Arc::new(Connections::new());
     let mut count = 0;
     loop {
-        // There is one permit more than connections: the one to be closed holds its own until it is.
+        // There is one permit more than connections: the one to be closed holds its own until it
+        // is.
         let Ok(permit) = connections.accepted.clone().acquire_owned().await else { return };
         match listener.accept().await {
             Ok((stream, peer)) => {
@@ -54,10 +56,11 @@ pub(crate) async fn accept(listener: TcpListener, router: Router) {
                 let connection = connections.add(count, peer, permit);
                 tokio::spawn(serve(stream, connection, router.clone()));
             }
-            // The other end has gone already.
+            // The peer has disconnected already.
             Err(error) if is_gone(&error) => {}
             Err(_) => {
-                // The process may have too many open files. The server goes on, without keeping a core busy.
+                // The process may have too many open files. The server goes on, without keeping a
+                // core busy.
                 connections.close_oldest();
                 time::sleep(PAUSE).await;
             }
@@ -78,7 +81,7 @@ async fn serve(stream: TcpStream, connection: Connection, router: Router) {
         .serve_connection(TokioIo::new(stream), service)
         .with_upgrades();
     tokio::select! {
-        // A failure concerns the other end only.
+        // A failure concerns the peer only.
         _ = exchange => {}
         () = connection.closed() => {}
     }
@@ -87,7 +90,7 @@ async fn serve(stream: TcpStream, connection: Connection, router: Router) {
 /// All connections.
 #[derive(Debug)]
 struct Connections {
-    /// Closes each unverified one; sorted by age, oldest first.
+    /// Close signals of the unverified connections; sorted by age, oldest first.
     unverified: Mutex<BTreeMap<u64, Arc<Notify>>>,
     pages: Arc<Semaphore>,
     requests: Arc<Semaphore>,
@@ -142,7 +145,7 @@ impl Connections {
     }
 }
 
-/// A connection. It counts until all clones are dropped.
+/// Connection; it counts until all clones are dropped.
 #[derive(Clone, Debug)]
 pub(crate) struct Connection(Arc<ConnectionState>);
 
@@ -151,13 +154,13 @@ struct ConnectionState {
     number: u64,
     peer: SocketAddr,
     close: Arc<Notify>,
-    /// Permit of a verified one.
+    /// Permit of a verified connection.
     verified: OnceLock<OwnedSemaphorePermit>,
     connections: Arc<Connections>,
     _accepted: OwnedSemaphorePermit,
 }
 
-/// There are as many verified connections of the kind as there may be.
+/// Error: the maximum number of verified connections of this kind is reached.
 #[derive(Debug)]
 pub(crate) struct Full {
     pub(crate) most: usize,
@@ -183,7 +186,8 @@ impl Connection {
         Ok(())
     }
 
-    /// Returns when an unverified connection is to be closed: for a newer one, or after [`TIMEOUT`].
+    /// Returns when an unverified connection is to be closed: for a newer one, or after
+    /// [`TIMEOUT`].
     async fn closed(&self) {
         tokio::select! {
             () = self.0.close.notified() => {}
@@ -212,7 +216,7 @@ mod tests {
         connections.add(number, ([127, 0, 0, 1], 9).into(), permit)
     }
 
-    /// Whether a connection was told to close.
+    /// Returns true if a connection is to be closed.
     async fn is_closed(connection: &Connection) -> bool {
         time::timeout(Duration::ZERO, connection.0.close.notified()).await.is_ok()
     }
@@ -233,7 +237,7 @@ mod tests {
         newcomer.verify(false).unwrap();
         let next = connect(&connections, 1001);
         assert!(!is_closed(&unverified[1]).await, "there was room");
-        // What was closed is not counted any more.
+        // Closed connections no longer count.
         drop(unverified);
         assert_eq!(connections.unverified().len(), 1);
         assert!(!is_closed(&page).await && !is_closed(&newcomer).await && !is_closed(&next).await);
@@ -249,7 +253,7 @@ mod tests {
         }
         let more = connect(&connections, 1000);
         assert_eq!(more.verify(true).unwrap_err().most, MAX_PAGES);
-        // Other requests have permits of their own.
+        // Other requests have separate permits.
         more.verify(false).unwrap();
         // A permit is held until the last clone is dropped.
         let held = pages[0].clone();

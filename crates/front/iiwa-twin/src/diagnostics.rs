@@ -5,10 +5,10 @@ use std::time::{Duration, Instant};
 use iiwa_link::{Client, message::DriveState};
 use iiwa_log::{Diagnostic, DiagnosticLevel};
 
-/// Each reading is a request to the robot program.
+/// Period of the readings: each is a request to the robot program.
 const EVERY: Duration = Duration::from_secs(1);
 
-/// A client that reads sensors, inputs and outputs once per second.
+/// Client that reads sensors, inputs and outputs once per second.
 #[derive(Debug)]
 pub struct SensorPoll {
     client: Client,
@@ -16,13 +16,14 @@ pub struct SensorPoll {
 }
 
 impl SensorPoll {
-    /// Reads by this client.
+    /// Creates a poll through this client.
     #[must_use]
     pub fn new(client: Client) -> Self {
         Self { client, read: None }
     }
 
-    /// The values, once per second. They are missing during motions, in which the robot program does not report them.
+    /// Reads the values once per second. They are missing during motions, in which the robot
+    /// program does not report them.
     pub fn read(&mut self, robot: &str) -> Option<Vec<Diagnostic<'static>>> {
         if self.read.is_some_and(|read| read.elapsed() < EVERY) {
             return None;
@@ -51,7 +52,7 @@ impl SensorPoll {
     }
 }
 
-/// The state of the drive.
+/// Returns the state of the drive.
 #[must_use]
 pub fn drive(state: DriveState, robot: &str) -> Diagnostic<'static> {
     part("drive".to_owned(), state.to_string(), robot, Vec::new())

@@ -41,9 +41,9 @@ struct DispatcherState {
     plans: u64,
     plan: Option<Arc<Planned>>,
     running: Option<Running>,
-    /// Number of stops requested: a run that was requested before the last one does not start.
+    /// Number of stop requests: a run that was requested before the last stop does not start.
     stops: u64,
-    /// Whether the twin is shutting down: no run starts any more.
+    /// `true` if the twin is shutting down: runs no longer start.
     shutting_down: bool,
     /// Recording of the run of this plan.
     measured: Option<PathBuf>,
@@ -55,7 +55,7 @@ struct Running {
 }
 
 impl Dispatcher {
-    /// With the positions that were saved before.
+    /// Creates a dispatcher with the saved positions.
     pub(crate) fn new(setup: Arc<Setup>, live: Arc<LatestJoints>) -> Result<Self, TwinError> {
         let nothing = |kind| PageChannel::new(page_message(kind, &None::<()>));
         let positions = PositionList::read(&setup.positions, &setup.robot, setup.wording.error)?;
@@ -129,7 +129,7 @@ impl Dispatcher {
         &self,
         change: impl FnOnce(&mut PositionList) -> Result<(), String>,
     ) -> Result<(), String> {
-        // A lock of its own: the file may be on a slow disk.
+        // The positions have a separate lock: their file may be on a slow disk.
         let mut positions = self.positions();
         change(&mut positions)?;
         self.positions_channel.send_replace(page_message("positions", &positions.all()));
@@ -140,8 +140,8 @@ impl Dispatcher {
         self.positions.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Plans a program and shows it. The page shows errors; after one, nothing can be sent: the earlier program is not the one
-    /// that was meant.
+    /// Plans a program and shows it. The page shows errors; after an error, nothing can be sent:
+    /// the earlier program is not the intended one.
     pub(crate) fn load(&self, name: &str, text: String) -> Result<(), String> {
         let id = {
             let mut state = self.state();
@@ -149,7 +149,7 @@ impl Dispatcher {
             state.plans += 1;
             state.plans
         };
-        // Planning may take long: the lock is not held meanwhile.
+        // Planning may take long: the lock is released meanwhile.
         let plan = Planned::new(id, name, text, &self.setup);
         let mut state = self.state();
         not_running(&state)?;
@@ -191,7 +191,7 @@ impl Dispatcher {
             let state = self.state();
             (shown(&state)?, state.stops)
         };
-        // The drive is asked without the lock: a stop must not wait for that.
+        // The drive is queried without the lock: a stop must not wait for this.
         let run = ProgramRun::new(plan, move_to_start, &self.setup)?;
         let mut state = self.state();
         shown(&state)?;
@@ -213,8 +213,8 @@ impl Dispatcher {
         Ok(())
     }
 
-    /// Stops the robot, whichever client started the motion, and every run that was requested before. Resolves
-    /// to the answer of the drive.
+    /// Stops the robot, whichever client started the motion, and every run that was requested
+    /// before. Resolves to the answer of the drive.
     pub(crate) fn stop(&self) -> impl Future<Output = Result<(), String>> + use<> {
         {
             let mut state = self.state();
@@ -226,7 +226,7 @@ impl Dispatcher {
         self.stopper.stop()
     }
 
-    /// Stops the run that was started here, if any, and waits for its end.
+    /// Stops the current run of this twin, if any, and waits for its end.
     pub(crate) fn end(&self) {
         let running = {
             let mut state = self.state();
@@ -242,7 +242,7 @@ impl Dispatcher {
         }
     }
 
-    /// The path of a file of the plan: the program, the plan or the recording of its run.
+    /// Path of a file of the plan: the program, the plan or the recording of its run.
     pub(crate) fn file(&self, name: &str) -> Option<PathBuf> {
         let state = self.state();
         let plan = state.plan.as_ref()?;
@@ -254,7 +254,7 @@ impl Dispatcher {
         }
     }
 
-    /// The report of the plan and the recording of its run.
+    /// Report of the plan and the recording of its run.
     pub(crate) fn report(&self) -> Option<Result<String, TwinError>> {
         let plan = self.file("plan.mcap")?;
         let measured = self.file("measured.mcap");

@@ -1,4 +1,4 @@
-//! Why a twin does not start, or cannot do what a page asks for.
+//! Errors of the twin.
 
 use std::{error::Error, io, path::PathBuf};
 
@@ -9,87 +9,87 @@ use iiwa_link::LinkError;
 use iiwa_log::WriteError;
 use iiwa_page::PageError;
 
-/// A failure of the twin.
+/// Failure of the twin.
 #[derive(Debug, thiserror::Error)]
 pub enum TwinError {
-    /// A connection to the drive cannot be made.
+    /// The connection to the drive failed.
     #[error(transparent)]
     Link(#[from] LinkError),
-    /// A page cannot be made of a plan.
+    /// The page of a plan cannot be created.
     #[error(transparent)]
     Page(#[from] PageError),
-    /// Viewers cannot be served.
+    /// The viewer connection failed.
     #[error(transparent)]
     Viewers(#[from] ViewersError),
     /// A file cannot be written.
     #[error(transparent)]
     Output(#[from] OutputError),
-    /// A recording cannot be made.
+    /// A recording cannot be written.
     #[error("cannot write the recording")]
     Recording(#[from] WriteError),
-    /// A file of a program is not written, or a folder is not made.
+    /// A file of a program cannot be written, or a folder cannot be created.
     #[error("cannot {what}")]
     File {
-        /// What cannot be done, as in `write a.json`.
+        /// Failed operation, such as `write a.json`.
         what: String,
-        /// Why.
+        /// Cause.
         source: io::Error,
     },
-    /// All names of a program's files are taken.
-    #[error("there is no file name left")]
+    /// All file names for a program are in use.
+    #[error("all file names are taken")]
     NoNameLeft,
-    /// The page is not served.
+    /// The page cannot be served.
     #[error("cannot serve the page")]
     Serve(#[source] io::Error),
-    /// A token cannot be made.
+    /// A token cannot be created.
     #[error("the system gives no random numbers")]
     Random(#[source] getrandom::Error),
-    /// The work for a page broke down.
+    /// An internal task for a page failed.
     #[error("{what}")]
     BrokenDown {
-        /// What failed, as in `planning failed`.
+        /// Failure, such as `planning failed`.
         what: &'static str,
-        /// How.
+        /// Cause.
         source: Box<dyn Error + Send + Sync>,
     },
-    /// A program is not valid, or cannot be planned.
+    /// A program is invalid, or cannot be planned.
     #[error("{name}{}: {}", error.place().map_or(String::new(), |place| format!(", {place}")), error.what())]
     Program {
-        /// The name of the program.
+        /// Name of the program.
         name: String,
-        /// Its text.
+        /// Text of the program.
         text: String,
-        /// The fault.
+        /// Fault of the program.
         error: Box<iiwa_plan::Error>,
     },
-    /// The file of saved positions is not JSON of this kind.
+    /// The file of saved positions is not valid JSON of this kind.
     #[error("{}, {place}: {what}", file.display())]
     PositionsText {
-        /// The file.
+        /// Path of the file.
         file: PathBuf,
-        /// What it says.
+        /// Content of the file.
         text: String,
-        /// Where the fault is in it.
+        /// Place of the fault in the content.
         place: Place,
-        /// The fault.
+        /// Fault of the file.
         what: String,
     },
-    /// The file of saved positions holds what this twin does not take.
+    /// The file of saved positions has content that the twin rejects.
     #[error("{}: {what}", file.display())]
     Positions {
-        /// The file.
+        /// Path of the file.
         file: PathBuf,
-        /// What is wrong.
+        /// Fault of the file.
         what: String,
     },
-    /// The saved positions are of another robot.
+    /// The saved positions belong to another robot.
     #[error("{}: positions of the robot `{robot}`, not of {own}", file.display())]
     PositionsOfAnother {
-        /// The file.
+        /// Path of the file.
         file: PathBuf,
-        /// Whose they are.
+        /// Robot of the positions.
         robot: String,
-        /// The twin's own.
+        /// Robot of the twin.
         own: String,
     },
 }

@@ -1,4 +1,4 @@
-//! The joint positions of the arm, from the stream of the drive.
+//! Joint positions of the arm, from the stream of the drive.
 
 use std::{
     sync::Mutex,
@@ -18,18 +18,18 @@ use crate::{
     message::{PageChannel, page_message},
 };
 
-/// Time between messages to pages, at least: less than a frame of a screen.
+/// Minimum time between messages to pages: less than a screen frame.
 const MESSAGE_INTERVAL: Duration = Duration::from_millis(10);
 
-/// How long to wait for the stream before the interrupt flag is checked.
+/// Timeout of the stream before the interrupt flag is checked.
 const POLL: Duration = Duration::from_millis(50);
 
-/// The latest joint positions, and when they were received.
+/// Latest joint positions, and their reception time.
 #[derive(Debug, Default)]
 pub(crate) struct LatestJoints(Mutex<Option<(Instant, Joints)>>);
 
 impl LatestJoints {
-    /// The joint positions; none if nothing was received for a second.
+    /// Returns the joint positions; `None` if nothing was received for 1 s.
     pub(crate) fn now(&self) -> Option<Joints> {
         const FRESH: Duration = Duration::from_secs(1);
         let newest = *self.0.lock().ok()?;
@@ -43,23 +43,24 @@ impl LatestJoints {
     }
 }
 
-/// Joint positions as pages receive them.
+/// Joint positions in page format.
 #[derive(Serialize)]
 struct LiveJoints {
     /// Time stamp of the drive.
     t_s: f64,
     joints_rad: Joints,
-    /// What the joints exert, if it is measured: the controller gives it with the other sign.
+    /// Torques that the joints exert, if measured: the controller reports them with the opposite
+    /// sign.
     torque_nm: Option<Joints>,
-    /// When they were received, in ms since 1970.
+    /// Reception time, in ms since 1970.
     at_ms: f64,
-    /// Delay beyond that of the fastest recent message.
+    /// Delay relative to the fastest recent message.
     behind_ms: f64,
     #[serde(flatten)]
     nearest: NearestPlaces,
 }
 
-/// Publishes the stream of the drive until an interrupt; reconnects when it breaks off.
+/// Publishes the stream of the drive until an interrupt; reconnects when the stream fails.
 pub(crate) fn follow(
     setup: &Setup,
     latest: &LatestJoints,
@@ -69,7 +70,7 @@ pub(crate) fn follow(
     let mut lag = Lag::default();
     let mut last_message = None::<Instant>;
     let mut stream = None;
-    // They come before the positions of their time.
+    // Torques arrive before the positions with the same time stamp.
     let mut torques = None;
     while !interrupt::has_come() {
         let Some(open) = &mut stream else {
@@ -81,7 +82,7 @@ pub(crate) fn follow(
         };
         let mut newest = None;
         let mut timeout = POLL;
-        // Of the queued messages, only the last one matters.
+        // Only the last of the queued messages is relevant.
         loop {
             match open.next(timeout) {
                 Ok(Some(Published::Joints { t_s, joints_rad })) => newest = Some((t_s, joints_rad)),
@@ -91,7 +92,7 @@ pub(crate) fn follow(
                 Ok(Some(_)) => {}
                 Ok(None) => break,
                 Err(_) => {
-                    // The thread that polls the state reports why.
+                    // The thread that polls the state reports the reason.
                     stream = None;
                     thread::sleep(POLL);
                     break;

@@ -1,9 +1,10 @@
-//! Access control: requests of this machine only, with the token, and of no foreign page.
+//! Access control: only requests of this machine, with the token, and not from a foreign page.
 //!
-//! Any program on this machine can connect to its ports, and any page in a browser can make the browser
-//! do so. The token keeps both out. The check of `Host` keeps out pages whose domain name was pointed at
-//! this machine after they were loaded (DNS rebinding); that of `Origin` those that have obtained the token.
-//! A request that repeats one of the three is rejected: a proxy or a browser may have checked another one than the first.
+//! Any program on this machine can connect to its ports, and any page in a browser can make the
+//! browser do so. The token excludes both. The check of `Host` excludes pages whose domain name was
+//! redirected to this machine after loading (DNS rebinding); that of `Origin` excludes pages that
+//! have obtained the token. A request that repeats one of the three is rejected: a proxy or a
+//! browser may have checked a value other than the first.
 
 use std::{net::SocketAddr, sync::Arc};
 
@@ -30,12 +31,12 @@ use crate::{
 /// Path of the WebSocket.
 pub(crate) const LIVE: &str = "/live";
 
-/// The secret that the address of the page has to contain.
+/// Secret that the address of the page must contain.
 #[derive(Clone, Debug)]
 pub(crate) struct Token(Arc<str>);
 
 impl Token {
-    /// A new one: 128 random bits of the system.
+    /// Creates a token of 128 random bits from the system.
     pub(crate) fn new() -> Result<Self, TwinError> {
         let mut bytes = [0; 16];
         getrandom::fill(&mut bytes).map_err(TwinError::Random)?;
@@ -46,7 +47,8 @@ impl Token {
         &self.0
     }
 
-    /// Whether the text is the token. The time this takes does not depend on how much of it matches.
+    /// Returns true if the text is the token, in a time that does not depend on the number of
+    /// matching characters.
     fn is(&self, text: &str) -> bool {
         let differ = |sum: u8, (a, b): (u8, u8)| sum | (a ^ b);
         self.0.len() == text.len() && self.0.bytes().zip(text.bytes()).fold(0, differ) == 0
@@ -86,21 +88,21 @@ pub(crate) async fn guard(
     headers.insert(REFERRER_POLICY, HeaderValue::from_static("no-referrer"));
     headers.insert(X_CONTENT_TYPE_OPTIONS, HeaderValue::from_static("nosniff"));
     if !headers.contains_key(UPGRADE) {
-        // A new connection on one machine is cheap, and an idle one would count.
+        // A new connection on one machine is cheap, and an idle connection would count.
         headers.insert(CONNECTION, HeaderValue::from_static("close"));
     }
     response
 }
 
-/// What admits a request.
+/// Conditions for admitting a request.
 #[derive(Clone, Debug)]
 pub(crate) struct Admission {
     pub(crate) token: Token,
-    /// Where the whole address is found, with the token.
+    /// Hint where the user finds the complete address with the token.
     pub(crate) address: &'static str,
 }
 
-/// Why a request is refused.
+/// Reason for rejecting a request.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 enum Forbidden {
     #[error("requests from other machines are not allowed")]
@@ -153,7 +155,7 @@ fn check(
     }
 }
 
-/// The value, if there is one; not one of several.
+/// Returns the value, if any; rejects repeated values.
 fn only<T>(
     name: &'static str,
     mut values: impl Iterator<Item = T>,
@@ -237,7 +239,7 @@ mod tests {
                 assert_eq!(checked("/?token=0123", ME, &hosts), repeated("Host"), "{hosts:?}");
             }
         }
-        // The target of a request may be a whole address.
+        // The target of a request may be an absolute URL.
         let target = "http://127.0.0.1:5562/?token=0123";
         assert_eq!(checked(target, ME, &[host(own)]), Ok(()));
         assert_eq!(checked("http://evil.example/?token=0123", ME, &[host(own)]), repeated("Host"));

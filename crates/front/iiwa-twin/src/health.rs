@@ -26,32 +26,32 @@ const STATUS_PERIOD: Duration = Duration::from_millis(250);
 /// Period of sensors, inputs and outputs: each is a request to the robot program.
 const IO_PERIOD: Duration = Duration::from_secs(1);
 
-/// The state as pages receive it.
+/// State in page format.
 #[derive(Debug, Default, Serialize)]
 pub(crate) struct Health {
     status: Option<Status>,
-    /// Why there is no status, if so.
+    /// Reason for a missing status.
     error: Option<String>,
-    /// Why cycle times do not tell about programs, if so.
+    /// Reason why cycle times are not representative, if any.
     caution: Option<String>,
     sensors: Option<Sensors>,
     io: Vec<NamedIo>,
-    /// Whether sensors, inputs and outputs were read before the current motion: during one, the robot program
-    /// answers no requests.
+    /// `true` if sensors, inputs and outputs were read before the current motion: during a motion,
+    /// the robot program answers no requests.
     is_old: bool,
-    /// Directions of inputs and outputs by name, once the robot program was asked for them.
+    /// Directions of inputs and outputs by name, once the robot program has been queried.
     #[serde(skip)]
     directions: Option<BTreeMap<String, Direction>>,
 }
 
-/// An input or output.
+/// Input or output.
 #[derive(Debug, Serialize)]
 struct NamedIo {
     name: String,
-    /// If the robot program tells it.
+    /// Direction, if the robot program reports it.
     direction: Option<Direction>,
     value: Option<IoValue>,
-    /// Why there is no value, if so.
+    /// Reason for a missing value.
     error: Option<String>,
 }
 
@@ -121,7 +121,7 @@ impl Health {
                 Ok(value) => (Some(value), None),
                 Err(error) if busy(&error) => return,
                 Err(ClientError::Refused { refusal, .. }) => (None, Some(refusal.to_string())),
-                // The next request would time out, too.
+                // The next request would also time out.
                 Err(error) => return self.clear(&error, setup),
             };
             all.push(NamedIo { name: name.clone(), direction: direction(name), value, error });

@@ -1,4 +1,4 @@
-//! Small motions of a simulated robot, joint by joint.
+//! Jogging of a simulated robot, joint by joint.
 
 use std::time::Duration;
 
@@ -10,14 +10,14 @@ use crate::{
     run::{motion_to, position_when_idle},
 };
 
-/// How long a step may take: many times what it takes.
+/// Time limit of a step: many times its duration.
 const LIMIT: Duration = Duration::from_mins(2);
 
-/// The longest step, in degrees.
+/// Longest step, in degrees.
 const MAX_STEP_DEG: f64 = 45.0;
 
-/// Turns a joint, 1 to 7, by a step; returns when it has turned. The error is for the page. `is_stopped` is asked
-/// right before the robot moves.
+/// Turns a joint, 1 to 7, by a step; returns after the motion. Errors are shown on the page.
+/// `is_stopped` is called immediately before the motion.
 pub(crate) fn jog(
     joint: usize,
     step_deg: f64,
@@ -25,7 +25,7 @@ pub(crate) fn jog(
     is_stopped: impl FnOnce() -> bool,
 ) -> Result<(), String> {
     let Some(name) = joint.checked_sub(1).and_then(|index| Joint::ALL.get(index)) else {
-        return Err(format!("there is no joint {joint}"));
+        return Err(format!("unknown joint {joint}"));
     };
     if !step_deg.is_finite() || step_deg.abs() > MAX_STEP_DEG {
         return Err(format!("a step of {step_deg} deg; it has to be {MAX_STEP_DEG} deg at most"));

@@ -1,17 +1,17 @@
-//! The twin: a page that shows a KUKA LBR iiwa live beside its plan, and runs programs on it.
+//! Twin: a page that shows a KUKA LBR iiwa live beside its plan, and runs programs on it.
 //!
-//! One thread follows the drive's stream of joint positions, one polls the state of the drive and the robot.
-//! The dispatcher carries out the requests of pages, and holds saved positions, the plan and the run. Each of
-//! them publishes its state as JSON; only the latest message of a kind is kept, so that a slow page skips
-//! messages and no queue grows.
+//! One thread follows the drive's stream of joint positions, one polls the state of the drive and
+//! the robot. The dispatcher carries out the requests of pages, and holds saved positions, the plan
+//! and the run. Each of them publishes its state as JSON; only the latest message of a kind is
+//! kept, so that a slow page skips messages and no queue grows.
 //!
-//! The server bounds the number of connections, admits those that have the token, and exchanges messages and
-//! requests with pages. A stop has a connection to the drive of its own. The same data is published to
-//! viewers on request ([`iiwa_foxglove`]).
+//! The server bounds the number of connections, admits requests with the token, and exchanges
+//! messages and requests with pages. Stops use a separate connection to the drive. Viewers receive
+//! the same data on request ([`iiwa_foxglove`]).
 //!
-//! A program makes a [`Setup`] and a [`Twin`] of it, and gives that a socket. What pages show of errors is in the
-//! program's own words ([`Wording`]). How a task is run through a drive and recorded is in [`runs`], which serves
-//! other clients of a drive as well.
+//! A program creates a [`Setup`], a [`Twin`] from it, and passes a socket to the twin. The program
+//! defines the error texts on pages ([`Wording`]). The module [`runs`] runs and records a task
+//! through a drive, also for other clients of a drive.
 
 mod connections;
 pub mod diagnostics;

@@ -1,4 +1,4 @@
-//! The WebSocket of an open page: messages to the page, requests from it.
+//! WebSocket of an open page: messages to the page, requests from it.
 
 use std::{sync::Arc, time::Duration};
 
@@ -19,20 +19,20 @@ use crate::{
     shared::{Shared, interrupted},
 };
 
-/// Length of a request, at most, in bytes. Programs are uploaded over HTTP instead.
+/// Maximum length of a request, in bytes. Programs are uploaded over HTTP instead.
 pub(crate) const MAX_REQUEST_BYTES: usize = 16 << 10;
 
-/// Requests of one page that may be under way, at most; stops are counted separately.
+/// Maximum number of pending requests of one page; stops are counted separately.
 const MAX_REQUESTS: usize = 8;
 
-/// Answers queued for a page, at most.
+/// Maximum number of answers queued for a page.
 const MAX_ANSWERS: usize = 64;
 
-/// How long a page may take to receive one message.
+/// Time limit for a page to receive one message.
 const TIMEOUT: Duration = Duration::from_secs(10);
 
-/// Sends messages and takes requests until the page is closed. Neither sending nor a request under way
-/// delays the reading of the next request: it may be a stop.
+/// Sends messages and receives requests until the page is closed. Neither sending nor a pending
+/// request delays the reading of the next request, which may be a stop.
 pub(crate) async fn serve_page(socket: WebSocket, twin: Shared) {
     let (mut to_page, from_page) = socket.split();
     let (answered, answers) = mpsc::channel(MAX_ANSWERS);
@@ -58,7 +58,7 @@ async fn send_messages(
     let mut positions = dispatcher.positions_channel.subscribe();
     let mut plan = dispatcher.plan.subscribe();
     let mut run = dispatcher.run.subscribe();
-    // The current state is new to this page.
+    // The page has not received the current state yet.
     for channel in [&mut live, &mut health, &mut positions, &mut plan, &mut run] {
         channel.mark_changed();
     }
@@ -78,7 +78,7 @@ async fn send_messages(
     }
 }
 
-/// The answer to a request.
+/// Answer to a request.
 #[derive(Serialize)]
 struct PageAnswer {
     id: u64,
@@ -105,7 +105,8 @@ async fn receive_requests(
         };
         let refused = match serde_json::from_str::<NumberedRequest>(&text) {
             Ok(NumberedRequest { id, request: PageRequest::Stop }) => {
-                // Sent at once, without waiting for other requests; only its answer may take a while.
+                // A stop is sent at once, without waiting for other requests; only its answer may
+                // take a while.
                 let stopped = twin.dispatcher.stop();
                 let answered = answered.clone();
                 let Ok(place) = stops.clone().acquire_owned().await else { return };

@@ -1,4 +1,4 @@
-//! A planned program and its files.
+//! Planned program and its files.
 
 use std::{fs, path::PathBuf};
 
@@ -20,20 +20,20 @@ use crate::{
     setup::file_stem,
 };
 
-/// A plan and its files.
+/// Plan and its files.
 #[derive(Debug)]
 pub(crate) struct Planned {
-    /// Unique, so that a page can only run the plan that it shows.
+    /// Unique id, so that a page can only run the plan that it shows.
     pub(crate) id: u64,
-    /// What the robot is sent.
+    /// Motions to send to the robot.
     pub(crate) motions: MotionList,
     pub(crate) label: RunLabel,
     pub(crate) start_rad: Joints,
     pub(crate) text: String,
-    /// Name of its files, without an extension.
+    /// Name of the files, without an extension.
     pub(crate) stem: String,
     pub(crate) mcap: PathBuf,
-    /// Why it must not be run, if so.
+    /// Reason why the plan must not be run, if any.
     pub(crate) refused: Option<String>,
     pub(crate) message: PageMessage,
 }
@@ -98,11 +98,11 @@ impl Planned {
         };
         write_program()
             .and_then(|()| write_plan())
-            // One file without the other is of no use.
+            // Each of the two files is useless without the other.
             .inspect_err(|_| drop(fs::remove_file(&json)))
             .map_err(|error| what(error.into()))?;
         let cycle_time_s = trajectory.cycle_time_s();
-        // The page is made from the file.
+        // The page is created from the file.
         let start_rad = *trajectory.path().start_rad();
         drop(plan);
         let page = setup.page(&mcap, None, Extent::Sketch).map_err(what)?;
@@ -126,7 +126,7 @@ impl Planned {
     }
 }
 
-/// The plan as pages receive it.
+/// Plan in page format.
 #[derive(Serialize)]
 struct PlanForPage<'a, S> {
     id: u64,
@@ -137,15 +137,15 @@ struct PlanForPage<'a, S> {
     #[serde(flatten)]
     nearest: NearestPlaces,
     refused: Option<&'a str>,
-    /// What is odd about it.
+    /// Warnings of the plan.
     warnings: &'a [String],
     sketch: S,
 }
 
-/// Motions of a program, at most: the whole plan is held in memory.
+/// Maximum number of motions of a program: the whole plan is held in memory.
 const MAX_MOTIONS: usize = 1000;
 
-/// Joint states of a plan, at most: they are held in memory, here and in the page.
+/// Maximum number of joint states of a plan: they are held in memory, here and in the page.
 const MAX_SAMPLES: u64 = 100_000;
 
 /// Rejects a plan that is too long to be shown.

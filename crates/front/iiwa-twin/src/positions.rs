@@ -1,4 +1,4 @@
-//! Saved positions: their file, their order, and programs of them.
+//! Saved positions: their file, their order, and programs created from them.
 
 use std::{
     collections::HashSet,
@@ -18,22 +18,22 @@ use serde::{Deserialize, Serialize};
 
 use crate::TwinError;
 
-/// Number of positions that are kept, at most.
+/// Maximum number of saved positions.
 const MAX_POSITIONS: usize = 1000;
 
-/// Longest name, in characters.
+/// Maximum length of a name, in characters.
 const MAX_NAME: usize = 100;
 
-/// A saved position of the arm.
+/// Saved position of the arm.
 #[derive(Clone, Serialize)]
 pub(crate) struct Position {
-    /// Unique, unlike indices, which change while other pages show the list.
+    /// Unique id, unlike indices, which change while other pages show the list.
     id: u64,
     #[serde(flatten)]
     taught: Taught,
 }
 
-/// A position as its file has it.
+/// Position in file format.
 #[derive(Clone, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Taught {
@@ -41,7 +41,7 @@ struct Taught {
     joints_rad: Joints,
 }
 
-/// The file of positions.
+/// Content of the file of positions.
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct PositionsFile {
@@ -50,19 +50,20 @@ struct PositionsFile {
     positions: Vec<Taught>,
 }
 
-/// The positions in their order. A change is in the file before it is made here: it is made as a whole or not at all.
+/// Positions in their order. A change is written to the file before it takes effect here, so it is
+/// atomic.
 pub(crate) struct PositionList {
     positions: Vec<Position>,
-    /// The last id.
+    /// Last assigned id.
     last_id: u64,
     robot: Robot,
     file: PathBuf,
-    /// Of failures to write the file.
+    /// Formats errors of writing the file.
     words: fn(&TwinError) -> String,
 }
 
 impl PositionList {
-    /// Reads a robot's positions; an empty list if the file does not exist.
+    /// Reads the positions of a robot; an empty list if the file does not exist.
     pub(crate) fn read(
         file: &Path,
         robot: &Robot,
@@ -136,7 +137,7 @@ impl PositionList {
         })
     }
 
-    /// Moves a position by so many places, down if that is above 0, and no farther than to the end.
+    /// Moves a position by a number of places, down if positive, and at most to the end.
     pub(crate) fn shift(&mut self, id: u64, by: i64) -> Result<(), String> {
         let from = self.place(id)?;
         let last = self.positions.len() - 1;
@@ -150,8 +151,9 @@ impl PositionList {
         })
     }
 
-    /// A program from the first position to the last. Targets are frames by the positions' names; where a frame does not
-    /// lead back to the taught joints, as where the arm is stretched, they are those joints.
+    /// Creates a program from the first position to the last. Targets are frames with the names of
+    /// the positions; where a frame does not lead back to the taught joint positions, for example
+    /// at a singularity with the arm outstretched, the target is the joint positions.
     pub(crate) fn program(&self, velocity_percent: f64, blend_mm: f64) -> Result<Program, String> {
         let velocity_rel = velocity_percent / 100.0;
         if !(velocity_rel > 0.0 && velocity_rel <= 1.0) {
@@ -189,9 +191,10 @@ impl PositionList {
         Ok(Program { robot, start, motions, workcell, sources: Sources::default() })
     }
 
-    /// The frame of the flange at these joints, if it leads back to them.
+    /// Returns the flange frame at these joint positions, if the inverse kinematics leads back to
+    /// them.
     fn target(&self, joints_rad: &Joints) -> Option<Target> {
-        /// Less than can be seen of a joint, in rad.
+        /// Tolerance of a joint position, in rad: not visible.
         const SAME_RAD: f64 = 1e-6;
         let pose = self.robot.flange_pose(joints_rad);
         let kept = self.robot.redundancy(joints_rad);
@@ -211,7 +214,7 @@ impl PositionList {
         place.ok_or_else(|| "this position has been removed".to_owned())
     }
 
-    /// A name that nothing else has; `own` may keep its own.
+    /// Checks that a name is unique; the position `own` may keep its name.
     fn free_name(&self, name: &str, own: Option<u64>) -> Result<String, String> {
         let name = name.trim();
         let length = name.chars().count();
@@ -271,7 +274,7 @@ impl PositionList {
 
 const TOO_FEW: &str = "a program needs at least two positions: the start and a target";
 
-/// Where the positions of a robot are kept: in the user's folder for data of programs.
+/// Returns the default file for the positions of a robot, in the user's data folder.
 pub(crate) fn default_file(robot: &Robot) -> Option<PathBuf> {
     let folder = |name: &str| env::var_os(name).filter(|it| !it.is_empty()).map(PathBuf::from);
     let data = if cfg!(windows) {

@@ -3,7 +3,7 @@
 use iiwa_link::message::IoValue;
 use serde::Deserialize;
 
-/// A request with a number, which its answer repeats.
+/// Request with a number, which its answer repeats.
 #[derive(Debug, Deserialize)]
 pub(crate) struct NumberedRequest {
     pub(crate) id: u64,
@@ -18,14 +18,14 @@ pub(crate) enum PageRequest {
     SavePosition { name: String },
     /// Removes the saved position with this id.
     RemovePosition { position: u64 },
-    /// Gives the saved position with this id another name.
+    /// Renames the saved position with this id.
     RenamePosition { position: u64, name: String },
-    /// Moves the saved position with this id by so many places; down if above 0.
+    /// Moves the saved position with this id by a number of places; down if positive.
     MovePosition { position: u64, by: i64 },
-    /// Makes a program of the saved positions, from the first to the last, and plans it.
+    /// Creates a program from the saved positions, from the first to the last, and plans it.
     MakeProgram {
         velocity_percent: f64,
-        /// Blend radius at the targets in between; with 0 the arm stops at each.
+        /// Blend radius at intermediate targets; with 0 the arm stops at each.
         blend_mm: f64,
     },
     /// Removes the plan.
@@ -41,7 +41,7 @@ pub(crate) enum PageRequest {
 }
 
 impl PageRequest {
-    /// Whether it plans, which takes much memory.
+    /// Returns true for planning requests, which need much memory.
     pub(crate) fn is_heavy(&self) -> bool {
         matches!(self, Self::MakeProgram { .. })
     }

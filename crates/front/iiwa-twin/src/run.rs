@@ -1,4 +1,4 @@
-//! A run of a plan on the robot.
+//! Run of a plan on the robot.
 
 use std::{
     fs,
@@ -29,39 +29,40 @@ use crate::{
     runs::{self, DriveConnection, ExecutedRun},
 };
 
-/// Velocity of motions that are not a program's, relative to the limits.
+/// Velocity of motions outside programs, relative to the limits.
 const SLOW_VELOCITY_REL: f64 = 0.1;
 
 /// State of a run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub(crate) enum Phase {
-    /// On the way to the program's start.
+    /// Motion to the start of the program.
     ToStart,
     Running,
     Done,
-    /// It failed to start, or was interrupted.
+    /// The run failed to start, or was interrupted.
     Failed,
 }
 
-/// A run that passed its checks, ready to start.
+/// Run that passed its checks, ready to start.
 pub(crate) struct ProgramRun {
     plan: Arc<Planned>,
     to_start: Option<Motion>,
     connection: DriveConnection,
-    /// Whether a stop was requested.
+    /// `true` after a stop request.
     stopped: Arc<AtomicBool>,
 }
 
 /// Result of a run.
 pub(crate) struct RunOutcome {
     pub(crate) message: PageMessage,
-    /// The recording, if anything was recorded.
+    /// Recording, if anything was recorded.
     pub(crate) mcap: Option<PathBuf>,
 }
 
 impl ProgramRun {
-    /// Checks that the plan may run from the robot's position, clear of obstacles. Errors are shown on the page.
+    /// Checks that the plan may run from the robot's position, clear of obstacles. Errors are shown
+    /// on the page.
     pub(crate) fn new(
         plan: Arc<Planned>,
         move_to_start: bool,
@@ -90,7 +91,7 @@ impl ProgramRun {
         Ok(Self { plan, to_start, connection, stopped: Arc::default() })
     }
 
-    /// The flag that stops the run, or keeps it from starting.
+    /// Flag that stops the run, or prevents its start.
     pub(crate) fn stopped(&self) -> Arc<AtomicBool> {
         self.stopped.clone()
     }
@@ -128,7 +129,7 @@ impl ProgramRun {
                 let why = format!("{refusal}{}", (setup.wording.refusal)(&refusal));
                 (run.map(|run| *run).unwrap_or_default(), Some(why))
             }
-            // The samples of the stream are all there is.
+            // The samples of the stream are the only ones.
             Err(error) => {
                 let why = format!("{error}; the robot may still be moving");
                 (Measured::new(streamed), Some(why))
@@ -138,14 +139,14 @@ impl ProgramRun {
         finish(&plan, &recorded, error, setup)
     }
 
-    /// Runs something on the robot; none if a stop was requested before.
+    /// Sends a request to the robot; `None` if a stop was requested before.
     fn execute(&mut self, request: &Request) -> Option<ExecutedRun> {
         let to_stop = || self.stopped.load(Ordering::Relaxed);
         (!to_stop()).then(|| runs::execute(&mut self.connection, request, to_stop, |_| ()))
     }
 }
 
-/// Refuses a plan whose run, from `now` on, could not be recorded.
+/// Rejects a plan whose run, starting `now`, could not be recorded.
 fn check_recording(plan: &Planned, setup: &Setup, now: Duration) -> Result<(), String> {
     let planned_s = plan.label.plan.as_ref().map_or(0.0, |plan| plan.cycle_time_s);
     runs::longest_log(planned_s)
@@ -162,7 +163,7 @@ fn file_config(epoch: Duration, setup: &Setup) -> Config {
     Config { epoch, names: setup.names.clone(), ..Config::default() }
 }
 
-/// The position of the robot, if it is idle.
+/// Returns the position of the robot, if it is idle.
 pub(crate) fn position_when_idle(status: &Status, setup: &Setup) -> Result<Joints, String> {
     if status.state != DriveState::Idle {
         return Err(format!("the robot is busy: {}", status.state));
@@ -170,7 +171,7 @@ pub(crate) fn position_when_idle(status: &Status, setup: &Setup) -> Result<Joint
     runs::position(status).ok_or_else(|| (setup.wording.unknown_position)(status))
 }
 
-/// A slow motion from one position to another, if it keeps clear of obstacles.
+/// Returns a slow motion from one position to another, if it keeps clear of obstacles.
 pub(crate) fn motion_to(to_rad: Joints, from_rad: Joints, setup: &Setup) -> Result<Motion, String> {
     let motion = Motion::Ptp(Ptp::to(to_rad).velocity(SLOW_VELOCITY_REL));
     let program = Program {
@@ -187,7 +188,7 @@ pub(crate) fn motion_to(to_rad: Joints, from_rad: Joints, setup: &Setup) -> Resu
     }
 }
 
-/// The state of a run without a recording.
+/// Returns the state of a run without a recording.
 fn without_recording(plan: &Planned, phase: Phase, error: Option<&str>) -> PageMessage {
     page_message(
         "run",
@@ -195,7 +196,7 @@ fn without_recording(plan: &Planned, phase: Phase, error: Option<&str>) -> PageM
     )
 }
 
-/// A run as pages receive it.
+/// Run in page format.
 #[derive(Serialize)]
 struct RunForPage<'a, S> {
     /// Id of the plan.
@@ -203,7 +204,7 @@ struct RunForPage<'a, S> {
     phase: Phase,
     error: Option<&'a str>,
     cycle_time_s: Option<f64>,
-    /// The recording beside the plan.
+    /// Recording beside the plan.
     sketch: Option<S>,
 }
 
@@ -237,7 +238,8 @@ fn finish(plan: &Planned, log: &JointLog, error: Option<String>, setup: &Setup) 
             plan: plan.id,
             phase,
             error: (!errors.is_empty()).then(|| errors.join("; ")).as_deref(),
-            // As everywhere: by the joint positions, or else by the robot program's clock.
+            // The measured cycle time: from the joint positions if possible, otherwise from the
+            // robot program's clock.
             cycle_time_s: page.as_ref().and_then(Page::measured_cycle_time_s).or(log.cycle_time_s),
             sketch: page.as_ref().map(Page::sketch),
         },
@@ -245,8 +247,8 @@ fn finish(plan: &Planned, log: &JointLog, error: Option<String>, setup: &Setup) 
     RunOutcome { message, mcap }
 }
 
-/// Writes the recording to the twin's folder, or else to the system's temporary folder: a run cannot be recorded
-/// again. Returns its path, and why it is not in the twin's folder, if so.
+/// Writes the recording to the twin's folder, or else to the system's temporary folder, since a run
+/// cannot be recorded again. Returns its path, and the reason if it is not in the twin's folder.
 fn save(
     bytes: &[u8],
     plan: &Planned,

@@ -18,37 +18,38 @@ use iiwa_plan::PlanFigures;
 
 pub use crate::sampled::sampled;
 
-/// How long to wait for the stream before the run and the interrupt flag are checked.
+/// Timeout of the stream before the run and the interrupt flag are checked.
 const POLL: Duration = Duration::from_millis(50);
 
-/// How long the stream is read on for the torques of a run's last samples.
+/// Time limit for reading the torques of a run's last samples from the stream.
 const LAST_TORQUES: Duration = Duration::from_millis(500);
 
-/// The connections to a drive.
+/// Connections to a drive.
 pub struct DriveConnection {
     client: Client,
-    /// Stops the run whose end the first client waits for.
+    /// Client that stops the run while the first client waits for its end.
     stopper: Client,
     stream: Stream,
 }
 
 impl DriveConnection {
-    /// Of two clients of a drive, and its stream.
+    /// Combines two clients of a drive, and its stream.
     #[must_use]
     pub fn of([client, stopper]: [Client; 2], stream: Stream) -> Self {
         Self { client, stopper, stream }
     }
 
-    /// The client that starts runs, for other requests between them.
+    /// Client that starts runs, for other requests between them.
     pub fn client(&mut self) -> &mut Client {
         &mut self.client
     }
 }
 
-/// Most motions whose limits a label has.
+/// Maximum number of motions whose limits are in a label.
 const LABELLED_MOTIONS: usize = 100;
 
-/// The label of a planned run: the program's name, its robot, its cycle time, and the limits that bind in its motions.
+/// Returns the label of a planned run: the name of the program, its robot, its cycle time, and the
+/// active limits of its motions.
 #[must_use]
 pub fn label(program: &str, figures: &PlanFigures, robot: &Robot) -> RunLabel {
     let limits = figures.motions.iter().filter_map(|motion| {
@@ -71,26 +72,26 @@ pub fn label(program: &str, figures: &PlanFigures, robot: &Robot) -> RunLabel {
 /// Result of a run.
 #[derive(Debug)]
 pub struct ExecutedRun {
-    /// The run as the drive reports it, or why there is none.
+    /// Run as the drive reports it, or the reason for its failure.
     pub result: Result<Measured, ClientError>,
-    /// The samples of the stream during the run.
+    /// Samples of the stream during the run.
     pub streamed: Samples,
-    /// The torques of the stream, from before the run on.
+    /// Torques of the stream, since before the run.
     pub torques: Torques,
 }
 
-/// What happens during a run.
+/// Event during a run.
 #[derive(Debug)]
 pub enum RunEvent<'a> {
-    /// Time since the first sample, in s.
+    /// Progress: time since the first sample, in s.
     Progress(f64),
     /// A stop was requested, with the answer of the drive.
     Stopped(&'a Result<(), ClientError>),
-    /// The stream broke off.
+    /// The stream failed.
     StreamError(&'a LinkError),
 }
 
-/// Runs what is requested, and stops it once `to_stop` returns true.
+/// Executes a request, and stops the run once `to_stop` returns true.
 pub fn execute(
     drive: &mut DriveConnection,
     request: &Request,
@@ -126,7 +127,7 @@ fn follow(
     let mut runs = false;
     while !has_ended() {
         if to_stop() {
-            // Repeated until the end: the run may not have started at the first one.
+            // Repeated until the end: the run may not have started at the first stop.
             on_event(RunEvent::Stopped(&stopper.stop()));
         }
         match stream.next(POLL) {
@@ -135,7 +136,7 @@ fn follow(
                 streamed.joints_rad.push(joints_rad);
                 on_event(RunEvent::Progress(t_s - streamed.t_s[0]));
             }
-            // The first samples of a run are from before its state is published.
+            // The first samples of a run precede the publication of its state.
             Ok(Some(Published::Torques { t_s, measured_nm, .. })) => torques.keep(t_s, measured_nm),
             Ok(Some(Published::State { state, .. })) => runs = state != DriveState::Idle,
             Ok(_) => {}
@@ -148,7 +149,7 @@ fn follow(
     (streamed, torques)
 }
 
-/// The stamp of a run's last sample.
+/// Returns the stamp of the last sample of a run.
 fn last_stamp(result: &Result<Measured, ClientError>) -> Option<f64> {
     let run = match result {
         Ok(run) => run,
@@ -158,7 +159,8 @@ fn last_stamp(result: &Result<Measured, ClientError>) -> Option<f64> {
     run.samples.t_s.last().copied()
 }
 
-/// Reads on until the positions of `last_s` arrive, which come after the torques of that time.
+/// Reads the stream until the positions of `last_s` arrive, which come after the torques of that
+/// time.
 fn catch_up(stream: &mut Stream, last_s: f64, torques: &mut Torques) {
     let since = Instant::now();
     while since.elapsed() < LAST_TORQUES {
@@ -171,19 +173,19 @@ fn catch_up(stream: &mut Stream, last_s: f64, torques: &mut Torques) {
     }
 }
 
-/// The joint positions in rad, unless they are outdated.
+/// Returns the joint positions in rad, unless they are outdated.
 #[must_use]
 pub fn position(status: &Status) -> Option<Joints> {
     status.joints_rad.filter(|_| status.fri.session != FriStatus::SILENT)
 }
 
-/// The samples from the start of a run on, with their times since then and their torques, where these are known, and how
-/// long the robot program says that it took.
+/// Returns the samples since the start of a run, with times relative to the start, torques where
+/// known, and the cycle time that the robot program reports.
 #[must_use]
 pub fn since_start(measured: &Measured, torques: &Torques) -> JointLog {
     let Samples { t_s, joints_rad, .. } = &measured.samples;
     let from_s = measured.start_s.or(t_s.first().copied()).unwrap_or_default();
-    // Stamps are rounded sums: the first sample may be just before the start.
+    // Stamps are rounded sums: the first sample may be slightly before the start.
     let first = t_s.partition_point(|t_s| t_s - from_s <= -1e-6);
     let times = t_s[first..].iter().map(|t_s| (t_s - from_s).max(0.0)).collect();
     let positions = joints_rad.get(first..).unwrap_or_default().to_vec();
@@ -199,20 +201,20 @@ pub fn since_start(measured: &Measured, torques: &Torques) -> JointLog {
 /// Allowance for runs that take longer than planned, because of overrides, waits and pauses.
 const RESERVE_S: f64 = 24.0 * 3600.0;
 
-/// A log with the first and the last stamp that the recording of a run may have. If it can be written before the robot
-/// moves, the recording can be written afterwards.
+/// Returns a log with the first and the last possible stamp of the recording of a run. If this log
+/// can be written before the robot moves, the recording can be written afterwards.
 #[must_use]
 pub fn longest_log(planned_s: f64) -> JointLog {
     JointLog::new(vec![0.0, planned_s + RESERVE_S], vec![Joints::default(); 2])
 }
 
-/// The time of day, since 1970.
+/// Returns the current time since 1970.
 #[must_use]
 pub fn now() -> Duration {
     SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or(DEFAULT_EPOCH)
 }
 
-/// When the first sample of a log was taken whose last one has just arrived, since 1970.
+/// Returns the time of the first sample of a log whose last sample has just arrived, since 1970.
 #[must_use]
 pub fn began(log: &JointLog) -> Duration {
     let last_s = log.t_s.last().copied().unwrap_or_default();

@@ -3,10 +3,10 @@
 use iiwa_link::{MAX_POINTS, TimedJoints};
 use iiwa_traj::Trajectory;
 
-/// Time from one point of a trajectory to the next, in s.
+/// Time between points of a trajectory, in s.
 const STEP_S: f64 = 0.004;
 
-/// Samples of a trajectory every 4 ms, and its end; `None` if these are more than [`MAX_POINTS`].
+/// Samples a trajectory every 4 ms, and at its end; `None` for more than [`MAX_POINTS`] points.
 #[must_use]
 pub fn sampled(plan: &Trajectory) -> Option<TimedJoints> {
     let end_s = plan.cycle_time_s();
@@ -18,7 +18,7 @@ pub fn sampled(plan: &Trajectory) -> Option<TimedJoints> {
     let steps = steps as u32;
     let t_s: Vec<f64> = (0..steps)
         .map(|i| f64::from(i) * STEP_S)
-        // No sample just before the end.
+        // Omits a sample immediately before the end.
         .filter(|t_s| end_s - t_s > 1e-3 * STEP_S)
         .chain([end_s])
         .collect();

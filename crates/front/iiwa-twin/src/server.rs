@@ -1,4 +1,4 @@
-//! The HTTP server: the page, its WebSocket, uploads of programs, files.
+//! HTTP server: the page, its WebSocket, uploads of programs, files.
 
 use std::{net::TcpListener, time::Duration};
 
@@ -30,10 +30,10 @@ use crate::{
     shared::{Shared, interrupted},
 };
 
-/// Length of a program's text, at most, in bytes.
+/// Maximum length of a program's text, in bytes.
 const MAX_PROGRAM_BYTES: usize = 4 << 20;
 
-/// How long the upload of a program may take.
+/// Time limit for the upload of a program.
 const UPLOAD_TIMEOUT: Duration = Duration::from_secs(20);
 
 /// Serves the page until an interrupt.
@@ -55,7 +55,7 @@ pub(crate) fn serve(listener: TcpListener, token: &Token, twin: Shared) -> Resul
         }
         Ok(())
     });
-    // Requests under way have a moment to finish.
+    // Pending requests have a moment to finish.
     runtime.shutdown_timeout(Duration::from_secs(1));
     served.map_err(refuse)
 }
@@ -71,7 +71,7 @@ fn routes(twin: Shared) -> Router {
         .with_state(twin)
 }
 
-/// A page with scripts of its own only, in no other page's frame.
+/// Returns a page that runs only its own scripts, and cannot be framed by another page.
 fn html(text: String, policy: &str) -> Response {
     let headers = [
         (CONTENT_TYPE, HeaderValue::from_static("text/html; charset=utf-8")),
@@ -87,7 +87,8 @@ fn failed(setup: &Setup, error: &TwinError) -> Response {
     (StatusCode::INTERNAL_SERVER_ERROR, format!("{}\n", setup.words(error))).into_response()
 }
 
-/// The page runs its own scripts, connects to its own server, and is in no other page's frame.
+/// Content security policy: the page runs its own scripts, connects to its own server, and cannot
+/// be framed by another page.
 const POLICY: &str = "default-src 'none'; style-src 'unsafe-inline'; script-src 'unsafe-inline'; \
                       img-src data:; connect-src 'self'; base-uri 'none'; form-action 'none'; \
                       frame-ancestors 'none'";
@@ -103,7 +104,7 @@ struct Named {
     name: String,
 }
 
-/// Plans an uploaded program, once it is read: a slow upload delays no other one.
+/// Plans an uploaded program, once it is read: a slow upload does not delay others.
 async fn program(
     State(twin): State<Shared>,
     Query(Named { name }): Query<Named>,
@@ -121,7 +122,8 @@ async fn program(
         twin.dispatcher.load(&name, text)
     });
     match planned.await {
-        // A fault in a program is not a failure of the request, which browsers would report as an error of the page.
+        // A fault in a program is not a failure of the request, which browsers would report as an
+        // error of the page.
         Ok(planned) => {
             let answer = page_message("error", &planned.err());
             ([(CONTENT_TYPE, "application/json")], answer.to_string()).into_response()
@@ -130,7 +132,8 @@ async fn program(
     }
 }
 
-/// Text of an upload, with bounds on its length and its duration. The number of connections bounds how many texts are held.
+/// Reads the text of an upload, with bounds on its length and its duration. The number of
+/// connections bounds the number of texts in memory.
 async fn read_program(request: Request) -> Result<String, Response> {
     let read = time::timeout(UPLOAD_TIMEOUT, String::from_request(request, &())).await;
     let refusal = |status, why| (status, why).into_response();
@@ -162,7 +165,7 @@ async fn report(State(twin): State<Shared>) -> Response {
     match made.await {
         Ok(Some(Ok(text))) => html(text, "frame-ancestors 'none'"),
         Ok(Some(Err(error))) => failed(&setup, &error),
-        Ok(None) => (StatusCode::NOT_FOUND, "there is no plan\n").into_response(),
+        Ok(None) => (StatusCode::NOT_FOUND, "no plan\n").into_response(),
         Err(error) => failed(&setup, &broken_down("the report failed", error)),
     }
 }
@@ -177,7 +180,7 @@ fn shutting_down() -> Response {
 
 /// Streams a file: it is never in memory as a whole.
 async fn file(State(twin): State<Shared>, Path(name): Path<String>) -> Response {
-    let missing = || (StatusCode::NOT_FOUND, "there is no such file\n").into_response();
+    let missing = || (StatusCode::NOT_FOUND, "no such file\n").into_response();
     let Some(path) = twin.dispatcher.file(&name) else { return missing() };
     let Ok(file) = fs::File::open(&path).await else { return missing() };
     let Ok(kind) = file.metadata().await else { return missing() };
@@ -221,7 +224,7 @@ mod tests {
     use super::*;
     use crate::{dispatcher::Dispatcher, follow::LatestJoints, message::PageChannel};
 
-    /// A twin whose files are in this folder, without a drive.
+    /// Returns a twin without a drive, with its files in this folder.
     fn twin(folder: &Path) -> Shared {
         let setup = Arc::new(Setup::without_drive(folder));
         let dispatcher = Dispatcher::new(setup.clone(), Arc::new(LatestJoints::default()));
@@ -229,7 +232,7 @@ mod tests {
         Shared::new(setup, channels, Arc::new(dispatcher.unwrap()))
     }
 
-    /// Status and text of the answer to an upload.
+    /// Returns status and text of the answer to an upload.
     async fn upload(router: Router, program: Body) -> (StatusCode, String) {
         let request = Request::post("/program?name=a.json").body(program).unwrap();
         let answer = TowerToHyperService::new(router).call(request).await.unwrap();
@@ -243,7 +246,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let router = routes(twin(folder.path()));
         let begin = Instant::now();
-        // One byte a second, for ever.
+        // One byte per second, without end.
         let trickle = Body::from_stream(stream::unfold((), async |()| {
             time::sleep(Duration::from_secs(1)).await;
             Some((Ok::<_, Infallible>(" "), ()))

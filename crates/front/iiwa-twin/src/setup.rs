@@ -1,4 +1,4 @@
-//! What a twin is started with.
+//! Setup of a twin.
 
 use std::{
     env,
@@ -21,42 +21,42 @@ use tempfile::TempDir;
 
 use crate::{TwinError, Wording, positions::default_file, runs::DriveConnection};
 
-/// What a twin is started with.
+/// Options of a twin.
 pub struct TwinOptions {
-    /// The robot.
+    /// Robot model.
     pub robot: Robot,
-    /// What the robot is called by whoever started the twin: a program may name it so.
+    /// Name of the robot as given by the user: a program may refer to it.
     pub robot_name: String,
-    /// Of the robot's joints and links, in files and for viewers.
+    /// Names of the robot's joints and links, in files and for viewers.
     pub names: RosNames,
-    /// Its obstacles, if there are any.
+    /// Obstacles, if any.
     pub scene: Option<Scene>,
-    /// What the arm looks like, if not as we draw it.
+    /// Meshes of the arm in place of the built-in shells.
     pub meshes: Option<ArmMeshes>,
-    /// Least clearance of programs that may be run, in mm.
+    /// Minimum clearance of programs that may be run, in mm.
     pub min_clearance_mm: f64,
-    /// Inputs and outputs to show; those of the media flange if there are none.
+    /// Inputs and outputs to show; if empty, those of the media flange.
     pub io: Vec<String>,
-    /// Keys of the drive, and its addresses for requests and for its stream.
+    /// Keys of the drive, for requests and for its stream.
     pub remote: Remote,
-    /// As in `127.0.0.1:5560`.
+    /// Address for requests, such as `127.0.0.1:5560`.
     pub drive: String,
-    /// As in `127.0.0.1:5561`.
+    /// Address of the stream, such as `127.0.0.1:5561`.
     pub stream: String,
-    /// The file of saved positions; without one, a file for each robot in the user's data folder.
+    /// File of saved positions; by default, a file per robot in the user's data folder.
     pub positions: Option<PathBuf>,
-    /// The folder of programs, plans and recordings, which is made if it is missing; without one, a folder that is removed
-    /// at the end.
+    /// Folder of programs, plans and recordings, which is created if it is missing; by default, a
+    /// folder that is removed at the end.
     pub folder: Option<PathBuf>,
-    /// Words of what pages show.
+    /// Texts on pages.
     pub wording: Wording,
 }
 
-/// The robot, its obstacles, and the connection to its drive.
+/// Robot, its obstacles, and the connection to its drive.
 pub struct Setup {
     pub(crate) robot: Robot,
     pub(crate) names: RosNames,
-    /// The robot's name, or its profile's.
+    /// Name of the robot, or of its profile.
     pub(crate) robot_name: String,
     arm: Option<ArmInScene>,
     meshes: Option<ArmMeshes>,
@@ -65,18 +65,18 @@ pub struct Setup {
     remote: Remote,
     drive: String,
     stream: String,
-    /// The file of saved positions.
+    /// File of saved positions.
     pub(crate) positions: PathBuf,
     folder: PathBuf,
-    /// Removed at the end, unless a folder was given.
+    /// Temporary folder that is removed at the end, unless a folder was given.
     temporary: Option<Temporary>,
     pub(crate) wording: Wording,
 }
 
-/// A folder that is removed at the end.
+/// Folder that is removed at the end.
 struct Temporary {
     folder: TempDir,
-    /// While it is open, no other twin removes the folder as a leftover.
+    /// While the lock is open, no other twin removes the folder as a leftover.
     _lock: Option<File>,
 }
 
@@ -89,7 +89,7 @@ impl Temporary {
     }
 }
 
-/// Inputs and outputs of the media flange, as the simulated cabinet has them.
+/// Inputs and outputs of the media flange, as in the simulated cabinet.
 const MEDIA_FLANGE: [&str; 7] = [
     "MediaFlange.UserButton",
     "MediaFlange.LEDBlue",
@@ -101,11 +101,11 @@ const MEDIA_FLANGE: [&str; 7] = [
 ];
 
 impl Setup {
-    /// Makes the folder, and looks for obstacles.
+    /// Creates the folder, and prepares the clearance computation.
     ///
     /// # Errors
     ///
-    /// [`TwinError::File`] if the folder cannot be made.
+    /// [`TwinError::File`] if the folder cannot be created.
     pub fn new(options: TwinOptions) -> Result<Self, TwinError> {
         let TwinOptions { robot, meshes, io, .. } = options;
         let arm = options.scene.map(|scene| match &meshes {
@@ -141,27 +141,27 @@ impl Setup {
         })
     }
 
-    /// A failure as pages show it.
+    /// Formats a failure for pages.
     pub(crate) fn words(&self, error: &TwinError) -> String {
         (self.wording.error)(error)
     }
 
-    /// A client of the drive.
+    /// Connects a client to the drive.
     pub(crate) fn client(&self) -> Result<Client, TwinError> {
         Ok(Client::new(&self.remote, &self.drive)?)
     }
 
-    /// The stream of the drive, with torques.
+    /// Opens the stream of the drive, with torques.
     pub(crate) fn stream(&self) -> Result<Stream, TwinError> {
         Ok(Stream::with_torques(&self.remote, &self.stream)?)
     }
 
-    /// The connections for a run.
+    /// Opens the connections for a run.
     pub(crate) fn connection(&self) -> Result<DriveConnection, TwinError> {
         Ok(DriveConnection::of([self.client()?, self.client()?], self.stream()?))
     }
 
-    /// Clearances of the arm at these joint positions, in rad; none without a scene.
+    /// Clearances of the arm at these joint positions, in rad; empty without a scene.
     pub(crate) fn nearest(&self, joints_rad: &Joints) -> NearestPlaces {
         let Some(arm) = &self.arm else { return NearestPlaces::default() };
         let nearest = |clearance| Nearest::new(arm, &clearance, None);
@@ -171,7 +171,7 @@ impl Setup {
         }
     }
 
-    /// Least clearances of a planned motion; none without a scene.
+    /// Smallest clearances of a planned motion; empty without a scene.
     pub(crate) fn nearest_of(&self, plan: &Trajectory) -> NearestPlaces {
         let Some(arm) = &self.arm else { return NearestPlaces::default() };
         let nearest = |it: PlannedClearance| Nearest::new(arm, &it.clearance, Some(it.at_s));
@@ -186,7 +186,7 @@ impl Setup {
         PlanOptions::default().plan(program, &self.robot).map_err(|error| error.to_string())
     }
 
-    /// The page of a plan and of its recording, for this robot.
+    /// Creates the page of a plan and its recording, for this robot.
     pub(crate) fn page(
         &self,
         plan: &Path,
@@ -201,13 +201,14 @@ impl Setup {
         Ok(Page::read(plan, measured, &how)?)
     }
 
-    /// Why a motion with these clearances is not run, if so. A collision is always a reason.
+    /// Describes the violation if a motion with these clearances must not run. A collision is
+    /// always a violation.
     pub(crate) fn too_near(&self, nearest: &NearestPlaces) -> Option<String> {
         nearest.too_near(self.min_clearance_mm)
     }
 
-    /// Paths of new files in the folder that share a stem. The first one is created empty, which reserves the
-    /// stem among all processes; none of the others exists.
+    /// Returns paths of new files in the folder that share a stem. The first file is created empty,
+    /// which reserves the stem among all processes; the other files do not exist yet.
     pub(crate) fn new_files<const N: usize>(
         &self,
         stem: &str,
@@ -215,7 +216,7 @@ impl Setup {
     ) -> Result<[PathBuf; N], TwinError> {
         for number in 1.. {
             let paths = endings.map(|ending| {
-                // As in `a.measured-2.mcap`.
+                // For example `a.measured-2.mcap`.
                 let (kind, extension) = ending.rsplit_once('.').unwrap_or((ending, ""));
                 let number = if number == 1 { String::new() } else { format!("-{number}") };
                 self.folder.join(format!("{stem}{kind}{number}.{extension}"))
@@ -226,7 +227,7 @@ impl Setup {
             let Some(first) = paths.first() else { return Ok(paths) };
             match File::create_new(first) {
                 Ok(_) => return Ok(paths),
-                // Another process has taken it.
+                // Another process has reserved the stem.
                 Err(error) if error.kind() == ErrorKind::AlreadyExists => {}
                 Err(error) => {
                     return Err(TwinError::file(format!("write {}", first.display()), error));
@@ -236,7 +237,7 @@ impl Setup {
         Err(TwinError::NoNameLeft)
     }
 
-    /// What the page contains from the start.
+    /// Initial data of the page.
     pub(crate) fn for_page(&self) -> TwinSetup<'_> {
         TwinSetup {
             robot: TwinRobot::new(&self.robot, self.meshes.as_ref()),
@@ -251,7 +252,7 @@ impl Setup {
 
 #[cfg(test)]
 impl Setup {
-    /// A setup for tests: files in this folder, and no drive.
+    /// Returns a setup for tests: files in this folder, and no drive.
     pub(crate) fn without_drive(folder: &Path) -> Self {
         let robot = Robot::lbr_iiwa_7_r800();
         let options = TwinOptions {
@@ -279,9 +280,11 @@ impl Setup {
     }
 }
 
-/// Stem of a program's files: its name without folders, and without characters that file systems do not allow.
+/// Returns the stem of a program's files: its name without folders, and without characters that
+/// file systems do not allow.
 pub(crate) fn file_stem(name: &str) -> String {
-    /// In bytes: with a number and an extension it is short enough for any file system.
+    /// Maximum length, in bytes: with a number and an extension it is short enough for any file
+    /// system.
     const MAX_BYTES: usize = 100;
     let stem = Path::new(name).file_stem().unwrap_or_default().to_string_lossy();
     let plain = |c: char| if c.is_alphanumeric() || "-_.".contains(c) { c } else { '_' };

@@ -10,10 +10,10 @@ use tokio::{
 
 use crate::{Setup, dispatcher::Dispatcher, message::PageMessage};
 
-/// Requests of all pages that are carried out at one time, at most. Each has its own connection to the drive.
+/// Maximum number of concurrent requests of all pages. Each has its own connection to the drive.
 const MAX_REQUESTS: usize = 8;
 
-/// What pages receive, and what carries out their requests.
+/// Messages to pages, and the dispatcher of their requests.
 #[derive(Clone)]
 pub(crate) struct Shared {
     pub(crate) setup: Arc<Setup>,
@@ -22,12 +22,12 @@ pub(crate) struct Shared {
     pub(crate) dispatcher: Arc<Dispatcher>,
     /// Permits of requests.
     pub(crate) requests: Arc<Semaphore>,
-    /// Permit of work that takes much memory: planning, and making a report.
+    /// Permit of work that needs much memory: planning, and creating a report.
     pub(crate) heavy: Arc<Semaphore>,
 }
 
 impl Shared {
-    /// With the channels of joint positions and of health.
+    /// Creates the state with the channels of joint positions and of health.
     pub(crate) fn new(
         setup: Arc<Setup>,
         [live, health]: [watch::Receiver<PageMessage>; 2],

@@ -1,7 +1,7 @@
-//! Stop requests: a thread and a connection to the drive that serve nothing else.
+//! Stop requests: a separate thread and connection to the drive.
 //!
-//! A stop waits for no other request, however many connections and threads they use. Stops that are requested
-//! while one is under way are sent to the drive as one.
+//! A stop waits for no other request, however many connections and threads they use. Stops that are
+//! requested while one is pending are sent to the drive as one.
 
 use std::{
     iter,
@@ -14,10 +14,10 @@ use tokio::sync::oneshot;
 
 use crate::Setup;
 
-/// Whether the robot was stopped, or why not.
+/// Result of a stop: success, or the reason for failure.
 type StopResult = Result<(), String>;
 
-/// Sends stop requests to the drive. Its thread ends when it is dropped.
+/// Sends stop requests to the drive. Its thread ends when the stopper is dropped.
 #[derive(Debug)]
 pub(crate) struct Stopper(mpsc::Sender<oneshot::Sender<StopResult>>);
 
@@ -55,7 +55,8 @@ fn serve_stops(
     // Connected from the start, so that a stop needs no new connection.
     let mut client = connect();
     while let Ok(first) = asked.recv() {
-        // Stops requested while the last one was under way: that one may have been too early for them.
+        // Includes stops requested while the last one was pending, which may have been too early
+        // for them.
         let waiting: Vec<_> = iter::once(first).chain(asked.try_iter()).collect();
         if client.is_err() {
             client = connect();

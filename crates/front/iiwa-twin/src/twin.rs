@@ -1,4 +1,4 @@
-//! A twin from its start to its end.
+//! Life cycle of a twin.
 
 use std::{
     net::TcpListener,
@@ -20,7 +20,7 @@ use crate::{
     shared::Shared,
 };
 
-/// A page of a robot, and what answers it.
+/// Page of a robot, and its server.
 pub struct Twin {
     setup: Arc<Setup>,
     live: Arc<LatestJoints>,
@@ -29,11 +29,12 @@ pub struct Twin {
 }
 
 impl Twin {
-    /// With the positions that were saved before, and a token that no other twin has.
+    /// Creates a twin with the saved positions, and a unique token.
     ///
     /// # Errors
     ///
-    /// [`TwinError`] if the file of saved positions is invalid or of another robot, or the system gives no random numbers.
+    /// [`TwinError`] if the file of saved positions is invalid or belongs to another robot, or the
+    /// system provides no random numbers.
     pub fn new(setup: Setup) -> Result<Self, TwinError> {
         let token = Token::new()?;
         let setup = Arc::new(setup);
@@ -42,18 +43,19 @@ impl Twin {
         Ok(Self { setup, live, dispatcher, token })
     }
 
-    /// What the page's address has to end with, as in `/?token=...`.
+    /// Token that the address of the page must end with, as in `/?token=...`.
     #[must_use]
     pub fn token(&self) -> &str {
         self.token.text()
     }
 
     /// Follows the robot, serves its page, and publishes it to `viewers`, until an interrupt
-    /// ([`mod@iiwa_files::interrupt`]). A run that the page has started is stopped then.
+    /// ([`mod@iiwa_files::interrupt`]). A run started from the page is then stopped.
     ///
     /// # Errors
     ///
-    /// [`TwinError`] if the page cannot be served, or viewers cannot be told where the joints are.
+    /// [`TwinError`] if the page cannot be served, or the joint positions cannot be published to
+    /// viewers.
     pub fn run(self, listener: TcpListener, viewers: Option<Viewers>) -> Result<(), TwinError> {
         let Self { setup, live, dispatcher, token } = self;
         let words = || PageChannel::new("{}".into());

@@ -1,4 +1,4 @@
-//! How the program around the twin words what pages show.
+//! Texts on pages, provided by the surrounding program.
 
 use iiwa_link::{
     ClientError,
@@ -7,17 +7,17 @@ use iiwa_link::{
 
 use crate::TwinError;
 
-/// Words of the program around the twin. It knows what its users can do about an error, and says so.
+/// Texts of the program around the twin, which knows how its users can resolve an error.
 #[derive(Clone, Copy, Debug)]
 pub struct Wording {
-    /// A failure, in one line.
+    /// Formats a failure in one line.
     pub error: fn(&TwinError) -> String,
-    /// A request to the drive that failed.
+    /// Formats a failed request to the drive.
     pub request: fn(&ClientError) -> String,
-    /// What to do about a run of motions that was refused; it is appended to the refusal.
+    /// Returns advice for a rejected run of motions, which is appended to the rejection.
     pub refusal: fn(&Refusal) -> &'static str,
-    /// Why no run can start while the robot's position is unknown.
+    /// Explains why runs cannot start while the robot's position is unknown.
     pub unknown_position: fn(&Status) -> String,
-    /// Where the whole address of the page is found, as in `that the program has printed`.
+    /// Hint where to find the complete address of the page, as in `that the program has printed`.
     pub address: &'static str,
 }

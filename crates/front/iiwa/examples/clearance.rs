@@ -1,4 +1,4 @@
-//! How near does the arm come to the obstacles of a scene, at rest and in motion?
+//! Computes the clearance between arm and obstacles of a scene, at rest and in motion.
 
 use std::error::Error;
 use std::io::{Write, stdout};
@@ -18,13 +18,13 @@ fn main() -> Result<(), Box<dyn Error>> {
     let scene = Scene::from_json(SCENE)?;
     let arm = ArmInScene::new(&robot, &scene);
 
-    // Of one pose: exact to 0.1 um.
+    // Clearance of one pose: exact to 0.1 um.
     let mut out = stdout();
     if let Some(clearance) = arm.clearance(&[0.0; 7]) {
         writeln!(out, "stretched out upwards: {:.1} mm", 1e3 * clearance.distance_m)?;
     }
 
-    // Of a motion past the box: no pose is left out, found to 0.1 mm.
+    // Clearance of a motion past the box: covers the whole path continuously, to 0.1 mm.
     let program = Program {
         robot: None,
         start: Start::Joints([-0.8, 0.6, 0.0, -1.2, 0.0, 1.0, 0.0]),

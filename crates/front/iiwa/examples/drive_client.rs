@@ -1,5 +1,5 @@
-//! Starts a simulated cabinet and a drive, asks the drive for a motion, and compares the time it took with
-//! the planned one.
+//! Starts a simulated cabinet and a drive, requests a motion from the drive, and compares the
+//! measured time with the planned time.
 
 use std::error::Error;
 use std::io::{Write, stdout};
@@ -12,7 +12,8 @@ use iiwa::link::message::{DriveState, Presence};
 use iiwa::link::{Client, Remote, Server};
 use iiwa::prelude::*;
 
-/// Free ports of the loopback interface: they are held until all are found, so that none is found twice.
+/// Returns free ports of the loopback interface; all stay bound until all are found, so that they
+/// differ.
 fn free<const COUNT: usize>() -> std::io::Result<[SocketAddr; COUNT]> {
     let mut held = Vec::new();
     let mut found = [SocketAddr::from(([127, 0, 0, 1], 0)); COUNT];
@@ -28,7 +29,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let [fri, tcp @ ..] = free::<5>()?;
     let [requests, stream, instructions, state] = tcp.map(|address| format!("tcp://{address}"));
 
-    // The drive first: it has to listen when the cabinet begins to speak.
+    // The drive starts first: it must listen before the cabinet sends.
     let mut drive_config = DriveConfig::default();
     drive_config.instructions.clone_from(&requests);
     drive_config.stream = stream;
@@ -42,7 +43,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     cabinet_config.state = state;
     let _cabinet = Cabinet::start(cabinet_config, &Server::open())?;
 
-    // FRI needs some hundred messages to rate the connection.
+    // FRI needs some hundred messages to rate the connection quality.
     let mut client = Client::new(&Remote::open(), &requests)?;
     let begin = Instant::now();
     let here = loop {

@@ -1,7 +1,7 @@
-//! A session of KUKA's Fast Robot Interface, both sides in one thread: bytes in, bytes out.
+//! Session of KUKA's Fast Robot Interface, both sides in one thread, exchanging bytes.
 //!
-//! With a real controller, the datagrams go through a UDP socket at port 30200, and the client's half
-//! stays as it is.
+//! With a real controller, the datagrams go through a UDP socket at port 30200; the client code is
+//! the same.
 
 use std::error::Error;
 use std::io::{Write, stdout};
@@ -17,16 +17,17 @@ fn main() -> Result<(), Box<dyn Error>> {
     let mut state = None;
 
     for cycle in 0..200 {
-        // The controller speaks first, once a cycle.
+        // The controller sends first, once per cycle.
         let reading = Reading { time: Duration::from_millis(5 * cycle), ..Reading::default() };
         if controller.tick(&reading, &mut message) {
             client.receive(&message)?;
         }
-        // The client answers when an answer is due. In monitoring there is no set-point to send.
+        // The client answers when an answer is due. In monitoring mode there are no set-points to
+        // send.
         if client.answer(None, &mut answer) {
             controller.receive(&answer)?;
         }
-        // The more answers arrive in time, the further the session goes.
+        // The session advances through its states as answers arrive in time.
         if state != Some(controller.state()) {
             state = Some(controller.state());
             writeln!(out, "cycle {cycle}: {:?}, {:?}", controller.state(), controller.quality())?;

@@ -1,11 +1,11 @@
-//! Plans many candidates and keeps the fastest: where should the arm pass on its way to the other side?
+//! Plans many candidates for an intermediate pose and keeps the fastest.
 
 use std::error::Error;
 use std::io::{Write, stdout};
 
 use iiwa::prelude::*;
 
-/// To the other side by way of an intermediate pose, which is blended away.
+/// Returns a program to the other side through an intermediate pose, which is blended.
 fn by_way_of(shoulder_rad: f64, elbow_rad: f64) -> Program {
     let via = [0.0, shoulder_rad, 0.0, elbow_rad, 0.0, 0.7, 0.0];
     Program {
@@ -21,14 +21,14 @@ fn by_way_of(shoulder_rad: f64, elbow_rad: f64) -> Program {
 }
 
 fn main() -> Result<(), Box<dyn Error>> {
-    // A grid of intermediate poses; an optimiser would choose them from what it has seen.
+    // A grid of intermediate poses; an optimiser would choose them based on earlier results.
     let candidates: Vec<(f64, f64)> = (0..20)
         .flat_map(|i| (0..20).map(move |j| (0.05 * f64::from(i), -0.1 * f64::from(j))))
         .collect();
     let programs: Vec<Program> =
         candidates.iter().map(|(shoulder, elbow)| by_way_of(*shoulder, *elbow)).collect();
 
-    // On all cores; a candidate that cannot be planned has its error in its place.
+    // Planned on all cores; the result of an infeasible candidate is its error.
     let robot = Robot::lbr_iiwa_7_r800();
     let plans = plan_all(&programs, &robot, PathOptions::default(), Timing::default());
 

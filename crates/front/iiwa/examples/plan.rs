@@ -1,11 +1,11 @@
-//! Plans a motion program and prints how long each motion takes: `plan [PROGRAM.json]`.
+//! Plans a motion program and prints the duration of each motion: `plan [PROGRAM.json]`.
 
 use std::error::Error;
 use std::io::{Write, stdout};
 
 use iiwa::prelude::*;
 
-/// Three motions; the first target is rounded off within 100 mm.
+/// Three motions; the first target is blended within 100 mm.
 const PROGRAM: &str = r#"{
     "version": 1,
     "start": { "joints_deg": [0, 0, 0, 0, 0, 0, 0] },

@@ -1,16 +1,16 @@
-//! Moves one target at a time to where the whole program takes less time, as an optimiser does.
+//! Moves one target at a time to reduce the cycle time of the whole program, like an optimiser.
 
 use std::error::Error;
 use std::io::{Write, stdout};
 
 use iiwa::prelude::*;
 
-/// How far a joint of a target goes at first, in rad, and how often that is halved.
+/// First step of a joint of a target, in rad, and number of halvings of the step.
 const STEP_RAD: f64 = 0.2;
 const HALVINGS: u32 = 4;
 
 fn main() -> Result<(), Box<dyn Error>> {
-    // To and fro between two machines, round a post: the targets in between are free.
+    // Back and forth between two machines, around a post: the targets in between are free.
     let pass = |sweep: f64, elbow: f64| {
         Motion::Ptp(Ptp::to([sweep, 0.5, 0.0, elbow, 0.0, 0.7, 0.0]).blend(Blend::Fraction(0.4)))
     };
@@ -33,7 +33,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let mut tried = 0;
     for halving in 0..HALVINGS {
         let step_rad = STEP_RAD / f64::from(1 << halving);
-        // The elbow, where the arm passes by.
+        // The elbow joint of the intermediate targets.
         for index in (0..80).step_by(2) {
             for way in [step_rad, -step_rad] {
                 let best_s = plan.cycle_time_s();
@@ -41,7 +41,7 @@ fn main() -> Result<(), Box<dyn Error>> {
                 let Motion::Ptp(mut ptp) = old.clone() else { continue };
                 ptp.target_rad[3] += way;
                 tried += 1;
-                // What the robot cannot do leaves everything as it was; what takes longer is undone.
+                // An infeasible target leaves the plan unchanged; a slower one is undone.
                 let changed = plan.replace(MotionIndex::new(index), Motion::Ptp(ptp));
                 if changed.is_ok() && plan.cycle_time_s() > best_s {
                     plan.replace(MotionIndex::new(index), old)?;

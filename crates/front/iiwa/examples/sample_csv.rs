@@ -1,4 +1,4 @@
-//! Samples a trajectory at 1 kHz as CSV: time, the positions of the joints and the position of the flange.
+//! Samples a trajectory at 1 kHz as CSV: time, joint positions and flange position.
 
 use std::error::Error;
 use std::io::{BufWriter, Write, stdout};
@@ -21,7 +21,7 @@ fn main() -> Result<(), Box<dyn Error>> {
 
     let mut out = BufWriter::new(stdout().lock());
     writeln!(out, "t_s,q1,q2,q3,q4,q5,q6,q7,x_m,y_m,z_m")?;
-    // Multiples of the period; sums of it would drift away.
+    // Multiples of the period; repeated addition would accumulate rounding errors.
     let times_s = (0_u32..).map(|sample| f64::from(sample) * PERIOD_S);
     for t_s in times_s.take_while(|t_s| *t_s <= trajectory.cycle_time_s()) {
         let q = trajectory.at(t_s).q;

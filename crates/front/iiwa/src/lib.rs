@@ -1,6 +1,7 @@
-//! The KUKA LBR iiwa in Rust: which path does the arm take through a program, and how long does it take?
+//! KUKA LBR iiwa in Rust: the path of the arm through a program, and its cycle time.
 //!
-//! One dependency for all libraries of the workspace; each is a module here, behind a feature of its name.
+//! One dependency for all libraries of the workspace; each is a module here, behind a feature with
+//! the same name.
 //!
 //! ```
 //! use iiwa::prelude::*;
@@ -23,19 +24,19 @@
 //! | `plan` (default) | `json`, `program`, `path`, `solver`, `traj`, `plan` | motion programs, paths, time-optimal trajectories |
 //! | `scene` | `scene` | obstacles and clearances |
 //! | `sunrise` | `sunrise` | Sunrise projects: frames and tools, applications as programs, programs as projects |
-//! | `log` | `log` | trajectories and recordings as MCAP files, trajectories as tables in CSV and Parquet too |
+//! | `log` | `log` | trajectories and recordings as MCAP files, trajectories also as tables in CSV and Parquet |
 //! | `eval` | `eval` | plans compared with recordings, robots identified from recordings |
 //! | `fri` | `fri` | KUKA's Fast Robot Interface |
 //! | `link` | `link` | the client of a drive |
 //! | `drive` | `drive` | the drive |
-//! | `cabinet` | `cabinet` | a simulated controller for it |
+//! | `cabinet` | `cabinet` | a simulated controller for the drive |
 //! | `report` | `report` | tables, reports and pictures as text |
 //! | `page` | `page` | HTML pages |
-//! | `foxglove` | `foxglove` | the robot live in Foxglove and Lichtblick |
-//! | `bridge` | `bridge` | robots to Kafka and MQTT, and requests back |
+//! | `foxglove` | `foxglove` | live robot state in Foxglove and Lichtblick |
+//! | `bridge` | `bridge` | robot state to Kafka and MQTT, and requests back |
 //! | `full` | all | |
 //!
-//! Units are SI and radians unless a name ends in another one.
+//! Units are SI and radians unless a name states another unit.
 
 #[cfg(feature = "bridge")]
 pub use iiwa_bridge as bridge;
@@ -77,12 +78,12 @@ pub use iiwa_traj as traj;
 
 pub mod prelude;
 
-/// The README's Rust compiles.
+/// Compiles the Rust code of the README.
 #[cfg(all(doctest, feature = "plan"))]
 #[doc = include_str!("../../../../README.md")]
 pub struct Readme;
 
-/// The guide's Rust compiles.
+/// Compiles the Rust code of the library guide.
 #[cfg(all(doctest, feature = "plan"))]
 #[doc = include_str!("../../../../docs/guide/library.md")]
 pub struct Guide;

@@ -1,4 +1,4 @@
-//! What most programs need: `use iiwa::prelude::*;`.
+//! Names that most programs need: `use iiwa::prelude::*;`.
 
 pub use iiwa_kin::{Joints, Pose, Robot};
 #[cfg(feature = "plan")]

@@ -1,4 +1,4 @@
-//! The model's description in XML.
+//! Model description in XML.
 
 use std::{fmt::Write as _, iter};
 
@@ -6,7 +6,7 @@ use quick_xml::escape::escape;
 
 use super::variables::{Declaration, Variable};
 
-/// What is around the variables, as far as it is always the same.
+/// Constant part around the variables.
 const UNITS: &str = r#"  <UnitDefinitions>
     <Unit name="s"><BaseUnit s="1"/></Unit>
     <Unit name="m"><BaseUnit m="1"/></Unit>
@@ -18,9 +18,9 @@ const UNITS: &str = r#"  <UnitDefinitions>
   </LogCategories>
 "#;
 
-/// The description of a model called `name`, whose program takes `cycle_time_s`.
+/// Returns the description of a model called `name`, whose program takes `cycle_time_s`.
 ///
-/// Outputs are those of the last communication point: none depends on an input at the same instant.
+/// Outputs refer to the last communication point: they do not depend on inputs at the same instant.
 pub(super) fn description(name: &str, token: &str, cycle_time_s: f64) -> String {
     let (name, version) = (escape(name), env!("CARGO_PKG_VERSION"));
     let mut xml = format!(

@@ -1,4 +1,4 @@
-//! The functions of FMI 3.0 that this FMU has a use for, by the standard's names.
+//! Supported functions of FMI 3.0, with the names of the standard.
 
 use std::{
     ffi::{c_char, c_void},
@@ -26,7 +26,7 @@ extern "C" fn fmi3SetDebugLogging(
     _n_categories: usize,
     _categories: *const *const c_char,
 ) -> FmiStatus {
-    // There are errors only, which are always told.
+    // The FMU logs errors only, and always.
     call(instance, |_| Ok(()))
 }
 
@@ -50,7 +50,8 @@ unsafe extern "C" fn fmi3InstantiateCoSimulation(
             let what = "this FMU has neither an event mode nor intermediate variables";
             return Err(Failure::argument(what));
         }
-        // SAFETY: the standard says that these are texts that end with a NUL, or NULL; they are read before the call returns.
+        // SAFETY: the standard requires strings that end with a NUL, or NULL; they are read before
+        // the call returns.
         let token = unsafe { pointers::text(instantiation_token, "the instantiation token") }?;
         // SAFETY: likewise.
         let path = unsafe { pointers::text(resource_path, "the path of the resources") }?;
@@ -156,11 +157,11 @@ extern "C" fn fmi3FreeFMUState(
     })
 }
 
-/// The variables of some value references.
+/// Returns the variables of value references.
 ///
 /// # Safety
 ///
-/// As of [`pointers::values`].
+/// See [`pointers::values`].
 unsafe fn variables<'a>(
     references: *const u32,
     count: usize,
@@ -170,7 +171,7 @@ unsafe fn variables<'a>(
         let what = format!("{values} values for {count} variables, which have one each");
         return Err(Refusal::error(what));
     }
-    // SAFETY: the caller's promise is the same.
+    // SAFETY: the caller gives the same guarantee.
     let references: &'a [u32] = unsafe { pointers::values(references, count, "the references") }?;
     Ok(references.iter().map(|&reference| {
         Variable::of(reference).ok_or_else(|| {
@@ -179,11 +180,11 @@ unsafe fn variables<'a>(
     }))
 }
 
-/// Writes values of variables.
+/// Writes the values of variables to an array.
 ///
 /// # Safety
 ///
-/// There are so many references, and there is room for so many values.
+/// `references` has `count` entries, and `values` has room for `n_values` values.
 unsafe fn get<T>(
     instance: Instance<'_>,
     (references, count): (*const u32, usize),
@@ -191,7 +192,7 @@ unsafe fn get<T>(
     value: impl Fn(&Model, Variable) -> Option<T>,
 ) -> FmiStatus {
     call(instance, |instance| {
-        // SAFETY: the caller's promise is the same.
+        // SAFETY: the caller gives the same guarantee.
         let variables = unsafe { variables(references, count, n_values) }?;
         // SAFETY: likewise.
         let places = unsafe { pointers::places(values, n_values, "the values") }?;
@@ -210,7 +211,7 @@ unsafe fn get<T>(
 ///
 /// # Safety
 ///
-/// There are so many references and values.
+/// `references` has `count` entries, and `values` has `n_values`.
 unsafe fn set<T: Copy>(
     instance: Instance<'_>,
     (references, count): (*const u32, usize),
@@ -221,7 +222,7 @@ unsafe fn set<T: Copy>(
         if instance.mode == Mode::Terminated {
             return Err(Refusal::error("a variable is set after the end of the simulation"));
         }
-        // SAFETY: the caller's promise is the same.
+        // SAFETY: the caller gives the same guarantee.
         let variables = unsafe { variables(references, count, n_values) }?;
         // SAFETY: likewise.
         let values = unsafe { pointers::values(values, n_values, "the values") }?;
@@ -240,7 +241,7 @@ unsafe extern "C" fn fmi3GetFloat64(
     values: *mut f64,
     n_values: usize,
 ) -> FmiStatus {
-    // SAFETY: the standard says that there are so many.
+    // SAFETY: the standard requires these array lengths.
     unsafe { get(instance, (references, count), (values, n_values), Model::float64) }
 }
 
@@ -252,7 +253,7 @@ unsafe extern "C" fn fmi3GetInt32(
     values: *mut i32,
     n_values: usize,
 ) -> FmiStatus {
-    // SAFETY: the standard says that there are so many.
+    // SAFETY: the standard requires these array lengths.
     unsafe { get(instance, (references, count), (values, n_values), Model::int32) }
 }
 
@@ -264,7 +265,7 @@ unsafe extern "C" fn fmi3GetBoolean(
     values: *mut bool,
     n_values: usize,
 ) -> FmiStatus {
-    // SAFETY: the standard says that there are so many.
+    // SAFETY: the standard requires these array lengths.
     unsafe { get(instance, (references, count), (values, n_values), Model::boolean) }
 }
 
@@ -276,7 +277,7 @@ unsafe extern "C" fn fmi3SetFloat64(
     values: *const f64,
     n_values: usize,
 ) -> FmiStatus {
-    // SAFETY: the standard says that there are so many.
+    // SAFETY: the standard requires these array lengths.
     unsafe { set(instance, (references, count), (values, n_values), Model::set_float64) }
 }
 
@@ -285,11 +286,11 @@ unsafe extern "C" fn fmi3SetBoolean(
     instance: Instance<'_>,
     references: *const u32,
     count: usize,
-    // As bytes: of a `bool`, none but two may be read.
+    // Read as bytes: a `bool` with any value other than 0 and 1 is undefined behaviour.
     values: *const u8,
     n_values: usize,
 ) -> FmiStatus {
     let boolean = |model: &mut Model, variable, byte| model.set_boolean(variable, byte != 0);
-    // SAFETY: the standard says that there are so many.
+    // SAFETY: the standard requires these array lengths.
     unsafe { set(instance, (references, count), (values, n_values), boolean) }
 }

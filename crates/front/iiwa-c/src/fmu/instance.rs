@@ -1,4 +1,4 @@
-//! An FMU in a simulation: which calls are allowed now, and where messages go.
+//! FMU in a simulation: allowed calls, and message logging.
 
 use std::{
     ffi::{CString, c_char, c_void},
@@ -27,7 +27,7 @@ pub(super) enum FmiStatus {
 pub(super) type LogMessage =
     unsafe extern "C" fn(*mut c_void, FmiStatus, *const c_char, *const c_char);
 
-/// Where messages go.
+/// Destination of messages.
 #[derive(Debug)]
 pub(super) struct Logger {
     pub(super) environment: *mut c_void,
@@ -38,12 +38,13 @@ impl Logger {
     fn error(&self, status: FmiStatus, message: &str) {
         let Some(log) = self.log else { return };
         let message = CString::new(message.replace('\0', "\u{fffd}")).unwrap_or_default();
-        // SAFETY: the importer has given function and environment for this; both texts end with a NUL and outlive the call.
+        // SAFETY: the importer provides function and environment for this; both texts end with a
+        // NUL and outlive the call.
         unsafe { log(self.environment, status, c"logStatusError".as_ptr(), message.as_ptr()) }
     }
 }
 
-/// Why a call is refused.
+/// Reason for rejecting a call.
 #[derive(Debug)]
 pub(super) struct Refusal {
     status: FmiStatus,
@@ -71,7 +72,7 @@ impl From<Failure> for Refusal {
     }
 }
 
-/// Where an instance is in the standard's state machine.
+/// Mode of an instance in the standard's state machine.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Mode {
     Instantiated,
@@ -80,7 +81,7 @@ pub(super) enum Mode {
     Terminated,
 }
 
-/// An FMU in a simulation. Instances share nothing.
+/// FMU in a simulation. Instances share no state.
 #[derive(Debug)]
 pub(super) struct FmuInstance {
     pub(super) model: Model,
@@ -88,7 +89,7 @@ pub(super) struct FmuInstance {
     logger: Logger,
 }
 
-/// What `fmi3SetFMUState` goes back to.
+/// State that `fmi3SetFMUState` restores.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Snapshot {
     moment: Moment,
@@ -96,9 +97,9 @@ pub(super) struct Snapshot {
 }
 
 impl FmuInstance {
-    /// Plans the program of an FMU; none, with a message, if that fails.
+    /// Plans the program of an FMU; if that fails, logs a message and returns `None`.
     ///
-    /// `arguments` gives the instantiation token, and the folder of the resources.
+    /// `arguments` returns the instantiation token, and the folder of the resources.
     pub(super) fn new<'a>(
         arguments: impl FnOnce() -> Result<(&'a str, &'a str), Failure>,
         logger: Logger,
@@ -116,7 +117,7 @@ impl FmuInstance {
         }
     }
 
-    /// Goes from one mode to another.
+    /// Changes from one mode to another.
     pub(super) fn change(&mut self, from: Mode, to: Mode) -> Result<(), Refusal> {
         self.is_in(from)?;
         self.mode = to;
@@ -143,7 +144,7 @@ impl FmuInstance {
     }
 }
 
-/// Does what a function is for, says why it does not, and lets no panic out.
+/// Runs a function, logs the reason for its failure, and catches panics.
 pub(super) fn call(
     instance: Option<&mut FmuInstance>,
     work: impl FnOnce(&mut FmuInstance) -> Result<(), Refusal>,

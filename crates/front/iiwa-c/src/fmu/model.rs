@@ -1,47 +1,47 @@
-//! What the FMU does: it runs a program in the time of a simulation.
+//! Behaviour of the FMU: it runs a program in simulation time.
 
 use super::variables::Variable;
 use crate::{planned::Planned, state::IiwasimState};
 
-/// What a simulation asks for and cannot have. Nothing has changed then.
+/// Invalid request of a simulation. The state is unchanged.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) enum Misuse {
-    /// A value that is out of range: another one will do.
+    /// A value is out of range; the caller can retry with another one.
     OutOfRange(String),
-    /// A call that makes no sense.
+    /// The call is not allowed.
     Illegal(String),
 }
 
-/// By how much steps of a simulation that were added up may miss the end of the program, in s.
+/// Tolerance of accumulated simulation steps at the end of the program, in s.
 const ROUNDING_S: f64 = 1e-9;
 
-/// All that changes during a simulation.
+/// Variable state of a simulation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Moment {
-    /// Time of the simulation, in s.
+    /// Simulation time, in s.
     time_s: f64,
-    /// The input, and what it was at the beginning of the last step.
+    /// Input `start`, and its value at the beginning of the last step.
     start: bool,
     was_start: bool,
-    /// The input `override`.
+    /// Input `override`.
     rate: f64,
     progress: Progress,
 }
 
-/// How far the program is.
+/// Progress of the program.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Progress {
-    /// It has not begun.
+    /// The program has not begun.
     Waiting,
-    /// It was at `program_s` at the time `since_s`, and goes on from there at a constant rate: its time is not added up
-    /// step by step.
+    /// The program was at `program_s` at the time `since_s`, and continues at a constant rate: its
+    /// time is not accumulated step by step.
     Running { since_s: f64, program_s: f64, rate: f64 },
-    /// It has come to its end.
+    /// The program has ended.
     Done,
 }
 
 impl Progress {
-    /// The program's time at a time of the simulation, while it runs.
+    /// Program time at a simulation time, while the program runs.
     fn program_s(self, time_s: f64) -> Option<f64> {
         match self {
             Self::Running { since_s, program_s, rate } => {
@@ -52,12 +52,13 @@ impl Progress {
     }
 }
 
-/// A program in a simulation.
+/// Program in a simulation.
 #[derive(Debug)]
 pub(super) struct Model {
     planned: Planned,
     moment: Moment,
-    /// What the arm does, with velocities in the time of the simulation, and motion 0 while the program does not run.
+    /// State of the arm, with velocities in simulation time, and motion 0 while the program does
+    /// not run.
     arm: IiwasimState,
 }
 
@@ -76,7 +77,7 @@ impl Model {
         self.moment
     }
 
-    /// Goes to a moment that it was at before.
+    /// Restores an earlier moment.
     pub(super) fn restore(&mut self, moment: Moment) {
         self.moment = moment;
         let end_s = self.planned.trajectory().cycle_time_s();
@@ -95,12 +96,12 @@ impl Model {
         };
     }
 
-    /// Back to the beginning, as if nothing had been set.
+    /// Resets to the initial state, with default inputs.
     pub(super) fn reset(&mut self) {
         self.restore(BEGINNING);
     }
 
-    /// The simulation begins at this time.
+    /// Sets the start time of the simulation.
     pub(super) fn begin(&mut self, time_s: f64) -> Result<(), Misuse> {
         if !time_s.is_finite() {
             return Err(Misuse::Illegal(format!("the simulation begins at {time_s} s")));
@@ -109,7 +110,7 @@ impl Model {
         Ok(())
     }
 
-    /// A step of the simulation: the inputs stay as they are during it.
+    /// Performs a step of the simulation, during which the inputs are constant.
     pub(super) fn step(&mut self, from_s: f64, step_s: f64) -> Result<(), Misuse> {
         let Moment { time_s: last_s, start, was_start, rate, progress } = self.moment;
         let now_s = from_s + step_s;
@@ -187,7 +188,7 @@ impl Model {
 }
 
 fn not_an_input(variable: Variable, kind: &str) -> Misuse {
-    Misuse::Illegal(format!("{} is no input of type {kind}", variable.declaration().name))
+    Misuse::Illegal(format!("{} is not an input of type {kind}", variable.declaration().name))
 }
 
 #[cfg(test)]
@@ -200,7 +201,7 @@ mod tests {
         planned::{Choices, Planned},
     };
 
-    /// A model, and the same plan beside it.
+    /// Returns a model, and the same plan.
     fn model() -> (Model, Planned) {
         let text = r#"{ "version": 1, "start": { "joints_deg": [0, 0, 0, 0, 0, 0, 0] },
             "motions": [{ "type": "ptp", "joints_deg": [60, 0, 0, -30, 0, 0, 0] }] }"#;
@@ -257,7 +258,7 @@ mod tests {
         }
         assert_eq!(
             model.set_boolean(Variable::Done, true),
-            Err(Misuse::Illegal("done is no input of type Boolean".to_owned()))
+            Err(Misuse::Illegal("done is not an input of type Boolean".to_owned()))
         );
         assert_eq!(model.moment(), before);
     }

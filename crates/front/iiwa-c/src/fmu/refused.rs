@@ -1,10 +1,11 @@
-//! The functions of FMI 3.0 that this FMU has no use for. The standard asks for all to be there; these refuse.
+//! Unsupported functions of FMI 3.0. The standard requires all functions to be present; these
+//! return an error.
 
 use std::ffi::{c_char, c_void};
 
 use super::instance::{FmiStatus, FmuInstance, Refusal, call};
 
-/// Functions with their arguments after the instance, each after what they would need.
+/// Defines functions with their arguments after the instance, grouped by the missing capability.
 macro_rules! refused {
     ($($what:literal: $($name:ident($($argument:ty),*))+;)+) => { $($(
         #[unsafe(no_mangle)]

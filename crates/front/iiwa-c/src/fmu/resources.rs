@@ -1,4 +1,4 @@
-//! What an FMU has in its files: the program, the robot, and how it is planned.
+//! Resources of an FMU: the program, the robot, and the planning options.
 
 use std::{collections::BTreeMap, fs, path::Path};
 
@@ -12,7 +12,7 @@ use crate::{
     planned::{Choices, Planned, to_json},
 };
 
-/// The texts of the files in `resources/`.
+/// Contents of the files in `resources/`.
 struct Resources {
     program: String,
     robot: String,
@@ -43,14 +43,14 @@ impl Resources {
         Ok(Self { program: read(PROGRAM)?, robot: read(ROBOT)?, options: read(OPTIONS)? })
     }
 
-    /// What the binary and the description know each other by: they are of one version, and for these files.
+    /// Token that ties the binary to the description: same version, and same resources.
     fn token(&self) -> String {
         let text = [&self.program, &self.robot, &self.options].map(String::as_str).join("\0");
         format!("iiwasim-{}-{:08x}", env!("CARGO_PKG_VERSION"), crc32fast::hash(text.as_bytes()))
     }
 }
 
-/// The text files of an FMU that does what is planned, by their paths.
+/// Returns the text files of an FMU that runs a plan, by their paths.
 pub(crate) fn fmu_files(
     planned: &Planned,
     name: &str,
@@ -68,7 +68,7 @@ pub(crate) fn fmu_files(
     Ok([("modelDescription.xml".to_owned(), description)].into_iter().chain(files).collect())
 }
 
-/// Plans what is in the folder `resources` of an FMU, which has to have this token.
+/// Plans the program in the folder `resources` of an FMU, which must have this token.
 pub(super) fn plan(folder: &Path, token: &str) -> Result<Planned, Failure> {
     let resources = Resources::read(folder)?;
     let own = resources.token();

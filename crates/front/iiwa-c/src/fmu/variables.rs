@@ -2,7 +2,7 @@
 
 use std::iter;
 
-/// An input, an output or the time.
+/// Input, output or time.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Variable {
     Time,
@@ -10,22 +10,22 @@ pub(super) enum Variable {
     Override,
     /// Position of a joint, counted from 0.
     Q(usize),
-    /// Its velocity.
+    /// Velocity of a joint, counted from 0.
     Dq(usize),
-    /// A coordinate of the TCP.
+    /// Coordinate of the TCP.
     Tcp(usize),
-    /// A number of its orientation's quaternion x, y, z, w.
+    /// Component of the TCP orientation, quaternion x, y, z, w.
     Orientation(usize),
     Motion,
     Done,
 }
 
-/// How a variable is declared.
+/// Declaration of a variable.
 pub(super) struct Declaration {
     pub(super) name: String,
-    /// The element of the model's description.
+    /// Element in the model description.
     pub(super) element: &'static str,
-    /// Causality, and what belongs to it.
+    /// Causality and related attributes.
     pub(super) role: &'static str,
     pub(super) unit: Option<&'static str>,
     pub(super) description: &'static str,
@@ -35,7 +35,7 @@ const CONTINUOUS: &str = r#"causality="output" variability="continuous" initial=
 const DISCRETE: &str = r#"causality="output" variability="discrete" initial="calculated""#;
 
 impl Variable {
-    /// All, in the order of their value references.
+    /// Returns all variables, in the order of their value references.
     pub(super) fn all() -> impl Iterator<Item = Self> {
         let inputs = [Self::Time, Self::Start, Self::Override];
         let joints = (0..7).map(Self::Q).chain((0..7).map(Self::Dq));
@@ -43,12 +43,12 @@ impl Variable {
         inputs.into_iter().chain(joints).chain(tcp).chain([Self::Motion, Self::Done])
     }
 
-    /// The outputs, with their value references.
+    /// Returns the outputs, with their value references.
     pub(super) fn outputs() -> impl Iterator<Item = (u32, Self)> {
         iter::zip(0.., Self::all()).skip(3)
     }
 
-    /// The variable of a value reference.
+    /// Returns the variable of a value reference.
     pub(super) fn of(reference: u32) -> Option<Self> {
         Self::all().nth(usize::try_from(reference).ok()?)
     }

@@ -1,4 +1,4 @@
-//! What the arm looks like on pages: triangles of each link, packed.
+//! Appearance of the arm on pages: packed triangles of each link.
 
 use iiwa_kin::Robot;
 use iiwa_scene::{ArmMeshes, Patch};
@@ -12,42 +12,43 @@ use super::{
     thinned::Soup,
 };
 
-/// What the arm looks like, link by link, each in its link's frame.
+/// Appearance of the arm, link by link, each in its link frame.
 #[derive(Clone, Debug, Default, Serialize)]
 pub(crate) struct Look {
     links: Vec<Vec<PackedSurface>>,
-    /// Whether what is inside cannot be seen.
+    /// `true` if the inside of the surfaces is invisible.
     is_closed: bool,
 }
 
-/// Triangles of an arm at most: more of them no screen shows, and pages would take long to draw.
+/// Maximum number of triangles of an arm: more are not visible, and slow to draw.
 const TRIANGLES: usize = 30_000;
 
-/// A surface as pages have it: corners are a 65535th of its extent apart, normals finer than what can be seen.
+/// Surface in page format: the resolution of corners is a 65535th of its extent, that of normals
+/// finer than visible.
 #[derive(Clone, Debug, Serialize)]
 struct PackedSurface {
     paint: Paint,
-    /// The corner of its box with the smallest coordinates.
+    /// Corner of the bounding box with the smallest coordinates.
     low_m: [f64; 3],
-    /// From there to the opposite corner.
+    /// Size of the bounding box.
     size_m: [f64; 3],
-    /// Three shares of the box for each corner, of 16 bits.
+    /// Three 16-bit numbers per corner: relative position in the box.
     positions: Packed,
-    /// Normals on an octahedron that is unfolded: two numbers for each corner, of 16 bits.
+    /// Normals on an unfolded octahedron: two 16-bit numbers per corner.
     normals: Packed,
-    /// Three numbers of corners each, of 32 bits if there are more corners than 16 bits count.
+    /// Three corner indices per triangle, of 32 bits if 16 bits are too few.
     triangles: Packed,
     is_large: bool,
 }
 
 impl Look {
-    /// The shells of our own.
+    /// Uses the built-in shells.
     #[must_use]
     pub(crate) fn own(robot: &Robot) -> Self {
         Self::packed(&shells::shells(robot), true)
     }
 
-    /// The meshes of a user.
+    /// Uses the meshes of a user.
     #[must_use]
     pub(crate) fn of_meshes(meshes: &ArmMeshes) -> Self {
         let links = meshes.visual.iter().map(|patches| painted(patches));
@@ -71,7 +72,7 @@ impl Look {
     }
 }
 
-/// The triangles of each colour.
+/// Groups the triangles by colour.
 fn painted(patches: &[Patch]) -> Vec<(Paint, Soup)> {
     let mut all: Vec<(Paint, Soup)> = Vec::new();
     for patch in patches {
@@ -122,8 +123,8 @@ impl From<&Skin> for PackedSurface {
     }
 }
 
-/// A direction as a point of a square from -1 to 1: on an octahedron whose lower half is folded outwards (Meyer et al.
-/// 2010).
+/// Maps a direction to a point of the square from -1 to 1: on an octahedron whose lower half is
+/// folded outwards (Meyer et al. 2010).
 fn unfolded([x, y, z]: [f64; 3]) -> [f64; 2] {
     let sum = x.abs() + y.abs() + z.abs();
     let [u, v] = [x / sum, y / sum];

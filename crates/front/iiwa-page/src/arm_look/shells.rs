@@ -1,8 +1,9 @@
-//! The arm's own shells, made from the lengths of a model.
+//! Built-in shells of the arm, computed from the lengths of a model.
 //!
-//! Each limb is cut in two where an odd joint turns it, and each even joint sits between two housings that lie side
-//! by side: a limb leans to one side, rounds over the axis, and ends in a circle about it, at which the next one begins.
-//! All is about as thick as the cylinders and balls that clearances are taken from.
+//! Each limb is cut in two where an odd joint turns it, and each even joint is between two housings
+//! side by side: a limb leans to one side, curves over the axis, and ends in a circle around the
+//! axis, where the next limb begins. The thickness is about that of the cylinders and spheres in
+//! clearance computations.
 
 use std::array;
 
@@ -13,16 +14,16 @@ use super::{
     surface::{Bend, Surface, dot},
 };
 
-/// The colour of what has none.
+/// Default colour.
 pub(super) const SHELL: Paint = Paint([208, 211, 215]);
 const BAND: Paint = Paint([245, 105, 15]);
 const DARK: Paint = Paint([58, 61, 66]);
 const STEEL: Paint = Paint([150, 154, 160]);
 
-/// Half of the gap between two shells that turn against each other, in m.
+/// Half of the gap between two shells that turn relative to each other, in m.
 const GAP: f64 = 0.001;
 
-/// Skins of link 0 to link 7, each in its link's frame.
+/// Returns the skins of link 0 to link 7, each in its link frame.
 pub(super) fn shells(robot: &Robot) -> [Vec<Skin>; 8] {
     let lengths = robot.lengths();
     let heights = [lengths.base_m, lengths.upper_arm_m, lengths.forearm_m];
@@ -34,7 +35,7 @@ pub(super) fn shells(robot: &Robot) -> [Vec<Skin>; 8] {
         axes[2] + 0.55 * lengths.flange_m,
     ];
     let face = axes[2] + lengths.flange_m;
-    // Limbs at their cuts, and housings at their axes: radius, and how far they go to their side.
+    // Limbs at their cuts, and housings at their axes: radius, and lateral extent.
     let limbs = [0.08, 0.076, 0.07, 0.05];
     let hubs: [(f64, f64); 3] = [(0.079, 0.097), (0.074, 0.092), (0.06, 0.077)];
     let mut links: [Vec<Skin>; 8] = array::from_fn(|_| Vec::new());
@@ -64,7 +65,7 @@ pub(super) fn shells(robot: &Robot) -> [Vec<Skin>; 8] {
         links[2 * i + 1].push(Skin { paint: BAND, surface: seam });
     }
     links[7].extend(flange(cuts[3], face, limbs[3]));
-    // All was made where the arm stands upright; links have it in their frames.
+    // The shells were built for the upright arm; transform them into the link frames.
     let poses = robot.link_poses(&[0.0; 7]);
     for (skins, pose) in links.iter_mut().zip(&poses) {
         let inverse = pose.inverse();
@@ -76,7 +77,7 @@ pub(super) fn shells(robot: &Robot) -> [Vec<Skin>; 8] {
     links
 }
 
-/// A plate, and what tapers from it to the first joint.
+/// Returns a plate, and the part that tapers from the plate to the first joint.
 fn foot(cut: f64, limb: f64) -> Vec<Skin> {
     let plate = 0.07 * cut;
     let wide = 1.4 * limb;
@@ -95,7 +96,7 @@ fn foot(cut: f64, limb: f64) -> Vec<Skin> {
     ]
 }
 
-/// What is between the last joint and the flange's face, and the face.
+/// Returns the part between the last joint and the flange face, and the face.
 fn flange(cut: f64, face: f64, limb: f64) -> Vec<Skin> {
     let length = face - cut;
     let neck = cut + 0.62 * length;
@@ -119,26 +120,26 @@ fn flange(cut: f64, face: f64, limb: f64) -> Vec<Skin> {
     ]
 }
 
-/// A ring about z that covers where two shells meet.
+/// Returns a ring about z that covers the joint between two shells.
 fn band(radius: f64) -> Surface {
     let (out, half) = (radius + 0.0012, 0.0055);
     Surface::turned(&[(0.0, -half, 0.0), (out, -half, 0.002), (out, half, 0.002), (0.0, half, 0.0)])
 }
 
-/// A limb that goes up from its cut at z = 0 to a housing on the side of -y of an axis along y.
+/// Limb from its cut at z = 0 upwards to a housing at the -y side of an axis along y.
 struct Elbow {
-    /// From the cut to the axis, in m.
+    /// Distance from the cut to the axis, in m.
     limb_m: f64,
-    /// The limb's radius at its cut.
+    /// Radius of the limb at its cut.
     limb: f64,
-    /// The housing's radius about the axis.
+    /// Radius of the housing about the axis.
     radius: f64,
-    /// How far the housing goes to its side.
+    /// Lateral extent of the housing.
     width: f64,
 }
 
 impl Elbow {
-    /// The limb's outer line, as y and z.
+    /// Outer contour of the limb, as y and z.
     fn outer(&self, along: f64) -> [f64; 2] {
         let Self { limb_m: axis, limb, radius, width } = *self;
         let wide = 1.13 * width;
@@ -155,7 +156,7 @@ impl Elbow {
         )
     }
 
-    /// Its line on the inside of the bend.
+    /// Contour on the inside of the bend.
     fn inner(&self, along: f64) -> [f64; 2] {
         let Self { limb_m: axis, limb, radius, .. } = *self;
         let top = axis - radius;
@@ -185,9 +186,9 @@ impl Elbow {
         })
     }
 
-    /// A round cover on the housing, about the axis.
+    /// Round cover on the housing, about the axis.
     fn cap(&self) -> Surface {
-        // On what stands out furthest.
+        // On the outermost point.
         let back = (0..=100).map(|i| -self.outer(f64::from(i) / 100.0)[0]).fold(0.0, f64::max);
         let wide = 0.6 * self.radius;
         let outline: [Bend; 5] = [
@@ -202,7 +203,7 @@ impl Elbow {
     }
 }
 
-/// A point of a curve that begins at the first point and ends at the last.
+/// Returns a point of a Bézier curve with these control points.
 fn bezier<const N: usize>(mut points: [[f64; 2]; N], along: f64) -> [f64; 2] {
     for left in (1..N).rev() {
         for i in 0..left {

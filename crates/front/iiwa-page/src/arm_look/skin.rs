@@ -4,19 +4,19 @@ use serde::Serialize;
 
 use super::surface::Surface;
 
-/// A colour: red, green and blue as screens have them.
+/// Colour: red, green and blue as on screens.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub(crate) struct Paint(pub(crate) [u8; 3]);
 
 impl Paint {
-    /// Of shares from 0 to 1.
+    /// Creates a colour from components between 0 and 1.
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "it saturates")]
     pub(super) fn of(rgb: [f64; 3]) -> Self {
         Self(rgb.map(|share| (255.0 * share).round() as u8))
     }
 }
 
-/// A surface of one colour.
+/// Surface of one colour.
 #[derive(Clone, Debug)]
 pub(crate) struct Skin {
     pub(super) paint: Paint,

@@ -2,25 +2,27 @@
 
 use std::f64::consts::{PI, TAU};
 
-/// Triangles with a normal at each corner. Seen from outside, corners go round to the left.
+/// Triangles with a normal at each corner. Seen from outside, the corners are in counter-clockwise
+/// order.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Surface {
-    /// In m.
+    /// Corners, in m.
     pub(crate) positions: Vec<[f64; 3]>,
-    /// Of length 1, outwards.
+    /// Outward unit normals.
     pub(crate) normals: Vec<[f64; 3]>,
-    /// Numbers of their corners.
+    /// Indices of the corners.
     pub(crate) triangles: Vec<[u32; 3]>,
 }
 
-/// A corner of an outline: its distance from the axis, its height, and the radius that rounds it off, all in m.
+/// Corner of an outline: distance from the axis, height, and rounding radius, all in m.
 pub(super) type Bend = (f64, f64, f64);
 
-/// From one side to the next of what is turned about an axis.
+/// Number of sides of a body of revolution.
 const SIDES: usize = 36;
 
 impl Surface {
-    /// What an outline encloses that is turned about the z axis: from the axis at the bottom to the axis at the top.
+    /// Returns the body of revolution of an outline about the z axis: from the axis at the bottom
+    /// to the axis at the top.
     pub(super) fn turned(outline: &[Bend]) -> Self {
         let profile = rounded(outline);
         let mut surface = Self::default();
@@ -32,7 +34,7 @@ impl Surface {
             }
         }
         for row in 1..profile.len() {
-            // At the axis, one side of four has no length.
+            // At the axis, one of the four sides has zero length.
             let ends = [profile[row - 1].0[0], profile[row].0[0]];
             surface.stitch(
                 [row - 1, row].map(|row| row * SIDES),
@@ -43,8 +45,8 @@ impl Surface {
         surface
     }
 
-    /// A tube through rings of points, each of as many, with flat ends. `at` takes how far along (0 to 1) and the angle
-    /// around the tube, in rad, to the left of the way along.
+    /// Returns a tube through rings of points, with flat ends. `at` takes the position along the
+    /// tube (0 to 1) and the angle around it, in rad, counter-clockwise about its direction.
     pub(super) fn tube(rows: usize, at: impl Fn(f64, f64) -> [f64; 3]) -> Self {
         const STEP: f64 = 1e-4;
         let mut surface = Self::default();
@@ -80,7 +82,7 @@ impl Surface {
         surface
     }
 
-    /// Joins two rings of corners.
+    /// Connects two rings of corners by triangles.
     fn stitch(&mut self, [low, high]: [usize; 2], sides: usize, [below, above]: [bool; 2]) {
         for k in 0..sides {
             let next = (k + 1) % sides;
@@ -94,7 +96,7 @@ impl Surface {
         }
     }
 
-    /// All points taken elsewhere by `place`, their normals by `turn`, which may mirror both.
+    /// Maps all points by `place` and their normals by `turn`, which may mirror both.
     pub(super) fn moved(
         mut self,
         place: impl Fn([f64; 3]) -> [f64; 3],
@@ -116,9 +118,10 @@ impl Surface {
     }
 }
 
-/// Points of an outline whose corners are arcs, and the normals there, both as distance from the axis and height.
+/// Returns points of an outline whose corners are arcs, and their normals, both as distance from
+/// the axis and height.
 fn rounded(outline: &[Bend]) -> Vec<([f64; 2], [f64; 2])> {
-    // As fine as it takes for edges to look round: small ones need less.
+    // Fine enough for edges to look round: small radii need fewer steps.
     let step = |radius_m: f64| PI / (3.0 + 300.0 * radius_m).clamp(3.0, 14.0);
     let way = |from: Bend, to: Bend| {
         let [r, z] = [to.0 - from.0, to.1 - from.1];
@@ -136,7 +139,7 @@ fn rounded(outline: &[Bend]) -> Vec<([f64; 2], [f64; 2])> {
             continue;
         };
         let turn = (come[0] * go[1] - come[1] * go[0]).atan2(come[0] * go[0] + come[1] * go[1]);
-        // As long as both sides of the corner have room for it.
+        // Limited to the length available on both sides of the corner.
         let room = 0.499 * come_m.min(go_m);
         let cut = (corner.2 * (turn / 2.0).tan().abs()).min(room);
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a count")]
@@ -146,7 +149,7 @@ fn rounded(outline: &[Bend]) -> Vec<([f64; 2], [f64; 2])> {
         for step in 0..=steps {
             let angle = turn * step as f64 / steps as f64;
             let (sin, cos) = angle.sin_cos();
-            // On the circle that touches both sides; to the left, if the outline turns left.
+            // On the circle tangent to both sides; to the left if the outline turns left.
             let (forth, left) = (radius * sin, radius * (1.0 - cos));
             let point = [
                 start[0] + forth * come[0] - left * come[1],
@@ -179,7 +182,7 @@ pub(super) fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
     std::iter::zip(a, b).map(|(a, b)| a * b).sum()
 }
 
-/// The vector of length 1; none of length 0.
+/// Returns the unit vector; the z axis for the zero vector.
 pub(super) fn unit(v: [f64; 3]) -> [f64; 3] {
     let length = dot(v, v).sqrt();
     if length > 0.0 { v.map(|value| value / length) } else { [0.0, 0.0, 1.0] }

@@ -1,4 +1,4 @@
-//! Of our own shells.
+//! Tests of the built-in shells.
 
 use std::collections::HashMap;
 
@@ -30,7 +30,7 @@ fn skins() -> impl Iterator<Item = (String, Skin)> {
     })
 }
 
-/// Corners that are in one place are one, and triangles without an area are none.
+/// Merges corners at equal positions, and removes triangles without area.
 fn welded(surface: &Surface) -> Vec<[usize; 3]> {
     let mut known = HashMap::new();
     let numbers: Vec<usize> = surface
@@ -84,14 +84,15 @@ fn normals_are_of_length_one_and_outwards() {
                 slanted += if along < 0.5 { area } else { 0.0 };
             }
         }
-        // But for slivers in the crease where a limb meets its housing.
+        // Except slivers in the crease between a limb and its housing.
         assert!(slanted / whole < 0.002, "{name}: {}", slanted / whole);
         assert!(sum / whole > 0.98, "{name}: {}", sum / whole);
         assert!(volume > 1e-6, "{name}: inside out, {volume} m3");
     }
 }
 
-/// The arm upright: from the floor to the flange's face, and nothing beyond what clearances take it for, but for covers.
+/// Tests the upright arm: from the floor to the flange face, and within the clearance model, except
+/// covers.
 #[test]
 fn shells_are_as_large_as_the_model() {
     for robot in arms() {
@@ -112,7 +113,7 @@ fn shells_are_as_large_as_the_model() {
         assert!((high - height).abs() < 1e-9, "{high} of {height}");
         let wide = upright.iter().map(|p| p[0].hypot(p[1])).fold(0.0, f64::max);
         assert!((0.1..0.125).contains(&wide), "{wide}");
-        // Axes 2, 4 and 6 are where the model has them: their covers are about them.
+        // Axes 2, 4 and 6 agree with the model: their covers are centred on them.
         for (link, axis) in [(1, lengths.base_m), (2, lengths.base_m)] {
             let skins = &shells(&robot)[link];
             let cover = &skins[1].surface.positions;
@@ -123,7 +124,7 @@ fn shells_are_as_large_as_the_model() {
     }
 }
 
-/// Of each link: neighbours have no gap that can be looked through.
+/// Tests for each link that there is no visible gap to its neighbours.
 #[test]
 fn lengths_move_the_shells() {
     let reach = |robot: &Robot, link: usize| {

@@ -1,32 +1,33 @@
-//! Meshes of users with fewer triangles, and with normals.
+//! User meshes with a reduced number of triangles, and with normals.
 
 use std::collections::HashMap;
 
 use super::surface::{Surface, cross, difference, dot, unit};
 
-/// Points and triangles of their numbers.
+/// Points, and triangles as point indices.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Soup {
-    /// In m.
+    /// Points, in m.
     pub(super) points: Vec<[f64; 3]>,
     pub(super) triangles: Vec<[u32; 3]>,
 }
 
-/// Points that are not farther apart are one, in m.
+/// Distance below which points are merged, in m.
 const SAME_M: f64 = 1e-6;
 
-/// Cosine of the angle between two triangles from which on their edge is a crease.
+/// Cosine of the smallest angle between two triangles whose edge is a crease.
 const CREASE: f64 = 0.76;
 
 impl Soup {
-    /// Where corners are in one place there is one, and triangles without an area are gone.
+    /// Merges corners at equal positions, and removes triangles without area.
     pub(super) fn welded(&self) -> Self {
         let cell = |point: [f64; 3]| point.map(|v| (v / SAME_M).round());
         self.gathered(cell, |points| points[0])
     }
 
-    /// Soups with no more than so many triangles in all. What is in one cell of a grid becomes one corner: where it is nearest to
-    /// the planes of all triangles there (Lindstrom 2000), so that edges and flat faces stay where they are.
+    /// Reduces the soups to at most `most` triangles in all. The points in each cell of a grid
+    /// become one corner: the point nearest to the planes of all triangles there (Lindstrom 2000),
+    /// which preserves edges and flat faces.
     pub(super) fn thinned(soups: Vec<Self>, most: usize) -> Vec<Self> {
         let count = |soups: &[Self]| soups.iter().map(|soup| soup.triangles.len()).sum::<usize>();
         if count(&soups) <= most {
@@ -69,15 +70,15 @@ impl Soup {
             let home = cell(points[0]);
             let near = middle(points);
             let best = planes.get(&whole(home)).map_or(near, |planes| planes.nearest(near));
-            // Never far outside its cell.
+            // Keeps the point near its cell.
             std::array::from_fn(|i| {
                 best[i].clamp((home[i] - 0.5) * size_m, (home[i] + 1.5) * size_m)
             })
         })
     }
 
-    /// All points of a cell become one, which `one` makes of them. Triangles between fewer than three cells are gone, and
-    /// so are those that are there twice.
+    /// Merges all points of a cell into one point, computed by `one`. Removes triangles between
+    /// fewer than three cells, and duplicates.
     fn gathered(
         &self,
         cell: impl Fn([f64; 3]) -> [f64; 3],
@@ -102,7 +103,7 @@ impl Soup {
             }
             let mut sorted = [a, b, c];
             sorted.sort_unstable();
-            // A triangle and its back are two sides of a sheet.
+            // A triangle and its reverse are the two sides of a sheet.
             let is_even = sorted == [a, b, c] || sorted == [b, c, a] || sorted == [c, a, b];
             if known.insert((sorted, is_even)) {
                 triangles.push([a, b, c]);
@@ -112,7 +113,8 @@ impl Soup {
         Self { points, triangles }
     }
 
-    /// The surface with normals: smooth where triangles meet at a small angle, with creases where they do not.
+    /// Returns the surface with normals: smooth where triangles meet at a small angle, with creases
+    /// elsewhere.
     pub(super) fn surface(&self) -> Surface {
         let normals: Vec<[f64; 3]> =
             self.triangles.iter().map(|corners| self.across(corners)).collect();
@@ -145,23 +147,23 @@ impl Soup {
         surface
     }
 
-    /// Across a triangle, outwards, twice as long as its area.
+    /// Outward normal of a triangle, of twice its area.
     fn across(&self, corners: &[u32; 3]) -> [f64; 3] {
         let [a, b, c] = corners.map(|it| self.points[it as usize]);
         cross(difference(b, a), difference(c, a))
     }
 }
 
-/// Squares of distances from planes, as a quadratic form about the origin.
+/// Sum of squared distances from planes, as a quadratic form about the origin.
 #[derive(Clone, Copy, Debug, Default)]
 struct Quadric {
-    /// The sum of products of the normals, and of the normals and the planes' offsets.
+    /// Sums of the products of the normals, and of the normals and the plane offsets.
     squares: [[f64; 3]; 3],
     offsets: [f64; 3],
 }
 
 impl Quadric {
-    /// Adds a triangle's plane, through `point`; the normal's length is its weight.
+    /// Adds the plane of a triangle through `point`; the length of the normal is its weight.
     fn add(&mut self, across: [f64; 3], point: [f64; 3]) {
         let weight = dot(across, across).sqrt();
         let normal = unit(across);
@@ -174,13 +176,14 @@ impl Quadric {
         }
     }
 
-    /// The point that is nearest to all planes; along directions that they leave open, the one next to `near`.
+    /// Returns the point nearest to all planes; in undetermined directions, the point nearest to
+    /// `near`.
     fn nearest(&self, near: [f64; 3]) -> [f64; 3] {
         let trace = self.squares[0][0] + self.squares[1][1] + self.squares[2][2];
         if trace <= 0.0 {
             return near;
         }
-        // Pulled to `near` a little: a sheet leaves two directions open.
+        // Slight regularisation towards `near`: a flat sheet leaves two directions undetermined.
         let pull = 1e-3 * trace;
         let mut rows: [[f64; 3]; 3] = self.squares;
         for (i, row) in rows.iter_mut().enumerate() {
@@ -209,7 +212,7 @@ fn whole(cell: [f64; 3]) -> [i64; 3] {
 mod tests {
     use super::*;
 
-    /// A box of quads that are cut in squares, whose corners come once for each triangle.
+    /// Returns a box of quads divided into squares, with separate corners for each triangle.
     fn cuboid(size: [f64; 3], cuts: u32) -> Soup {
         let mut soup = Soup::default();
         for axis in 0..3 {
@@ -250,7 +253,7 @@ mod tests {
         let soup = cuboid([0.1, 0.2, 0.3], 4).welded();
         assert_eq!((soup.points.len(), soup.triangles.len()), (98, 192));
         let surface = soup.surface();
-        // At edges two normals, at corners three.
+        // Two normals at edges, three at corners.
         assert_eq!(surface.positions.len(), 6 * 25);
         for normal in &surface.normals {
             let along: Vec<_> = normal.iter().filter(|v| v.abs() > 1e-9).collect();
@@ -274,7 +277,7 @@ mod tests {
             let radius = dot(*point, *point).sqrt();
             assert!((radius - 0.1).abs() < 5e-4, "{radius}");
         }
-        // Faces of a box stay where they are, and so do its corners.
+        // Faces of a box keep their position, and so do its corners.
         for point in &thin[1].points {
             let off = std::iter::zip(point, [0.1, 0.2, 0.3])
                 .map(|(v, size)| v.abs().min((v - size).abs()));
@@ -289,7 +292,7 @@ mod tests {
             let nearest = thin[1].points.iter().map(away).fold(f64::MAX, f64::min).sqrt();
             assert!(nearest < 1e-3, "corner {corner}: {nearest}");
         }
-        // What is small enough stays as it is.
+        // Small meshes are unchanged.
         let soup = cuboid([0.1; 3], 2).welded();
         assert_eq!(Soup::thinned(vec![soup.clone()], 48)[0].triangles, soup.triangles);
     }

@@ -1,5 +1,5 @@
-// The arm: its joints from its URDF, its links' poses from joint positions; and shapes that stand around it.
-// Matrices are 4 by 4, column by column, as WebGL has them.
+// The robot: joints from the URDF, link poses from joint positions; and shapes for obstacles.
+// Matrices are 4 by 4, in column order as in WebGL.
 
 function product(a, b) {
   const c = new Float32Array(16);
@@ -13,7 +13,7 @@ function product(a, b) {
   return c;
 }
 
-/** A place and roll, pitch and yaw, as URDF has them. */
+/** A pose from a position and the roll, pitch and yaw of URDF. */
 function placed([x, y, z], [roll, pitch, yaw]) {
   const [sr, cr, sp, cp] = [Math.sin(roll), Math.cos(roll), Math.sin(pitch), Math.cos(pitch)];
   const [sy, cy] = [Math.sin(yaw), Math.cos(yaw)];
@@ -51,7 +51,7 @@ const model = (() => {
     const at = element.querySelector("origin");
     return placed(numbers(at, "xyz"), numbers(at, "rpy"));
   };
-  // From the base to the flange: each joint's child is the next one's parent.
+  // From the base to the flange: the child of each joint is the parent of the next one.
   const joints = [...xml.querySelectorAll("robot > joint")].map((joint) => ({
     origin: origin(joint),
     moves: joint.getAttribute("type") === "revolute",
@@ -72,19 +72,19 @@ function linkPoses(q) {
   return poses;
 }
 
-/** Where the flange is, in m. */
+/** Position of the flange, in m. */
 function flangeAt(q) {
   const poses = linkPoses(q);
   return Array.from(poses[poses.length - 1].slice(12, 15));
 }
 
-/** Where a TCP is, in m, that is given in the flange's frame; without one, the flange. */
+/** Position, in m, of a TCP given in the flange frame; without a TCP, position of the flange. */
 function tcpAt(q, offset) {
   return offset ? transformed(linkPoses(q).at(-1), offset) : flangeAt(q);
 }
 
-/** At a time, the TCP that moves, in the flange's frame; none without tools. `tcps` are those of a program, each from a
-    motion on. */
+/** Function from time to the TCP in motion, in the flange frame; null without tools. `tcps`
+    are the TCPs of a program, each from a motion on. */
 function toolOf(tcps, pieces) {
   if (!tcps.length) return () => null;
   const starts = pieces.map((piece) => piece.start_s);
@@ -95,8 +95,8 @@ function toolOf(tcps, pieces) {
   };
 }
 
-/** The way of the TCP: places in m, and their times; `gaps` has the places at which another TCP begins to move, to which no
-    way leads. Places that cannot be told apart are left out. */
+/** The TCP path: positions in m, and their times; `gaps` has the indices at which another TCP
+    starts to move, before which the path has a gap. Indistinguishable positions are left out. */
 function tcpPath(arm, toolAt, from = -Infinity, to = Infinity) {
   const APART_M = 5e-4;
   const places = [];
@@ -122,7 +122,7 @@ function tcpPath(arm, toolAt, from = -Infinity, to = Infinity) {
     tool = toolAt(t);
     const last = places[places.length - 1];
     if (!last || Math.hypot(...place.map((v, k) => v - last[k])) > APART_M) {
-      // Where a rest ends, the way goes on from there.
+      // The path continues from the end of a standstill.
       add(t, place);
       before = undefined;
     } else {
@@ -133,7 +133,8 @@ function tcpPath(arm, toolAt, from = -Infinity, to = Infinity) {
   return { places, times, gaps };
 }
 
-/** The way of the TCP as the 3D view takes it, in the colour `usual` but for a plan's blends and paths of the TCP. */
+/** The TCP path for the 3D view, in the colour `usual` except for blends and TCP motions of a
+    plan. */
 function wayOf(arm, pieces, usual, width, toolAt, from, to) {
   const { places, times, gaps } = tcpPath(arm, toolAt, from, to);
   const starts = pieces.map((piece) => piece.start_s);
@@ -142,7 +143,7 @@ function wayOf(arm, pieces, usual, width, toolAt, from, to) {
     const piece = pieces[Math.max(countUpTo(starts, t - 1e-6) - 1, 0)];
     return piece && ["blend", "lin", "circ", "spline"].includes(piece.kind) ? piece.kind : usual;
   });
-  // Where joints are on the way, so that the view takes them in.
+  // Joint centres along the path, which the view has to include.
   const POSES = 40;
   const step = Math.max(Math.ceil(arm.poses.count / POSES), 1);
   const joints = [];
@@ -155,8 +156,8 @@ function wayOf(arm, pieces, usual, width, toolAt, from, to) {
   return { places, kinds, width, joints };
 }
 
-/** A body of revolution about z: corners with their normals, and triangles by their numbers. `profile` has
-    radius, height, and the normal's parts along both. */
+/** A body of revolution about z: vertices with their normals, and triangles of vertex indices.
+    `profile` has radius, height, and the components of the normal along both. */
 function turned(profile, sides = 24) {
   const shape = { positions: [], normals: [], triangles: [] };
   profile.forEach(([radius, height, out, up], i) => {
@@ -184,7 +185,7 @@ function sphere(radius, steps = 12, sides = 24) {
   );
 }
 
-/** A cylinder about its middle, with rounded edges. */
+/** A cylinder around its centre, with rounded edges. */
 function cylinder(radius, length) {
   const edge = Math.min(0.007, radius / 4, length / 4);
   const half = length / 2;
@@ -200,7 +201,7 @@ function cylinder(radius, length) {
   return turned(profile);
 }
 
-/** A box about its middle, with its edges. */
+/** A box around its centre, with its edges. */
 function cuboid(size) {
   const half = size.map((v) => v / 2);
   const shape = { positions: [], normals: [], triangles: [], edges: [] };
@@ -254,7 +255,7 @@ function polyhedron(corners, triangles) {
   return shape;
 }
 
-/** A part of a plane, square to z: it goes on, so that the view need not take it in. */
+/** A part of a plane, normal to z. The plane is unbounded, so the view need not include it. */
 function sheet(size) {
   const h = size / 2;
   const positions = [

@@ -1,8 +1,8 @@
-// What the pages' scripts share: elements, numbers, colours.
+// Functions that the scripts of all pages share: elements, numbers, colours.
 
 const $ = (id) => document.getElementById(id);
 
-/** An element with a text, and of a class. */
+/** An element with a text and a class. */
 function element(tag, text = "", kind = "") {
   const made = document.createElement(tag);
   made.textContent = text;
@@ -28,17 +28,18 @@ function legend(target, entries) {
   );
 }
 
-/** Degrees of a radian. */
+/** Degrees per radian. */
 const DEG = 180 / Math.PI;
 
-/** A number with so many decimals, and no minus in front of nothing. */
+/** A number with `decimals` decimals, without a minus sign before zero. */
 function number(value, decimals) {
   if (!Number.isFinite(value)) return "\u2013";
   const text = value.toFixed(decimals);
   return Number(text) === 0 ? text.replace("-", "") : text;
 }
 
-/** A length or an angle that is not negative: what the decimals do not show is said to be below them. */
+/** A length or angle, not negative; for a value too small for the decimals, "below" and the least
+    shown value. */
 function atLeast(value, decimals, unit) {
   const least = 10 ** -decimals;
   return value > 0 && value < least
@@ -46,7 +47,7 @@ function atLeast(value, decimals, unit) {
     : `${number(value, decimals)} ${unit}`;
 }
 
-/** The page's colours: as CSS has them for canvases, or as three numbers for the 3D view. */
+/** The colours of the page: as in CSS for canvases, or as three numbers for the 3D view. */
 function theme() {
   const style = getComputedStyle(document.documentElement);
   const css = (name) => style.getPropertyValue(`--${name}`).trim();

@@ -1,6 +1,6 @@
-// What the arm looks like: surfaces of its links, as they come packed.
+// Appearance of the robot: packed surfaces of its links.
 
-/** A direction from its point on an unfolded octahedron. */
+/** A direction from its octahedral coordinates. */
 function folded(u, v) {
   const z = 1 - Math.abs(u) - Math.abs(v);
   const under = Math.max(-z, 0);
@@ -9,12 +9,12 @@ function folded(u, v) {
   return [x / length, y / length, z / length];
 }
 
-/** Light of a colour as screens have it. */
+/** Linear light of an sRGB colour share. */
 const lightOf = (share) => share ** 2.2;
 
-/** All surfaces of the links as the 3D view takes them: ten numbers for each corner (its place, its normal, its colour, its
-    link), and triangles; how many
-    of the triangles' numbers count for shadows; and whether insides cannot be seen. */
+/** All link surfaces for the 3D view: ten numbers per vertex (position, normal, colour, link), and
+    triangles; the number of indices that cast shadows; and a flag for closed surfaces, whose
+    insides cannot be seen. */
 function unpackLook({ links, is_closed }) {
   const FULL = 65535;
   const parts = links.flatMap((surfaces, link) =>
@@ -28,7 +28,7 @@ function unpackLook({ links, is_closed }) {
         : new Uint16Array(unpack(it.triangles)),
     })),
   );
-  // The largest come first: they are what throws a shadow that can be seen.
+  // The largest surfaces are first, as only they cast a visible shadow.
   const CASTS_M = 0.13;
   parts.sort((a, b) => Math.max(...b.size_m) - Math.max(...a.size_m));
   const sum = (of) => parts.reduce((all, part) => all + of(part), 0);

@@ -1,6 +1,6 @@
-// WebGL at hand: programs, meshes, and pictures that are drawn into.
+// Wrapper of WebGL: programs, meshes, and textures as render targets.
 
-/** What draws in a canvas; none without WebGL 2. */
+/** The painter of a canvas; null without WebGL 2. */
 function makePainter(canvas) {
   const gl = canvas.getContext("webgl2", { antialias: true, stencil: false });
   if (!gl) return null;
@@ -32,8 +32,8 @@ function makePainter(canvas) {
     return program;
   };
 
-  /** Numbers of a corner, one after the other, and how many each attribute has; triangles by the corners'
-      numbers, if not by their order. */
+  /** Uploads interleaved vertex attributes with their sizes, and triangles of vertex indices, or of
+      the vertices in their order. */
   const upload = (layout, floats, triangles) => {
     const stride = layout.reduce((sum, [, size]) => sum + size, 0);
     const mesh = { layout, stride, count: triangles ? triangles.length : floats.length / stride };
@@ -58,7 +58,7 @@ function makePainter(canvas) {
     gl.useProgram(program);
     return program.uniforms;
   };
-  /** Draws a mesh, or so much of it, with the program in use, which takes of it what it needs. */
+  /** Draws a mesh, or its first `count` indices, with the program in use and its attributes. */
   painter.draw = (mesh, count = mesh.count) => {
     const { places } = painter.program;
     gl.bindBuffer(gl.ARRAY_BUFFER, mesh.corners);
@@ -77,11 +77,11 @@ function makePainter(canvas) {
     } else {
       gl.drawArrays(gl.TRIANGLES, 0, count);
     }
-    // Its buffers may be gone when something else is drawn.
+    // Its buffers may be deleted before the next mesh is drawn.
     for (const place of Object.values(places)) gl.disableVertexAttribArray(place);
   };
 
-  /** A square picture to draw into and to take colours from; of depths, which are compared. */
+  /** A square texture as a render target, of colours, or of depths for comparison. */
   painter.picture = (size, isDepth) => {
     const texture = gl.createTexture();
     gl.bindTexture(gl.TEXTURE_2D, texture);
@@ -104,12 +104,12 @@ function makePainter(canvas) {
     gl.bindFramebuffer(gl.FRAMEBUFFER, null);
     return { texture, frame, size };
   };
-  /** Draws into a picture from now on. */
+  /** Makes a texture the render target. */
   painter.into = ({ frame, size }) => {
     gl.bindFramebuffer(gl.FRAMEBUFFER, frame);
     gl.viewport(0, 0, size, size);
   };
-  /** A program in use takes a picture by a number. */
+  /** Binds a texture to a sampler of the program in use. */
   painter.take = (name, number, { texture }) => {
     gl.activeTexture(gl.TEXTURE0 + number);
     gl.bindTexture(gl.TEXTURE_2D, texture);

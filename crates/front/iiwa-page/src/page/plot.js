@@ -1,10 +1,10 @@
-// Curves over time, on canvases with two dimensions.
+// Curves over time, on 2D canvases.
 
-/** Left and right of the curves, in px. */
+/** Margins left and right of the curves, in px. */
 const LEFT = 56;
 const RIGHT = 8;
 
-/** A canvas as large as it is on the screen, cleared; sizes in CSS px. */
+/** Clears a canvas and matches its resolution to the screen; sizes are in CSS px. */
 function cleared(canvas) {
   const ratio = Math.min(window.devicePixelRatio || 1, 2);
   const [width, height] = [canvas.clientWidth, canvas.clientHeight];
@@ -24,7 +24,7 @@ function step(span, count) {
   return power * (digit < 1.5 ? 1 : digit < 3.5 ? 2 : digit < 7.5 ? 5 : 10);
 }
 
-/** Numbers along an axis: none of them is longer than there is room for. */
+/** Tick values of an axis, with labels that fit in their room. */
 function ticks(from, to, count) {
   const LONGEST = 7;
   const by = step(to - from, count);
@@ -37,8 +37,8 @@ function ticks(from, to, count) {
   return values.map((value, i) => ({ value, text: fits ? plain[i] : short(value) }));
 }
 
-/** Draws a curve of which there may be far more than there are pixels: of each column of pixels the
-    first, the lowest, the highest and the last value. What is not a number is a gap. */
+/** Draws a curve with possibly far more values than pixels: in each column of pixels, the first,
+    lowest, highest and last value. NaN is a gap. */
 function trace(context, times, low, high, stride, offset, window_, x, y) {
   const first = Math.max(countUpTo(times, window_.from) - 1, 0);
   const last = Math.min(countUpTo(times, window_.to), times.length - 1);
@@ -80,7 +80,7 @@ function trace(context, times, low, high, stride, offset, window_, x, y) {
   context.stroke();
 }
 
-/** Axes of a chart: lines and numbers, and what takes values to px. */
+/** Draws the axes of a chart with lines and numbers; returns the scales from values to px. */
 function axes(context, size, window_, range, theme, withTimes) {
   const bottom = size.height - (withTimes ? 20 : 6);
   const top = 6;
@@ -100,7 +100,7 @@ function axes(context, size, window_, range, theme, withTimes) {
   for (const { value, text } of ticks(...range, 4)) {
     const py = Math.round(y(value)) + 0.5;
     line([left, py], [right, py]);
-    // Half a line of text is above it, and half below.
+    // Half a line of text is above the tick, and half below.
     context.fillText(text, left - 6, Math.min(Math.max(py, 6), size.height - 6));
   }
   context.textAlign = "center";
@@ -119,7 +119,7 @@ function axes(context, size, window_, range, theme, withTimes) {
   return { x, y, left, right, top, bottom };
 }
 
-/** Draws only between the axes, until it is restored. */
+/** Clips drawing to the area between the axes, until `restore`. */
 function clipped(context, { left, right, top, bottom }) {
   context.save();
   context.beginPath();
@@ -127,7 +127,7 @@ function clipped(context, { left, right, top, bottom }) {
   context.clip();
 }
 
-/** A value's line across a chart, with a text above it. */
+/** A horizontal line at a value, with a text above it. */
 function levelLine(context, { left, right, y }, value, text, colour) {
   const at = Math.round(y(value)) + 0.5;
   context.save();
@@ -144,7 +144,7 @@ function levelLine(context, { left, right, y }, value, text, colour) {
   context.restore();
 }
 
-/** The lowest and the highest value of curves within a window of time. */
+/** The lowest and the highest value of curves within a time window. */
 function extent(curves, window_) {
   let [least, most] = [Infinity, -Infinity];
   for (const { t_s, low, high, of = 1, at = 0, factor = 1 } of curves) {
@@ -159,10 +159,11 @@ function extent(curves, window_) {
   return least <= most ? [least, most] : [0, 0];
 }
 
-/** Curves with one axis: times, lowest and highest values, as `of` numbers a time of which `at` is drawn, the colour's name and
-    a factor; those that are `under` others are pale and broad. Options: whether the axis begins at 0 (`fromZero`), what it spans at
-    least (`least`), how much room is above (`room`, in its span), levels with their texts, `withTimes`. Tells what takes times
-    and values to px. */
+/** Draws curves with one axis. A curve has times, lowest and highest values (`of` numbers per time,
+    of which number `at` is drawn), the name of its colour and a factor; a curve `under` others is
+    pale and broad. Options: `fromZero` for an axis from 0, `least` for the minimum span of the
+    axis, `room` above the curves as a share of the span, levels with their texts, `withTimes`.
+    Returns the scales from times and values to px. */
 function drawCurves(canvas, curves, window_, theme, options = {}) {
   const { fromZero = true, least = 0, room = 0.08, levels = [], withTimes = true } = options;
   const size = cleared(canvas);

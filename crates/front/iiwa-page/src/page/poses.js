@@ -1,6 +1,6 @@
-// Poses over time, as they come packed.
+// Packed poses over time.
 
-/** Bytes of a text in base64. */
+/** Bytes of a base64 text. */
 function unpack(text) {
   const raw = atob(text);
   const bytes = new Uint8Array(raw.length);
@@ -8,19 +8,19 @@ function unpack(text) {
   return bytes.buffer;
 }
 
-/** Poses as they came: how many, times in s, joint positions in rad, seven a pose. */
+/** Unpacks poses: their number, times in s, and joint positions in rad, seven per pose. */
 function unpackPoses({ count, t_s, q_rad }) {
   return { count, t_s: new Float64Array(unpack(t_s)), q_rad: new Float32Array(unpack(q_rad)) };
 }
 
-/** A curve as it came: times in s, and each value's lowest and highest one from there on. */
+/** Unpacks a curve: times in s, and for each interval the lowest and the highest value. */
 function unpackCurve(curve) {
   const low = new Float32Array(unpack(curve.low));
   const high = curve.high === undefined ? low : new Float32Array(unpack(curve.high));
   return { ...curve, t_s: new Float64Array(unpack(curve.t_s)), low, high };
 }
 
-/** How many of `times`, which increase, are at most `t`. */
+/** Number of `times`, which increase, that are at most `t`. */
 function countUpTo(times, t) {
   let from = 0;
   let to = times.length;
@@ -32,7 +32,7 @@ function countUpTo(times, t) {
   return from;
 }
 
-/** Joint positions at a time, in rad: evenly from pose to pose. */
+/** Joint positions at a time, in rad, by linear interpolation of poses. */
 function jointsAt(arm, t) {
   const { t_s, q_rad } = arm.poses;
   const last = t_s.length - 1;

@@ -1,25 +1,26 @@
-//! Where an arm is, over time.
+//! Poses of an arm over time.
 
 use iiwa_kin::Joints;
 use serde::Serialize;
 
 use crate::arm_look::Packed;
 
-/// Poses of an arm at most: an hour has ten a second, and the arm moves evenly in between.
+/// Maximum number of poses of an arm: ten per second for an hour; pages interpolate linearly.
 const POSES: usize = 36_000;
 
-/// Where the arm is, now and then.
+/// Sampled poses of the arm.
 #[derive(Clone, Debug, Serialize)]
 pub(crate) struct Poses {
     count: usize,
-    /// Doubles.
+    /// Times, as doubles.
     t_s: Packed,
-    /// Singles: seven a pose.
+    /// Joint positions, as seven singles per pose.
     q_rad: Packed,
 }
 
 impl Poses {
-    /// Poses at some times, with gaps that are left out, all later by `shift_s`.
+    /// Samples the poses evenly, at most about [`POSES`] of them and always the last one; all times
+    /// are shifted by `shift_s`.
     pub(crate) fn new(t_s: &[f64], q_rad: &[Joints], shift_s: f64) -> Self {
         let step = t_s.len().div_ceil(POSES).max(1);
         let last = t_s.len().saturating_sub(1);

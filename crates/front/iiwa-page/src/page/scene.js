@@ -1,6 +1,6 @@
-// The 3D view: what is drawn of the arm and around it, and from where it is seen.
+// The 3D view: the robot, its surroundings and the camera.
 
-// Of frames: x, y, z.
+// Axes of frames: x, y, z.
 const AXES = [
   [0.85, 0.16, 0.16],
   [0.13, 0.6, 0.2],
@@ -28,7 +28,7 @@ const CORNERS = [
   [0, 1],
 ];
 
-/** The view in a canvas; none without WebGL 2. */
+/** The view in a canvas; null without WebGL 2. */
 function makeScene(canvas) {
   const painter = makePainter(canvas);
   if (!painter) return null;
@@ -55,7 +55,7 @@ function makeScene(canvas) {
     }
     return upload(SOLID, floats, triangles);
   };
-  /** Segments: from, to, colour. */
+  /** A mesh of line segments: from, to, colour. */
   const strip = (segments) => {
     const floats = [];
     for (const [from, to, colour] of segments) {
@@ -65,7 +65,7 @@ function makeScene(canvas) {
   };
 
   const still = placed([0, 0, 0], [0, 0, 0]);
-  // All links at once: what is asked of a graphics card takes time, too.
+  // One draw call for all links, as each call takes time.
   const look = unpackLook(robot.look);
   const arm = upload(SOLID, look.floats, look.triangles);
   const [bead, ball] = [
@@ -74,13 +74,13 @@ function makeScene(canvas) {
   ].map((steps) => solid([{ shape: sphere(1, ...steps), origin: still, colour: [1, 1, 1] }]));
   const floor = upload([["corner", 2]], QUAD);
 
-  /** What stands beside the arm: ways of the TCP, blended targets, frames, obstacles; and the shapes of its tool. */
+  /** Contents besides the robot: TCP paths, blended targets, frames, obstacles, tool shapes. */
   let contents = { ways: [], corners: [], frames: [], obstacles: [], tool: [] };
   let standing = [];
   const sight = makeSight(canvas);
 
   let sharpness = 1;
-  /** How often contents and colours changed. */
+  /** Number of changes of contents and colours. */
   let changes = 0;
   let theme = null;
   let ways = [];
@@ -88,14 +88,14 @@ function makeScene(canvas) {
   let obstacles = [];
   let carried = [];
 
-  /** Takes the colours of the page: arrays of three. */
+  /** Sets the colours of the page: arrays of three. */
   function paint(colours) {
     theme = colours;
     changes += 1;
     build();
   }
 
-  /** Takes other contents. */
+  /** Replaces the contents. */
   function fill(changed) {
     contents = { ...contents, ...changed };
     changes += 1;
@@ -108,7 +108,7 @@ function makeScene(canvas) {
     for (const { mesh, edges } of obstacles) [mesh, edges].forEach(discard);
     carried.forEach(discard);
     if (frames) discard(frames);
-    // A cross of axes each: x red, y green, z blue.
+    // One axis cross per frame: x red, y green, z blue.
     const AXIS_M = 0.05;
     const crosses = contents.frames.flatMap(({ position_m: at, rotation }) =>
       AXES.map((colour, axis) => [
@@ -153,7 +153,7 @@ function makeScene(canvas) {
   };
   const shadows = makeShadows(painter, (poses) => drawArm(poses, look.casting));
 
-  /** Solids from now on: in their own colours, or partly in another one; as ghosts with a share. */
+  /** Sets the style of solids: their own colours, or partly another one; as ghosts with a share. */
   const shade = (tint, tinted, alpha, ghost = 0) => {
     const uniforms = use(solids);
     gl.uniform3fv(uniforms.tint, tint || [1, 1, 1]);
@@ -161,7 +161,7 @@ function makeScene(canvas) {
     gl.uniform1f(uniforms.alpha, alpha);
     gl.uniform1f(uniforms.ghost, ghost);
   };
-  /** One colour from now on. */
+  /** Sets one fill colour. */
   const fillWith = (colour, alpha) => {
     gl.uniform4f(use(flats).colour, ...colour, alpha);
   };
@@ -172,8 +172,8 @@ function makeScene(canvas) {
     draw(mesh);
   };
 
-  /** Draws arms: joint positions, the TCP in the flange's frame if there is a tool, and the colour of those that are
-      ghosts. `gap` is a line from the arm to what is nearest. */
+  /** Draws robots: joint positions, the TCP in the flange frame if there is a tool, and the colour
+      of ghosts. `gap` is a line from the robot to the nearest obstacle or link. */
   function show(arms, gap) {
     const ratio = Math.min(window.devicePixelRatio || 1, 2) * sharpness;
     const width = Math.max(1, Math.round(canvas.clientWidth * ratio));
@@ -222,11 +222,11 @@ function makeScene(canvas) {
     gl.uniform3fv(uniforms.key, KEY);
     gl.uniformMatrix4fv(uniforms.sun, false, shadows.sun);
     take("shadows", 2, shadows.depths);
-    // Of closed solids only what faces the viewer: without a graphics card triangles are what takes time.
+    // Closed solids without back faces: without a graphics card, triangles take most of the time.
     if (look.is_closed) gl.enable(gl.CULL_FACE);
     for (const { poses } of solidOnes) drawArm(poses);
     gl.disable(gl.CULL_FACE);
-    // Where two ways are in one place, the later one is seen, on the broader one before it.
+    // Where two paths coincide, the later one is visible on the broader one before it.
     gl.enable(gl.POLYGON_OFFSET_FILL);
     ways.forEach((way, i) => {
       gl.polygonOffset(0, -200 * i);
@@ -256,7 +256,7 @@ function makeScene(canvas) {
       for (const end of gap) beadAt(end, 0.01);
     }
 
-    // What is seen through comes last: obstacles, spheres, and of a ghost only what is nearest.
+    // Transparent objects are drawn last: obstacles, spheres, and the nearest surface of a ghost.
     gl.depthMask(false);
     for (const { mesh, alpha } of obstacles) {
       fillWith(theme.soft, alpha);
@@ -268,7 +268,7 @@ function makeScene(canvas) {
     for (const corner of contents.corners)
       if (corner.radius_m) beadAt(corner.target_m, corner.radius_m, ball);
     gl.depthMask(true);
-    // Where both arms are in one place, the solid one is seen: ghosts are a little thinner.
+    // Ghosts are a little thinner, so that the solid robot is visible where both coincide.
     const swell = (m) => {
       for (const each of [flats, solids]) gl.uniform1f(use(each).swell, m);
     };
@@ -287,11 +287,11 @@ function makeScene(canvas) {
     swell(0);
   }
 
-  /** What was drawn last by `follow`. */
+  /** State of the last drawing by `follow`. */
   let last = { text: "", q: [], since: 0, isSharp: true };
 
-  /** Draws arms that move, and not again what stands still: but once with all pixels, if there were fewer. `now` is in
-      ms. */
+  /** Draws robots in motion. A robot at rest is not drawn again, except once at full resolution if
+      it was reduced. `now` is in ms. */
   function follow(arms, gap, now) {
     const STILL_RAD = 1e-4;
     const REST_MS = 250;
@@ -320,7 +320,7 @@ function makeScene(canvas) {
     }
   }
 
-  /** Draws fewer pixels than the screen has, for machines that are slow at it. */
+  /** Sets the resolution as a share of the screen resolution, for slow machines. */
   const sharpen = (share) => {
     sharpness = share;
   };

@@ -1,4 +1,4 @@
-// What a graphics card runs for the 3D view. Light is summed up as it is, and coded for screens at the end.
+// Shaders of the 3D view. Light is summed up linearly, and encoded for screens at the end.
 
 const SOLID_VERTEX = `#version 300 es
 in vec3 position, normal, colour;
@@ -15,8 +15,9 @@ void main() {
   gl_Position = camera * place;
 }`;
 
-// A studio: a key light over the shoulder that throws shadows, a bright ceiling, a dim floor, and a strip of light
-// behind, which edges shine in. Gloss is that of plastic (Schlick 1994 for its share, GGX for the key light).
+// Studio lighting: a key light over the viewer's shoulder that casts shadows, a bright ceiling, a
+// dim floor, and a strip light behind for bright edges. The gloss is that of plastic (Fresnel term
+// by Schlick 1994, GGX for the key light).
 const SOLID_FRAGMENT = `#version 300 es
 precision highp float;
 precision highp sampler2DShadow;
@@ -89,7 +90,7 @@ void main() {
   pixel = vec4(pow(film(colour * light * (1.0 - gloss) + shine), vec3(1.0 / 2.2)) * alpha, alpha);
 }`;
 
-// Obstacles, and depths of which no colour is seen: far cheaper without a graphics card.
+// Obstacles, and depth passes without colour: far cheaper without a graphics card.
 const FLAT_VERTEX = `#version 300 es
 in vec3 position, normal;
 in float link;
@@ -103,7 +104,7 @@ uniform vec4 colour;
 out vec4 pixel;
 void main() { pixel = vec4(colour.rgb * colour.a, colour.a); }`;
 
-// What keeps the key light from the floor: red, and green the closer it is to the floor.
+// Occluders of the key light above the floor: red, and green by their closeness to the floor.
 const MASK_VERTEX = `#version 300 es
 in vec3 position;
 in float link;
@@ -149,7 +150,7 @@ void main() {
   pixel = sum / whole;
 }`;
 
-// The floor: a grid that fades away, and soft shadows: the closer, the sharper.
+// The floor: a grid that fades out, and soft shadows, sharper near the robot.
 const FLOOR_VERTEX = `#version 300 es
 in vec2 corner;
 uniform mat4 camera;

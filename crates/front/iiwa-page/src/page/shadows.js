@@ -1,6 +1,6 @@
-// Where the key light does not reach: on the arm, by what is nearest to the light; on the floor, softly.
+// Shadows of the key light: on the robot by a depth map, on the floor with soft edges.
 
-/** From where the key light comes: over the viewer's shoulder. */
+/** Direction to the key light: over the viewer's shoulder. */
 const KEY = (() => {
   const [x, y, z] = [0.55, -0.45, 1.05];
   const length = Math.hypot(x, y, z);
@@ -9,7 +9,7 @@ const KEY = (() => {
 
 const QUAD = [-1, -1, 1, -1, 1, 1, -1, -1, 1, 1, -1, 1];
 
-/** Shadows of arms that `drawArm` draws. */
+/** Shadows of robots that `drawArm` draws. */
 function makeShadows(painter, drawArm) {
   const { gl, compiled, use, draw, into, take } = painter;
   const flats = compiled(FLAT_VERTEX, FLAT_FRAGMENT);
@@ -24,7 +24,7 @@ function makeShadows(painter, drawArm) {
   let before = "";
   let isLate = false;
 
-  /** As the light sees the arms: to a box of so much around a middle. */
+  /** Projection from the light to a box of half width `reach` around `middle`. */
   const seenFrom = (middle, reach) => {
     const side = [-KEY[1], KEY[0], 0].map((v) => v / Math.hypot(KEY[0], KEY[1]));
     const up = [0, 1, 2].map(
@@ -62,7 +62,7 @@ function makeShadows(painter, drawArm) {
     into(depths);
     gl.clear(gl.DEPTH_BUFFER_BIT);
     gl.uniformMatrix4fv(use(flats).camera, false, made.sun);
-    // What light grazes does not shade itself.
+    // Surfaces at grazing light must not shade themselves.
     gl.enable(gl.POLYGON_OFFSET_FILL);
     gl.polygonOffset(4, 8);
     for (const { poses } of arms) drawArm(poses);
@@ -70,7 +70,7 @@ function makeShadows(painter, drawArm) {
   };
 
   const castOnFloor = (arms, places) => {
-    // On the floor, that of each joint is where its own is.
+    // The shadow of each joint centre on the floor.
     const cast_ = places.map((place) => [0, 1].map((i) => place[i] - (KEY[i] / KEY[2]) * place[2]));
     const [x, y] = [0, 1]
       .map((i) => cast_.map((place) => place[i]))
@@ -91,13 +91,13 @@ function makeShadows(painter, drawArm) {
     for (const { poses } of arms) drawArm(poses);
     gl.blendEquation(gl.FUNC_ADD);
     gl.disable(gl.BLEND);
-    // Of so many m, whatever the patch is.
+    // Blur radii are in m, independent of the size of the patch.
     blurred(cast, near, 0.008 / (2 * half));
     blurred(near, far, 0.03 / (2 * half));
   };
 
-  /** The shadows of arms in such poses; as before, if they are, and no other things were changed. If it has to be quick, those
-      on the floor change every other time. */
+  /** Updates the shadows of robots in these poses, unless poses and contents are unchanged. With
+      `isQuick`, floor shadows are updated every other time. */
   made.cast = (arms, changes, isQuick) => {
     const places = arms.flatMap(({ poses }) => poses.map((pose) => Array.from(pose.slice(12, 15))));
     const now = [

@@ -1,6 +1,6 @@
-// From where the 3D view is seen: about a middle, from a direction, so far that all of it is in the view.
+// The camera of the 3D view: it looks at a centre from a direction, far enough to show everything.
 
-/** Where looks come from: turned about z, and how high, in rad. */
+/** View directions: angle about z and elevation, in rad. */
 const LOOKS = {
   usual: { azimuth: -0.9, height: 0.36 },
   front: { azimuth: 0, height: 0 },
@@ -8,17 +8,17 @@ const LOOKS = {
   top: { azimuth: -Math.PI / 2, height: Math.PI / 2 },
 };
 
-/** Half of the angle from the lower to the upper edge, as its tangent. */
+/** Tangent of half the vertical angle of view. */
 const LENS = Math.tan(0.25);
 
 /** The camera of a canvas. */
 function makeSight(canvas) {
   let view;
-  /** What is to be seen, each with some room around it. */
+  /** Points that the view has to include, each with some room around it. */
   let points = [];
   let fitted = null;
 
-  /** Axes of a look: to the right, upwards, and back to the viewer. */
+  /** Axes of a view: to the right, upwards, and back to the viewer. */
   const axesOf = ({ azimuth, height }) => {
     const [sa, ca] = [Math.sin(azimuth), Math.cos(azimuth)];
     const [sh, ch] = [Math.sin(height), Math.cos(height)];
@@ -30,7 +30,7 @@ function makeSight(canvas) {
   };
   const along = (axis, p) => axis[0] * p[0] + axis[1] * p[1] + axis[2] * p[2];
 
-  /** Sees to it that the arm is in the view, its ways, and what is near of the obstacles. */
+  /** Includes the robot, its paths and the nearby parts of obstacles in the view. */
   function aim(contents, standing) {
     const NEAR_M = 0.12;
     const MOST = 400;
@@ -38,7 +38,7 @@ function makeSight(canvas) {
     points = [[0, 0, 0.05], ...standing];
     for (const { places, joints } of contents.ways)
       points.push(...thinned(places), ...thinned(joints));
-    // Without a way, the arm may go anywhere near.
+    // Without a path, the robot may move anywhere nearby.
     const REACH_M = 0.4;
     const around = [-REACH_M, REACH_M].flatMap((v) => [
       [v, 0, 0.5],
@@ -60,7 +60,8 @@ function makeSight(canvas) {
     fitted = null;
   }
 
-  /** What there is to look at: its aspect, and the share of the height that the buttons take, above or (below 0) below. */
+  /** Aspect ratio of the canvas, and the share of its height under the buttons: positive at the
+      top, negative at the bottom. */
   function frame() {
     const height = Math.max(canvas.clientHeight, 1);
     const bar = canvas.parentElement?.querySelector(".looks");
@@ -69,7 +70,7 @@ function makeSight(canvas) {
     return { aspect: canvas.clientWidth / height || 1, share: isAbove ? share : -share };
   }
 
-  /** The middle, and how far from it everything is in the view, from a direction. */
+  /** The centre, and the distance from which everything is in the view, for a direction. */
   function fit(look, { aspect, share }) {
     const across = 1 - Math.abs(share);
     const axes = axesOf(look);
@@ -89,7 +90,7 @@ function makeSight(canvas) {
     return { middle, far: Math.max(...needed), aspect, share };
   }
 
-  /** What fits, for the canvas as it is now. */
+  /** The fitted view for the current size of the canvas. */
   function fitting() {
     const now = frame();
     const isSame =
@@ -116,7 +117,7 @@ function makeSight(canvas) {
     const lens = new Float32Array(16);
     lens[0] = 1 / (LENS * aspect);
     lens[5] = 1 / LENS;
-    // The middle is that of what the buttons leave.
+    // The centre of the area without the buttons.
     lens[9] = share;
     lens[10] = (near + end) / (near - end);
     lens[11] = -1;
@@ -124,14 +125,14 @@ function makeSight(canvas) {
     return { matrix: product(lens, look), eye };
   }
 
-  /** Turns the view, in rad, and takes it nearer by a factor. */
+  /** Turns the view, in rad, and zooms by a factor. */
   function turn(azimuth, height, nearer = 1) {
     view.azimuth += azimuth;
     view.height = Math.min(Math.max(view.height + height, -0.3), Math.PI / 2);
     view.nearer = Math.min(Math.max(view.nearer * nearer, 0.3), 8);
   }
 
-  /** Shifts what is seen, by px. */
+  /** Shifts the view, in px. */
   function pan(right_px, down_px) {
     const m = (2 * LENS * fitting().far) / Math.max(canvas.clientHeight, 1);
     const [right, up] = axesOf(view);
@@ -142,14 +143,14 @@ function makeSight(canvas) {
     });
   }
 
-  /** Looks from a place by its name. */
+  /** Selects a view direction by its name. */
   function look(name) {
     view = { ...LOOKS[name], fitted: LOOKS[name], nearer: 1, offset_m: [0, 0, 0] };
     fitted = null;
   }
   const reset = () => look("usual");
   reset();
-  /** All that a picture depends on. */
+  /** All state that a picture depends on. */
   const state = () => [view, fitted];
   return { aim, camera, turn, pan, look, reset, state };
 }

@@ -1,6 +1,6 @@
-// What stands around the arm and what it carries: a scene as the 3D view takes it, and in words.
+// The surroundings and the tool of the robot: a scene for the 3D view, and as text.
 
-/** Where a shape is: its place, and three rows of its turn. */
+/** The pose of a shape: its position, and the three rows of its rotation matrix. */
 function posed([x, y, z], rows) {
   const [a, b, c] = rows || [
     [1, 0, 0],
@@ -27,7 +27,7 @@ function posed([x, y, z], rows) {
   ]);
 }
 
-/** The obstacles of a scene in the frame of the base, its tool's shapes in that of the flange. */
+/** The obstacles of a scene in the base frame, and its tool shapes in the flange frame. */
 function surroundings(scene) {
   const shaped = (it) => {
     const origin = posed(it.center_m || it.origin_m || [0, 0, 0], it.rotation);
@@ -35,7 +35,7 @@ function surroundings(scene) {
     if (it.type === "cylinder") return { shape: cylinder(it.radius_m, it.length_m), origin };
     if (it.type === "sphere") return { shape: sphere(it.radius_m), origin };
     if (it.type === "hull") return { shape: polyhedron(it.corners_m, it.triangles), origin };
-    // The part of a plane that is nearest to the base.
+    // The part of the plane nearest to the base.
     const n = it.normal;
     const away = n.reduce((sum, v, i) => sum + v * it.point_m[i], 0);
     const turn = placed(
@@ -47,12 +47,12 @@ function surroundings(scene) {
   return { obstacles: (scene?.obstacles || []).map(shaped), tool: (scene?.tool || []).map(shaped) };
 }
 
-/** A part of the arm and what it is nearest to, in words. */
+/** Text for a link and the obstacle or link nearest to it. */
 function pairText(link, other) {
   return `${link === 8 ? "the tool" : `link ${link}`} and ${other}`;
 }
 
-/** What is nearest to the arm, in words. */
+/** Text for the minimum clearance. */
 function nearestText({ distance_mm: mm, link, other, at_s }) {
   const when = at_s === null ? "" : ` at ${number(at_s, 2)} s`;
   const apart = mm > 0 ? `${number(mm, 1)} mm` : "touching";

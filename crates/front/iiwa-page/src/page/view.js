@@ -1,6 +1,6 @@
-// Looking at the 3D view from elsewhere: by mouse, fingers, keys and buttons.
+// Camera control of the 3D view: by mouse, touch, keys and buttons.
 
-/** Turns and shifts `scene` by what is done on its canvas and its buttons; `changed` draws it again. */
+/** Turns and shifts `scene` by input on its canvas and its buttons; `changed` draws it again. */
 function makeTurnable(canvas, scene, changed) {
   const fingers = new Map();
   const apart = ([a, b]) => Math.hypot(a.clientX - b.clientX, a.clientY - b.clientY);
@@ -42,7 +42,8 @@ function makeTurnable(canvas, scene, changed) {
   canvas.addEventListener(
     "wheel",
     (event) => {
-      // Elsewhere the wheel is the page's; two fingers on a touchpad that come together are a wheel with Ctrl.
+      // Without focus, the wheel scrolls the page; a pinch on a touchpad is a wheel event with
+      // Ctrl.
       if (document.activeElement !== canvas && !event.ctrlKey && !document.fullscreenElement) {
         hint();
         return;

@@ -1,4 +1,4 @@
-//! The plan of the program that a recording holds.
+//! Plan of the program in a recording.
 
 use std::io::Cursor;
 
@@ -10,10 +10,10 @@ use crate::PageError;
 
 use super::source::{Role, Source};
 
-/// Bytes of that plan, which is in memory, at most: some two hours.
+/// Maximum size of that plan in memory, in bytes: some two hours.
 const MOST_BYTES: u64 = 256 << 20;
 
-/// The plan of the program that a recording holds; none of a plan, nor of a recording without one.
+/// Plans the program in a recording; `None` for a plan, or a recording without a program.
 pub(crate) fn plan(
     recording: &Source,
     robot: &Robot,

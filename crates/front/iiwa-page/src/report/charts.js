@@ -1,23 +1,23 @@
-// Curves of the joints against their limits, the clearance and the timeline.
+// Curves of joint quantities with their limits, the clearance and the timeline.
 
 const QUANTITIES = [
   { key: "position", title: "Position", unit: "deg", limit: "upper_rad" },
   { key: "velocity", title: "Velocity", unit: "deg/s", limit: "velocity_rad_s" },
   { key: "acceleration", title: "Acceleration", unit: "deg/s\u00b2", limit: "acceleration_rad_s2" },
   { key: "jerk", title: "Jerk", unit: "deg/s\u00b3", limit: "jerk_rad_s3" },
-  // No joint has a limit of it. It is shown on request.
+  // Joints do not have a snap limit. The chart is shown on request.
   { key: "snap", title: "Snap", unit: "deg/s\u2074" },
   { key: "torque", title: "Torque, link side", unit: "Nm", limit: "torque_nm", factor: 1 },
 ];
 
-/** From when to when motions have limits of their own: shares of the robot's, one a joint. */
+/** Time intervals with motion-specific limits: shares of the robot limits, one per joint. */
 function ownLimits(key) {
   const runs = [];
   for (const { motion, start_s, end_s } of report.pieces) {
     const shares = report.shares[motion]?.[key];
     if (!shares || shares.every((share) => share === 1)) continue;
     const last = runs[runs.length - 1];
-    // Neighbours with the same limits have one band.
+    // Consecutive motions with the same limits share one band.
     if (last && last.to === start_s && last.shares.every((share, j) => share === shares[j]))
       last.to = end_s;
     else runs.push({ from: start_s, to: end_s, shares });
@@ -26,14 +26,15 @@ function ownLimits(key) {
 }
 for (const quantity of QUANTITIES) quantity.own = ownLimits(quantity.key);
 
-/** What of a quantity is drawn, in per cent of the limits: more would flatten all else. */
+/** Drawn range of a quantity, in per cent of the limits: a larger range would flatten the
+    curves. */
 const MOST_PERCENT = 300;
 
-/** Shares of limits are shown, of what has any. */
+/** True if a quantity is shown as a share of its limit. */
 const asShare = (quantity) => state.percent && Boolean(quantity.limit);
 
-/** What takes a joint's value of a quantity to what is shown: in per cent of its limits, whose middle is 0, or in degrees
-    or Nm. */
+/** The scale from the value of a joint to the shown value: in per cent of its limits, whose middle
+    is 0, or in deg or Nm. */
 function shownScale(quantity) {
   const percent = asShare(quantity);
   const upper = report.robot[quantity.limit] || Array(7).fill(Infinity);
@@ -49,15 +50,15 @@ function shownScale(quantity) {
   };
 }
 
-/** One quantity of all joints; tells the largest value there is. `state` is shared: the window of time,
-    which joints, the units. */
+/** Draws one quantity of all joints; returns the largest value. `state` is shared: the time window,
+    the selected joints, the units. */
 function drawQuantity(canvas, quantity, state, theme, withTimes) {
   const size = cleared(canvas);
   const { context } = size;
   const shown = state.joints.flatMap((on, j) => (on ? [j] : []));
   const { scale, offset, highest, lowest } = shownScale(quantity);
   const percent = asShare(quantity);
-  // What is drawn: at least the band of the limits in per cent, at most three times as much.
+  // Drawn range: in per cent, at least the band of the limits, at most three times as much.
   let most = percent ? 108 : 0;
   for (const arm of report.arms) {
     const curve = arm[quantity.key];
@@ -81,7 +82,7 @@ function drawQuantity(canvas, quantity, state, theme, withTimes) {
   const { x, y, left, right, top, bottom } = axis;
 
   clipped(context, axis);
-  // Beyond the limits: of all joints in per cent, else of the joint that may go farthest.
+  // Area beyond the limits: of all joints in per cent, else of the joint with the widest limits.
   const farthest = percent ? 100 : Math.max(...shown.map(highest), 0);
   const deepest = percent ? -100 : Math.min(...shown.map(lowest), 0);
   context.fillStyle = theme.beyond;
@@ -99,7 +100,7 @@ function drawQuantity(canvas, quantity, state, theme, withTimes) {
       context.stroke();
     }
   }
-  // The motion's own limits: likewise, from its start to its end.
+  // The area beyond motion-specific limits, from the start to the end of each motion.
   context.setLineDash([2, 3]);
   for (const { from, to, shares } of quantity.own) {
     const [a, b] = [Math.max(x(from), left), Math.min(x(to), right)];
@@ -124,7 +125,7 @@ function drawQuantity(canvas, quantity, state, theme, withTimes) {
   context.setLineDash([]);
   context.lineJoin = "round";
   report.arms.forEach((arm, index) => {
-    // The plan is a pale, broad band under what was measured.
+    // The plan is a pale, broad band under the measured curve.
     const under = report.arms.length > 1 && index === 0;
     context.globalAlpha = under ? 0.4 : 1;
     context.lineWidth = under ? 4 : 1.5;
@@ -141,12 +142,12 @@ function drawQuantity(canvas, quantity, state, theme, withTimes) {
   if (report.arms.every((arm) => arm[quantity.key].columns === 0)) {
     context.fillStyle = theme.soft;
     context.textAlign = "center";
-    context.fillText("the file does not tell", (left + right) / 2, (top + bottom) / 2);
+    context.fillText("not in the file", (left + right) / 2, (top + bottom) / 2);
   }
   return largest;
 }
 
-/** The clearance, and from when on which pair is nearest; `pairs` are those of the last of the curves. */
+/** Draws the clearance, and the nearest pair over time; `pairs` belong to the last curve. */
 function drawClearance(canvas, curves, pairs, window_, theme) {
   // Names of pairs are above the curve.
   const { context, ...axis } = drawCurves(canvas, curves, window_, theme, { room: 0.3, least: 1 });
@@ -171,7 +172,7 @@ function drawClearance(canvas, curves, pairs, window_, theme) {
   context.restore();
 }
 
-/** Lines, blends, settles and waits over the same time as the curves. */
+/** Draws motions, blends, settling times and waits over the time axis of the curves. */
 function drawTimeline(canvas, state, theme) {
   const size = cleared(canvas);
   const { context } = size;
@@ -191,7 +192,7 @@ function drawTimeline(canvas, state, theme) {
     const [a, b] = [x(piece.start_s), x(piece.end_s)];
     const width = Math.max(b - a, 1);
     context.fillStyle = theme[piece.kind] || theme.settle;
-    // Standing is lower than moving, so that shape tells as well as colour does.
+    // Standstill is lower than motion, so that shape and colour both distinguish them.
     const moves = piece.kind !== "settle" && piece.kind !== "wait";
     const height = moves ? bottom - top : (bottom - top) / 2;
     context.fillRect(a, bottom - height, width > 3 ? width - 1 : width, height);

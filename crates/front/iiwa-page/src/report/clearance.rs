@@ -1,4 +1,4 @@
-//! How near the arm is to the obstacles of a scene, or to itself, over time.
+//! Clearance of the arm to the obstacles of a scene, or to itself, over time.
 
 use iiwa_kin::Joints;
 use iiwa_scene::{ArmInScene, Clearance};
@@ -9,26 +9,27 @@ use crate::nearest::Nearest;
 
 use super::curve::{Curve, Samples};
 
-/// Poses of the curve at most. Between them, only those are looked at that may be nearer than all others.
+/// Maximum number of poses of the curve. Poses in between are computed only if they may be nearer
+/// than all others.
 const POSES: usize = 36_000;
 
-/// Changes of the nearest pair at most: more of them cannot be told apart.
+/// Maximum number of changes of the nearest pair: more are indistinguishable.
 const PAIRS: usize = 5000;
 
-/// How much nearer than what is found the arm may come, in m.
+/// Tolerance of the smallest clearance, in m.
 const TOLERANCE_M: f64 = 2e-5;
 
-/// Distances that differ by less are the same, in m: where the arm stands, by rounding.
+/// Difference below which distances are equal, in m: rounding errors of an arm at rest.
 const SAME_M: f64 = 1e-9;
 
-/// The clearance of an arm over time.
+/// Clearance of an arm over time.
 #[derive(Debug, Serialize)]
 pub(crate) struct Clearances {
-    /// In m.
+    /// Distance, in m.
     distance: Curve,
-    /// What is nearest to each other, from when on.
+    /// Nearest pairs, each from its time on.
     pairs: Vec<PairFrom>,
-    /// The smallest one, and when it is.
+    /// Smallest clearance, with its time.
     nearest: Nearest,
 }
 
@@ -36,15 +37,16 @@ pub(crate) struct Clearances {
 struct PairFrom {
     from_s: f64,
     link: usize,
-    /// The obstacle's name, or the link's.
+    /// Name of the obstacle or link.
     other: String,
 }
 
-/// The clearance of a pose: [`ArmInScene::clearance`], or [`ArmInScene::self_clearance`].
+/// Clearance function of a pose: [`ArmInScene::clearance`], or [`ArmInScene::self_clearance`].
 pub(crate) type OfPose = fn(&ArmInScene, &Joints) -> Option<Clearance>;
 
 impl Clearances {
-    /// Of `arm` at `positions`, and between them, all times later by `shift_s`; none without obstacles or positions.
+    /// Computes the clearance of `arm` at and between `positions`, all times shifted by `shift_s`;
+    /// `None` without obstacles or positions.
     pub(crate) fn new(
         arm: &ArmInScene,
         of_pose: OfPose,
@@ -80,17 +82,17 @@ impl Clearances {
     }
 }
 
-/// A search for the least clearance, which skips what cannot have it.
+/// Search for the smallest clearance, which skips intervals that cannot contain it.
 struct Search<'a> {
     arm: &'a ArmInScene,
     of_pose: OfPose,
     positions: &'a Samples,
     best: Option<(f64, Clearance)>,
-    /// The least distance of all, in m: that of the best, but for what cannot be told apart from it.
+    /// Smallest distance of all, in m: that of the best clearance, up to [`SAME_M`].
     least_m: f64,
 }
 
-/// A pose, when it is, and its clearance.
+/// Pose with its time and its clearance.
 #[derive(Clone, Copy)]
 struct Known {
     t_s: f64,
@@ -107,12 +109,12 @@ impl<'a> Search<'a> {
         self.best.map_or(f64::MAX, |(_, best)| best.distance_m)
     }
 
-    /// Whether nothing from a time on counts: the arm has touched something before.
+    /// Returns true if times from `t_s` on are irrelevant: the arm has touched something before.
     fn is_over(&self, t_s: f64) -> bool {
         self.best.is_some_and(|(at_s, best)| best.distance_m == 0.0 && t_s >= at_s)
     }
 
-    /// Takes what is nearer than the best so far; of what is as near, the first one.
+    /// Accepts a clearance smaller than the best so far; of equal clearances, the first one.
     fn take(&mut self, t_s: f64, clearance: Clearance) {
         let is_sooner = self.best.is_none_or(|(at_s, _)| t_s < at_s);
         let distance_m = clearance.distance_m;
@@ -129,7 +131,7 @@ impl<'a> Search<'a> {
         Some(Known { t_s, q, distance_m: clearance.distance_m })
     }
 
-    /// When the arm is nearest to something, or first touches it, by the clearances at some places.
+    /// Finds the smallest clearance or the first contact, from the clearances at some samples.
     fn least(mut self, places: &[usize], found: &[Option<Clearance>]) -> Option<(f64, Clearance)> {
         let Samples { t_s, rows } = self.positions;
         for (at, clearance) in std::iter::zip(places, found) {
@@ -144,7 +146,7 @@ impl<'a> Search<'a> {
             let between = ends[0]..=ends[1];
             let start = rows[ends[0]];
             let bound = |at: usize| self.arm.travel_bound_m(&start, &rows[at]);
-            // What is not finite is no bound, and where there is a gap, there is nothing.
+            // Non-finite bounds are ignored, and gaps are skipped.
             let most = between.clone().map(bound).fold(0.0, f64::max);
             let at_start = found.map_or(f64::MIN, |it| it.distance_m);
             if at_start - most >= self.best_m() - TOLERANCE_M {
@@ -162,7 +164,7 @@ impl<'a> Search<'a> {
         self.best
     }
 
-    /// Looks between two poses: joints go evenly from one to the other.
+    /// Searches between two poses, with linear interpolation of the joints.
     fn between(&mut self, from: Known, to: Known) {
         let way = self.arm.travel_bound_m(&from.q, &to.q);
         let least = 0.5 * (from.distance_m + to.distance_m - way);

@@ -1,13 +1,13 @@
-//! Curves of the seven joints, or of one number, thinned out for the screen.
+//! Curves of the seven joints, or of one number, reduced for the screen.
 
 use serde::Serialize;
 
 use crate::arm_look::Packed;
 
-/// Columns of a curve at most: more than any screen has, so that there is something to zoom into.
+/// Maximum number of columns of a curve: more than any screen has, to allow zooming.
 const COLUMNS: usize = 8000;
 
-/// Samples of some values over time, as many as joints unless it says otherwise. What is not known is not a number.
+/// Samples of `N` values over time, by default one per joint. Unknown values are NaN.
 #[derive(Debug, Default)]
 pub(crate) struct Samples<const N: usize = 7> {
     pub(crate) t_s: Vec<f64>,
@@ -24,7 +24,7 @@ impl<const N: usize> Samples<N> {
         self.rows.push(row);
     }
 
-    /// Values at times that increase, evenly between samples.
+    /// Interpolates the values linearly at increasing times.
     pub(crate) fn at_times(&self, times: &[f64]) -> impl ExactSizeIterator<Item = [f64; N]> {
         let mut next = 0;
         times.iter().map(move |at_s| {
@@ -41,24 +41,24 @@ impl<const N: usize> Samples<N> {
     }
 }
 
-/// For each column, when it begins, and each value's lowest and highest value from there to the next
-/// column: no peak gets lost.
+/// Start time of each column, and the lowest and highest value until the next column, so that peaks
+/// are preserved.
 #[derive(Debug, Default, Serialize)]
 pub(crate) struct Curve {
     columns: usize,
-    /// Samples of a column: one if nothing was thinned out.
+    /// Number of samples per column: one without reduction.
     samples_a_column: usize,
-    /// Doubles: one a column.
+    /// Times, one double per column.
     t_s: Packed,
-    /// Singles: as many a column as there are values.
+    /// Lowest values, one single per column and value.
     low: Packed,
-    /// The same; none if a column is one sample.
+    /// Highest values, in the same format; `None` if a column is one sample.
     #[serde(skip_serializing_if = "Option::is_none")]
     high: Option<Packed>,
 }
 
 impl Curve {
-    /// The curve of some samples, all times later by `shift_s`.
+    /// Converts samples to a curve, all times shifted by `shift_s`.
     pub(crate) fn new<const N: usize>(samples: &Samples<N>, shift_s: f64) -> Self {
         Self::with_columns(samples, shift_s, COLUMNS)
     }
@@ -66,7 +66,7 @@ impl Curve {
     fn with_columns<const N: usize>(samples: &Samples<N>, shift_s: f64, most: usize) -> Self {
         let count = samples.rows.len().div_ceil(most).max(1);
         let chunks = || samples.rows.chunks(count);
-        // What is not a number yields to what is.
+        // Numbers have priority over NaN.
         let fold = |of: fn(f64, f64) -> f64| {
             chunks().flat_map(move |rows| {
                 rows.iter().fold([f64::NAN; N], |a, row| std::array::from_fn(|j| of(a[j], row[j])))

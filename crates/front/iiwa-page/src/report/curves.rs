@@ -1,4 +1,4 @@
-//! The curves of an arm's joints, and where they come from.
+//! Joint curves of an arm, and their source.
 
 use serde::Serialize;
 
@@ -8,16 +8,16 @@ use super::{
     planned::Planned,
 };
 
-/// The curves of an arm's joints.
+/// Joint curves of an arm.
 #[derive(Debug, Serialize)]
 pub(crate) struct Curves {
     position: Curve,
     velocity: Curve,
     acceleration: Curve,
     jerk: Curve,
-    /// Without columns of a recording.
+    /// Snap; without columns for a recording.
     snap: Curve,
-    /// The source of velocity, acceleration, jerk and snap, as text.
+    /// Source of velocity, acceleration, jerk and snap, as text.
     method: String,
 }
 

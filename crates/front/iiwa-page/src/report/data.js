@@ -1,4 +1,4 @@
-// The data of the page: numbers are unpacked, and asked for by time.
+// The data of the page: unpacked numbers, and access by time.
 
 const report = JSON.parse(document.getElementById("data").textContent);
 const { robot } = report;
@@ -18,7 +18,8 @@ for (const name of ["tcp_mm", "joints_mrad"])
 const startS = Math.min(...report.arms.map((arm) => arm.start_s));
 const endS = Math.max(...report.arms.map((arm) => arm.end_s), startS + 1e-3);
 
-/** A curve's value at a time, of joint j of so many numbers: evenly between columns, the middle of each. */
+/** Value number `j` of `of` of a curve at a time: linear interpolation between the column
+    centres. */
 function valueAt(curve, t, j, of = 7) {
   const last = curve.t_s.length - 1;
   const i = Math.min(Math.max(countUpTo(curve.t_s, t) - 1, 0), last);
@@ -29,7 +30,7 @@ function valueAt(curve, t, j, of = 7) {
   return share === 0 ? middle(i) : middle(i) + share * (middle(next) - middle(i));
 }
 
-/** The same, or nothing beyond its ends and in its gaps. */
+/** Value of a curve at a time; NaN beyond its ends and in its gaps. */
 function readingAt(curve, t, j, of = 1) {
   const { t_s } = curve;
   if (!t_s.length || t < t_s[0] - 1e-9 || t > t_s[t_s.length - 1] + 1e-9) return Number.NaN;
@@ -37,21 +38,21 @@ function readingAt(curve, t, j, of = 1) {
 }
 
 const pieceStarts = report.pieces.map((piece) => piece.start_s);
-/** The TCP that moves at a time, in the flange's frame. */
+/** The TCP in motion at a time, in the flange frame. */
 const toolAt = toolOf(report.workcell.tcps, report.pieces);
 /** The piece of the plan at a time, if there is one. */
 function pieceAt(t) {
   return report.pieces[Math.max(countUpTo(pieceStarts, t) - 1, 0)];
 }
 
-// ---- what is shown
+// ---- shown state
 
 const [first, second] = report.arms;
 const isPlan = first.role === "plan";
-/** What an arm is called where both are shown. */
+/** Name of a robot if both are shown. */
 const called = (arm) =>
   arm.role === "recording" ? "measured" : arm === second ? "other plan" : "plan";
-/** At first the page shows the plan, or everything there is. */
+/** Initial time window: the plan, or the whole recording. */
 const whole = isPlan
   ? { from: first.start_s, to: Math.max(first.end_s, first.start_s + 1e-3) }
   : { from: startS, to: endS };

@@ -1,4 +1,4 @@
-//! All that the page shows, as it is in the page.
+//! Data of the page, in page format.
 
 use std::{
     collections::{BTreeMap, BTreeSet},
@@ -32,7 +32,7 @@ use super::{
     tool::Workcell,
 };
 
-/// Parts of this page alone.
+/// Parts of this page only.
 const PARTS: [Part; 9] = [
     ("/*data.js*/", include_str!("data.js")),
     ("/*plot.js*/", include_str!("../page/plot.js")),
@@ -45,36 +45,36 @@ const PARTS: [Part; 9] = [
     ("/*main.js*/", include_str!("main.js")),
 ];
 
-/// A page that shows a plan, a recording, or both in one file that loads nothing.
+/// Page that shows a plan, a recording, or both, in one self-contained file.
 #[derive(Debug, Serialize)]
 pub struct Page {
     robot: Model,
-    /// The arm of FILE, then the one of MEASURED.
+    /// Arm of FILE, then the arm of MEASURED.
     arms: Vec<Arm>,
-    /// Lines, paths of the TCP, blends, settles and waits, in the order of time.
+    /// Path pieces: lines, TCP paths, blends, settle times and waits, in the order of time.
     pieces: Vec<PlanPiece>,
     corners: Vec<Corner>,
     workcell: Workcell,
-    /// What stands around the arm, and what it carries.
+    /// Surroundings and payload of the arm.
     #[serde(skip_serializing_if = "Option::is_none")]
     scene: Option<Scene>,
-    /// Of the motions that have any below 1; motions count from 1.
+    /// Reduced limits of motions, by motion number from 1.
     shares: BTreeMap<usize, Shares>,
-    /// As `iiwasim plan --json` has them.
+    /// Figures, as in `iiwasim plan --json`.
     figures: Value,
     compared: Option<Compared>,
-    /// What is missing or assumed, as text.
+    /// Missing data and assumptions, as text.
     notes: Vec<String>,
-    /// The files' names.
+    /// Names of the files.
     #[serde(skip)]
     title: String,
 }
 
-/// The robot: what it looks like, how it moves, and how far it may go.
+/// Robot: appearance, kinematics and limits.
 #[derive(Debug, Serialize)]
 struct Model {
     name: String,
-    /// Joints.
+    /// URDF with the joints.
     urdf: String,
     look: Look,
     lower_rad: Joints,
@@ -86,7 +86,7 @@ struct Model {
     assumptions: Vec<String>,
 }
 
-/// The motion of the arm in one file. Times are in s of the page.
+/// Motion of the arm in one file. Times are in s of the page.
 #[derive(Debug, Serialize)]
 struct Arm {
     role: Role,
@@ -98,48 +98,48 @@ struct Arm {
     poses: Poses,
     #[serde(flatten)]
     curves: Option<Curves>,
-    /// What the joints exert, in Nm; without columns if the file does not tell.
+    /// Torques that the joints exert, in Nm; without columns if the file lacks them.
     torque: Curve,
-    /// In m/s: of the flange, and, if there is a tool, of the TCP.
+    /// Speed in m/s: of the flange, and, with a tool, of the TCP.
     #[serde(skip_serializing_if = "Option::is_none")]
     speed: Option<Curve>,
-    /// In a scene with obstacles.
+    /// Clearance, in a scene with obstacles.
     #[serde(skip_serializing_if = "Option::is_none")]
     clearance: Option<Clearances>,
-    /// Of the arm from itself, in a scene.
+    /// Clearance of the arm to itself, in a scene.
     #[serde(skip_serializing_if = "Option::is_none")]
     self_clearance: Option<Clearances>,
 }
 
-/// How much of a page is made. Curves take more memory than all the rest.
+/// Part of a page that is computed. Curves use more memory than the rest.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Extent {
-    /// Only what [`Page::sketch`] shows.
+    /// Only the content of [`Page::sketch`].
     Sketch,
-    /// Everything.
+    /// Whole page.
     #[default]
     Whole,
 }
 
-/// How a page is made.
+/// Options of a page.
 #[derive(Clone, Debug)]
 pub struct PageOptions {
-    /// The robot, if it is not the one of the files.
+    /// Robot, if it differs from that of the files.
     pub robot: Option<Robot>,
-    /// What the arm looks like, if not as we draw it: meshes, whose convex hulls are also what its clearance is taken of.
+    /// Meshes in place of the built-in shells; their convex hulls are also used for the clearance.
     pub arm: Option<ArmSource>,
-    /// What stands around the arm: the whole page shows it, and how near the arm comes.
+    /// Surroundings of the arm: the whole page shows them, and the clearance.
     pub scene: Option<Scene>,
-    /// What the columns of logs leave open.
+    /// Options for the information that log columns leave open.
     pub log: LogOptions,
-    /// How much of the page is made.
+    /// Part of the page to compute.
     pub extent: Extent,
-    /// Whether the work is to end early; asked again and again while something is planned.
+    /// Returns true to end the work early; called repeatedly during planning.
     pub interrupted: fn() -> bool,
 }
 
 impl Default for PageOptions {
-    /// The files' robot as we draw it, no scene, the whole page, never interrupted.
+    /// Returns the files' robot with built-in shells, no scene, the whole page, no interrupt.
     fn default() -> Self {
         Self {
             robot: None,
@@ -152,7 +152,7 @@ impl Default for PageOptions {
     }
 }
 
-/// A page without curves.
+/// Page without curves.
 #[derive(Serialize)]
 struct Sketch<'a> {
     arms: Vec<Outline<'a>>,
@@ -163,7 +163,7 @@ struct Sketch<'a> {
     notes: &'a [String],
 }
 
-/// An arm without curves.
+/// Arm without curves.
 #[derive(Serialize)]
 struct Outline<'a> {
     start_s: &'a f64,
@@ -172,17 +172,17 @@ struct Outline<'a> {
     torque: &'a Curve,
 }
 
-/// A target that is blended away.
+/// Blended target.
 #[derive(Debug, Serialize)]
 struct Corner {
-    /// From 1.
+    /// Number of the motion, from 1.
     motion: usize,
     target_m: [f64; 3],
-    /// Of the sphere; none if the blend is a share of its neighbours.
+    /// Radius of the blend sphere; `None` for a relative blend.
     radius_m: Option<f64>,
 }
 
-/// A motion's shares of the robot's limits.
+/// Limits of a motion relative to the robot's limits.
 #[derive(Debug, Serialize)]
 struct Shares {
     velocity: Joints,
@@ -190,12 +190,12 @@ struct Shares {
     jerk: Joints,
 }
 
-/// A recording held against a plan.
+/// Comparison of a recording with a plan.
 #[derive(Serialize)]
 struct Compared {
-    /// As `iiwasim compare --json` has it.
+    /// Report, as in `iiwasim compare --json`.
     report: ComparisonReport,
-    /// How far some samples of the recording were off, over the page's time.
+    /// Deviations of recorded samples, over the page's time.
     tcp_mm: Curve,
     joints_mrad: Curve,
 }
@@ -207,8 +207,8 @@ impl std::fmt::Debug for Compared {
 }
 
 impl Page {
-    /// Reads one file, a plan or a recording, or a plan and what was measured. Beside a recording that
-    /// holds its program and is shown alone, the plan of that program is shown.
+    /// Reads one file, a plan or a recording, or a plan and a recording. For a single recording
+    /// that contains its program, the plan of that program is shown beside it.
     ///
     /// # Errors
     ///
@@ -298,19 +298,19 @@ impl Page {
         })
     }
 
-    /// What is missing or assumed, in words.
+    /// Missing data and assumptions, as text.
     #[must_use]
     pub fn notes(&self) -> &[String] {
         &self.notes
     }
 
-    /// How long the second file's motion took, in s, if it was held against the plan.
+    /// Measured cycle time of the second file, in s, if it was compared with the plan.
     #[must_use]
     pub fn measured_cycle_time_s(&self) -> Option<f64> {
         self.compared.as_ref().map(|compared| compared.report.measured_cycle_time_s())
     }
 
-    /// What the 3D view needs of the page, without curves.
+    /// Data for the 3D view of the page, without curves.
     #[must_use]
     pub fn sketch(&self) -> impl Serialize + use<'_> {
         Sketch {
@@ -332,7 +332,7 @@ impl Page {
         }
     }
 
-    /// The page as HTML, with its style, its scripts and its data.
+    /// Assembles the page as HTML, with its style, scripts and data.
     ///
     /// # Errors
     ///
@@ -342,7 +342,7 @@ impl Page {
     }
 }
 
-/// Refuses a recording followed by a plan: the page would swap the two.
+/// Rejects a recording followed by a plan: the page would swap the two.
 fn swapped(first: &Source, second: Option<&Source>) -> Result<(), PageError> {
     match second {
         Some(second) if first.role() == Role::Recording && second.role() != Role::Recording => {
@@ -352,8 +352,8 @@ fn swapped(first: &Source, second: Option<&Source>) -> Result<(), PageError> {
     }
 }
 
-/// A file that is shown alone; if it is a recording that holds its program, the plan of that, and the
-/// recording beside it.
+/// Returns a file that is shown alone; for a recording with its program, the plan of the program,
+/// and the recording.
 fn beside_its_plan(
     alone: Source,
     robot: &Robot,
@@ -371,7 +371,7 @@ fn beside_its_plan(
             Ok((plan, Some(alone)))
         }
         Some(Err(error @ (PageError::Interrupted | PageError::Write { .. }))) => Err(error),
-        // The recording can be shown all the same.
+        // The recording can be shown without its plan.
         Some(Err(error)) => {
             let why = with_causes(&error);
             notes.push(format!("{}: no plan of the program that it holds: {why}", alone.name));
@@ -380,12 +380,13 @@ fn beside_its_plan(
     }
 }
 
-/// What takes the times of a file to the page's: its first sample is at 0.
+/// Time shift from a file to the page: its first sample is at 0.
 fn from_start(source: &Source) -> f64 {
     source.log.t_s.first().map_or(0.0, |first| 0.0 - first)
 }
 
-/// The recording held against the plan, and what takes its times to the plan's; or why not.
+/// Compares the recording with the plan; returns also the time shift from the recording to the
+/// plan, or the reason for failure.
 fn comparison(first: &Source, second: &Source, robot: &Robot) -> Result<(Compared, f64), String> {
     let not = |why: String| format!("not compared, both start at 0: {why}");
     if first.role() != Role::Plan || first.is_broken_off() {
@@ -406,7 +407,8 @@ fn comparison(first: &Source, second: &Source, robot: &Robot) -> Result<(Compare
     Ok((compared, start_s - comparison.departure_s))
 }
 
-/// A deviation over the time of the arm, which goes on where the plan's time stands; the arm starts at `start_s`.
+/// Returns a deviation over the time of the recording, which continues during pauses of the plan's
+/// time; the arm starts at `start_s`.
 fn deviation(comparison: &Comparison, start_s: f64, value: impl Fn(&TracePoint) -> f64) -> Curve {
     let mut samples = Samples::<1>::with_capacity(comparison.trace.len());
     for part in comparison.unbroken_trace() {
@@ -421,7 +423,7 @@ fn deviation(comparison: &Comparison, start_s: f64, value: impl Fn(&TracePoint) 
     Curve::new(&samples, 0.0)
 }
 
-/// The motions with limits of their own, each with its number.
+/// Returns the motions with reduced limits, by their numbers.
 fn shares(motions: &[Motion]) -> BTreeMap<usize, Shares> {
     let own = |(index, motion): (usize, &Motion)| {
         let share = |kind| match motion {
@@ -437,7 +439,7 @@ fn shares(motions: &[Motion]) -> BTreeMap<usize, Shares> {
     motions.iter().enumerate().filter_map(own).collect()
 }
 
-/// The targets that are blended away.
+/// Returns the blended targets.
 fn corners(pieces: &[PlanPiece], program: Option<&Program>, robot: &Robot) -> Vec<Corner> {
     let Some(program) = program else { return Vec::new() };
     let blended: BTreeSet<usize> = pieces
@@ -448,7 +450,7 @@ fn corners(pieces: &[PlanPiece], program: Option<&Program>, robot: &Robot) -> Ve
     let corner = |(index, motion): (usize, &Motion)| {
         let (target_m, radius_mm) = match motion {
             Motion::Ptp(ptp) => {
-                // The TCP of the program's tool, or the flange.
+                // TCP of the program's tool, or the flange.
                 let tcp = program.workcell.tcp(None).ok()?;
                 let target = robot.flange_pose(&ptp.target_rad).then(&tcp);
                 let radius_mm = match ptp.blend? {
@@ -476,19 +478,19 @@ fn corners(pieces: &[PlanPiece], program: Option<&Program>, robot: &Robot) -> Ve
     program.motions.iter().enumerate().filter_map(corner).collect()
 }
 
-/// What arms are made with.
+/// Common input for all arms of a page.
 #[derive(Clone, Copy)]
 struct Making<'a> {
     extent: Extent,
     robot: &'a Robot,
     scene: Option<&'a ArmInScene>,
     workcell: &'a Workcell,
-    /// Those of the plan, by which the TCP is told, in the page's time.
+    /// Pieces of the plan in page time, which determine the active TCP.
     pieces: &'a [PlanPiece],
 }
 
 impl Making<'_> {
-    /// The arm of a file, all times later by `shift_s`.
+    /// Converts the motion of a file, all times shifted by `shift_s`.
     fn arm(&self, source: &Source, shift_s: f64) -> Arm {
         let log = &source.log;
         let times = |t_s: Option<&f64>| t_s.map_or(0.0, |t_s| t_s + shift_s);

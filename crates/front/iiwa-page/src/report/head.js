@@ -1,6 +1,6 @@
-// What is above the arm, and what its colours and those of the curves mean.
+// The head of the page, and the legends of robot and curve colours.
 
-/** The torque of some motions that is the largest share of its limit. */
+/** The peak torque of motions, relative to its limit. */
 function largestTorque(motions) {
   const all = motions.flatMap(({ index, torque }) =>
     (torque?.peak_percent || []).map((percent, j) => ({
@@ -88,15 +88,15 @@ function writeHead() {
 
 function writeLegends() {
   const { tcps, frames } = report.workcell;
-  const parts = [["line", `way of the ${tcps.length ? "TCP" : "flange"}`]];
+  const parts = [["line", `${tcps.length ? "TCP" : "flange"} path`]];
   const has = (kind) => report.pieces.some((piece) => piece.kind === kind);
   if (has("line")) parts[0][1] = "lines";
   else if (has("lin") || has("circ") || has("spline")) parts.pop();
-  if (has("lin")) parts.push(["lin", "lines of the TCP"]);
-  if (has("circ")) parts.push(["circ", "circles of the TCP"]);
-  if (has("spline")) parts.push(["spline", "splines of the TCP"]);
+  if (has("lin")) parts.push(["lin", "TCP lines (LIN)"]);
+  if (has("circ")) parts.push(["circ", "TCP circles (CIRC)"]);
+  if (has("spline")) parts.push(["spline", "TCP splines"]);
   if (report.pieces.some((piece) => piece.kind === "blend")) {
-    const marks = ["from where they begin to where they end"];
+    const marks = ["from start to end"];
     if (report.corners.length) marks.push("dots: their targets");
     if (report.corners.some((corner) => corner.radius_m)) marks.push("spheres: their radii");
     parts.push(["blend", `blends, ${marks.join("; ")}`]);
@@ -104,10 +104,7 @@ function writeLegends() {
   if (tcps.length) parts.push(["ink", "tool, from the flange to its TCP"]);
   if (frames.length) parts.push(["soft", "crosses of axes: frames; x red, y green, z blue"]);
   if (around.obstacles.length)
-    parts.push(
-      ["soft", "what stands around"],
-      ["blend", "thick line: where the arm comes nearest to it"],
-    );
+    parts.push(["soft", "obstacles"], ["blend", "thick line: smallest distance"]);
   if (around.tool.length) parts.push(["settle", "shapes of the tool"]);
   if (second)
     parts.push(
@@ -117,9 +114,9 @@ function writeLegends() {
   if (scene) legend($("legend"), parts);
   const kinds = [
     ["line", "line"],
-    ["lin", "line of the TCP"],
-    ["circ", "circle of the TCP"],
-    ["spline", "segment of a spline"],
+    ["lin", "TCP line"],
+    ["circ", "TCP circle"],
+    ["spline", "spline segment"],
     ["blend", "blend"],
     ["settle", "settling"],
     ["wait", "waiting"],

@@ -1,8 +1,8 @@
-// The page: what is shown when, and what its buttons do.
+// The page: updates over time, and actions of its buttons.
 
 // ---- the 3D view
 
-/** What is drawn of the ways: the plan's by its pieces, the recording's beside it. */
+/** The drawn TCP paths: the plan by its pieces, and the recording. */
 function ways() {
   const all = [wayOf(first, report.pieces, "line", second ? 6 : 3.5, toolAt)];
   if (second) all.push(wayOf(second, [], "measured", 1.8, toolAt, whole.from - 1, whole.to + 1));
@@ -36,7 +36,7 @@ function drawScene() {
     tool: toolAt(state.time),
     ghost: second && i === 0 ? "accent" : null,
   }));
-  // As the twin shows a plan: where the arm comes nearest, whenever that is.
+  // The minimum clearance over all times, as in the twin.
   const nearest = report.arms.at(-1).clearance?.nearest;
   scene.show(arms, nearest ? [nearest.on_link_m, nearest.on_other_m] : null);
 }
@@ -44,7 +44,7 @@ function drawScene() {
 // ---- time
 
 let drawn = false;
-/** Draws what depends on the time, once a frame. */
+/** Draws everything that depends on the time, once per frame. */
 function update() {
   if (drawn) return;
   drawn = true;
@@ -67,7 +67,7 @@ function seek(t) {
   update();
 }
 
-/** Shows another window of time on all curves. */
+/** Shows another time window in all charts. */
 function look(from, span) {
   const most = Math.max(endS - startS, 1e-3);
   const wide = Math.min(Math.max(span, 0.02), most);
@@ -99,7 +99,7 @@ function tick(now) {
   if (!state.playing) return;
   const passed = frame === null ? 0 : (now - frame) / 1000;
   frame = now;
-  // A page that was out of sight goes on from where it was.
+  // A page that was hidden continues from its last time.
   const next = state.time + Math.min(passed, 1) * state.speed;
   const end = state.time > whole.to ? endS : whole.to;
   seek(Math.min(next, end));
@@ -107,7 +107,7 @@ function tick(now) {
   else requestAnimationFrame(tick);
 }
 
-// ---- what people do
+// ---- user input
 
 function listen() {
   const scrub = $("scrub");
@@ -176,7 +176,7 @@ function listen() {
       draw();
     });
   });
-  // Printers take no WebGL, but a copy of its picture.
+  // WebGL canvases are not printed; a copy as an image is.
   const onPaper = (on) => {
     const paper = $("paper");
     if (paper) paper.hidden = true;
@@ -206,5 +206,5 @@ const drawAll = listen();
 const asked = Number(new URLSearchParams(location.hash.slice(1)).get("t") || NaN);
 if (Number.isFinite(asked)) state.time = Math.min(Math.max(asked, startS), endS);
 drawAll();
-// Since the page was asked for.
+// Time since navigation.
 document.documentElement.dataset.drawnMs = String(Math.round(performance.now()));

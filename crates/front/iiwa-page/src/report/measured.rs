@@ -1,4 +1,4 @@
-//! The curves of a recording: its positions, and estimates of their derivatives.
+//! Curves of a recording: its positions, and estimates of their derivatives.
 
 use iiwa_eval::local_cubic;
 use iiwa_kin::Joints;
@@ -7,14 +7,15 @@ use rayon::prelude::*;
 
 use super::curve::Samples;
 
-/// Derivatives are those of a cubic over at least this long before and after, in s: short next to the
-/// 0.05 s for which an LBR iiwa's acceleration builds up, long enough for an encoder's noise.
+/// Smallest half-width of the window in which a cubic is fitted to compute derivatives, in s: short
+/// compared to the 0.05 s in which the acceleration of an LBR iiwa builds up, long enough to
+/// average encoder noise.
 const HALF_S: f64 = 0.02;
 
-/// The cubic has at least so many samples before and after.
+/// Smallest number of samples on each side of the cubic's centre.
 const HALF_SAMPLES: f64 = 4.0;
 
-/// Cubics at most: of an hour. No screen shows more of them.
+/// Maximum number of cubics: an hour. More are not visible on a screen.
 const CUBICS: f64 = 900_000.0;
 
 /// Position, velocity, acceleration and jerk of a recording.
@@ -24,7 +25,7 @@ pub(crate) struct Measured {
     pub(crate) velocity: Samples,
     pub(crate) acceleration: Samples,
     pub(crate) jerk: Samples,
-    /// Half of the window of the cubics, in s.
+    /// Half-width of the window of the cubics, in s.
     pub(crate) half_s: f64,
 }
 
@@ -40,15 +41,15 @@ impl Measured {
             half_s,
         };
         let (Some(first), Some(last)) = (log.t_s.first(), log.t_s.last()) else { return measured };
-        // No cubic is whole.
+        // Too short for a complete window.
         if last - first < 2.0 * half_s {
             return measured;
         }
         let joints: Vec<Vec<f64>> =
             (0..7).map(|j| log.q_rad.iter().map(|q| q[j]).collect()).collect();
-        // A cubic changes little in a fifth of its window: no peak is between two of them.
+        // A cubic changes little in a fifth of its window: no peak is missed in between.
         let step_s = (0.2 * half_s).max(log.period_s().unwrap_or(half_s));
-        // Where samples are days apart, there is nothing in between.
+        // Samples may be days apart: bounds the number of cubics.
         let step_s = step_s.max((last - first) / CUBICS);
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a count")]
         let steps = ((last - first - 2.0 * half_s) / step_s) as usize;
@@ -68,7 +69,7 @@ impl Measured {
     }
 }
 
-/// Velocities, accelerations and jerks at a time; not numbers where a gap is in the window.
+/// Returns velocities, accelerations and jerks at a time; NaN if the window contains a gap.
 fn derivatives(
     t_s: &[f64],
     joints: &[Vec<f64>],
@@ -89,7 +90,7 @@ fn derivatives(
     rows
 }
 
-/// From where to where there are no samples, in s.
+/// Returns the intervals without samples, in s.
 fn gaps(log: &JointLog) -> Vec<(f64, f64)> {
     let gap = |loss: &Loss| match loss {
         Loss::Gap { from_s, to_s, .. } => Some((*from_s, *to_s)),
@@ -98,13 +99,13 @@ fn gaps(log: &JointLog) -> Vec<(f64, f64)> {
     log.losses.iter().filter_map(gap).collect()
 }
 
-/// What the joints of a plan or a recording exert, in Nm, as far as the file has it.
+/// Returns the torques that the joints of a plan or a recording exert, in Nm, as far as known.
 pub(crate) fn torques(log: &JointLog) -> Samples {
     let known = |torque_nm: Option<Joints>| torque_nm.unwrap_or([f64::NAN; 7]);
     with_gaps(&log.t_s, log.exerted_nm().map(known), &gaps(log))
 }
 
-/// The samples, and in each gap one that is not a number.
+/// Returns the samples, with a NaN sample in each gap.
 fn with_gaps(t_s: &[f64], rows: impl Iterator<Item = Joints>, gaps: &[(f64, f64)]) -> Samples {
     let mut samples = Samples::default();
     let mut gaps = gaps.iter().peekable();

@@ -1,9 +1,10 @@
-// The charts that there are: each is drawn, and tells its values at a time.
+// The charts of the page: drawing, and values at a time.
 
-/** Below this, in mm or mrad, recordings and their noise tell nothing. */
+/** Least shown deviation, in mm or mrad: below it, recordings are noise. */
 const LEAST_DEVIATION = 0.001;
 
-/** All charts: how each is drawn, its values at a time as colour, name and text, and the place that they are written to. */
+/** All charts: drawing function, values at a time as colour, name and text, and the element for the
+    values. */
 const charts = [];
 
 /** Adds a chart to a part of the page, below a title. */
@@ -17,7 +18,7 @@ function addChart(parent, { title, label, height, draw, readings }) {
   return listChart(canvas, label, draw, readings);
 }
 
-/** Notes a canvas as a chart. It is a slider of the time to those who do not see it. */
+/** Registers a canvas as a chart. For assistive technology, the chart is a time slider. */
 function listChart(canvas, label, draw, readings = () => []) {
   const marks = {
     select: element("i", "", "selection"),
@@ -34,7 +35,7 @@ function listChart(canvas, label, draw, readings = () => []) {
   return chart;
 }
 
-/** Values of the arms with a curve, one text for all of them. */
+/** Values of the robots that have a curve, as one text. */
 function valuesAt(of, decimals, unit) {
   const texts = report.arms
     .map((arm) => number(of(arm), decimals))
@@ -93,11 +94,11 @@ function offerSnap(title, box) {
   });
 }
 
-/** The deviations from the plan, over the page's time. */
+/** Adds charts of the deviations from the plan over time. */
 function addDeviations() {
   for (const [key, what, unit, last] of [
-    ["tcp_mm", "Flange off its path", "mm", false],
-    ["joints_mrad", "Joints off their path", "mrad", true],
+    ["tcp_mm", "Flange deviation", "mm", false],
+    ["joints_mrad", "Joint deviation", "mrad", true],
   ]) {
     const curve = { ...report.compared[key], colour: "measured" };
     const most = curve.high.reduce((a, b) => Math.max(a, b || 0), 0);
@@ -117,13 +118,13 @@ function addDeviations() {
   }
 }
 
-/** The pair that is nearest at a time. */
+/** The nearest pair at a time. */
 function pairAt({ pairs }, t) {
   const starts = pairs.map((pair) => pair.from_s);
   return pairs[Math.max(countUpTo(starts, t) - 1, 0)];
 }
 
-/** Adds a chart of the clearance or the self-clearance; its pairs are those of the last arm. */
+/** Adds a chart of the clearance or the self-clearance, with the pairs of the last robot. */
 function addClearance(key, title, label) {
   const arms = report.arms.filter((arm) => arm[key]);
   if (!arms.length) return;
@@ -184,7 +185,7 @@ function drawCharts() {
   placeCursors();
 }
 
-/** Where a time is across the charts, as a share of their width. */
+/** Horizontal position of a time in the charts, as a share of their width. */
 const shareOf = (t) => (t - state.window.from) / (state.window.to - state.window.from);
 
 function placeAt(mark, t) {

@@ -1,17 +1,19 @@
-//! The curves of a plan, from the nodes of its trajectory.
+//! Curves of a plan, from the nodes of its trajectory.
 
 use iiwa_kin::Joints;
 use iiwa_log::PlanNode;
 
 use super::curve::Samples;
 
-/// The longest step between two samples, in s, unless there would be too many.
+/// Longest step between two samples, in s, unless this gives too many samples.
 const STEP_S: f64 = 0.004;
 
-/// Samples of a plan beside its nodes, at most: of half an hour. No screen shows more of them.
+/// Maximum number of samples of a plan in addition to its nodes: half an hour. More are not visible
+/// on a screen.
 const SAMPLES: f64 = 450_000.0;
 
-/// The shortest step from node to node, in s, of which the velocities tell how the jerk changes: times are in whole nanoseconds.
+/// Shortest step between nodes, in s, for which velocities determine the change of the jerk: times
+/// are rounded to nanoseconds.
 const LEAST_S: f64 = 0.002;
 
 /// Position, velocity, acceleration, jerk and snap of a plan.
@@ -20,18 +22,18 @@ pub(crate) struct Planned {
     pub(crate) position: Samples,
     pub(crate) velocity: Samples,
     pub(crate) acceleration: Samples,
-    /// Without samples if the acceleration jumps, as is the snap.
+    /// Jerk; like the snap, without samples if the acceleration jumps.
     pub(crate) jerk: Samples,
-    /// Steps.
+    /// Snap, piecewise constant.
     pub(crate) snap: Samples,
 }
 
 impl Planned {
-    /// Samples at the nodes and between those that are far apart.
+    /// Samples a plan at its nodes, and between distant nodes.
     ///
-    /// Under limits of jerk (`smooth`), velocity is a cubic between nodes, so that jerk is linear and snap constant there:
-    /// exact on lines, on which either jerk or snap is constant from node to node. Without them, acceleration is
-    /// constant from a node on, and jumps.
+    /// With jerk limits (`smooth`), velocity is a cubic between nodes, so jerk is linear and snap
+    /// constant there: exact on lines, where either jerk or snap is constant between nodes. Without
+    /// jerk limits, acceleration is constant between nodes, and jumps at nodes.
     pub(crate) fn new(nodes: &[PlanNode], smooth: bool) -> Self {
         let ends = nodes.first().zip(nodes.last());
         let whole_s = ends.map_or(0.0, |(first, last)| last.t_s - first.t_s);
@@ -39,7 +41,7 @@ impl Planned {
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a count")]
         let steps = |span_s: f64| (span_s / step_s).ceil().max(1.0) as u32;
         let spans = nodes.windows(2).map(|pair| pair[1].t_s - pair[0].t_s);
-        // Lists of this length would take twice as much while they grow.
+        // Growing lists of this length would temporarily need twice the memory.
         let count = spans.map(|span_s| steps(span_s) as usize).sum::<usize>() + 1;
         let samples = |count| Samples::with_capacity(count);
         let both_ends = 2 * nodes.len();
@@ -103,18 +105,19 @@ impl Planned {
     }
 }
 
-/// Jerk at both ends of a span of time, of the cubic with these velocities and accelerations there.
+/// Returns the jerk at both ends of a time span, for the cubic with these velocities and
+/// accelerations.
 fn jerk_at_ends(span_s: f64, [v, a]: [f64; 2], [v_end, a_end]: [f64; 2]) -> [f64; 2] {
     let mean = (a_end - a) / span_s;
     if span_s < LEAST_S {
         return [mean; 2];
     }
-    // How far the mean acceleration is above that of a linear one.
+    // Excess of the mean acceleration over that of a linear course.
     let above = 6.0 * ((v_end - v) / span_s - 0.5 * (a + a_end)) / span_s;
     [mean + above, mean - above]
 }
 
-/// The cubic with these values and slopes at both ends of a span.
+/// Evaluates the cubic with these values and slopes at both ends of a span.
 fn hermite(x: f64, span: f64, [a, da]: [f64; 2], [b, db]: [f64; 2]) -> f64 {
     let (da, db) = (da * span, db * span);
     let rise = b - a;
@@ -125,7 +128,7 @@ fn hermite(x: f64, span: f64, [a, da]: [f64; 2], [b, db]: [f64; 2]) -> f64 {
 mod tests {
     use super::*;
 
-    /// A motion at a millionth of its speed takes months from one node to the next.
+    /// Tests a plan at a millionth of full speed, with months between two nodes.
     #[test]
     fn long_plans_have_no_more_samples() {
         let node = |t_s: f64| PlanNode { t_s, q: [t_s * 1e-7; 7], dq: [1e-7; 7], ddq: [0.0; 7] };
@@ -159,7 +162,7 @@ mod tests {
         assert_eq!(jumps.acceleration.rows[10], [0.0; 7]);
     }
 
-    /// A ramp as Sunrise begins it: its snap is constant.
+    /// Tests a ramp with constant snap, as Sunrise begins it.
     #[test]
     fn constant_snap_is_met() {
         let node = |t: f64| PlanNode {
@@ -168,7 +171,8 @@ mod tests {
             dq: [t.powi(3) / 6.0; 7],
             ddq: [0.5 * t * t; 7],
         };
-        // The last span is too short to tell the change of the jerk: its mean is left.
+        // The last span is too short to resolve the change of the jerk: only its mean is
+        // determined.
         let planned = Planned::new(&[node(0.0), node(0.06), node(0.061)], true);
         for (t_s, row) in std::iter::zip(&planned.acceleration.t_s, &planned.acceleration.rows) {
             assert!((row[6] - 0.5 * t_s * t_s).abs() < 1e-12, "{t_s} s: {}", row[6]);

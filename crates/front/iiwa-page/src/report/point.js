@@ -1,13 +1,13 @@
-// The flange or the TCP over time: its speed, where it is, and how it is turned.
+// The flange or the TCP over time: speed, position and orientation.
 
-/** The speed that the TCP must not exceed in T1 and beside people, in mm/s (ISO 10218-1). */
+/** Maximum TCP speed in T1 and beside people, in mm/s (ISO 10218-1). */
 const REDUCED_MM_S = 250;
 
 const hasTool = report.workcell.tcps.length > 0;
-/** Whether the TCP is shown, or the flange. */
+/** The shown point: the TCP if `tcp` is true, else the flange. */
 const point = { tcp: hasTool, level: false, cache: new Map() };
 
-/** The TCP at a time, in the flange's frame: its place and three rows of its turn. */
+/** The TCP pose at a time, in the flange frame: position and three rows of the rotation matrix. */
 function tipAt(t) {
   const piece = report.pieces.length ? pieceAt(t + 1e-9) : null;
   const { tcps } = report.workcell;
@@ -15,7 +15,7 @@ function tipAt(t) {
   return tcps[Math.max(countUpTo(motions, piece ? piece.motion : 1) - 1, 0)];
 }
 
-/** Where flange or TCP is, in mm, and its angles A, B and C, in degrees: R = Rz(A) Ry(B) Rx(C). */
+/** Position of flange or TCP, in mm, and its angles A, B, C, in deg: R = Rz(A) Ry(B) Rx(C). */
 function placeOf(arm, t) {
   let m = linkPoses(jointsAt(arm, t)).at(-1);
   if (point.tcp) {
@@ -23,15 +23,15 @@ function placeOf(arm, t) {
     m = product(m, posed(offset_m, rotation));
   }
   const flat = Math.hypot(m[0], m[1]);
-  // Where A and C turn about one axis, C has all of it.
+  // At the singularity, A and C rotate about the same axis, and A is set to 0.
   const [sinA, cosA] = flat > 1e-6 ? [m[1] / flat, m[0] / flat] : [0, 1];
   const c = Math.atan2(sinA * m[8] - cosA * m[9], cosA * m[5] - sinA * m[4]);
   const abc = [Math.atan2(sinA, cosA), Math.atan2(-m[2], flat), c];
   return [1000 * m[12], 1000 * m[13], 1000 * m[14], ...abc.map((angle) => DEG * angle)];
 }
 
-/** The places of an arm over the window of time, as many as can be told apart: six numbers each, and none in gaps.
-    Angles go on beyond half a turn. */
+/** Poses of a robot over the time window, at the resolution of the screen: six numbers each, and
+    NaN in gaps. Angles are unwrapped beyond 180 deg. */
 function placesOver(arm, window_) {
   const SAMPLES = 600;
   const key = `${report.arms.indexOf(arm)} ${point.tcp} ${window_.from} ${window_.to}`;
@@ -57,7 +57,7 @@ function placesOver(arm, window_) {
   return places;
 }
 
-/** The speed of an arm's flange or TCP: both are beside each other. */
+/** The speed of the flange or the TCP of a robot. */
 function speedOf(arm) {
   return { ...arm.speed, of: hasTool ? 2 : 1, at: hasTool && point.tcp ? 1 : 0, factor: 1000 };
 }
@@ -66,7 +66,7 @@ const POINT_PLACES = [
   { title: "Position", unit: "mm", names: ["X", "Y", "Z"], at: 0, least: 1 },
   { title: "Orientation", unit: "deg", names: ["A", "B", "C"], at: 3, least: 1 },
 ];
-/** Colours of the three axes: those of joints that are far apart. */
+/** Colours of the three axes: well distinguishable joint colours. */
 const AXIS_COLOURS = ["a7", "a4", "a6"];
 
 function addPoint() {

@@ -1,11 +1,11 @@
-// What a pointer, fingers and keys do on the charts: values at a place, another window of time, another time.
+// Input on the charts by mouse, touch and keys: values at a point, time window, time.
 
-/** A mouse that moves less, in px, does not drag. */
+/** Least motion of a mouse drag, in px. */
 const STILL_PX = 5;
 
 const pointing = { chart: null, t: 0 };
 
-/** The time at a place of the screen, within the window. */
+/** The time at a screen position, within the time window. */
 function timeAt({ canvas }, clientX) {
   const box = canvas.getBoundingClientRect();
   const share = (clientX - box.left - LEFT) / (box.width - LEFT - RIGHT);
@@ -13,7 +13,8 @@ function timeAt({ canvas }, clientX) {
   return from + Math.min(Math.max(share, 0), 1) * (to - from);
 }
 
-/** Shows the values at a time beside one chart, and where that is on all of them; nothing without a chart. */
+/** Shows the values at a time beside one chart, and a line at that time in all charts; hides both
+    without a chart. */
 function pointAt(chart, t) {
   [pointing.chart, pointing.t] = [chart, t];
   for (const it of charts) {
@@ -34,14 +35,14 @@ function pointAt(chart, t) {
   told.replaceChildren(element("b", `${number(t, 3)} s`), ...rows);
   const words = readings.map(([, name, text]) => `${name} ${text}`.trim());
   canvas.setAttribute("aria-valuetext", [`${number(t, 3)} s`, ...words].join(", "));
-  // Beside the line, and within the chart.
+  // The values are beside the line, and within the chart.
   const [wide, share] = [canvas.clientWidth, shareOf(t)];
   const at = LEFT + share * (wide - LEFT - RIGHT);
   const left = at + 10 + told.offsetWidth > wide ? at - 10 - told.offsetWidth : at + 10;
   told.style.left = `${Math.max(Math.min(left, wide - told.offsetWidth), 0)}px`;
 }
 
-/** The charts as sliders of the time, for those who do not see them. */
+/** Updates the slider values of the charts for assistive technology. */
 function tellSliders() {
   for (const { canvas } of charts) {
     canvas.setAttribute("aria-valuemin", number(startS, 3));
@@ -51,7 +52,7 @@ function tellSliders() {
   }
 }
 
-/** Where a finger's time stays, and which window two fingers leave. */
+/** Pinch zoom: each finger keeps its time, and the fingers set the time window. */
 function spread(chart, pinch, fingers) {
   const box = chart.canvas.getBoundingClientRect();
   const wide = box.width - LEFT - RIGHT;

@@ -1,4 +1,4 @@
-//! What a file has for the page.
+//! Files shown on a page.
 
 use std::{
     fs::File,
@@ -13,33 +13,33 @@ use serde::Serialize;
 
 use crate::PageError;
 
-/// A file that was read.
+/// File that was read.
 #[derive(Debug)]
 pub(crate) struct Source {
-    /// As it was named.
+    /// Name as given.
     pub(crate) name: String,
-    /// The same without its folder: pages are passed on.
+    /// Name without its folder: pages are shared.
     pub(crate) file: String,
-    /// Where the joints were.
+    /// Joint positions.
     pub(crate) log: JointLog,
-    /// What a plan has beside them; of a recording, nothing but its metadata.
+    /// Further content of a plan; of a recording, only its metadata.
     pub(crate) record: PlanRecord,
 }
 
-/// The motion of the arm in a file.
+/// Kind of motion in a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub(crate) enum Role {
-    /// What it is to do.
+    /// Planned motion.
     Plan,
-    /// The same, without the end of the file: no trajectory, no figures.
+    /// Planned motion in an incomplete file: no trajectory, no figures.
     Part,
-    /// What it did.
+    /// Recorded motion.
     Recording,
 }
 
 impl Source {
-    /// Reads a file, as far as it is whole.
+    /// Reads a file up to the first damage.
     pub(crate) fn read(path: &Path, options: LogOptions) -> Result<Self, PageError> {
         let name = path.display().to_string();
         let log = JointLog::read_with(open(path)?, options)
@@ -49,7 +49,7 @@ impl Source {
         Self { name, file, log, record: PlanRecord::default() }.with_record(|| open(path))
     }
 
-    /// Takes an MCAP file that was made for the page, under a name to show.
+    /// Reads an MCAP file that was created for the page, with a name to show.
     pub(crate) fn made(name: &str, content: &[u8]) -> Result<Self, PageError> {
         let log = JointLog::read(content)
             .map_err(|source| PageError::Recording { name: name.to_owned(), source })?;
@@ -65,13 +65,12 @@ impl Source {
         }
     }
 
-    /// The program that the file holds, if it can be read.
+    /// Program in the file, if valid.
     pub(crate) fn program(&self) -> Option<Program> {
         self.log.program.as_deref().and_then(|text| Program::from_json(text).ok())
     }
 
-    /// With what a plan has beside joint states, up to where the file breaks off, which the
-    /// joint states have shown.
+    /// Adds the further content of a plan, up to the damage that the joint states have reported.
     fn with_record<R: Read>(
         mut self,
         open: impl FnOnce() -> Result<R, PageError>,
@@ -86,7 +85,7 @@ impl Source {
             }
             _ => self.record = record,
         }
-        // Without nodes, the duration of the last piece follows from the joint states.
+        // Without nodes, the end of the last piece is that of the joint states.
         if let (true, Some(last), Some(end_s)) =
             (self.record.nodes.is_empty(), self.record.pieces.last_mut(), self.log.t_s.last())
         {
@@ -95,13 +94,13 @@ impl Source {
         Ok(self)
     }
 
-    /// Whether the file is cut off or damaged.
+    /// Returns true if the file is cut off or damaged.
     pub(crate) fn is_broken_off(&self) -> bool {
         self.log.losses.iter().any(|loss| matches!(loss, Loss::BrokenOff { .. }))
     }
 
-    /// The robot that was asked for, or the one that the file was made with, or the default one; and what
-    /// is assumed.
+    /// Returns the requested robot, or that of the file, or the default robot; and the assumption
+    /// made, if any.
     pub(crate) fn robot(
         &self,
         asked: Option<&Robot>,
@@ -121,14 +120,14 @@ impl Source {
         Ok((robot, Some(note)))
     }
 
-    /// Refuses positions that the robot does not have.
+    /// Rejects positions that are impossible for the robot.
     pub(crate) fn check(&self, robot: &Robot) -> Result<(), PageError> {
         self.log
             .check_robot(robot)
             .map_err(|source| PageError::Recording { name: self.name.clone(), source })
     }
 
-    /// What the file lacks, as text.
+    /// Describes the losses of the file.
     pub(crate) fn losses(&self) -> Vec<String> {
         const SHOWN: usize = 5;
         let losses = &self.log.losses;
@@ -136,7 +135,7 @@ impl Source {
             losses.iter().take(SHOWN).map(|loss| format!("{}: {loss}", self.name)).collect();
         if losses.len() > SHOWN {
             notes.push(format!("{}: and {} more losses", self.name, losses.len() - SHOWN));
-            // Where it ends is what people ask first.
+            // The end of a damaged file is the most important loss.
             if let Some(end @ Loss::BrokenOff { .. }) = losses.last() {
                 notes.push(format!("{}: {end}", self.name));
             }

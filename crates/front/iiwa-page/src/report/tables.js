@@ -1,4 +1,4 @@
-// What there is now, the motions, and the errors, in numbers.
+// Tables of current values, motions and errors.
 
 const cells = { joints: [], flange: [], rows: [] };
 
@@ -45,10 +45,10 @@ function writeNow() {
   });
   const piece = report.pieces.length ? pieceAt(t) : null;
   const words = {
-    line: "on its straight way in joint space",
-    lin: "on the line of its TCP",
-    circ: "on the circle of its TCP",
-    spline: "on a spline of its TCP",
+    line: "on a straight line in joint space",
+    lin: "on a TCP line",
+    circ: "on a TCP circle",
+    spline: "on a TCP spline",
     blend: "blending in",
     settle: "settling",
     wait: "waiting",
@@ -71,7 +71,7 @@ function writeNow() {
 
 let sources = null;
 
-/** What a motion was made from, in parentheses, if that is known. */
+/** The source of a motion in parentheses, if known. */
 function sourceOf(motion) {
   sources ??= new Map(
     motionRows().flatMap(({ index, source }) => (source ? [[index, source]] : [])),
@@ -80,12 +80,12 @@ function sourceOf(motion) {
   return source ? ` (${source.file}:${source.line})` : "";
 }
 
-/** A limit of a joint, or of the TCP. */
+/** The name of a joint or TCP limit. */
 function limitName(joint, kind) {
   return (joint ? `A${joint} ` : "") + kind.replace("_", " ");
 }
 
-/** The motions, as the figures have them; else as the pieces tell. */
+/** The motions from the figures; without figures, from the pieces. */
 function motionRows() {
   if (Array.isArray(report.figures.motions)) return report.figures.motions;
   const rows = [];
@@ -131,7 +131,7 @@ function writeMotions() {
   const body = element("tbody");
   for (const motion of rows.slice(0, SHOWN)) {
     const row = element("tr");
-    // On a phone, each cell says itself what it is.
+    // On narrow screens, each cell has its own label.
     const add = (text, kind) => {
       const cell = element("td", text, kind);
       cell.dataset.name = names[row.children.length];
@@ -175,7 +175,7 @@ function writeMotions() {
   $("table").append(headed, body);
   const hidden = rows.length - Math.min(rows.length, SHOWN);
   $("more").textContent =
-    "A motion lasts from the start of the blend that leads into it to the start of the blend that leads out of it, or to its stop; the shares are of its time." +
+    "A motion lasts from the start of the blend before it to the start of the blend after it, or to its stop; shares are relative to its duration." +
     (hidden ? ` ${hidden} more motions: iiwasim plan --json has them.` : "");
 }
 
@@ -196,16 +196,20 @@ function writeCompared() {
     "error of the cycle time",
     `${number(cycle.error_s, 4)} s, ${number(cycle.error_percent, 2)} %`,
   );
-  figure(list, `flange off its path, at most (motion ${tcp.motion})`, atLeast(tcp.max_mm, 3, "mm"));
+  figure(list, `largest flange deviation (motion ${tcp.motion})`, atLeast(tcp.max_mm, 3, "mm"));
   figure(list, "on average", atLeast(tcp.mean_mm, 3, "mm"));
-  figure(list, `joints, at most (motion ${joint.motion})`, atLeast(1e3 * joint.max_rad, 3, "mrad"));
+  figure(
+    list,
+    `largest joint deviation (motion ${joint.motion})`,
+    atLeast(1e3 * joint.max_rad, 3, "mrad"),
+  );
   const notes = [
-    `Each sample is held against the nearest place of the planned path, whenever the arm is there; noise of the recording (${rest.noise_rad.toExponential(1)} rad) counts as distance.`,
+    `Each sample is compared with the nearest point of the planned path, regardless of time; recording noise (${rest.noise_rad.toExponential(1)} rad) counts as distance.`,
     ...rest.losses,
   ];
   if (rest.again_s !== null)
     notes.push(
-      `The program is in the recording again, from ${number(rest.again_s, 3)} s of it on: the first time counts.`,
+      `The recording contains the program again, from ${number(rest.again_s, 3)} s on; the first run is used.`,
     );
   const sentence = (text) =>
     text[0].toUpperCase() + text.slice(1) + (text.endsWith(".") ? "" : ".");

@@ -1,4 +1,4 @@
-//! What the page shows of tools and frames.
+//! Tools and frames on the page.
 
 use iiwa_kin::{Joints, Pose, Robot};
 use iiwa_log::PlanPiece;
@@ -7,26 +7,26 @@ use serde::Serialize;
 
 use super::curve::{Curve, Samples};
 
-/// Frames that are shown, at most: more of them hide each other.
+/// Maximum number of frames shown: more would hide each other.
 const FRAMES: usize = 500;
 
 /// Tools and frames of a program.
 #[derive(Debug, Default, Serialize)]
 pub(crate) struct Workcell {
-    /// The TCPs in the flange's frame: each from a motion on, up to the next.
+    /// TCPs in the flange frame, each from a motion on, up to the next.
     tcps: Vec<Tcp>,
     frames: Vec<ShownFrame>,
-    /// The TCP of each motion, in the flange's frame.
+    /// TCP of each motion, in the flange frame.
     #[serde(skip)]
     poses: Vec<Pose>,
 }
 
 #[derive(Debug, Serialize)]
 struct Tcp {
-    /// From 1.
+    /// Number of the first motion, from 1.
     motion: usize,
     offset_m: [f64; 3],
-    /// Row-major.
+    /// Rotation matrix, row-major.
     rotation: [[f64; 3]; 3],
 }
 
@@ -34,12 +34,13 @@ struct Tcp {
 struct ShownFrame {
     name: Option<String>,
     position_m: [f64; 3],
-    /// Row-major.
+    /// Rotation matrix, row-major.
     rotation: [[f64; 3]; 3],
 }
 
 impl Workcell {
-    /// That of a program; nothing if it has neither tools nor frames, or not those that it names.
+    /// Collects tools and frames of a program; empty if the program has neither, or refers to
+    /// missing ones.
     pub(crate) fn new(program: Option<&Program>) -> Self {
         let Some(program) = program.filter(|it| it.has_frames() || !it.workcell.is_empty()) else {
             return Self::default();
@@ -66,8 +67,9 @@ impl Workcell {
         Self { tcps, frames: shown.collect(), poses }
     }
 
-    /// Speeds in m/s over time: of the flange, and, if there is a tool, of the TCP that moves then by `pieces`. States are
-    /// times, positions and velocities of the joints, in the order of time; all times are later by `shift_s` in the curve.
+    /// Computes speeds in m/s over time: of the flange, and, with a tool, of the TCP that `pieces`
+    /// determine at that time. States are times, positions and velocities of the joints, in the
+    /// order of time; all times are shifted by `shift_s` in the curve.
     pub(crate) fn speeds<'a>(
         &self,
         robot: &Robot,

@@ -1,13 +1,14 @@
-// The joints, the speed of the flange or the TCP and the torques over the last seconds.
+// Plots of joints, flange or TCP speed and torques over the last seconds.
 
-/** Numbers of an instant: seven joints in rad, the speed in m/s, seven torques as measured and seven of the plan, in Nm. */
+/** Numbers per sample: seven joint positions in rad, the speed in m/s, seven measured and seven
+    planned torques in Nm. */
 const NUMBERS = 22;
 const SPEED = 7;
 const MEASURED = 8;
 const PLANNED = 15;
 
 const history_ = {
-  /** How far back the plots go, in s. */
+  /** Time window of the plots, in s. */
   span: 30,
   count: 0,
   t_s: new Float64Array(16_000),
@@ -15,12 +16,12 @@ const history_ = {
   places: [],
 };
 
-/** The TCP of the program on the page, in the flange's frame; none is the flange. */
+/** The TCP of the program on the page, in the flange frame; null for the flange. */
 const tipOf = () => desk.plan?.sketch.workcell.tcps[0]?.offset_m || null;
 
-/** Notes where the arm is; a drive that starts again has other times. */
+/** Records a sample; a restarted drive has other times. */
 function remember({ t_s: t, joints_rad: q, torque_nm: torques }) {
-  /** Speeds are those over at least so long, in s: shorter ones are noise. */
+  /** Minimum interval for speeds, in s: over shorter intervals, speeds are noise. */
   const OVER_S = 0.045;
   const past = history_;
   if (past.count && t <= past.t_s[past.count - 1]) {
@@ -29,7 +30,7 @@ function remember({ t_s: t, joints_rad: q, torque_nm: torques }) {
   }
   const limit = past.t_s.length;
   if (past.count === limit) {
-    // What is older than two minutes goes.
+    // Samples older than two minutes are dropped.
     const kept = (3 * limit) / 4;
     past.t_s.copyWithin(0, limit - kept);
     past.rows.copyWithin(0, NUMBERS * (limit - kept));
@@ -41,7 +42,7 @@ function remember({ t_s: t, joints_rad: q, torque_nm: torques }) {
   places.push({ t, tip, at: tcpAt(q, tip) });
   while (places.length > 2 && t - places[1].t >= OVER_S) places.shift();
   const { t: from, at } = places[0];
-  // After a gap, nothing is known.
+  // After a gap, the speed is unknown.
   const isKnown = t - from >= OVER_S && t - from < 0.5;
   const i = past.count;
   past.t_s[i] = t;
@@ -54,7 +55,7 @@ function remember({ t_s: t, joints_rad: q, torque_nm: torques }) {
   past.count += 1;
 }
 
-/** The speed now, in m/s; not a number where it is unknown. */
+/** The current speed, in m/s; NaN if unknown. */
 const speedNow = () =>
   history_.count ? history_.rows[NUMBERS * (history_.count - 1) + SPEED] : Number.NaN;
 
@@ -92,7 +93,7 @@ function drawHistory() {
   drawCurves($("history-torque"), torques, window_, colours, { fromZero: false, least: 10 });
 }
 
-/** Whether the plots are on the screen: others are not drawn. */
+/** True if the plots are on the screen; otherwise, they are not drawn. */
 let isHistorySeen = false;
 new IntersectionObserver((entries) => {
   isHistorySeen = entries.at(-1).isIntersecting;

@@ -1,8 +1,8 @@
-// The connection to the twin: its newest words come in, orders go out.
+// The connection to the twin: receives its latest messages, and sends requests.
 
 const link = {
   open: false,
-  /** What is done with a word of each kind. */
+  /** Handler of each kind of message. */
   takes: {},
   orders: new Map(),
   count: 0,
@@ -25,14 +25,13 @@ function connect() {
   });
   socket.addEventListener("close", () => {
     link.open = false;
-    for (const { refuse } of link.orders.values())
-      refuse(new Error("the twin went away before its answer"));
+    for (const { refuse } of link.orders.values()) refuse(new Error("connection to the twin lost"));
     link.orders.clear();
     setTimeout(connect, 500);
   });
 }
 
-/** Gives an order; fails with the reason if it is not carried out. */
+/** Sends a request; fails with the reason if it is not executed. */
 function order(what, parameters = {}) {
   if (!link.open) return Promise.reject(new Error("the twin cannot be reached"));
   link.count += 1;
@@ -52,7 +51,7 @@ function answered({ id, error }) {
   else waiting.refuse(new Error(error));
 }
 
-/** Hands over a program's text; fails with the reason if it cannot be planned. */
+/** Uploads a program text; fails with the reason if the program cannot be planned. */
 async function handOver(name, text) {
   const at = new URL("program", location.href);
   at.search = location.search;
@@ -65,17 +64,17 @@ async function handOver(name, text) {
   if (error !== null) throw new Error(error);
 }
 
-/** What went wrong before is no longer on the page. */
+/** Removes earlier error messages from the page. */
 function forgetComplaints() {
   for (const it of document.querySelectorAll(".said")) it.textContent = "";
 }
 
-/** Gives an order, and tells in a place of the page if it was refused. */
+/** Sends a request, and shows a refusal at a place on the page. */
 function ask(place, what, parameters) {
   return attempt(place, () => order(what, parameters));
 }
 
-/** Does something, and tells in a place of the page if it fails. */
+/** Runs a function, and shows its failure at a place on the page. */
 async function attempt(place, what) {
   forgetComplaints();
   try {

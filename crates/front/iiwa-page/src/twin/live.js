@@ -1,15 +1,16 @@
-// Where the arm is, and how the robot is.
+// Live position and state of the robot.
 
 const live = { newest: null, fresh: false, health: {}, drawn: [], apart_ms: 0 };
 
-/** Older than this, in ms, it is not where the arm is. */
+/** Maximum age of a live position, in ms. */
 const STALE_MS = 1000;
 
-/** Milliseconds since 1970, with their fractions, by the twin's clock. */
+/** Time by the clock of the twin, in ms since 1970, with fractions. */
 const clockMs = () => performance.timeOrigin + performance.now() - live.apart_ms;
 
-/** Through a tunnel, the twin's clock is another machine's, and this one stands still in a laptop that sleeps.
-    No word comes sooner than at once: what came soonest tells how far apart they are. */
+/** Updates the clock offset. The twin may run on another machine, and the clock of the page stops
+    while a laptop sleeps. As a message cannot arrive before it was sent, the fastest message gives
+    the offset. */
 function compareClocks(at_ms) {
   const SAME_MS = 200;
   const apart = clockMs() + live.apart_ms - at_ms;
@@ -31,7 +32,7 @@ link.takes.health = (health) => {
 
 const isStale = () => !live.newest || clockMs() - live.newest.at_ms > STALE_MS;
 
-/** Notes that the newest word is on the screen, and how old it is by then. */
+/** Records that the latest message is on the screen, and its age at that time. */
 function drawnNow() {
   if (!live.fresh) return;
   live.fresh = false;
@@ -39,14 +40,14 @@ function drawnNow() {
   live.drawn.push({ now, late: now - live.newest.at_ms + live.newest.behind_ms });
 }
 
-/** Frames of the last second, and the age of the oldest of them when it was drawn. */
+/** Number of frames in the last second, and the maximum age of their positions when drawn. */
 function pace() {
   const now = clockMs();
   live.drawn = live.drawn.filter((it) => now - it.now < 1000);
   return { frames: live.drawn.length, late: Math.max(0, ...live.drawn.map((it) => it.late)) };
 }
 
-// ---- what is written
+// ---- text output
 
 const jointCells = Array.from({ length: 7 }, (_, j) => {
   const row = element("tr");
@@ -69,7 +70,7 @@ const jointCells = Array.from({ length: 7 }, (_, j) => {
   return { position, temperature, torque, mark };
 });
 
-/** Turns a joint of the simulated robot by a step of so many degrees. */
+/** Moves a joint of the simulated robot by the step size of the page. */
 function turnJoint(joint, sign) {
   const step = $("jog-step");
   if (step.reportValidity()) ask("jog-said", "jog", { joint, step_deg: sign * Number(step.value) });
@@ -126,11 +127,12 @@ function writeHealth() {
     button.disabled = status?.state !== "idle";
   writeIo(io || []);
   for (const part of ["io", "joints"]) $(part).classList.toggle("old", Boolean(live.health.is_old));
-  // Its place stays: nothing moves under the mouse when a motion begins or ends.
+  // Hidden, but not removed, so that nothing shifts under the mouse when a motion begins or ends.
   $("io-old").style.visibility = live.health.is_old ? "visible" : "hidden";
 }
 
-/** Rows stay as they are as long as the names do: a button must not go away under a finger. */
+/** Updates the inputs and outputs. Rows are kept while the names are unchanged, so that a button
+    does not vanish under a finger. */
 function writeIo(io) {
   const body = $("io");
   const names = io.map(({ name }) => name).join("\n");
@@ -167,15 +169,14 @@ async function switchIo(name) {
   if (sure) await ask("io-said", "set_io", { name, value: !io.value });
 }
 
-/** What is wrong with the connection, if something is. */
+/** The error of the connection, if any. */
 function trouble() {
   if (!link.open)
     return "The twin cannot be reached; retrying. If it was restarted, open the address that it has printed.";
   if (live.health.error) return `Retrying: ${live.health.error}`;
   if (live.health.status && live.health.status.fri.session === "silent")
-    return "The drive receives nothing from the controller; retrying.";
-  if (isStale() && live.health.status)
-    return "Nothing is received from the stream of the drive; retrying.";
+    return "The drive receives no data from the controller; retrying.";
+  if (isStale() && live.health.status) return "No data from the drive stream; retrying.";
   return "";
 }
 

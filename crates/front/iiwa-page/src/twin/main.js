@@ -1,4 +1,4 @@
-// What is shown: the arm as it is, a plan's simulation, or what the robot did beside the plan.
+// Display modes: the live robot, the simulation of a plan, or a run compared with its plan.
 
 const shown = { mode: "live", time: 0, playing: false, frame: null };
 
@@ -29,7 +29,7 @@ if (scene) {
     );
 }
 
-/** What stands around the arm, and what it carries. */
+/** The surroundings and the tool of the robot. */
 const around = surroundings(setup.scene);
 
 function fillScene() {
@@ -44,9 +44,9 @@ function fillScene() {
   scene.fill({ ways, corners, frames: workcell.frames, ...around });
 }
 
-// ---- what is played
+// ---- playback
 
-/** The arms that are played in a mode. */
+/** The robots that are played in a mode. */
 function played(mode) {
   if (mode === "simulation" && desk.plan) return desk.plan.arms;
   if (mode === "replay" && canReplay()) return desk.run.arms;
@@ -74,15 +74,15 @@ function show(mode) {
     parts.push(["accent", "see-through arm: the plan"], ["measured", "solid arm: the recording"]);
   if (desk.plan) {
     const what = desk.plan.sketch.workcell.tcps.length ? "TCP" : "flange";
-    parts.push(["line", `planned way of the ${what}`], ["blend", "its blends"]);
+    parts.push(["line", `planned ${what} path`], ["blend", "blends"]);
   }
-  if (canReplay()) parts.push(["measured", "measured way"]);
-  if (around.obstacles.length) parts.push(["soft", "what stands around"]);
+  if (canReplay()) parts.push(["measured", "measured path"]);
+  if (around.obstacles.length) parts.push(["soft", "obstacles"]);
   if (around.tool.length) parts.push(["settle", "tool"]);
   legend($("legend"), parts);
 }
 
-/** Whether what is shown is where the arm is. */
+/** Writes the display mode, and whether the shown position is live. */
 function writeMode() {
   const texts = {
     live: "Live",
@@ -94,8 +94,8 @@ function writeMode() {
   const isAwaited = !isReplay && !isLost && live.newest === null;
   $("mode").textContent = isLost
     ? live.newest === null
-      ? "Not live: nothing is known of the arm"
-      : "Not live: where the arm was"
+      ? "Not live: arm position unknown"
+      : "Not live: last known position"
     : isAwaited
       ? "Waiting for the arm"
       : texts[shown.mode];
@@ -117,7 +117,7 @@ function advance(now) {
   const passed = shown.frame === null ? 0 : (now - shown.frame) / 1000;
   shown.frame = now;
   const end = lastS(played(shown.mode));
-  // A page that was out of sight goes on from where it was.
+  // A page that was hidden continues from its last time.
   shown.time = Math.min(shown.time + Math.min(passed, 1), end);
   if (shown.time >= end) play(false);
 }
@@ -136,7 +136,7 @@ $("scrub").addEventListener("input", () => {
 
 // ---- every frame
 
-/** Draws the arms; `now`, in ms, is the time of a frame, for which nothing is drawn that was drawn before. */
+/** Draws the robots; with `now`, the time of a frame in ms, only if something has changed. */
 function drawArms(now = null) {
   const arms = played(shown.mode);
   const poses = arms.map((arm) => jointsAt(arm, shown.time));
@@ -153,8 +153,8 @@ function drawArms(now = null) {
   if (arms.length) $("scrub").value = shown.time;
 }
 
-/** Frames come late on a machine without a graphics card, or a busy one: then they have fewer pixels. Now
-    and then it is tried with more. */
+/** Adaptive resolution: frames that are late, on a busy machine or without a graphics card, get
+    fewer pixels. From time to time, a higher resolution is tried. */
 const rate = { sharpness: 1, since: 0, frames: 0, coarse: 0 };
 function keepPace(now) {
   const LEAST = 0.35;

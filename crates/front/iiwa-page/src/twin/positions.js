@@ -1,6 +1,6 @@
 // Saved positions: their names, their order, and programs of them.
 
-/** What is done with a position: a button for it. */
+/** A button for an action on a position. */
 function positionButton(text, label, what, parameters) {
   const button = element("button", text);
   button.type = "button";
@@ -10,7 +10,7 @@ function positionButton(text, label, what, parameters) {
   return button;
 }
 
-/** A name that no position has yet. */
+/** An unused position name. */
 function freeName(positions) {
   const names = new Set(positions.map(({ name }) => name));
   let count = positions.length + 1;
@@ -53,7 +53,7 @@ link.takes.positions = (positions) => {
     }),
   );
   $("make").hidden = positions.length < 2;
-  // What was written by hand stays.
+  // A name typed by the user is kept.
   if ($("position-name").value === suggested) {
     suggested = freeName(positions);
     $("position-name").value = suggested;

@@ -1,8 +1,8 @@
-// Positions, the plan, and what the robot did with it.
+// Positions, the plan, and its run on the robot.
 
 const desk = { positions: [], plan: null, run: null };
 
-/** A plan's or a run's arms, as they are drawn. */
+/** Unpacks the robots of a plan or a run for drawing. */
 const unpackArms = (sketch) =>
   sketch.arms.map((arm) => ({
     ...arm,
@@ -12,7 +12,7 @@ const unpackArms = (sketch) =>
 
 link.takes.plan = (plan) => {
   const isNew = plan && (!desk.plan || desk.plan.id !== plan.id);
-  // What was wrong with the one before is no news.
+  // Errors of the previous plan are obsolete.
   if (isNew) forgetComplaints();
   desk.plan = plan && { ...plan, arms: unpackArms(plan.sketch) };
   writePlan();
@@ -38,11 +38,11 @@ const isRunning = () =>
   Boolean(desk.run) && (desk.run.phase === "running" || desk.run.phase === "to_start");
 const canReplay = () => Boolean(desk.run?.arms && desk.run.arms.length > 1);
 
-/** How near the arm comes to obstacles and to itself. */
+/** Texts for the clearance to obstacles and the self-clearance. */
 function clearanceTexts({ nearest, self_nearest: own }) {
   return [
-    ...(nearest ? [`Nearest on its way: ${nearestText(nearest)}.`] : []),
-    ...(own ? [`The arm from itself: ${nearestText(own)}.`] : []),
+    ...(nearest ? [`Smallest clearance on the path: ${nearestText(nearest)}.`] : []),
+    ...(own ? [`Smallest self-distance: ${nearestText(own)}.`] : []),
   ];
 }
 
@@ -56,10 +56,9 @@ function writePlan() {
   figure($("plan-figures"), "motions", String(plan.motions));
   $("plan-nearest").textContent = setup.scene
     ? clearanceTexts(plan).join(" ")
-    : "There is no scene (--scene): obstacles around the arm are unknown.";
+    : "No scene (--scene): obstacles are unknown.";
   $("plan-refused").hidden = plan.refused === null;
-  $("plan-refused").textContent =
-    plan.refused === null ? "" : `It cannot be sent: ${plan.refused}.`;
+  $("plan-refused").textContent = plan.refused === null ? "" : `Cannot be sent: ${plan.refused}.`;
   $("plan-warnings").replaceChildren(
     ...plan.warnings.map((text) => element("li", `Warning: ${text}`)),
   );
@@ -71,25 +70,23 @@ function writeRun() {
   $("send").disabled = !plan || plan.refused !== null || isRunning();
   $("clear").disabled = isRunning();
   const words = {
-    to_start: "The robot moves to the start",
-    running: "The robot runs the program",
-    done: "The robot has run the program",
-    failed: "The robot has not finished the program",
+    to_start: "Moving to the start",
+    running: "Program running",
+    done: "Program finished",
+    failed: "Program not finished",
   };
   $("run").textContent = run ? words[run.phase] + (run.error ? `: ${run.error}` : ".") : "";
   const notes = [];
   if (run && run.phase === "done" && run.cycle_time_s !== null && plan) {
     const off = plan.cycle_time_s - run.cycle_time_s;
     notes.push(
-      `It took ${number(run.cycle_time_s, 3)} s, planned were ${number(plan.cycle_time_s, 3)} s: off by ${number(off, 3)} s, ${number((100 * off) / run.cycle_time_s, 2)} %.`,
+      `Measured ${number(run.cycle_time_s, 3)} s, planned ${number(plan.cycle_time_s, 3)} s: error ${number(off, 3)} s, ${number((100 * off) / run.cycle_time_s, 2)} %.`,
     );
   }
   if (run?.sketch) {
     const { compared } = run.sketch;
     if (compared)
-      notes.push(
-        `The flange was off its path by ${atLeast(compared.tcp_deviation.max_mm, 2, "mm")} at most.`,
-      );
+      notes.push(`Largest flange deviation: ${atLeast(compared.tcp_deviation.max_mm, 2, "mm")}.`);
     notes.push(...run.sketch.notes);
   }
   $("run-notes").textContent = notes.join(" ");
@@ -98,7 +95,7 @@ function writeRun() {
     ["files/program.json", "Program"],
     ["files/plan.mcap", "Plan"],
   ];
-  if (run?.sketch) files.push(["files/measured.mcap", "What the robot did"]);
+  if (run?.sketch) files.push(["files/measured.mcap", "Run result"]);
   $("files").replaceChildren(
     ...(plan ? files : []).map(([path, name]) => {
       const to = element("a", name);
@@ -110,9 +107,9 @@ function writeRun() {
   );
 }
 
-// ---- what is asked first
+// ---- confirmation dialogs
 
-/** Asks in a dialog, whose text are lines; whether the answer was yes. */
+/** Asks in a dialog with lines of text; returns true if the answer was yes. */
 function confirmed(title, lines, yes, start = null) {
   const dialog = $("confirm");
   $("confirm-title").textContent = title;
@@ -139,7 +136,7 @@ async function send() {
     `${plan.name}: ${plan.motions} motion${plan.motions === 1 ? "" : "s"}, ${number(plan.cycle_time_s, 3)} s.`,
     ...(setup.scene
       ? clearanceTexts(plan)
-      : ["There is no scene: the program has not been checked for collisions."]),
+      : ["No scene: the program has not been checked for collisions."]),
     ...plan.warnings.map((text) => `Warning: ${text}.`),
     "The robot will move. Keep everyone out of its reach, and the emergency stop at hand.",
   ];
@@ -174,7 +171,7 @@ async function loadFile(file) {
 
 $("file").addEventListener("change", async () => {
   await loadFile($("file").files[0]);
-  // The same file again is news, too.
+  // Cleared, so that selecting the same file again also causes an event.
   $("file").value = "";
 });
 document.addEventListener("dragover", (event) => event.preventDefault());

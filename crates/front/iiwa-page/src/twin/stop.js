@@ -1,6 +1,7 @@
 // Stopping the robot: buttons in the header, in dialogs and on the full screen, and the Escape key.
 
-/** Requests a stop. Open dialogs are cancelled; a failure is reported in the header, which is always in view. */
+/** Requests a stop. Open dialogs are cancelled; a failure is reported in the header, which is
+    always in view. */
 async function stopRobot() {
   const request = ask("stop-said", "stop");
   for (const dialog of document.querySelectorAll("dialog[open]")) dialog.close("no");

@@ -1,14 +1,15 @@
-// What the plan's joints exert while the robot runs it, beside what is measured.
+// Planned torques while the robot runs the plan, for comparison with measured torques.
 
-/** The run that is under way: where the arm stood when it was begun, and when it left, by the drive's clock. */
+/** The current run: joint positions at its start, and the time of departure by the drive clock. */
 const watched = { from_rad: null, left_s: null };
 
-/** The arm has left where it stood once a joint is this far away, in rad: more than noise. */
+/** Joint deviation from the start, in rad, that counts as departure: more than noise. */
 const LEFT_RAD = 2e-3;
 
 const farthest = (a, b) => Math.max(...a.map((v, j) => Math.abs(v - b[j])));
 
-/** Notes that a run begins, or that none is under way. A page that is opened in the middle of one cannot tell how far it is. */
+/** Registers the start or the end of a run. A page that is opened during a run cannot determine its
+    progress. */
 function watchRun(isRunning) {
   const START_RAD = 0.02;
   const [q, start] = [live.newest?.joints_rad, desk.plan?.start_rad];
@@ -16,7 +17,7 @@ function watchRun(isRunning) {
   [watched.from_rad, watched.left_s] = [isAtStart ? q : null, null];
 }
 
-/** How long after its beginning the plan leaves its start as far, in s. */
+/** Time, in s, at which the plan has moved by `LEFT_RAD` from its start. */
 function leavesAt(plan) {
   const { poses, end_s } = plan.arms[0];
   const at = (i) => Array.from(poses.q_rad.subarray(7 * i, 7 * i + 7));
@@ -24,7 +25,8 @@ function leavesAt(plan) {
   return end_s;
 }
 
-/** What the plan's joints exert while the robot is at `q` at a time of the drive, in Nm; not numbers while it runs no plan. */
+/** Planned joint torques, in Nm, with the robot at `q` at a time of the drive; NaN while the robot
+    does not run the plan. */
 function plannedTorques(t, q) {
   const unknown = Array(7).fill(Number.NaN);
   const { plan } = desk;

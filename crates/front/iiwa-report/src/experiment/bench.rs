@@ -1,31 +1,31 @@
-//! What an experiment is done with, and what was recorded.
+//! Setup of an experiment, and its recordings.
 
 use iiwa_eval::experiment::Trial;
 use iiwa_kin::{Load, Robot};
 use iiwa_log::JointLog;
 
-/// What an experiment is done with.
+/// Setup of an experiment.
 #[derive(Clone, Debug)]
 pub struct Bench {
-    /// The robot that everything is calculated for.
+    /// Robot model of all calculations.
     pub model: Robot,
     /// Seed of random programs.
     pub seed: u64,
-    /// The load of the experiment with one.
+    /// Load of the load experiment.
     pub load: Load,
-    /// How many poses, points or paths, if fewer than the thesis has.
+    /// Number of poses, points or paths, if fewer than in the thesis.
     pub count: Option<usize>,
-    /// What ran the programs, in words: `on a virtual robot`.
+    /// Text for the robot that ran the programs: `on a virtual robot`.
     pub on: String,
-    /// The path from the report to the folder of the figures: empty, or with a slash at its end.
+    /// Path from the report to the folder of the figures: empty, or with a trailing slash.
     pub link: String,
 }
 
-/// A program, and what was recorded while it ran.
+/// Program and its recording.
 #[derive(Clone, Debug)]
 pub struct TrialRun {
-    /// The program.
+    /// Program.
     pub trial: Trial,
-    /// What was recorded.
+    /// Recording.
     pub log: JointLog,
 }

@@ -1,4 +1,4 @@
-//! The curve of blends (Larsen 2019, sections 4.2 and 4.3: Fig. 15 to 18, 20 and 21).
+//! Blend curve (Larsen 2019, sections 4.2 and 4.3: Fig. 15 to 18, 20 and 21).
 
 use iiwa_eval::identify::{BlendObservation, Identified};
 use iiwa_kin::Joints;
@@ -20,16 +20,16 @@ use super::{
     kappa_plots::kappa_plots,
 };
 
-/// Each corner is three motions: to the corner, on to a target of the circle, and back to the start.
+/// Motions per corner: to the corner, on to a target on the circle, and back to the start.
 const MOTIONS: usize = 3;
 
-/// Half of the side of an enlarged view, as a share of the blends' reach.
+/// Half the side of an enlarged view, relative to the blend distance.
 const ENLARGED: f64 = 1.3;
 
-/// The corner that Fig. 18 shows: 90 deg.
+/// Index of the corner in Fig. 18: 90 deg.
 const SHOWN: usize = 9;
 
-/// kappa in Fig. 18.
+/// Values of kappa in Fig. 18.
 const KAPPAS: [f64; 5] = [-8.0, -4.0, 0.0, 4.0, 7.5];
 
 pub(super) fn chapter(bench: &Bench, runs: &[TrialRun]) -> Result<Chapter, ReportError> {
@@ -47,7 +47,7 @@ pub(super) fn chapter(bench: &Bench, runs: &[TrialRun]) -> Result<Chapter, Repor
     let shapes = [
         ("15", "Eq. 13", BlendShape::Alpha(Continuity::Second), "a clear deviation"),
         ("16", "Eq. 26", BlendShape::MinAcceleration, "fails as well"),
-        ("17", "Eq. 32", BlendShape::Circle, "fails; the path is no circle"),
+        ("17", "Eq. 32", BlendShape::Circle, "fails; the path is not a circle"),
         ("21", "Eq. 39", BlendShape::Iiwa, "accurate, some differences"),
     ];
     let mut rows = Vec::new();
@@ -78,7 +78,7 @@ pub(super) fn chapter(bench: &Bench, runs: &[TrialRun]) -> Result<Chapter, Repor
          as mean over the path and as maximum. The thesis has figures only.",
     );
     chapter.table(&["shape", "mean deg", "largest deg", "the thesis, in words"], &rows);
-    // In the order of the thesis.
+    // Figures in the order of the thesis.
     let eq_39 = figures.pop();
     for (number, caption, svg) in figures {
         chapter.figure(bench, number, &caption, svg);
@@ -106,7 +106,7 @@ pub(super) fn chapter(bench: &Bench, runs: &[TrialRun]) -> Result<Chapter, Repor
     Ok(chapter)
 }
 
-/// kappa over gamma: Fig. 20.
+/// Adds kappa over gamma: Fig. 20.
 fn kappa(bench: &Bench, chapter: &mut Chapter, found: &Identified) -> Result<(), ReportError> {
     let Some(kappa) = &found.kappa else {
         chapter.paragraph("Too few blends were found for kappa(gamma).");
@@ -140,25 +140,25 @@ fn kappa(bench: &Bench, chapter: &mut Chapter, found: &Identified) -> Result<(),
     Ok(())
 }
 
-/// A corner, and what was measured there.
+/// Corner with its measured positions.
 struct MeasuredCorner {
     index: usize,
     target_deg: Point,
     before_rad: Joints,
     target_rad: Joints,
     after_rad: Joints,
-    /// How far from the target it begins and ends, in degrees.
+    /// Distance from the target to the start and the end of the blend, in degrees.
     reach_deg: f64,
     measured: Vec<Point>,
 }
 
-/// Joints 2 and 4 in degrees.
+/// Returns joints 2 and 4 in degrees.
 fn in_plane(q: &Joints) -> Point {
     (q[1].to_degrees(), q[3].to_degrees())
 }
 
-/// The corners, with the samples from the end of the way back before them to the start of the way back
-/// behind them.
+/// Returns the corners, with the samples from the end of the return motion before them to the start
+/// of the return motion after them.
 fn corners(
     bench: &Bench,
     run: &TrialRun,
@@ -202,7 +202,7 @@ fn corners(
 }
 
 impl MeasuredCorner {
-    /// The path that is calculated from the start over the corner to the target.
+    /// Returns the calculated path from the start over the corner to the target.
     fn calculated(&self, path: &JointPath) -> Vec<Point> {
         let first = MOTIONS * self.index;
         let mut points = Vec::new();
@@ -222,8 +222,8 @@ impl MeasuredCorner {
         (point.0 - self.target_deg.0).hypot(point.1 - self.target_deg.1) <= self.reach_deg
     }
 
-    /// Mean and largest distance between the measured path and a calculated one, in degrees, about the
-    /// corner and both ways.
+    /// Returns mean and largest distance between the measured and a calculated path, in degrees,
+    /// near the corner and in both directions.
     fn deviation(&self, calculated: &[Point]) -> Option<(f64, f64)> {
         let (there, back) =
             (self.one_way(&self.measured, calculated)?, self.one_way(calculated, &self.measured)?);
@@ -246,7 +246,7 @@ impl MeasuredCorner {
     }
 }
 
-/// Distance of a point from a line between two others.
+/// Distance between a point and a line segment.
 fn distance(p: Point, a: Point, b: Point) -> f64 {
     let along = (b.0 - a.0, b.1 - a.1);
     let square = along.0 * along.0 + along.1 * along.1;
@@ -256,7 +256,7 @@ fn distance(p: Point, a: Point, b: Point) -> f64 {
     (to.0 - share * along.0).hypot(to.1 - share * along.1)
 }
 
-/// All corners, as a whole and enlarged.
+/// Draws all corners, as a whole and enlarged.
 fn overview(corners: &[MeasuredCorner], calculated: &[Vec<Point>]) -> Result<String, ReportError> {
     let measured: Vec<_> = corners.iter().map(|corner| corner.measured.clone()).collect();
     let Some(corner) = corners.first() else { return Ok(String::new()) };
@@ -276,7 +276,7 @@ fn overview(corners: &[MeasuredCorner], calculated: &[Vec<Point>]) -> Result<Str
     draw(&plots, 2, 1200, 620)
 }
 
-/// One blend with different kappa: Fig. 18.
+/// Draws one blend with different kappa: Fig. 18.
 fn effect(corner: &MeasuredCorner) -> Result<String, ReportError> {
     let way = |from: &Joints, to: &Joints| -> Joints { std::array::from_fn(|j| to[j] - from[j]) };
     let scaled = |way: Joints| {

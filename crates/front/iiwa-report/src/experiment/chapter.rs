@@ -1,10 +1,10 @@
-//! A report on an experiment: Markdown, and its figures.
+//! Report on an experiment: Markdown, and its figures.
 
 use std::fmt::{Display, Write as _};
 
 use super::bench::Bench;
 
-/// A part of a report.
+/// Part of a report.
 #[derive(Clone, Debug, Default)]
 pub struct Chapter {
     /// Markdown.
@@ -18,7 +18,7 @@ impl Chapter {
         Self { text: format!("## {title}\n"), figures: Vec::new() }
     }
 
-    /// Adds a paragraph, unless there is nothing in it.
+    /// Adds a paragraph, unless its text is empty.
     pub(crate) fn paragraph(&mut self, text: impl AsRef<str>) {
         let text = text.as_ref().trim();
         if !text.is_empty() {
@@ -32,7 +32,7 @@ impl Chapter {
         let _ = writeln!(self.text, "\n### {title}");
     }
 
-    /// Adds a figure under the thesis's number.
+    /// Adds a figure with the number from the thesis.
     pub(crate) fn figure(&mut self, bench: &Bench, number: &str, caption: &str, svg: String) {
         let name = format!("figure-{number}.svg");
         let caption = format!("{caption} ({})", bench.on);
@@ -54,7 +54,7 @@ impl Chapter {
     }
 }
 
-/// The paragraph in lines of up to a hundred characters.
+/// Wraps the paragraph into lines of up to a hundred characters.
 #[must_use]
 pub fn wrapped(text: &str) -> String {
     const WIDTH: usize = 100;

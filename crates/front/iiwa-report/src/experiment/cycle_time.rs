@@ -1,4 +1,4 @@
-//! Errors of the cycle time (Larsen 2019, section 5.1.2, Eq. 40, Fig. 23 to 25).
+//! Cycle time errors (Larsen 2019, section 5.1.2, Eq. 40, Fig. 23 to 25).
 
 use iiwa_eval::{
     Plan, compare,
@@ -21,15 +21,15 @@ use super::{
     evaluation::planned,
 };
 
-/// Colours of the timings: acceleration, jerk.
+/// Colours of the time parameterisations: acceleration, jerk.
 const TIMINGS: [RGBColor; 2] = [COLOURS[3], COLOURS[0]];
 
-/// What is varied.
+/// Varied parameter.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Over {
-    /// As in the thesis.
+    /// Parameter of the thesis.
     Thesis(Sweep),
-    /// The path length, at full speed instead of the thesis's 0.4.
+    /// Path length, at full speed instead of the thesis's 0.4.
     LengthAtFullSpeed,
 }
 
@@ -60,7 +60,7 @@ impl Over {
     }
 }
 
-/// All cases: of each of the first paths, one for each value.
+/// Returns all cases: for each of the first paths, one case per value.
 fn cases(paths: usize) -> Vec<(Over, CycleTimeCase)> {
     let of = |over: Over| {
         let cases = over.cases().into_iter();
@@ -69,7 +69,7 @@ fn cases(paths: usize) -> Vec<(Over, CycleTimeCase)> {
     Over::ALL.into_iter().flat_map(of).collect()
 }
 
-/// The programs; one that several sweeps have is run once.
+/// Returns the programs; a program in several sweeps runs once.
 pub(super) fn trials(bench: &Bench, paths: usize) -> Vec<Trial> {
     let mut trials: Vec<Trial> = Vec::new();
     for (_, case) in cases(paths) {
@@ -81,14 +81,14 @@ pub(super) fn trials(bench: &Bench, paths: usize) -> Vec<Trial> {
     trials
 }
 
-/// What was calculated, and measured, of one case.
+/// Calculated and measured times of one case.
 struct Case {
     over: Over,
     value: f64,
     path: u64,
-    /// `T_r`, in s.
+    /// Measured cycle time `T_r`, in s.
     real_s: f64,
-    /// `T_s - T_r` by both timings, in s.
+    /// `T_s - T_r` for both time parameterisations, in s.
     error_s: [f64; 2],
 }
 
@@ -184,7 +184,7 @@ fn evaluate(bench: &Bench, runs: &[TrialRun]) -> Result<Vec<Case>, ReportError> 
         Ok((real_s, [acceleration - real_s, jerk.cycle_time_s() - real_s]))
     });
     let measured: Vec<_> = measured.collect::<Result<_, ReportError>>()?;
-    // Paths count from the first on.
+    // Path numbers start with the first path.
     let all = cases(5).into_iter().filter_map(|(over, case)| {
         let name = case.trial(&bench.model, bench.seed).name;
         let (real_s, error_s) = measured[runs.iter().position(|run| run.trial.name == name)?];
@@ -194,7 +194,7 @@ fn evaluate(bench: &Bench, runs: &[TrialRun]) -> Result<Vec<Case>, ReportError> 
     Ok(all.collect())
 }
 
-/// The values in order, each with its cases.
+/// Groups the cases by their values, in ascending order.
 fn by_value<'a>(cases: &[&'a Case]) -> Vec<(f64, Vec<&'a Case>)> {
     let mut values: Vec<f64> = cases.iter().map(|case| case.value).collect();
     values.sort_by(f64::total_cmp);
@@ -209,7 +209,7 @@ fn mean(cases: &[&Case], of: impl Fn(&Case) -> f64) -> f64 {
 
 fn figure(over: Over, axis: &str, cases: &[&Case]) -> Result<String, ReportError> {
     let grouped = by_value(cases);
-    // Where no lines are.
+    // Corner without lines.
     let legend_at = match over {
         Over::Thesis(Sweep::Velocity) => SeriesLabelPosition::LowerLeft,
         _ => SeriesLabelPosition::LowerRight,
@@ -279,7 +279,7 @@ fn table(chapter: &mut Chapter, axis: &str, cases: &[&Case]) {
     );
 }
 
-/// What the numbers say, in words.
+/// Summarises the figures in a sentence.
 fn finding(cases: &[&Case]) -> String {
     let grouped = by_value(cases);
     let (Some((low, first)), Some((high, last))) = (grouped.first(), grouped.last()) else {
@@ -294,7 +294,7 @@ fn finding(cases: &[&Case]) -> String {
     )
 }
 
-/// At which length the errors are as large as the thesis's.
+/// Reports the path length at which the errors are as large as in the thesis.
 fn like_the_thesis(cases: &[&Case]) -> String {
     const THESIS_PERCENT: f64 = 15.0;
     let off = |cases: &[&Case]| (mean(cases, |case| case.percent(0)).abs() - THESIS_PERCENT).abs();

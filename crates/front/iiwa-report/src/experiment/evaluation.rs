@@ -1,4 +1,4 @@
-//! What all experiments do with their recordings.
+//! Common evaluation of recordings.
 
 use iiwa_eval::{
     experiment::Trial,
@@ -13,14 +13,14 @@ use crate::ReportError;
 
 use super::bench::{Bench, TrialRun};
 
-/// What the recordings tell of the robot.
+/// Identifies the robot from the recordings.
 pub(super) fn identified(bench: &Bench, runs: &[TrialRun]) -> Result<Identified, ReportError> {
     let recordings: Vec<_> =
         runs.iter().map(|run| Recording { program: &run.trial.program, log: &run.log }).collect();
     identify(&recordings, &bench.model).map_err(|source| ReportError::Identify { source })
 }
 
-/// Says what of the recordings was not used.
+/// Reports the unused parts of the recordings.
 pub(super) fn left_out(runs: &[TrialRun], left_out: &[LeftOut]) -> String {
     match left_out {
         [] => String::new(),
@@ -35,7 +35,7 @@ pub(super) fn left_out(runs: &[TrialRun], left_out: &[LeftOut]) -> String {
     }
 }
 
-/// Mean and standard deviation.
+/// Returns mean and standard deviation.
 pub(super) fn spread(values: &[f64]) -> (f64, f64) {
     let count = values.len() as f64;
     let mean = values.iter().sum::<f64>() / count;
@@ -43,7 +43,7 @@ pub(super) fn spread(values: &[f64]) -> (f64, f64) {
     (mean, (squares / (count - 1.0).max(1.0)).sqrt())
 }
 
-/// The program's path as the model has it.
+/// Returns the path of the program for the model.
 pub(super) fn path(
     bench: &Bench,
     trial: &Trial,
@@ -53,7 +53,7 @@ pub(super) fn path(
         .map_err(|source| ReportError::Path { name: trial.name.clone(), source })
 }
 
-/// The program as a robot plans it.
+/// Returns the plan of the program for a robot.
 pub(super) fn planned(
     robot: &Robot,
     trial: &Trial,

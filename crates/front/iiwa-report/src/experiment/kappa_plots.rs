@@ -1,4 +1,4 @@
-//! kappa over gamma as it was found, beside the model's.
+//! Identified kappa over gamma, beside the model's.
 
 use iiwa_eval::identify::Kappa;
 use plotters::prelude::SeriesLabelPosition;
@@ -8,8 +8,8 @@ use crate::picture::{
     plot::{Plot, Point},
 };
 
-/// kappa in each blend, the polynomial through all of them and the model's; and what is left when the model's is taken
-/// away. The model's and that difference have their words.
+/// Plots kappa of each blend, the fitted polynomial and the model's polynomial; and the difference
+/// from the model. The two texts are labels of the model and the difference.
 pub(super) fn kappa_plots(
     found: &Kappa,
     observed: Vec<Point>,

@@ -1,4 +1,4 @@
-//! The experiments: the programs of each, and its report.
+//! Experiments: the programs of each, and its report.
 
 use iiwa_eval::experiment::{self, TcpSeries, Trial};
 
@@ -11,31 +11,32 @@ use super::{
     cycle_time, limits, load, settle, tcp_blends, zone_velocity,
 };
 
-/// Share of full speed at which section 4.2 is run; the thesis does not state its own. The path does not
+/// Share of full speed for section 4.2; the thesis does not state its value. The path does not
 /// depend on it.
 const BLENDS_VELOCITY_REL: f64 = 0.5;
 
-/// An experiment of the thesis (Larsen 2019), or ours.
+/// Experiment of the thesis (Larsen 2019), or of this project.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ExperimentKind {
-    /// Limits of the joints (Appendix A).
+    /// Joint limits (Appendix A).
     Limits,
-    /// The curve of blends (sections 4.2 and 4.3).
+    /// Blend curve (sections 4.2 and 4.3).
     Blends,
-    /// The velocity in blends (Appendix B).
+    /// Velocity in blends (Appendix B).
     ZoneVelocity,
-    /// The time to settle (Appendix C).
+    /// Settle time (Appendix C).
     Settle,
-    /// Errors of the cycle time (section 5.1.2).
+    /// Cycle time errors (section 5.1.2).
     CycleTime,
-    /// Blends of paths of the TCP: not in the thesis.
+    /// Blends of TCP paths: not in the thesis.
     TcpBlends,
-    /// Whether the planner knows the load: not in the thesis, and not among [`ALL`](Self::ALL), since people have to mount it.
+    /// Influence of the load on the planner: not in the thesis, and not in [`ALL`](Self::ALL),
+    /// since a person must mount the load.
     Load,
 }
 
 impl ExperimentKind {
-    /// All experiments that need nobody, in the order of the report.
+    /// All experiments that run unattended, in the order of the report.
     pub const ALL: [Self; 6] = [
         Self::Limits,
         Self::Blends,
@@ -45,7 +46,7 @@ impl ExperimentKind {
         Self::TcpBlends,
     ];
 
-    /// The programs of the experiment.
+    /// Returns the programs of the experiment.
     #[must_use]
     pub fn trials(self, bench: &Bench) -> Vec<Trial> {
         let Bench { model, seed, .. } = bench;
@@ -67,13 +68,13 @@ impl ExperimentKind {
         }
     }
 
-    /// Whether the thesis has it.
+    /// Returns true for experiments of the thesis.
     #[must_use]
     pub fn is_of_thesis(self) -> bool {
         !matches!(self, Self::TcpBlends | Self::Load)
     }
 
-    /// What people have to do at the flange before a program runs, in words.
+    /// Returns the instruction for manual work at the flange before a program runs, if any.
     #[must_use]
     pub fn to_mount(self, trial: &Trial) -> Option<String> {
         let load = trial.program.loads().first().copied().flatten();
@@ -92,12 +93,12 @@ impl ExperimentKind {
         if self == Self::CycleTime { 200.0 } else { 1000.0 }
     }
 
-    /// The report on what was recorded.
+    /// Reports on the recordings.
     ///
     /// # Errors
     ///
-    /// [`ReportError`] if the recordings do not show what the experiment is about, or a picture cannot be
-    /// drawn.
+    /// [`ReportError`] if the recordings do not show the subject of the experiment, or a picture
+    /// cannot be drawn.
     pub fn chapter(self, bench: &Bench, runs: &[TrialRun]) -> Result<Chapter, ReportError> {
         match self {
             Self::Limits => limits::chapter(bench, runs),

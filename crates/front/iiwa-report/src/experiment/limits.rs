@@ -1,4 +1,4 @@
-//! Limits of the joints (Larsen 2019, Appendix A: Tables 4 and 5, Fig. 28).
+//! Joint limits (Larsen 2019, Appendix A: Tables 4 and 5, Fig. 28).
 
 use iiwa_eval::{
     Estimate,
@@ -36,7 +36,7 @@ const THESIS: [[[f64; 7]; 2]; 2] = [
     ],
 ];
 
-/// Half of the window in which samples are differentiated for Fig. 28, in s.
+/// Half of the window for differentiating samples in Fig. 28, in s.
 const HALF_WINDOW_S: f64 = 0.02;
 
 const JOINTS: [&str; 7] = ["A1", "A2", "A3", "A4", "A5", "A6", "A7"];
@@ -105,7 +105,7 @@ pub(super) fn chapter(bench: &Bench, runs: &[TrialRun]) -> Result<Chapter, Repor
     Ok(chapter)
 }
 
-/// The motion of a joint from -20 to +20 deg: the second of its three.
+/// Returns the motion of a joint from -20 to +20 deg: the second of its three motions.
 fn swing(found: &Identified, recording: usize, joint: usize) -> Option<&LineObservation> {
     let its = |line: &&LineObservation| {
         line.recording == recording
@@ -148,7 +148,7 @@ fn table(
 fn figure(bench: &Bench, run: &TrialRun, line: &LineObservation) -> Result<String, ReportError> {
     let Some(joint) = line.joint.map(Joint::index) else { return Ok(String::new()) };
     let [start_s, end_s] = line.time_s;
-    // What the model plans for this motion by itself.
+    // The plan of the model for this motion alone.
     let program = Program {
         robot: None,
         start: Start::Joints(line.from_rad),

@@ -1,4 +1,5 @@
-//! What the controller's planner makes of a load: not in the thesis, which takes a guess at it.
+//! Influence of a load on the controller's planner: not measured in the thesis, which only makes an
+//! assumption.
 
 use iiwa_eval::experiment::{LoadEffect, LoadVerdict};
 

@@ -1,4 +1,4 @@
-//! A robot that is not the model, identified and then predicted.
+//! Identification of a robot that differs from the model, and prediction with the result.
 
 use iiwa_eval::{
     Plan, compare,
@@ -14,21 +14,22 @@ use super::{
     virtual_arm::VirtualArm,
 };
 
-/// Shares of the model's limits, joint by joint.
+/// Factors on the model's limits, joint by joint.
 const VELOCITY: [f64; 7] = [0.92, 1.05, 0.97, 1.10, 0.90, 1.04, 0.95];
 const ACCELERATION: [f64; 7] = [0.85, 1.12, 0.95, 0.90, 1.15, 0.88, 1.06];
 const JERK: [f64; 7] = [0.75, 1.20, 1.10, 0.80, 0.70, 1.25, 0.85];
 
-/// Coefficients of its kappa, the constant first, and its time to settle, in s.
+/// Coefficients of kappa for that robot, the constant first, and its settle time, in s.
 const KAPPA: [f64; 3] = [-3.2, 0.004, 0.0002];
 const SETTLE_S: f64 = 0.065;
 
-/// Runs the experiments on a virtual robot whose limits, kappa and time to settle are not the model's;
-/// finds them in the recordings; and predicts programs that it was not identified by.
+/// Runs the experiments on a virtual robot whose limits, kappa and settle time differ from the
+/// model's; identifies them from the recordings; and predicts programs that were not used for
+/// identification.
 ///
 /// # Errors
 ///
-/// [`ReportError`] if the virtual robot cannot run a program, or nothing is found in its recordings.
+/// [`ReportError`] if the virtual robot cannot run a program, or its recordings identify nothing.
 pub fn other_robot(bench: &Bench, arm: &VirtualArm) -> Result<Chapter, ReportError> {
     let mut limits = *bench.model.limits();
     for j in 0..7 {
@@ -74,7 +75,7 @@ pub fn other_robot(bench: &Bench, arm: &VirtualArm) -> Result<Chapter, ReportErr
             let by_identified = planned(&identified, &trial, Timing::jerk_limited())?;
             let compared = compare(&Plan::from_trajectory(&by_identified), &log)
                 .map_err(|source| ReportError::Compare { name: trial.name.clone(), source })?;
-            // From departure to arrival: a recording does not show how long the arm settles at its end.
+            // From departure to arrival: a recording does not show the settle time at its end.
             let real_s = compared.arrival_s - compared.departure_s;
             let error = |plan: &Trajectory, settle_s: f64| {
                 let moving_s = plan.cycle_time_s() - settle_s;
@@ -120,7 +121,7 @@ pub fn other_robot(bench: &Bench, arm: &VirtualArm) -> Result<Chapter, ReportErr
     Ok(chapter)
 }
 
-/// Programs that the robot is not identified by, with what they are called in the table.
+/// Returns programs that are not used for identification, with their labels in the table.
 fn prediction_trials(bench: &Bench) -> Vec<(String, Trial)> {
     let mut trials: Vec<_> = ExperimentKind::ZoneVelocity
         .trials(bench)

@@ -1,4 +1,4 @@
-//! What a report on experiments begins with, and a warning before they are run.
+//! Introduction of a report on experiments, and a warning before they run.
 
 use std::fmt::Write as _;
 
@@ -9,11 +9,11 @@ use iiwa_program::{Fault, Motion};
 
 use super::{bench::Bench, chapter::wrapped, kind::ExperimentKind, virtual_arm::VirtualArm};
 
-/// How far each joint of `robot` moves in `count` programs, for people beside the arm.
+/// Describes the range of each joint of `robot` in `count` programs, for people near the arm.
 ///
 /// # Errors
 ///
-/// If the robot cannot do a program.
+/// [`Fault`] if the robot cannot perform a program.
 pub fn motion_warning<'a>(
     robot: &Robot,
     trials: impl Iterator<Item = &'a Trial>,
@@ -52,8 +52,8 @@ pub fn motion_warning<'a>(
     Ok(text)
 }
 
-/// What comes before the chapters of `kinds` in a report that `command` made. Of a virtual arm, with the name of its
-/// robot, unless that is the model.
+/// Returns the text before the chapters of `kinds` in a report that `command` created. For a
+/// virtual arm, with the name of its robot unless that is the model.
 #[must_use]
 pub fn preface(
     command: &str,
@@ -121,7 +121,7 @@ mod tests {
         let text = motion_warning(&Robot::default(), [&trial].into_iter(), 1).unwrap();
         assert!(text.contains("A2   -27.2 and   63.6"), "{text}");
         assert!(text.contains("A1     0.0 and    0.0"), "{text}");
-        // Of paths of the TCP, from a start that is a frame.
+        // TCP paths, with a frame as start.
         let trial = experiment::tcp_blends(&[experiment::TcpSeries::Angles]);
         let text = motion_warning(&Robot::default(), [&trial].into_iter(), 1).unwrap();
         assert!(!text.contains("inf") && !text.contains("A2     0.0"), "{text}");

@@ -1,4 +1,4 @@
-//! The time to settle (Larsen 2019, Appendix C, Table 6).
+//! Settle time (Larsen 2019, Appendix C, Table 6).
 
 use crate::ReportError;
 

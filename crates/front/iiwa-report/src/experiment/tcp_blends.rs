@@ -1,4 +1,4 @@
-//! Blends of paths of the TCP. The thesis names motions of the TCP as future work, and has no figure of them.
+//! Blends of TCP paths. The thesis names TCP motions as future work, and has no figure of them.
 
 use iiwa_eval::identify::{CourseObservation, CoursePart, Identified, TcpBlendObservation};
 use iiwa_kin::Joints;
@@ -49,7 +49,8 @@ pub(super) fn chapter(bench: &Bench, runs: &[TrialRun]) -> Result<Chapter, Repor
     Ok(chapter)
 }
 
-/// The ways about the corners: where blends are as long as asked for, and where half of a motion makes them shorter.
+/// Plots the paths near the corners: blends of full length, and blends shortened to half of a
+/// motion.
 fn corners(bench: &Bench, run: &TrialRun, found: &Identified) -> Result<Vec<Plot>, ReportError> {
     let path = path(bench, &run.trial, PathOptions::default())?;
     let mut lengths_m: Vec<f64> = found.tcp_blends.iter().map(|blend| blend.reach_m).collect();
@@ -69,7 +70,7 @@ fn corners(bench: &Bench, run: &TrialRun, found: &Identified) -> Result<Vec<Plot
     Ok(lengths_m.iter().map(plot).collect())
 }
 
-/// The TCP from above, in mm: y to the right, x upwards.
+/// Returns the TCP seen from above, in mm: y to the right, x upwards.
 fn from_above(path: &JointPath, blend: &TcpBlendObservation, joints: &Joints) -> Point {
     let tcp = path.robot().flange_pose(joints).then(path.tcp(blend.motion));
     (1e3 * tcp.position_m[1], 1e3 * tcp.position_m[0])
@@ -119,7 +120,7 @@ fn kappa(bench: &Bench, chapter: &mut Chapter, found: &Identified) -> Result<(),
     Ok(())
 }
 
-/// Where blends begin and end.
+/// Reports the start and the end of blends.
 fn reach(chapter: &mut Chapter, found: &Identified) {
     let mut rows = Vec::new();
     if let Some(reach) = &found.tcp_reach {
@@ -137,10 +138,10 @@ fn reach(chapter: &mut Chapter, found: &Identified) {
     }
 }
 
-/// An orientation, or E1, that changes by less, in rad, is constant.
+/// Largest change of an orientation or of E1, in rad, that counts as constant.
 const CONSTANT_RAD: f64 = 1e-6;
 
-/// What is assumed of orientation, of E1 and of blends with joint space.
+/// Reports the deviations from the assumed laws of orientation, E1 and blends with joint motions.
 fn laws(chapter: &mut Chapter, courses: &[CourseObservation]) {
     let changes = |course: &CourseObservation| {
         [course.turn_rad, course.e1_rad].map(|change| change > CONSTANT_RAD)
@@ -157,7 +158,7 @@ fn laws(chapter: &mut Chapter, courses: &[CourseObservation]) {
             let of_kind = || {
                 let joints = part == CoursePart::JointBlend;
                 let all = courses.iter().filter(move |course| course.part == part);
-                // In joint space both change anyhow.
+                // In joint space both always change.
                 all.filter(
                     move |course| if joints { words.is_empty() } else { changes(course) == kind },
                 )

@@ -1,4 +1,4 @@
-//! A virtual robot that runs the programs of an experiment.
+//! Virtual robot that runs the programs of an experiment.
 
 use iiwa_eval::{LoadPlanning, VirtualRobot, experiment::Trial};
 use iiwa_kin::Robot;
@@ -7,13 +7,13 @@ use iiwa_program::Motion;
 
 use crate::ReportError;
 
-/// Standard deviation of torques, in Nm, of programs with a load.
+/// Standard deviation of torques, in Nm, in programs with a load.
 const TORQUE_NOISE_NM: f64 = 0.1;
 
-/// A robot inside the process, sampled with noise.
+/// Robot model in this process, sampled with noise.
 #[derive(Clone, Debug)]
 pub struct VirtualArm {
-    /// The robot.
+    /// Robot model.
     pub robot: Robot,
     /// Standard deviation of each sample, in rad.
     pub noise_rad: f64,
@@ -21,25 +21,25 @@ pub struct VirtualArm {
     pub rate_hz: f64,
     /// Seed of the noise.
     pub seed: u64,
-    /// What it makes of loads.
+    /// Treatment of loads by its planner.
     pub load_planning: LoadPlanning,
 }
 
 impl VirtualArm {
-    /// Runs a program and gives what was sampled. The noise of a program does not depend on what ran
-    /// before it.
+    /// Runs a program and returns the samples. The noise of a program does not depend on earlier
+    /// runs.
     ///
     /// # Errors
     ///
     /// [`ReportError::VirtualRobot`] if the robot cannot run the program.
     pub fn run(&self, trial: &Trial) -> Result<JointLog, ReportError> {
-        // FNV-1a.
+        // FNV-1a hash.
         let seed = trial.name.bytes().fold(self.seed ^ 0xcbf2_9ce4_8422_2325, |hash, byte| {
             (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3)
         });
         let mut robot = VirtualRobot::new(self.robot.clone(), seed);
         (robot.noise_rad, robot.load_planning) = (self.noise_rad, self.load_planning);
-        // What it is to be seen with a load, torques show as well.
+        // Torques are needed to verify the mounted load.
         let with_load = matches!(trial.program.motions.first(), Some(Motion::Load(_)));
         robot.torque_noise_nm = with_load.then_some(TORQUE_NOISE_NM);
         robot.period_s = self.rate_hz.recip();

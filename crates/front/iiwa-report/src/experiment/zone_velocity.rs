@@ -24,16 +24,16 @@ use super::{
     evaluation::path,
 };
 
-/// Half of the window in which samples are differentiated, in s.
+/// Half of the window for differentiating samples, in s.
 const HALF_WINDOW_S: f64 = 0.02;
 
-/// What differentiating leaves of the noise, and at the edges of the window, in % of the limits.
+/// Effect of noise and of the window edges after differentiation, in % of the limits.
 const NOISE_PERCENT: f64 = 0.5;
 
-/// Steps of colour from standstill to full speed.
+/// Colour steps from standstill to full speed.
 const TONES: u32 = 20;
 
-/// The joints that move, from 0.
+/// Indices of the moving joints.
 const MOVING: [usize; 3] = [1, 3, 5];
 
 pub(super) fn chapter(bench: &Bench, runs: &[TrialRun]) -> Result<Chapter, ReportError> {
@@ -97,13 +97,13 @@ pub(super) fn chapter(bench: &Bench, runs: &[TrialRun]) -> Result<Chapter, Repor
     Ok(chapter)
 }
 
-/// A blend, and the samples in it.
+/// Blend, and its samples.
 struct MeasuredBlend {
     ends_rad: [Joints; 2],
     samples: Range<usize>,
 }
 
-/// Where the blends start and stop, and when the arm was there.
+/// Locates the start and the end of each blend, and the samples in between.
 fn blends(path: &iiwa_path::JointPath, log: &JointLog) -> Vec<MeasuredBlend> {
     let mut from = 0;
     let mut nearest = |to: &Joints| {
@@ -122,7 +122,7 @@ fn blends(path: &iiwa_path::JointPath, log: &JointLog) -> Vec<MeasuredBlend> {
         .collect()
 }
 
-/// Each joint's speed at each sample, as a share of its limit.
+/// Returns the speed of each joint at each sample, relative to its limit.
 fn speeds(bench: &Bench, log: &JointLog) -> Vec<Joints> {
     let limits = &bench.model.limits().velocity_rad_s;
     let half_s = HALF_WINDOW_S.max(3.0 * log.period_s().unwrap_or_default());
@@ -151,7 +151,7 @@ fn figure(
     let trace: Vec<Point> = log.q_rad.iter().map(in_plane).collect();
     let circles: Vec<Point> =
         blends.iter().flat_map(|blend| blend.ends_rad.iter().map(in_plane)).collect();
-    // Half-way between two blends, the velocity of the motion there.
+    // Half-way between two blends, the velocity of that motion.
     let ends =
         blends.iter().map(|blend| blend.samples.start).chain([log.t_s.len().saturating_sub(1)]);
     let starts = [0].into_iter().chain(blends.iter().map(|blend| blend.samples.end));
@@ -179,7 +179,7 @@ fn figure(
             let mut plot = Plot::new(format!("joint {}", joint + 1), "x mm", "z mm").equal_scale();
             let indices: Vec<usize> = (0..trace.len()).collect();
             for level in 0..=TONES {
-                // Each part reaches to the first point of the next.
+                // Each part extends to the first point of the next.
                 let parts = indices.chunk_by(|a, b| tone(a) == tone(b));
                 let parts = parts.filter(|part| tone(&part[0]) == level).map(|part| {
                     let end = (part[part.len() - 1] + 1).min(trace.len() - 1);

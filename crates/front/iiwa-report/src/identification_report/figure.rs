@@ -8,7 +8,7 @@ use serde::Serialize;
 #[derive(Clone, Copy, Debug, Serialize)]
 pub(super) struct Figure {
     pub(super) value: f64,
-    /// Half of the interval that holds the true figure in 95 of 100 cases.
+    /// Half of the 95 % confidence interval.
     uncertainty: f64,
     pub(super) count: usize,
 }
@@ -20,7 +20,7 @@ impl From<Estimate> for Figure {
 }
 
 impl Figure {
-    /// Whether it may be zero, or is nearer to it than `negligible`.
+    /// Returns true if the value may be zero, or is smaller than `negligible`.
     pub(super) fn is_zero_within(&self, negligible: f64) -> bool {
         self.value.abs() <= self.uncertainty.max(negligible)
     }
@@ -36,15 +36,15 @@ impl std::fmt::Display for Figure {
 /// kappa over gamma.
 #[derive(Clone, Debug, Serialize)]
 pub(super) struct KappaFigure {
-    /// For gamma in degrees, the constant first.
+    /// Coefficients for gamma in degrees, the constant first.
     coefficients: [f64; 3],
-    /// The smallest and the largest angle that was observed.
+    /// Smallest and largest observed angle.
     gamma_deg: [f64; 2],
-    /// Root mean square of what the polynomial leaves over, and of what the model's does.
+    /// Root mean square of the residuals of the fitted polynomial, and of the model's.
     residual: f64,
     residual_of_model: f64,
     count: usize,
-    /// kappa and its uncertainty every 10 deg within what was observed.
+    /// kappa and its uncertainty every 10 deg within the observed range.
     at: Vec<KappaAt>,
 }
 
@@ -56,7 +56,7 @@ struct KappaAt {
 }
 
 impl KappaFigure {
-    /// Of what was found in so many blends.
+    /// Creates the figure of kappa, identified from `count` blends.
     pub(super) fn new(kappa: &Kappa, count: usize) -> Self {
         Self {
             coefficients: *kappa.coefficients(),
@@ -75,7 +75,7 @@ impl KappaFigure {
         }
     }
 
-    /// Two lines about it, under its name.
+    /// Writes two lines on kappa, labelled `name`.
     pub(super) fn write(&self, text: &mut String, name: &str) {
         let [c0, c1, c2] = self.coefficients;
         let _ = writeln!(
@@ -93,11 +93,11 @@ impl KappaFigure {
     }
 }
 
-/// So many blends.
+/// Formats a number of blends.
 pub(super) fn blends(count: usize) -> String {
     if count == 1 { "1 blend".to_owned() } else { format!("{count} blends") }
 }
 
-/// Distances that differ by less than this share of what they would without Algorithm 3 are equal: no
-/// robot follows its path better.
+/// Distances count as equal if they differ by less than this share of their difference without
+/// Algorithm 3: robots do not follow their paths more accurately.
 pub(super) const EQUAL_SHARE: f64 = 0.02;

@@ -1,4 +1,4 @@
-//! What was identified of the ramps of PTP motions.
+//! Identified ramps of PTP motions.
 
 use std::fmt::Write as _;
 
@@ -11,17 +11,18 @@ use serde::Serialize;
 
 use super::figure::Figure;
 
-/// The law of the ramps; null for joints that no recording shows as the one that limits a ramp.
+/// Law of the ramps; null for joints that never limit a ramp in the recordings.
 #[derive(Clone, Debug, Serialize)]
 pub(super) struct RampFigures {
-    /// S.
+    /// Parameter S.
     torque_snap_nm_s2: [Option<Figure>; 7],
-    /// R at the start and at the end.
+    /// Parameter R at the start and at the end.
     start_nm_s: [Option<Figure>; 7],
     stop_nm_s: [Option<Figure>; 7],
-    /// Motions with such ramps.
+    /// Number of motions with such ramps.
     motions: usize,
-    /// Root mean squares over these motions: what the law leaves over, what constant jerk does, and the noise.
+    /// Root mean squares over these motions: residual of the law, residual of constant jerk, and
+    /// noise.
     residual_deg: f64,
     jerk_residual_deg: f64,
     noise_deg: f64,
@@ -69,7 +70,7 @@ impl RampFigures {
     }
 }
 
-/// A note about motions that no known law explains, if there are any.
+/// Returns a note about motions that no known law explains, if any.
 pub(super) fn unexplained(found: &Identified) -> Option<String> {
     let all = found.lines.iter().filter(|line| line.is_unexplained());
     let worst = all.clone().max_by(|a, b| a.residual_rad.total_cmp(&b.residual_rad))?;

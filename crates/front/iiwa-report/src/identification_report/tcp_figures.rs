@@ -1,4 +1,4 @@
-//! What was found of paths of the TCP.
+//! Identified properties of TCP paths.
 
 use std::fmt::Write as _;
 
@@ -7,13 +7,14 @@ use serde::Serialize;
 
 use super::figure::{EQUAL_SHARE, Figure, KappaFigure, blends};
 
-/// Blends between straight ways of the TCP, and how far paths of the TCP and their blends are from what is assumed.
+/// Blends between straight TCP paths, and deviations of TCP paths and their blends from the assumed
+/// laws.
 #[derive(Clone, Debug, Serialize)]
 pub(super) struct TcpFigures {
     kappa: Option<KappaFigure>,
-    /// Ways before and behind the targets, as shares of `cart_mm`.
+    /// Distances before and behind the targets, relative to `cart_mm`.
     reach: Option<[Figure; 2]>,
-    /// 0 if blends begin and end at equal ways, 1 if each side goes by itself.
+    /// 0 if blends begin and end at equal distances, 1 if both sides are independent.
     unequal_share: Option<Figure>,
     blends: Vec<TcpBlendRow>,
     courses: Vec<CourseRow>,
@@ -21,14 +22,14 @@ pub(super) struct TcpFigures {
 
 #[derive(Clone, Debug, Serialize)]
 struct TcpBlendRow {
-    /// Recording and motion whose target is blended away, from 1.
+    /// Recording and motion whose target is blended, from 1.
     recording: usize,
     motion: usize,
     gamma_deg: f64,
     kappa: f64,
     /// Standard deviation of kappa.
     deviation: f64,
-    /// How far before and behind the target the blend should begin and end, and does.
+    /// Expected distance from the target to both ends of the blend, and the measured distances.
     reach_mm: f64,
     found_reach_mm: Option<[f64; 2]>,
     residual_mm: f64,
@@ -49,18 +50,18 @@ impl From<&TcpBlendObservation> for TcpBlendRow {
     }
 }
 
-/// A path of the TCP, or a blend at an end of one.
+/// TCP path, or a blend at one of its ends.
 #[derive(Clone, Debug, Serialize)]
 struct CourseRow {
-    /// Recording and motion, of a blend the one whose target is blended away, from 1.
+    /// Recording and motion, from 1; for a blend, the motion whose target is blended.
     recording: usize,
     motion: usize,
     /// `path`, `tcp_blend` or `joint_blend`.
     part: &'static str,
-    /// By how much orientation and E1 change.
+    /// Change of orientation and of E1.
     turn_deg: f64,
     e1_deg: f64,
-    /// Largest distances from what is assumed.
+    /// Largest deviations from the assumed laws.
     off_mm: f64,
     turn_off_deg: f64,
     e1_off_deg: f64,
@@ -92,7 +93,7 @@ impl From<&CourseObservation> for CourseRow {
 }
 
 impl TcpFigures {
-    /// None if the recordings have no path of the TCP.
+    /// Returns the figures; `None` if the recordings have no TCP paths.
     pub(super) fn of(found: &Identified) -> Option<Self> {
         let is_empty = found.tcp_blends.is_empty() && found.courses.is_empty();
         (!is_empty).then(|| Self {
@@ -107,7 +108,7 @@ impl TcpFigures {
         })
     }
 
-    /// Lines about it.
+    /// Writes lines about TCP paths.
     pub(super) fn write(&self, text: &mut String) {
         match &self.kappa {
             Some(kappa) => kappa.write(text, "kappa of blends of the TCP"),

@@ -13,31 +13,31 @@ use crate::table::table;
 
 use super::figure::Figure;
 
-/// What recorded torques show.
+/// Results from recorded torques.
 #[derive(Clone, Debug, Serialize)]
 pub(super) struct TorqueFigures {
     loads: Vec<LoadRow>,
-    /// Joints A1 to A7; null where a joint hardly moves.
+    /// Joints A1 to A7; null if a joint hardly moves.
     viscous_nm_s_rad: [Option<Figure>; 7],
     coulomb_nm: [Option<Figure>; 7],
-    /// What is left over of each joint's torque, root mean square over windows of `window_s`.
+    /// Residual torque of each joint, root mean square over windows of `window_s`.
     residual_nm: [f64; 7],
     window_s: f64,
-    /// Whether the recordings have the sign of plans, not that of KUKA's controller.
+    /// `true` if the recordings have the sign of plans, not that of KUKA's controller.
     turned: bool,
 }
 
 #[derive(Clone, Debug, Serialize)]
 struct LoadRow {
-    /// From 1.
+    /// Recordings, from 1.
     recordings: Vec<usize>,
-    /// As the programs state it.
+    /// Load stated by the programs.
     stated: Option<ProgramLoad>,
     mass_kg: Option<Figure>,
     center_mm: [Option<Figure>; 3],
-    /// What the recordings do not tell.
+    /// Quantities that the recordings do not determine.
     untold: Vec<&'static str>,
-    /// As it is in programs.
+    /// Load in program format.
     load: Option<ProgramLoad>,
 }
 

@@ -1,4 +1,4 @@
-//! A picture of a recording held against a plan: both paths of the flange, and the deviations.
+//! Picture of a recording and a plan: both flange paths, and the deviations.
 
 use iiwa_eval::{Comparison, Plan, TracePoint};
 use plotters::prelude::{
@@ -10,10 +10,10 @@ use super::{
 };
 use crate::ReportError;
 
-/// Points of the planned path.
+/// Number of points of the planned path.
 const POINTS: u32 = 8000;
 
-/// A recording beside its plan as SVG: both paths of the flange, and the deviations along them.
+/// Draws a recording and its plan as SVG: both flange paths, and the deviations along them.
 ///
 /// # Errors
 ///
@@ -29,7 +29,7 @@ pub fn draw(plan: &Plan, comparison: &Comparison) -> Result<String, ReportError>
     svg([WIDTH, HEIGHT], |root| {
         let (top, bottom) = root.split_vertically(FINE * HEIGHT * 11 / 20);
         let [best, second, _] = space.planes();
-        // What is seen from the side is a line.
+        // Seen edge-on, a planar path is only a line.
         let size = |plane: (usize, usize)| space.extent(plane.0).min(space.extent(plane.1));
         if size(second) > 0.02 * size(best) {
             let (left, right) = top.split_horizontally(FINE * WIDTH / 2);
@@ -46,7 +46,7 @@ pub fn draw(plan: &Plan, comparison: &Comparison) -> Result<String, ReportError>
     })
 }
 
-/// Both paths in a plane.
+/// Draws both paths in a plane.
 fn draw_paths(
     area: &Area<'_>,
     space: &Space,
@@ -54,7 +54,7 @@ fn draw_paths(
     (planned, measured): (&[[f64; 3]], &[[f64; 3]]),
 ) -> Drawn {
     let mut chart = space.chart(area, "Path of the flange", (across, up))?;
-    // Where both are the same, blue is left at both sides of red.
+    // Where both paths coincide, blue is visible on both sides of red.
     let paths = [
         ("planned", planned, PLANNED.stroke_width(5 * FINE)),
         ("measured", measured, MEASURED.stroke_width(3 * FINE / 2)),
@@ -69,10 +69,10 @@ fn draw_paths(
     legend(&mut chart, SeriesLabelPosition::UpperRight)
 }
 
-/// What is smaller, in mm or mrad, is not told apart from nothing.
+/// Smallest deviation that is distinguished from zero, in mm or mrad.
 const LEAST: f64 = 0.001;
 
-/// A deviation over the arm's time since the program's start; every other motion is shaded.
+/// Draws a deviation over the time since the program start; every other motion is shaded.
 fn draw_deviation(
     area: &Area<'_>,
     (what, unit): (&str, &str),
@@ -93,7 +93,7 @@ fn draw_deviation(
     let mut chart = ChartBuilder::on(area)
         .caption(title, font())
         .margin(8 * FINE)
-        // Half of the last number is beside the axis.
+        // Half of the last number exceeds the axis.
         .margin_right(24 * FINE)
         .x_label_area_size(30 * FINE)
         .y_label_area_size(62 * FINE)

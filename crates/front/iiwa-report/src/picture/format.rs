@@ -1,23 +1,23 @@
-//! Pictures as files: SVG as it is drawn, PNG and PDF made of it.
+//! Picture files: SVG as drawn, PNG and PDF converted from it.
 
 use std::path::Path;
 
 use super::picture_error::PictureError;
 
-/// How a picture is written.
+/// File format of a picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum PictureFormat {
-    /// As it is drawn.
+    /// SVG, as drawn.
     Svg,
-    /// Two dots a unit of the drawing, on white.
+    /// PNG with two dots per unit of the drawing, on white.
     Png,
-    /// A page of the drawing's size.
+    /// PDF page with the size of the drawing.
     Pdf,
 }
 
 impl PictureFormat {
-    /// That of a file's ending: `.svg`, `.png` or `.pdf`.
+    /// Returns the format for a file extension: `.svg`, `.png` or `.pdf`.
     #[must_use]
     pub fn of(path: &Path) -> Option<Self> {
         let ending = path.extension()?.to_str()?.to_ascii_lowercase();
@@ -29,7 +29,7 @@ impl PictureFormat {
         }
     }
 
-    /// The content of a file of this format for a drawing in SVG, with a font of this system.
+    /// Encodes a drawing in SVG as a file of this format, with a font of this system.
     ///
     /// # Errors
     ///

@@ -1,4 +1,4 @@
-//! A picture of a plan: the path of the TCP, and the joints' speeds over time.
+//! Picture of a plan: TCP path, and joint speeds over time.
 
 use iiwa_kin::{Joints, Pose, Robot};
 use iiwa_program::{PlacedFrame, Program};
@@ -14,17 +14,17 @@ use super::{
 };
 use crate::ReportError;
 
-/// Radius of a circle at a blend's end.
+/// Radius of the circles at blend ends.
 const DOT: i32 = 20;
 
-/// Height of the chart of the TCP's speed.
+/// Height of the TCP speed chart.
 const TCP_HEIGHT: u32 = 220;
 
-/// Samples that a picture can show; a longer program is thinned out.
+/// Maximum number of samples in a picture; longer programs are sampled more coarsely.
 const SAMPLES: usize = 20_000;
 
-/// A picture of a plan, drawn from a bounded number of samples that are taken while it is made: the path of
-/// the TCP, and the joints' speeds; of programs with frames the TCP's speed, too.
+/// Picture of a plan, drawn from a bounded number of samples that are taken while the plan is
+/// computed: TCP path and joint speeds; for programs with frames also the TCP speed.
 #[derive(Debug)]
 pub struct PlanPicture {
     robot: Robot,
@@ -42,9 +42,9 @@ struct Sample {
     t_s: f64,
     tcp_mm: [f64; 3],
     tcp_mm_s: f64,
-    /// The TCP in the flange's frame.
+    /// TCP in the flange frame.
     offset_m: [f64; 3],
-    /// Share of each joint's speed limit.
+    /// Joint speeds relative to their limits.
     speed: [f64; 7],
 }
 
@@ -56,7 +56,7 @@ struct BlendMark {
 }
 
 impl PlanPicture {
-    /// A picture of a plan for `robot`, without any section yet.
+    /// Creates a picture of a plan for `robot`, without sections.
     #[must_use]
     pub fn new(robot: &Robot) -> Self {
         Self {
@@ -71,14 +71,14 @@ impl PlanPicture {
         }
     }
 
-    /// With the frames of a program, as far as they are there.
+    /// Adds the frames of a program, if it has any.
     #[must_use]
     pub fn with_frames(self, program: &Program) -> Self {
         let frames = program.placed_frames().unwrap_or_default();
         Self { frames, has_frames: program.has_frames(), ..self }
     }
 
-    /// Takes in the next section.
+    /// Adds the next section.
     pub fn add(&mut self, section: &Section) {
         let path = section.path();
         self.has_tools |= path.has_tools();
@@ -105,14 +105,14 @@ impl PlanPicture {
         }
         for piece in section.pieces().iter().filter(|piece| piece.kind == PieceKind::Blend) {
             let (start_s, end_s) = (piece.start_s, piece.end_s);
-            // A blend belongs to the motion that it leads into, with its TCP.
+            // A blend belongs to the motion that it leads into, with the TCP of that motion.
             let ends_mm =
                 [start_s, end_s].map(|t_s| self.tcp_mm(path.tcp(piece.motion), &section.at(t_s).q));
             self.blends.push(BlendMark { start_s, end_s, ends_mm });
         }
     }
 
-    /// Where a TCP is, in mm, that is given in the flange's frame.
+    /// Returns the position, in mm, of a TCP given in the flange frame.
     fn tcp_mm(&self, tcp: &Pose, joints_rad: &Joints) -> [f64; 3] {
         let place_m = match tcp.position_m {
             [0.0, 0.0, 0.0] => self.robot.flange_position(joints_rad),
@@ -121,7 +121,7 @@ impl PlanPicture {
         place_m.map(|v| 1e3 * v)
     }
 
-    /// The picture as SVG.
+    /// Draws the picture as SVG.
     ///
     /// # Errors
     ///
@@ -140,7 +140,7 @@ impl PlanPicture {
         })
     }
 
-    /// The TCP's path in the plane that shows most of it, with the same scale on both axes.
+    /// Draws the TCP path in the plane that shows most of it, with the same scale on both axes.
     fn draw_path(&self, area: &Area<'_>) -> Drawn {
         let space = Space::of(self.samples.iter().map(|sample| sample.tcp_mm));
         let [(across, up), ..] = space.planes();
@@ -156,7 +156,8 @@ impl PlanPicture {
         }
         let mut from = 0;
         for run in self.samples.chunk_by(|a, b| tone(a) == tone(b) && a.offset_m == b.offset_m) {
-            // Each run of one colour reaches to the first point of the next, unless that is of another TCP.
+            // Each run of one colour extends to the first point of the next, unless that point
+            // belongs to another TCP.
             let next = from + run.len();
             let goes_on = self.samples.get(next).is_some_and(|it| it.offset_m == run[0].offset_m);
             let to = if goes_on { next } else { next - 1 };
@@ -188,11 +189,11 @@ impl PlanPicture {
         legend(&mut chart, SeriesLabelPosition::UpperRight)
     }
 
-    /// The frames' axes: x red, y green, z blue; and their names.
+    /// Draws the frame axes, x red, y green, z blue, and the frame names.
     fn draw_frames(&self, chart: &mut Chart<'_>, (across, up): (usize, usize)) -> Drawn {
-        /// Length of an axis, as a share of what the chart shows.
+        /// Length of an axis, relative to the range of the chart.
         const AXIS: f64 = 0.04;
-        /// More frames hide each other.
+        /// Maximum number of frames; more would hide each other.
         const FRAMES: usize = 500;
         let shown = chart.x_range();
         let length = AXIS * (shown.end - shown.start);
@@ -212,7 +213,7 @@ impl PlanPicture {
         Ok(())
     }
 
-    /// The speed of the TCP.
+    /// Draws the TCP speed.
     fn draw_tcp_speed(&self, area: &Area<'_>) -> Drawn {
         let end = self.samples.last().map_or(1.0, |sample| sample.t_s).max(1e-3);
         let most = self.samples.iter().fold(1e-3_f64, |most, sample| most.max(sample.tcp_mm_s));
@@ -238,7 +239,7 @@ impl PlanPicture {
         Ok(())
     }
 
-    /// The joints' speeds; blends are shaded.
+    /// Draws the joint speeds; blends are shaded.
     fn draw_speeds(&self, area: &Area<'_>) -> Drawn {
         let end = self.samples.last().map_or(1.0, |sample| sample.t_s).max(1e-3);
         let mut chart = ChartBuilder::on(area)
@@ -276,10 +277,10 @@ impl PlanPicture {
     }
 }
 
-/// Steps of colour from standstill to full speed.
+/// Colour steps from standstill to full speed.
 const TONES: u8 = 40;
 
-/// The fastest joint's share of its limit, in steps of colour.
+/// Returns the largest joint speed relative to its limit, in colour steps.
 fn tone(sample: &Sample) -> u8 {
     let fastest = sample.speed.iter().fold(0.0_f64, |fastest, v| fastest.max(v.abs()));
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "0 to TONES")]

@@ -16,12 +16,12 @@ const DOT: i32 = 20;
 
 pub(crate) type Point = (f64, f64);
 
-/// One plot: axes, and what is drawn between them in that order.
+/// Plot: axes and its layers, in drawing order.
 pub(crate) struct Plot {
     caption: String,
     axes: [String; 2],
     ranges: Option<[Range<f64>; 2]>,
-    /// Both axes have the same scale.
+    /// `true` for the same scale on both axes.
     equal: bool,
     legend_at: SeriesLabelPosition,
     layers: Vec<Layer>,
@@ -31,18 +31,18 @@ pub(crate) struct Plot {
 struct Layer {
     kind: Mark,
     colour: RGBColor,
-    /// Each is drawn without a connection to the next.
+    /// Parts, drawn without connecting lines.
     parts: Vec<Vec<Point>>,
     label: Option<String>,
 }
 
 #[derive(Clone, Copy)]
 enum Mark {
-    /// Width in pixels.
+    /// Line of this width in pixels.
     Line(f64),
     Dots,
     Circles,
-    /// Between a lower and an upper line: forth along the one, back along the other.
+    /// Area between a lower and an upper line: forward along one, back along the other.
     Band,
 }
 
@@ -59,7 +59,7 @@ impl Plot {
         }
     }
 
-    /// Shows this part only.
+    /// Restricts the plot to these ranges.
     pub(crate) fn within(mut self, across: Range<f64>, up: Range<f64>) -> Self {
         self.ranges = Some([across, up]);
         self
@@ -114,7 +114,7 @@ impl Plot {
         self.layer(Mark::Band, vec![around], colour, label)
     }
 
-    /// Writes beside a point.
+    /// Adds a text beside a point.
     pub(crate) fn note(mut self, at: Point, text: impl Into<String>) -> Self {
         self.notes.push((at, text.into()));
         self
@@ -126,7 +126,7 @@ impl Plot {
         self
     }
 
-    /// What the axes show, before they get the same scale.
+    /// Ranges of the axes, before their scales are equalised.
     fn ranges(&self) -> [Range<f64>; 2] {
         if let Some(ranges) = &self.ranges {
             return ranges.clone();
@@ -156,7 +156,7 @@ impl Plot {
             }
         }
         let [across, up] = ranges;
-        // A pixel's size, in units of the axes.
+        // Size of a pixel, in units of the axes.
         let pixel = [unit(&across, width), unit(&up, height)].map(|size| size * f64::from(FINE));
         let mut chart = ChartBuilder::on(area)
             .caption(&self.caption, font())
@@ -195,7 +195,7 @@ impl Plot {
             for part in &layer.parts {
                 match layer.kind {
                     Mark::Line(_) => {
-                        // The backend would bend lines that leave the picture.
+                        // The backend would distort lines that leave the picture.
                         for run in part.split(|point| !inside(point)).filter(|run| run.len() > 1) {
                             chart.draw_series([PathElement::new(thinned(run, pixel), stroke)])?;
                         }
@@ -245,7 +245,7 @@ impl Plot {
     }
 }
 
-/// Plots in rows, in a picture of so many pixels.
+/// Draws plots in rows, in a picture of this size in pixels.
 pub(crate) fn draw(
     plots: &[Plot],
     columns: usize,
@@ -261,7 +261,7 @@ pub(crate) fn draw(
     })
 }
 
-/// How many decimals tell the numbers along an axis apart.
+/// Returns the number of decimals that distinguish the numbers along an axis.
 fn decimals(range: &Range<f64>) -> usize {
     let step = (range.end - range.start) / 8.0;
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "0 to 6")]
@@ -271,15 +271,15 @@ fn decimals(range: &Range<f64>) -> usize {
 
 fn number(value: f64, decimals: usize) -> String {
     let text = format!("{value:.decimals$}");
-    // No minus in front of nothing.
+    // No minus sign before zero.
     if text.trim_start_matches(['-', '0', '.']).is_empty() {
         return text.trim_start_matches('-').to_owned();
     }
     text
 }
 
-/// A line with only as many points as can be seen: what is left out is less than a quarter of a pixel
-/// beside it (Douglas and Peucker 1973).
+/// Reduces a line to its visible points: omitted points are less than a quarter of a pixel from it
+/// (Douglas and Peucker 1973).
 fn thinned(line: &[Point], pixel: [f64; 2]) -> Vec<Point> {
     const BESIDE: f64 = 0.25;
     let place = |point: Point| (point.0 / pixel[0], point.1 / pixel[1]);

@@ -1,4 +1,4 @@
-//! PNG and PDF, made of a drawing in SVG (feature `png-pdf`).
+//! PNG and PDF, converted from a drawing in SVG (feature `png-pdf`).
 
 use svg2pdf::{
     ConversionOptions, PageOptions,
@@ -7,16 +7,16 @@ use svg2pdf::{
 
 use super::picture_error::PictureError;
 
-/// Dots of a PNG file per unit of the drawing: sharp on dense screens, and in print.
+/// Dots of a PNG file per unit of the drawing: sharp on high-resolution screens, and in print.
 const SCALE: f32 = 2.0;
 
-/// A PDF page of the drawing's size.
+/// Converts to a PDF page with the size of the drawing.
 pub(super) fn pdf(svg: &str) -> Result<Vec<u8>, PictureError> {
     svg2pdf::to_pdf(&tree(svg)?, ConversionOptions::default(), PageOptions::default())
         .map_err(|error| PictureError::Conversion(error.to_string()))
 }
 
-/// A PNG file on white, since drawings are for paper.
+/// Converts to a PNG file on white, since drawings are designed for paper.
 pub(super) fn png(svg: &str) -> Result<Vec<u8>, PictureError> {
     let tree = tree(svg)?;
     let size = tree.size().to_int_size().scale_by(SCALE);
@@ -36,7 +36,7 @@ fn tree(svg: &str) -> Result<Tree, PictureError> {
     Tree::from_str(svg, &options).map_err(|error| PictureError::Conversion(error.to_string()))
 }
 
-/// A family of the system's fonts that is like what browsers take, or else any.
+/// Returns an installed font family similar to that of browsers, or else any.
 fn sans_serif(options: &Options<'_>) -> Option<String> {
     let name = |face: &FaceInfo| face.families.first().map(|(name, _)| name.clone());
     let families: Vec<String> = options.fontdb.faces().filter_map(name).collect();
