@@ -86,12 +86,12 @@ Exit codes:
 
 const FILES: &str = "\
 Files:
-  What can be made again is replaced by what is of its kind: trajectories,
-  tables, pictures, reports, the results of virtual robots. What was measured
-  on a robot, or may have been edited by hand, is not: recordings, robot
-  profiles, frames; --overwrite replaces them. Keys never are.";
+  Generated files of the same kind are overwritten: trajectories, tables,
+  pictures, reports, results of virtual robots. Recordings of a robot, and
+  files that may have been edited by hand (robot profiles, frames), are kept
+  unless --overwrite is given. Key files are never overwritten.";
 
-/// Exit codes, files, settings, and commands that this build lacks.
+/// Returns exit codes, files, settings, and the commands that this build lacks.
 fn help() -> String {
     let sections = [EXIT_CODES, FILES, settings::HELP].map(str::to_owned);
     sections.into_iter().chain(features::missing_commands()).collect::<Vec<_>>().join("\n\n")
@@ -107,10 +107,10 @@ pub(crate) struct Arguments {
 }
 
 impl Arguments {
-    /// The command line. The help of each command lists the exit codes.
+    /// Builds the command line. The help of each command lists the exit codes.
     pub(crate) fn command_line() -> clap::Command {
         Self::command().mut_subcommands(|command| {
-            // Else, a negative number would be taken for an option.
+            // Otherwise, clap would take a negative number for an option.
             let number = |arg: Arg| {
                 if arg.is_positional() || !arg.get_action().takes_values() {
                     arg
@@ -122,8 +122,8 @@ impl Arguments {
         })
     }
 
-    /// Parses the arguments of this process with these settings as defaults; exits on wrong usage, and after printing
-    /// help.
+    /// Parses the arguments of this process with these settings as defaults; exits on wrong usage,
+    /// and after printing help.
     pub(crate) fn read(settings: &Settings) -> Self {
         let command = Self::command_line().mut_subcommands(|command| settings.apply(command));
         let arguments = with_optional_values(std::env::args_os());
@@ -134,8 +134,8 @@ impl Arguments {
     }
 }
 
-/// The arguments, with the value of an option that may go without one joined to it: `--limit-torque 80 FILE` and
-/// `--limit-torque FILE` both say what they seem to.
+/// Joins the value of an option that may have none to the option, so that `--limit-torque 80 FILE`
+/// and `--limit-torque FILE` both work as expected.
 fn with_optional_values(arguments: impl Iterator<Item = OsString>) -> Vec<OsString> {
     let mut all: Vec<OsString> = Vec::new();
     for argument in arguments {

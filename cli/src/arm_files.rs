@@ -1,4 +1,4 @@
-//! The files of a URDF: its text, and the meshes that it names.
+//! Files of a URDF: its text, and the meshes that it names.
 
 use std::{
     fs,
@@ -12,7 +12,7 @@ use iiwa_scene::{ArmMeshError, ArmMeshes};
 
 use crate::{args::Urdf, failure::Failure, input::Text};
 
-/// A URDF of the arm, and where its packages are.
+/// URDF of the arm, with its package folders.
 #[derive(Clone, Debug)]
 pub(crate) struct ArmFiles(Arc<Files>);
 
@@ -24,32 +24,32 @@ struct Files {
 }
 
 impl ArmFiles {
-    /// The one of the options, if they have one.
+    /// Reads the URDF of the options, if given.
     pub(crate) fn new(options: &Urdf) -> Result<Option<Self>, Failure> {
         let Some(path) = options.urdf.clone() else { return Ok(None) };
         let text = Text::read(&path)?;
         let packages = options.package_path.clone();
         if let Some(missing) = packages.iter().find(|folder| !folder.is_dir()) {
             return Err(Failure::input(format!(
-                "--package-path: there is no folder {}",
+                "--package-path: no such folder: {}",
                 missing.display()
             )));
         }
         Ok(Some(Self(Arc::new(Files { path, text, packages }))))
     }
 
-    /// The meshes of a robot.
+    /// Reads the meshes of a robot.
     pub(crate) fn meshes(&self, robot: &Robot) -> Result<ArmMeshes, Failure> {
         self.0.meshes(robot).map_err(|error| self.failure(&error))
     }
 
-    /// The same for a page.
+    /// Returns the meshes as a source for a page.
     pub(crate) fn source(&self) -> ArmSource {
         let files = Arc::clone(&self.0);
         ArmSource::new(move |robot| files.meshes(robot))
     }
 
-    /// Why the URDF is refused, where it says so.
+    /// Converts an error of the URDF to a failure, with its place in the text if known.
     pub(crate) fn failure(&self, error: &ArmMeshError) -> Failure {
         let Text { name, text } = &self.0.text;
         match error.place() {
@@ -67,12 +67,12 @@ impl Files {
     fn read(&self, name: &str) -> Result<Vec<u8>, String> {
         let path = self.path_of(name)?;
         fs::read(&path).map_err(|error| match error.kind() {
-            std::io::ErrorKind::NotFound => format!("there is no file {}", path.display()),
+            std::io::ErrorKind::NotFound => format!("no such file: {}", path.display()),
             _ => format!("cannot read {}: {error}", path.display()),
         })
     }
 
-    /// Where a file is that the URDF names.
+    /// Returns the path of a file that the URDF names.
     fn path_of(&self, name: &str) -> Result<PathBuf, String> {
         let folder = self.path.parent().unwrap_or(Path::new(""));
         let Some(rest) = name.strip_prefix("package://") else {
@@ -83,13 +83,14 @@ impl Files {
         match folders.iter().map(|folder| folder.join(file)).find(|path| path.is_file()) {
             Some(path) => Ok(path),
             None if folders.is_empty() => Err(format!(
-                "there is no package {package}: --package-path names the folder that it is in, or its own"
+                "unknown package {package}: --package-path names the folder that it is in, or its own"
             )),
             None => Err(format!("the package {package} has no file {file}")),
         }
     }
 
-    /// Folders of a package: in those of the options, or one of them; or around the URDF.
+    /// Returns candidate folders of a package: below or among the folders of the options, or around
+    /// the URDF.
     fn packages(&self, name: &str) -> Vec<PathBuf> {
         let is_called = |folder: &Path| folder.file_name().is_some_and(|last| last == name);
         let real = |path: &Path| path.canonicalize().unwrap_or_else(|_| path.to_owned());

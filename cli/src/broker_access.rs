@@ -1,4 +1,4 @@
-//! How brokers are reached, and what they refuse.
+//! Broker access, and broker errors.
 
 use std::{fs, path::Path};
 
@@ -12,7 +12,7 @@ use iiwa_report::with_causes;
 
 use crate::{args, connection, failure::Failure};
 
-/// How Kafka is reached.
+/// Returns the connection to Kafka.
 pub(crate) fn kafka_connection(
     brokers: &[String],
     access: &args::KafkaAccess,
@@ -24,7 +24,7 @@ pub(crate) fn kafka_connection(
     })
 }
 
-/// How the MQTT broker is reached, if there is to be one.
+/// Returns the connection to the MQTT broker, if there is one.
 pub(crate) fn mqtt_connection(mqtt: &args::Mqtt) -> Result<Option<MqttConnection>, Failure> {
     let Some((host, port)) = mqtt.broker.as_ref().and_then(|broker| broker.rsplit_once(':')) else {
         return Ok(None);
@@ -51,7 +51,7 @@ fn broker_access(options: &args::BrokerAccess<'_>) -> Result<BrokerAccess, Failu
     Ok(BrokerAccess { tls, credentials })
 }
 
-/// The user, with the password in the first line of a file.
+/// Returns the user with the password from the first line of a file.
 pub(crate) fn credentials(user: &str, file: &Path) -> Result<Credentials, Failure> {
     let text = fs::read_to_string(file).map_err(|error| {
         Failure::input(format!("cannot read the password in {}: {error}", file.display()))
@@ -63,7 +63,7 @@ pub(crate) fn credentials(user: &str, file: &Path) -> Result<Credentials, Failur
     Ok(Credentials { user: user.to_owned(), password })
 }
 
-/// A bridge that did not start: invalid input if the options are wrong.
+/// Converts the error of a bridge that did not start: invalid input if the options are wrong.
 pub(crate) fn failure(error: &BridgeError) -> Failure {
     match error {
         BridgeError::Link(error) => connection::refused(error),

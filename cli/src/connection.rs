@@ -15,12 +15,12 @@ use crate::{
     failure::Failure,
 };
 
-/// A client of a drive.
+/// Connects a client to a drive.
 pub(crate) fn client(drive: &DriveAddress) -> Result<Client, Failure> {
     Client::new(&remote(&drive.keys)?, &drive.drive.to_string()).map_err(|error| refused(&error))
 }
 
-/// Keys to connect to a drive.
+/// Returns the keys for a connection to a drive.
 pub(crate) fn remote(keys: &ClientKeys) -> Result<Remote, Failure> {
     match (&keys.key, &keys.server_key) {
         (Some(key), Some(server)) => ClientSecurity::read(key, server)
@@ -30,7 +30,7 @@ pub(crate) fn remote(keys: &ClientKeys) -> Result<Remote, Failure> {
     }
 }
 
-/// Keys of a server, and which clients it accepts.
+/// Returns the keys of a server, and its accepted clients.
 pub(crate) fn server(keys: &ServerKeys) -> Result<Server, Failure> {
     let server = match (&keys.key, &keys.allow) {
         (Some(key), Some(allow)) => ServerSecurity::read(key, allow).map(Server::with_keys),
@@ -39,7 +39,7 @@ pub(crate) fn server(keys: &ServerKeys) -> Result<Server, Failure> {
     server.map_err(|error| refused(&error.into()))
 }
 
-/// A connection that could not be made: invalid input if the options are wrong.
+/// Converts the error of a failed connection: invalid input if the options are wrong.
 pub(crate) fn refused(error: &LinkError) -> Failure {
     match error {
         LinkError::Config { .. }
@@ -58,7 +58,7 @@ pub(crate) fn refused(error: &LinkError) -> Failure {
     }
 }
 
-/// A server that did not start; `options` are those that choose its addresses.
+/// Converts the error of a server that did not start; `options` select its addresses.
 pub(crate) fn not_started(error: &LinkError, options: &str) -> Failure {
     match error {
         LinkError::Bind { source, .. } | LinkError::Udp { source, .. } => {
@@ -68,7 +68,7 @@ pub(crate) fn not_started(error: &LinkError, options: &str) -> Failure {
     }
 }
 
-/// An address at which nothing can be served; `options` choose another one.
+/// Converts the error of an address that cannot be served; `options` select another address.
 pub(crate) fn not_listening(error: &dyn Error, cause: &io::Error, options: &str) -> Failure {
     let hint = if cause.kind() == io::ErrorKind::AddrInUse {
         format!("; another program listens there: end it, or choose another port with {options}")
@@ -78,7 +78,7 @@ pub(crate) fn not_listening(error: &dyn Error, cause: &io::Error, options: &str)
     Failure::Run { what: printable(&format!("{}{hint}", with_causes(error))), cause: None }
 }
 
-/// A request that failed.
+/// Converts the error of a failed request.
 pub(crate) fn failed(what: &str, error: &ClientError) -> Failure {
     match error {
         ClientError::Refused { refusal, .. }
@@ -94,7 +94,7 @@ pub(crate) fn failed(what: &str, error: &ClientError) -> Failure {
     }
 }
 
-/// The error of a request, with a hint.
+/// Formats the error of a request, with a hint.
 pub(crate) fn explained(error: &ClientError) -> String {
     match error {
         ClientError::Unreachable { .. } => format!("{error}; is `iiwasim drive` running there?"),
@@ -103,7 +103,7 @@ pub(crate) fn explained(error: &ClientError) -> String {
     }
 }
 
-/// Options that give keys to both sides, if that is why the drive refused.
+/// Returns the options that give keys to both sides, if only one side has keys.
 fn one_side(reason: &str) -> &'static str {
     if reason == ConnectionRefusal::KeysOnOneSide.reason() {
         "; a client has --key and --server-key, a drive --key and --allow"
@@ -112,7 +112,7 @@ fn one_side(reason: &str) -> &'static str {
     }
 }
 
-/// Commands and options that solve an error, to be appended to it.
+/// Returns commands and options that solve an error, to be appended to it.
 fn hint(error: &LinkError) -> &'static str {
     match error {
         LinkError::Security(SecurityError::BindNeedsKeys { .. }) => {

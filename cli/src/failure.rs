@@ -1,4 +1,4 @@
-//! Failures of commands, and how they are reported.
+//! Failures of commands, and their reports.
 
 use std::{error::Error, io::Write as _, ops::Range, path::Path};
 
@@ -12,27 +12,27 @@ use iiwa_traj::{PlanError, TimingError};
 
 use crate::file_kind::{JsonKind, other_kind};
 
-/// Why a command failed.
+/// Reason why a command failed.
 #[derive(Debug)]
 pub(crate) enum Failure {
     /// The input is invalid.
     Input(Box<Problem>),
-    /// It failed while running.
+    /// The command failed at run time.
     Run { what: String, cause: Option<String> },
-    /// The command succeeded, but a gate was not met.
+    /// The command succeeded, but a gate was violated.
     Gate(String),
 }
 
 impl Failure {
-    /// Invalid input, without an excerpt.
+    /// Creates a failure for invalid input, without an excerpt.
     pub(crate) fn input(what: impl Into<String>) -> Self {
         let what = printable(&what.into());
         Self::Input(Box::new(Problem { what, excerpt: None }))
     }
 
-    /// A fault at a place in a text.
+    /// Creates a failure for a fault at a place in a text.
     pub(crate) fn in_text(what: &str, place: &Place, name: &str, text: &str) -> Self {
-        // Of a long object, only the beginning is marked.
+        // Only the beginning of a long object is marked.
         let marked = place.span.start..place.span.end.min(place.span.start + 60);
         let excerpt = can_be_shown(text, place).then(|| Excerpt {
             name: printable(name),
@@ -45,7 +45,7 @@ impl Failure {
         }))
     }
 
-    /// A program, called `name`, that cannot be read from `text` or planned.
+    /// Converts the error of a program called `name` that cannot be read from `text` or planned.
     pub(crate) fn program(error: &iiwa_plan::Error, name: &str, text: &str) -> Self {
         use iiwa_plan::Error;
         match error {
@@ -77,7 +77,7 @@ impl Failure {
         }
     }
 
-    /// An error in the text of a program, with its place if it has one.
+    /// Converts an error in the text of a program, with its place if known.
     fn at_place(error: &iiwa_plan::Error, name: &str, text: &str) -> Self {
         match error.place() {
             Some(place) => Self::in_text(&error.what(), place, name, text),
@@ -85,23 +85,23 @@ impl Failure {
         }
     }
 
-    /// An interrupt.
+    /// Creates the failure for an interrupt.
     pub(crate) fn interrupted() -> Self {
         Self::Run { what: "interrupted".to_owned(), cause: None }
     }
 
-    /// A failure while running, with its cause.
+    /// Creates a run-time failure with its cause.
     pub(crate) fn run(what: impl Into<String>, error: &dyn Error) -> Self {
         // Parts may have been received over the network.
         Self::Run { what: printable(&what.into()), cause: Some(printable(&with_causes(error))) }
     }
 
-    /// A failure while running that says what failed by itself.
+    /// Creates a run-time failure whose error names the failed operation.
     pub(crate) fn broken(error: &dyn Error) -> Self {
         Self::Run { what: printable(&with_causes(error)), cause: None }
     }
 
-    /// Prefixed with the program's name, unless the text begins with it already.
+    /// Adds the name of the program as a prefix, unless the text begins with it already.
     pub(crate) fn about(mut self, program: &str) -> Self {
         let program = printable(program);
         let what = match &mut self {
@@ -118,7 +118,7 @@ impl Failure {
         self
     }
 
-    /// The failure in one line.
+    /// Formats the failure in one line.
     pub(crate) fn what(&self) -> String {
         match self {
             Self::Input(problem) => problem.what.clone(),
@@ -127,7 +127,7 @@ impl Failure {
         }
     }
 
-    /// As it is reported on standard error.
+    /// Formats the failure for standard error.
     pub(crate) fn text(&self) -> String {
         let text = match self {
             Self::Input(problem) => problem.text(),
@@ -195,7 +195,7 @@ pub(crate) fn print_note(text: &str) {
     let _ = anstream::stderr().write_all(text.as_bytes());
 }
 
-/// Whether the lines around a place can be shown: short, without control characters.
+/// Returns true if the lines around a place can be shown: short, without control characters.
 fn can_be_shown(text: &str, place: &Place) -> bool {
     const MAX_LINE: usize = 400;
     let from = text[..place.span.start].rfind('\n').map_or(0, |at| at + 1);
@@ -212,17 +212,18 @@ pub(crate) struct Problem {
     excerpt: Option<Excerpt>,
 }
 
-/// Where in a text it is.
+/// Excerpt of a text with the fault.
 #[derive(Debug)]
 struct Excerpt {
     name: String,
     text: String,
-    /// Bytes of the text.
+    /// Marked range of bytes in the text.
     marked: Range<usize>,
 }
 
 impl Problem {
-    /// With the line and a mark under the place, in colours, which [`print_note`] strips where standard error is no terminal.
+    /// Formats the problem with the line and a mark under the place, in colours, which
+    /// [`print_note`] strips if standard error is not a terminal.
     fn text(&self) -> String {
         let title = Level::ERROR.with_name("Error").primary_title(&self.what);
         let report = match &self.excerpt {

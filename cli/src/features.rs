@@ -1,10 +1,10 @@
-//! Cargo features of this build: their commands, and how to add a missing one.
+//! Cargo features of this build: their commands, and instructions to add a missing one.
 
 use clap::error::{ContextKind, ContextValue, ErrorKind};
 
 use crate::failure::Failure;
 
-/// An optional part of the command.
+/// Optional part of the command.
 pub(crate) struct Feature {
     name: &'static str,
     is_enabled: bool,
@@ -47,12 +47,13 @@ impl Feature {
         Self { name, is_enabled, commands }
     }
 
-    /// Fails with instructions if this build lacks the feature; `used` is the option or value that needs it.
+    /// Fails with instructions if this build lacks the feature; `used` is the option or value that
+    /// needs it.
     pub(crate) fn require(&self, used: &str) -> Result<(), Failure> {
         if self.is_enabled { Ok(()) } else { Err(self.missing(used)) }
     }
 
-    /// The failure of `used`, an option or value that needs this feature, which is missing.
+    /// Returns the failure of `used`, an option or value that needs this missing feature.
     pub(crate) fn missing(&self, used: &str) -> Failure {
         Failure::input(self.instructions(used))
     }
@@ -66,7 +67,7 @@ impl Feature {
     }
 }
 
-/// Version, commit, and features.
+/// Returns version, commit, and features.
 pub(crate) fn version() -> String {
     let enabled: Vec<_> = FEATURES.iter().filter(|it| it.is_enabled).map(|it| it.name).collect();
     let keys = if cfg!(feature = "live") { ", with CURVE" } else { "" };
@@ -75,7 +76,7 @@ pub(crate) fn version() -> String {
     format!("{version}{keys}; features: {names}")
 }
 
-/// The section of the help that lists the commands of missing features.
+/// Returns the section of the help that lists the commands of missing features.
 pub(crate) fn missing_commands() -> Option<String> {
     let missing = FEATURES.iter().filter(|it| !it.is_enabled && !it.commands.is_empty());
     let lines: Vec<_> =
@@ -84,7 +85,7 @@ pub(crate) fn missing_commands() -> Option<String> {
     (!lines.is_empty()).then(|| format!("{title}:\n{}", lines.join("\n")))
 }
 
-/// An error of the command line; for a command of a missing feature, it says how to add the feature.
+/// Explains how to add the feature if the unknown command of an error belongs to a missing feature.
 pub(crate) fn explain(error: clap::Error) -> clap::Error {
     let Some(ContextValue::String(command)) = error.get(ContextKind::InvalidSubcommand) else {
         return error;

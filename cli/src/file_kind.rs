@@ -1,10 +1,10 @@
-//! What a file is that is not what it was given as.
+//! Detection of files passed to the wrong option.
 
 use iiwa_kin::Robot;
 use iiwa_program::Workcell;
 use serde_json::{Map, Value};
 
-/// Kinds of JSON files.
+/// Kind of JSON file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum JsonKind {
     /// A motion program.
@@ -18,7 +18,7 @@ pub(crate) enum JsonKind {
 }
 
 impl JsonKind {
-    /// The kind of a text; none if that cannot be told.
+    /// Returns the kind of a text; `None` if unknown.
     pub(crate) fn of(text: &str) -> Option<Self> {
         let object: Map<String, Value> = serde_json::from_str(text).ok()?;
         let has = |key| object.contains_key(key);
@@ -37,7 +37,7 @@ impl JsonKind {
         }
     }
 
-    /// What to tell a user who gave a file of this kind in place of a `wanted` one.
+    /// Returns the hint for a file of this kind given in place of a `wanted` one.
     fn hint(self, wanted: &str) -> String {
         let (own, place) = match self {
             Self::Program => ("motion program", ""),
@@ -51,13 +51,13 @@ impl JsonKind {
     }
 }
 
-/// The message about a file that is of another kind than the one that it was given as, if that can be told.
+/// Returns the message about a file that is of another kind than expected, if its kind is known.
 pub(crate) fn other_kind(name: &str, text: &str, own: JsonKind, wanted: &str) -> Option<String> {
     let kind = JsonKind::of(text).filter(|kind| *kind != own)?;
     Some(format!("{name} {}", kind.hint(wanted)))
 }
 
-/// What bytes are that are no text, if that can be told.
+/// Returns a hint about the format of binary data, if known.
 pub(crate) fn binary_hint(bytes: &[u8]) -> &'static str {
     if bytes.starts_with(b"\x89MCAP") {
         ", but an MCAP file: `iiwasim report`, `compare` and `identify` read these"

@@ -1,4 +1,4 @@
-//! Where the TCP is, and where frames are, in the workcell of a program.
+//! TCP poses and frame poses in the workcell of a program.
 
 use iiwa_json::excerpt;
 use iiwa_kin::{Joints, Pose, Redundancy, Robot};
@@ -11,7 +11,8 @@ use crate::{
     input::{self, default_robot, find_robot},
 };
 
-/// A robot and what a program says of its tool and base; without a program the bare flange and the foot.
+/// Robot with the tool and base of a program; without a program, the bare flange and the robot
+/// base.
 pub(crate) struct Workplace {
     pub(crate) robot: Robot,
     workcell: Workcell,
@@ -21,7 +22,8 @@ pub(crate) struct Workplace {
 }
 
 impl Workplace {
-    /// The robot, and the tool and the base that are chosen, or are the program's.
+    /// Creates the workplace with the robot, and the tool and the base of the options, or those of
+    /// the program.
     pub(crate) fn new(robot: Option<&str>, place: &Place) -> Result<Self, Failure> {
         let (workcell, robot) = if let Some(path) = &place.program {
             input::workcell(path, robot)?
@@ -36,10 +38,10 @@ impl Workplace {
         Ok(Self { robot, workcell, place: place.clone(), tcp, base })
     }
 
-    /// The pose of the TCP in the base, at `joints_rad`.
+    /// TCP pose in the base, at `joints_rad`.
     pub(crate) fn pose(&self, joints_rad: &Joints) -> Pose {
         let mut pose = self.robot.flange_pose(joints_rad);
-        // What changes nothing is not to round either.
+        // Skipping identity poses avoids rounding.
         if self.tcp != Pose::IDENTITY {
             pose = pose.then(&self.tcp);
         }
@@ -49,7 +51,7 @@ impl Workplace {
         pose
     }
 
-    /// The frame of `--frame`, as JSON or by its name in the program.
+    /// Parses `--frame`: JSON or the name of a frame in the program.
     pub(crate) fn frame_named(&self, text: &str) -> Result<TargetRef, Failure> {
         if text.trim_start().starts_with('{') {
             return Target::from_json(text)
@@ -58,14 +60,14 @@ impl Workplace {
         }
         if self.place.program.is_none() {
             return Err(Failure::input(format!(
-                "--frame: `{}` is no JSON object; the name of a frame needs --program, the file that has it",
+                "--frame: `{}` is not a JSON object; the name of a frame needs --program, the file that has it",
                 excerpt(text)
             )));
         }
         Ok(TargetRef::Named(text.to_owned()))
     }
 
-    /// A frame to go to, and where the flange is then, in the foot.
+    /// Returns a target frame, and the corresponding flange pose in the robot base.
     pub(crate) fn target(&self, target: &TargetRef) -> Result<(Target, Pose), Failure> {
         let found = self.workcell.target(target, self.place.base.as_deref());
         let (target, pose) = found.map_err(|fault| Failure::input(fault.to_string()))?;
@@ -76,13 +78,13 @@ impl Workplace {
         Ok((target.clone(), flange))
     }
 
-    /// The frame of the TCP in the base, at `joints_rad`.
+    /// TCP frame in the base, at `joints_rad`.
     pub(crate) fn frame(&self, joints_rad: &Joints) -> ReachedFrame {
         ReachedFrame::new(&self.robot, &self.pose(joints_rad), joints_rad)
     }
 }
 
-/// The frame that the TCP is at, in the base: what [`Target::from_json`] reads.
+/// Frame of the TCP in the base, in the format of [`Target::from_json`].
 #[derive(Serialize)]
 pub(crate) struct ReachedFrame {
     pub(crate) x_mm: f64,

@@ -23,7 +23,7 @@ use crate::{
     file_kind::{JsonKind, binary_hint, other_kind},
 };
 
-/// A file's name and text.
+/// Name and text of a file.
 #[derive(Debug)]
 pub(crate) struct Text {
     pub(crate) name: String,
@@ -52,26 +52,27 @@ impl Text {
     }
 }
 
-/// The robot of programs and commands that name none, if it is not the default model.
+/// Robot of programs and commands that name none, if it is not the default model.
 static ROBOT: OnceLock<String> = OnceLock::new();
 
-/// From now on, programs and commands that name no robot are for this one: a built-in model, or the path of a profile.
+/// Sets the robot of programs and commands that name none: a built-in model, or the path of a
+/// profile.
 pub(crate) fn set_default_robot(name: String) {
     let _ = ROBOT.set(name);
 }
 
-/// The robot that the settings name: a built-in model, or the path of a profile.
+/// Returns the robot that the settings name: a built-in model, or the path of a profile.
 #[cfg(feature = "sunrise")]
 pub(crate) fn usual_robot() -> Option<&'static str> {
     ROBOT.get().map(String::as_str)
 }
 
-/// The robot of programs and commands that name none.
+/// Returns the robot of programs and commands that name none.
 pub(crate) fn default_robot() -> Result<Robot, Failure> {
     ROBOT.get().map_or_else(|| Ok(Robot::default()), |name| find_robot(name))
 }
 
-/// A program with its name, and the request for its plan.
+/// Program with its name, and the request for its plan.
 pub(crate) struct Input {
     pub(crate) name: String,
     pub(crate) source: ProgramSource,
@@ -79,35 +80,35 @@ pub(crate) struct Input {
 }
 
 impl Input {
-    /// A program that is in no file.
+    /// Creates the input for a program without a file.
     #[cfg(feature = "sunrise")]
     pub(crate) fn made(name: String, program: Program, robot: Robot) -> Self {
         let request = PlanRequest { robot: Some(robot), ..PlanRequest::default() };
         Self { name, source: program.into(), request }
     }
 
-    /// The robot that it is planned for.
+    /// Returns the robot of the plan.
     pub(crate) fn robot(&self) -> Result<Robot, Failure> {
         self.request.robot(&self.source).map_err(|error| self.refuse(&error))
     }
 
-    /// The failure to read or plan it.
+    /// Returns the failure for an error of reading or planning.
     pub(crate) fn refuse(&self, error: &iiwa_plan::Error) -> Failure {
         Failure::program(error, &self.name, self.source.text.as_read())
     }
 
-    /// The plan of the whole program.
+    /// Plans the whole program.
     pub(crate) fn plan(&self) -> Result<Plan, Failure> {
         self.request.plan(&self.source).map_err(|error| self.refuse(&error))
     }
 }
 
-/// Reads a program with the files that it names; `robot` is planned for in place of its own.
+/// Reads a program with the files that it names; `robot` overrides its own robot.
 pub(crate) fn program(path: &Path, robot: Option<&str>) -> Result<Input, Failure> {
     program_of(path, Text::read(path)?, robot)
 }
 
-/// Reads the tools, bases and frames of a program, or of a file that programs include; and the robot.
+/// Reads the tools, bases and frames of a program, or of a file for inclusion; and the robot.
 pub(crate) fn workcell(path: &Path, robot: Option<&str>) -> Result<(Workcell, Robot), Failure> {
     let text = Text::read(path)?;
     match Workcell::from_json(&text.text) {
@@ -124,7 +125,7 @@ pub(crate) fn workcell(path: &Path, robot: Option<&str>) -> Result<(Workcell, Ro
     Ok((Arc::unwrap_or_clone(input.source.program).workcell, robot))
 }
 
-/// The program that was read from `path`.
+/// Creates the input for the program read from `path`.
 fn program_of(
     path: &Path,
     Text { name, text }: Text,
@@ -138,7 +139,7 @@ fn program_of(
     Ok(Input { name, source, request })
 }
 
-/// The request for a plan of a program, for `robot` in place of the program's if it is given.
+/// Creates the request for a plan of a program; `robot` overrides the program's robot.
 pub(crate) fn request(source: &ProgramSource, robot: Option<&str>) -> Result<PlanRequest, Failure> {
     let mut request = PlanRequest::default();
     match robot {
@@ -160,7 +161,7 @@ pub(crate) fn scene(path: &Path) -> Result<Scene, Failure> {
     })
 }
 
-/// Reads the file of a mesh that the scene at `path` names; the error says why it cannot be read.
+/// Reads the file of a mesh that the scene at `path` names; the error is the reason for failure.
 fn mesh(path: &Path, name: &str) -> Result<Vec<u8>, String> {
     let file = beside(path, name, &["stl", "obj"]).map_err(|reason| match reason {
         NotBeside::Elsewhere => {
@@ -181,7 +182,7 @@ pub(crate) fn open(path: &Path) -> Result<File, Failure> {
     Ok(file)
 }
 
-/// Reads a recording in any format that holds joint positions.
+/// Reads a recording in any format with joint positions.
 pub(crate) fn recording(
     path: &Path,
     reading: LogReading,
@@ -198,7 +199,7 @@ pub(crate) fn recording(
         })
 }
 
-/// The built-in model called `name`, or the robot of the profile at this path.
+/// Returns the built-in model called `name`, or the robot of the profile at this path.
 pub(crate) fn find_robot(name: &str) -> Result<Robot, Failure> {
     let path = Path::new(name);
     match Robot::built_in(name) {
@@ -208,7 +209,7 @@ pub(crate) fn find_robot(name: &str) -> Result<Robot, Failure> {
     }
 }
 
-/// The robot of a profile.
+/// Returns the robot of a profile.
 fn robot_of(Text { name, text }: &Text) -> Result<Robot, Failure> {
     Robot::from_profile(text).map_err(|error| {
         other_kind(name, text, JsonKind::Profile, "robot profile").map_or_else(

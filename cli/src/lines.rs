@@ -1,4 +1,4 @@
-//! Poses in lines, on standard input.
+//! Poses on standard input, one per line.
 
 use std::io::{self, StdinLock};
 
@@ -7,10 +7,10 @@ use serde_json::{Map, Value};
 
 use crate::failure::Failure;
 
-/// The record of a line, or the reason why it is invalid, with the line's number.
+/// Record of a line, or the reason why it is invalid, with the line number.
 type Line = (usize, Result<Map<String, Value>, String>);
 
-/// The records of standard input.
+/// Iterates over the records of standard input.
 pub(crate) fn records() -> impl Iterator<Item = Result<Line, Failure>> {
     let records: Records<StdinLock<'static>> = Records::new(io::stdin().lock());
     records.map(|record| {
@@ -21,17 +21,18 @@ pub(crate) fn records() -> impl Iterator<Item = Result<Line, Failure>> {
     })
 }
 
-/// A number of a table: without digits that are noise, and no negative zero.
+/// Rounds a number for a table: without noise digits and negative zeros.
 pub(crate) fn rounded(value: f64) -> f64 {
     (value * 1e12).round() / 1e12 + 0.0
 }
 
-/// A text in a table.
+/// Quotes a text in a table.
 pub(crate) fn quoted(text: &str) -> String {
     format!("\"{}\"", text.replace('"', "\"\""))
 }
 
-/// The joints of an object in rad: `joints_deg` or `joints_rad`, or a key a joint, as `joint_1_deg`.
+/// Returns the joint positions of an object in rad: `joints_deg` or `joints_rad`, or a key per
+/// joint, such as `joint_1_deg`.
 pub(crate) fn joints_rad(object: &Map<String, Value>) -> Result<[f64; 7], String> {
     let numbers = |to_rad: fn(f64) -> f64, unit: &str| -> Option<Result<[f64; 7], String>> {
         let given: Vec<&Value> = match object.get(&format!("joints_{unit}")) {

@@ -1,8 +1,8 @@
-//! `iiwasim`: which path will the arm take through a motion program, and how long will it take?
+//! `iiwasim`: computes the path of the arm through a motion program, and its cycle time.
 //!
-//! Results go to standard output, everything else to standard error. This file alone decides on the
-//! exit code: 0 done; 1 it failed while running; 2 wrong usage or invalid input; 3 done, but a gate
-//! was not met, or of many programs some failed.
+//! Results go to standard output, everything else to standard error. Only this file sets the exit
+//! code: 0 success; 1 failure at run time; 2 wrong usage or invalid input; 3 success, but a gate
+//! was violated, or some of many programs failed.
 
 mod args;
 mod arm_files;
@@ -41,7 +41,7 @@ use settings::Settings;
 fn main() -> ExitCode {
     let result = Settings::read().map_or_else(
         |failure| {
-            // Help is given whatever the settings are.
+            // Help must work with invalid settings.
             Arguments::read(&Settings::default());
             Err(failure)
         },

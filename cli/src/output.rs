@@ -1,4 +1,4 @@
-//! Which output files may be written; standard output; interrupts.
+//! Overwrite protection of output files; standard output; interrupts.
 
 use std::{
     io::{self, Write},
@@ -10,23 +10,24 @@ use iiwa_files::{Output, interrupt};
 
 use crate::{failure::Failure, replaceable::Replaceable};
 
-/// Starts a file that will be at `path`, and may replace one of its own kind.
+/// Starts a file that will be at `path`, and may replace a file of the same kind.
 pub(crate) fn replacing(path: &Path, kind: Replaceable) -> Result<Output, Failure> {
     kind.check(path)?;
     Ok(Output::new(path)?)
 }
 
-/// Writes a whole file, unless an interrupt has come.
+/// Writes a whole file, unless the process was interrupted.
 pub(crate) fn write(path: &Path, content: &[u8]) -> Result<(), Failure> {
     let file = Output::new(path)?;
     file.write(content)?;
     Ok(file.complete()?)
 }
 
-/// Refuses to replace a file that cannot be made again, unless `overwrite` says so.
+/// Rejects replacing a file that cannot be generated again, unless `overwrite` is set.
 pub(crate) fn keep_existing(what: &str, path: &Path, overwrite: bool) -> Result<(), Failure> {
     if !path.exists() {
-        // What could not be written is refused before a robot moves, or a long computation begins.
+        // Reports an output that cannot be written before a robot moves, or a long computation
+        // begins.
         return Ok(Output::new(path).map(drop)?);
     }
     if overwrite {
@@ -38,12 +39,13 @@ pub(crate) fn keep_existing(what: &str, path: &Path, overwrite: bool) -> Result<
     )))
 }
 
-/// Whether two paths lead to one file.
+/// Returns true if two paths lead to the same file.
 pub(crate) fn same_file(a: &Path, b: &Path) -> bool {
     a == b || a.canonicalize().is_ok_and(|a| b.canonicalize().is_ok_and(|b| a == b))
 }
 
-/// Refuses to write `what` to `target` over one of the files that are `read`, which are given with their kinds.
+/// Rejects writing `what` to `target` over one of the `read` files, which are given with their
+/// kinds.
 pub(crate) fn keep_inputs<'a>(
     what: &str,
     target: &Path,
@@ -59,12 +61,12 @@ pub(crate) fn keep_inputs<'a>(
     }
 }
 
-/// Prints to standard output. A reader that has gone away, as `head` does, is no failure.
+/// Prints to standard output. A closed reader, such as `head`, is not a failure.
 pub(crate) fn print(text: &str) -> Result<(), Failure> {
     print_if_read(text).map(drop)
 }
 
-/// The same; false if the reader has gone away.
+/// Prints to standard output; returns false if the reader has closed it.
 pub(crate) fn print_if_read(text: &str) -> Result<bool, Failure> {
     let mut out = anstream::stdout().lock();
     match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
@@ -74,7 +76,7 @@ pub(crate) fn print_if_read(text: &str) -> Result<bool, Failure> {
     }
 }
 
-/// A line of JSON.
+/// Formats a line of JSON.
 pub(crate) fn json_line(value: &impl serde::Serialize) -> Result<String, Failure> {
     let json = serde_json::to_string(value)
         .map_err(|error| Failure::run("cannot write the answer", &error))?;
@@ -86,11 +88,12 @@ pub(crate) fn print_json(value: &impl serde::Serialize) -> Result<(), Failure> {
     print(&json_line(value)?)
 }
 
-/// From now on an interrupt (Ctrl-C or a termination signal) sets a flag, see [`check_interrupt`], so that no
-/// partial file stays behind. A second one ends the process at once.
+/// Installs a handler: an interrupt (Ctrl-C or a termination signal) sets a flag, see
+/// [`check_interrupt`], so that no partial file remains. A second interrupt ends the process at
+/// once.
 pub(crate) fn catch_interrupts() {
     let flag = interrupt::flag();
-    // Without a handler an interrupt ends the process at once, which is acceptable.
+    // Without a handler, an interrupt ends the process at once, which is acceptable.
     let _ = ctrlc::set_handler(move || {
         if flag.swap(true, Ordering::Relaxed) {
             std::process::exit(1);
@@ -98,7 +101,7 @@ pub(crate) fn catch_interrupts() {
     });
 }
 
-/// Repeats something until an interrupt.
+/// Repeats an action until an interrupt.
 #[cfg(feature = "live")]
 pub(crate) fn wait_for_interrupt(mut meanwhile: impl FnMut()) {
     while !interrupt::has_come() {
@@ -107,7 +110,7 @@ pub(crate) fn wait_for_interrupt(mut meanwhile: impl FnMut()) {
     }
 }
 
-/// Fails once an interrupt has come.
+/// Fails after an interrupt.
 pub(crate) fn check_interrupt() -> Result<(), Failure> {
     if interrupt::has_come() {
         return Err(Failure::interrupted());

@@ -1,4 +1,4 @@
-//! Files of pictures.
+//! Picture files.
 
 use std::path::Path;
 
@@ -8,7 +8,7 @@ use iiwa_files::Output;
 
 use crate::{failure::Failure, features, output, replaceable::Replaceable};
 
-/// How the file of a picture is written, by its ending.
+/// Returns the format of a picture, by its file extension.
 pub(crate) fn format(path: &Path) -> Result<PictureFormat, Failure> {
     let format = PictureFormat::of(path).ok_or_else(|| {
         Failure::input(format!("{}: pictures are written as .svg, .png or .pdf", path.display()))
@@ -19,12 +19,12 @@ pub(crate) fn format(path: &Path) -> Result<PictureFormat, Failure> {
     Ok(format)
 }
 
-/// Starts the file of a picture, which may replace one of the same format.
+/// Starts the file of a picture, which may replace a file of the same format.
 pub(crate) fn output(path: &Path) -> Result<Output, Failure> {
     output::replacing(path, Replaceable::Picture(format(path)?))
 }
 
-/// The content of the file `path` for a drawing in SVG.
+/// Encodes a drawing in SVG for the file `path`.
 pub(crate) fn content(path: &Path, svg: String) -> Result<Vec<u8>, Failure> {
     let refuse = |error| Failure::run(format!("cannot draw {}", path.display()), &error);
     format(path)?.encode(svg).map_err(refuse)

@@ -4,13 +4,14 @@ use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
-/// A progress bar on standard error, if that is a terminal, once the work takes longer than [`Self::SHORT`].
+/// Progress bar on standard error, if that is a terminal, once the work takes longer than
+/// [`Self::SHORT`].
 pub(crate) struct Progress {
     since: Instant,
     steps: u64,
     done: u64,
     look: &'static str,
-    /// Time left, where it is known.
+    /// Remaining time, if known.
     left: String,
     bar: Option<ProgressBar>,
 }
@@ -18,12 +19,12 @@ pub(crate) struct Progress {
 impl Progress {
     const SHORT: Duration = Duration::from_millis(500);
 
-    /// Planning one program, in shares.
+    /// Progress of planning one program.
     pub(crate) fn of_program() -> Self {
         Self::new(1000, "planning {wide_bar} {percent} %, {eta} left")
     }
 
-    /// Planning many programs, in their number.
+    /// Progress of planning many programs.
     pub(crate) fn of_programs(count: usize) -> Self {
         Self::new(count as u64, "planning {wide_bar} {pos} of {len} programs, {eta} left")
     }
@@ -32,19 +33,19 @@ impl Progress {
         Self { since: Instant::now(), steps, done: 0, look, left: String::new(), bar: None }
     }
 
-    /// Shows that a share of the work is done, 0 to 1.
+    /// Shows the completed share of the work, 0 to 1.
     pub(crate) fn show_share(&mut self, share: f64) {
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "0 to 1000")]
         self.show((share * self.steps as f64) as u64);
     }
 
-    /// Shows that so many steps are done.
+    /// Shows the number of completed steps.
     pub(crate) fn show(&mut self, done: u64) {
         self.done = done;
         self.alive();
     }
 
-    /// Shows that the work is still going on.
+    /// Shows that the work continues.
     pub(crate) fn alive(&mut self) {
         if self.bar.is_none() && self.since.elapsed() < Self::SHORT {
             return;
@@ -58,7 +59,7 @@ impl Progress {
         bar.set_position(self.done);
     }
 
-    /// Prints something while the bar is hidden.
+    /// Prints while the bar is hidden.
     pub(crate) fn aside<T>(&self, print: impl FnOnce() -> T) -> T {
         match &self.bar {
             Some(bar) => bar.suspend(print),
@@ -76,27 +77,27 @@ impl Progress {
 
 #[cfg(feature = "live")]
 impl Progress {
-    /// A run of the robot, in shares; see [`Self::show_time`].
+    /// Progress of a run of the robot; see [`Self::show_time`].
     pub(crate) fn of_run() -> Self {
         Self::new(1000, "running {wide_bar} {percent} %, {msg} left")
     }
 
-    /// A motion to the start of a program, in shares; see [`Self::show_time`].
+    /// Progress of a motion to the start of a program; see [`Self::show_time`].
     pub(crate) fn of_approach() -> Self {
         Self::new(1000, "moving to the start {wide_bar} {percent} %, {msg} left")
     }
 
-    /// The programs of an experiment, in their number.
+    /// Progress of the programs of an experiment.
     pub(crate) fn of_experiment(count: usize) -> Self {
         Self::new(count as u64, "running {wide_bar} {pos} of {len} programs, {eta} left")
     }
 
-    /// A recording, in its number of samples.
+    /// Progress of a recording, in samples.
     pub(crate) fn of_recording() -> Self {
         Self::new(u64::MAX, "recording: {pos} samples in {elapsed}; Ctrl-C ends it")
     }
 
-    /// Shows how far a motion is of which the duration is known, both in s.
+    /// Shows the progress of a motion of known duration, both in s.
     pub(crate) fn show_time(&mut self, t_s: f64, whole_s: f64) {
         self.left = format!("{:.0} s", (whole_s - t_s).max(0.0).ceil());
         self.show_share((t_s / whole_s).clamp(0.0, 1.0));

@@ -1,4 +1,4 @@
-//! Files that a command may replace.
+//! Files that a command may overwrite.
 
 use std::{
     fs::File,
@@ -11,7 +11,7 @@ use iiwa_report::PictureFormat;
 
 use crate::failure::Failure;
 
-/// What a command makes, and can make again: it replaces files of the same kind, and no others.
+/// Generated file: it replaces files of the same kind, and no others.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Replaceable {
     Trajectory,
@@ -22,7 +22,7 @@ pub(crate) enum Replaceable {
 }
 
 impl Replaceable {
-    /// Refuses a path at which there is a file of another kind.
+    /// Rejects a path with a file of another kind.
     pub(crate) fn check(self, path: &Path) -> Result<(), Failure> {
         let Ok(content) = head(path) else { return Ok(()) };
         if content.is_empty() || self.begins(&content) {
@@ -42,7 +42,7 @@ impl Replaceable {
         )))
     }
 
-    /// Whether a file with this content is of the kind.
+    /// Returns true if a file with this content is of this kind.
     fn begins(self, content: &[u8]) -> bool {
         let text = || String::from_utf8_lossy(content).trim_start().to_ascii_lowercase();
         match self {
@@ -57,10 +57,10 @@ impl Replaceable {
     }
 }
 
-/// How MCAP files begin.
+/// First bytes of an MCAP file.
 const MCAP: &[u8] = b"\x89MCAP";
 
-/// The first bytes of a file.
+/// Reads the first bytes of a file.
 fn head(path: &Path) -> io::Result<Vec<u8>> {
     let mut content = Vec::new();
     if path.is_file() {

@@ -1,4 +1,4 @@
-//! Runs on the robot, through a drive: the motion to the start, the run, its recording.
+//! Runs on the robot, through a drive: motion to the start, run, recording.
 
 use iiwa_files::interrupt;
 use iiwa_json::printable;
@@ -30,8 +30,8 @@ pub(crate) fn connect(drive: &DriveAddress, stream: &Endpoint) -> Result<DriveCo
     Ok(DriveConnection::of(clients, stream))
 }
 
-/// What to do about a run of motions that was refused, to be appended to the refusal. The motions have been planned before:
-/// what is wrong with them is that the drive, or the robot's program, does not know some of them.
+/// Returns advice for a rejected run of motions, to be appended to the rejection. The motions have
+/// been planned before, so the drive, or the robot's program, does not support some of them.
 pub(crate) fn hint(refusal: &Refusal) -> &'static str {
     match refusal.code {
         Code::BadRequest => {
@@ -41,7 +41,7 @@ pub(crate) fn hint(refusal: &Refusal) -> &'static str {
     }
 }
 
-/// Runs what is planned to take so long, in s, with a progress bar, and stops it on an interrupt.
+/// Executes a run of planned duration, in s, with a progress bar, and stops it on an interrupt.
 pub(crate) fn execute_with_progress(
     drive: &mut DriveConnection,
     request: &Request,
@@ -54,7 +54,7 @@ pub(crate) fn execute_with_progress(
         RunEvent::Stopped(stopped) => {
             progress.aside(|| match stopped {
                 _ if stops > 0 => {}
-                Ok(()) => print_note("Interrupted: the robot stands\n"),
+                Ok(()) => print_note("Interrupted: the robot is at rest\n"),
                 Err(error) => print_note(&format!(
                     "The robot could not be stopped: {}\n",
                     printable(&error.to_string())
@@ -70,7 +70,7 @@ pub(crate) fn execute_with_progress(
     run
 }
 
-/// Why no run can start without [`position`].
+/// Explains why runs cannot start without [`position`].
 pub(crate) fn unknown_position(status: &Status) -> String {
     let why =
         "the position of the robot is unknown: the drive receives nothing from the controller";
@@ -80,9 +80,9 @@ pub(crate) fn unknown_position(status: &Status) -> String {
     }
 }
 
-/// Makes sure that the robot is at the start of a program.
+/// Ensures that the robot is at the start of a program.
 ///
-/// It moves there only if `move_to_start` gives the velocity, in per cent of the limits.
+/// The robot moves there only if `move_to_start` gives the velocity, in per cent of the limits.
 pub(crate) fn go_to_start(
     drive: &mut DriveConnection,
     move_to_start: Option<f64>,
@@ -115,7 +115,7 @@ pub(crate) fn go_to_start(
     print_note("Moving to the start\n");
     let there = Ptp::to(*start_rad).velocity(percent / 100.0);
     let approach = MotionList::from(vec![Motion::Ptp(there)]);
-    // The controller plans it by itself: this is for the time only.
+    // The controller plans this motion by itself: the plan serves only to estimate the time.
     let plan = PlanOptions::default().plan(&approach.clone().starting_at(joints_rad), robot);
     let plan = plan.map_err(|error| {
         let what = "the robot cannot move to the start in a straight line in joint space";
@@ -128,7 +128,7 @@ pub(crate) fn go_to_start(
         .map_err(|error| connection::failed("the robot did not move to the start", &error))
 }
 
-/// A recording as MCAP, with the program that was run.
+/// Encodes a recording as MCAP, with the program that was run.
 pub(crate) fn recording(
     log: &JointLog,
     file: Config,
@@ -146,7 +146,7 @@ pub(crate) fn recording(
     })
 }
 
-/// The trajectory as it is sent.
+/// Samples the trajectory for the drive.
 pub(crate) fn sampled(plan: &Trajectory) -> Result<TimedJoints, Failure> {
     iiwa_twin::runs::sampled(plan).ok_or_else(|| {
         Failure::input(format!(

@@ -1,4 +1,4 @@
-//! The log of drives, cabinets and bridges, on standard error.
+//! Log of drives, cabinets and bridges, on standard error.
 
 use std::{
     io::{self, Write},
@@ -18,11 +18,11 @@ pub(crate) fn start() {
         .with_target(false)
         .with_ansi(false)
         .try_init();
-    // It may have been started before.
+    // The log may have been started before.
     drop(started);
 }
 
-/// Standard error with a bound on repeated lines from one place in the program.
+/// Standard error with a rate limit on repeated lines from one place in the program.
 #[derive(Default)]
 struct Limited(Mutex<Repetition<Identifier>>);
 
@@ -34,7 +34,7 @@ impl<'a> MakeWriter<'a> for Limited {
     }
 
     fn make_writer_for(&'a self, meta: &Metadata<'_>) -> Self::Writer {
-        // Events of other libraries are details of events that our own lines report.
+        // Events of other libraries are details of events that the iiwa crates report.
         if !meta.target().starts_with("iiwa") {
             return Box::new(io::sink());
         }

@@ -1,4 +1,4 @@
-//! Defaults of options: the file `iiwasim.toml`, and the environment.
+//! Default option values: the file `iiwasim.toml`, and the environment.
 
 use std::{
     env, fs,
@@ -15,13 +15,13 @@ use crate::{args::ros::RosPackage, failure::Failure};
 /// Name of the file.
 const FILE: &str = "iiwasim.toml";
 
-/// Names another file, or none if it is empty.
+/// Variable with the path of another file; an empty value disables the file.
 const FILE_VARIABLE: &str = "IIWASIM_CONFIG";
 
-/// The robot, as the file's key `robot`.
+/// Variable with the robot, like the key `robot` of the file.
 const ROBOT_VARIABLE: &str = "IIWASIM_ROBOT";
 
-/// What `--help` says of all this.
+/// Help text on settings.
 pub(crate) const HELP: &str = "\
 Defaults:
   iiwasim.toml in this folder, or in the nearest one above, may set robot,
@@ -32,7 +32,7 @@ Defaults:
   file, options over both. The robot is for programs and commands that name
   none.";
 
-/// The content of the file.
+/// Content of the file.
 #[derive(Debug, Default, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Settings {
@@ -82,10 +82,10 @@ impl Settings {
         Ok(settings.relative_to(path.parent().unwrap_or(Path::new(""))))
     }
 
-    /// With paths that are relative to `folder`.
+    /// Makes all paths relative to `folder`.
     fn relative_to(self, folder: &Path) -> Self {
         let below = |path: PathBuf| folder.join(path);
-        // A name that is no built-in robot is a file.
+        // A name other than that of a built-in robot is a file.
         let robot = self.robot.map(|name| match Robot::built_in(&name) {
             Some(_) => name,
             None => folder.join(name).to_string_lossy().into_owned(),
@@ -102,7 +102,7 @@ impl Settings {
     /// Makes the settings the defaults of a subcommand's options.
     pub(crate) fn apply(&self, command: Command) -> Command {
         let path = |path: &Option<PathBuf>| Some(path.as_ref()?.to_string_lossy().into_owned());
-        // A server's own key is called the same as a client's.
+        // The key of a server has the same name as that of a client.
         let is_client = command.get_arguments().any(|arg| arg.get_id() == "server_key");
         command.mut_args(|arg| {
             let value = match arg.get_id().as_str() {
@@ -123,13 +123,13 @@ impl Settings {
         })
     }
 
-    /// The robot of programs and commands that name none, if it is set.
+    /// Returns the robot of programs and commands that name none, if set.
     pub(crate) fn into_robot(self) -> Option<String> {
         self.robot
     }
 }
 
-/// A choice as it is given on the command line.
+/// Returns the command-line name of a choice.
 fn value_of(choice: &impl ValueEnum) -> Option<String> {
     Some(choice.to_possible_value()?.get_name().to_owned())
 }
@@ -138,10 +138,10 @@ fn has_default(arg: &Arg) -> bool {
     !arg.get_default_values().is_empty()
 }
 
-/// The file in this folder, or in the nearest one above that has one.
+/// Returns the file in this folder, or in the nearest folder above that has one.
 fn nearest() -> Option<PathBuf> {
     let here = env::current_dir().ok()?;
     let found = here.ancestors().map(|folder| folder.join(FILE)).find(|file| file.is_file())?;
-    // In messages, a file of this folder has no more than its name.
+    // Messages name a file in this folder without its path.
     Some(found.strip_prefix(&here).map_or_else(|_| found.clone(), Path::to_owned))
 }

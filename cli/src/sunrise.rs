@@ -13,17 +13,17 @@ use crate::{
     input::{Input, Text, find_robot, usual_robot},
 };
 
-/// The file of answers that is beside a project's sources.
+/// Default file of answers, in the project folder.
 const ANSWERS_FILE: &str = "iiwasim-answers.toml";
 
-/// What of an application has to be said beside its name.
+/// Project and import options of an application, beside its name.
 pub(crate) struct Application {
     pub(crate) project: Project,
     pub(crate) options: ImportOptions,
 }
 
 impl Application {
-    /// The project in a folder, and how its applications are imported.
+    /// Reads the project in a folder, and the import options.
     pub(crate) fn read(
         folder: &Path,
         answering: &Answering,
@@ -48,13 +48,13 @@ impl Application {
         })
     }
 
-    /// The program of the application that is named, or of the only one.
+    /// Imports the named application, or the only one.
     pub(crate) fn import(&self, name: Option<&str>) -> Result<Import, ImportError> {
         iiwa_sunrise::import(&self.project, name, &self.options)
     }
 }
 
-/// The program of an application, for planning: its text is what `iiwasim import` writes.
+/// Returns the program of an application for planning: its text is that of `iiwasim import`.
 pub(crate) fn program(
     folder: &Path,
     answering: &Answering,
@@ -62,7 +62,7 @@ pub(crate) fn program(
 ) -> Result<Input, Failure> {
     if !folder.is_dir() {
         return Err(Failure::input(format!(
-            "{} is no folder: an application is planned from the folder of its project",
+            "{} is not a folder: an application is planned from the folder of its project",
             folder.display()
         )));
     }
@@ -70,7 +70,7 @@ pub(crate) fn program(
     let import = application
         .import(answering.application.as_deref())
         .map_err(|error| failure(folder, &error))?;
-    // A duration that is not given has a note of its own.
+    // A missing duration has a separate note.
     let is_open = |own: &&Question| !own.is_given && own.kind != QuestionKind::Time;
     for question in import.questions.iter().filter(is_open) {
         print_note(&printable(&format!(
@@ -85,7 +85,7 @@ pub(crate) fn program(
     Ok(Input::made(import.application.name, import.program, import.robot))
 }
 
-/// The robot that is given, with its name: by the option, by the answers, or by the settings.
+/// Returns the given robot, with its name: from the option, the answers, or the settings.
 fn given_robot(
     option: Option<&str>,
     answers: &Answers,
@@ -103,7 +103,7 @@ fn given_robot(
     usual.transpose()
 }
 
-/// What is answered: by a file, and by options, which win.
+/// Reads the answers from a file and from options, which have priority.
 fn answers(folder: &Path, answering: &Answering) -> Result<Answers, Failure> {
     let beside = folder.join(ANSWERS_FILE);
     let file = answering.answers.clone().or_else(|| beside.is_file().then(|| beside.clone()));
@@ -126,7 +126,7 @@ fn answers(folder: &Path, answering: &Answering) -> Result<Answers, Failure> {
                 "--answer {given}: after = is the number of a button, from 0, or several with commas"
             ))
         })?;
-        // What the file says of the same dialogs counts no longer.
+        // Options override the file's answers to the same dialogs.
         answers.dialogs.retain(|known, _| !known.contains(&text));
         answers.dialogs.insert(text, numbers);
     }
@@ -164,7 +164,7 @@ fn answers(folder: &Path, answering: &Answering) -> Result<Answers, Failure> {
     Ok(answers)
 }
 
-/// The sides of the last `=`: texts of dialogs may have some.
+/// Splits at the last `=`: dialog texts may contain others.
 fn pair<'a>(option: &str, given: &'a str) -> Result<(String, &'a str), Failure> {
     match given.rsplit_once('=') {
         Some((name, value)) if !name.is_empty() => Ok((name.to_owned(), value)),
@@ -172,7 +172,8 @@ fn pair<'a>(option: &str, given: &'a str) -> Result<(String, &'a str), Failure> 
     }
 }
 
-/// The options that give answers, by what messages say of them: most name tables of a file of answers.
+/// Options that give answers, with the text that messages use for them: mostly table names of an
+/// answer file.
 const OPTIONS: [(&str, &str); 6] = [
     ("`[inputs]`", "--input"),
     ("`[data]`", "--data"),
@@ -182,7 +183,7 @@ const OPTIONS: [(&str, &str); 6] = [
     ("the start is not given", "--start-deg"),
 ];
 
-/// A message about answers with the options that give them.
+/// Adds to a message about answers the options that give them.
 pub(crate) fn with_options(message: &str) -> String {
     let named = OPTIONS.iter().filter(|(table, _)| message.contains(table));
     let options: Vec<_> = named.map(|(_, option)| *option).collect();
@@ -192,7 +193,7 @@ pub(crate) fn with_options(message: &str) -> String {
     format!("{message} ({} on the command line)", options.join(", "))
 }
 
-/// The option that answers what an application asks for.
+/// Returns the option that answers a question of an application.
 fn option(open: &Unanswered) -> String {
     let Unanswered { kind, asked } = open;
     match kind {
@@ -203,13 +204,13 @@ fn option(open: &Unanswered) -> String {
     }
 }
 
-/// Why an application is not imported, for people.
+/// Explains why an application is not imported.
 pub(crate) fn failure(folder: &Path, error: &ImportError) -> Failure {
     let text = match error {
         ImportError::Refused(refused) => {
             let moves = refused.understood.motions.iter().filter(|motion| motion.moves()).count();
             let up_to = match moves {
-                0 => "no motion comes before it".to_owned(),
+                0 => "no motion precedes it".to_owned(),
                 1 => "one motion before it was understood".to_owned(),
                 _ => format!("{moves} motions before it were understood"),
             };

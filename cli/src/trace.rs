@@ -1,6 +1,6 @@
-//! The solver's iterations, on standard error.
+//! Solver iterations on standard error.
 
-/// Starts to print them.
+/// Starts printing the iterations.
 pub(crate) fn start() {
     let started = tracing_subscriber::fmt()
         .with_writer(std::io::stderr)
@@ -10,6 +10,6 @@ pub(crate) fn start() {
         .with_target(false)
         .with_ansi(false)
         .try_init();
-    // It may have been started before.
+    // The log may have been started before.
     drop(started);
 }

@@ -1,10 +1,10 @@
-//! Failures of the twin, as commands report them and as its pages show them.
+//! Twin failures in commands and on pages.
 
 use iiwa_twin::{TwinError, Wording};
 
 use crate::{connection, failure::Failure, runner};
 
-/// What pages show of errors: the same as commands.
+/// Error texts on pages: the same as in commands.
 pub(crate) const WORDING: Wording = Wording {
     error: |error| Failure::from(error).what(),
     request: connection::explained,

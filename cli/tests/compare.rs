@@ -1,4 +1,4 @@
-//! `iiwasim compare` from outside: figures, gates, pictures, files that are none.
+//! `iiwasim compare` as a process: figures, gates, pictures, invalid files.
 
 #![expect(clippy::unwrap_used, reason = "a test fails by it")]
 
@@ -13,8 +13,8 @@ use tempfile::{TempDir, tempdir};
 use crate::helpers::fixture;
 use crate::run::{files, iiwasim};
 
-/// A folder with `plan.mcap`, and `real.mcap`: the same program without limits on jerk, and with other
-/// blends.
+/// Returns a folder with `plan.mcap`, and `real.mcap`: the same program without jerk limits, and
+/// with other blends.
 fn plans() -> TempDir {
     let folder = tempdir().unwrap();
     let program = fixture("waits-and-stops.json");
@@ -69,7 +69,7 @@ fn figures_are_as_promised() {
     let figures: serde_json::Value = serde_json::from_slice(&assert.get_output().stdout).unwrap();
     let number = |key: &str| figures.pointer(key).and_then(serde_json::Value::as_f64).unwrap();
     let (simulated_s, real_s) = (number("/cycle_time/simulated_s"), number("/cycle_time/real_s"));
-    // The real one is known: it is a plan, too.
+    // The real cycle time is known, since that file is also a plan.
     assert!((real_s - number("/cycle_time/stated_s")).abs() < 1e-4, "{real_s}");
     let error_s = number("/cycle_time/error_s");
     assert!((error_s - (simulated_s - real_s)).abs() < 1e-12);
@@ -100,12 +100,12 @@ fn a_picture_shows_both_paths() {
     assert_eq!(fs::read(folder.path().join("plan.mcap")).unwrap(), plan);
 }
 
-/// Joint positions as CSV, in rad or in degrees.
+/// Returns joint positions as CSV, in rad or in degrees.
 fn csv(unit: &str, factor: f64) -> String {
     let names: Vec<_> = (1..=7).map(|joint| format!("joint_{joint}_{unit}")).collect();
     let mut text = format!("t_s,{}\n", names.join(","));
     for k in 0..2000_u32 {
-        // From 20 to 60 degrees and back, slowly.
+        // Slowly from 20 to 60 degrees and back.
         let turn = (f64::from(k) / 2000.0 * std::f64::consts::TAU).cos();
         let joints = [20.0, 40.0 - 20.0 * turn, 0.0, -70.0, 0.0, 90.0, 0.0];
         let joints = joints.map(|deg: f64| (deg.to_radians() * factor).to_string());

@@ -1,4 +1,4 @@
-//! `iiwasim experiment` from outside: files, exit codes, messages.
+//! `iiwasim experiment` as a process: files, exit codes, messages.
 
 #![expect(clippy::unwrap_used, reason = "a test fails by it")]
 
@@ -24,7 +24,7 @@ fn text(folder: &TempDir, path: &str) -> String {
     fs::read_to_string(folder.path().join(path)).unwrap()
 }
 
-/// The number in a column of the first row of a report that begins with `row`.
+/// Returns the number in a column of the first report row that begins with `row`.
 fn number(report: &str, row: &str, column: usize) -> f64 {
     let line = report.lines().find(|line| line.starts_with(&format!("| {row}"))).unwrap();
     let cell = line.split('|').nth(column + 1).unwrap().trim();
@@ -44,7 +44,7 @@ fn zone_velocity_writes_what_it_says() {
     let recordings = "experiment-zone-velocity/recordings";
     assert_eq!(listed(&folder, recordings), ["appendix-b.csv", "appendix-b.mcap"]);
 
-    // Both recordings are the same, and hold the program that stands beside them.
+    // Both recordings are equal, and contain the program beside them.
     let read = |name: &str| {
         let file = fs::File::open(folder.path().join(recordings).join(name)).unwrap();
         JointLog::read(file).unwrap()
@@ -105,8 +105,9 @@ fn settling_takes_what_the_robot_takes() {
     assert_eq!(number(&report, "on a virtual robot", 3), 19.0);
 }
 
-/// Larsen 2019, section 5.1.2: limits on acceleration alone make calculated times too short, the more the
-/// faster, the shorter and the less blended the motions are; limits on jerk explain it.
+/// Larsen 2019, section 5.1.2: with acceleration limits only, calculated times are too short, the
+/// more so the faster, shorter and less blended the motions are; jerk limits explain the
+/// difference.
 #[test]
 fn cycle_times_err_as_the_thesis_says() {
     let folder = tempdir().unwrap();
@@ -168,7 +169,7 @@ fn blends_of_the_tcp_are_those_of_the_virtual_robot() {
     );
 }
 
-/// The page in the documentation is what its first lines say.
+/// The page in the documentation is the output of the command in its first lines.
 #[test]
 fn the_committed_page_is_what_the_command_makes() {
     let folder = tempdir().unwrap();
@@ -189,7 +190,8 @@ fn the_committed_page_is_what_the_command_makes() {
     }
 }
 
-/// The same words and, but for some that another processor rounds in another way, the same numbers.
+/// Checks that words are equal, and numbers too, except some that differ by rounding on other
+/// processors.
 fn assert_alike(made: &str, committed: &str, command: &str) {
     let words = |text: &str| -> Vec<String> {
         let parts = text.split(|c: char| c.is_whitespace() || ",\"|".contains(c));
@@ -230,7 +232,7 @@ fn what_cannot_be_done_is_said() {
         .code(2)
         .stderr(contains("neither in the folder out nor above it"));
 
-    // What a robot did is not written over anything; what a virtual one did is.
+    // Robot recordings never overwrite files; those of virtual robots do.
     fs::create_dir(folder.path().join("full")).unwrap();
     fs::write(folder.path().join("full/notes.txt"), "mine").unwrap();
     experiment(&["--drive", "127.0.0.1:1", "--move-to-start", "-o", "full"])
@@ -253,7 +255,7 @@ fn without_a_drive_nothing_is_written() {
     assert!(files(&folder).is_empty());
 }
 
-/// The recordings of swings with a load show it, in the report and to `identify`.
+/// The recordings of motions with a load identify it, in the report and with `identify`.
 #[test]
 fn swings_with_a_load_tell_the_planner_and_the_load() {
     for (planner, result) in [
@@ -280,7 +282,7 @@ fn swings_with_a_load_tell_the_planner_and_the_load() {
             assert!(none["load"].is_null() && none["stated"].is_null(), "{none}");
             assert_eq!(some["stated"]["mass_kg"], 7.0);
             assert!((some["mass_kg"]["value"].as_f64().unwrap() - 7.0).abs() < 0.02, "{some}");
-            // A2 and A4 alone do not turn the load about anything that shows y.
+            // A2 and A4 alone do not turn the load about an axis that reveals y.
             assert!((some["center_mm"][2]["value"].as_f64().unwrap() - 60.0).abs() < 3.0, "{some}");
         }
     }

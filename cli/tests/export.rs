@@ -1,4 +1,4 @@
-//! `iiwasim export` from outside.
+//! `iiwasim export` as a process.
 
 use std::fs;
 
@@ -80,8 +80,8 @@ fn what_cannot_be_exported_is_shown_where_it_stands() {
     export(&folder, &["--name", "1st"]).code(2).stderr(contains("give another one with --name"));
     iiwasim(&folder, &["export", "--sunrise", "a.json", "-o", "no/station"])
         .code(1)
-        .stderr(contains("there is no folder no"));
+        .stderr(contains("no such folder: no"));
     assert_eq!(files(&folder), ["a.json"]);
-    // Formats are named: there may be others.
+    // The format must be named: there may be others later.
     iiwasim(&folder, &["export", "a.json", "-o", "x"]).code(2).stderr(contains("--sunrise"));
 }

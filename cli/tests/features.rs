@@ -1,11 +1,11 @@
-//! Optional features: what is listed, and how a missing one is reported.
+//! Optional features: their list, and reports of missing ones.
 
 use predicates::{prelude::PredicateBooleanExt, str::contains};
 use tempfile::tempdir;
 
 use crate::{helpers::fixture, run::iiwasim};
 
-/// Features, whether the tests are built with them, and their commands.
+/// Features, `true` if the tests are built with them, and their commands.
 const FEATURES: [(&str, bool, &[&str]); 7] = [
     ("live", cfg!(feature = "live"), &["run", "experiment", "twin", "drive", "cabinet", "stop"]),
     ("sunrise", cfg!(feature = "sunrise"), &["import", "export"]),

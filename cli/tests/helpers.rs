@@ -10,7 +10,7 @@ pub(crate) fn plan(folder: &TempDir, program: &Path, arguments: &[&str]) -> Asse
     cargo_bin_cmd!("iiwasim").current_dir(folder).arg("plan").arg(program).args(arguments).assert()
 }
 
-/// The JSON that a successful command printed.
+/// Returns the JSON output of a successful command.
 #[expect(clippy::unwrap_used, reason = "a test fails by it")]
 pub(crate) fn figures(assert: Assert) -> serde_json::Value {
     serde_json::from_slice(&assert.success().get_output().stdout).unwrap()
@@ -26,7 +26,7 @@ pub(crate) fn program(motions: &str) -> String {
     format!("{{\n  \"version\": 1,\n  {START},\n  \"motions\": [\n    {motions}\n  ]\n}}\n")
 }
 
-/// `count` motions there and back again, all blended.
+/// Returns a program with `count` motions back and forth, all blended.
 pub(crate) fn long_program(count: usize) -> String {
     let motion = |i: usize| {
         let a = if i.is_multiple_of(2) { 10 } else { -10 };

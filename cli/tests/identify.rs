@@ -1,4 +1,4 @@
-//! `iiwasim identify` from outside: recordings in, a profile out.
+//! `iiwasim identify` as a process: recordings in, a profile out.
 
 #![expect(clippy::unwrap_used, reason = "a test fails by it")]
 
@@ -17,8 +17,8 @@ use tempfile::{TempDir, tempdir};
 
 use crate::run::{files, iiwasim};
 
-/// Runs a trial on a robot that is slower than the model and settles for longer; leaves NAME.json and
-/// NAME.csv.
+/// Runs a trial on a robot that is slower than the model and has a longer settle time; writes
+/// NAME.json and NAME.csv.
 fn record(folder: &Path, trial: &Trial) {
     let mut limits = *Robot::default().limits();
     limits.velocity_rad_s = limits.velocity_rad_s.map(|limit| 0.9 * limit);
@@ -70,7 +70,7 @@ fn a_profile_that_plans() {
 fn blends_from_a_recording_that_holds_its_program() {
     let folder = tempdir().unwrap();
     record(folder.path(), &experiment::blends(0.5));
-    // The file of a plan is a recording, too: that of the model.
+    // A plan file is accepted as a recording, of the model.
     iiwasim(&folder, &["plan", "circle.json", "--rate", "1000"]).success();
     iiwasim(&folder, &["identify", "circle.mcap", "--no-output"]).success().stdout(
         contains("kappa = -3.974").and(contains("confirmed")).and(contains("this is a plan")),
@@ -114,7 +114,7 @@ fn says_what_is_missing_or_wrong() {
         let before = files(&folder);
         let arguments = [&["identify"], arguments].concat();
         let output = iiwasim(&folder, &arguments).code(2).stdout(is_empty());
-        // Lines may be broken anywhere.
+        // Lines may break anywhere.
         let stderr = String::from_utf8(output.get_output().stderr.clone()).unwrap();
         let words: Vec<_> = stderr.split_whitespace().filter(|word| *word != "│").collect();
         assert!(words.join(" ").contains(message), "{arguments:?}: {stderr}");
@@ -122,7 +122,7 @@ fn says_what_is_missing_or_wrong() {
     }
 }
 
-/// Ramps as under Sunrise, at an override.
+/// Tests ramps as in Sunrise, at an override.
 #[test]
 fn ramps_at_an_override() {
     let folder = tempdir().unwrap();
@@ -149,7 +149,7 @@ fn ramps_at_an_override() {
         .stderr(contains("the range is 0.1 to 100 %"));
 }
 
-/// A recording that breaks off gives what it has, and says so.
+/// A recording that ends early is evaluated up to its end, with a note.
 #[test]
 fn what_is_lost_is_said() {
     let folder = tempdir().unwrap();

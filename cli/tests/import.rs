@@ -1,4 +1,4 @@
-//! `iiwasim import` from outside.
+//! `iiwasim import` as a process.
 
 #![expect(clippy::unwrap_used, reason = "a test fails by it")]
 
@@ -16,7 +16,7 @@ use tempfile::{TempDir, tempdir};
 
 const JOINTS_DEG: [f64; 7] = [10.0, 40.0, -15.0, -70.0, 20.0, 60.0, -30.0];
 
-/// A project with a bench, a frame on it that was taught on `device`, and a tool.
+/// Returns a project with a bench, a frame on it that was taught on `device`, and a tool.
 fn project(robot: &Robot, device: &str) -> String {
     taught_at(JOINTS_DEG, robot, device)
 }
@@ -159,7 +159,7 @@ fn a_folder_stands_for_the_file_in_it() {
     find(&["a/src/RoboticsAPI.data.xml", "b/src/RoboticsAPI.data.xml"])
         .code(2)
         .stderr(contains("several projects"));
-    find(&["a/b/c/RoboticsAPI.data.xml"]).code(2).stderr(contains("is no Sunrise project"));
+    find(&["a/b/c/RoboticsAPI.data.xml"]).code(2).stderr(contains("is not a Sunrise project"));
 }
 
 #[test]
@@ -195,7 +195,7 @@ fn frames_of_another_robot_or_flange_are_noticed() {
         .stdout(contains("1 of 1 taught frames agree"))
         .stderr(is_empty());
 
-    // A1 is so near to zero that the length of the flange decides on its sign.
+    // A1 is so near to zero that the flange length determines its sign.
     let iiwa = Robot::default();
     let other_m = if iiwa.lengths().flange_m > 0.14 { 0.126 } else { 0.152 };
     let taught_on = iiwa.with_flange_m(other_m).unwrap();

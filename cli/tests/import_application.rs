@@ -1,4 +1,4 @@
-//! `iiwasim import` and `iiwasim plan` of applications, from outside.
+//! `iiwasim import` and `iiwasim plan` of applications, as processes.
 
 #![expect(clippy::unwrap_used, reason = "a test fails by it")]
 
@@ -14,7 +14,7 @@ fn fixture(name: &str) -> PathBuf {
     PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../fixtures/sunrise").join(name)
 }
 
-/// `command` on one of our projects.
+/// Runs `command` on one of the fixture projects.
 fn run_on(
     folder: &TempDir,
     command: &str,
@@ -44,7 +44,7 @@ fn the_only_application_becomes_a_program_of_its_name() {
         Program::from_json(&fs::read_to_string(folder.path().join(&file)).unwrap()).unwrap();
     let stated = fs::read_to_string(fixture("joints").join("expected.json")).unwrap();
     assert_eq!(program.sources, Program::from_json(&stated).unwrap().sources);
-    // It may have been edited.
+    // The program may have been edited.
     run_on(&folder, "import", "joints", &[]).code(2).stderr(contains("--overwrite"));
     run_on(&folder, "import", "joints", &["--overwrite"]).success();
     iiwasim(&folder, &["plan", &file, "--no-output"]).success().stdout(contains(".java:"));
@@ -171,7 +171,7 @@ fn a_profile_comes_along_with_the_program() {
         serde_json::from_str(&fs::read_to_string(at("programs/wave.json")).unwrap()).unwrap();
     assert_eq!(program["robot"], "cell.json");
     assert!(program.get("flange_mm").is_none());
-    // Another profile of this name is kept.
+    // Another profile with this name is kept.
     fs::write(at("programs/cell.json"), "{ \"version\": 1 }\n").unwrap();
     let again = ["--robot", &robot, "-o", "programs/again.json"];
     run_on(&folder, "import", "dialogs", &again).code(2).stderr(contains("cell.json exists"));
@@ -205,7 +205,7 @@ fn a_data_file_to_fill_in_lists_all_that_is_missing() {
     run_on(&folder, "import", "../sunrise-cases/no-data-file", &["--write-data", "data.xml"])
         .success()
         .stdout(contains("- the template `Pen`\n- the frame `/Start`\n- the frame `/End`\n"));
-    // Filled in, it is the data file of the project.
+    // Once completed, the file is the data file of the project.
     let mut text = fs::read_to_string(at("data.xml")).unwrap();
     for (frame, x) in [("Start", "500.0"), ("End", "550.0")] {
         let place = r#"<transformation a="0.0" b="0.0" c="0.0" x="0.0" y="0.0" z="0.0"/>"#;
@@ -224,7 +224,7 @@ fn a_data_file_to_fill_in_lists_all_that_is_missing() {
     fs::write(project.join("RoboticsAPI.data.xml"), text).unwrap();
     let start = ["import", "project", "--start-deg", "0,30,0,-60,0,90,0", "--no-output"];
     iiwasim(&folder, &start).success().stdout(contains("lin"));
-    // It is not written over another file.
+    // Other files are not overwritten.
     run_on(&folder, "import", "../sunrise-cases/no-data-file", &["--write-data", "data.xml"])
         .code(2)
         .stderr(contains("data.xml exists"));

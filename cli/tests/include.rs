@@ -1,4 +1,4 @@
-//! Programs that include a file, and targets whose turn is odd, from outside.
+//! Programs that include a file, and targets with an inconsistent turn, as processes.
 
 #![expect(clippy::unwrap_used, reason = "a test fails by it")]
 
@@ -33,7 +33,7 @@ const PROGRAM: &str = r#"{
 }
 "#;
 
-/// A folder with a program and its cell.
+/// Returns a folder with a program and its cell.
 fn folder(program: &str, cell: &str) -> TempDir {
     let folder = tempdir().unwrap();
     fs::create_dir(folder.path().join("cells")).unwrap();
@@ -50,7 +50,7 @@ fn a_plan_holds_all_of_its_program() {
     let program = Program::from_json(&log.program.unwrap()).unwrap();
     assert!(program.workcell.frames.contains_key("pick"));
     assert!(program.workcell.tools.contains_key("gripper"));
-    // Pages are made of the file alone.
+    // Pages depend on this file alone.
     iiwasim(&folder, &["report", "program.mcap"]).success().stderr(is_empty());
 }
 
@@ -74,7 +74,7 @@ fn a_frame_of_the_cell_is_reached() {
         let found = iiwasim(&folder, &arguments).success();
         serde_json::from_slice(&found.get_output().stdout).unwrap()
     };
-    // By way of a program that includes it, or by itself.
+    // Through a program that includes the cell, or directly.
     let of_program = ik("program.json", &[]);
     assert_eq!(of_program, ik("cells/cell.json", &["--tool", "gripper"]));
     assert!((of_program["frame"]["x_mm"].as_f64().unwrap() - 500.0).abs() < 1e-6);
@@ -99,7 +99,11 @@ fn errors_name_the_file_that_they_are_in() {
     );
     refuses(PROGRAM, "{", &["cells/cell.json, line 1"]);
     refuses(PROGRAM, "root:x:0", &["program.json, line 3, column 14", "not a JSON object"]);
-    refuses(&other("none.json"), CELL, &["program.json, line 3, column 14", "no file ./none.json"]);
+    refuses(
+        &other("none.json"),
+        CELL,
+        &["program.json, line 3, column 14", "no such file: ./none.json"],
+    );
     refuses(&other("../cell.json"), CELL, &["program.json, line 3", "in a folder below that"]);
     refuses(&other("/etc/passwd"), CELL, &["program.json, line 3", "in a folder below that"]);
     refuses(
@@ -107,8 +111,12 @@ fn errors_name_the_file_that_they_are_in() {
         &CELL.replace("\"bases\"", "\"include\": \"b.json\", \"bases\""),
         &["cells/cell.json, line 4, column 14", "includes no other"],
     );
-    // What is wrong with a motion is wrong with the program.
-    refuses(&PROGRAM.replace("pick", "pack"), CELL, &["program.json, line 6", "no frame `pack`"]);
+    // Faults of motions are reported as faults of the program.
+    refuses(
+        &PROGRAM.replace("pick", "pack"),
+        CELL,
+        &["program.json, line 6", "unknown frame `pack`"],
+    );
 }
 
 #[test]
@@ -168,7 +176,7 @@ fn what_is_no_program_is_called_what_it_is() {
         fs::write(folder.path().join(name), text).unwrap();
         iiwasim(&folder, &["plan", name, "--no-output"]).code(2).stderr(contains(what));
     }
-    // And the other way round.
+    // The opposite mix-up.
     for (option, what) in [
         ("--scene", "program.json is a motion program, not a scene"),
         ("--robot", "program.json is a motion program, not a robot profile"),

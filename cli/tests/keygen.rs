@@ -1,4 +1,4 @@
-//! `iiwasim keygen` from outside.
+//! `iiwasim keygen` as a process.
 
 use std::fs;
 

@@ -1,4 +1,4 @@
-//! Forward and inverse kinematics from outside.
+//! Forward and inverse kinematics through the command line.
 
 #![expect(clippy::unwrap_used, reason = "a test fails by it")]
 
@@ -84,10 +84,10 @@ fn options_stand_above_the_frame_and_near_below_it() {
 fn what_cannot_be_reached_is_refused_with_the_reason() {
     let with = |frame: &'static str| ["--frame", frame, "--near", "0,30,0,-60,0,90,0"];
     let far = r#"{ "x_mm": 1600, "y_mm": 0, "z_mm": 340, "a_deg": 0, "b_deg": 90, "c_deg": 0 }"#;
-    // Stretched out, the arm ends at 952 mm.
+    // The outstretched arm reaches 952 mm.
     refuses(&with(far), &["648.000 mm too short"]);
     refuses(&["--frame", DOWN], &["E1, the position of joint A3, is not given", "--e1-deg"]);
-    refuses(&["--frame", "pick"], &["`pick` is no JSON object", "needs --program"]);
+    refuses(&["--frame", "pick"], &["`pick` is not a JSON object", "needs --program"]);
     let whole = ["--frame", DOWN, "--e1-deg", "0", "--status", "1.5"];
     refuses(&whole, &["`1.5` is not a whole number"]);
     refuses(&["--frame", DOWN, "--e1-deg", "0"], &["status", "--near"]);
@@ -119,7 +119,7 @@ fn what_cannot_be_reached_is_refused_with_the_reason() {
     );
 }
 
-/// The TCP of a program's tool in one of its bases, there and back.
+/// Tests the TCP of a program's tool in one of its bases, in both directions.
 #[test]
 fn tools_and_bases_are_those_of_a_program() {
     let cell = fixture("pick-and-place.json");
@@ -127,7 +127,7 @@ fn tools_and_bases_are_those_of_a_program() {
     let joints = ["--json", "--joints-deg", "20,30,10,-60,15,80,0"];
     let fk = |more: &[&str]| json(&[&["fk"], &joints[..], more].concat())["frame"].clone();
     let number = |frame: &Value, key: &str| frame[key].as_f64().unwrap();
-    // The program's own tool, unless the bare flange is asked for.
+    // The program's own tool, unless the bare flange is requested.
     let [bare, flange, tcp] =
         [fk(&[]), fk(&[&program[..], &["--tool", "flange"]].concat()), fk(&program)];
     assert_eq!(bare, flange);
@@ -142,7 +142,7 @@ fn tools_and_bases_are_those_of_a_program() {
     for (j, asked) in [20.0, 30.0, 10.0, -60.0, 15.0, 80.0, 0.0].into_iter().enumerate() {
         assert!((found["joints_deg"][j].as_f64().unwrap() - asked).abs() < 1e-9, "{found}");
     }
-    // A frame by its name, with its E1 and status.
+    // A named frame, with its E1 and status.
     let pick = json(&[&["ik", "--json", "--frame", "pick"], &program[..]].concat());
     let near = |key: &str, mm: f64| (number(&pick["frame"], key) - mm).abs() < 1e-6;
     assert!(near("x_mm", 500.0) && near("y_mm", -150.0) && near("z_mm", 250.0), "{pick}");
@@ -150,8 +150,11 @@ fn tools_and_bases_are_those_of_a_program() {
     let refuses = |more: &[&str], reasons: &[&str]| {
         refuses(&[&["--frame", DOWN, "--near", "0,30,0,-60,0,90,0"], more].concat(), reasons);
     };
-    refuses(&[&program[..], &["--tool", "hook"]].concat(), &["no tool `hook`", "`gripper/left`"]);
-    refuses(&[&program[..], &["--base", "floor"]].concat(), &["no base `floor`"]);
+    refuses(
+        &[&program[..], &["--tool", "hook"]].concat(),
+        &["unknown tool `hook`", "`gripper/left`"],
+    );
+    refuses(&[&program[..], &["--base", "floor"]].concat(), &["unknown base `floor`"]);
     refuses(&["--tool", "gripper"], &["--program"]);
 }
 

@@ -1,4 +1,4 @@
-//! `iiwasim drive`, `cabinet` and the commands that speak to them, as processes.
+//! `iiwasim drive`, `cabinet` and their client commands, as processes.
 
 #![expect(
     clippy::unwrap_used,

@@ -11,8 +11,9 @@ use tempfile::{TempDir, tempdir};
 use crate::helpers::fixture;
 use crate::run::iiwasim;
 
-/// A folder with `plan.mcap`, its program, and logs in degrees as a `DataRecorder` writes them: `both.log`, whose measured
-/// positions are 1 deg off, and `measured.log` without commanded ones.
+/// Returns a folder with `plan.mcap`, its program, and logs in degrees as a `DataRecorder` writes
+/// them: `both.log`, whose measured positions differ by 1 deg, and `measured.log` without commanded
+/// ones.
 fn logs() -> TempDir {
     let folder = tempdir().unwrap();
     let program = fixture("waits-and-stops.json");

@@ -1,4 +1,4 @@
-//! The command from outside: its options, output, files and exit codes.
+//! Tests of the command as a process: its options, output, files and exit codes.
 
 mod compare;
 #[cfg(feature = "live")]

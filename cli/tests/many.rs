@@ -1,4 +1,4 @@
-//! `iiwasim plan` with many programs from outside: folders, failures among them, what is refused.
+//! `iiwasim plan` with many programs: folders, partial failures, rejected input.
 
 #![expect(clippy::unwrap_used, reason = "a test fails by it")]
 
@@ -20,17 +20,17 @@ use tempfile::{TempDir, tempdir};
 use crate::helpers::{fixture, long_program, program};
 use crate::run::{files, iiwasim};
 
-/// A program of one motion, the longer the larger `deg` is.
+/// Returns a program of one motion, whose duration increases with `deg`.
 fn turn(deg: f64) -> String {
     program(&format!(r#"{{ "type": "ptp", "joints_deg": [{deg}, 0, 0, 0, 0, 0, 0] }}"#))
 }
 
-/// A program for a robot.
+/// Returns a program for a robot.
 fn turn_of(robot: &str) -> String {
     turn(30.0).replace("\"version\": 1", &format!("\"version\": 1, \"robot\": \"{robot}\""))
 }
 
-/// A folder with files of these names and contents; folders between are made.
+/// Creates a folder with files of these names and contents, including subfolders.
 fn folder(files: &[(&str, &str)]) -> TempDir {
     let folder = tempdir().unwrap();
     for (name, text) in files {
@@ -41,7 +41,7 @@ fn folder(files: &[(&str, &str)]) -> TempDir {
     folder
 }
 
-/// Three programs of the repository in the folder `cell`.
+/// Creates three programs of the repository in the folder `cell`.
 fn cell() -> TempDir {
     let read = |name: &str| fs::read_to_string(fixture(name)).unwrap();
     folder(&[
@@ -55,24 +55,25 @@ fn stdout(assert: &Assert) -> String {
     String::from_utf8(assert.get_output().stdout.clone()).unwrap()
 }
 
-/// Messages without their line breaks.
+/// Returns messages without their line breaks.
 fn stderr(assert: &Assert) -> String {
     String::from_utf8_lossy(&assert.get_output().stderr).replace("\n  │ ", " ")
 }
 
-/// The JSON lines on standard output.
+/// Returns the JSON lines on standard output.
 fn lines(assert: &Assert) -> Vec<Value> {
     stdout(assert).lines().map(|line| serde_json::from_str(line).unwrap()).collect()
 }
 
-/// The words of the table's rows.
+/// Returns the words of the table rows.
 fn rows(assert: &Assert) -> Vec<Vec<String>> {
     let text = stdout(assert);
     let rows = text.lines().skip(2).take_while(|line| !line.is_empty());
     rows.map(|row| row.split_whitespace().map(str::to_owned).collect()).collect()
 }
 
-/// Runs a command that is to be refused: exit code 2, all `words` in the message, and no trace.
+/// Checks that a command is rejected: exit code 2, all `words` in the message, and no files
+/// written.
 fn refuses(folder: &TempDir, arguments: &[&str], words: &[&str]) {
     let before = files(folder);
     let assert = iiwasim(folder, arguments).code(2).stdout(is_empty());
@@ -278,7 +279,7 @@ fn wrong_usage_is_refused_before_anything_is_planned() {
         &["--jobs", "the range is 1 to 1024"],
     );
     refuses(&folder, &["plan", "a.json", "b.json", "--no-output", "-o", "out"], &["--output"]);
-    // Without files, there is nothing that two of them could both be written to.
+    // Without output files, there are no collisions.
     iiwasim(&folder, &["plan", "a.json", "cell", "--no-output"]).success();
     iiwasim(&folder, &["plan", "b.json", "c.mcap", "-o", "out"]).success();
     assert_eq!(fs::read_to_string(folder.path().join("c.mcap")).unwrap(), good);
@@ -310,7 +311,7 @@ fn links_are_followed() {
     let same = ["cell/a.json and linked/a.json", "the same file"];
     refuses(&folder, &["plan", "cell/a.json", "linked/a.json", "--no-output"], &same);
 
-    // One that leads from an output to an input, and two that lead to the same file.
+    // A link from an output to an input, and two links to the same file.
     fs::remove_file(at("out/a.mcap")).unwrap();
     symlink("../cell/b.json", at("out/a.mcap")).unwrap();
     let over = ["of cell/a.json", "over cell/b.json"];
@@ -374,7 +375,7 @@ fn a_full_disk_leaves_no_half_of_a_file() {
 #[cfg(unix)]
 #[test]
 fn an_interrupt_leaves_whole_files_only() {
-    // Stops all the way: many sections, between which an interrupt is noticed.
+    // Stops throughout: many sections, between which an interrupt is noticed.
     let long = long_program(20_000).replace(r#", "blend": { "fraction": 0.25 }"#, "");
     let folder = folder(&[
         ("cell/a.json", &turn(10.0)),
@@ -407,7 +408,7 @@ fn an_interrupt_leaves_whole_files_only() {
     assert_eq!(names_in(&out), ["a.mcap"]);
 }
 
-/// The names in a folder that may not be there yet.
+/// Returns the names in a folder that may not exist yet.
 fn names_in(folder: &Path) -> Vec<String> {
     let entries = fs::read_dir(folder).into_iter().flatten();
     let mut names: Vec<_> =

@@ -1,4 +1,4 @@
-//! Waits that overlap motions, and the lines that motions come from, in what `iiwasim plan` says.
+//! Waits that overlap motions, and source lines of motions, in the output of `iiwasim plan`.
 
 use std::fs;
 
@@ -50,7 +50,7 @@ fn says_which_blends_came_too_late_and_where_motions_come_from() {
     let ends = [&waited["end_s"], &late[0]["known_s"]].map(|time_s| time_s.as_f64().unwrap());
     assert!((ends[0] - ends[1]).abs() < 1e-12, "{ends:?}");
 
-    // Of programs without them, nothing is different.
+    // Output for programs without them is unchanged.
     let mut plain = text.clone();
     for motion in plain["motions"].as_array_mut().unwrap() {
         let keys = motion.as_object_mut().unwrap();

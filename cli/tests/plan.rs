@@ -1,4 +1,4 @@
-//! `iiwasim plan` from outside: files, exit codes, messages.
+//! `iiwasim plan` as a process: files, exit codes, messages.
 
 #![expect(clippy::unwrap_used, reason = "a test fails by it")]
 
@@ -30,7 +30,7 @@ fn writes_a_file_and_a_table() {
     assert_eq!(files(&folder), ["appendix-b.mcap"]);
 }
 
-/// The joints of a file for another ROS package are the same.
+/// A file for another ROS package has the same joint positions.
 #[test]
 fn names_are_those_of_a_ros_package() {
     let folder = tempdir().unwrap();
@@ -85,7 +85,7 @@ fn the_solver_can_be_watched() {
     assert_eq!(watched.get_output().stdout, unwatched.get_output().stdout);
     let trace = String::from_utf8_lossy(&watched.get_output().stderr).into_owned();
     assert!(trace.starts_with("cells 0 to "), "{trace}");
-    // The first solution: its gap falls to what its heading says.
+    // The gap of the first solution falls to the value in its heading.
     let steps: Vec<_> =
         trace.lines().skip(2).take_while(|line| !line.starts_with("cells")).collect();
     let gap = |line: &str| line.split_whitespace().nth(2).unwrap().parse::<f64>().unwrap();
@@ -115,7 +115,7 @@ fn figures_are_as_promised() {
     let indices: Vec<_> = motions.iter().map(|m| m["index"].as_u64().unwrap()).collect();
     assert_eq!(indices, [1, 2, 3, 4, 5, 6, 7, 8]);
     assert_eq!((&motions[2]["type"], &motions[2]["limited_by"]), (&"wait".into(), &().into()));
-    // A wait is at no limit.
+    // A wait has no active limit.
     assert_eq!(motions[2]["limits"], serde_json::json!([]));
     assert_eq!(motions[0]["limited_by"]["joint"], 1);
     assert_eq!(motions[0]["limited_by"]["kind"], "acceleration");
@@ -176,17 +176,17 @@ fn the_picture_in_the_docs_is_what_the_program_draws() {
     let drawn = fs::read_to_string(folder.path().join("b.svg")).unwrap();
     let docs = Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/appendix-b.svg");
     let (drawn, docs) = (numbers(&drawn), numbers(&fs::read_to_string(docs).unwrap()));
-    // A pixel is four units; rounding differs from machine to machine.
+    // A pixel is four units; rounding differs between machines.
     let same = drawn.iter().zip(&docs).all(|(a, b)| (a - b).abs() <= 4.0);
     assert!(same && drawn.len() == docs.len(), "renew docs/appendix-b.svg");
 }
 
-/// All numbers in a text.
+/// Returns all numbers in a text.
 fn numbers(text: &str) -> Vec<f64> {
     text.split(|c: char| !c.is_ascii_digit() && c != '.').filter_map(|n| n.parse().ok()).collect()
 }
 
-/// Runs a bad program: exit code 2, all `words` in the message, and no trace in the folder.
+/// Runs an invalid program: exit code 2, all `words` in the message, and no files written.
 fn refuses(program: &str, words: &[&str]) {
     let folder = tempdir().unwrap();
     let inputs = tempdir().unwrap();
@@ -243,7 +243,7 @@ fn bad_programs_exit_with_2_and_leave_no_trace() {
     refuses(&ptp("").replace(START, r#""robot": "lbr_iiwa_7_r800""#), &["start"]);
     refuses(&program(""), &["line 4", "no motions"]);
     refuses(&"[".repeat(1 << 20), &["line 1"]);
-    // Nearly straight on and up to the limit, the blend swings out beyond it.
+    // Nearly collinear and up to the limit, the blend exceeds it.
     let swing = program(
         "{ \"type\": \"ptp\", \"joints_deg\": [0, 119.99, 0, 0, 0, 0, 0], \"blend\": { \"fraction\": 0.5 } },\n    \
          { \"type\": \"ptp\", \"joints_deg\": [160, 119.99, 0, 0, 0, 0, 0] }",
@@ -317,7 +317,7 @@ fn what_is_read_is_not_written_over() {
     }
 }
 
-/// A trajectory that was planned before, which may be replaced.
+/// Plans a trajectory that may be overwritten.
 fn old_trajectory(folder: &TempDir, name: &str) -> Vec<u8> {
     plan(folder, &fixture("appendix-b.json"), &["-o", name]).success();
     fs::read(folder.path().join(name)).unwrap()
@@ -354,7 +354,7 @@ fn control_characters_are_spelled_out() {
     let assert = plan(&folder, Path::new("a.json"), &[]).code(2);
     let said = &assert.get_output().stderr;
     assert!(!said.contains(&0x1b) && !said.contains(&7), "{}", String::from_utf8_lossy(said));
-    // Failures while running, and the input's own name, are printed the same way.
+    // Run-time failures, and the name of the input, are printed the same way.
     let good = fixture("appendix-b.json");
     let folder_name = "\u{1b}[2J\u{9b}31m gone";
     let missing = Path::new(folder_name).join("a.json");
@@ -408,7 +408,7 @@ fn an_interrupt_exits_with_1_and_keeps_the_old_file() {
     let folder = tempdir().unwrap();
     let inputs = tempdir().unwrap();
     let input = inputs.path().join("long.json");
-    // Stops all the way: many sections, between which an interrupt is noticed.
+    // Stops throughout: many sections, between which an interrupt is noticed.
     let program = long_program(20_000).replace(r#", "blend": { "fraction": 0.25 }"#, "");
     fs::write(&input, program).unwrap();
     let old = old_trajectory(&folder, "kept.mcap");
@@ -506,21 +506,21 @@ fn a_file_that_fills_the_disk_is_not_begun() {
     plan(&folder, &input, &["--max-file-size", "10GB"]).code(2).stderr(contains("10.0 GB of"));
     plan(&folder, &input, &["--max-file-size", "much"]).code(2);
     assert_eq!(files(&folder), [""; 0]);
-    // Without samples, or with few, it is planned like any other; and it can be drawn.
+    // Without samples, or with few, the program is planned like any other, and can be drawn.
     let all = figures(plan(&folder, &input, &["--no-output", "--json", "--picture", "weeks.svg"]));
     assert!(all["cycle_time_s"].as_f64().unwrap() > 1.6e6);
     plan(&folder, &input, &["--rate", "0.1"]).success();
     assert_eq!(files(&folder), ["weeks.mcap", "weeks.svg"]);
-    // Its curves have no more samples than those of a short one.
+    // Its curves have no more samples than those of a short program.
     fs::write(&input, program(&WEEKS.replace("1e-6", "1e-3"))).unwrap();
     plan(&folder, &input, &["--rate", "5", "-o", "hours.mcap"]).success();
     iiwasim(&folder, &["report", "hours.mcap"]).success();
     assert!(fs::metadata(folder.path().join("hours.html")).unwrap().len() < 10_000_000);
     fs::write(&input, program(WEEKS)).unwrap();
-    // The limit is of any file.
+    // The size limit applies to any file.
     let small = ["--max-file-size", "100 kB", "-o", "small.mcap"];
     plan(&folder, &fixture("appendix-b.json"), &small).code(2).stderr(contains("takes 9 s"));
-    // The same of many.
+    // The size limit also applies to many programs.
     let good = fixture("appendix-b.json");
     let both = ["plan", input.to_str().unwrap(), good.to_str().unwrap(), "-o", "many"];
     iiwasim(&folder, &both).code(3).stderr(contains("18 days").and(contains("1 of 2 programs")));
@@ -578,7 +578,7 @@ fn a_program_does_not_show_other_files() {
         let assert = iiwasim(&folder, &["plan", "programs/p.json", "--no-output"]).code(2);
         assert.stderr(contains("secret:").not().and(contains("root:").not()));
     }
-    // Asked for by name, it is another matter.
+    // A file given explicitly is shown.
     iiwasim(&folder, &["robot", "secret.json"]).code(2).stderr(contains("root:secret"));
 }
 

@@ -1,4 +1,4 @@
-//! Torques in what `iiwasim plan` prints, as a gate, and as limits.
+//! Torques in the output of `iiwasim plan`, as a gate, and as limits.
 
 use std::{
     fs,
@@ -18,7 +18,7 @@ fn fixture(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../fixtures").join(name)
 }
 
-/// Lifts a load on the outstretched arm.
+/// Returns a program that lifts a load with the outstretched arm.
 fn lifting(mass_kg: f64) -> String {
     format!(
         r#"{{ "version": 1, "start": {{ "joints_deg": [0, 90, 0, 0, 0, 0, 0] }},
@@ -60,8 +60,8 @@ fn torques_are_reported_and_are_a_gate() {
     fs::write(&heavy, lifting(12.0)).unwrap();
     plan(&folder, &heavy, &["--no-output", "--json"])
         .success()
-        .stdout(contains("motion 2: A2 cannot hold the arm and its load"))
-        .stderr(contains("to stand still takes 189 Nm of its 176"));
+        .stdout(contains("motion 2: A2 cannot hold the arm and its payload"))
+        .stderr(contains("holding takes 189 Nm of its 176"));
 }
 
 #[test]
@@ -77,7 +77,7 @@ fn torques_are_limited_on_request() {
         let timing = ["--timing", timing];
         let (free_s, free) = cycle_time_s(&timing);
         assert_eq!(free["limit_torque_percent"], serde_json::Value::Null);
-        // With its value behind an equals sign, as the next argument, or left out.
+        // The value after an equals sign, as the next argument, or omitted.
         let mut slower = [0.0; 3];
         for (slower, limit) in slower.iter_mut().zip([
             &["--limit-torque=100"][..],
@@ -104,7 +104,7 @@ fn torques_are_limited_on_request() {
         .code(2)
         .stderr(contains("the range is 1 to 1000 %"));
 
-    // In the program, which the option goes before.
+    // The option has priority over the program.
     let keyed =
         lifting(9.0).replace("\"version\": 1,", "\"version\": 1, \"limit_torque_percent\": 110,");
     fs::write(&file, keyed).unwrap();
@@ -123,7 +123,7 @@ fn a_load_that_cannot_be_held_is_refused_where_it_is() {
             .and(contains("of the 176.0 Nm")),
     );
     assert_eq!(files(&folder), ["heavy.json"]);
-    // Of many, the others are planned.
+    // Of several programs, the others are planned.
     let light = fixture("appendix-b.json");
     let both = ["plan", "heavy.json", light.to_str().unwrap(), "--limit-torque", "--no-output"];
     iiwasim(&folder, &both).code(3).stderr(contains("A2 cannot hold"));

@@ -1,5 +1,5 @@
-//! A plan keeps the robot that it was made for: its page and its comparison have that robot's limits, not
-//! those of the built-in robot of the same name.
+//! A plan keeps the robot that it was made for: its page and its comparison use that robot's
+//! limits, not those of the built-in robot with the same name.
 
 #![expect(clippy::unwrap_used, reason = "a test fails by it")]
 
@@ -14,12 +14,13 @@ use tempfile::{TempDir, tempdir};
 use crate::helpers::program;
 use crate::run::iiwasim;
 
-/// Joint 1 goes farther than that of the built-in robot (170 deg), at half of its speed (98 deg/s).
+/// Profile in which joint 1 has a larger range than in the built-in robot (170 deg), and half of
+/// its speed (98 deg/s).
 const PROFILE: &str = r#"{ "version": 1,
     "position_limit_deg": [178, 120, 170, 120, 170, 120, 175],
     "velocity_limit_deg_s": [49, 98, 100, 130, 140, 180, 180] }"#;
 
-/// A folder with a plan for `profile`, and the same motion as a table.
+/// Returns a folder with a plan for `profile`, and the same motion as a table.
 fn plan(profile: &str) -> TempDir {
     let folder = tempdir().unwrap();
     let at = |name: &str| folder.path().join(name);
@@ -30,12 +31,12 @@ fn plan(profile: &str) -> TempDir {
         .success();
     let log = JointLog::read(fs::File::open(at("plan.mcap")).unwrap()).unwrap();
     log.write_csv(fs::File::create(at("real.csv")).unwrap()).unwrap();
-    // It must come from the plan.
+    // The profile must come from the plan.
     fs::remove_file(at("robot.json")).unwrap();
     folder
 }
 
-/// What the page shows.
+/// Returns the data of the page.
 fn page(folder: &TempDir, files: &[&str]) -> Value {
     let arguments: Vec<_> =
         iter::once("report").chain(files.iter().copied()).chain(["-o", "page.html"]).collect();
@@ -66,7 +67,7 @@ fn a_profile_without_a_name_is_not_taken_for_the_built_in_robot() {
     iiwasim(&folder, &["compare", "plan.mcap", "real.csv"])
         .success()
         .stdout(contains("off by 0.0000 s"));
-    // The built-in robot does not go that far.
+    // The built-in robot has a smaller range.
     let built_in = ["--robot", Robot::default().name()].map(str::to_owned);
     let arguments = ["compare", "plan.mcap", "real.csv", &built_in[0], &built_in[1]];
     iiwasim(&folder, &arguments).code(2).stderr(contains("joint A1"));

@@ -1,4 +1,4 @@
-//! `iiwasim report` from outside: what is in the page, and files that cannot be shown.
+//! `iiwasim report` as a process: content of the page, and files that cannot be shown.
 
 #![expect(clippy::unwrap_used, reason = "a test fails by it")]
 
@@ -16,7 +16,7 @@ use tempfile::{TempDir, tempdir};
 use crate::helpers::fixture;
 use crate::run::{files, iiwasim};
 
-/// A folder with the plan of a fixture.
+/// Returns a folder with the plan of a fixture.
 fn plan(name: &str) -> TempDir {
     let folder = tempdir().unwrap();
     let program = fixture(name);
@@ -24,7 +24,7 @@ fn plan(name: &str) -> TempDir {
     folder
 }
 
-/// The page that a file makes.
+/// Returns the page of a file.
 fn page(folder: &TempDir, arguments: &[&str]) -> String {
     let all = [&["report"], arguments, &["-o", "page.html"]].concat();
     iiwasim(folder, &all).success().stdout(contains("Page in page.html"));
@@ -37,7 +37,7 @@ fn data(html: &str) -> Value {
     serde_json::from_str(json).unwrap()
 }
 
-/// Bytes of base64 text.
+/// Decodes base64 text.
 fn bytes(text: &Value) -> Vec<u8> {
     let digit = |c: char| match c {
         'A'..='Z' => c as u32 - 65,
@@ -76,14 +76,15 @@ fn a_page_needs_nothing_but_itself() {
         assert!(!html.contains(place), "{place}");
     }
     assert!(html.contains("<title>plan.mcap - iiwasim</title>"));
-    // The same input makes the same page.
+    // The same input gives the same page.
     assert_eq!(page(&folder, &["plan.mcap"]), html);
-    // Without a name, the page is called as the file is.
+    // The default name of the page is that of the file.
     iiwasim(&folder, &["report", "plan.mcap"]).success().stderr(is_empty());
     assert_eq!(files(&folder), ["page.html", "plan.html", "plan.mcap"]);
 }
 
-/// With a scene, the page has it, and the clearance that planning finds; without one, neither.
+/// The page contains the scene and the clearance of the plan if a scene is given; otherwise
+/// neither.
 #[test]
 fn a_scene_is_around_the_arm() {
     let folder = plan("ten-motions.json");
@@ -94,7 +95,7 @@ fn a_scene_is_around_the_arm() {
     for tool in [
         serde_json::json!([]),
         serde_json::json!([{ "type": "sphere", "center_mm": [0, 20, 60], "radius_mm": 45 }]),
-        // It touches the table, and later the brace: the first time counts.
+        // The arm touches the table, and later the brace: the first contact counts.
         serde_json::json!([{ "type": "cylinder", "center_mm": [0, 0, 100], "radius_mm": 40, "length_mm": 200 }]),
     ] {
         scene["tool"] = tool;
@@ -126,7 +127,7 @@ fn a_scene_is_around_the_arm() {
             with["scene"]["tool"].as_array().unwrap().len(),
             scene["tool"].as_array().unwrap().len()
         );
-        // All else is as without it.
+        // All other data are unchanged.
         with.as_object_mut().unwrap().remove("scene");
         for distance in ["clearance", "self_clearance"] {
             with["arms"][0].as_object_mut().unwrap().remove(distance);
@@ -158,7 +159,7 @@ fn a_plan_is_in_its_page() {
         assert_eq!(arm[name]["samples_a_column"], 1);
         (doubles(&arm[name]["t_s"]), singles(&arm[name]["low"]))
     });
-    // Every node of the file's trajectory is on the curves.
+    // Every trajectory node of the file is on the curves.
     for point in &file.trajectory {
         let t_s = point.time_from_start.as_secs_f64();
         let values = [&point.positions, &point.velocities, &point.accelerations];
@@ -170,7 +171,7 @@ fn a_plan_is_in_its_page() {
             }
         }
     }
-    // Its joint states lie on the curves, too.
+    // The joint states are on the curves, too.
     let (times, rows) = &curves[0];
     for state in &file.joint_states {
         let at = times.partition_point(|time| *time <= state.t_s).clamp(1, times.len() - 1);
@@ -180,7 +181,7 @@ fn a_plan_is_in_its_page() {
             assert!((a + share.min(1.0) * (b - a) - q).abs() < 5e-4, "{}: {q}", state.t_s);
         }
     }
-    // Means of jerk keep its limits, but for what the planner allows itself between nodes.
+    // The mean jerk keeps its limits, up to the planner's tolerance between nodes.
     let limits = Robot::default().limits().jerk_rad_s3;
     for row in singles(&arm["jerk"]["low"]).chunks(7) {
         for (jerk, limit) in row.iter().zip(limits) {
@@ -211,7 +212,8 @@ fn spheres_are_about_their_targets() {
     }
 }
 
-/// The arm stands where it is nearest: plan, report and the report of a recording name the instant of its arrival.
+/// The arm is at rest at the smallest clearance: plan, report and the report of a recording name
+/// the time of its arrival.
 #[test]
 fn the_nearest_instant_is_the_same_everywhere() {
     let folder = tempdir().unwrap();
@@ -263,7 +265,7 @@ fn two_files_are_held_against_each_other() {
     let most_mm = singles(&data["compared"]["tcp_mm"]["low"]).into_iter().fold(0.0, f64::max);
     let max_mm = compared["tcp_deviation"]["max_mm"].as_f64().unwrap();
     assert!((most_mm - max_mm).abs() < 0.05 * max_mm, "{most_mm} {max_mm}");
-    // The second one begins when the arm leaves its start, not when its file begins.
+    // The second motion begins at the departure of the arm, not at the start of its file.
     let start_s = data["arms"][1]["start_s"].as_f64().unwrap();
     let departure_s = compared["departure_s"].as_f64().unwrap();
     let moves = |piece: &&Value| piece["kind"] == "line" || piece["kind"] == "blend";
@@ -286,7 +288,7 @@ fn limits_of_a_motion_are_told_where_they_are_narrower() {
     assert_eq!(shares["8"]["jerk"], each(1.0));
 }
 
-/// What a robot would record that moves as a plan says, with the program that it ran.
+/// Returns the recording of a robot that moves as planned, with its program.
 fn recorded(plan: &[u8], program: &str) -> Vec<u8> {
     let log = JointLog::read(plan).unwrap();
     let storage = Cursor::new(Vec::new());
@@ -324,7 +326,7 @@ fn a_recording_alone_is_beside_the_plan_of_its_program() {
     assert_eq!(alone["arms"][1], with_plan["arms"][1]);
     assert!(alone["notes"].to_string().contains("made for this page"), "{}", alone["notes"]);
 
-    // A program that cannot be planned is no reason not to show the recording.
+    // A recording is shown even if its program cannot be planned.
     let broken = program.replace("[40, 45", "[400, 45");
     fs::write(folder.path().join("real.mcap"), recorded(&whole, &broken)).unwrap();
     let alone = data(&page(&folder, &["real.mcap"]));
@@ -346,7 +348,7 @@ fn what_is_no_plan_beside_its_recording_is_told() {
     iiwasim(&folder, &["report", "real.mcap", "real.mcap", "-o", "x.html"])
         .success()
         .stderr(contains("not compared").and(contains("not a whole plan")));
-    // Of another robot.
+    // Plan of another robot.
     let program = fs::read_to_string(fixture("appendix-b.json")).unwrap();
     let program = program.replace("lbr_iiwa_7_r800", "lbr_iiwa_14_r820");
     fs::write(folder.path().join("other.json"), program).unwrap();
@@ -358,7 +360,7 @@ fn what_is_no_plan_beside_its_recording_is_told() {
     }
 }
 
-/// `seconds` at `rate_hz` of a joint that goes to and fro once a second; for one sample it is elsewhere.
+/// Returns a table of `seconds` at `rate_hz` of a joint that oscillates at 1 Hz, with one outlier.
 fn csv(seconds: u32, rate_hz: u32) -> String {
     let mut text = String::from("t_s,q1,q2,q3,q4,q5,q6,q7\n");
     for k in 0..seconds * rate_hz {
@@ -388,7 +390,7 @@ fn long_recordings_are_thinned_out_and_keep_their_peaks() {
     let at = times.partition_point(|t_s| *t_s <= 12.345) - 1;
     let q = 0.2 * (0.345 * std::f64::consts::TAU).sin() + 0.01;
     assert!((high[7 * at] - q).abs() < 1e-6, "{}", high[7 * at]);
-    // The velocity is that of the sine, whose amplitude is known.
+    // The velocity is that of the sine with its known amplitude.
     let velocity = singles(&arm["velocity"]["low"]);
     let peak = velocity.chunks(7).skip(2000).map(|row| row[0].abs()).fold(0.0, f64::max);
     assert!((peak / (0.2 * std::f64::consts::TAU) - 1.0).abs() < 0.01, "{peak}");
@@ -416,7 +418,7 @@ fn a_file_that_is_cut_off_is_shown_up_to_its_break() {
     assert_eq!(data["arms"][0]["role"], "part");
     assert!(!data["pieces"].as_array().unwrap().is_empty());
 
-    // Held against the whole plan, both are shown, and why there are no errors.
+    // With the whole plan, both are shown, and the reason for missing errors.
     let assert = iiwasim(&folder, &["report", "plan.mcap", "cut.mcap", "-o", "both.html"]);
     assert.success().stderr(contains("not compared").and(contains("cut off")));
 }
@@ -448,7 +450,7 @@ fn what_cannot_be_shown_is_refused() {
             assert!(message.contains(words), "{file}: {message}");
         }
     }
-    // A page that cannot be written is no fault of the input.
+    // A page that cannot be written is not an input fault.
     iiwasim(&folder, &["report", "plan.mcap", "-o", "none/x.html"]).code(1);
     iiwasim(&folder, &["report", "."]).code(2).stderr(contains("is a directory"));
     let over = ["report", "plan.mcap", "-o", "plan.mcap"];
@@ -481,10 +483,10 @@ fn what_files_are_called_is_no_markup() {
     assert_eq!(data(&html)["arms"][0]["file"], name);
 }
 
-/// A wedge of three sides, as OBJ.
+/// Tetrahedron as OBJ.
 const WEDGE: &str = "v 0 0 0\nv 60 0 0\nv 0 40 0\nv 0 0 20\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n";
 
-/// Our URDF, with this mesh on link 4.
+/// Returns the generated URDF, with this mesh on link 4.
 fn urdf_with(robot: &Robot, mesh: &str) -> String {
     let visual = format!(
         "<link name=\"iiwa_link_4\"><visual><geometry><mesh filename=\"{mesh}\" scale=\"0.001 0.001 0.001\"/></geometry>\
@@ -508,7 +510,7 @@ fn meshes_of_a_urdf_are_drawn() {
     let links = own["robot"]["look"]["links"].as_array().unwrap();
     assert!(links.iter().all(|link| !link.as_array().unwrap().is_empty()));
     assert_eq!(own["robot"]["look"]["is_closed"], true);
-    // The folder that holds the package, the package itself, and one beside the URDF.
+    // The folder that contains the package, the package itself, and a folder beside the URDF.
     write("arm/urdf/arm.urdf", &urdf);
     write("arm/meshes/wedge.obj", WEDGE);
     for arguments in [
@@ -522,7 +524,7 @@ fn meshes_of_a_urdf_are_drawn() {
         assert_eq!(counts, [0, 0, 0, 0, 1, 0, 0, 0]);
         let surface = &links[4][0];
         assert_eq!(surface["paint"], Value::from(vec![255, 0, 0]));
-        // Creases all around: three corners for each of four triangles.
+        // Creases on all edges: three corners for each of four triangles.
         assert_eq!(bytes(&surface["positions"]).len(), 12 * 6);
         let longest = surface["size_m"].as_array().unwrap()[0].as_f64().unwrap();
         assert!((longest - 0.06).abs() < 1e-9, "{longest}");
@@ -541,9 +543,9 @@ fn a_urdf_without_its_meshes_is_refused() {
     let robot = Robot::default();
     refused(&urdf_with(&robot, "package://arm/wedge.obj"), &[], "--package-path");
     let more = ["--package-path", "."];
-    refused(&urdf_with(&robot, "package://arm/wedge.obj"), &more, "no package arm");
-    refused(&urdf_with(&robot, "wedge.obj"), &["--package-path", "nowhere"], "there is no folder");
-    refused(&urdf_with(&robot, "wedge.obj"), &[], "there is no file");
+    refused(&urdf_with(&robot, "package://arm/wedge.obj"), &more, "unknown package arm");
+    refused(&urdf_with(&robot, "wedge.obj"), &["--package-path", "nowhere"], "no such folder");
+    refused(&urdf_with(&robot, "wedge.obj"), &[], "no such file");
     write("wedge.obj", "v 0 0 0\n");
     refused(&urdf_with(&robot, "wedge.obj"), &[], "no triangles");
     refused(&robot.to_urdf(), &[], "names no meshes");
@@ -556,12 +558,12 @@ fn a_urdf_without_its_meshes_is_refused() {
     iiwasim(&folder, &["report", "plan.mcap", "--urdf", "arm.urdf", "-o", "arm.urdf"]).code(2);
 }
 
-/// The hull of a mesh is what comes near.
+/// The clearance is that of the convex hull of the mesh.
 #[test]
 fn clearances_are_those_of_meshes() {
     let folder = plan("appendix-b.json");
     let write = |name: &str, text: &str| fs::write(folder.path().join(name), text).unwrap();
-    // Far longer than the arm's own shapes.
+    // Far longer than the built-in shapes.
     write("wedge.obj", &WEDGE.replace("v 60 0 0", "v 400 0 0").replace("v 0 0 20", "v 0 0 400"));
     write("arm.urdf", &urdf_with(&Robot::default(), "wedge.obj"));
     let program = fixture("appendix-b.json");

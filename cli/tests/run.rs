@@ -1,4 +1,4 @@
-//! The program run in a folder, and what it leaves there.
+//! Runs of the command in a folder, and the resulting files.
 
 #![expect(clippy::unwrap_used, reason = "a failed test panics")]
 

@@ -1,4 +1,4 @@
-//! `iiwasim plan --scene` from outside: figures, gates, what is refused.
+//! `iiwasim plan --scene` as a process: figures, gates, rejected input.
 
 #![expect(clippy::unwrap_used, reason = "a test fails by it")]
 
@@ -15,7 +15,7 @@ use tempfile::{TempDir, tempdir};
 use crate::helpers::{fixture, program};
 use crate::run::{files, iiwasim};
 
-/// A folder with the ten motions and the cage.
+/// Returns a folder with the ten motions and the cage.
 fn cell() -> TempDir {
     let folder = tempdir().unwrap();
     for name in ["ten-motions.json", "cage.json"] {
@@ -32,7 +32,7 @@ fn json(assert: Assert) -> Value {
     serde_json::from_slice(&assert.success().get_output().stdout).unwrap()
 }
 
-/// Messages without their line breaks.
+/// Returns messages without their line breaks.
 fn stderr(assert: &Assert) -> String {
     String::from_utf8_lossy(&assert.get_output().stderr).replace("\n  │ ", " ")
 }
@@ -60,7 +60,7 @@ fn tells_how_near_the_arm_comes() {
     plan(&cell, &["ten-motions.json"]).success().stdout(contains("Clearance").not());
 }
 
-/// A long tool that points back along the forearm as the wrist bends.
+/// Tests a long tool that points back along the forearm as the wrist bends.
 #[test]
 fn an_arm_that_touches_itself_meets_no_gate() {
     let cell = cell();
@@ -84,7 +84,7 @@ fn an_arm_that_touches_itself_meets_no_gate() {
         gate("long.json").code(3).stdout(contains("\nThe arm touches itself: the tool and link "));
     let message = stderr(&refused);
     assert!(message.contains("touches itself: the tool and link "), "{message}");
-    // Without a gate, plan reports it and exits with 0.
+    // Without a gate, `plan` reports the contact and exits with 0.
     plan(&cell, &["bend.json", "--scene", "long.json"]).success();
 }
 
@@ -113,7 +113,7 @@ fn an_arm_that_touches_has_no_clearance() {
     fs::write(folder.path().join("down.json"), program(down)).unwrap();
     let arguments = ["down.json", "--scene", "table.json"];
     plan(&folder, &arguments).success().stdout(contains("Clearance none: link 7 touches table at"));
-    // What touches is too near for any gate.
+    // Contact violates any gate.
     let assert = plan(&folder, &[&arguments[..], &["--min-clearance", "0"]].concat()).code(3);
     assert!(stderr(&assert).contains("touches table: link 7 at"), "{}", stderr(&assert));
 }
@@ -122,7 +122,7 @@ fn an_arm_that_touches_has_no_clearance() {
 fn many_programs_are_held_against_the_scene() {
     let cell = cell();
     fs::copy(fixture("appendix-b.json"), cell.path().join("appendix-b.json")).unwrap();
-    // The scene is no program of the folder.
+    // The scene is not taken for a program of the folder.
     let assert = plan(&cell, &[".", "--scene", "cage.json", "--min-clearance", "75"]).success();
     let table = String::from_utf8(assert.get_output().stdout.clone()).unwrap();
     assert!(table.contains("clearance mm") && table.contains("79.1"), "{table}");
@@ -167,7 +167,7 @@ fn refuses_what_is_no_scene() {
     let words = ["wrong.json, line 2, column", "obstacle 1", "size_mm is 0; a size is above 0"];
     refused(&["ten-motions.json", "--scene", "wrong.json"], &words);
     fs::remove_file(cell.path().join("wrong.json")).unwrap();
-    // Nothing is written over the scene.
+    // The scene is not overwritten.
     let over = ["plan", "ten-motions.json", "--scene", "cage.json", "-o", "cage.json"];
     let message = stderr(&iiwasim(&cell, &over).code(2));
     assert!(message.contains("over the scene"), "{message}");
@@ -176,7 +176,7 @@ fn refuses_what_is_no_scene() {
 
 const WEDGE: &str = "v 0 0 0\nv 60 0 0\nv 0 40 0\nv 0 0 90\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n";
 
-/// The cage, with a tool that is a mesh.
+/// Writes the cage, with a mesh as tool.
 fn cage_with(folder: &TempDir, file: &str) {
     let mut scene: Value =
         serde_json::from_str(&fs::read_to_string(fixture("cage.json")).unwrap()).unwrap();
@@ -192,11 +192,11 @@ fn a_mesh_is_read_from_beside_the_scene() {
     cage_with(&cell, "cad/wedge.obj");
     let arguments = ["ten-motions.json", "--scene", "cage.json"];
     let figures = json(plan(&cell, &[&arguments[..], &["--json"]].concat()));
-    // It reaches farther than the wrist, which is nearest without it.
+    // The tool extends beyond the wrist, which is nearest without it.
     let clearance = &figures["clearance"];
     assert!(clearance["distance_mm"].as_f64().unwrap() < 79.0, "{clearance}");
     assert_eq!(clearance["link"], 8, "{clearance}");
-    // A folder's scene is no program, with a mesh, too.
+    // A scene with a mesh is not taken for a program of the folder either.
     let all = plan(&cell, &[".", "--scene", "cage.json"]).success();
     assert!(!stderr(&all).contains("cage.json"), "{}", stderr(&all));
 }
@@ -217,14 +217,14 @@ fn no_mesh_is_read_from_elsewhere() {
     refused(path.to_str().unwrap(), &["beside the scene or in a folder below it"]);
     refused("../wedge.obj", &["beside the scene or in a folder below it"]);
     refused("ten-motions.json", &["*.stl or *.obj"]);
-    refused("none.stl", &["there is no file", "none.stl"]);
+    refused("none.stl", &["no such file", "none.stl"]);
     #[cfg(unix)]
     {
         std::os::unix::fs::symlink(&path, cell.path().join("link.obj")).unwrap();
         refused("link.obj", &["leads out of the folder of the file that names it"]);
     }
     fs::write(cell.path().join("secret.obj"), "v hunter2\n").unwrap();
-    refused("secret.obj", &["it is no OBJ file"]);
+    refused("secret.obj", &["not a valid OBJ file"]);
     let message = stderr(&plan(&cell, &["ten-motions.json", "--scene", "cage.json"]));
     assert!(!message.contains("hunter2"), "{message}");
 }

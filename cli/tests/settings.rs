@@ -1,4 +1,4 @@
-//! Defaults of options from a file and the environment; what shells and manuals get.
+//! Default option values from a file and the environment; shell completions and manual pages.
 
 use std::fs;
 
@@ -8,7 +8,7 @@ use assert_cmd::cargo::cargo_bin_cmd;
 use predicates::{prelude::PredicateBooleanExt, str::contains};
 use tempfile::tempdir;
 
-/// One motion, whose program names no robot.
+/// One motion, for a program without a robot.
 const MOTION: &str = r#"{ "type": "ptp", "joints_deg": [30, 0, 0, -60, 0, 0, 0] }"#;
 
 #[test]
@@ -22,7 +22,7 @@ fn the_robot_of_programs_that_name_none_is_a_setting() {
     iiwasim(&folder, &["fk", "--joints-deg", "0,0,0,0,0,0,0", "--json"])
         .success()
         .stdout(contains("lbr_iiwa_14_r820"));
-    // A program that names its robot, an option and the environment win.
+    // The robot of the program, the option and the environment have priority.
     let named = program(MOTION).replace("1,", "1,\n  \"robot\": \"lbr_iiwa_7_r800\",");
     fs::write(folder.path().join("b.json"), named).unwrap();
     iiwasim(&folder, &["plan", "b.json", "--no-output"]).success().stdout(contains("7_r800"));
@@ -62,7 +62,7 @@ fn paths_of_settings_are_relative_to_their_file() {
     plan("100").code(3);
 }
 
-/// The names of joints and links in files and URDFs.
+/// Tests the names of joints and links in files and URDFs.
 #[test]
 fn names_for_ros_are_settings() {
     let folder = tempdir().unwrap();
@@ -80,7 +80,7 @@ fn names_for_ros_are_settings() {
         .assert()
         .success()
         .stdout(contains("\"right_joint_1\"").and(contains("left").not()));
-    // What has no such names does not mind.
+    // Commands without such names ignore the setting.
     iiwasim(&folder, &["robot", "lbr_iiwa_7_r800"]).success();
     cargo_bin_cmd!("iiwasim")
         .current_dir(&folder)
@@ -108,7 +108,7 @@ fn settings_that_are_wrong_are_refused_with_their_place() {
         for reason in reasons {
             assert!(stderr.contains(reason), "no {reason:?} in {stderr}");
         }
-        // Help is given all the same.
+        // Help works nevertheless.
         iiwasim(&folder, &["--help"]).success().stdout(contains("iiwasim.toml"));
     }
 }
@@ -154,7 +154,7 @@ fn what_can_be_made_again_is_replaced() {
     }
     iiwasim(&folder, &["plan", "a.json", "-o", "missing/a.mcap"])
         .code(1)
-        .stderr(contains("there is no folder missing"));
+        .stderr(contains("no such folder: missing"));
     iiwasim(&folder, &["plan", "a.json", "--max-cycle-time", "-1"])
         .code(2)
         .stderr(contains("it cannot be negative").and(contains("to pass").not()));

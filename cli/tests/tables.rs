@@ -23,7 +23,7 @@ fn tables_read_back_as_the_plan() {
     let end_s = figures["cycle_time_s"].as_f64().unwrap();
     assert!((csv.t_s.last().unwrap() - end_s).abs() < 1e-12);
     for (table, plan) in csv.t_s.iter().zip(&mcap.t_s) {
-        // Stamps in the file are whole nanoseconds.
+        // Stamps in the file are integer nanoseconds.
         assert!((table - plan).abs() < 1e-9);
     }
     let text = fs::read_to_string(folder.path().join("a.csv")).unwrap();
@@ -31,7 +31,7 @@ fn tables_read_back_as_the_plan() {
     let head: Vec<&str> = lines.next().unwrap().split(',').collect();
     assert_eq!((head.len(), head[0], head[1], head[28]), (36, "t_s", "motion", "tcp_c_rad"));
     assert_eq!(head[29..], [1, 2, 3, 4, 5, 6, 7].map(|joint| format!("torque_{joint}_nm")));
-    // What the figures, the MCAP file and the tables say of torques is the same.
+    // Figures, MCAP file and tables contain the same torques.
     let largest = |j: usize| {
         let rows = text.lines().skip(1).map(|row| row.split(',').nth(29 + j).unwrap());
         rows.map(|nm| nm.parse::<f64>().unwrap().abs()).fold(0.0, f64::max)
@@ -45,7 +45,7 @@ fn tables_read_back_as_the_plan() {
     let states: Vec<_> = mcap.exerted_nm().map(|torques| torques.unwrap()[1]).collect();
     let rows = text.lines().skip(1).map(|row| row.split(',').nth(30).unwrap());
     assert!(rows.map(|nm| nm.parse::<f64>().unwrap()).eq(states));
-    // The program's tool is 120 mm long: its TCP is where `fk` says.
+    // The program's tool is 120 mm long: its TCP agrees with `fk`.
     let last: Vec<f64> =
         lines.last().unwrap().split(',').map(|field| field.parse().unwrap()).collect();
     let joints: Vec<_> = last[2..9].iter().map(f64::to_string).collect();
@@ -90,7 +90,7 @@ fn parquet_files_have_the_rows_of_the_csv_file() {
     assert_eq!((&csv.t_s, &csv.q_rad), (&parquet.t_s, &parquet.q_rad));
     iiwasim(&folder, &["compare", "a.mcap", "a.parquet"]).success().stdout(contains("0.00 %"));
     assert_eq!(files(&folder), ["a.csv", "a.mcap", "a.parquet"]);
-    // Files of another kind are kept, and those of a plan replaced.
+    // Files of another kind are kept, and those of a plan overwritten.
     fs::write(folder.path().join("hand.json"), "{}").unwrap();
     iiwasim(&folder, &["plan", &program, "--no-output", "--parquet", "hand.json"])
         .code(2)
@@ -111,7 +111,7 @@ fn pictures_are_what_their_endings_say() {
         if assert.get_output().status.success() {
             assert!(fs::read(folder.path().join(name)).unwrap().starts_with(magic));
         } else {
-            // Letters need a font.
+            // Text needs a font.
             assert.code(1).stderr(contains("no fonts"));
         }
     }
@@ -149,7 +149,7 @@ fn poses_go_through_in_lines() {
         assert!(asked.iter().zip(&found).all(|(a, b)| (a - b).abs() < 1e-9), "{back}");
     }
 
-    // As objects; one that is not reached does not stop the others.
+    // JSON objects; processing continues after an unreachable one.
     let frames = "{\"x_mm\": 600, \"y_mm\": 0, \"z_mm\": 400, \"a_deg\": 0, \"b_deg\": 180, \"c_deg\": 0}\n\
                   {\"x_mm\": 6000, \"y_mm\": 0, \"z_mm\": 400, \"a_deg\": 0, \"b_deg\": 180, \"c_deg\": 0}\n";
     let arguments = ["ik", "--stdin", "--json", "--e1-deg", "0", "--status", "2"];
@@ -161,7 +161,7 @@ fn poses_go_through_in_lines() {
     assert!(lines[1]["error"].as_str().unwrap().contains("mm"), "{stdout}");
     found.stderr(contains("line 2").and(contains("1 of 2 frames")));
 
-    // Joints that cannot be do not stop the others either; what fk prints is what ik reads.
+    // Processing also continues after invalid joint positions; `ik` reads the output of `fk`.
     let joints = "{\"joints_deg\": [0,30,0,-60,0,90,0]}\n{\"joints_deg\": [200,0,0,0,0,0,0]}\n\
                   {\"joints_deg\": [10,20,30,-40,50,60,70]}\n";
     let poses = from_stdin(&["fk", "--stdin", "--json"], joints).code(3);
@@ -180,7 +180,7 @@ fn poses_go_through_in_lines() {
             assert!((asked - found).abs() < 1e-9, "{back}");
         }
     }
-    // A number is printed without the noise of its last digits.
+    // Numbers are printed without noise in their last digits.
     let table = from_stdin(&["fk", "--stdin"], "{\"joints_deg\": [0,30,0,-60,0,90,0]}\n").success();
     let table = String::from_utf8(table.get_output().stdout.clone()).unwrap();
     let row = table.lines().nth(1).unwrap();
@@ -229,14 +229,14 @@ fn a_robot_has_all_its_figures_in_json() {
     ] {
         assert!(!profile[key].is_null(), "{key}");
     }
-    // It reads back as the same robot.
+    // The output reads back as the same robot.
     fs::write(folder.path().join("all.json"), &text).unwrap();
     let again = iiwasim(&folder, &["robot", "all.json", "--json", "--all"]).success();
     assert_eq!(again.get_output().stdout, text.as_bytes());
     iiwasim(&folder, &["robot", "lbr_iiwa_7_r800"]).success().stdout(contains("\"flange\": 126"));
 }
 
-/// What a command makes replaces what it made before, and nothing else.
+/// Outputs overwrite earlier outputs of the same kind, and nothing else.
 #[test]
 fn only_files_of_the_same_kind_are_replaced() {
     let folder = tempdir().unwrap();
@@ -271,7 +271,7 @@ fn only_files_of_the_same_kind_are_replaced() {
     }
     assert_eq!(fs::read(path("recorded.mcap")).unwrap(), recorded);
     assert_eq!(fs::read_to_string(path("hand.json")).unwrap(), "{ \"version\": 1 }");
-    // Its own, time and again.
+    // Repeated runs overwrite their own files.
     for _ in 0..2 {
         let pictures = ["--picture", "a.svg", "--csv", "a.csv"];
         iiwasim(&folder, &[&["plan", &program, "-o", "plan.mcap"], &pictures[..]].concat())

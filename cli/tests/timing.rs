@@ -8,7 +8,7 @@ use tempfile::tempdir;
 use crate::helpers::{figures, fixture, plan};
 use crate::run::iiwasim;
 
-/// Recorded PTP motions take 4 % longer than plans under limits of jerk, short ones more.
+/// Recorded PTP motions take 4 % longer than jerk-limited plans, short ones more.
 #[test]
 fn ptp_motions_can_start_as_in_sunrise() {
     let folder = tempdir().unwrap();

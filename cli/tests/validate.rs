@@ -1,4 +1,4 @@
-//! `iiwasim validate` from outside: a recording and a program in, a table and a score out.
+//! `iiwasim validate` as a process: a recording and a program in, a table and a score out.
 
 #![expect(clippy::unwrap_used, reason = "a test fails by it")]
 
@@ -14,8 +14,8 @@ use tempfile::{TempDir, tempdir};
 use crate::helpers::fixture;
 use crate::run::iiwasim;
 
-/// A folder with a program in `secret/program.json`, and with `secret/log.csv`: what a robot with the ramps of `timing` did at an
-/// override of 50 %.
+/// Returns a folder with a program in `secret/program.json`, and with `secret/log.csv`: the motion
+/// of a robot with the ramps of `timing` at an override of 50 %.
 fn recorded(timing: &str) -> TempDir {
     let folder = tempdir().unwrap();
     let secret = folder.path().join("secret");
@@ -63,7 +63,7 @@ fn a_plan_of_the_same_robot_scores_zero() {
     let first = &motions[0];
     let [planned, measured] = ["planned_s", "measured_s"].map(|key| first[key].as_f64().unwrap());
     assert!((planned - measured).abs() < 1e-6 && (0.9..1.2).contains(&planned), "{first}");
-    // Waits do not.
+    // The duration of waits does not depend on the override.
     let wait = &motions[2];
     assert_eq!((&wait["type"], &wait["planned_s"]), (&"wait".into(), &0.5.into()));
     assert!(wait["error_percent"].as_f64().unwrap().abs() < 0.1, "{wait}");

@@ -49,11 +49,11 @@ pub(crate) struct ClientKeys {
 /// Keys of a server, for clients on other machines.
 #[derive(Args, Debug)]
 pub(crate) struct ServerKeys {
-    /// Own key, made by `iiwasim keygen`; without it, only this machine may connect
+    /// Own key, made by `iiwasim keygen`; without a key, only this machine can connect
     #[arg(long, value_name = "FILE.key", requires = "allow")]
     pub(crate) key: Option<PathBuf>,
 
-    /// Public keys of the clients that may connect: a file, or a folder of *.pub files
+    /// Public keys of the accepted clients: a file, or a folder of *.pub files
     #[arg(long, value_name = "FOLDER", requires = "key")]
     pub(crate) allow: Option<PathBuf>,
 }

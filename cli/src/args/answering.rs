@@ -8,53 +8,53 @@ use super::values::{length_mm, seven};
 
 const SUNRISE: &str = "Applications of Sunrise projects";
 
-/// Which application of a Sunrise project, and what it is answered.
+/// Application of a Sunrise project, and the answers to its questions.
 #[derive(Args, Debug, Default)]
 pub(crate) struct Answering {
-    /// Application of a Sunrise project, by its class, or by its file if several have this class; with several, left out, they
-    /// are listed
+    /// Application of a Sunrise project, by class, or by file if several files have this class;
+    /// without it, a project with several applications lists them
     #[arg(long, value_name = "CLASS", help_heading = SUNRISE)]
     pub(crate) application: Option<String>,
 
-    /// Answer to a dialog of the application: its text, or a part of it that no other dialog has, and the number of the
-    /// button, from 0; several numbers answer it one after the other [default: 0]
+    /// Answer to a dialog: its text, or a unique part of its text, and the button number from 0;
+    /// several numbers are used one after the other [default: 0]
     #[arg(long, value_name = "TEXT=N[,N]...", help_heading = SUNRISE)]
     pub(crate) answer: Vec<String>,
 
-    /// Value of an input, as Gripper.Closed=true
+    /// Value of an input, such as Gripper.Closed=true
     #[arg(long, value_name = "GROUP.NAME=VALUE", help_heading = SUNRISE)]
     pub(crate) input: Vec<String>,
 
-    /// Value of process data, instead of that in the project's data file
+    /// Value of process data, instead of the value in the project's data file
     #[arg(long, value_name = "ID=VALUE", help_heading = SUNRISE)]
     pub(crate) data: Vec<String>,
 
-    /// Outcome of a break condition, by the file and line of `hasFired`, as Search.java:29=true; several values answer it one
-    /// after the other
+    /// Result of a break condition, by file and line of `hasFired`, such as Search.java:29=true;
+    /// several values are used one after the other
     #[arg(long, value_name = "FILE:LINE=BOOL[,BOOL]...", help_heading = SUNRISE)]
     pub(crate) fired: Vec<String>,
 
-    /// Seconds that a hold without an end, a gripper or a mobile platform takes, by the place of its call, as
-    /// Fetch.java:26=2.5 [default: 0]
+    /// Duration in s of an endless hold, a gripper action or a platform motion, by file and line of
+    /// its call, such as Fetch.java:26=2.5 [default: 0]
     #[arg(long, value_name = "FILE:LINE=SECONDS", help_heading = SUNRISE)]
     pub(crate) time: Vec<String>,
 
-    /// Frame of a tool that the project's data file lacks, relative to the flange, in mm and degrees: the TCP by Pen=0,0,120,
-    /// another frame by Pen/Tip=0,0,120,0,90,0
+    /// Tool frame that is missing in the project's data file, relative to the flange, in mm and
+    /// degrees: the TCP as Pen=0,0,120, another frame as Pen/Tip=0,0,120,0,90,0
     #[arg(long, value_name = "TOOL=X,Y,Z[,A,B,C]", help_heading = SUNRISE)]
     pub(crate) tool: Vec<String>,
 
-    /// Length of the robot's flange in mm, where the project does not state it, or states it wrongly
+    /// Length of the media flange in mm, if the project does not state it or states it wrongly
     #[arg(long, value_name = "MM", value_parser = length_mm, help_heading = SUNRISE)]
     pub(crate) flange_mm: Option<f64>,
 
-    /// File of answers: TOML with `robot`, `flange_mm`, `[answers]`, `[inputs]`, `[data]`, `[fired]`, `[times]` and `[tools]`;
-    /// the options above win over it
-    /// [default: iiwasim-answers.toml in the project, if there is one]
+    /// File of answers: TOML with `robot`, `flange_mm`, `[answers]`, `[inputs]`, `[data]`,
+    /// `[fired]`, `[times]` and `[tools]`; the options above take precedence [default:
+    /// iiwasim-answers.toml in the project, if there is one]
     #[arg(long, value_name = "FILE.toml", help_heading = SUNRISE)]
     pub(crate) answers: Option<PathBuf>,
 
-    /// Joints A1 to A7 in degrees where the application begins [default: all 0]
+    /// Joints A1 to A7 in degrees at the start of the application [default: all 0]
     #[arg(long, value_name = "A1,...,A7", value_parser = seven, allow_hyphen_values = true, help_heading = SUNRISE)]
     pub(crate) start_deg: Option<[f64; 7]>,
 }

@@ -11,37 +11,42 @@ use super::{
     values::{at_least_0, whole},
 };
 
-/// Pass the robot's data to Kafka, MQTT and Sparkplug, and requests back if they are allowed.
+/// Publish robot data to Kafka, MQTT and Sparkplug, and optionally accept commands from them.
 ///
-/// It is a client of the drive: joints, states, runs with their planned and measured times, inputs and outputs, sensors and
-/// conditions become messages, the same JSON for all brokers (`iiwasim schema bridge` describes it). What a broker does not take
-/// waits in a spool on disk, and arrives in order, at least once. Nothing listens at a port.
+/// The bridge is a client of the drive. Joints, states, runs with planned and measured times,
+/// inputs and outputs, sensors and conditions become messages, with the same JSON for all brokers
+/// (`iiwasim schema bridge`). Messages that a broker does not accept are spooled on disk and
+/// delivered in order, at least once. The bridge does not listen on any port.
 ///
-/// Commands come by topics of the brokers, only with --allow-commands, and pass the checks of the drive as those of any client.
-/// Ctrl-C ends the bridge; what is still spooled is sent the next time.
+/// Commands are accepted from broker topics only with --allow-commands, and pass the same checks of
+/// the drive as requests of any client. Ctrl-C ends the bridge; spooled messages are sent the next
+/// time.
 #[derive(Args, Debug)]
 pub(crate) struct Bridge {
-    /// Name of the robot, in topics and as key of messages
+    /// Name of the robot, in topics and as message key
     #[arg(long, value_name = "NAME", default_value = "iiwa")]
     pub(crate) name: String,
 
-    /// Another robot: its name, the addresses of its drive and of its stream; may be given more than once
+    /// Another robot: name, drive address and stream address; may be given more than once
     #[arg(long = "add", value_name = "NAME=HOST:PORT,HOST:PORT")]
     pub(crate) others: Vec<OtherRobot>,
 
-    /// Carry out commands: run, stop, set outputs. Who may send to the topics of requests may move the robot
+    /// Accept commands: run, stop, set outputs. Anyone who can publish to the request topics can
+    /// then move the robot
     #[arg(long)]
     pub(crate) allow_commands: bool,
 
-    /// Folder for what brokers have not taken yet [default: iiwasim/spool in the user's folder for states]
+    /// Folder for undelivered messages [default: iiwasim/spool in the user's state folder]
     #[arg(long, value_name = "FOLDER")]
     pub(crate) spool: Option<PathBuf>,
 
-    /// Room for each broker in the spool, in MB: an hour of joints at 1 kHz takes 1200. The oldest are dropped if it is full
+    /// Spool size per broker in MB: one hour of joints at 1 kHz needs 1200. If the spool is full,
+    /// the oldest messages are dropped
     #[arg(long, value_name = "MB", default_value_t = 1024, value_parser = whole::<u64, 64, 1_000_000>)]
     pub(crate) spool_mb: u64,
 
-    /// Format of the joints' messages; all others are JSON. `cdr` is `sensor_msgs/JointState`, as ROS 2 has it
+    /// Format of joint messages; all other messages are JSON. `cdr` is ROS 2
+    /// `sensor_msgs/JointState`
     #[arg(long, value_name = "FORMAT", default_value = "json", value_parser = ["json", "cdr", "protobuf"])]
     pub(crate) joints: String,
 

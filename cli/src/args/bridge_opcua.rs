@@ -8,20 +8,20 @@ use clap::Args;
 #[derive(Args, Debug)]
 #[command(next_help_heading = "OPC UA")]
 pub(crate) struct OpcUa {
-    /// Serve OPC UA for Robotics at this address; clients need a certificate that is trusted, and a user's password
+    /// Serve OPC UA for Robotics at this address; clients need a trusted certificate and a password
     #[arg(id = "opcua_listen", long = "opcua", value_name = "IP:PORT")]
     pub(crate) listen: Option<SocketAddr>,
 
-    /// Folder of certificates: the own one, made at the first start, those that are trusted, those that were rejected [default:
-    /// iiwasim/opcua in the user's folder for states]
+    /// Certificate folder: own certificate (made at the first start), trusted and rejected
+    /// certificates [default: iiwasim/opcua in the user's state folder]
     #[arg(long = "opcua-certificates", value_name = "FOLDER", requires = "opcua_listen")]
     pub(crate) certificates: Option<PathBuf>,
 
-    /// Certificate of a client to trust, in DER or PEM; may be given more than once
+    /// Client certificate to trust, in DER or PEM; may be given more than once
     #[arg(long = "opcua-trust", value_name = "FILE", requires = "opcua_listen")]
     pub(crate) trusted: Vec<PathBuf>,
 
-    /// Name that clients call this computer by [default: its host name]
+    /// Name of this computer for clients [default: its host name]
     #[arg(long = "opcua-host", value_name = "NAME", requires = "opcua_listen")]
     pub(crate) host: Option<String>,
 
@@ -38,11 +38,11 @@ pub(crate) struct OpcUa {
     )]
     pub(crate) password_file: Option<PathBuf>,
 
-    /// Let clients with trusted certificates read without a user
+    /// Allow clients with trusted certificates to read without a user
     #[arg(long = "opcua-anonymous", requires = "opcua_listen")]
     pub(crate) anonymous: bool,
 
-    /// Let everyone read, by messages that are neither signed nor encrypted
+    /// Allow everyone to read, with messages that are neither signed nor encrypted
     #[arg(long = "opcua-unsecured", requires = "opcua_listen")]
     pub(crate) unsecured: bool,
 }

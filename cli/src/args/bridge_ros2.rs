@@ -10,16 +10,17 @@ use super::RosNaming;
 #[derive(Args, Debug)]
 #[command(next_help_heading = "ROS 2")]
 pub(crate) struct Ros2 {
-    /// Be a node of ROS 2 for each robot: joint states, transforms, description; with --allow-commands, goals of
-    /// `FollowJointTrajectory`. Opens UDP ports on all addresses, without keys
+    /// Run a ROS 2 node per robot: joint states, transforms, description; with --allow-commands,
+    /// `FollowJointTrajectory` goals. Opens UDP ports on all addresses, without keys
     #[arg(long = "ros2")]
     pub(crate) wanted: bool,
 
-    /// Namespace of the robot's topics; that of several, before their names [default: none, and the names of several]
+    /// Namespace of the topics; with several robots, a prefix of their names [default: none; with
+    /// several robots, their names]
     #[arg(long = "ros2-namespace", value_name = "NAME", default_value = "", requires = "wanted")]
     pub(crate) namespace: String,
 
-    /// DDS domain, which the ports follow from: 0 to 101
+    /// DDS domain, which determines the ports: 0 to 101
     #[arg(
         long = "ros2-domain",
         value_name = "N",
@@ -29,11 +30,12 @@ pub(crate) struct Ros2 {
     )]
     pub(crate) domain: u16,
 
-    /// Address of this machine that is announced to other machines; may be given more than once [default: 127.0.0.1]
+    /// Address of this machine to announce to other machines; may be given more than once [default:
+    /// 127.0.0.1]
     #[arg(long = "ros2-network", value_name = "IP", requires = "wanted")]
     pub(crate) networks: Vec<IpAddr>,
 
-    /// When goals get new times on their path: planners of ROS know no limits of jerk
+    /// Time parameterisation of goal paths: ROS planners do not know jerk limits
     #[arg(
         long = "ros2-retime",
         value_enum,
@@ -47,13 +49,13 @@ pub(crate) struct Ros2 {
     pub(crate) naming: RosNaming,
 }
 
-/// When goals get new times.
+/// Time parameterisation of goals.
 #[derive(Clone, Copy, Debug, ValueEnum)]
 pub(crate) enum RetimeGoals {
-    /// If their own break limits
+    /// Only if their own times violate limits
     Needed,
-    /// In any case
+    /// Always
     Always,
-    /// Never: what breaks limits is refused
+    /// Never: goals that violate limits are refused
     Never,
 }

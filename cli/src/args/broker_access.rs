@@ -9,7 +9,7 @@ macro_rules! broker_access {
         $(#[$about])*
         #[derive(Args, Debug)]
         pub(crate) struct $name {
-            /// What the names of topics begin with
+            /// Prefix of topic names
             #[arg(id = concat!($broker, "_prefix"), long = concat!($broker, "-prefix"), value_name = "TEXT", default_value = "iiwasim")]
             pub(crate) prefix: String,
 
@@ -67,7 +67,8 @@ pub(crate) struct BrokerAccess<'a> {
 broker_access!(
     /// How Kafka is reached, for all commands that do.
     KafkaAccess, "kafka", {
-        /// How the user proves to know the password; `plain` is the password itself, with TLS only, or on this machine
+        /// SASL mechanism; `plain` sends the password itself, and needs TLS or a broker on this
+        /// machine
         #[arg(long = "kafka-sasl", value_name = "NAME", default_value = "scram-sha-512", value_parser = ["plain", "scram-sha-256", "scram-sha-512"])]
         pub(crate) sasl: String,
     }

@@ -6,19 +6,20 @@ use clap::Args;
 
 use super::{LogReading, values::at_least_0};
 
-/// Compare a recording with a plan: the error of the cycle time, and the deviation from the path.
+/// Compare a recording with a plan: cycle time error and path deviation.
 ///
-/// The cycle time's error is the simulated time minus the real one, in s and in per cent of the real
-/// one. The real time is that from leaving the start to arriving at the end, whatever is recorded before
-/// and after, plus the time for which the plan settles and waits there. The time of each motion is
-/// compared in the same way, between the positions at which the plan starts and ends it.
+/// The cycle time error is the simulated time minus the real time, in s and in per cent of the real
+/// time. The real time lasts from leaving the start to arriving at the end, regardless of the
+/// recording before and after, plus the planned settling and waiting time at the end. The time of
+/// each motion is compared in the same way, between the planned start and end positions of the
+/// motion.
 ///
-/// The path is compared regardless of time: by the distance of each sample to the nearest point of the
-/// planned path, in joint space and at the flange, as mean along the path and maximum. Noise of the
-/// recording counts as distance.
+/// The path is compared regardless of time: by the distance of each sample to the nearest point of
+/// the planned path, in joint space and at the flange, as mean along the path and maximum. Noise of
+/// the recording counts as distance.
 ///
-/// If the program was run more than once in the recording, the first run counts. A recording of another
-/// program, or of a part of the program, is refused.
+/// If the recording contains several runs of the program, the first run is used. A recording of
+/// another program, or of a part of the program, is refused.
 #[derive(Args, Debug)]
 pub(crate) struct Compare {
     /// The plan: an MCAP file of `iiwasim plan`
@@ -34,15 +35,15 @@ pub(crate) struct Compare {
     #[arg(long)]
     pub(crate) json: bool,
 
-    /// Gate: exit with code 3 if the error of the cycle time is larger, either way, in per cent
+    /// Gate: exit with code 3 if the cycle time error is above this in magnitude, in per cent
     #[arg(long, value_name = "P", value_parser = at_least_0)]
     pub(crate) max_error_percent: Option<f64>,
 
-    /// Gate: exit with code 3 if the flange deviates more from its path anywhere, in mm
+    /// Gate: exit with code 3 if the largest flange deviation is above this, in mm
     #[arg(long, value_name = "D", value_parser = at_least_0)]
     pub(crate) max_deviation_mm: Option<f64>,
 
-    /// Draw both paths of the flange, and the deviations along the path, as a picture
+    /// Draw both flange paths, and the deviations along the path, as a picture
     #[arg(long, value_name = "FILE.svg|png|pdf")]
     pub(crate) picture: Option<PathBuf>,
 

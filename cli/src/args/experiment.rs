@@ -13,32 +13,35 @@ use super::{
     values::{epoch, whole},
 };
 
-/// Repeat an experiment of the thesis (Larsen 2019), or do one of our own, on the robot or on a virtual one.
+/// Repeat an experiment of the thesis (Larsen 2019), or a new one, on the robot or a virtual robot.
 ///
-/// Makes the programs, runs them, compares the measurements with calculations for --robot, and writes into
-/// a folder: programs/NAME.json; recordings/NAME.mcap and NAME.csv, for `identify` and `compare`;
-/// figure-NN.svg, like those of the thesis; report.md with figures, tables and the results of the thesis.
+/// The command makes the programs, runs them, compares the measurements with calculations for
+/// --robot, and writes a folder: programs/NAME.json; recordings/NAME.mcap and NAME.csv, for
+/// `identify` and `compare`; figure-NN.svg, like those of the thesis; report.md with figures,
+/// tables and the results of the thesis.
 ///
-/// --simulate runs them on a virtual robot in this process, which plans under limits of velocity,
-/// acceleration and jerk, and is sampled with noise. It is the model itself unless --virtual-robot names
-/// a profile with other limits, blends (`blend_kappa`, `tcp_blend_kappa`) and time to settle
-/// (`settle_time_s`). Existing files are replaced.
+/// --simulate runs the programs on a virtual robot in this process, which plans with velocity,
+/// acceleration and jerk limits and is sampled with noise. The virtual robot is the model itself
+/// unless --virtual-robot names a profile with other limits, blends (`blend_kappa`,
+/// `tcp_blend_kappa`) and settling time (`settle_time_s`). Existing files are replaced.
 ///
-/// --drive runs them on the robot behind a drive. THE ARM MOVES FAR: `limits` swings each joint alone
-/// from 20 poses, by 20 deg at full speed, and by 70 deg about zero; `blends` moves joints 2
-/// and 4; `settle` and `cycle-time` move all joints in random directions. Before each program it moves to
-/// the start in a straight line in joint space, which needs --move-to-start. Programs keep the flange 0.1 m
-/// above the robot's base, or are those of the thesis; they do not consider other obstacles or a tool: the
-/// workspace has to be free. The range of each joint is printed first. The folder has to be new or empty.
-/// Ctrl-C stops the robot on its path; earlier recordings are kept.
+/// --drive runs the programs on the robot behind a drive. THE ARM MOVES FAR: `limits` swings each
+/// joint alone from 20 poses, by 20 deg at full speed, and by 70 deg about zero; `blends` moves
+/// joints 2 and 4; `settle` and `cycle-time` move all joints in random directions. Before each
+/// program the arm moves to the start in a straight line in joint space, which needs
+/// --move-to-start. Programs keep the flange 0.1 m above the robot base, or are those of the
+/// thesis; they do not consider other obstacles or a tool: the workspace must be free. The range of
+/// each joint is printed first. The folder must be new or empty. Ctrl-C stops the robot on its
+/// path; earlier recordings are kept.
 ///
-/// `load` shows whether the controller plans with the load: A2 and A4 swing about poses in which gravity takes little or much
-/// of their torque, without a load and with --load. With --drive it asks for it to be mounted, and waits for Enter.
+/// `load` shows if the controller plans with the payload: A2 and A4 swing about poses with little
+/// and much gravity torque, without a payload and with --load. With --drive, the command asks for
+/// the payload to be mounted, and waits for Enter.
 ///
-/// `tcp-blends` shows how a controller blends paths of the TCP, and needs one that plans them: the simulated cabinet
-/// does so as iiwasim assumes. Where the robot program takes PTP motions only, program the motions of
-/// programs/tcp-blends.json on the controller, record them with `iiwasim record`, and run
-/// `iiwasim identify RECORDING --program programs/tcp-blends.json`.
+/// `tcp-blends` shows the controller's blends of TCP paths, and needs a controller that plans TCP
+/// paths: the simulated cabinet plans them as iiwasim assumes. If the robot program accepts PTP
+/// motions only, program the motions of programs/tcp-blends.json on the controller, record them
+/// with `iiwasim record`, and run `iiwasim identify RECORDING --program programs/tcp-blends.json`.
 #[derive(Args, Debug)]
 #[command(group = ArgGroup::new("on").required(true))]
 pub(crate) struct Experiment {
@@ -50,7 +53,7 @@ pub(crate) struct Experiment {
     #[arg(long, group = "on")]
     pub(crate) simulate: bool,
 
-    /// Run the programs on the robot of the drive at this address, as 127.0.0.1:5560
+    /// Run the programs on the robot of the drive at this address, such as 127.0.0.1:5560
     #[arg(long, group = "on", value_name = "HOST:PORT", requires = "move_to_start")]
     pub(crate) drive: Option<Endpoint>,
 
@@ -66,8 +69,8 @@ pub(crate) struct Experiment {
     #[arg(long)]
     pub(crate) no_recordings: bool,
 
-    /// Start of the recordings' time stamps, from 1970 to 2037 [default: of a robot the time when it ran, of a virtual
-    /// one 2020-01-01T00:00:00Z]
+    /// First time stamp of recordings, from 1970 to 2037 [default: time of the run on a robot;
+    /// 2020-01-01T00:00:00Z on a virtual robot]
     #[arg(long, value_name = "TIME", value_parser = epoch, conflicts_with = "no_recordings")]
     pub(crate) epoch: Option<Duration>,
 
@@ -91,21 +94,23 @@ pub(crate) struct Experiment {
     #[arg(long, value_name = "N", default_value_t = 1)]
     pub(crate) seed: u64,
 
-    /// Number of poses of `limits` (20), points of `settle` (200) or paths of `cycle-time` (5); the numbers in
-    /// brackets are the default and the maximum
+    /// Number of poses of `limits` (20), points of `settle` (200) or paths of `cycle-time` (5); the
+    /// numbers in brackets are the default and the maximum
     #[arg(long, value_name = "N", value_parser = whole::<u16, 1, 200>)]
     pub(crate) count: Option<u16>,
 
-    /// The load of `load`, in kg, with its centre in mm: on a robot it has to be mounted when asked for
+    /// Payload of `load`, in kg, with its centre of mass in mm; to be mounted on the robot when
+    /// asked for
     #[arg(long, value_name = "KG,X,Y,Z", default_value = "7,0,0,60", allow_hyphen_values = true)]
     pub(crate) load: Load,
 
-    /// What the virtual robot makes of a load: none, factor (2 % slower for each kg) or torque (within the joints' limits)
+    /// Effect of a payload on the virtual robot: none, factor (2 % slower per kg) or torque (within
+    /// the joint torque limits)
     #[arg(long, value_name = "NAME", default_value = "none", conflicts_with = "drive")]
     pub(crate) load_planner: LoadPlanning,
 
-    /// Let the arm move to the start of each program, at this share of the velocity limits, in per cent, 10
-    /// without a value
+    /// Move the arm to the start of each program, at this share of the velocity limits, in per
+    /// cent; 10 without a value
     #[arg(long, value_name = "PERCENT", num_args = 0..=1, require_equals = true, default_missing_value = "10", value_parser = percent_above_zero, requires = "drive")]
     pub(crate) move_to_start: Option<f64>,
 
@@ -120,19 +125,20 @@ pub(crate) struct Experiment {
 /// Experiments of the thesis, and ours.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(crate) enum ExperimentName {
-    /// Limits of the joints: Appendix A, Tables 4 and 5, Fig. 28
+    /// Joint limits: Appendix A, Tables 4 and 5, Fig. 28
     Limits,
-    /// The curve of blends: sections 4.2 and 4.3, Fig. 15 to 18, 20 and 21
+    /// Blend curves: sections 4.2 and 4.3, Fig. 15 to 18, 20 and 21
     Blends,
     /// Velocity in blends: Appendix B, Fig. 29
     ZoneVelocity,
-    /// The time to settle: Appendix C, Table 6
+    /// Settling time: Appendix C, Table 6
     Settle,
-    /// Errors of the cycle time: section 5.1.2, Fig. 23 to 25
+    /// Cycle time errors: section 5.1.2, Fig. 23 to 25
     CycleTime,
-    /// Blends of paths of the TCP, orientation and E1 along them: not in the thesis; with --drive, for controllers that plan paths of the TCP
+    /// Blends of TCP paths, orientation and E1 along them: not in the thesis; with --drive, for
+    /// controllers that plan TCP paths
     TcpBlends,
-    /// Whether the controller plans with the load: swings of A2 and A4 without and with one; not in the thesis
+    /// Planning with the payload: swings of A2 and A4 without and with a payload; not in the thesis
     Load,
     /// All but `load`, in one report
     All,

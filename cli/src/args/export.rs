@@ -4,16 +4,18 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-/// Export a motion program as a project for another system: an application in Java for KUKA Sunrise.
+/// Export a motion program as a KUKA Sunrise project with a Java application.
 ///
-/// FOLDER/src/application has the application, FOLDER/RoboticsAPI.data.xml its frames and the templates of its tools with
-/// their loads. Targets, limits and blends are the program's to the last bit; frames that the program gives where it
-/// uses them get names, as P7 of motion 7. A motion that is blended into the next one is sent by moveAsync, all others by
-/// move. What hangs on the flange is attached and detached; a tool that has picked something up is a template of its own.
+/// FOLDER/src/application contains the application, FOLDER/RoboticsAPI.data.xml its frames and tool
+/// templates with load data. Targets, limits and blends are exactly those of the program; unnamed
+/// frames get names, such as P7 for motion 7. Motions that blend into the next one are sent by
+/// moveAsync, all others by move. Tools and workpieces are attached and detached; a tool that holds
+/// a workpiece is a template of its own.
 ///
-/// What Sunrise has no call for is refused, with the motion and its key. What Java does not say while the arm moves as it
-/// was planned is noted: the mount, T1, limits of torque. The start of the program is where the arm has to stand before;
-/// it is in the comment of the class and, as the robot, in the process data of the project.
+/// Motions that Sunrise cannot express are refused, with motion and key. Settings that Java does
+/// not control are noted: mounting, T1, torque limits. The arm must be at the program's start
+/// before the application runs; the start is in the class comment and, with the robot, in the
+/// process data.
 #[derive(Args, Debug)]
 pub(crate) struct Export {
     /// Write a project of KUKA Sunrise
@@ -24,15 +26,15 @@ pub(crate) struct Export {
     #[arg(value_name = "PROGRAM")]
     pub(crate) program: PathBuf,
 
-    /// Folder of the project; it appears when it is complete
+    /// Project folder, written atomically
     #[arg(short, long, value_name = "FOLDER")]
     pub(crate) output: PathBuf,
 
-    /// Replace the files of an existing project; its other files stay
+    /// Replace the files of an existing project; other files are kept
     #[arg(long)]
     pub(crate) overwrite: bool,
 
-    /// Name of the application's class [default: made of the program's name]
+    /// Class name of the application [default: from the program's name]
     #[arg(long, value_name = "CLASS")]
     pub(crate) name: Option<String>,
 

@@ -6,22 +6,24 @@ use clap::Args;
 
 use super::Answering;
 
-/// Import a Sunrise project: an application as the motion program that it runs, or frames and tools.
+/// Import a Sunrise project: an application as a motion program, or frames and tools.
 ///
-/// From the folder of a project, an application is evaluated without a robot, and its program is written: each motion with
-/// its file and line. The robot and its flange are those that the project states; if it states none, they are a question. Where
-/// the application asks - dialogs, inputs, process data - it is answered by options or a file; every
-/// question is listed with its answer. What cannot be known before the program runs is refused, with file, line and reason.
-/// If the project has several applications, they are listed with what they need.
+/// Given a project folder, an application is evaluated without a robot, and its motion program is
+/// written, with file and line of each motion. The robot and its flange are read from the project;
+/// if the project does not state them, --robot and --flange-mm are asked for. Dialogs, inputs and
+/// process data are answered by options or by an answers file; each question is listed with its
+/// answer. Values that only a run can know are refused, with file, line and reason. If the project
+/// has several applications, they are listed with their open questions.
 ///
-/// From RoboticsAPI.data.xml alone, from a project without Java, or with --frames, frames and tools are written for programs to
-/// include. Frames that others are given in become bases, all others frames to go to, and those that were taught are both;
-/// names are paths, as Table/P1. Templates of tools become tools: their default motion frame, or else their first one, is the
-/// TCP, the others are tips, as in TOOL/TIP; loads come along. A program uses all of them with
-/// `"include": "frames.json"`; `ik --program frames.json --frame Table/P1` looks at one. The tables show what was taken, what
-/// was renamed, and what was not taken, with reasons. Each frame that was taught is checked: whether the robot reaches it with
-/// its TCP of that time, with all joints within their limits, and with the status and the turn that were taught. If many are
-/// not, the robot is another one, or has another flange.
+/// Given RoboticsAPI.data.xml, a project without Java, or --frames, frames and tools are written to
+/// a file that programs include. Parent frames become bases, other frames become targets, and
+/// taught parent frames become both; names are paths, such as Table/P1. Tool templates become tools
+/// with their load data: the default motion frame, or else the first frame, is the TCP, the others
+/// are tips, such as TOOL/TIP. Programs include the file with `"include": "frames.json"`; `ik
+/// --program frames.json --frame Table/P1` inspects a frame. The tables list imported, renamed and
+/// skipped entries, with reasons. Each taught frame is checked: the robot must reach it with the
+/// taught TCP, status and turn, within its joint limits. If many frames fail, the robot or its
+/// flange is wrong.
 #[derive(Args, Debug)]
 #[expect(clippy::struct_excessive_bools, reason = "each is a flag of its own")]
 pub(crate) struct Import {
@@ -32,19 +34,19 @@ pub(crate) struct Import {
     #[command(flatten)]
     pub(crate) answering: Box<Answering>,
 
-    /// Import frames and tools, although the project has applications
+    /// Import frames and tools even if the project has applications
     #[arg(long, conflicts_with_all = ["application", "answer", "input", "data", "time", "tool", "answers", "start_deg", "fired", "flange_mm"])]
     pub(crate) frames: bool,
 
-    /// Path of the program or of the frames [default: APPLICATION.json or frames.json]
+    /// Path of the program or frame file [default: APPLICATION.json or frames.json]
     #[arg(short, long, value_name = "FILE.json")]
     pub(crate) output: Option<PathBuf>,
 
-    /// Replace an existing program or file of frames, which may have been edited by hand
+    /// Replace an existing program or frame file, which may have been edited by hand
     #[arg(long, conflicts_with = "no_output")]
     pub(crate) overwrite: bool,
 
-    /// Write a data file with all that the application needs and the project lacks, to fill in, and import nothing
+    /// Write a data file with all missing entries, to be filled in, and do not import
     #[arg(long, value_name = "FILE.xml", conflicts_with_all = ["frames", "output", "no_output"])]
     pub(crate) write_data: Option<PathBuf>,
 
@@ -52,8 +54,8 @@ pub(crate) struct Import {
     #[arg(long, conflicts_with = "output")]
     pub(crate) no_output: bool,
 
-    /// Built-in model or robot profile that runs the application, and on which frames are checked [default: the one that the
-    /// project states]
+    /// Built-in model or robot profile for the application and for frame checks [default: the robot
+    /// that the project states]
     #[arg(long, value_name = "NAME|FILE")]
     pub(crate) robot: Option<String>,
 

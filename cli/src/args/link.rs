@@ -17,13 +17,13 @@ use super::{
     values::{at_least_0, epoch, seven, whole},
 };
 
-/// Make keys for connections between machines: NAME.key, which is secret, and NAME.pub.
+/// Make keys for connections between machines: NAME.key (secret) and NAME.pub.
 ///
-/// Each side makes its own keys, and gives its .pub file to the other side. Existing files are never
+/// Each side makes its own keys and gives its .pub file to the other side. Existing files are never
 /// overwritten. `zmq.auth.load_certificate` of pyzmq can read them.
 #[derive(Args, Debug)]
 pub(crate) struct Keygen {
-    /// Name of the owner, as `drive` or `alice`; the log of the drive shows it for clients
+    /// Name of the owner, such as `drive` or `alice`; the drive log names clients by it
     #[arg(value_name = "NAME")]
     pub(crate) name: String,
 
@@ -34,9 +34,9 @@ pub(crate) struct Keygen {
 
 /// Run iiwaDrive, which connects clients to the robot.
 ///
-/// It answers the controller over FRI every cycle, publishes the joint positions, and runs motions and
-/// trajectories for clients, one at a time. Clients are `iiwasim run`, `record`, `status`, `io` and
-/// `sensors`, or programs in any language with ZeroMQ and JSON. Ctrl-C ends it; a motion then
+/// It answers the controller over FRI every cycle, publishes the joint positions, and runs motions
+/// and trajectories for clients, one at a time. Clients are `iiwasim run`, `record`, `status`, `io`
+/// and `sensors`, or programs in any language with ZeroMQ and JSON. Ctrl-C ends it; a motion then
 /// continues, a trajectory breaks off.
 ///
 /// Without keys it accepts connections from this machine only.
@@ -50,16 +50,16 @@ pub(crate) struct Drive {
     #[arg(long, value_name = "HOST:PORT", default_value = STREAM)]
     pub(crate) stream: Endpoint,
 
-    /// UDP address for the FRI messages of the controller; KUKA's ports are 30200 to 30209
+    /// UDP address for FRI messages of the controller; KUKA's ports are 30200 to 30209
     #[arg(long, value_name = "IP:PORT", default_value = "127.0.0.1:30200")]
     pub(crate) fri: SocketAddr,
 
-    /// Address of the cabinet: the robot program runs there
+    /// Address of the cabinet, on which the robot program runs
     #[arg(long, value_name = "HOST", default_value = "127.0.0.1")]
     pub(crate) cabinet: String,
 
-    /// Address that the cabinet sends FRI messages from, as that of its KONI port: only these are accepted [default: that of
-    /// --cabinet]
+    /// Source address of FRI messages, such as the KONI port; messages from other addresses are
+    /// dropped [default: the address of --cabinet]
     #[arg(long, value_name = "IP")]
     pub(crate) fri_cabinet: Option<IpAddr>,
 
@@ -71,19 +71,19 @@ pub(crate) struct Drive {
     #[arg(long, value_name = "PORT", default_value_t = iiwa_link::CABINET_STATE_PORT)]
     pub(crate) cabinet_state: u16,
 
-    /// Built-in model or robot profile; trajectories have to keep its limits
+    /// Built-in model or robot profile whose limits trajectories must keep
     #[arg(long, value_name = "NAME|FILE", default_value = "lbr_iiwa_7_r800")]
     pub(crate) robot: String,
 
     #[command(flatten)]
     pub(crate) keys: ServerKeys,
 
-    /// Public key of the cabinet, if it requires keys; the drive then needs its own, too (--key)
+    /// Public key of the cabinet, if it requires keys; the drive then needs --key as well
     #[arg(long, value_name = "FILE.pub", requires = "key")]
     pub(crate) cabinet_key: Option<PathBuf>,
 
-    /// Check the connection to the cabinet step by step and exit: what is right, what is wrong, what to do about it. It
-    /// moves nothing
+    /// Check the connection to the cabinet step by step, print results and remedies, and exit. The
+    /// robot does not move
     #[arg(long)]
     pub(crate) check: bool,
 
@@ -92,17 +92,18 @@ pub(crate) struct Drive {
     pub(crate) json: bool,
 }
 
-/// Simulate the robot and its cabinet, for `iiwasim drive` to connect to.
+/// Simulate the robot and its cabinet, for `iiwasim drive`.
 ///
-/// It has a controller with FRI in real time, a robot program that runs motions as `iiwasim plan` plans
-/// them, sensors, inputs and outputs. Ctrl-C ends it and prints the latency of the answers.
+/// The simulated controller speaks FRI in real time, and its robot program runs motions as `iiwasim
+/// plan` plans them, with sensors, inputs and outputs. Ctrl-C ends the simulation and prints the
+/// response latency of the drive.
 #[derive(Args, Debug)]
 pub(crate) struct Cabinet {
     /// Period of FRI messages, in ms: 1 to 10 to command the robot, up to 100 to monitor it
     #[arg(long, value_name = "MS", default_value_t = 5, value_parser = whole::<u32, 1, 100>)]
     pub(crate) period: u32,
 
-    /// Number of messages for each answer of the drive
+    /// Number of FRI messages per response of the drive
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = whole::<u32, 1, 10>)]
     pub(crate) receive_multiplier: u32,
 
@@ -110,18 +111,19 @@ pub(crate) struct Cabinet {
     #[arg(long, value_name = "X", default_value_t = 1.0, value_parser = speed)]
     pub(crate) speed: f64,
 
-    /// Lag of measured joint positions behind commanded ones, in ms: as on a real robot, 2.4, if the number is left out
+    /// Lag of measured behind commanded joint positions, in ms; 2.4, as on a real robot, without a
+    /// number
     #[arg(long, value_name = "MS", default_value_t = 0.0, num_args = 0..=1, require_equals = true,
         default_missing_value = "2.4", value_parser = lag)]
     pub(crate) lag: f64,
 
-    /// Vibration of measured positions while a joint moves, its standard deviation in rad: as on a real robot, 6e-6, if the
-    /// number is left out
+    /// Standard deviation of measured positions while a joint moves, in rad; 6e-6, as on a real
+    /// robot, without a number
     #[arg(long, value_name = "RAD", default_value_t = 0.0, num_args = 0..=1, require_equals = true,
         default_missing_value = "6e-6", value_parser = noise)]
     pub(crate) vibration: f64,
 
-    /// Noise of measured joint positions, at rest as well, its standard deviation in rad
+    /// Standard deviation of measured joint positions, also at rest, in rad
     #[arg(long, value_name = "RAD", default_value_t = 0.0, value_parser = noise)]
     pub(crate) noise: f64,
 
@@ -129,11 +131,13 @@ pub(crate) struct Cabinet {
     #[arg(long, value_name = "NM", default_value_t = 0.0, value_parser = at_least_0)]
     pub(crate) torque_noise: f64,
 
-    /// What hangs on the flange, in kg, with its centre in mm, whatever programs say: what they do not say is an external torque
+    /// Payload at the flange, in kg, with its centre of mass in mm, regardless of programs: a
+    /// difference from the programmed payload appears as external torque
     #[arg(long, value_name = "KG[,X,Y,Z]", allow_hyphen_values = true)]
     pub(crate) load: Option<Load>,
 
-    /// How the robot's foot stands, in degrees, as 180,0,0 at the ceiling [default: as programs say]
+    /// Orientation of the robot base in degrees, such as 180,0,0 on the ceiling [default: the
+    /// program's]
     #[arg(long, value_name = "R,P,Y", allow_hyphen_values = true)]
     pub(crate) mount: Option<Mount>,
 
@@ -157,7 +161,8 @@ pub(crate) struct Cabinet {
     #[arg(long, value_name = "HOST:PORT", default_value = "127.0.0.1:30002")]
     pub(crate) state: Endpoint,
 
-    /// Leave out what the robot program of a real cabinet does not know: when runs began and ended, and temperatures
+    /// Omit data that the robot program of a real cabinet does not have: start and end times of
+    /// runs, temperatures
     #[arg(long)]
     pub(crate) without_times: bool,
 
@@ -172,7 +177,7 @@ pub(crate) struct Cabinet {
 #[derive(Args, Debug)]
 #[command(next_help_heading = "Faults")]
 pub(crate) struct CabinetFaults {
-    /// Share of FRI messages that are lost, in per cent, in either direction
+    /// Share of lost FRI messages in either direction, in per cent
     #[arg(long, value_name = "PERCENT", default_value_t = 0.0, value_parser = percent)]
     pub(crate) packet_loss: f64,
 
@@ -188,17 +193,18 @@ pub(crate) struct CabinetFaults {
     #[arg(long, value_name = "S", value_parser = period)]
     pub(crate) drop_session_every: Option<f64>,
 
-    /// Press the emergency stop once, after this share of the duration of the next motions that the robot program runs, in
-    /// per cent, and release it after two seconds; a trajectory that is commanded over FRI has no such share
+    /// Press the emergency stop once, at this share of the duration of the robot program's next
+    /// motions, in per cent, and release it after two seconds; trajectories over FRI have no such
+    /// share
     #[arg(long, value_name = "PERCENT", value_parser = percent)]
     pub(crate) emergency_stop: Option<f64>,
 }
 
 /// Run a motion program on the robot, and compare its cycle time with the plan.
 ///
-/// The program is planned first, and the figures are printed. Then the drive runs it, and the measured joint
-/// positions are recorded as MCAP, with the torques as `effort` where the controller measures them. Ctrl-C stops the
-/// robot on its path; the recording until then is kept.
+/// The program is planned first, and the figures are printed. Then the drive runs it, and the
+/// measured joint positions are recorded as MCAP, with the torques as `effort` where the controller
+/// measures them. Ctrl-C stops the robot on its path; the recording until then is kept.
 #[derive(Args, Debug)]
 #[expect(clippy::struct_excessive_bools, reason = "options are independent")]
 pub(crate) struct Run {
@@ -206,8 +212,8 @@ pub(crate) struct Run {
     #[arg(value_name = "PROGRAM.json")]
     pub(crate) program: PathBuf,
 
-    /// Path of the recording [default: PROGRAM.measured.mcap in the current folder, or PROGRAM.measured-2.mcap and
-    /// so on if that exists]
+    /// Path of the recording [default: PROGRAM.measured.mcap in the current folder, or
+    /// PROGRAM.measured-2.mcap and so on if that exists]
     #[arg(short, long, value_name = "FILE")]
     pub(crate) output: Option<PathBuf>,
 
@@ -219,22 +225,22 @@ pub(crate) struct Run {
     #[arg(long, conflicts_with = "output")]
     pub(crate) no_output: bool,
 
-    /// Send the planned trajectory, which is then commanded over FRI, instead of the motions, which the
-    /// controller plans itself: for controllers that do not know all motions
+    /// Send the planned trajectory over FRI instead of motions that the controller plans itself:
+    /// for controllers without all motion types
     #[arg(long)]
     pub(crate) as_trajectory: bool,
 
-    /// Scene in JSON (`iiwasim schema scene` describes it): the clearance of the arm is printed, and a program that
-    /// comes too near is not run
+    /// Scene in JSON (`iiwasim schema scene`): the clearance is printed, and a program below
+    /// --min-clearance does not run
     #[arg(long, value_name = "SCENE.json", env = "IIWASIM_SCENE", hide_env = true)]
     pub(crate) scene: Option<PathBuf>,
 
-    /// Least clearance of a program that is run, in mm; it does not count for the motion to the start
+    /// Minimum clearance of programs, in mm; the motion to the start is not checked
     #[arg(long, value_name = "MM", default_value_t = 10.0, value_parser = at_least_0)]
     pub(crate) min_clearance: f64,
 
-    /// First move to the start of the program, in a straight line in joint space, at this share of the
-    /// velocity limits, in per cent, 10 without a value
+    /// First move to the start of the program in a straight line in joint space, at this share of
+    /// the velocity limits, in per cent; 10 without a value
     #[arg(long, value_name = "PERCENT", num_args = 0..=1, require_equals = true, default_missing_value = "10", value_parser = percent_above_zero)]
     pub(crate) move_to_start: Option<f64>,
 
@@ -242,8 +248,8 @@ pub(crate) struct Run {
     #[arg(long)]
     pub(crate) json: bool,
 
-    /// Start of the time stamps in the recording, from 1970 to 2037, as 2020-01-01T00:00:00Z [default: when the
-    /// program starts]
+    /// First time stamp in the recording, from 1970 to 2037, such as 2020-01-01T00:00:00Z [default:
+    /// start of the program]
     #[arg(long, value_name = "TIME", value_parser = epoch, conflicts_with = "no_output")]
     pub(crate) epoch: Option<Duration>,
 
@@ -264,8 +270,9 @@ pub(crate) struct Run {
 
 /// Record the motion of the robot as MCAP, until Ctrl-C.
 ///
-/// It has the joints' positions, and their torques as `effort` where the controller measures them; the drive's state is on
-/// /diagnostics. The file is readable at any time: if the recorder is killed, at most the last second is lost.
+/// The file contains joint positions, joint torques as `effort` if the controller measures them,
+/// and the drive state on /diagnostics. It is readable at any time: if the recorder is killed, at
+/// most the last second is lost.
 #[derive(Args, Debug)]
 pub(crate) struct Record {
     /// Path of the MCAP file
@@ -280,11 +287,12 @@ pub(crate) struct Record {
     #[arg(long, value_name = "S", value_parser = at_least_0)]
     pub(crate) seconds: Option<f64>,
 
-    /// Also record temperatures, inputs and outputs, once a second while the robot does not move, as /diagnostics
+    /// Also record temperatures, inputs and outputs, once a second while the robot does not move,
+    /// as /diagnostics
     #[arg(long)]
     pub(crate) sensors: bool,
 
-    /// Start of the time stamps in the file, from 1970 to 2037, as 2020-01-01T00:00:00Z [default: now]
+    /// First time stamp in the file, from 1970 to 2037, such as 2020-01-01T00:00:00Z [default: now]
     #[arg(long, value_name = "TIME", value_parser = epoch)]
     pub(crate) epoch: Option<Duration>,
 
@@ -303,7 +311,7 @@ pub(crate) struct Record {
     pub(crate) drive: DriveAddress,
 }
 
-/// Stop the robot on its path, whichever client moves it, and wait until it stands still.
+/// Stop the robot on its path, regardless of the client that moves it, and wait for standstill.
 ///
 /// This is not an emergency stop: it depends on the network, the drive and the robot program.
 #[derive(Args, Debug)]
@@ -319,7 +327,7 @@ pub(crate) struct Status {
     #[arg(long)]
     pub(crate) json: bool,
 
-    /// Follow the robot until Ctrl-C: five lines a second, or with --json every message of the stream
+    /// Follow the robot until Ctrl-C: five lines per second, or with --json all stream messages
     #[arg(long)]
     pub(crate) watch: bool,
 
@@ -362,7 +370,7 @@ pub(crate) enum IoAction {
     },
     /// Print the value of an input or output
     Get {
-        /// Name, as MediaFlange.UserButton
+        /// Name, such as MediaFlange.UserButton
         name: String,
 
         #[command(flatten)]
@@ -370,7 +378,7 @@ pub(crate) enum IoAction {
     },
     /// Set an output, and print its new value
     Set {
-        /// Name, as MediaFlange.LEDBlue
+        /// Name, such as MediaFlange.LEDBlue
         name: String,
 
         /// true, false or a number

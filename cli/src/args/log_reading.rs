@@ -6,13 +6,14 @@ use iiwa_log::{AngleUnit, LogOptions, Positions};
 /// Choices for reading logs and tables.
 #[derive(Args, Clone, Copy, Debug)]
 pub(crate) struct LogReading {
-    /// Unit of joint positions whose columns name none (`DataRecorder` logs, `q1` to `q7`) [default: rad; of a
-    /// `DataRecorder` log, deg if a position is beyond every range in rad]
+    /// Unit of joint positions if the columns do not name one (`DataRecorder` logs, `q1` to `q7`)
+    /// [default: rad; deg for `DataRecorder` logs with a position outside all ranges in rad]
     #[arg(long, value_enum, value_name = "UNIT")]
     unit: Option<AngleName>,
 
-    /// Columns of a `DataRecorder` log: commanded positions (axisQCmd) or measured ones (axisQMsr, which lag and have
-    /// noise) [default: measured; of `identify` and `validate`, commanded; or else what the log has]
+    /// Columns of a `DataRecorder` log: commanded positions (axisQCmd) or measured positions
+    /// (axisQMsr, with lag and noise) [default: measured; `identify` and `validate`: commanded;
+    /// else what the log has]
     #[arg(long, value_enum, value_name = "POSITIONS")]
     positions: Option<PositionKind>,
 }

@@ -15,7 +15,7 @@ pub(crate) struct Fk {
     #[command(flatten)]
     pub(crate) joints: Configuration,
 
-    /// Built-in model or robot profile; the program's, or else the LBR iiwa 7 R800
+    /// Built-in model or robot profile [default: the program's, or the LBR iiwa 7 R800]
     #[arg(long, value_name = "NAME|FILE")]
     pub(crate) robot: Option<String>,
 
@@ -27,18 +27,18 @@ pub(crate) struct Fk {
     pub(crate) json: bool,
 }
 
-/// Which tool is at the flange, and where frames are given.
+/// Tool and base for poses.
 #[derive(Args, Clone, Debug)]
 pub(crate) struct Place {
     /// Motion program with the tools, bases and frames, or a file of them that programs include
     #[arg(long, value_name = "FILE.json")]
     pub(crate) program: Option<PathBuf>,
 
-    /// The tool whose TCP it is, as TOOL or TOOL/TIP; flange for none. The program's unless given
+    /// Tool, as TOOL or TOOL/TIP, or flange for no tool [default: the program's]
     #[arg(long, value_name = "NAME", requires = "program")]
     pub(crate) tool: Option<String>,
 
-    /// The base in which frames are given; robot for the foot. The program's unless given
+    /// Base of the frames, or robot for the robot base frame [default: the program's]
     #[arg(long, value_name = "NAME", requires = "program")]
     pub(crate) base: Option<String>,
 }
@@ -54,8 +54,9 @@ pub(crate) struct Configuration {
     #[arg(long, value_name = "A1,...,A7", value_parser = seven, allow_hyphen_values = true)]
     joints_deg: Option<[f64; 7]>,
 
-    /// Read many from standard input: a table with the columns `joint_1_deg` to `joint_7_deg`, or in rad, or a JSON
-    /// object a line with `joints_deg`. Prints a table with a row each, or with --json an object a line
+    /// Read joint positions from standard input: a table with the columns `joint_1_deg` to
+    /// `joint_7_deg` (or in rad), or one JSON object per line with `joints_deg`. Prints a table, or
+    /// with --json one object per line
     #[arg(long)]
     pub(crate) stdin: bool,
 }
@@ -82,8 +83,9 @@ pub(crate) struct Ik {
     )]
     pub(crate) frame: String,
 
-    /// Read many frames from standard input: a table with these keys as columns, or a JSON object a line, also one as
-    /// `iiwasim fk --json` prints it. Prints a table with a row each, or with --json an object a line
+    /// Read frames from standard input: a table with these keys as columns, or one JSON object per
+    /// line, also in the format of `iiwasim fk --json`. Prints a table, or with --json one object
+    /// per line
     #[arg(long, conflicts_with = "frame")]
     pub(crate) stdin: bool,
 
@@ -91,23 +93,24 @@ pub(crate) struct Ik {
     #[arg(long, value_name = "DEG", value_parser = number, allow_hyphen_values = true)]
     pub(crate) e1_deg: Option<f64>,
 
-    /// Which of the eight ways of the arm, in place of the frame's: 1 if the wrist is behind A1, plus 2 if A4 is
-    /// negative, plus 4 if A6 is
+    /// Status (arm configuration), in place of the frame's: 1 if the wrist is behind A1, plus 2 if
+    /// A4 is negative, plus 4 if A6 is negative
     #[arg(long, value_name = "0-7", value_parser = whole::<u8, 0, 7>)]
     pub(crate) status: Option<u8>,
 
-    /// Joints A1 to A7 in degrees; E1 and status are theirs where not given
+    /// Reference joints A1 to A7 in degrees: E1 and status are taken from them if not given
     #[arg(long, value_name = "A1,...,A7", value_parser = seven, allow_hyphen_values = true)]
     pub(crate) near: Option<[f64; 7]>,
 
-    /// Built-in model or robot profile; the program's, or else the LBR iiwa 7 R800
+    /// Built-in model or robot profile [default: the program's, or the LBR iiwa 7 R800]
     #[arg(long, value_name = "NAME|FILE")]
     pub(crate) robot: Option<String>,
 
     #[command(flatten)]
     pub(crate) place: Place,
 
-    /// Print one JSON object: `joints_deg`, `joints_rad`, `frame`, `allowed_e1_deg` (ranges), `singularity`, `robot`
+    /// Print one JSON object: `joints_deg`, `joints_rad`, `frame`, `allowed_e1_deg` (ranges),
+    /// `singularity`, `robot`
     #[arg(long)]
     pub(crate) json: bool,
 }
@@ -119,11 +122,12 @@ pub(crate) struct Robot {
     #[arg(value_name = "NAME|FILE")]
     pub(crate) model: Option<String>,
 
-    /// Print what differs from a built-in model as a robot profile, to be edited and used with --robot
+    /// Print the differences from a built-in model as a robot profile, to edit and use with --robot
     #[arg(long, requires = "model", conflicts_with = "urdf")]
     pub(crate) json: bool,
 
-    /// With --json, all figures, those of the built-in model, too; in a profile, they count as known and not as assumed
+    /// With --json, print all figures, also those of the built-in model; a profile states them as
+    /// known instead of assumed
     #[arg(long, requires = "json")]
     pub(crate) all: bool,
 
@@ -143,8 +147,8 @@ pub(crate) struct Robot {
     pub(crate) tip: Option<String>,
 }
 
-/// Print the JSON Schema of motion programs, of the files that they include, of robot profiles or scenes, for editors
-/// and validators.
+/// Print the JSON Schema of motion programs, frame files, robot profiles, scenes or bridge
+/// messages.
 #[derive(Args, Debug)]
 pub(crate) struct Schema {
     /// The format

@@ -12,27 +12,30 @@ use super::{
     values::{at_least_0, epoch, override_percent, rate, torque_percent, whole},
 };
 
-/// Options that few need.
+/// Heading of the advanced options.
 const METHOD: &str = "Methods of calculation (Larsen 2019)";
 
 /// Plan motion programs: print their cycle times, write their trajectories as MCAP.
 ///
-/// The table has a row for each motion: when it starts, how long it takes, its top speed as a share of the
-/// joint's speed limit, and the limits that it reaches for the longest time, with their shares of its
-/// duration; --json prints all of them. A motion lasts from the start of the blend that leads into it to
-/// the start of the blend that leads out of it, or to its stop. Below it are the largest torque, as a share of
-/// the joint's limit, and the work of the joints: behind the gears (link side), without what motors and rotors take.
+/// The table has one row per motion: start time, duration, top speed as a share of the joint speed
+/// limit, and the limits that are active for the longest time, with their shares of the duration;
+/// --json prints all limits. A motion lasts from the start of the blend before it to the start of
+/// the blend after it, or to its stop. Below the table are the largest joint torque, as a share of
+/// the torque limit, and the mechanical work of the joints (link side, without motor and rotor
+/// losses).
 ///
-/// The MCAP file opens in Foxglove, Lichtblick, Rerun and ROS 2 tools: joint states, link frames,
-/// the flange's pose, the whole trajectory, the robot's URDF and the program.
+/// The MCAP file opens in Foxglove, Lichtblick, Rerun and ROS 2 tools. It contains joint states,
+/// link frames, the flange pose, the whole trajectory, the robot's URDF and the program.
 ///
 /// Many programs are planned on all cores: `iiwasim plan A.json B.json`, or `iiwasim plan FOLDER`
-/// for all files *.json in it, sorted by name, except hidden files, robot profiles, scenes and files of frames
-/// that programs include. The table then has a row for each program: its cycle time, in motion and at rest (settling and waiting), and
-/// the limit that is reached for most of its time in motion. A program that fails is reported on
-/// standard error and does not stop the others; the exit code is then 3.
+/// for all *.json files in the folder, sorted by name, except hidden files, robot profiles, scenes
+/// and included frame files. The table then has one row per program: cycle time, time in motion,
+/// time at rest (settling and waiting), and the limit that is active for most of the time in
+/// motion. A failed program is reported on standard error and does not stop the others; the exit
+/// code is then 3.
 ///
-/// `iiwasim plan PROJECT --application CLASS` plans an application of a Sunrise project, as `iiwasim import` takes it.
+/// `iiwasim plan PROJECT --application CLASS` plans an application of a Sunrise project, with the
+/// options of `iiwasim import`.
 #[derive(Args, Debug)]
 #[expect(clippy::struct_excessive_bools, reason = "options are independent")]
 pub(crate) struct Plan {
@@ -41,7 +44,7 @@ pub(crate) struct Plan {
     #[arg(value_name = "PROGRAM.json", required = true)]
     pub(crate) programs: Vec<PathBuf>,
 
-    /// Path of the MCAP file; of many programs, the folder for their files, created if missing
+    /// Path of the MCAP file; for many programs, the output folder, created if missing
     /// [default: PROGRAM.mcap in the current folder]
     #[arg(short, long, value_name = "FILE")]
     pub(crate) output: Option<PathBuf>,
@@ -50,56 +53,59 @@ pub(crate) struct Plan {
     #[arg(long, conflicts_with_all = ["output", "epoch"])]
     pub(crate) no_output: bool,
 
-    /// Print the figures as a JSON object; of many programs, one object a line
+    /// Print the figures as a JSON object; for many programs, one object per line
     #[arg(long)]
     pub(crate) json: bool,
 
-    /// Number of programs planned in parallel, 1 to 1024 [default: one a core]
+    /// Number of programs planned in parallel, 1 to 1024 [default: one per core]
     #[arg(long, value_name = "N", value_parser = whole::<u16, 1, 1024>)]
     pub(crate) jobs: Option<u16>,
 
-    /// Limits that the motion keeps: velocity within 0.1 %, acceleration within 0.2 %, jerk within 2 %
+    /// Limits of the motion, kept within 0.1 % (velocity), 0.2 % (acceleration) and 2 % (jerk)
     #[arg(long, value_enum, default_value_t = Timing::Sunrise, help_heading = METHOD)]
     pub(crate) timing: Timing,
 
-    /// Also limit the torques of the joints (link side) to this percentage of the robot's, instead of what the program says:
-    /// slower where the load needs more. Programs that need less are planned as without. Nothing public says that Sunrise
-    /// plans with the load [PERCENT: 1 to 1000, 100 if left out]
+    /// Also limit joint torques (link side) to this percentage of the robot's torque limits,
+    /// instead of the program's value: motions that need more torque become slower. Programs that
+    /// need less are not affected. No public source says that Sunrise plans with the payload
+    /// [PERCENT: 1 to 1000, 100 if omitted]
     #[arg(long, value_name = "PERCENT", num_args = 0..=1, require_equals = true, default_missing_value = "100",
         value_parser = torque_percent)]
     pub(crate) limit_torque: Option<f64>,
 
-    /// Override of the controller, in %, instead of the program's: motions take longer by it, pauses and waits do not
+    /// Speed override of the controller in %, instead of the program's: scales motions, not pauses
+    /// and waits
     #[arg(long = "override", value_name = "PERCENT", value_parser = override_percent)]
     pub(crate) speed_override: Option<f64>,
 
-    /// Curve of the blends
+    /// Blend curve
     #[arg(long, value_enum, default_value_t = Shape::Iiwa, help_heading = METHOD)]
     pub(crate) blend_shape: Shape,
 
-    /// Method that finds the start and end of a blend given in mm
+    /// Method for the start and end of blends given in mm
     #[arg(long, value_enum, default_value_t = Search::FirstCrossing, help_heading = METHOD)]
     pub(crate) blend_search: Search,
 
-    /// Samples a blend for --timing acceleration, 2 to 100000; more samples are more exact and slower
+    /// Samples per blend for --timing acceleration, 2 to 100000; more samples are more accurate and
+    /// slower
     #[arg(long, value_name = "N", default_value_t = 100, value_parser = whole::<u32, 2, 100_000>, help_heading = METHOD)]
     pub(crate) samples: u32,
 
-    /// Also write the trajectory as a table, of a single program: time, motion, joint positions, velocities and
-    /// accelerations, the TCP, torques
+    /// Also write the trajectory of a single program as a CSV table: time, motion, joint positions,
+    /// velocities and accelerations, TCP, torques
     #[arg(long, value_name = "FILE.csv")]
     pub(crate) csv: Option<PathBuf>,
 
-    /// The same as an Apache Parquet file
+    /// Also write the trajectory of a single program as an Apache Parquet file
     #[arg(long, value_name = "FILE.parquet")]
     pub(crate) parquet: Option<PathBuf>,
 
-    /// Joint states a second in the files, 0.1 to 100000
+    /// Joint states per second in output files, 0.1 to 100000
     #[arg(long, value_name = "HZ", default_value_t = 250.0, value_parser = rate)]
     pub(crate) rate: f64,
 
-    /// Refuse to write a larger MCAP file (tables are three to six times as large), as 500MB or 5GB. The size is estimated before the trajectory is
-    /// sampled: a very slow program may take months and fill any disk
+    /// Largest MCAP file to write, such as 500MB or 5GB (tables are three to six times as large).
+    /// The size is estimated before sampling: a very slow program may take months and fill any disk
     #[arg(long, value_name = "SIZE", default_value = "1GB")]
     pub(crate) max_file_size: ByteSize,
 
@@ -110,42 +116,44 @@ pub(crate) struct Plan {
     #[arg(long, value_name = "NAME|FILE")]
     pub(crate) robot: Option<String>,
 
-    /// Gate: exit with code 3 if a program takes longer, in s
+    /// Gate: exit with code 3 if a cycle time is above this, in s
     #[arg(long, value_name = "S", value_parser = at_least_0)]
     pub(crate) max_cycle_time: Option<f64>,
 
-    /// Gate: exit with code 3 if a joint needs more of its torque (link side), in % of the robot's limit
+    /// Gate: exit with code 3 if a joint torque (link side) is above this, in % of the robot's
+    /// limit
     #[arg(long, value_name = "P", value_parser = at_least_0)]
     pub(crate) max_torque_percent: Option<f64>,
 
-    /// Scene in JSON (`iiwasim schema scene` describes it), to print the clearance of the arm
+    /// Scene with obstacles in JSON (`iiwasim schema scene`), to print the clearance of the arm
     #[arg(long, value_name = "SCENE.json", env = "IIWASIM_SCENE", hide_env = true)]
     pub(crate) scene: Option<PathBuf>,
 
     #[command(flatten)]
     pub(crate) arm: Urdf,
 
-    /// Gate: exit with code 3 if the arm comes nearer to an obstacle of the scene, in mm, or touches one
+    /// Gate: exit with code 3 if the clearance to an obstacle of the scene is below this, in mm
     #[arg(long, value_name = "MM", value_parser = at_least_0)]
     pub(crate) min_clearance: Option<f64>,
 
-    /// Start of the time stamps in the file, from 1970 to 2037, as 2020-01-01T00:00:00Z
+    /// First time stamp in the file, from 1970 to 2037, such as 2020-01-01T00:00:00Z
     #[arg(long, value_name = "TIME", value_parser = epoch)]
     pub(crate) epoch: Option<Duration>,
 
     #[command(flatten)]
     pub(crate) ros: RosNaming,
 
-    /// Also print what is assumed of the controller, as far as the time rests on it; --json always does
+    /// Also print the assumptions about the controller that affect the cycle time; --json always
+    /// does
     #[arg(long)]
     pub(crate) assumptions: bool,
 
-    /// Also print the solver's iterations on standard error, of a single program with --timing jerk. A straight line
-    /// takes none
+    /// Also print the solver's iterations for a single program with --timing jerk, on standard
+    /// error. Straight lines need no iterations
     #[arg(long, help_heading = METHOD)]
     pub(crate) trace: bool,
 
-    /// Also draw the path of the flange and the joint speeds as a picture, of a single program
+    /// Also draw the flange path and the joint speeds of a single program as a picture
     #[arg(long, value_name = "FILE.svg|png|pdf")]
     pub(crate) picture: Option<PathBuf>,
 }
@@ -156,8 +164,8 @@ pub(crate) enum Timing {
     Acceleration,
     /// Velocity, acceleration and jerk
     Jerk,
-    /// As a real robot was seen to move: PTP motions and splines from rest to rest as Sunrise plans them (splines: by a
-    /// model); all else as jerk
+    /// As recorded on a real robot: PTP motions and splines from rest to rest as Sunrise plans them
+    /// (splines by a model); all other motions as jerk
     Sunrise,
 }
 

@@ -6,22 +6,21 @@ use clap::Args;
 
 use super::{LogReading, Urdf};
 
-/// Make a page of a plan or a recording: the arm in motion, its path, its joints over time, its motions.
+/// Make an HTML page of a plan or a recording: moving arm, path, joint curves, motions.
 ///
-/// The page is one HTML file that needs no network: the arm in 3D with play, pause, scrub and speed;
-/// the path of the flange with the blends and their spheres; position, velocity, acceleration, jerk
-/// and torque (link side) of the joints next to their limits; when each motion runs and what limits it. With a second
-/// file, both arms and the errors that `iiwasim compare` finds. With --scene, the obstacles, the tool and the
-/// clearance over time.
+/// The page is one HTML file that needs no network: the arm in 3D with play, pause, scrub and
+/// speed; the flange path with blends and blend spheres; position, velocity, acceleration, jerk and
+/// torque (link side) of the joints with their limits; the start, duration and active limit of each
+/// motion. With a second file, both arms and the errors of `iiwasim compare`. With --scene,
+/// obstacles, tool and clearance over time.
 ///
-/// A recording of `iiwasim run` contains its program, and is shown beside the plan of it. Other
-/// recordings have no motions, and the page shows the rest. A truncated file is shown up to its end,
-/// with a note. Long files are reduced for the screen: each column of a curve spans from its lowest to
-/// its highest value.
+/// A recording of `iiwasim run` contains its program and is shown beside its plan. Other recordings
+/// have no motions; the page shows the rest. A truncated file is shown up to its end, with a note.
+/// Long files are reduced for the screen: each column of a curve spans its minimum to its maximum.
 #[derive(Args, Debug)]
 pub(crate) struct Report {
-    /// An MCAP file of `iiwasim plan`, `run` or `record`, a `DataRecorder` log, or a CSV file with the
-    /// columns `t_s` and `joint_1_rad` (or `_deg`) to `joint_7_rad`
+    /// An MCAP file of `iiwasim plan`, `run` or `record`, a `DataRecorder` log, or a CSV file with
+    /// the columns `t_s` and `joint_1_rad` (or `_deg`) to `joint_7_rad`
     #[arg(value_name = "FILE")]
     pub(crate) file: PathBuf,
 
@@ -29,8 +28,8 @@ pub(crate) struct Report {
     #[arg(value_name = "MEASURED")]
     pub(crate) measured: Option<PathBuf>,
 
-    /// Scene in JSON (`iiwasim schema scene` describes it): the page shows obstacles and tool, and the clearance of the arm
-    /// over time
+    /// Scene in JSON (`iiwasim schema scene`): the page shows obstacles, tool and clearance over
+    /// time
     #[arg(long, value_name = "FILE")]
     pub(crate) scene: Option<PathBuf>,
 

@@ -7,12 +7,12 @@ use serde::Deserialize;
 /// Names of joints and links in MCAP files and URDFs.
 #[derive(Args, Clone, Debug)]
 pub(crate) struct RosNaming {
-    /// Names of joints and links for ROS: those of this package
+    /// ROS package whose joint and link names are used
     #[arg(long, value_enum, value_name = "PACKAGE", default_value_t = RosPackage::IiwaStack, env = "IIWASIM_ROS_NAMES", hide_env = true)]
     ros_names: RosPackage,
 
-    /// What these names begin with in place of `iiwa` or `lbr`, for several robots in one ROS graph: 1 to 50 letters, digits
-    /// and _
+    /// Prefix of joint and link names instead of `iiwa` or `lbr`, for several robots in one ROS
+    /// graph: 1 to 50 letters, digits and _
     #[arg(long, value_name = "PREFIX", env = "IIWASIM_ROS_PREFIX", hide_env = true)]
     ros_prefix: Option<RosPrefix>,
 }

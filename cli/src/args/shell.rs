@@ -19,7 +19,8 @@ pub(crate) struct Completions {
     pub(crate) shell: Shell,
 }
 
-/// Write the manual pages, one a command: `iiwasim man ~/.local/share/man/man1`, then `man iiwasim-plan`.
+/// Write manual pages, one per command: `iiwasim man ~/.local/share/man/man1`, then `man
+/// iiwasim-plan`.
 #[derive(Args, Debug)]
 pub(crate) struct Man {
     /// Folder for the pages, created if missing

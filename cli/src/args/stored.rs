@@ -12,18 +12,18 @@ use super::{
     values::{at_least_0, whole},
 };
 
-/// What is read from Kafka.
+/// Kafka source and time range.
 #[derive(Args, Debug)]
 pub(crate) struct Stored {
-    /// Brokers of Kafka to begin with
+    /// Kafka bootstrap brokers
     #[arg(long = "kafka", value_name = "HOST:PORT", value_delimiter = ',', required = true, value_parser = address)]
     pub(crate) brokers: Vec<String>,
 
-    /// Read from this time on, as 2026-11-25T08:00:00Z
+    /// Start of the time range, such as 2026-11-25T08:00:00Z
     #[arg(long, value_name = "TIME", value_parser = time)]
     pub(crate) from: Option<SystemTime>,
 
-    /// Read what was before this time
+    /// End of the time range
     #[arg(long, value_name = "TIME", value_parser = time)]
     pub(crate) until: Option<SystemTime>,
 
@@ -31,14 +31,14 @@ pub(crate) struct Stored {
     pub(crate) access: KafkaAccess,
 }
 
-/// Play a time range back from Kafka: into a recording, or live as a read-only drive.
+/// Replay a time range from Kafka: into a recording, or live as a read-only drive.
 ///
-/// A recording (-o) is one as `iiwasim record` makes it: `iiwasim report` shows it, `iiwasim compare` and `identify` read it.
-/// With --serve, clients such as `iiwasim twin`, `status --watch` and `record` follow the replay as they follow a drive, at the
-/// pace at which it happened.
+/// A recording (-o) is in the format of `iiwasim record`, for `iiwasim report`, `compare` and
+/// `identify`. With --serve, clients such as `iiwasim twin`, `status --watch` and `record` follow
+/// the replay at its original pace, as they follow a drive.
 #[derive(Args, Debug)]
 pub(crate) struct Replay {
-    /// Name of the robot, as of `iiwasim bridge`
+    /// Name of the robot, as in `iiwasim bridge --name`
     #[arg(long, value_name = "NAME", default_value = "iiwa")]
     pub(crate) name: String,
 
@@ -50,11 +50,11 @@ pub(crate) struct Replay {
     #[arg(long, requires = "output")]
     pub(crate) overwrite: bool,
 
-    /// Play back live, for clients of a drive: at --drive and --stream
+    /// Replay live for drive clients, at --drive and --stream
     #[arg(long, conflicts_with = "output")]
     pub(crate) serve: bool,
 
-    /// How many times as fast as it happened
+    /// Replay speed relative to the original pace
     #[arg(long, value_name = "X", default_value_t = 1.0, value_parser = speed, requires = "serve")]
     pub(crate) speed: f64,
 
@@ -77,25 +77,26 @@ pub(crate) struct Replay {
     pub(crate) stored: Stored,
 }
 
-/// Print the cycle times of programs over their runs, from Kafka.
+/// Print the history of program cycle times from Kafka.
 ///
-/// Each program has a row: its runs, the planned and the measured time, and by how much the latest runs take longer than those
-/// before. Where runs have a plan, it is the measured over the planned time that drifts, so that an edited program does not.
+/// The table has one row per program: number of runs, planned and measured time, and the change of
+/// the latest runs against earlier runs. If runs have a plan, the ratio of measured to planned time
+/// is compared, so that an edited program does not count as a change.
 #[derive(Args, Debug)]
 pub(crate) struct History {
-    /// This program only
+    /// Only this program
     #[arg(long, value_name = "NAME")]
     pub(crate) program: Option<String>,
 
-    /// This robot only, by its name as of `iiwasim bridge`
+    /// Only this robot, by its name in `iiwasim bridge`
     #[arg(long, value_name = "NAME")]
     pub(crate) name: Option<String>,
 
-    /// Number of latest runs to compare with those before
+    /// Number of latest runs to compare with earlier runs
     #[arg(long, value_name = "N", default_value_t = 5, value_parser = whole::<usize, 1, 100_000>)]
     pub(crate) recent: usize,
 
-    /// Exit with code 3 if a program has become slower by more than so much, in per cent
+    /// Gate: exit with code 3 if a program has become slower by more than this, in per cent
     #[arg(long, value_name = "PERCENT", value_parser = at_least_0)]
     pub(crate) max_drift: Option<f64>,
 

@@ -4,15 +4,16 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-/// A user's URDF, and where its meshes are.
+/// URDF of the user, and the folders of its meshes.
 #[derive(Args, Clone, Debug)]
 pub(crate) struct Urdf {
-    /// URDF of the arm: its meshes (STL, OBJ or Collada) in place of simple shapes, in pictures and, as convex hulls, in
-    /// clearances. Its joints must be the robot's
+    /// URDF of the arm, for its meshes (STL, OBJ or Collada) instead of simple shapes: in pictures
+    /// and, as convex hulls, in clearances. Its joints must match the robot's
     #[arg(long, value_name = "FILE.urdf")]
     pub(crate) urdf: Option<PathBuf>,
 
-    /// Folder for `package://NAME/...` in that URDF: NAME is in it, or is it; may be given more than once
+    /// Folder for `package://NAME/...` in that URDF: NAME itself or its parent; may be given more
+    /// than once
     #[arg(long, value_name = "FOLDER", requires = "urdf")]
     pub(crate) package_path: Vec<PathBuf>,
 }

@@ -6,25 +6,26 @@ use clap::Args;
 
 use super::{LogReading, Timing, values::override_percent};
 
-/// Validate the simulation: plan a program, compare the plan with a recording of a robot that ran it, print table and score.
+/// Validate the simulation: compare the plan of a program with a recording of a real run.
 ///
-/// The table has a row for each motion: its planned and its measured duration, the error in per cent of the measured one, how far the
-/// worst joint is off the path, wherever in time, and how far the flange is. Below it are the errors' median, the value
-/// that 95 % of the motions do not exceed, and the worst; the robot, the timing and the override; and what the plan assumes.
+/// The table has one row per motion: planned and measured duration, the error in per cent of the
+/// measured duration, and the largest path deviation of a joint and of the flange, regardless of
+/// time. Below the table are the median, 95th percentile and maximum of the errors, the robot, the
+/// timing, the override, and the assumptions of the plan.
 ///
-/// The output is meant to be sent: it names files without their folders, and nothing else of the machine. `iiwasim compare`
-/// has more about one recording, and gates.
+/// The output can be shared: it contains file names without folders, and no other data of the
+/// machine. `iiwasim compare` prints more about one recording, and has gates.
 ///
-/// The recording may hold more than the program; the first run counts. Commanded positions of a `DataRecorder` log are
-/// preferred.
+/// The recording may be longer than the program; the first run is used. Commanded positions of a
+/// `DataRecorder` log are preferred.
 #[derive(Args, Debug)]
 pub(crate) struct Validate {
     /// The program that the robot ran
     #[arg(value_name = "PROGRAM.json")]
     pub(crate) program: PathBuf,
 
-    /// The recording: a `DataRecorder` log, an MCAP file of `iiwasim run` or `record`, or a CSV file with the columns
-    /// `t_s` and `joint_1_rad` (or `_deg`) to `joint_7_rad`
+    /// The recording: a `DataRecorder` log, an MCAP file of `iiwasim run` or `record`, or a CSV
+    /// file with the columns `t_s` and `joint_1_rad` (or `_deg`) to `joint_7_rad`
     #[arg(value_name = "RECORDING")]
     pub(crate) recording: PathBuf,
 
@@ -32,11 +33,11 @@ pub(crate) struct Validate {
     #[arg(long)]
     pub(crate) json: bool,
 
-    /// Limits that the plan keeps
+    /// Limits of the plan
     #[arg(long, value_enum, default_value_t = Timing::Sunrise)]
     pub(crate) timing: Timing,
 
-    /// Override of the robot during the recording, in per cent: motions take so much longer, waits do not
+    /// Speed override during the recording, in per cent: scales motions, not waits
     #[arg(long = "override", value_name = "PERCENT", value_parser = override_percent)]
     pub(crate) speed_override: Option<f64>,
 

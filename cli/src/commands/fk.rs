@@ -21,7 +21,7 @@ struct PoseAnswer<'a> {
     robot: &'a str,
 }
 
-/// Of one of many poses.
+/// Output for one of many poses.
 #[derive(Serialize)]
 #[serde(untagged)]
 enum PoseLine {
@@ -29,7 +29,7 @@ enum PoseLine {
     Error { error: String },
 }
 
-/// Prints the poses of all joints on standard input; joints that cannot be do not stop the others.
+/// Prints the poses for all joint positions on standard input; continues after invalid ones.
 fn many(place: &Workplace, json: bool) -> Result<(), Failure> {
     if !json {
         output::print("x_mm,y_mm,z_mm,a_deg,b_deg,c_deg,e1_deg,status,turn,error\n")?;
@@ -98,11 +98,11 @@ pub(crate) fn run(options: &Fk) -> Result<(), Failure> {
     let [x, y, z] = pose.position_m.map(|v| v * 1e3);
     let mut text = format!("position   {x:10.3} {y:10.3} {z:10.3}  mm\n");
     for (name, row) in ["rotation", "", ""].iter().zip(pose.rotation) {
-        // No negative zero.
+        // Avoids a negative zero.
         let [a, b, c] = row.map(|v| (v * 1e6).round() / 1e6 + 0.0);
         let _ = writeln!(text, "{name:<10} {a:10.6} {b:10.6} {c:10.6}");
     }
-    // A turns about z, then B about the new y, then C about the new x, as KUKA does it.
+    // A turns about z, then B about the new y, then C about the new x, as on KUKA robots.
     let ReachedFrame { a_deg: a, b_deg: b, c_deg: c, e1_deg, status, turn, .. } = frame;
     let _ = writeln!(text, "A, B, C    {a:10.3} {b:10.3} {c:10.3}  deg");
     let _ = writeln!(text, "E1         {e1_deg:10.3}  deg, status {status}, turn {turn}");

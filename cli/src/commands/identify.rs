@@ -11,14 +11,14 @@ use iiwa_report::{IdentificationReport, with_causes};
 
 use crate::{args::Identify, failure::Failure, input, output};
 
-/// A recording and its program.
+/// Recording and its program.
 struct Source {
     name: String,
     program: Arc<Program>,
     log: JointLog,
 }
 
-/// Identifies a robot, prints what was found and writes its profile.
+/// Identifies a robot, prints the result and writes its profile.
 pub(crate) fn run(options: &Identify) -> Result<(), Failure> {
     let target = (!options.no_output).then_some(options.output.as_path());
     if let Some(target) = target {
@@ -53,7 +53,7 @@ pub(crate) fn run(options: &Identify) -> Result<(), Failure> {
     if let Some(target) = target {
         let robot = found.robot(&model).with_name(name);
         let profile = format!("{}\n", robot.to_profile());
-        // A name may be one that no profile can have.
+        // A given name may be invalid in profiles.
         Robot::from_profile(&profile)
             .map_err(|error| Failure::input(format!("--name: {}", error.what())))?;
         output::write(target, profile.as_bytes())?;
@@ -61,7 +61,7 @@ pub(crate) fn run(options: &Identify) -> Result<(), Failure> {
     if options.json { output::print_json(&report) } else { output::print(&report.text(&model)) }
 }
 
-/// The recordings with their programs, and the robot that they are taken to be of.
+/// Reads the recordings with their programs, and the robot assumed for them.
 fn read(options: &Identify) -> Result<(Vec<Source>, Robot), Failure> {
     let given = options.program.as_deref();
     let robot = options.robot.as_deref();
@@ -110,7 +110,7 @@ fn read(options: &Identify) -> Result<(Vec<Source>, Robot), Failure> {
     Ok((sources, model.map_or_else(input::default_robot, Ok)?))
 }
 
-/// The loss of the rest of a file.
+/// Returns the loss of the rest of a file.
 fn broken_off(log: &JointLog) -> Option<&Loss> {
     log.losses.iter().find(|loss| matches!(loss, Loss::BrokenOff { .. }))
 }

@@ -35,7 +35,7 @@ struct SingularityAnswer {
     wrist: f64,
 }
 
-/// Prints the joints that reach a frame, or all frames on standard input.
+/// Prints the joint positions that reach a frame, or those for all frames on standard input.
 pub(crate) fn run(options: &Ik) -> Result<(), Failure> {
     let place = Workplace::new(options.robot.as_deref(), &options.place)?;
     if options.stdin {
@@ -47,12 +47,12 @@ pub(crate) fn run(options: &Ik) -> Result<(), Failure> {
     print(&place, &joints_rad, &allowed_rad, options.json)
 }
 
-/// The joints that reach a frame.
+/// Joint positions that reach a frame.
 struct Solution {
     joints_rad: Joints,
     /// Ranges of E1 with which all joints are within their limits.
     allowed_rad: Vec<[f64; 2]>,
-    /// As the frame states it.
+    /// Turn stated by the frame.
     turn: Option<Turn>,
 }
 
@@ -79,7 +79,7 @@ fn solve(place: &Workplace, options: &Ik, frame: &TargetRef) -> Result<Solution,
     Ok(Solution { joints_rad, allowed_rad, turn: target.turn.and_then(Turn::new) })
 }
 
-/// One of many frames.
+/// Output for one of many frames.
 #[derive(Default, Serialize)]
 struct JointsLine {
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -88,7 +88,7 @@ struct JointsLine {
     error: Option<String>,
 }
 
-/// Prints the joints of all frames on standard input; those that have none do not stop the others.
+/// Prints the joint positions for all frames on standard input; continues after unreachable ones.
 fn many(place: &Workplace, options: &Ik) -> Result<(), Failure> {
     if !options.json {
         let names: Vec<_> = (1..=7).map(|joint| format!("joint_{joint}_deg")).collect();
@@ -123,15 +123,15 @@ fn many(place: &Workplace, options: &Ik) -> Result<(), Failure> {
     }
 }
 
-/// The frame of an object: itself, or its key `frame`, where `fk` has it.
+/// Returns the frame of an object: the object itself, or its key `frame`, as in the output of `fk`.
 fn frame_of(mut object: Map<String, Value>) -> Result<TargetRef, Failure> {
-    // What fk prints in place of a pose.
+    // Output of `fk` in place of a pose.
     if let Some(Value::String(error)) = object.get("error") {
         return Err(Failure::input(error));
     }
     let frame = object.remove("frame").filter(Value::is_object);
     let text = frame.unwrap_or(Value::Object(object)).to_string();
-    // The line is all that can be told of the place.
+    // The line is the only place information.
     let frame = Target::from_json(&text).map_err(|error| Failure::input(error.what()))?;
     Ok(TargetRef::Given(frame))
 }
@@ -152,7 +152,7 @@ fn refused(error: &dyn std::error::Error) -> Failure {
     Failure::input(error.to_string())
 }
 
-/// What else to try.
+/// Suggests ranges of E1.
 fn with_other_e1(allowed_rad: &[[f64; 2]], status: Status) -> String {
     if allowed_rad.is_empty() {
         return format!("with status {status} no E1 keeps all joints within their limits");
@@ -171,7 +171,8 @@ fn ranges(of_rad: &[[f64; 2]]) -> String {
     format!("{} deg", ranges.join(", "))
 }
 
-/// The turn cannot choose between joints, but it may show that the frame was not meant for this arm.
+/// Warns about a different turn. The turn does not select joint positions, but a difference may
+/// show that the frame is from another arm.
 fn check_turn(stated: Option<Turn>, joints_rad: &Joints) {
     let found = Turn::of(joints_rad);
     if let Some(stated) = stated.filter(|stated| !stated.agrees_with(joints_rad)) {
@@ -211,7 +212,7 @@ fn print(
     }
     let mut text = "joints    ".to_owned();
     for joint in joints_deg {
-        // No negative zero.
+        // Avoids a negative zero.
         let _ = write!(text, " {:9.3}", (joint * 1e3).round() / 1e3 + 0.0);
     }
     let _ = writeln!(text, "  deg");

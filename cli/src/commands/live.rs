@@ -1,4 +1,5 @@
-//! Commands for a robot behind a drive, and for the drive and the simulated cabinet themselves (feature `live`).
+//! Commands for a robot behind a drive, and for the drive and the simulated cabinet themselves
+//! (feature `live`).
 
 mod cabinet;
 mod drive;

@@ -16,7 +16,7 @@ use crate::{
     replaceable::Replaceable,
 };
 
-/// Makes the page, and prints its path.
+/// Creates the page, and prints its path.
 pub(crate) fn run(options: &Report) -> Result<(), Failure> {
     let target = options.output.clone().unwrap_or_else(|| file_name(&options.file));
     let measured = options.measured.as_deref().map(|path| ("recording", path));
@@ -46,7 +46,7 @@ pub(crate) fn run(options: &Report) -> Result<(), Failure> {
     output::print(&format!("Page in {}\n", printable(&target.display().to_string())))
 }
 
-/// Name of a file's page.
+/// Returns the name of a file's page.
 fn file_name(file: &Path) -> PathBuf {
     let mut name = file.file_stem().unwrap_or("report".as_ref()).to_owned();
     name.push(".html");

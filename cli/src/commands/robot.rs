@@ -12,7 +12,7 @@ use crate::{
     output,
 };
 
-/// Prints a model, or the names of the built-in ones.
+/// Prints a model, or the names of the built-in models.
 pub(crate) fn run(options: &args::Robot) -> Result<(), Failure> {
     let Some(name) = &options.model else { return output::print(&robots_table()) };
     let robot = find_robot(name)?;

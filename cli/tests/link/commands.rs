@@ -1,4 +1,4 @@
-//! What the commands print and write, and how they exit.
+//! Output, files and exit codes of the commands.
 
 use std::{
     fs,
@@ -89,12 +89,12 @@ fn anybody_can_stop_the_robot() {
         let rig = Rig::new();
         let running = rig.begin("run", &[rig.slow_program()]);
         wait_for("motion", || rig.joint_1() > 0.2);
-        rig.iiwasim("stop", &[]).success().stdout("The robot stands\n").stderr(is_empty());
+        rig.iiwasim("stop", &[]).success().stdout("The robot is at rest\n").stderr(is_empty());
         let here = rig.joint_1();
         assert!(here < 1.0);
         let ended = running.end().code(1);
         assert!(ended.stderr.contains("stopped on request at"), "{}", ended.stderr);
-        rig.iiwasim("stop", &[]).success().stdout("The robot stands\n");
+        rig.iiwasim("stop", &[]).success().stdout("The robot is at rest\n");
         assert_eq!(rig.joint_1(), here);
     });
 }
@@ -122,7 +122,7 @@ fn a_program_runs() {
             .stdout(is_match("\n65[0-9] samples recorded in slow.measured.mcap\n").unwrap())
             .stderr(is_empty());
         let recording = rig.recording("slow.measured.mcap");
-        // Of what is measured, the stamps are those of the wall clock.
+        // Recordings have stamps of the wall clock.
         let now = SystemTime::now().duration_since(UNIX_EPOCH).unwrap();
         let ago = now.checked_sub(recording.epoch).unwrap();
         assert!(ago < LONG, "{ago:?}");
@@ -134,7 +134,7 @@ fn a_program_runs() {
         assert_eq!(metadata["sample_count"], recording.joint_states.len().to_string());
         assert!((metadata["cycle_time_s"].parse::<f64>().unwrap() - 3.289).abs() < 0.01);
 
-        // The arm is at the other end now.
+        // The arm is now at the end of the program.
         rig.iiwasim("run", &[program])
             .code(1)
             .stderr(contains("joint A1 is at 60.000 deg, the program starts at 0.000 deg"))
@@ -150,7 +150,7 @@ fn a_program_runs() {
         assert!(number("error_s").abs() < 0.02, "{figures}");
         assert!((number("robot_program_cycle_time_s") - measured_s).abs() < 0.011, "{figures}");
         assert!((number("sample_step_s") - 0.005).abs() < 1e-6, "{figures}");
-        // One definition: `compare` and the report find the same.
+        // Same definition: `compare` and the report give the same value.
         rig.iiwasim_alone(&["plan", program, "--timing", "jerk", "-o", "plan.mcap"]).success();
         let compared =
             rig.iiwasim_alone(&["compare", "plan.mcap", "again.mcap", "--json"]).success();
@@ -158,7 +158,7 @@ fn a_program_runs() {
             serde_json::from_slice(&compared.get_output().stdout).unwrap();
         let real_s = compared["cycle_time"]["real_s"].as_f64().unwrap();
         assert!((real_s - measured_s).abs() < 1e-6, "{real_s} s, {measured_s} s");
-        // What was measured is not overwritten; the default name is a new one.
+        // Recordings are not overwritten; the default name is a new one.
         rig.iiwasim("run", &["--move-to-start=100", "-o", "again.mcap", program])
             .code(2)
             .stderr(contains("again.mcap exists").and(contains("--overwrite")));
@@ -174,7 +174,7 @@ fn a_program_runs() {
     });
 }
 
-/// A program that comes too near to a scene does not begin.
+/// A program too close to a scene does not start.
 #[test]
 fn a_scene_is_checked_before_a_run() {
     in_real_time(|| {
@@ -194,7 +194,7 @@ fn a_scene_is_checked_before_a_run() {
     });
 }
 
-/// Another run is in the way, and not the position of the arm.
+/// The error names the other run, not the position of the arm.
 #[test]
 fn a_robot_that_runs_is_busy() {
     in_real_time(|| {
@@ -207,7 +207,7 @@ fn a_robot_that_runs_is_busy() {
     });
 }
 
-/// Addresses need not be repeated.
+/// Settings provide the addresses.
 #[test]
 fn addresses_are_settings() {
     in_real_time(|| {
@@ -220,7 +220,7 @@ fn addresses_are_settings() {
             .stderr(contains("a.mcap exists"));
         rig.iiwasim_alone(&["record", "-o", "a.mcap", "--overwrite", "--seconds", "0.5"]).success();
         let nobody = free_address().to_string();
-        // Nothing is lost when nothing comes.
+        // A file is not overwritten if no samples arrive.
         let before = std::fs::read(rig.path("a.mcap")).unwrap();
         let silent =
             ["record", "-o", "a.mcap", "--overwrite", "--seconds", "0.5", "--stream", &nobody];
@@ -230,7 +230,7 @@ fn addresses_are_settings() {
     });
 }
 
-/// The controller plans motions to frames, too; as a trajectory the path is the same.
+/// The controller also plans motions to frames; as a trajectory the path is the same.
 #[test]
 fn a_program_with_frames_runs() {
     in_real_time(|| {
@@ -250,7 +250,7 @@ fn a_program_with_frames_runs() {
             .code(1)
             .stderr(contains("the program starts at").and(contains("--move-to-start")));
         let mut first_cycle_time_s = None;
-        // The second run starts where the first one has ended.
+        // The second run starts at the end of the first.
         for (state, options) in [
             ("running_trajectory", &["--as-trajectory", "--move-to-start=50"][..]),
             ("running_motion", &[]),
@@ -271,7 +271,8 @@ fn a_program_with_frames_runs() {
             let off = |axis: usize| {
                 places.iter().map(|place| (place[axis] - first[axis]).abs()).fold(0.0, f64::max)
             };
-            // The tool's y axis is the foot's here, up to its sign: there and back on a straight line.
+            // The tool's y axis is parallel to that of the base, up to its sign: back and forth on
+            // a straight line.
             assert!(off(0) < 1e-3 && off(2) < 1e-3, "{} {}", off(0), off(2));
             assert!((off(1) - 0.15).abs() < 1e-3, "{}", off(1));
             torques_are_of_their_samples(&recording.joint_states);
@@ -280,27 +281,27 @@ fn a_program_with_frames_runs() {
             assert!((cycle_time_s - first).abs() < 0.02, "{cycle_time_s} s, {first} s");
         }
 
-        // What cannot be planned is refused before the robot hears of it.
+        // An infeasible program is rejected before the robot receives it.
         let far = text.replace("\"y_mm\": 150", "\"y_mm\": 1500");
         std::fs::write(rig.path("far.json"), far).unwrap();
         rig.iiwasim("run", &["far.json"]).code(2).stderr(contains("motion 1"));
     });
 }
 
-/// Most samples have torques: those of the simulated cabinet, which move the arm at the sample's positions and hold its weight,
-/// in the sign of KUKA's controller.
+/// Checks that most samples have torques: those of the simulated cabinet, which move the arm at the
+/// sample's positions and hold its weight, with the sign of KUKA's controller.
 fn torques_are_of_their_samples(states: &[JointSample]) {
     let known: Vec<_> = states.iter().filter_map(|it| Some((it.q, it.torques_nm?))).collect();
     assert!(2 * known.len() > states.len(), "{} of {}", known.len(), states.len());
     let (_, first) = known[0];
     let dynamics = iiwa_kin::Robot::default().dynamics();
     for (q, torques_nm) in &known {
-        // What moves it comes on top: a fraction of what holds it.
+        // The torque for the motion is a fraction of the holding torque.
         let holding_nm = dynamics.gravity_torques(q);
         let moving = |j: usize| (torques_nm[j] + holding_nm[j]).abs();
         assert!((0..7).all(|j| moving(j) < 0.5 * holding_nm[1].abs()), "{torques_nm:?}");
     }
-    // There and back: the arm is where it was, and elsewhere in between.
+    // Back and forth: the arm returns to its start, and is elsewhere in between.
     let (_, last) = known[known.len() - 1];
     let apart = |other: &iiwa_kin::Joints| {
         first.iter().zip(other).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
@@ -309,7 +310,7 @@ fn torques_are_of_their_samples(states: &[JointSample]) {
     assert!(known.iter().any(|(_, torques_nm)| apart(torques_nm) > 0.2), "{first:?}");
 }
 
-/// What the drive does not take as motions may still go as a trajectory.
+/// Motions that the drive does not support can still be sent as a trajectory.
 #[test]
 fn motions_that_are_not_understood_come_with_advice() {
     in_real_time(|| {
@@ -345,12 +346,12 @@ fn a_recording_lasts_as_long_as_asked() {
         let recording = rig.recording("r.mcap");
         assert_eq!(&*recording.tcp_poses[0].frame_id, "left_link_0");
         let states = recording.joint_states;
-        // 200 a second, but for the time that it takes to connect.
+        // 200 per second, except for the connection time.
         assert!((100..=210).contains(&states.len()), "{} samples", states.len());
         rig.iiwasim("record", &["-o", "r.mcap"]).code(2).stderr(contains("r.mcap exists"));
 
         let recorder = rig.begin("record", &["-o", "s.mcap"]);
-        // It has its first second in the file before the arm moves.
+        // The first second is in the file before the arm moves.
         wait_for("samples", || !rig.recording_so_far("s.mcap").is_empty());
         rig.iiwasim("run", &[rig.slow_program(), "--no-output"]).success();
         thread::sleep(Duration::from_millis(300));
@@ -419,7 +420,7 @@ fn wrong_usage_is_refused() {
         ] {
             rig.iiwasim(command, arguments).code(2).stdout(is_empty());
         }
-        // Options of the sides themselves.
+        // Options of drive and cabinet.
         for arguments in [
             &["drive", "--cabinet-key", "c.pub"][..],
             &["drive", "--key", "d.key"],

@@ -1,5 +1,5 @@
-//! `iiwasim twin` in a crowd: connections without the token, half requests, many pages, many orders. `iiwasim drive` with few
-//! open files.
+//! `iiwasim twin` under load: connections without the token, incomplete requests, many pages, many
+//! requests. `iiwasim drive` with few open files.
 
 use std::{
     fmt::Write as _,
@@ -15,10 +15,10 @@ use crate::link::{
     rig::{Process, Rig, wait_for},
 };
 
-/// Files that a twin may have open in these tests: far fewer than there are connections.
+/// Limit of open files of a twin in these tests: far fewer than the connections.
 const FILES: u32 = 256;
 
-/// The most memory of a twin, in MB.
+/// Upper bound on the memory of a twin, in MB.
 const MEMORY_MB: u64 = 200;
 
 fn start(rig: &Rig) -> (Process, Address) {
@@ -27,13 +27,14 @@ fn start(rig: &Rig) -> (Process, Address) {
     (twin, address)
 }
 
-/// So many connections that begin a request and never end it; every second one says nothing at all.
+/// Opens `count` connections that begin a request and never end it; every second one sends nothing
+/// at all.
 fn half_requests(address: &Address, count: usize) -> Vec<TcpStream> {
     let begin = |i: usize| {
         let mut stream = TcpStream::connect(&address.host).unwrap();
         stream.set_nonblocking(true).unwrap();
         if i.is_multiple_of(2) {
-            // It may have been closed already.
+            // The connection may have been closed already.
             let _ = write!(stream, "GET /?token=0 HTTP/1.1\r\nHost: {}\r\nX-", address.host);
         }
         stream
@@ -41,17 +42,18 @@ fn half_requests(address: &Address, count: usize) -> Vec<TcpStream> {
     (0..count).map(begin).collect()
 }
 
-/// Half of the connections that this process can have beside its other tests: 600 where it may have many files.
+/// Returns half of the connections that this process can open beside its other tests: 600 with a
+/// high limit of open files.
 fn wave() -> usize {
     let limits = std::fs::read_to_string("/proc/self/limits").unwrap_or_default();
     let files = limits.lines().find_map(|line| line.strip_prefix("Max open files"));
     let files = files.and_then(|line| line.split_whitespace().next()?.parse().ok());
-    // An unlimited one is not a number; without the file, it is what most systems have.
+    // An unlimited value is not a number; without the file, the limit is that of most systems.
     let files: usize = files.unwrap_or(1024);
     (files.saturating_sub(400) / 2).min(600)
 }
 
-/// Whether the other end has closed it.
+/// Returns true if the peer has closed the connection.
 fn is_closed(stream: &mut TcpStream) -> bool {
     match stream.read(&mut [0; 1000]) {
         Ok(count) => count == 0,
@@ -79,7 +81,7 @@ fn half_requests_neither_keep_pages_out_nor_stops() {
         let page = format!("/?token={}", address.token);
         assert_eq!(address.ask(&page, &[host]).0, 200);
 
-        // They are closed though they keep silent, and the pages are not.
+        // The silent connections are closed, and the pages are not.
         for stream in &mut crowd {
             wait_for("end of a half request", || is_closed(stream));
         }
@@ -96,7 +98,7 @@ fn strangers_take_no_place_of_pages() {
         let (twin, address) = start(&rig);
         let host = ("Host", address.host.as_str());
         let page = format!("/?token={}", address.token);
-        // More than there are places of any kind, one after the other and at once.
+        // More connections than permitted of any kind, sequentially and concurrently.
         for _ in 0..200 {
             assert_eq!(address.ask("/", &[host]).0, 403);
         }
@@ -109,11 +111,11 @@ fn strangers_take_no_place_of_pages() {
         }
         assert_eq!(address.connect(&live, Some(&origin)).err().unwrap(), 503);
         assert_eq!(address.ask(&page, &[host]).0, 200, "requests have places of their own");
-        // Each of them is served.
+        // All of them are served.
         for page in &mut pages {
             page.wait_for("health", |health| health["error"].is_string());
         }
-        // A page that is closed makes room.
+        // A closed page makes room.
         pages.pop();
         wait_for("room", || address.connect(&live, Some(&origin)).is_ok());
         drop(pages);
@@ -125,7 +127,7 @@ fn strangers_take_no_place_of_pages() {
 #[test]
 fn a_stop_waits_for_no_other_order() {
     in_real_time(|| {
-        // Without a drive each order takes as long as its patience.
+        // Without a drive, each request takes its full time-out.
         let rig = Rig::parts();
         let (twin, address) = start(&rig);
         let mut pages: Vec<_> = (0..6).map(|_| address.page()).collect();
@@ -135,7 +137,7 @@ fn a_stop_waits_for_no_other_order() {
                 page.begin("set_io", json!({ "name": "MediaFlange.LEDBlue", "value": true }));
             }
         }
-        // A page has no more orders than that under way.
+        // A page has no further pending requests.
         let more =
             pages[1].order("set_io", json!({ "name": "MediaFlange.LEDBlue", "value": true }));
         assert!(more.unwrap_err().contains("under way"));
@@ -160,13 +162,13 @@ fn long_texts_come_one_at_a_time() {
                 assert!(upload.join().unwrap().unwrap_err().contains("long.json, line 1"));
             }
         });
-        // What is not a short order is not taken on the page's own line: it is hung up on.
+        // A page that sends an overlong request is disconnected.
         address.page().cut_off(&format!(
             r#"{{"id":1,"do":"save_position","name":"{}"}}"#,
             "a".repeat(1 << 20)
         ));
         address.page().order("stop", json!({})).unwrap_err();
-        // A program that is as long as programs may be, with motions that are as many: blended all the way.
+        // A program of maximum length and number of motions, blended throughout.
         let mut slow = String::new();
         for i in 0..1000 {
             let (to, blend) =
@@ -206,7 +208,7 @@ fn a_drive_needs_enough_open_files_and_stops_with_them() {
         rig.start_cabinet(&[]);
         rig.drive = Some(rig.begin_drive_in("ulimit -n 192"));
         rig.wait_until_ready(&[]);
-        // More than the drive may have files, at either port.
+        // More connections than the drive may have files, at both ports.
         let ports = [&rig.instructions, &rig.stream];
         let silent: Vec<_> = (0..400).map(|i| TcpStream::connect(ports[i % 2]).unwrap()).collect();
         rig.iiwasim("stop", &[]).success();

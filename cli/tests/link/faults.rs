@@ -1,4 +1,4 @@
-//! Interrupts, and processes that are killed.
+//! Interrupts, and killed processes.
 
 use std::{
     thread,
@@ -10,7 +10,7 @@ use predicates::str::contains;
 
 use crate::link::rig::{Process, Rig, wait_for};
 
-/// The robot runs as if nothing had been.
+/// Checks that the robot runs normally.
 fn assert_works(rig: &Rig) {
     rig.wait_until_ready(&[]);
     let program = rig.slow_program();
@@ -19,7 +19,7 @@ fn assert_works(rig: &Rig) {
     assert!((rig.joint_1().to_degrees() - 60.0).abs() < 1e-3);
 }
 
-/// A run that was cut short leaves a file that begins at the start and does not come to the end.
+/// Checks that the file of an aborted run begins at the start and does not reach the end.
 fn assert_cut(rig: &Rig, name: &str) {
     let recording = rig.recording(name);
     let [first, .., last] = recording.joint_states.as_slice() else { panic!("no states") };
@@ -35,7 +35,7 @@ fn an_interrupt_stops_the_robot_on_its_path() {
             let running =
                 rig.begin("run", &[options, &[running, "-o", "cut.mcap", "--overwrite"]].concat());
             wait_for("a run", || running.stdout().contains("Cycle time"));
-            // After the move to the start, if there is one.
+            // After the motion to the start, if any.
             wait_for("start", || rig.joint_1() < 0.1);
             wait_for("motion", || rig.joint_1() > 0.2);
             running.signal("INT");
@@ -85,7 +85,7 @@ fn a_killed_recorder_leaves_a_file() {
         recorder.signal("KILL");
         assert_eq!(recorder.end().status.code(), None);
         let kept_s = rig.recording("r.mcap").joint_states.last().unwrap().t_s - from_s;
-        // A second, and what a busy machine adds.
+        // A second, plus the delay of a busy machine.
         assert!(kept_s > recorded_s - 1.3, "{kept_s} s of {recorded_s} s");
     });
 }
@@ -102,7 +102,7 @@ fn a_killed_cabinet_ends_the_run() {
             let ended = running.end().code(1);
             assert!(ended.stderr.contains("did not finish the program"), "{}", ended.stderr);
             assert_cut(&rig, "cut.mcap");
-            // What is known of the robot is old.
+            // The data of the robot are outdated.
             rig.iiwasim("run", &[rig.slow_program()])
                 .code(1)
                 .stderr(contains("the drive receives nothing from the controller"));
@@ -122,7 +122,7 @@ fn a_cabinet_that_is_started_again_at_once_ends_the_run() {
         rig.start_cabinet(&[]);
         let ended = running.end().code(1);
         assert!(ended.stderr.contains("restarted during the run"), "{}", ended.stderr);
-        // The new one stands at its start.
+        // The new cabinet is at its start pose.
         let states = rig.recording("cut.mcap").joint_states;
         assert!(states.iter().any(|state| state.q[0] > 0.1));
         assert_works(&rig);
@@ -150,7 +150,7 @@ fn a_killed_drive_ends_the_run() {
         let running = rig.begin_run(&["-o", "cut.mcap"]);
         kill_drive(&mut rig, running);
         rig.start_drive(&[]);
-        // The controller goes on with its motion.
+        // The controller continues its motion.
         wait_for("the end", || (rig.joint_1().to_degrees() - 60.0).abs() < 1e-3);
         assert_works(&rig);
     });

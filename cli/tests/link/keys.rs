@@ -1,4 +1,4 @@
-//! Who may speak to a drive, and to a cabinet: each with real keys.
+//! Access to a drive, and to a cabinet: each with real keys.
 
 use std::fs;
 
@@ -6,7 +6,7 @@ use predicates::str::contains;
 
 use crate::link::rig::{Rig, wait_for};
 
-/// Makes keys for everybody; `alice` may speak to the drive, and the drive to the cabinet.
+/// Creates keys for all parties; `alice` may access the drive, and the drive the cabinet.
 fn rig_with_keys() -> Rig {
     let rig = Rig::parts();
     for name in ["cabinet", "drive", "alice", "mallory"] {
@@ -22,7 +22,7 @@ fn rig_with_keys() -> Rig {
 const DRIVE: [&str; 4] = ["--key", "keys/drive.key", "--allow", "clients"];
 const ALICE: [&str; 4] = ["--key", "keys/alice.key", "--server-key", "keys/drive.pub"];
 
-/// Keys of clients that are not let in, and what they are told.
+/// Keys of rejected clients, and the error texts.
 const STRANGERS: [(&str, &[&str], &str); 3] = [
     ("no key", &[], "refused the connection: "),
     (
@@ -97,7 +97,7 @@ fn the_example_works_without_keys() {
     let mut numbers = figures.split(|c: char| !c.is_ascii_digit() && c != '.');
     let mut number = || numbers.find_map(|text| text.parse::<f64>().ok()).unwrap();
     let (cycle_time_s, samples) = (number(), number());
-    // Every 5 ms, and a little before the start.
+    // A sample every 5 ms, and some before the start.
     assert!(cycle_time_s > 1.0 && (samples * 5e-3 - cycle_time_s).abs() < 0.5, "{figures}");
 }
 

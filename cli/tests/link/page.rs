@@ -1,4 +1,4 @@
-//! A client of the twin that does what its page does.
+//! Client of the twin that acts like its page.
 
 use std::{
     collections::HashMap,
@@ -18,7 +18,7 @@ use tungstenite::{
 
 use crate::link::rig::{LONG, Process, wait_for};
 
-/// Where a twin is: its host and port, and its token.
+/// Address of a twin: host and port, and its token.
 #[derive(Clone)]
 pub(crate) struct Address {
     pub(crate) host: String,
@@ -26,7 +26,7 @@ pub(crate) struct Address {
 }
 
 impl Address {
-    /// As the twin prints it.
+    /// Parses the address that the twin prints.
     pub(crate) fn of(twin: &Process) -> Self {
         wait_for("address", || twin.stdout().ends_with('\n'));
         let printed = twin.stdout();
@@ -34,7 +34,7 @@ impl Address {
         Self { host: host.strip_prefix("http://").unwrap().to_owned(), token: token.to_owned() }
     }
 
-    /// The status and the text of an answer to a request with these headers.
+    /// Returns status and text of the answer to a request with these headers.
     pub(crate) fn ask(&self, path: &str, headers: &[(&str, &str)]) -> (u16, String) {
         let mut stream = TcpStream::connect(&self.host).unwrap();
         stream.set_read_timeout(Some(LONG)).unwrap();
@@ -50,7 +50,7 @@ impl Address {
         (status, answer)
     }
 
-    /// A file as the page asks for it.
+    /// Downloads a file as the page does.
     pub(crate) fn file(&self, path: &str) -> Vec<u8> {
         let mut stream = TcpStream::connect(&self.host).unwrap();
         let Self { host, token } = self;
@@ -62,7 +62,7 @@ impl Address {
         answer.split_off(body + 4)
     }
 
-    /// Hands over a program as the page does; why it was refused, if it was.
+    /// Uploads a program as the page does; the error is the reason for its rejection.
     pub(crate) fn load(&self, program: &Value) -> Result<(), String> {
         let Self { host, token } = self;
         let (name, text) = (program["name"].as_str().unwrap(), program["text"].as_str().unwrap());
@@ -76,7 +76,7 @@ impl Address {
              Origin: http://{host}\r\nContent-Length: {}\r\n\r\n",
             text.len()
         );
-        // It may be refused before all of it is there.
+        // The upload may be rejected before it is complete.
         let _ = stream.write_all(&[head.as_bytes(), text.as_bytes()].concat());
         let mut answer = String::new();
         stream.read_to_string(&mut answer).unwrap();
@@ -88,7 +88,7 @@ impl Address {
         answer["error"].as_str().map_or(Ok(()), |error| Err(error.to_owned()))
     }
 
-    /// Connects as the page does; or the status of the refusal.
+    /// Connects as the page does; the error is the status of the rejection.
     pub(crate) fn connect(&self, path: &str, origin: Option<&str>) -> Result<Page, StatusCode> {
         let stream = TcpStream::connect(&self.host).unwrap();
         let mut request = format!("ws://{}{path}", self.host).into_client_request().unwrap();
@@ -112,17 +112,17 @@ impl Address {
     }
 }
 
-/// An open page.
+/// Open page.
 pub(crate) struct Page {
     socket: WebSocket<TcpStream>,
-    /// The newest word of each kind.
+    /// Latest message of each kind.
     newest: HashMap<String, Value>,
     answers: Vec<Value>,
     orders: u64,
 }
 
 impl Page {
-    /// Takes the next word.
+    /// Receives the next message.
     fn take(&mut self) {
         self.socket.get_ref().set_read_timeout(Some(LONG)).unwrap();
         let Message::Text(text) = self.socket.read().unwrap() else { return };
@@ -135,7 +135,7 @@ impl Page {
         }
     }
 
-    /// Waits for a word of which something holds.
+    /// Waits for a message that satisfies a predicate.
     pub(crate) fn wait_for(&mut self, kind: &str, holds: impl Fn(&Value) -> bool) -> Value {
         let since = Instant::now();
         loop {
@@ -148,7 +148,7 @@ impl Page {
         }
     }
 
-    /// How many words of a kind come in such a time.
+    /// Counts the messages of a kind within a time.
     pub(crate) fn count(&mut self, kind: &str, during: Duration) -> u32 {
         let since = Instant::now();
         let mut count = 0;
@@ -160,13 +160,13 @@ impl Page {
         count
     }
 
-    /// Gives an order; why it was refused, if it was.
+    /// Sends a request; the error is the reason for its rejection.
     pub(crate) fn order(&mut self, what: &str, parameters: Value) -> Result<(), String> {
         let id = self.begin(what, parameters);
         self.answer(id)
     }
 
-    /// Gives an order and waits for nothing; its number.
+    /// Sends a request without waiting for the answer; returns its number.
     pub(crate) fn begin(&mut self, what: &str, mut parameters: Value) -> u64 {
         self.orders += 1;
         parameters["id"] = json!(self.orders);
@@ -175,7 +175,7 @@ impl Page {
         self.orders
     }
 
-    /// Waits for the answer to an order; why it was refused, if it was.
+    /// Waits for the answer to a request; the error is the reason for its rejection.
     pub(crate) fn answer(&mut self, id: u64) -> Result<(), String> {
         let since = Instant::now();
         loop {
@@ -190,7 +190,7 @@ impl Page {
         }
     }
 
-    /// How many orders were answered so far.
+    /// Number of answered requests so far.
     pub(crate) fn answered(&self) -> usize {
         self.answers.len()
     }
@@ -200,14 +200,14 @@ impl Page {
         self.socket.send(Message::text(text)).unwrap();
     }
 
-    /// Sends a text that is too long, until the page is hung up on.
+    /// Sends a text that is too long, and waits for the disconnection.
     pub(crate) fn cut_off(&mut self, text: &str) {
-        // It may be before all of it is sent.
+        // The connection may close before the text is sent.
         let _ = self.socket.send(Message::text(text));
         while self.socket.read().is_ok() {}
     }
 
-    /// Why something that is no order was refused.
+    /// Returns the reason for rejecting an invalid request.
     pub(crate) fn refusal(&mut self) -> String {
         while self.answers.iter().all(|answer| answer["id"] != 0) {
             self.take();

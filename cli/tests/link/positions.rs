@@ -1,4 +1,4 @@
-//! Positions that `iiwasim twin` keeps, and joints that it turns.
+//! Saved positions and jogging in `iiwasim twin`.
 
 use std::fs;
 
@@ -25,7 +25,7 @@ fn positions_become_a_program() {
         page.order("save_position", json!({ "name": "" })).unwrap();
         rig.iiwasim("run", &[rig.slow_program(), "--no-output"]).success();
         page.wait_for("live", |live| live["joints_rad"][0].as_f64() > Some(1.04));
-        // Where the arm is stretched, no frame leads back to its joints.
+        // For the outstretched arm, no frame leads back to its joint positions.
         for (joint, step_deg) in [(2, 30), (4, -45), (6, 40)] {
             page.order("jog", json!({ "joint": joint, "step_deg": step_deg })).unwrap();
         }
@@ -39,7 +39,7 @@ fn positions_become_a_program() {
             })
         };
         let all = names(&mut page, &["P1", "<b>there</b>", "too much"]);
-        // No two have the same name, and none has none.
+        // Names are unique and not empty.
         for (order, name) in
             [("save_position", "P1"), ("rename_position", "P1"), ("rename_position", " ")]
         {
@@ -72,12 +72,12 @@ fn positions_become_a_program() {
         let plan = page.wait_for("plan", |plan| plan["name"] == "positions");
         assert_eq!(plan["motions"], 1);
         let text = String::from_utf8(address.file("files/program.json")).unwrap();
-        // Targets are called as the positions are.
+        // Targets have the names of the positions.
         let made: Value = serde_json::from_str(&text).unwrap();
         assert_eq!(made["motions"][0]["frame"], "<b>there</b>", "{text}");
         let frame = &made["frames"]["<b>there</b>"];
         assert!(frame["status"].is_number() && frame["e1_rad"].is_number(), "{text}");
-        // `iiwasim plan` takes it.
+        // `iiwasim plan` accepts the program.
         fs::write(rig.path("made.json"), text).unwrap();
         assert_eq!(
             rig.start(&["plan", "made.json", "-o", "made.mcap"]).end().status.code(),
@@ -89,7 +89,7 @@ fn positions_become_a_program() {
         twin.signal("INT");
         twin.end().code(0);
 
-        // The next twin has them, in their order.
+        // The next twin has the positions in the same order.
         let (twin, address) = start(&rig, &[]);
         names(&mut address.page(), &["home", "<b>there</b>"]);
         twin.signal("INT");
@@ -106,7 +106,7 @@ fn positions_become_a_program() {
             let ended = rig.begin("twin", &["--port", "0"]).end().code(2);
             assert!(ended.stderr.contains(why), "{}", ended.stderr);
         }
-        // What cannot be written is not there either.
+        // A change that cannot be written does not take effect.
         fs::write(rig.path("positions.json"), &kept).unwrap();
         let (_twin, address) = start(&rig, &[]);
         let mut page = address.page();
@@ -136,8 +136,8 @@ fn a_simulated_robot_is_turned_joint_by_joint() {
         };
         page.wait_for("live", |live| turned(live, 0, -2.5) && turned(live, 2, 5.0));
         for (joint, step_deg, why) in [
-            (0, 1.0, "no joint 0"),
-            (8, 1.0, "no joint 8"),
+            (0, 1.0, "unknown joint 0"),
+            (8, 1.0, "unknown joint 8"),
             (1, 46.0, "45 deg at most"),
             (6, 45.0, ""),
             (6, 45.0, ""),
@@ -149,7 +149,7 @@ fn a_simulated_robot_is_turned_joint_by_joint() {
                 Err(found) => assert!(!why.is_empty() && found.contains(why), "{found}"),
             }
         }
-        // While a program runs, no joint is turned.
+        // Jogging is rejected while a program runs.
         let plan = load(&address, &mut page, &program(TO_60));
         page.order("send", json!({ "plan": plan["id"], "move_to_start": true })).unwrap();
         let why = page.order("jog", json!({ "joint": 1, "step_deg": 1 })).unwrap_err();

@@ -1,4 +1,5 @@
-//! Commands before a cabinet that does not know what the simulated one knows, and the check of the connection to it.
+//! Commands with a cabinet that has fewer capabilities than the simulated one, and the check of the
+//! connection to it.
 
 use std::{
     net::TcpListener,
@@ -19,7 +20,7 @@ use serde_json::Value;
 
 use crate::link::rig::{LONG, Rig, wait_for};
 
-/// A cabinet whose robot program knows no times and no temperatures.
+/// Returns a cabinet whose robot program reports neither times nor temperatures.
 fn untimed_rig() -> Rig {
     let mut rig = Rig::parts();
     rig.start_cabinet(&["--without-times"]);
@@ -33,7 +34,7 @@ fn runs_are_timed_by_commanded_positions() {
     in_real_time(|| {
         let rig = untimed_rig();
         let program = rig.slow_program();
-        // 3.289 s with 0.050 s to settle.
+        // 3.289 s including a settle time of 0.050 s.
         let stated = "3\\.2[34][0-9] s from the first to the last change of the commanded positions, in \
                       cycles of 5 ms; the plan has 3.239 s there, without 0.050 s of standing before and after";
         rig.iiwasim("run", &[program])

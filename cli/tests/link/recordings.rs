@@ -1,4 +1,4 @@
-//! Runs whose recordings could not be written are refused before the robot moves.
+//! Runs whose recordings could not be written are rejected before the robot moves.
 
 use std::fs;
 
@@ -7,7 +7,7 @@ use tempfile::tempdir;
 
 use crate::run::{files, iiwasim};
 
-/// No drive answers there.
+/// Address without a drive.
 const NOBODY: &str = "127.0.0.1:1";
 
 const NO_DRIVE: &str = "no drive answers";
@@ -39,14 +39,14 @@ fn a_run_without_a_recording_is_refused_before_the_drive_is_asked() {
     let refusals: [(&[&str], i32, &str); 4] = [
         (&["--epoch", "2037-12-31T23:59:59Z", "weeks.json"], 1, "past the year 2038"),
         (&["-o", "kept.mcap", "short.json"], 2, "kept.mcap exists"),
-        (&["-o", "none/a.mcap", "short.json"], 1, "there is no folder none"),
+        (&["-o", "none/a.mcap", "short.json"], 1, "no such folder: none"),
         (&["-o", "folder", "--overwrite", "short.json"], 1, "cannot write"),
     ];
     for (options, code, why) in refusals {
         run(options).code(code).stderr(contains(why).and(contains(NO_DRIVE).not()));
     }
     assert_eq!(fs::read(folder.path().join("kept.mcap")).unwrap(), b"before");
-    // The same programs are not refused where they can be recorded, or are not.
+    // The same programs are accepted if they can be recorded, or are not recorded.
     run(&["weeks.json"]).code(1).stderr(contains(NO_DRIVE));
     run(&["-o", "kept.mcap", "--overwrite", "short.json"]).code(1).stderr(contains(NO_DRIVE));
 }

@@ -1,5 +1,4 @@
-//! A cabinet and a drive as processes, on free ports of the loopback interface, and commands that
-//! speak to them.
+//! Cabinet and drive as processes, on free ports of the loopback interface, and client commands.
 
 use std::{
     env,
@@ -17,10 +16,10 @@ use iiwasim_tests::ports::free_address;
 use serde_json::Value;
 use tempfile::{TempDir, tempdir};
 
-/// How long anything may take.
+/// Time limit for any operation.
 pub(crate) const LONG: Duration = Duration::from_mins(1);
 
-/// A process that ends with this value, with files for what it prints.
+/// Process that ends when this value is dropped, with files for its output.
 pub(crate) struct Process {
     child: Child,
     name: String,
@@ -28,7 +27,7 @@ pub(crate) struct Process {
     stderr: PathBuf,
 }
 
-/// How a process ended, and what it printed.
+/// Result and output of a process.
 pub(crate) struct Ended {
     pub(crate) status: ExitStatus,
     pub(crate) stdout: String,
@@ -51,20 +50,20 @@ impl Process {
         Self { child, name, stdout, stderr }
     }
 
-    /// Sends a signal, as `INT` or `KILL`.
+    /// Sends a signal, such as `INT` or `KILL`.
     pub(crate) fn signal(&self, signal: &str) {
         let id = self.child.id().to_string();
         assert!(Command::new("kill").args(["-s", signal, &id]).status().unwrap().success());
     }
 
-    /// The most memory that it has had, in MB; none where the system does not tell.
+    /// Returns the peak memory of the process, in MB; `None` if the system does not report it.
     fn memory_mb(&self) -> Option<u64> {
         let status = fs::read_to_string(format!("/proc/{}/status", self.child.id())).ok()?;
         let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;
         Some(line.trim().strip_suffix(" kB")?.parse::<u64>().ok()? / 1000)
     }
 
-    /// Checks that it has never had more memory, ends it with an interrupt, and checks its exit code.
+    /// Checks the peak memory, ends the process with an interrupt, and checks its exit code.
     pub(crate) fn interrupt_below(self, memory_mb: u64) {
         let found = self.memory_mb();
         assert!(found.is_none_or(|found| found < memory_mb), "{found:?} MB");
@@ -76,7 +75,7 @@ impl Process {
         self.child.try_wait().unwrap().is_some()
     }
 
-    /// Waits for its end.
+    /// Waits for the end of the process.
     pub(crate) fn end(mut self) -> Ended {
         wait_for(&format!("end of {}", self.name), || self.has_ended());
         let status = self.child.wait().unwrap();
@@ -94,7 +93,7 @@ impl Process {
 
 impl Drop for Process {
     fn drop(&mut self) {
-        // It may have ended.
+        // The process may have ended.
         let _ = self.child.kill();
         let _ = self.child.wait();
         if thread::panicking() {
@@ -105,7 +104,7 @@ impl Drop for Process {
 }
 
 impl Ended {
-    /// Fails unless it exited with this code.
+    /// Fails unless the process exited with this code.
     pub(crate) fn code(self, code: i32) -> Self {
         let Self { status, stdout, stderr } = &self;
         assert_eq!(status.code(), Some(code), "{stdout}{stderr}");
@@ -113,7 +112,7 @@ impl Ended {
     }
 }
 
-/// Both sides, each of which may be away, and a folder for files.
+/// Both sides, each of which may be missing, and a folder for files.
 pub(crate) struct Rig {
     pub(crate) cabinet: Option<Process>,
     pub(crate) drive: Option<Process>,
@@ -122,7 +121,7 @@ pub(crate) struct Rig {
     pub(crate) fri: String,
     pub(crate) cabinet_instructions: String,
     pub(crate) cabinet_state: String,
-    /// Goes after the processes that print into it.
+    /// Dropped after the processes that write into it.
     folder: TempDir,
 }
 
@@ -131,7 +130,7 @@ fn port(address: &str) -> &str {
 }
 
 impl Rig {
-    /// Nothing runs yet.
+    /// Creates a rig without running processes.
     pub(crate) fn parts() -> Self {
         let folder = tempdir().unwrap();
         fs::create_dir(folder.path().join("printed")).unwrap();
@@ -147,7 +146,7 @@ impl Rig {
         }
     }
 
-    /// Both run, and the connection is good.
+    /// Starts both sides and waits for a good connection.
     pub(crate) fn new() -> Self {
         let mut rig = Self::parts();
         rig.start_cabinet(&[]);
@@ -168,12 +167,12 @@ impl Rig {
         self.drive = Some(self.start(&[&self.drive_arguments()[..], options].concat()));
     }
 
-    /// Begins a drive in a shell that was made ready for it.
+    /// Starts a drive in a prepared shell.
     pub(crate) fn begin_drive_in(&self, shell: &str) -> Process {
         self.start_in(shell, &self.drive_arguments())
     }
 
-    /// The check of the connection to the cabinet, to its end.
+    /// Runs the check of the connection to the cabinet.
     pub(crate) fn check_drive(&self, options: &[&str]) -> Ended {
         self.start(&[&self.drive_arguments()[..], &["--check"], options].concat()).end()
     }
@@ -186,7 +185,7 @@ impl Rig {
         arguments
     }
 
-    /// Until FRI is ready to command, and requests find the robot program.
+    /// Waits until FRI is ready to command, and requests reach the robot program.
     pub(crate) fn wait_until_ready(&self, keys: &[&str]) {
         wait_for("good connection", || {
             let output = self.command("status", &[&["--json"], keys].concat()).output().unwrap();
@@ -201,12 +200,12 @@ impl Rig {
         });
     }
 
-    /// The addresses of the drive that a command asks for, and the file of positions.
+    /// Returns the drive addresses that a command needs, and the file of positions.
     fn addresses(&self, command: &str) -> Vec<&str> {
         let (drive, stream) = (["--drive", &self.instructions], ["--stream", &self.stream]);
         match command {
             "record" => stream.to_vec(),
-            // Not the file of the user who runs the tests.
+            // Prevents use of the tester's own positions.
             "twin" => [drive, stream, ["--positions", "positions.json"]].concat(),
             "run" | "experiment" => [drive, stream].concat(),
             _ => drive.to_vec(),
@@ -221,42 +220,42 @@ impl Rig {
         process
     }
 
-    /// Runs a command without addresses, to its end.
+    /// Runs a command without addresses.
     pub(crate) fn iiwasim_alone(&self, arguments: &[&str]) -> Assert {
         let mut process = assert_cmd::Command::new(cargo_bin!("iiwasim"));
         process.current_dir(&self.folder).args(arguments).timeout(LONG).assert()
     }
 
-    /// Writes the addresses into a file of settings.
+    /// Writes the addresses into a settings file.
     pub(crate) fn write_settings(&self, name: &str) {
         let Self { instructions, stream, .. } = self;
         let text = format!("drive = \"{instructions}\"\nstream = \"{stream}\"\n");
         fs::write(self.path(name), text).unwrap();
     }
 
-    /// Runs a command that speaks to the drive, to its end.
+    /// Runs a client command of the drive.
     pub(crate) fn iiwasim(&self, command: &str, arguments: &[&str]) -> Assert {
         self.command(command, arguments).assert()
     }
 
-    /// What a command prints with `--json`.
+    /// Returns the output of a command with `--json`.
     pub(crate) fn json(&self, command: &str, arguments: &[&str]) -> Value {
         let assert = self.iiwasim(command, &[&["--json"], arguments].concat());
         serde_json::from_slice(&assert.success().get_output().stdout).unwrap()
     }
 
-    /// Begins a command as it is.
+    /// Starts a command with exactly these arguments.
     pub(crate) fn start(&self, arguments: &[&str]) -> Process {
         Process::start(self.folder.path(), cargo_bin!("iiwasim").as_os_str(), arguments)
     }
 
-    /// Begins a command that speaks to the drive.
+    /// Starts a client command of the drive.
     pub(crate) fn begin(&self, command: &str, arguments: &[&str]) -> Process {
         let addresses = self.addresses(command);
         self.start(&[&[command], arguments, &addresses].concat())
     }
 
-    /// The same, in a shell that was made ready for it.
+    /// Starts a client command of the drive in a prepared shell.
     pub(crate) fn begin_in(&self, shell: &str, command: &str, arguments: &[&str]) -> Process {
         let addresses = self.addresses(command);
         self.start_in(shell, &[&[command], arguments, &addresses].concat())
@@ -269,14 +268,14 @@ impl Rig {
         Process::start(self.folder.path(), OsStr::new("sh"), &all)
     }
 
-    /// Begins the example in Python; `None` where there is no Python for it.
+    /// Starts the Python example; `None` without a Python interpreter.
     pub(crate) fn example(&self, keys: &[&str]) -> Option<Process> {
         let [drive, stream] = [&self.instructions, &self.stream].map(|at| format!("tcp://{at}"));
         let addresses = ["--drive", &drive, "--stream", &stream];
         self.script("docs/client.py", &[&addresses, keys].concat())
     }
 
-    /// Begins a script of this workspace; `None` where there is no Python for it.
+    /// Starts a script of this workspace; `None` without a Python interpreter.
     pub(crate) fn script(&self, path: &str, arguments: &[&str]) -> Option<Process> {
         let Some(python) = env::var_os("IIWASIM_PYTHON") else {
             eprintln!("left out: IIWASIM_PYTHON names no Python for {path}");
@@ -287,7 +286,7 @@ impl Rig {
         Some(Process::start(self.folder.path(), &python, &all))
     }
 
-    /// A program that turns joint 1 from 0 to 60 deg, which takes 3 s.
+    /// Writes a program that turns joint 1 from 0 to 60 deg, which takes 3 s.
     pub(crate) fn slow_program(&self) -> &'static str {
         let text = r#"{
             "version": 1,
@@ -304,23 +303,23 @@ impl Rig {
         self.folder.path().join(name)
     }
 
-    /// Reads a file that a command has written.
+    /// Reads a file written by a command.
     pub(crate) fn recording(&self, name: &str) -> Recording {
         Recording::from_bytes(&fs::read(self.path(name)).unwrap()).unwrap()
     }
 
-    /// What is in a file that is being written; nothing before it is there.
+    /// Reads the samples of a file under construction; empty before it exists.
     pub(crate) fn recording_so_far(&self, name: &str) -> Vec<JointSample> {
         let bytes = fs::read(self.path(name)).unwrap_or_default();
         Recording::from_bytes(&bytes).map(|recording| recording.joint_states).unwrap_or_default()
     }
 
-    /// Where joint 1 is, in rad; NaN as long as that is unknown.
+    /// Returns the position of joint 1, in rad; NaN while unknown.
     pub(crate) fn joint_1(&self) -> f64 {
         self.json("status", &[])["joints_rad"][0].as_f64().unwrap_or(f64::NAN)
     }
 
-    /// Begins to run the slow program, and waits until the arm moves.
+    /// Starts the slow program, and waits until the arm moves.
     pub(crate) fn begin_run(&self, arguments: &[&str]) -> Process {
         let program = self.slow_program();
         let running = self.begin("run", &[&[program], arguments].concat());
@@ -329,7 +328,7 @@ impl Rig {
     }
 }
 
-/// Asks again and again.
+/// Polls until the condition holds.
 pub(crate) fn wait_for(what: &str, mut holds: impl FnMut() -> bool) {
     let since = Instant::now();
     while !holds() {

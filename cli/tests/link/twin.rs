@@ -16,7 +16,7 @@ use crate::link::{
     rig::{Process, Rig, wait_for},
 };
 
-/// A table that the slow program turns past, and a wall that is in its way when it is asked for.
+/// Table that the slow program passes, and a floor plane.
 const SCENE: &str = r#"{ "version": 1, "obstacles": [
     { "name": "table", "type": "box", "center_mm": [700, 0, -100], "size_mm": [500, 900, 100] },
     { "name": "floor", "type": "plane", "point_mm": [0, 0, -700], "normal": [0, 0, 1] }
@@ -29,7 +29,7 @@ pub(crate) fn start(rig: &Rig, options: &[&str]) -> (Process, Address) {
     (twin, address)
 }
 
-/// A program from 0 with these motions.
+/// Returns a program from the zero pose with these motions.
 pub(crate) fn program(motions: &str) -> Value {
     let text = format!(
         r#"{{ "version": 1, "start": {{ "joints_deg": [0, 0, 0, 0, 0, 0, 0] }}, "motions": [{motions}] }}"#
@@ -119,7 +119,7 @@ fn a_program_is_seen_sent_and_replayed() {
         let (twin, address) = start(&rig, &[&options[..], &["--ros-prefix", "left"]].concat());
         let mut page = address.page();
 
-        // How the robot is.
+        // State of the robot.
         let health = page.wait_for("health", |health| !health["io"][0].is_null());
         assert_eq!(health["status"]["fri"]["session"], "monitoring_ready");
         assert_eq!(health["sensors"]["joint_temperature_c"].as_array().unwrap().len(), 7);
@@ -138,20 +138,20 @@ fn a_program_is_seen_sent_and_replayed() {
             page.order("set_io", json!({ "name": "MediaFlange.UserButton", "value": true }));
         assert!(refused.unwrap_err().contains("MediaFlange.UserButton"));
 
-        // Where it is, and how near.
+        // Position and clearance.
         let live = page.wait_for("live", |live| live["joints_rad"][0].is_number());
         assert_eq!(live["nearest"]["other"], "table");
         assert!(live["behind_ms"].as_f64().unwrap() >= 0.0);
         assert!(page.count("live", Duration::from_secs(2)) > 60);
 
-        // A plan.
+        // Plan.
         let plan = load(&address, &mut page, &program(TO_60));
         assert_eq!((plan["name"].as_str(), plan["motions"].as_u64()), (Some("a_program"), Some(1)));
         assert_eq!(plan["refused"], Value::Null);
         assert!(plan["nearest"]["distance_mm"].as_f64().unwrap() > 10.0);
         let cycle_time_s = plan["cycle_time_s"].as_f64().unwrap();
 
-        // A run.
+        // Run.
         page.order("send", json!({ "plan": plan["id"], "move_to_start": false })).unwrap();
         page.wait_for("run", |run| run["phase"] == "running");
         let under_way = [
@@ -169,12 +169,12 @@ fn a_program_is_seen_sent_and_replayed() {
         let off_mm = run["sketch"]["compared"]["tcp_deviation"]["max_mm"].as_f64().unwrap();
         assert!(off_mm < 0.1, "{off_mm}");
 
-        // A page that is opened later sees the same.
+        // A page opened later shows the same.
         let mut other = address.page();
         assert_eq!(other.wait_for("run", |run| run["phase"] == "done"), run);
         other.wait_for("plan", |other| other["id"] == plan["id"]);
 
-        // What is kept.
+        // Recorded files.
         let measured = Recording::from_bytes(&address.file("files/measured.mcap")).unwrap();
         assert!((measured.joint_states.last().unwrap().q[0].to_degrees() - 60.0).abs() < 1e-3);
         let with_torques = measured.joint_states.iter().filter(|it| it.torques_nm.is_some());
@@ -193,7 +193,7 @@ fn a_program_is_seen_sent_and_replayed() {
             assert!(rig.path("kept").join(file).is_file(), "{file}");
         }
 
-        // The arm is elsewhere now.
+        // The arm is now elsewhere.
         let again = page.order("send", json!({ "plan": plan["id"], "move_to_start": false }));
         assert!(
             again.unwrap_err().contains("not at the program's start: joint A1 is at 60.000 deg")
@@ -228,7 +228,7 @@ fn nothing_can_be_sent_after_a_broken_file() {
     });
 }
 
-/// A target whose turn is not that of the joints there.
+/// Target with a turn that differs from that of its joint positions.
 const ODD: &str = r#"{ "version": 1, "start": { "joints_deg": [0, 30, 0, -60, 0, 90, 0] }, "motions": [
     { "type": "ptp", "frame": { "x_mm": 500, "y_mm": 100, "z_mm": 400, "a_deg": 0, "b_deg": 180, "c_deg": 0,
       "e1_deg": 0, "status": 2, "turn": 127 } }] }"#;
@@ -267,7 +267,7 @@ fn what_cannot_be_sent_is_not() {
             robot("lbr_iiwa_14_r820"),
             "for the robot `lbr_iiwa_14_r820`; the twin was started for `lbr_iiwa_7_r800`",
         );
-        // The error does not reveal a file's content.
+        // The error does not reveal the content of a file.
         let secret = address.load(&robot("/etc/passwd")).unwrap_err();
         assert!(
             secret.contains("for the robot `/etc/passwd`") && !secret.contains("root:"),
@@ -275,11 +275,11 @@ fn what_cannot_be_sent_is_not() {
         );
         let long = json!({ "name": "long.json", "text": " ".repeat(5 << 20) });
         not_planned(long, "longer than 4 MiB");
-        // Half of a turn at a millionth of the speed.
+        // Half a turn at a millionth of the speed.
         let slow =
             r#"{ "type": "ptp", "joints_deg": [160, 0, 0, 0, 0, 0, 0], "velocity_rel": 1e-6 }"#;
         not_planned(program(slow), "the program takes 18 days");
-        // Down on the table.
+        // Motion down to the table.
         let down = r#"{ "type": "ptp", "joints_deg": [0, 115, 0, 0, 0, 0, 0] }"#;
         let plan = load(&address, &mut page, &program(down));
         let why = plan["refused"].as_str().unwrap();
@@ -287,10 +287,10 @@ fn what_cannot_be_sent_is_not() {
         let why =
             page.order("send", json!({ "plan": plan["id"], "move_to_start": true })).unwrap_err();
         assert!(why.starts_with("the program is not sent: "), "{why}");
-        // Not what was looked at.
+        // Not the displayed plan.
         let newer = load(&address, &mut page, &program(TO_60));
         page.order("send", json!({ "plan": plan["id"], "move_to_start": false })).unwrap_err();
-        // Nonsense does not disturb.
+        // Invalid requests do no harm.
         for text in ["", "[]", "{\"id\": 1}", "\u{0}"] {
             page.say(text);
             assert!(page.refusal().contains("not a valid request"));
@@ -336,7 +336,8 @@ fn nothing_is_sent_to_another_robot() {
 fn a_way_to_the_start_that_is_too_near_is_not_taken() {
     in_real_time(|| {
         let mut rig = Rig::parts();
-        // Just above the table on one side; the program starts upright and clear of it, but for joint 1.
+        // Slightly above the table on one side; the program starts upright and clear of the table,
+        // except for joint 1.
         rig.start_cabinet(&["--start-deg", "-60,88,0,0,0,0,0"]);
         rig.start_drive(&[]);
         rig.wait_until_ready(&[]);
@@ -373,7 +374,7 @@ fn a_drive_that_goes_and_comes_back_is_found_again() {
             rig.drive.take().unwrap().signal("KILL");
             let gone = page.wait_for("health", |health| health["error"].is_string());
             assert_eq!((&gone["status"], &gone["sensors"]), (&Value::Null, &Value::Null));
-            // Before where it was is forgotten, it may be saved still.
+            // Before the last position is outdated, it can still be saved.
             thread::sleep(Duration::from_millis(1100));
             let refused = page.order("save_position", json!({ "name": "" })).unwrap_err();
             assert!(refused.contains("position of the robot is unknown"), "{refused}");
@@ -417,7 +418,7 @@ fn no_file_is_replaced() {
         let mut page = address.page();
         assert_eq!(load(&address, &mut page, &program(TO_60))["name"], "a_program-2");
         assert_eq!(fs::read(rig.path("kept/a_program.mcap")).unwrap(), b"precious");
-        // Of names that are long in bytes, too.
+        // Also for names that are long in bytes.
         let mut long = program(TO_60);
         long["name"] = json!(format!("{}.json", "\u{20000}".repeat(80)));
         load(&address, &mut page, &long);
@@ -444,7 +445,7 @@ fn folders_that_are_not_kept_go() {
         killed.signal("KILL");
         killed.end();
         assert_eq!(folders(), left);
-        // The next one removes it, and not that of one that lives.
+        // The next twin removes the leftover, but not the folder of a running one.
         let (twin, address) = start();
         let used = folders();
         assert!(used.len() == 1 && used != left);
@@ -482,7 +483,7 @@ fn what_cannot_be_followed_is_told() {
         let (twin, address) = start(&rig, &[]);
         let port = address.host.rsplit(':').next().unwrap().to_owned();
         told(&["--port", &port], 1, "cannot listen at port");
-        // Without a drive there is a page that says so.
+        // Without a drive, the page shows this error.
         let health = address.page().wait_for("health", |health| health["error"].is_string());
         assert!(health["error"].as_str().unwrap().contains("no drive answers at tcp://127.0.0.1:"));
         twin.signal("INT");

@@ -17,10 +17,10 @@ use crate::{
     output, service_log,
 };
 
-/// How often the end is checked for.
+/// Interval of the interrupt check.
 const TURN: Duration = Duration::from_millis(50);
 
-/// Bridges until an interrupt.
+/// Runs the bridge until an interrupt.
 pub(crate) fn run(options: &args::Bridge) -> Result<(), Failure> {
     let bridge = bridge_options(options)?;
     output::catch_interrupts();
@@ -68,7 +68,7 @@ fn bridge_options(options: &args::Bridge) -> Result<BridgeOptions, Failure> {
     })
 }
 
-/// What messages go to beside brokers.
+/// Returns the message sinks other than brokers.
 #[cfg_attr(
     not(any(feature = "ros2", feature = "opcua")),
     expect(
@@ -95,7 +95,7 @@ fn further(options: &args::Bridge, bridge: &BridgeOptions) -> Result<Vec<Arc<dyn
     Ok(sinks)
 }
 
-/// Where robots appear beside brokers, for people.
+/// Describes the endpoints other than brokers.
 #[cfg_attr(
     not(any(feature = "ros2", feature = "opcua")),
     expect(unused_variables, unused_mut, reason = "nothing further is built in")
@@ -156,7 +156,7 @@ fn rate(mqtt: &args::Mqtt) -> Option<f64> {
     Some(mqtt.rate).filter(|rate| *rate > 0.0)
 }
 
-/// What is bridged, for people.
+/// Describes the bridged robots and their endpoints.
 fn started(options: &args::Bridge) -> String {
     let names = options.others.iter().map(|other| other.name.as_str());
     let robots: Vec<_> = [options.name.as_str()].into_iter().chain(names).collect();

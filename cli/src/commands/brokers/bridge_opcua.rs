@@ -8,7 +8,7 @@ use iiwa_report::with_causes;
 
 use crate::{args, broker_access::credentials, connection, failure::Failure, input::find_robot};
 
-/// The server of these robots, if there is to be one; `model` is that of all.
+/// Starts the server of these robots, if requested; `model` is the model of all.
 pub(crate) fn start(
     options: &args::OpcUa,
     model: &str,

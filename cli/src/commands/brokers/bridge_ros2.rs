@@ -8,7 +8,7 @@ use iiwa_ros2::{RetimeGoals, Ros2, Ros2Error, Ros2Options, Ros2Robot, namespace_
 
 use crate::{args, connection, failure::Failure, input::find_robot};
 
-/// The nodes of these robots; `model` is that of all.
+/// Starts the nodes of these robots; `model` is the model of all.
 pub(crate) fn start(
     options: &args::Ros2,
     model: &str,

@@ -17,7 +17,7 @@ use crate::{
     output,
 };
 
-/// Prints the history, and judges it.
+/// Prints the history, and applies the gates.
 pub(crate) fn run(options: &args::History) -> Result<(), Failure> {
     let (reader, selection) = reader(&options.stored, options.name.clone())?;
     let mut messages = Vec::new();
@@ -42,7 +42,7 @@ pub(crate) fn run(options: &args::History) -> Result<(), Failure> {
     judge(&history, options.max_drift)
 }
 
-/// A reader of what is stored.
+/// Returns a reader of the stored messages.
 pub(crate) fn reader(
     stored: &args::Stored,
     robot: Option<String>,

@@ -82,7 +82,7 @@ fn cannot_write(path: &Path, error: &dyn Error) -> Failure {
     Failure::run(format!("cannot write {}", path.display()), error)
 }
 
-/// A recording that is being written.
+/// Recording under construction.
 struct Recording {
     recorder: Recorder<File>,
     first_s: f64,
@@ -114,7 +114,8 @@ impl Recording {
     fn add(&mut self, sample: &JointSample) -> Result<(), WriteError> {
         let t = Duration::try_from_secs_f64(sample.t_s - self.first_s).unwrap_or_default();
         if t <= self.last {
-            // The drive was restarted: its clock begins anew, and the recording goes on a cycle later.
+            // The drive was restarted: its clock starts again, and the recording continues one
+            // cycle later.
             const CYCLE_S: f64 = 0.005;
             self.first_s = sample.t_s - self.last.as_secs_f64() - CYCLE_S;
             return Ok(());
@@ -156,7 +157,7 @@ fn serve(options: &Replay) -> Result<(), Failure> {
 
 fn nothing(options: &Replay) -> Failure {
     let what = format!(
-        "there are no joints of `{}` in this time range; --name, --from and --until choose others",
+        "no joints of `{}` in this time range; --name, --from and --until choose others",
         options.name
     );
     Failure::Run { what, cause: None }

@@ -69,7 +69,7 @@ pub(crate) fn run(options: &args::Drive) -> Result<(), Failure> {
 
 /// Checks the connection to the cabinet.
 fn check(config: &DriveConfig, cabinet: &Remote, json: bool) -> Result<(), Failure> {
-    // A closed output ends nothing: the result is the exit code.
+    // A closed output is not an error: the result is the exit code.
     let check = LinkCheck::run(config, cabinet, |step| {
         let _ = (!json).then(|| output::print(&format!("{}\n", printable(&step.line("--")))));
     });
@@ -88,7 +88,7 @@ fn at(host: &str, port: u16) -> String {
     }
 }
 
-/// The address behind a name.
+/// Resolves a host name.
 fn address(host: &str, v4: bool) -> Result<IpAddr, Failure> {
     let found = (host, 0)
         .to_socket_addrs()

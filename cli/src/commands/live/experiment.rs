@@ -102,7 +102,7 @@ pub(crate) fn run(options: &Experiment) -> Result<(), Failure> {
             folder.run(&trial, &log, &bench.model)?;
             runs.push(TrialRun { trial, log });
             done += 1;
-            // On a robot each run has its own bar.
+            // On a robot, each run has its own bar.
             if options.simulate {
                 progress.show(done);
             }
@@ -129,7 +129,7 @@ pub(crate) fn run(options: &Experiment) -> Result<(), Failure> {
     output::print(&format!("{count} {programs} {}; report in {}\n", bench.on, report.display()))
 }
 
-/// Asks people to do something before the arm goes on.
+/// Asks for manual work, and waits for its confirmation.
 fn wait_for_enter(what: &str) -> Result<(), Failure> {
     print_note(&format!("{what}; then press Enter\n"));
     let confirmed = matches!(io::stdin().read_line(&mut String::new()), Ok(1..));

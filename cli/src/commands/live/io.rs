@@ -10,7 +10,7 @@ use crate::{
     output,
 };
 
-/// Prints all inputs and outputs, or the value of one, for `set` the new one.
+/// Prints all inputs and outputs, or the value of one; for `set` the new value.
 pub(crate) fn run(action: &IoAction) -> Result<(), Failure> {
     let value = match action {
         IoAction::List { json, drive } => return list(drive, *json),

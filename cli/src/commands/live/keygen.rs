@@ -8,9 +8,9 @@ use iiwa_json::printable;
 
 use crate::{args::Keygen, failure::Failure, output};
 
-/// Makes a pair of keys, and explains their use.
+/// Creates a pair of keys, and explains their use.
 pub(crate) fn run(options: &Keygen) -> Result<(), Failure> {
-    // No partial file stays behind.
+    // Prevents partial files.
     output::catch_interrupts();
     let folder = options.output.as_deref().unwrap_or(Path::new(""));
     let pair = KeyPair::generate().map_err(refuse)?;

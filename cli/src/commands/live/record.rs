@@ -22,10 +22,10 @@ use crate::{
     progress::Progress,
 };
 
-/// How long to wait for the stream before the file is flushed.
+/// Timeout of the stream before the file is flushed.
 const POLL: Duration = Duration::from_millis(200);
 
-/// How long to wait for the first sample before a note is printed.
+/// Wait for the first sample before a note is printed.
 const NOTE_AFTER: Duration = Duration::from_secs(3);
 
 /// Records until an interrupt.
@@ -41,7 +41,7 @@ pub(crate) fn run(options: &Record) -> Result<(), Failure> {
     let refuse =
         |error: WriteError| Failure::run(format!("cannot write {}", path.display()), &error);
     output::keep_existing("recording", path, options.overwrite)?;
-    // The file begins with the first sample: until then, one that it replaces is kept.
+    // The file is created with the first sample: until then, a file to be overwritten is kept.
     let mut recorder: Option<Recorder<File>> = None;
 
     let since = Instant::now();
@@ -84,7 +84,8 @@ pub(crate) fn run(options: &Record) -> Result<(), Failure> {
             Some(Published::Joints { t_s, joints_rad }) => {
                 let from_s = *first_s.get_or_insert(t_s);
                 let t = Duration::try_from_secs_f64(t_s - from_s).unwrap_or_default();
-                // A restarted drive counts from 0; the recording then continues at the current time.
+                // A restarted drive counts from 0; the recording then continues at the current
+                // time.
                 if samples > 0 && t <= last {
                     let now = since.elapsed().max(last + Duration::from_millis(1));
                     first_s = Some(t_s - now.as_secs_f64());
@@ -96,7 +97,7 @@ pub(crate) fn run(options: &Record) -> Result<(), Failure> {
                 let recorder = if let Some(recorder) = &mut recorder {
                     recorder
                 } else {
-                    // Another program may have made the file meanwhile.
+                    // Another program may have created the file meanwhile.
                     let begun = Recorder::create(path, options.overwrite, &robot, config(options));
                     recorder.insert(begun.map_err(refuse)?)
                 };
@@ -142,14 +143,14 @@ fn nothing_came(options: &Record) -> Failure {
     Failure::Run { what, cause: None }
 }
 
-/// With the time of the start.
+/// Returns the recorder options with the start time.
 fn config(options: &Record) -> RecorderConfig {
     let epoch = options.epoch.unwrap_or_else(now);
     let file = Config { epoch, names: options.ros.names(), ..Config::default() };
     RecorderConfig { file, ..RecorderConfig::default() }
 }
 
-/// A message with the stamp of the one before it is left out.
+/// Ignores a message that repeats the stamp of the previous one.
 fn told(written: Result<(), WriteError>) -> Result<(), WriteError> {
     written.or_else(|error| match error {
         WriteError::NotIncreasing { .. } => Ok(()),

@@ -31,7 +31,7 @@ use crate::{
 /// Runs a program on the robot.
 pub(crate) fn run(options: &Run) -> Result<(), Failure> {
     let mut input = input::program(&options.program, options.robot.as_deref())?;
-    // What is commanded point by point keeps strict limits of jerk.
+    // Set-points sent by the drive must keep strict jerk limits.
     let timing = if options.as_trajectory { Timing::jerk_limited() } else { Timing::default() };
     input.request.options = PlanOptions::with_timing(timing);
     let target = target(options)?;
@@ -49,7 +49,7 @@ pub(crate) fn run(options: &Run) -> Result<(), Failure> {
     }
     print_note(&warning_lines(&plan.warnings(&figures), None));
 
-    // What would lose the recording is refused before the arm moves.
+    // Anything that would lose the recording is reported before the arm moves.
     let output = target.as_deref().map(Output::new).transpose()?;
     let file = |epoch| Config { epoch, names: options.ros.names(), ..Config::default() };
     if output.is_some() {
@@ -89,7 +89,7 @@ pub(crate) fn run(options: &Run) -> Result<(), Failure> {
             let what = format!("the robot did not {verb} the program");
             (run, Some(connection::failed(&what, &failed)))
         }
-        // The samples of the stream are all there is.
+        // The samples of the stream are the only ones.
         Err(error) => {
             // A motion continues without the drive.
             let failure =
@@ -117,7 +117,7 @@ pub(crate) fn run(options: &Run) -> Result<(), Failure> {
     failure.map_or(Ok(()), Err)
 }
 
-/// The file of the recording, if one is written. Its name is that of no other file, unless it was given.
+/// Returns the file of the recording, if one is written. A default name never overwrites a file.
 fn target(options: &Run) -> Result<Option<PathBuf>, Failure> {
     if options.no_output {
         return Ok(None);
@@ -132,7 +132,7 @@ fn target(options: &Run) -> Result<Option<PathBuf>, Failure> {
     Ok(names.map(PathBuf::from).find(|path| !path.exists()))
 }
 
-/// The program's name, without folder and extension.
+/// Returns the name of the program, without folder and extension.
 fn stem(options: &Run) -> String {
     match options.program.file_stem() {
         Some(stem) if options.program != FilePath::new("-") => stem.to_string_lossy().into_owned(),
@@ -140,7 +140,7 @@ fn stem(options: &Run) -> String {
     }
 }
 
-/// Refuses a program that comes nearer to the scene of the options than it may.
+/// Rejects a program with a clearance below the limit of the options.
 fn check_clearance(options: &Run, figures: &PlanFigures) -> Result<(), Failure> {
     let gates = PlanGates { min_clearance_mm: Some(options.min_clearance), ..PlanGates::default() };
     match gates.judge(figures).complaint() {

@@ -15,7 +15,7 @@ use crate::{
     twin_failure::WORDING,
 };
 
-/// A server for Foxglove and Lichtblick.
+/// Starts a server for Foxglove and Lichtblick.
 fn viewers_at(robot: &Robot, names: &RosNames, at: SocketAddr) -> Result<Viewers, Failure> {
     Viewers::listen(robot, names, at).map_err(|error| match error.cause.downcast_ref() {
         Some(cause) => connection::not_listening(&error, cause, "--foxglove=IP:PORT"),

@@ -1,12 +1,12 @@
-//! The `--json` object of a plan.
+//! JSON output of a plan.
 
 use iiwa_plan::PlanFigures;
 use serde::Serialize;
 
-/// The figures, and the path of the file.
+/// Figures, and the path of the file.
 #[derive(Serialize)]
 pub(super) struct PlanAnswer<'a> {
-    /// The program, if there are several.
+    /// Program, if there are several.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) program: Option<&'a str>,
     #[serde(flatten)]

@@ -1,4 +1,4 @@
-//! Many programs, one a thread.
+//! Planning of many programs, one per thread.
 
 use std::{
     collections::BTreeMap,
@@ -29,7 +29,7 @@ use crate::{
     progress::Progress,
 };
 
-/// Plans all programs that are given, and those in the folders that are.
+/// Plans all given programs, and those in the given folders.
 pub(super) fn run(options: &Plan, given: &[PathBuf]) -> Result<(), Failure> {
     if options.picture.is_some() {
         return Err(Failure::input("--picture draws one program; plan that one alone"));
@@ -42,7 +42,7 @@ pub(super) fn run(options: &Plan, given: &[PathBuf]) -> Result<(), Failure> {
     }
     let jobs = programs::jobs(options, given)?;
     if let Some(robot) = &options.robot {
-        // An invalid robot is reported once, not for each program.
+        // Reports an invalid robot once, not for each program.
         input::find_robot(robot)?;
     }
     let scene = scene(options)?;
@@ -50,7 +50,7 @@ pub(super) fn run(options: &Plan, given: &[PathBuf]) -> Result<(), Failure> {
         make_folder(folder)?;
     }
     output::catch_interrupts();
-    // 0 stands for one a core.
+    // 0 selects one thread per core.
     let threads = options.jobs.map_or(0, |threads| usize::from(threads).min(jobs.len()));
     let pool = ThreadPoolBuilder::new()
         .num_threads(threads)
@@ -58,7 +58,7 @@ pub(super) fn run(options: &Plan, given: &[PathBuf]) -> Result<(), Failure> {
         .map_err(|error| Failure::run("cannot start the threads", &error))?;
 
     let printer = Mutex::new(OutcomePrinter::new(jobs.len()));
-    // Started in order, so that few outcomes have to wait for an earlier one.
+    // Started in order, so that few outcomes wait for an earlier one.
     let work = jobs.iter().enumerate().par_bridge();
     let result = pool.install(|| {
         work.try_for_each(|(index, job)| {
@@ -76,7 +76,7 @@ pub(super) fn run(options: &Plan, given: &[PathBuf]) -> Result<(), Failure> {
     report(options, &summary)
 }
 
-/// Makes the folder for the trajectories, unless it exists.
+/// Creates the folder for the trajectories, unless it exists.
 fn make_folder(folder: &Path) -> Result<(), Failure> {
     if folder.exists() && !folder.is_dir() {
         return Err(Failure::input(format!(
@@ -109,16 +109,16 @@ fn plan(
     planned.unwrap_or_else(|failure| ProgramOutcome::failed(options, name, failure))
 }
 
-/// The result of a program; only `line` grows with its length.
+/// Result of a program; only `line` grows with the length of the program.
 struct ProgramOutcome {
-    /// For standard output.
+    /// Line for standard output.
     line: Option<String>,
-    /// For standard error.
+    /// Line for standard error.
     complaint: Option<String>,
     row: SummaryRow,
 }
 
-/// The JSON line of a program that was not planned.
+/// JSON line of a program that was not planned.
 #[derive(Serialize)]
 struct Refusal<'a> {
     program: &'a str,
@@ -169,7 +169,7 @@ impl ProgramOutcome {
 struct OutcomePrinter {
     progress: Progress,
     summary: Summary,
-    /// Outcomes of programs after one that is not done yet.
+    /// Outcomes of programs after an unfinished one.
     waiting: BTreeMap<usize, ProgramOutcome>,
 }
 
@@ -182,7 +182,8 @@ impl OutcomePrinter {
         }
     }
 
-    /// Adds the outcome of the program at `index`, and prints all whose predecessors are done.
+    /// Adds the outcome of the program at `index`, and prints all outcomes whose predecessors are
+    /// finished.
     fn add(&mut self, index: usize, outcome: ProgramOutcome) -> Result<(), Failure> {
         self.waiting.insert(index, outcome);
         while let Some(outcome) = self.waiting.remove(&self.summary.programs()) {
@@ -200,7 +201,7 @@ impl OutcomePrinter {
     }
 }
 
-/// Prints the table; fails if programs failed or gates were not met.
+/// Prints the table; fails if programs failed or gates are violated.
 fn report(options: &Plan, summary: &Summary) -> Result<(), Failure> {
     if !options.json {
         let mut text = summary.text();

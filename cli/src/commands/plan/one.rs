@@ -1,4 +1,4 @@
-//! One program.
+//! Planning of one program.
 
 use std::{
     fmt::Write as _,
@@ -58,7 +58,7 @@ pub(super) fn run(options: &Plan, program: &Path) -> Result<(), Failure> {
     }
 }
 
-/// The program of a Sunrise application.
+/// Imports the program of a Sunrise application.
 #[cfg(feature = "sunrise")]
 fn application(options: &Plan, project: &Path) -> Result<Input, Failure> {
     crate::sunrise::program(project, &options.answering, options.robot.as_deref())
@@ -69,7 +69,7 @@ fn application(_: &Plan, _: &Path) -> Result<Input, Failure> {
     Err(features::SUNRISE.missing("the application of a Sunrise project"))
 }
 
-/// Path of the MCAP file, if one is written.
+/// Returns the path of the MCAP file, if one is written.
 fn output_path(options: &Plan, program: &Path) -> Option<PathBuf> {
     if options.no_output {
         return None;
@@ -77,7 +77,7 @@ fn output_path(options: &Plan, program: &Path) -> Option<PathBuf> {
     Some(options.output.clone().unwrap_or_else(|| file_name(program)))
 }
 
-/// Refuses outputs that would replace an input or each other.
+/// Rejects outputs that would overwrite an input or each other.
 fn distinct(options: &Plan, program: &Path, target: Option<&Path>) -> Result<(), Failure> {
     let robot = options.robot.as_deref().map(|path| ("robot", Path::new(path)));
     let scene = options.scene.as_deref().map(|path| ("scene", path));

@@ -1,4 +1,4 @@
-//! The programs to plan, and the files of their trajectories.
+//! Programs to plan, and the files of their trajectories.
 
 use std::{
     collections::HashMap,
@@ -11,14 +11,14 @@ use crate::{args::Plan, failure::Failure, file_kind::JsonKind};
 
 use super::target::{file_name, is_stdin};
 
-/// A program, and the file of its trajectory, if one is written.
+/// Program, and the file of its trajectory, if one is written.
 pub(super) struct Job {
     pub(super) program: PathBuf,
     pub(super) target: Option<PathBuf>,
 }
 
-/// All given programs, in order, with folders as the programs in them. No two are the same, or write to the same
-/// file, and none writes to an input.
+/// Returns all given programs in order, with folders expanded to their programs. Rejects
+/// duplicates, programs with the same output file, and outputs that overwrite an input.
 pub(super) fn jobs(options: &Plan, given: &[PathBuf]) -> Result<Vec<Job>, Failure> {
     let mut programs = Vec::new();
     for path in given {
@@ -43,9 +43,9 @@ pub(super) fn jobs(options: &Plan, given: &[PathBuf]) -> Result<Vec<Job>, Failur
     Ok(jobs)
 }
 
-/// The programs directly in a folder, sorted by name: its files `*.json`, as a shell lists them, but
-/// for robot profiles and files that are included, which belong beside the programs that name them, and for
-/// scenes.
+/// Lists the programs directly in a folder, sorted by name: its files `*.json`, as a shell lists
+/// them, except robot profiles and included files, which are beside the programs that name them,
+/// and scenes.
 fn programs_in(folder: &Path) -> Result<Vec<PathBuf>, Failure> {
     let refuse = |error: io::Error| {
         Failure::input(format!("cannot read the folder {}: {error}", folder.display()))
@@ -78,13 +78,13 @@ fn programs_in(folder: &Path) -> Result<Vec<PathBuf>, Failure> {
     Ok(names.into_iter().map(|name| folder.join(name)).collect())
 }
 
-/// Whether it is a robot profile, a scene or a file to include.
+/// Returns true for a robot profile, a scene or a file to include.
 fn is_other(path: &Path) -> bool {
     fs::read_to_string(path)
         .is_ok_and(|text| JsonKind::of(&text).is_some_and(|kind| kind != JsonKind::Program))
 }
 
-/// Refuses a program that is given twice.
+/// Rejects duplicate programs.
 fn each_once(programs: &[PathBuf]) -> Result<(), Failure> {
     let mut seen = HashMap::new();
     for program in programs {
@@ -98,7 +98,8 @@ fn each_once(programs: &[PathBuf]) -> Result<(), Failure> {
     Ok(())
 }
 
-/// The path with its folder resolved, so that equal files compare equal. A symbolic link is a file of its own.
+/// Resolves the folder of a path, so that equal files compare equal. A symbolic link to a file is
+/// not resolved, and counts as a separate file.
 fn place(path: &Path) -> PathBuf {
     let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
     match (folder.unwrap_or(Path::new(".")).canonicalize(), path.file_name()) {
@@ -107,7 +108,7 @@ fn place(path: &Path) -> PathBuf {
     }
 }
 
-/// Refuses outputs that would replace an input or each other.
+/// Rejects outputs that would overwrite an input or each other.
 fn distinct<'a>(jobs: &'a [Job], others: impl Iterator<Item = &'a Path>) -> Result<(), Failure> {
     let programs = jobs.iter().map(|job| job.program.as_path());
     let read: HashMap<_, _> =
@@ -115,7 +116,7 @@ fn distinct<'a>(jobs: &'a [Job], others: impl Iterator<Item = &'a Path>) -> Resu
     let mut written = HashMap::new();
     for Job { program, target } in jobs {
         let Some(target) = target else { continue };
-        // A link is written through.
+        // Writing to a link replaces its target.
         let file = target.canonicalize().unwrap_or_else(|_| target.clone());
         if let Some(read) = read.get(&file) {
             return Err(Failure::input(format!(

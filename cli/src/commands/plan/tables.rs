@@ -1,4 +1,4 @@
-//! The tables of a plan.
+//! Tables of a plan.
 
 use std::{
     io::{self, BufWriter},
@@ -11,10 +11,10 @@ use iiwa_traj::Section;
 
 use crate::{args::Plan, failure::Failure, output, replaceable::Replaceable};
 
-/// The tables under construction that the options name.
+/// Tables under construction that the options request.
 pub(super) struct Tables(Vec<(Output, PlanTable<BufWriter<Stream>>)>);
 
-/// How a table begins.
+/// Function that begins a table.
 type Begin = fn(BufWriter<Stream>, f64) -> io::Result<PlanTable<BufWriter<Stream>>>;
 
 impl Tables {
@@ -45,7 +45,7 @@ impl Tables {
         })
     }
 
-    /// The files, which are whole.
+    /// Completes the tables and returns their files.
     pub(super) fn finish(self) -> Result<Vec<Output>, Failure> {
         let finish = |(output, table): (Output, PlanTable<BufWriter<Stream>>)| {
             let stream = table.finish().map_err(|error| output.failure(error))?;

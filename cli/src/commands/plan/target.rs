@@ -2,12 +2,12 @@
 
 use std::path::{Path, PathBuf};
 
-/// Whether a program is read from standard input.
+/// Returns true if the program is read from standard input.
 pub(super) fn is_stdin(program: &Path) -> bool {
     program == Path::new("-")
 }
 
-/// Name of a program's MCAP file.
+/// Returns the name of a program's MCAP file.
 pub(super) fn file_name(program: &Path) -> PathBuf {
     let stem = match program.file_stem() {
         Some(stem) if !is_stdin(program) => stem.to_owned(),

@@ -1,4 +1,4 @@
-//! Planning one program, with its file and its picture.
+//! Planning of one program, with its file and its picture.
 
 use std::path::Path;
 
@@ -22,7 +22,7 @@ use crate::{
 
 use super::tables::Tables;
 
-/// The scene of the options, if any.
+/// Reads the scene of the options, if any.
 pub(super) fn scene(options: &Plan) -> Result<Option<Scene>, Failure> {
     if options.arm.urdf.is_some() && options.scene.is_none() {
         return Err(Failure::input("--urdf is what clearances are taken of: it needs a --scene"));
@@ -30,14 +30,14 @@ pub(super) fn scene(options: &Plan) -> Result<Option<Scene>, Failure> {
     options.scene.as_deref().map(input::scene).transpose()
 }
 
-/// The figures of a plan, and warnings about the program.
+/// Figures of a plan, and warnings about the program.
 pub(super) struct PlanOutcome {
     pub(super) figures: PlanFigures,
     pub(super) warnings: Vec<String>,
 }
 
-/// Plans a program and writes its trajectory to `target`, which appears when it is complete. `progress` is called
-/// with the share that is done.
+/// Plans a program and writes its trajectory to `target`, which appears when it is complete.
+/// `progress` is called with the completed share.
 pub(super) fn write(
     options: &Plan,
     scene: Option<&Scene>,
@@ -54,7 +54,7 @@ pub(super) fn write(
     let robot = planning.robot().clone();
     let picture = options.picture.as_ref();
     let mut picture = picture.map(|_| PlanPicture::new(&robot).with_frames(&input.source.program));
-    // The memory of the program is not needed any more.
+    // Frees the memory of the program.
     let Input { name, source: ProgramSource { text, .. }, .. } = input;
     let refuse = |error| Failure::program(&error, &name, text.as_read());
     let mut size = PlanSize::new(options.rate);
@@ -119,7 +119,7 @@ pub(super) fn write(
     Ok(PlanOutcome { figures, warnings })
 }
 
-/// The gates that the options set.
+/// Returns the gates that the options set.
 pub(super) fn gates(options: &Plan) -> PlanGates {
     PlanGates {
         max_cycle_time_s: options.max_cycle_time,
@@ -139,8 +139,8 @@ fn plan_options(options: &Plan) -> PlanOptions {
     }
 }
 
-/// The failure of a program whose file would be too large, with the size of the whole file: `size` is that of the sections
-/// before those of `planning`.
+/// Returns the failure for a program whose file would be too large, with the size of the whole
+/// file: `size` is that of the sections before `planning`.
 fn too_large(options: &Plan, planning: Planning, mut size: PlanSize) -> Failure {
     let planned = planning.take_while(|_| !interrupt::has_come());
     planned.flatten().for_each(|section| size.add(&section));

@@ -52,14 +52,14 @@ pub(crate) fn run(options: &Export) -> Result<(), Failure> {
         print_note(&format!("Note: {}\n", printable(notice)));
     }
     output::print(&format!(
-        "{}: the application {}\n{}: its frames and tools\nThe arm has to stand at {start_deg} deg before.\n",
+        "{}: the application {}\n{}: its frames and tools\nThe arm must be at {start_deg} deg before the application runs.\n",
         folder.join(&java).display(),
         project.class,
         folder.join(data_file).display()
     ))
 }
 
-/// What was written.
+/// Written files.
 #[derive(Serialize)]
 struct Exported<'a> {
     class: &'a str,
@@ -68,13 +68,14 @@ struct Exported<'a> {
     notices: &'a [String],
 }
 
-/// Refuses a folder that has something in it, which may have been edited by hand, unless `overwrite` says otherwise.
+/// Rejects a folder that is not empty, since its files may have been edited by hand, unless
+/// `overwrite` is set.
 fn keep_existing(folder: &Path, overwrite: bool) -> Result<(), Failure> {
     let is_empty = fs::read_dir(folder).is_ok_and(|mut entries| entries.next().is_none());
     output::keep_existing("project", folder, overwrite || is_empty)
 }
 
-/// A program that cannot be exported, with the place of the fault.
+/// Converts an export error to a failure, with the place of the fault.
 fn refused(error: &ExportError, input: &Input) -> Failure {
     let (name, text) = (&input.name, input.source.text.as_read());
     let motion = |motion: &MotionIndex| vec![Step::Key("motions"), Step::Index(motion.index())];
@@ -91,7 +92,7 @@ fn refused(error: &ExportError, input: &Input) -> Failure {
     Failure::in_text(&error.to_string(), &place, name, text)
 }
 
-/// The option that mends it.
+/// Returns the option that resolves the error.
 fn hint(error: &ExportError) -> &'static str {
     match error {
         ExportError::ClassName { .. } => "; give another one with --name",

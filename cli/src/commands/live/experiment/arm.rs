@@ -1,4 +1,4 @@
-//! The arm that runs the programs of an experiment.
+//! Arm that runs the programs of an experiment.
 
 use iiwa_eval::experiment::Trial;
 use iiwa_kin::Robot;
@@ -19,7 +19,7 @@ use crate::{
     runner::{execute_with_progress, go_to_start},
 };
 
-/// A virtual robot, or one behind a drive.
+/// Virtual robot, or a robot behind a drive.
 pub(crate) enum Arm {
     Virtual(Box<VirtualArm>),
     Real {

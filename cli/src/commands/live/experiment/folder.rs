@@ -1,4 +1,4 @@
-//! The output folder of an experiment.
+//! Output folder of an experiment.
 
 use std::{
     cell::Cell,
@@ -15,21 +15,21 @@ use iiwa_twin::runs::{began, longest_log, now};
 
 use crate::{args::Experiment, failure::Failure, output, runner};
 
-/// A folder for programs, recordings and figures. Each file in it appears whole or not at all.
+/// Folder for programs, recordings and figures. Each file is written atomically.
 pub(crate) struct Folder {
     path: PathBuf,
     recordings: bool,
-    /// Whether a robot was measured, and no virtual one.
+    /// `true` for measurements on a robot, `false` for a virtual one.
     of_robot: bool,
-    /// Start of all recordings' times, since 1970.
+    /// Start of the time of all recordings, since 1970.
     epoch: Option<Duration>,
-    /// What was written so far.
+    /// Number of bytes written so far.
     bytes: Cell<u64>,
 }
 
 impl Folder {
-    /// The folder that the options name, made with its first file. That of a robot has to be empty or missing: its
-    /// recordings cannot be made again.
+    /// Returns the folder of the options, which is created with its first file. The folder for a
+    /// robot must be empty or missing, since its recordings cannot be repeated.
     pub(crate) fn new(path: &Path, options: &Experiment) -> Result<Self, Failure> {
         let of_robot = options.drive.is_some();
         let full = fs::read_dir(path).is_ok_and(|mut entries| entries.next().is_some());
@@ -78,7 +78,7 @@ impl Folder {
         write(&self.path.join(name), content)
     }
 
-    /// How large it has become, in words; none without recordings, which is small.
+    /// Describes the size of the folder; `None` without recordings, since it is then small.
     pub(crate) fn size(&self) -> Option<String> {
         let size = ByteSize::b(self.bytes.get()).display().si();
         let path = self.path.display();
@@ -86,7 +86,7 @@ impl Folder {
     }
 }
 
-/// Writes a file, in a folder that is made if there is none.
+/// Writes a file, and creates its folder if it is missing.
 pub(crate) fn write(path: &Path, content: &[u8]) -> Result<(), Failure> {
     if let Some(folder) = path.parent() {
         fs::create_dir_all(folder)

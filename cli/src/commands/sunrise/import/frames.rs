@@ -1,4 +1,4 @@
-//! Frames and tools for programs to include.
+//! Import of frames and tools for inclusion in programs.
 
 use std::{
     fs, io,
@@ -15,16 +15,16 @@ use crate::{
     output,
 };
 
-/// The file of a project that has its frames and tools.
+/// File of a project with its frames and tools.
 const DATA_FILE: &str = "RoboticsAPI.data.xml";
 
-/// Where frames go unless it is said.
+/// Default output file.
 const FRAMES_FILE: &str = "frames.json";
 
-/// Folders of a project that are looked into, one in another.
+/// Maximum depth of the searched folders.
 const DEPTH: usize = 2;
 
-/// Writes the frames and tools of a project as a file that programs include, and says what became of them.
+/// Writes the frames and tools of a project as a file for inclusion, and reports the result.
 pub(super) fn run(options: &Import) -> Result<(), Failure> {
     let project = if options.project.is_dir() {
         data_file(&options.project)?
@@ -60,8 +60,8 @@ pub(super) fn run(options: &Import) -> Result<(), Failure> {
     if options.json { output::print_json(&report) } else { output::print(&report.text()) }
 }
 
-/// The data file of the project in a folder, or in a folder of it: that which is nearest, that of the sources before
-/// copies of it.
+/// Finds the data file of the project in a folder, or below it: the nearest one; that of the
+/// sources has priority over copies.
 fn data_file(folder: &Path) -> Result<PathBuf, Failure> {
     let refuse = |error: io::Error| {
         Failure::input(format!("cannot read the folder {}: {error}", folder.display()))
@@ -93,7 +93,7 @@ fn data_file(folder: &Path) -> Result<PathBuf, Failure> {
         }
         let mut below = Vec::new();
         for folder in &folders {
-            // What cannot be read further down is no project of this user.
+            // Unreadable subfolders contain no project of this user.
             let entries = match fs::read_dir(folder) {
                 Ok(entries) => entries,
                 Err(error) if folders.len() == 1 => return Err(refuse(error)),
@@ -104,7 +104,7 @@ fn data_file(folder: &Path) -> Result<PathBuf, Failure> {
         folders = below;
     }
     Err(Failure::input(format!(
-        "{} is no Sunrise project: there is no {DATA_FILE} in it, nor {DEPTH} folders further down",
+        "{} is not a Sunrise project: no {DATA_FILE} in it, nor {DEPTH} folders further down",
         folder.display()
     )))
 }

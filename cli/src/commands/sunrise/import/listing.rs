@@ -1,4 +1,4 @@
-//! The applications of a project, and what each needs.
+//! Applications of a project, and the information each requires.
 
 use std::{fmt::Write as _, path::Path};
 
@@ -13,16 +13,16 @@ struct Listed {
     application: String,
     file: String,
     line: u32,
-    /// Of its program; null if it has none.
+    /// Number of motions; null without a program.
     motions: Option<usize>,
-    /// What it asks.
+    /// Number of questions of the application.
     questions: usize,
-    /// Why there is no program.
+    /// Reason for a missing program.
     #[serde(skip_serializing_if = "Option::is_none")]
     refused: Option<String>,
 }
 
-/// Lists them; which one is meant has to be said.
+/// Lists the applications; the user must choose one.
 pub(super) fn run(
     folder: &Path,
     project: &Application,
@@ -33,7 +33,7 @@ pub(super) fn run(
     let rows: Vec<_> = applications
         .into_iter()
         .map(|own| {
-            // The file distinguishes copies of an application.
+            // The file name distinguishes copies of an application.
             let copies = names.iter().filter(|name| **name == own.qualified_name).count();
             let name = if copies > 1 { &own.file } else { &own.qualified_name };
             let (motions, questions, refused) = match project.import(Some(name)) {

@@ -1,4 +1,4 @@
-//! An application as a program.
+//! Import of an application as a program.
 
 use std::{
     fmt::Write as _,
@@ -20,7 +20,7 @@ use crate::{
 
 use super::{listing, report::ProgramReport};
 
-/// Writes the program of an application, and says what became of it.
+/// Writes the program of an application, and reports the result.
 pub(super) fn run(options: &ImportArgs) -> Result<(), Failure> {
     let folder = options.project.as_path();
     let name = options.answering.application.as_deref();
@@ -59,7 +59,8 @@ pub(super) fn run(options: &ImportArgs) -> Result<(), Failure> {
     if options.json { output::print_json(&report) } else { output::print(&report.text()) }
 }
 
-/// Writes a data file with the entries that the application needs and the project lacks; their numbers are zeros.
+/// Writes a data file with the entries that the application needs and the project lacks; their
+/// values are zeros.
 fn write_data(
     options: &ImportArgs,
     application: &Application,
@@ -99,14 +100,15 @@ fn write_data(
     output::print(&text)
 }
 
-/// The name by which a program in the file `target` finds its robot: a profile is copied to the folder of the program.
+/// Returns the name by which a program in the file `target` refers to its robot: a profile is
+/// copied to the folder of the program.
 fn beside(target: &Path, robot: &str, overwrite: bool) -> Result<String, Failure> {
     if Robot::built_in(robot).is_some() {
         return Ok(robot.to_owned());
     }
     let profile = Path::new(robot);
     output::keep_inputs("program", target, [("robot profile", profile)], "--output")?;
-    // Programs name profiles that are called so.
+    // Programs refer to profiles by names with this extension.
     let name = Path::new(profile.file_name().unwrap_or_default()).with_extension("json");
     let copy = target.with_file_name(&name);
     if !output::same_file(&copy, profile) {
@@ -119,7 +121,7 @@ fn beside(target: &Path, robot: &str, overwrite: bool) -> Result<String, Failure
     Ok(name.display().to_string())
 }
 
-/// Where the program goes: named after the application.
+/// Returns the path of the program: by default, named after the application.
 fn target(options: &ImportArgs, name: &str) -> Option<PathBuf> {
     let own = || Path::new(name).with_extension("json");
     (!options.no_output).then(|| options.output.clone().unwrap_or_else(own))

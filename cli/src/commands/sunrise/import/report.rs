@@ -1,4 +1,4 @@
-//! What became of an application, as JSON and as text.
+//! Result of an import, as JSON and as text.
 
 use std::{fmt::Write as _, path::Path};
 
@@ -9,17 +9,17 @@ use iiwa_sunrise::{Import, ImportNote, RefusedImport};
 use iiwa_sunrise::{Question, QuestionKind, RobotStatement};
 use serde::Serialize;
 
-/// Rows of motions that are shown at the start and at the end of a long program.
+/// Number of motions shown at the start and at the end of a long program.
 const SHOWN: usize = 100;
 
 #[derive(Serialize)]
 pub(super) struct ProgramReport {
     project: String,
     application: String,
-    /// The robot, by its name in the program.
+    /// Robot, by its name in the program.
     robot: Option<String>,
     flange_mm: Option<f64>,
-    /// Places in the project that state them.
+    /// Places in the project that state robot and flange.
     stated: Vec<Note>,
     motions: Vec<MotionRow>,
     questions: Vec<QuestionRow>,
@@ -31,7 +31,7 @@ pub(super) struct ProgramReport {
 
 #[derive(Serialize)]
 struct MotionRow {
-    /// From 1, its place in the program.
+    /// Place in the program, from 1.
     index: usize,
     #[serde(rename = "type")]
     kind: &'static str,
@@ -58,7 +58,7 @@ struct Note {
 }
 
 impl ProgramReport {
-    /// Of an imported program, which is in the file `output`.
+    /// Creates the report on an imported program, which is in the file `output`.
     pub(super) fn new(project: &Path, import: &Import, output: Option<&Path>) -> Self {
         Self {
             project: project.display().to_string(),
@@ -74,7 +74,7 @@ impl ProgramReport {
         }
     }
 
-    /// Of what was understood of an application that cannot be planned ahead.
+    /// Creates the report on an application that cannot be planned ahead.
     pub(super) fn refused(project: &Path, refused: &RefusedImport) -> Self {
         let Source { file, line } = refused.source.clone();
         Self {
@@ -91,7 +91,7 @@ impl ProgramReport {
         }
     }
 
-    /// The robot and its flange, and where the project states them.
+    /// Describes robot and flange, and the places where the project states them.
     fn robot_text(&self) -> String {
         let Some(robot) = &self.robot else { return String::new() };
         let mut text = format!("Robot {}", printable(robot));
@@ -105,7 +105,7 @@ impl ProgramReport {
         text + "\n\n"
     }
 
-    /// For people.
+    /// Formats the report as text.
     pub(super) fn text(&self) -> String {
         let mut text = self.robot_text();
         if !self.motions.is_empty() {
@@ -151,12 +151,12 @@ impl ProgramReport {
     }
 }
 
-/// The length of the flange that the program states, in mm.
+/// Flange length that the program states, in mm.
 fn flange_mm(program: &Program) -> Option<f64> {
     program.workcell.flange_m.map(|length_m| (1e6 * length_m).round() / 1e3)
 }
 
-/// Its type in programs.
+/// Returns the type of a motion in programs.
 fn kind(motion: &Motion) -> &'static str {
     match motion {
         Motion::Ptp(_) => "ptp",
@@ -200,7 +200,7 @@ impl QuestionRow {
         }
     }
 
-    /// With the button's text.
+    /// Formats the answer with the text of the button.
     fn shown_answer(&self) -> String {
         let number = self.answer.parse::<usize>().ok();
         match number.and_then(|number| self.choices.get(number)) {
@@ -209,7 +209,7 @@ impl QuestionRow {
         }
     }
 
-    /// The option that gives this answer.
+    /// Returns the option that gives this answer.
     fn option(&self) -> String {
         let option = match self.kind {
             "dialog" => "--answer",
