@@ -1,10 +1,11 @@
-"""Programs over Ray and over Dask, on two workers of this machine, one of which is killed on the way.
+"""Benchmark of Ray and Dask with two workers on this machine, one of which is killed in between.
 
     python benches/cluster.py [COUNT]
 
-Plans COUNT (20000) small programs on one core, then over Ray and over Dask; every row has to come once and to be that of one
-core, or it ends with 1. Then it measures throughput with one and with two workers, in turns. What two processes that only
-count get of the machine, in times of one, is measured beside: others may be using it.
+Plans COUNT (20000) small programs on one core, then with Ray and with Dask. Each row has to appear
+once and to equal the row from one core; otherwise the exit code is 1. Then the script measures
+throughput with one and with two workers, in turns. As other processes may use the machine, it also
+measures the speed of two counting processes relative to one.
 """
 
 from __future__ import annotations
@@ -34,7 +35,9 @@ COUNTING_S = 1.0
 
 
 def killed_on_the_way(on: str, source: Path, rows: int, folder: Path) -> tuple[float, int]:
-    """Plans with two workers, and kills one when a third is done: seconds, and rows done then."""
+    """Plans with two workers, and kills one after a third of the rows; returns the time in s, and
+    the number of rows at that moment.
+    """
     module = CLUSTERS[on]
     place = folder.with_suffix(".victim")
     began: list[int] = []
@@ -56,12 +59,12 @@ def killed_on_the_way(on: str, source: Path, rows: int, folder: Path) -> tuple[f
 
 
 def throughput(on: str, workers: int, programs: list[str]) -> float:
-    """Programs a second from file to file, once the workers are up."""
+    """Programs per second from file to file, after the start of the workers."""
     cluster = CLUSTERS[on]
     with clusters.CLUSTERS[on](workers), tempfile.TemporaryDirectory() as name:
         source = Path(name, "programs.jsonl")
         source.write_text("\n".join(programs))
-        # Workers import what they need.
+        # Warm-up: workers import their modules.
         cluster.figures(programs[: 20 * workers])
         begin = time.perf_counter()
         cluster.plan(source, Path(name, "figures"), chunk=chunk(len(programs)))
@@ -69,7 +72,7 @@ def throughput(on: str, workers: int, programs: list[str]) -> float:
 
 
 def counted(_: int) -> int:
-    """How far a process counts."""
+    """The count that a process reaches in a fixed time."""
     until, count = time.perf_counter() + COUNTING_S, 0
     while time.perf_counter() < until:
         count += 1
@@ -86,7 +89,7 @@ def chunk(rows: int) -> int:
 
 
 def ratio(of: Callable[[int], float]) -> float:
-    """What two do, in times of what one does."""
+    """Rate with two workers divided by the rate with one."""
     return of(2) / of(1)
 
 

@@ -1,4 +1,4 @@
-//! What the Python package is held against: planning, sampling and forward kinematics in Rust alone.
+//! Baseline for the Python package: planning, sampling and forward kinematics in Rust alone.
 //!
 //!     native          medians as JSON, in us, of many rounds
 

@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
-"""What the package costs next to Rust alone.
+"""Overhead of the Python package compared with Rust alone.
 
     python/benches/overhead.py python/target/release/native [WHEEL]
 
-Rust and Python take turns, so that both see the same machine; medians are compared.
+Rust and Python run in turns, under the same machine load; medians are compared.
 """
 
 from __future__ import annotations
@@ -117,7 +117,7 @@ def cores() -> None:
 
 
 def interrupted() -> None:
-    # Who starts it in the background may have had it ignore Ctrl-C.
+    # A shell that starts the script in the background may have disabled Ctrl-C.
     signal.signal(signal.SIGINT, signal.default_int_handler)
     program = iw.Program.load(ROOT / "fixtures/ten-motions.json")
     waits = []

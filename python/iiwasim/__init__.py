@@ -1,4 +1,4 @@
-"""Motion simulator for the KUKA LBR iiwa: which path will the arm take, and how long will it take?
+"""Motion simulator for the KUKA LBR iiwa: predicts robot paths and cycle times.
 
 >>> import iiwasim as iw
 >>> program = iw.Program([iw.ptp(deg=[20, 0, 0, -30, 0, 0, 0]), iw.wait(0.5)], start_deg=[0] * 7)
@@ -8,7 +8,8 @@
 >>> plan.motions[0].limited_by
 Limit(joint=4, kind='acceleration')
 
-Angles are in rad, lengths in m and times in s unless a name ends in another unit; arrays are (n, 7) and float64.
+Angles are in rad, lengths in m and times in s unless a name ends in another unit; arrays are
+(n, 7) and float64.
 """
 
 from importlib.metadata import version as _version

@@ -1,4 +1,4 @@
-"""Figures of a chunk of programs: what each worker computes."""
+"""Figures of one chunk of programs: the work of each worker."""
 
 from __future__ import annotations
 
@@ -39,10 +39,10 @@ FIGURES = pa.schema(
         "error": pa.string(),
     }
 )
-"""The columns of figures; `iiwasim.batches` says what they mean."""
+"""The columns of figures, described in `iiwasim.batches`."""
 
 
-# All of `plan_all`, with their defaults; how it is spread is for others to say.
+# All options of `plan_all` with their defaults, except those for parallel execution.
 DEFAULTS = {
     name: option.default
     for name, option in inspect.signature(plan_all).parameters.items()
@@ -51,7 +51,7 @@ DEFAULTS = {
 
 
 class Options(TypedDict, total=False):
-    """How each program is planned: the options of `plan_all`, and a scene."""
+    """Planning options of each program: the options of `plan_all`, and a scene."""
 
     robot: Robot | str | PathLike[str] | None
     timing: str
@@ -64,10 +64,10 @@ class Options(TypedDict, total=False):
 
 
 class Planning:
-    """Plans chunks. It is pickled for workers, which need no file of its options."""
+    """Planner of chunks. It is pickled for workers, which do not need the files of its options."""
 
     def __init__(self, column: str, options: Mapping[str, Any]) -> None:
-        """The programs are in `column`. Raises `ValueError` or `TypeError` where an option is wrong."""
+        """Reads programs from `column`. Raises `ValueError` or `TypeError` for a wrong option."""
         self.version = version("iiwasim")
         self.column = column
         self.options = {**DEFAULTS, **options}
@@ -81,14 +81,14 @@ class Planning:
                 f"there is no option {unknown[0]!r}; there are {', '.join(DEFAULTS)} and scene"
             )
         plan_all([], **self.options)
-        # Numbers of numpy are as good, and JSON has none of them.
+        # NumPy numbers are accepted, but JSON cannot represent them.
         self.options["samples"] = int(self.options["samples"])
         for name in ("limit_torque_percent", "override_percent"):
             if (percent := self.options[name]) is not None:
                 self.options[name] = float(percent)
 
     def described(self) -> dict[str, Any]:
-        """The options as JSON: equal ones lead to equal figures."""
+        """The options as JSON values: equal options lead to equal figures."""
         return {
             "iiwasim": self.version,
             "column": self.column,
@@ -100,11 +100,11 @@ class Planning:
         }
 
     def figures(self, chunk: pa.Table, look: Callable[[], object] = lambda: None) -> pa.Table:
-        """The rows of a chunk, in their order, with their figures in place of the program.
+        """The rows of a chunk, in their order, with figures in place of the program.
 
-        `look` is called between programs at least; what it raises ends the planning.
+        `look` is called at least between programs; an exception that it raises ends the planning.
 
-        Raises `RuntimeError` on a worker of another version, whose figures may be others.
+        Raises `RuntimeError` on a worker with another version, whose figures may differ.
         """
         if version("iiwasim") != self.version:
             raise RuntimeError(
@@ -128,7 +128,7 @@ class Planning:
             look()
             read.append(_read(text))
         programs = [program for program in read if isinstance(program, Program)]
-        # Its progress is told within programs, too, and what that raises ends it.
+        # `plan_all` also reports progress within programs; an exception raised there ends it.
         plans = iter(plan_all(programs, jobs=1, progress=lambda *_: look(), **self.options))
         return [next(plans) if isinstance(program, Program) else program for program in read]
 
@@ -147,7 +147,7 @@ class Planning:
             for motion in figures["motions"]
             for peak in enumerate(motion["torque"]["peak_percent"], 1)
         ]
-        # A program that takes no time has no peak: it may be of a load alone.
+        # A program without duration, such as a single load, has no peak.
         none = (None, None)
         row["peak_torque_joint"], row["peak_torque_percent"] = max(
             peaks, key=lambda peak: peak[1], default=none
@@ -159,7 +159,7 @@ class Planning:
 
 
 def count(name: str, value: SupportsIndex) -> int:
-    """A number of things, of which there is one at least. Raises `TypeError` or `ValueError`."""
+    """The argument `name` as an integer of at least 1. Raises `TypeError` or `ValueError`."""
     try:
         number = index(value)
     except TypeError:
@@ -177,12 +177,12 @@ def _read(text: str | None) -> Program | ProgramError:
     except ProgramError as error:
         return error
     except (ValueError, OSError) as error:
-        # Of the robot that it names.
+        # The robot that the program names cannot be read.
         return ProgramError(str(error))
 
 
 def _limit(motions: list[dict[str, Any]]) -> tuple[int | None, str | None]:
-    """Joint and kind of the limit that binds for the longest time of a program."""
+    """Joint and kind of the limit that is active for the longest time in a program."""
     times: defaultdict[tuple[int | None, str], float] = defaultdict(float)
     for motion in motions:
         for limit in motion["limits"]:

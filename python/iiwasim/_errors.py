@@ -1,10 +1,10 @@
-"""What can be wrong with what is given."""
+"""Exceptions for invalid input."""
 
 from __future__ import annotations
 
 
 class IiwasimError(ValueError):
-    """What is given cannot be used; the message says why, and where.
+    """Base class of errors in the input; the message gives the reason and the place.
 
     >>> import iiwasim as iw
     >>> issubclass(iw.ProgramError, iw.IiwasimError) and issubclass(iw.IiwasimError, ValueError)
@@ -16,7 +16,7 @@ class IiwasimError(ValueError):
 
 
 class _TextError(IiwasimError):
-    """Something is wrong at a place in a text."""
+    """An error at a place in a text."""
 
     @property
     def line(self) -> int | None:
@@ -58,7 +58,7 @@ class ProgramError(_TextError):
 
     @property
     def motion(self) -> int | None:
-        """The number of the motion, from 1, if it is about one.
+        """The number of the motion, from 1; `None` if the error does not concern one motion.
 
         >>> import iiwasim as iw
         >>> program = iw.Program([iw.ptp(deg=[0, 0, 0, -500, 0, 0, 0])], start_deg=[0] * 7)
@@ -72,7 +72,7 @@ class ProgramError(_TextError):
 
 
 class ProfileError(_TextError):
-    """A text that is no robot profile.
+    """A robot profile that cannot be read.
 
     >>> import iiwasim as iw
     >>> try:
@@ -84,7 +84,7 @@ class ProfileError(_TextError):
 
 
 class SceneError(_TextError):
-    """A text that is no scene.
+    """A scene that cannot be read.
 
     >>> import iiwasim as iw
     >>> try:
@@ -96,7 +96,7 @@ class SceneError(_TextError):
 
 
 class RecordingError(IiwasimError):
-    """A recording, or the file of a plan, that cannot be used.
+    """A recording, or a plan file, that cannot be used.
 
     >>> import iiwasim as iw
     >>> try:
@@ -121,7 +121,7 @@ class UnreachableError(IiwasimError):
 
     @property
     def allowed_e1_deg(self) -> list[list[float]]:
-        """Ranges of E1, the position of A3, with which the frame is reached, in deg.
+        """Ranges of E1 (the A3 position) for which the frame is reachable, in deg.
 
         >>> import iiwasim as iw
         >>> iw.UnreachableError("too far", [[-10.0, 20.0]]).allowed_e1_deg
@@ -131,7 +131,7 @@ class UnreachableError(IiwasimError):
 
 
 class SunriseError(IiwasimError):
-    """A Sunrise project, or an application of one, that cannot be imported; the message names file and line.
+    """A Sunrise project or application that cannot be imported; the message names file and line.
 
     >>> import iiwasim as iw
     >>> raise iw.SunriseError("Welding.java:84: the condition depends on a measured force")

@@ -25,11 +25,12 @@ class Limit(NamedTuple):
     joint: int | None
     """The joint, 1 to 7; `None` if the TCP is limited."""
     kind: str
-    """`velocity`, `acceleration`, `jerk` or `torque`; of the TCP the same after `cart_` or `orientation_`."""
+    """`velocity`, `acceleration`, `jerk` or `torque`; with `cart_` or `orientation_` for the TCP.
+    """
 
 
 class State(NamedTuple):
-    """What the arm does at one time.
+    """The joint state of the robot at one time.
 
     >>> import iiwasim as iw
     >>> state = iw.plan(iw.Program([iw.ptp(deg=[30] + [0] * 6)], start_deg=[0] * 7)).at(0.2)
@@ -38,7 +39,7 @@ class State(NamedTuple):
     """
 
     t_s: float
-    """When, in s."""
+    """Time, in s."""
     q: NDArray[np.float64]
     """Positions (7,), in rad."""
     dq: NDArray[np.float64]
@@ -67,19 +68,19 @@ class MotionFigures:
     type: str
     """`ptp`, `lin`, `lin_rel`, `circ`, `spline`, `spl` or `wait`."""
     start_s: float
-    """When it starts, in s."""
+    """Start time, in s."""
     end_s: float
-    """When it ends, in s."""
+    """End time, in s."""
     peak_velocity_rel: float
-    """The largest share of its velocity limit that any joint reaches, 0 to 1."""
+    """The peak joint velocity as a share of its limit, over all joints, 0 to 1."""
     limited_by: Limit | None
-    """The limit that binds for the longest time, if any does."""
+    """The limit that is active for the longest time; `None` if no limit is active."""
     figures: Mapping[str, Any]
     """All figures, as in `Plan.figures()["motions"]`."""
 
     @property
     def time_s(self) -> float:
-        """How long it takes, in s.
+        """Duration, in s.
 
         >>> import iiwasim as iw
         >>> plan = iw.plan(iw.Program([iw.wait(0.25)], start_deg=[0] * 7))
@@ -90,7 +91,7 @@ class MotionFigures:
 
 
 def motions(figures: Mapping[str, Any]) -> tuple[MotionFigures, ...]:
-    """The motions of a plan's figures."""
+    """The motions in the figures of a plan."""
 
     def motion(own: Mapping[str, Any]) -> MotionFigures:
         limit = own["limited_by"]
@@ -108,7 +109,7 @@ def motions(figures: Mapping[str, Any]) -> tuple[MotionFigures, ...]:
 
 
 def planned(program: Program, words: tuple[str, str, str, int]) -> Plan:
-    """A plan that was pickled."""
+    """Restores a pickled plan."""
     from ._native import plan
 
     timing, shape, search, samples = words
@@ -116,5 +117,5 @@ def planned(program: Program, words: tuple[str, str, str, int]) -> Plan:
 
 
 def sampled(plan: Plan, rate_hz: float) -> Samples:
-    """Samples that were pickled."""
+    """Restores pickled samples."""
     return plan.sample(rate_hz=rate_hz)

@@ -1,4 +1,4 @@
-"""What Python gives as JSON: numbers of numpy, too."""
+"""Conversion of Python values, including NumPy numbers, to JSON."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ def _plain(value: Any) -> Any:
         return value.tolist()
     if hasattr(value, "keys"):
         return dict(value)
-    raise TypeError(f"{value!r} is no number, text, list or dict")
+    raise TypeError(f"{value!r} is not a number, text, list or dict")
 
 
 def dumps(value: Any) -> str:
@@ -23,7 +23,7 @@ def dumps(value: Any) -> str:
     except ValueError:
         pass
     try:
-        # With all numbers allowed, what remains is a list or dict within itself.
+        # With non-finite numbers allowed, only a list or dict that contains itself still fails.
         json.dumps(value, default=_plain)
     except ValueError:
         raise ValueError("contains a list or dict that contains itself") from None

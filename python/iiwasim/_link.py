@@ -1,4 +1,4 @@
-"""The connection to a drive over ZeroMQ: its address, its keys, its handshake, its loss."""
+"""Connection to a drive over ZeroMQ: address, keys, handshake and connection loss."""
 
 from __future__ import annotations
 
@@ -26,9 +26,9 @@ if TYPE_CHECKING:
     from collections.abc import Callable
     from typing import Self
 
-# A drive that is ending closes connections, too: only repetition is a refusal.
+# A drive that shuts down closes connections, too: only repeated closing is a refusal.
 MAX_CLOSED_HANDSHAKES = 3
-# On Windows, Ctrl-C waits for the end of a poll.
+# On Windows, Ctrl-C takes effect only at the end of a poll.
 POLL_S = 0.1
 
 
@@ -37,12 +37,12 @@ class ConnectionLost(DriveTimeout):
 
 
 class Line:
-    """A connection to a drive that has passed its handshake."""
+    """A connection to a drive after a successful handshake."""
 
     def __init__(
         self, at: str, keys: Keys | None, timeout_s: float, topics: tuple[bytes, ...] = ()
     ) -> None:
-        """For requests, or for topics of the stream."""
+        """Connects for requests, or for stream topics if `topics` are given."""
         self.is_lost = False
         self._at = at
         self._is_stream = bool(topics)
@@ -59,7 +59,7 @@ class Line:
                 self._socket.setsockopt(zmq.CURVE_SERVERKEY, keys.server)
             self._socket.connect(at)
             self._shake_hands(keys, timeout_s)
-            # In this order: a message of the last topic tells that the drive knows of all.
+            # In this order: a message of the last topic shows that the drive knows all of them.
             for topic in topics:
                 self._socket.setsockopt(zmq.SUBSCRIBE, topic)
         except BaseException:
@@ -97,9 +97,9 @@ class Line:
         if event == zmq.EVENT_HANDSHAKE_FAILED_AUTH:
             why = "`key` is not on its list; put the .pub file of the same name into the folder of its --allow"
         elif event == zmq.EVENT_HANDSHAKE_FAILED_PROTOCOL and keys is None:
-            why = "it requires keys, or is no drive: give `key` and `server_key`"
+            why = "it requires keys, or is not a drive: give `key` and `server_key`"
         elif event == zmq.EVENT_HANDSHAKE_FAILED_PROTOCOL:
-            why = "it has no keys, or is no drive: leave out `key` and `server_key`, or start it with --key and --allow"
+            why = "it has no keys, or is not a drive: leave out `key` and `server_key`, or start it with --key and --allow"
         else:
             why = "it closed the connection; do the keys fit, and is `server_key` its .pub file?"
             return ConnectionLost(
@@ -110,7 +110,7 @@ class Line:
         )
 
     def _next_event(self, wait_s: float) -> int | None:
-        """What has become of the connection, if anything has."""
+        """The next event of the connection; `None` without an event within `wait_s`."""
         return (
             recv_monitor_message(self._events)["event"] if self._events.poll(_ms(wait_s)) else None
         )
@@ -122,7 +122,7 @@ class Line:
             raise self._loss() from None
 
     def poll(self, wait_s: float, give_up: Callable[[], bool] = lambda: False) -> bool:
-        """Whether there is a message to receive, within `wait_s`."""
+        """Waits up to `wait_s` for a message; returns true if there is a message to receive."""
         until = time.monotonic() + wait_s
         while True:
             left_s = max(until - time.monotonic(), 0.0)
@@ -133,7 +133,10 @@ class Line:
                 return False
 
     def _check(self) -> None:
-        """Raises the loss of the connection, after which there is no reply. Streams connect again."""
+        """Raises `ConnectionLost` if the connection, and with it the reply, is lost.
+
+        Streams reconnect.
+        """
         while (event := self._next_event(0.0)) is not None:
             if self._is_stream:
                 continue
@@ -153,7 +156,7 @@ class Line:
 
 
 class Keys(NamedTuple):
-    """The own keys, and the drive's public one."""
+    """The key pair of the client, and the public key of the drive."""
 
     public: bytes
     secret: bytes
@@ -197,12 +200,15 @@ def _certificate(path: str | os.PathLike[str]) -> tuple[bytes, bytes | None]:
     except OSError as error:
         raise ValueError(f"cannot read {path}: {error.strerror or error}") from error
     except (ValueError, UnicodeError) as error:
-        raise ValueError(f"{path} is no key file; `iiwasim keygen` makes them") from error
+        raise ValueError(f"{path} is not a key file; `iiwasim keygen` makes them") from error
 
 
 def endpoint(text: str, keys: Keys | None) -> tuple[str, int]:
-    """Host and port of `HOST:PORT`, which may begin with `tcp://`. Without keys, only this machine is connected to."""
-    wrong = f"{text!r} is no address: give HOST:PORT, as 127.0.0.1:5560 or [::1]:5560"
+    """Host and port of `HOST:PORT`, which may begin with `tcp://`.
+
+    Without keys, only addresses of this machine are accepted.
+    """
+    wrong = f"{text!r} is not an address: give HOST:PORT, as 127.0.0.1:5560 or [::1]:5560"
     if not isinstance(text, str):
         raise TypeError(f"{wrong}, as a str")
     parts = re.fullmatch(r"(?:tcp://)?(\[[0-9a-fA-F:.]+\]|[\w.-]+):(\d{1,5})", text, re.ASCII)

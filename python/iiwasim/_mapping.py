@@ -1,4 +1,4 @@
-"""Chunks of programs to figures, on whatever workers there are."""
+"""Distribution of chunks of programs to any kind of workers, which return figures."""
 
 from __future__ import annotations
 
@@ -22,26 +22,28 @@ Task = TypeVar("Task")
 
 
 class Workers(Protocol[Task]):
-    """What plans chunks: threads of this process, or processes here and elsewhere."""
+    """Workers that plan chunks: threads of this process, or processes on any machine."""
 
     def limit(self) -> int:
-        """How many chunks they may be given at once: enough to keep all of them busy."""
+        """Maximum number of chunks in progress: enough to keep all workers busy."""
 
     def start(self, planning: Planning, chunk: pa.Table) -> Task:
-        """Has a chunk planned by any of them. If it dies, another one does it."""
+        """Starts the planning of a chunk on any worker; another worker retries if it dies."""
 
     def ended(self, tasks: Collection[Task]) -> Iterable[Task]:
-        """Waits for at least one."""
+        """Waits for at least one task and returns the tasks that have ended."""
 
     def figures(self, task: Task) -> pa.Table:
-        """The result of one that has ended. Raises `RuntimeError` if one worker after the other died of it."""
+        """The result of a task that has ended. Raises `RuntimeError` if every attempt failed
+        because its worker died.
+        """
 
     def cancel(self, tasks: Collection[Task]) -> None:
-        """They are of no use any more."""
+        """Cancels tasks whose results are not needed any more."""
 
 
 class Planned(NamedTuple):
-    """What became of a source of programs.
+    """The result of planning a source of programs.
 
     >>> from iiwasim import batches
     >>> planned = batches.Planned("figures", rows=600, rows_planned=450)
@@ -50,11 +52,11 @@ class Planned(NamedTuple):
     """
 
     folder: Path
-    """Where the figures are; `iiwasim.batches.read` reads them."""
+    """The folder with the figures; `iiwasim.batches.read` reads them."""
     rows: int
     """Number of programs."""
     rows_planned: int
-    """Number of those that were planned now; the others' figures were there."""
+    """Number of programs planned in this call; the figures of the others existed already."""
 
 
 def to_folder(
@@ -65,20 +67,20 @@ def to_folder(
     workers: Workers[Task],
     progress: Callable[[int, int], object] | None,
 ) -> Planned:
-    """Figures of all rows, in parts of `size` rows."""
+    """Writes the figures of all rows to a folder, in parts of `size` rows."""
     size = count("chunk", size)
     if progress is not None and not callable(progress):
         raise TypeError(f"progress is {progress!r}; a function of two numbers is expected")
-    # Read twice: nothing is written into a folder of other programs.
+    # The source is read twice, so that a folder with figures of other programs stays untouched.
     before, now = Extent(), Extent()
     for _ in before.of(chunks(source, size)):
         pass
     rows = before.rows
     plan = {"chunk": size, "rows": rows, "programs": before.sha256()}
-    # A source without programs has a part, too, with the columns.
+    # A source without programs also gets a part, which has the columns.
     folder = Folder(target, {**plan, **planning.described()}, -(-rows // size) or 1)
     missing = set(folder.missing())
-    # The last part may be a short one.
+    # The last part may be shorter.
     rows_missing = sum(min(size, rows - index * size) for index in missing)
     done = rows - rows_missing
     work = (
@@ -99,7 +101,7 @@ def to_folder(
 
 
 def to_table(source: Source, planning: Planning, workers: Workers[Task]) -> pa.Table:
-    """Figures of rows in memory."""
+    """The figures of all rows, as a table in memory."""
     rows = sum(batch.num_rows for batch in source.read())
     if not rows:
         return FIGURES.insert(0, pa.field(ROW, pa.int64())).empty_table()
@@ -111,7 +113,7 @@ def to_table(source: Source, planning: Planning, workers: Workers[Task]) -> pa.T
 def _mapped(
     work: Iterable[tuple[int, pa.Table]], planning: Planning, workers: Workers[Task]
 ) -> Iterator[tuple[int, pa.Table]]:
-    """Figures of chunks with their places, as they come."""
+    """Figures of chunks with their positions in the source, in order of completion."""
     places: dict[Task, int] = {}
 
     def ended() -> Iterator[tuple[int, pa.Table]]:

@@ -1,4 +1,4 @@
-"""Plans as pages."""
+"""HTML pages of plans."""
 
 from __future__ import annotations
 
@@ -23,21 +23,21 @@ def report(
     measured: Recording | str | os.PathLike[str] | None = None,
     scene: Scene | None = None,
 ) -> str:
-    """The page of a plan, which is written to `path` if there is one."""
+    """The page of a plan, which is also written to `path` if given."""
     with tempfile.TemporaryDirectory() as folder:
-        # Pages are titled by the names of their files.
+        # The title of a page is the name of its file.
         file = Path(folder, "Plan")
         plan.write(file)
         recorded: str | os.PathLike[str] | None = None
         if isinstance(measured, (str, os.PathLike)):
-            # What cannot be opened is an error of the system's.
+            # A file that cannot be opened raises the `OSError` of the system.
             with open(measured, "rb"):
                 recorded = measured
         elif measured is not None:
             recorded = _written(plan, measured, folder)
         text = page(file, recorded, scene)
     if path is not None:
-        # Whole or not at all.
+        # Atomic write.
         part = Path(f"{os.fspath(path)}.part")
         try:
             part.write_text(text, encoding="utf-8")
@@ -52,7 +52,7 @@ def report(
 
 
 def _written(plan: Plan, measured: Recording, folder: str) -> Path:
-    """A recording of memory as the table that pages read."""
+    """Writes a recording in memory as the CSV table that pages read."""
     recording = recording_of(measured)
     file = Path(folder, "recording")
     head = ",".join(["t_s", *(f"joint_{joint}_rad" for joint in range(1, 8))])
@@ -64,7 +64,7 @@ def _written(plan: Plan, measured: Recording, folder: str) -> Path:
 
 
 def notebook(plan: Plan) -> str:
-    """The figures and the page, for a notebook."""
+    """The figures and the page as HTML, for a notebook."""
     page_of_plan = html.escape(report(plan, None), quote=True)
     return (
         f"<pre>{html.escape(plan.table())}</pre>"

@@ -1,4 +1,4 @@
-"""Folders of figures: a Parquet file a chunk, and what they were planned from."""
+"""Folders of figures: one Parquet file per chunk, and a description of their input."""
 
 from __future__ import annotations
 
@@ -17,19 +17,25 @@ if TYPE_CHECKING:
     from os import PathLike
     from typing import BinaryIO
 
-# Readers of Parquet leave out names that begin so.
+# Parquet readers ignore file names that begin with an underscore.
 PLAN = "_plan.json"
 
 
 class Folder:
-    """Parts in the order of their names. Each is written whole or not at all: what is there is not planned again."""
+    """A folder of parts in the order of their names.
+
+    Each part is written atomically, so that existing parts need not be planned again.
+    """
 
     def __init__(self, path: str | PathLike[str], plan: Mapping[str, Any], parts: int) -> None:
-        """Made, or taken up again. Raises `IiwasimError` if it is of another plan, or holds something else."""
+        """Creates the folder, or resumes an existing one.
+
+        Raises `IiwasimError` if the folder has figures of another plan, or other files.
+        """
         self.path = Path(path)
         self._width = max(5, len(str(parts)))
         self._parts = parts
-        # Before the folder is made.
+        # Serialised first: an error here must not leave an empty folder.
         text = json.dumps(plan, indent=2)
         self.path.mkdir(parents=True, exist_ok=True)
         if (self.path / PLAN).exists():
@@ -42,7 +48,7 @@ class Folder:
             self._write(PLAN, lambda file: file.write(text.encode()))
 
     def missing(self) -> list[int]:
-        """The parts that are not there yet."""
+        """Indices of the missing parts."""
         return [
             index for index in range(self._parts) if not (self.path / self._name(index)).exists()
         ]
@@ -76,7 +82,7 @@ class Folder:
 def read(folder: str | PathLike[str]) -> pa.Table:
     """The figures in a folder, in the order of the programs.
 
-    Raises `IiwasimError` if there are none, or some are missing.
+    Raises `IiwasimError` if figures are missing.
 
     >>> import tempfile
     >>> from iiwasim import batches
@@ -98,7 +104,7 @@ def read(folder: str | PathLike[str]) -> pa.Table:
 
 
 def _known(folder: Path) -> dict[str, Any]:
-    """What the parts of a folder were planned from."""
+    """The description of the programs and options from which the parts were planned."""
     try:
         return dict(json.loads((folder / PLAN).read_text()))
     except (OSError, ValueError, TypeError) as error:

@@ -1,4 +1,4 @@
-"""Plans as figures of matplotlib."""
+"""Matplotlib figures of plans."""
 
 from __future__ import annotations
 
@@ -13,16 +13,16 @@ if TYPE_CHECKING:
 
     from ._native import Plan
 
-# Those of pages.
+# The joint colours of the HTML pages.
 COLOURS = ("#1b1f24", "#e69f00", "#56b4e9", "#009e73", "#cc79a7", "#0072b2", "#d55e00")
-# Backends of matplotlib that draw into files alone.
+# Matplotlib backends that only draw into files.
 WINDOWLESS = {"agg", "cairo", "pdf", "pgf", "ps", "svg", "template"}
-# A TCP that hardly moves is not magnified beyond this.
+# Least range of the axes, so that tiny TCP motions are not magnified further.
 MIN_SPAN_MM = 10.0
 
 
 def plot(plan: Plan, rate_hz: float) -> Figure:
-    """The way of the TCP from two sides, and the speeds of the joints as shares of their limits."""
+    """The TCP path in side and top view, and the joint speeds as shares of their limits."""
     try:
         import matplotlib as mpl
         import matplotlib.pyplot as plt
@@ -49,13 +49,14 @@ def plot(plan: Plan, rate_hz: float) -> Figure:
     figure.suptitle(f"Cycle time {plan.cycle_time_s:.3f} s")
     backend = mpl.get_backend().lower()
     if backend in WINDOWLESS or "inline" in backend:
-        # What has no window need not be kept open; and a notebook shows what a cell returns, and once more what is open.
+        # A figure without a window need not stay open; and a notebook would show an open figure
+        # twice: as the result of the cell, and as an open figure.
         plt.close(figure)
     return figure
 
 
 def _way(axes: Axes, tcp_mm: NDArray[np.float64], across: int, up: int) -> None:
-    """The way of the TCP, seen along the third axis, with a dot where it starts."""
+    """The TCP path, seen along the third axis, with a dot at the start."""
     start = tcp_mm[0, [across, up]]
     axes.plot(tcp_mm[:, across], tcp_mm[:, up], color="#1f5fa8")
     axes.plot(*start, "o", color="#1f5fa8", markersize=4)

@@ -1,8 +1,8 @@
-"""Recordings of any origin, held against plans."""
+"""Comparison of recordings from any source with plans."""
 
 from __future__ import annotations
 
-# Not for type checkers alone: `typing.get_type_hints` looks for them.
+# Imported at run time, too: `typing.get_type_hints` needs these names.
 from collections.abc import Iterable
 from os import PathLike
 from typing import Any
@@ -13,7 +13,7 @@ from ._replies import Run
 
 
 def recording_of(measured: Recording | Run | str | PathLike[str]) -> Recording:
-    """A recording, of a file if that is what it is."""
+    """Converts the path of a file, or a run, to a recording."""
     if isinstance(measured, Recording):
         return measured
     if isinstance(measured, (str, PathLike)):
@@ -29,10 +29,10 @@ def recording_of(measured: Recording | Run | str | PathLike[str]) -> Recording:
 def compare(
     plan: Plan | str | PathLike[str], measured: Recording | Run | str | PathLike[str], /
 ) -> Comparison:
-    """Holds a plan against what the robot did: in time, on the path and, where there are any, in torques.
+    """Compares a plan with a recording of the robot: time, path and, if recorded, torques.
 
-    `plan` is a plan or the path of its MCAP file, `measured` a recording, a run of a drive, or the path of a file.
-    Raises `RecordingError` where the recording is not of this program.
+    `plan` is a plan or the path of its MCAP file, `measured` a recording, a run of a drive, or the
+    path of a file. Raises `RecordingError` if the recording is not of this program.
 
     >>> import iiwasim as iw
     >>> plan = iw.plan(iw.Program([iw.ptp(deg=[30] + [0] * 6)], start_deg=[0] * 7))
@@ -51,10 +51,11 @@ def identify(
     robot: Robot | str | PathLike[str] | None = None,
     name: str = "identified",
 ) -> Identification:
-    """The limits, times to settle, blends, loads and friction that recordings show.
+    """Identifies limits, settling times, blends, loads and friction from recordings.
 
-    Recordings may be runs of a drive, or paths of files. The program is each recording's own unless `program` is given,
-    and the robot that they are taken to be of likewise. Raises `RecordingError` where a recording is not of its program.
+    Recordings may also be runs of a drive, or paths of files. `program` and `robot`, if given,
+    replace the program and the robot that each recording contains. Raises `RecordingError` if a
+    recording is not of its program.
 
     >>> import iiwasim as iw
     >>> program = iw.Program([iw.ptp(deg=[30] + [0] * 6), iw.wait(0.5)], start_deg=[0] * 7)
@@ -71,5 +72,5 @@ def identify(
 
 
 def identified(recordings: list[Recording], options: dict[str, Any]) -> Identification:
-    """What was identified and pickled."""
+    """Restores a pickled identification."""
     return _native.identify(recordings, **options)

@@ -1,4 +1,4 @@
-"""What a drive tells: its replies, its stream, its refusals."""
+"""Messages from a drive: replies, stream messages and errors."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ T = TypeVar("T")
 Joints = npt.NDArray[np.float64]
 IoValue: TypeAlias = "bool | int | float"
 
-# What texts that are not as they should be lead to.
+# Exceptions that malformed messages lead to.
 MALFORMED = (ValueError, KeyError, TypeError, IndexError, AttributeError, RecursionError)
 
 
@@ -32,22 +32,27 @@ class JointSample(NamedTuple):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Run:
-    """What was measured in a run, with every cycle of the controller."""
+    """Measurements of a run, in every cycle of the controller."""
 
     cycle_time_s: float | None
-    """From start to end, in s; `None` if it is unknown, and `untimed_because` says why."""
+    """Time from start to end, in s; `None` if unknown, for the reason in `untimed_because`."""
     t: npt.NDArray[np.float64]
     """Times since the start, in s, (n,)."""
     q: Joints
     """Measured joint positions at these times, in rad, (n, 7)."""
     start_s: float
-    """When it started, by the clock of `JointSample.t_s`, in s; the first sample, if the start is unknown."""
+    """Start time by the clock of `JointSample.t_s`, in s.
+
+    If the start is unknown, the time of the first sample.
+    """
     timed_by: str | None = None
-    """`commanded_position` if the times were taken from these; `None` if the robot program told them."""
+    """`commanded_position` if start and end were found from the commanded positions; `None` if the
+    robot program reported them.
+    """
     untimed_because: str | None = None
-    """Why there is no cycle time."""
+    """Reason for a missing cycle time."""
     samples_left_out: int = 0
-    """Number of further samples, which the drive did not keep."""
+    """Number of further samples that the drive did not keep."""
 
     def __repr__(self) -> str:
         took = (
@@ -63,55 +68,57 @@ class FriState:
     """The connection between drive and controller."""
 
     session: str
-    """Such as `monitoring_ready`; `silent` if the controller sends nothing."""
+    """State of the FRI session, such as `monitoring_ready`; `silent` without messages."""
     quality: str
-    """The controller's rating: `poor`, `fair`, `good` or `excellent`."""
+    """Connection quality reported by the controller: `poor`, `fair`, `good` or `excellent`."""
     lost: int
-    """Number of the controller's messages that did not arrive."""
+    """Number of controller messages that did not arrive."""
     late: int
-    """Number of those that arrived after a later one."""
+    """Number of controller messages that arrived after a later one."""
     safety_stop: bool = False
-    """Whether the safety controller demands a stop."""
+    """`True` if the safety controller demands a stop."""
     unexpected_source: str | None = None
-    """Another IP than the expected one that messages come from."""
+    """IP address of messages that are not from the expected address."""
 
 
 @dataclass(frozen=True)
 class RobotProgram:
-    """The program at the controller that the drive instructs."""
+    """The program on the controller that executes requests of the drive."""
 
     connected: bool
-    """Whether its messages arrive."""
+    """`True` if messages of the robot program arrive."""
     name: str | None = None
-    """Name and version, if it tells them."""
+    """Name and version, if reported."""
     protocol: int | None = None
-    """Version of its protocol, if it tells it."""
+    """Protocol version, if reported."""
     sunrise: str | None = None
-    """Version of Sunrise, if it tells it."""
+    """Sunrise version, if reported."""
 
 
 @dataclass(frozen=True)
 class Conditions:
-    """Conditions at the controller; `None` is unknown."""
+    """Conditions at the controller; `None` means unknown."""
 
     operation_mode: str | None = None
-    """`t1`, `t2`, `aut` or another one."""
+    """Operation mode: `t1`, `t2`, `aut` or another one."""
     override_rel: float | None = None
-    """What velocities are scaled by, from 0 to 1."""
+    """Override: scaling factor of velocities, from 0 to 1."""
     safety_stop: bool | None = None
-    """Whether a safety stop is active."""
+    """`True` if a safety stop is active."""
     tool: str | None = None
     """Name of the attached tool."""
 
 
 @dataclass(frozen=True)
 class RobotIdentity:
-    """The identity of a robot arm: two arms with the same lengths are the same."""
+    """The identity of a robot: robots with equal lengths are treated as the same."""
 
     model: str
-    """Name of the model or of the profile."""
+    """Name of the model or profile."""
     lengths_mm: Mapping[str, float]
-    """The Denavit-Hartenberg lengths d1, d3, d5 and d7, in mm: `base`, `upper_arm`, `forearm`, `flange`."""
+    """Denavit-Hartenberg lengths in mm: `base` (d1), `upper_arm` (d3), `forearm` (d5) and
+    `flange` (d7).
+    """
 
 
 @dataclass(frozen=True, eq=False)
@@ -123,17 +130,17 @@ class DriveState:
     q: Joints | None
     """Measured joint positions, in rad, (7,); `None` before the controller's first message."""
     t_s: float | None
-    """Their time, by the clock of `JointSample.t_s`."""
+    """Time of `q`, by the clock of `JointSample.t_s`, in s."""
     fri: FriState
     """The connection to the controller."""
     robot_program: RobotProgram
     """The robot program."""
     conditions: Conditions = field(default_factory=Conditions)
-    """The conditions, as far as the robot program tells them."""
+    """The conditions that the robot program reports."""
     simulated: bool = False
-    """Whether the robot is a simulated one."""
+    """`True` if the robot is simulated."""
     robot: RobotIdentity | None = None
-    """The robot that the drive is set up for; `None` from a drive of an older version."""
+    """The robot for which the drive is configured; `None` from an older version of the drive."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -141,9 +148,10 @@ class Sensors:
     """Readings of the robot's sensors."""
 
     external_torque_nm: npt.NDArray[np.float64]
-    """External torques of the joints, in Nm, (7,)."""
+    """External joint torques, in Nm, (7,)."""
     joint_temperature_c: npt.NDArray[np.float64] | None = None
-    """Temperatures of the joints, in degrees Celsius, (7,); `None` if the controller does not report them."""
+    """Joint temperatures, in degrees Celsius, (7,); `None` if the controller does not report them.
+    """
 
 
 @dataclass(frozen=True)
@@ -151,35 +159,37 @@ class Signal:
     """An input or output of the robot."""
 
     name: str
-    """Its name, as `MediaFlange.LEDBlue`."""
+    """Name, such as `MediaFlange.LEDBlue`."""
     direction: str
-    """`input`, or `output`, which can be set."""
+    """`input` or `output`; only outputs can be set."""
     value: IoValue
-    """Its value."""
+    """Current value."""
 
 
 class DriveError(RuntimeError):
-    """What the drive, or the robot, refused or broke off, and why."""
+    """A request that the drive or the robot refused or aborted."""
 
     def __init__(self, code: str, message: str, run: Run | None = None) -> None:
         super().__init__(code, message, run)
         self.code = code
-        """`bad_request`, `not_idle`, `limit`, `start_mismatch`, `robot`, `timeout` or `unauthorized`."""
+        """`bad_request`, `not_idle`, `limit`, `start_mismatch`, `robot`, `timeout` or
+        `unauthorized`.
+        """
         self.message = message
-        """The reason, for people."""
+        """The reason, in words."""
         self.run = run
-        """What was measured up to then, if it was a run that had begun."""
+        """The measurements up to the error, if a run had begun."""
 
     def __str__(self) -> str:
         return f"{self.message} ({self.code})"
 
 
 class DriveTimeout(DriveError):
-    """No answer: there is no drive, it does not accept the keys (code `unauthorized`), or something took too long."""
+    """The drive does not answer in time, or does not accept the keys (code `unauthorized`)."""
 
 
 def read_reply(text: bytes, read: Callable[[dict[str, Any]], T]) -> T:
-    """What a reply says; a refusal is raised, with what it has of a run."""
+    """Reads a reply; raises a refusal as `DriveError`, with the measurements that it has."""
     try:
         reply = json.loads(text)
         if reply["ok"]:
@@ -192,7 +202,7 @@ def read_reply(text: bytes, read: Callable[[dict[str, Any]], T]) -> T:
 
 
 def run_of(text: bytes | None) -> Run | None:
-    """What a reply has of a run, whatever became of it."""
+    """The measurements in a reply, also of a run that failed; `None` without measurements."""
     if text is None:
         return None
     try:
@@ -202,12 +212,12 @@ def run_of(text: bytes | None) -> Run | None:
 
 
 def read_run(reply: dict[str, Any]) -> Run:
-    """The samples from the start of the run on, as in `iiwasim run`."""
+    """Reads a run, with the samples from its start on, as `iiwasim run` does."""
     samples = reply["samples"]
     stamps = np.asarray(samples["t_s"], dtype=np.float64)
     q = np.asarray(samples["joints_rad"], dtype=np.float64).reshape(len(stamps), 7)
     start_s = float(reply.get("start_s", stamps[0] if len(stamps) else 0.0))
-    # Stamps are rounded sums: the first sample may be just before the start.
+    # Time stamps are rounded sums: the first sample may be just before the start.
     first = int(np.searchsorted(stamps - start_s, -1e-6, side="right"))
     t = np.maximum(stamps[first:] - start_s, 0.0)
     told = {name: reply.get(name) for name in ("cycle_time_s", "timed_by", "untimed_because")}
@@ -255,7 +265,7 @@ def read_value(reply: dict[str, Any]) -> IoValue:
 
 
 def joint_sample(text: bytes) -> JointSample:
-    """A message of the stream."""
+    """Reads a stream message with joint positions."""
     try:
         message = json.loads(text)
         return JointSample(float(message["t_s"]), _joints(message["joints_rad"]))
@@ -264,7 +274,7 @@ def joint_sample(text: bytes) -> JointSample:
 
 
 def state_message(text: bytes) -> str:
-    """The state in a message of the stream."""
+    """The state in a stream message."""
     try:
         return str(json.loads(text)["state"])
     except MALFORMED as error:
@@ -281,6 +291,6 @@ def _fixed(array: Joints) -> Joints:
 
 
 def _known(kind: type, keys: Mapping[str, Any]) -> dict[str, Any]:
-    """The keys that a dataclass has; later versions of the drive may send more."""
+    """The keys that are fields of a dataclass; later versions of the drive may send more."""
     names = [known.name for known in fields(kind)]
     return {name: keys[name] for name in names if name in keys}

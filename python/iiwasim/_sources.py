@@ -1,4 +1,4 @@
-"""Where programs come from, in chunks of equal size."""
+"""Sources of programs, which are read in chunks of equal size."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from ._chunks import Planning
 
 ROW = "row"
-"""The column with the place in the source, from 0."""
+"""The column with the row index in the source, from 0."""
 
 PARQUET = (".parquet", ".pq")
 LINES = (".jsonl", ".ndjson")
@@ -33,22 +33,22 @@ class Source(NamedTuple):
     """Rows that can be read more than once, each time in the same order."""
 
     name: str
-    """For messages."""
+    """Name of the source in messages."""
     schema: Callable[[], pa.Schema]
-    """Its columns, also where it has no rows."""
+    """Returns the columns, also of a source without rows."""
     read: Callable[[], Iterator[pa.RecordBatch]]
-    """Begins anew."""
+    """Reads the rows, from the first one at each call."""
 
 
 class Extent:
-    """What the rows of a source come to, as they are read."""
+    """Row count and checksum of a source, updated while the source is read."""
 
     def __init__(self) -> None:
         self.rows = 0
         self._digest = hashlib.sha256()
 
     def of(self, tables: Iterable[pa.Table]) -> Iterator[pa.Table]:
-        """The tables, counted as they pass."""
+        """Passes the tables on, and counts their rows."""
         for table in tables:
             self.rows += table.num_rows
             self._digest.update(repr(table.to_pydict()).encode())
@@ -59,7 +59,9 @@ class Extent:
 
 
 def of_path(path: str | os.PathLike[str], column: str) -> Source:
-    """A file of JSON lines, one program a line, blank ones aside; or of Parquet, or a folder of such files."""
+    """A source of JSON lines (one program per line, blank lines are ignored), a Parquet file, or a
+    folder of Parquet files.
+    """
     if isinstance(path, str) and path.lstrip()[:1] in ("{", "[") and not os.path.exists(path):
         raise IiwasimError(
             "the source is a JSON text; `plan` takes the path of a file, and `figures` programs in memory"
@@ -80,7 +82,7 @@ def of_path(path: str | os.PathLike[str], column: str) -> Source:
         known = f"Parquet ({', '.join(PARQUET)}, or a folder of them) nor JSON lines ({', '.join(LINES)})"
         raise IiwasimError(f"{path} is neither {known}")
     try:
-        # In a folder, in the order of the names.
+        # The files of a folder are read in the order of their names.
         dataset = ds.dataset(path, format="parquet")
         check(str(path), dataset.schema, column)
     except (pa.ArrowInvalid, OSError) as error:
@@ -91,8 +93,8 @@ def of_path(path: str | os.PathLike[str], column: str) -> Source:
 
 
 def of_programs(programs: Iterable[Program | str], planning: Planning) -> Source:
-    """Programs in memory."""
-    # A text, a dict and a path have other things in them than programs.
+    """A source of programs in memory."""
+    # These types are iterable or path-like, but their items are not programs.
     if isinstance(programs, (str, bytes, Program, Mapping, os.PathLike)):
         found = type(programs).__name__
         expected = "a list of iiwasim.Program or of JSON texts is expected, [program] for one"
@@ -101,9 +103,9 @@ def of_programs(programs: Iterable[Program | str], planning: Planning) -> Source
     for index, program in enumerate(programs):
         text = program.to_json() if isinstance(program, Program) else program
         if not isinstance(text, str):
-            raise TypeError(f"programs[{index}] is no iiwasim.Program and no text: {program!r}")
+            raise TypeError(f"programs[{index}] is not an iiwasim.Program and no text: {program!r}")
         texts.append(text)
-        # The text names robots only; a profile of the program's own would be lost.
+        # The text only names the robot; a custom robot profile of the program would be lost.
         if planning.options["robot"] is None and _loses_robot(program, text):
             raise ValueError(
                 f"programs[{index}] is for a robot with a profile of its own; give `robot`"
@@ -113,7 +115,7 @@ def of_programs(programs: Iterable[Program | str], planning: Planning) -> Source
 
 
 def check(name: str, schema: pa.Schema, column: str) -> None:
-    """Whether the programs can be found, and figures put beside the other columns."""
+    """Raises `IiwasimError` without a program column, or if a column has the name of a figure."""
     if column not in schema.names:
         raise IiwasimError(
             f"{name} has no column {column!r}; it has {', '.join(schema.names)}: give `column`"
@@ -129,7 +131,10 @@ def check(name: str, schema: pa.Schema, column: str) -> None:
 
 
 def chunks(source: Source, size: int) -> Iterator[pa.Table]:
-    """Tables of `size` rows, the last of fewer, with the place of each row. Without rows, one with the columns."""
+    """Tables of `size` rows with the column `ROW`; the last table may be shorter.
+
+    A source without rows gives one empty table with the columns.
+    """
     row = 0
     for batches in _regrouped(source.read(), size):
         table = pa.Table.from_batches(batches).combine_chunks()
@@ -145,11 +150,11 @@ def _loses_robot(program: Program | str, text: str) -> bool:
 
 def _lines(path: Path, column: str) -> Iterator[pa.RecordBatch]:
     with path.open("rb") as file:
-        # Some programs of Windows begin texts by a mark of their encoding.
+        # Some Windows programs write a byte order mark.
         if file.read(len(BOM_UTF8)) != BOM_UTF8:
             file.seek(0)
         while lines := file.readlines(1 << 20):
-            # Bytes that are no UTF-8 become what is no JSON: an error of their row.
+            # Invalid UTF-8 becomes invalid JSON, which is an error of its row.
             texts = [line.decode(errors="backslashreplace") for line in lines if not line.isspace()]
             yield pa.record_batch({column: pa.array(texts, pa.string())})
 

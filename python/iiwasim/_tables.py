@@ -1,4 +1,4 @@
-"""Samples of plans as data frames, with the columns of `iiwasim plan --csv`."""
+"""Data frames of sampled plans, with the columns of `iiwasim plan --csv`."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 
 def columns(plan: Plan, rate_hz: float) -> dict[str, NDArray[np.float64]]:
-    """The columns, by name."""
+    """The columns by name."""
     samples = plan.sample(rate_hz=rate_hz)
     table = {"t_s": samples.t}
     for name, values in (
@@ -29,7 +29,7 @@ def columns(plan: Plan, rate_hz: float) -> dict[str, NDArray[np.float64]]:
 
 
 def pandas(plan: Plan, rate_hz: float) -> pd.DataFrame:
-    """A data frame of pandas."""
+    """A pandas data frame."""
     try:
         import pandas as pd
     except ImportError as error:
@@ -38,7 +38,7 @@ def pandas(plan: Plan, rate_hz: float) -> pd.DataFrame:
 
 
 def polars(plan: Plan, rate_hz: float) -> pl.DataFrame:
-    """A data frame of polars."""
+    """A polars data frame."""
     try:
         import polars as pl
     except ImportError as error:

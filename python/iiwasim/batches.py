@@ -1,7 +1,7 @@
 """Figures of many programs, from file to file, on the cores of this machine.
 
-`iiwasim.ray` and `iiwasim.dask` do the same on many machines, with the same arguments and the same rows. Needs pyarrow:
-`pip install 'iiwasim[batches]'`.
+`iiwasim.ray` and `iiwasim.dask` do the same on many machines, with the same arguments and the same
+rows. Needs pyarrow: `pip install 'iiwasim[batches]'`.
 
 >>> import tempfile, pathlib
 >>> import iiwasim as iw
@@ -21,14 +21,14 @@ The columns of figures:
 
 | column | |
 |---|---|
-| `row` | place in the source, from 0; blank lines do not count |
-| those of the source | without that of the programs |
+| `row` | row index in the source, from 0; blank lines do not count |
+| columns of the source | without the program column |
 | `cycle_time_s`, `motion_time_s`, `settle_time_s`, `wait_time_s` | in s; the first is the sum of the others |
-| `motions` | their number |
-| `limited_joint`, `limited_by` | the limit that binds for the longest time; no joint if it is one of the TCP |
-| `peak_torque_percent`, `peak_torque_joint` | the largest share of its torque limit that any joint needs |
-| `clearance_m`, `clearance_obstacle` | where the arm comes nearest, if there is a `scene` |
-| `error` | why there are no figures; else null |
+| `motions` | number of motions |
+| `limited_joint`, `limited_by` | limit that is active for the longest time; no joint for TCP limits |
+| `peak_torque_percent`, `peak_torque_joint` | peak torque as a share of its limit, over all joints |
+| `clearance_m`, `clearance_obstacle` | minimum clearance of the robot, if there is a `scene` |
+| `error` | reason for missing figures; else null |
 """
 
 from __future__ import annotations
@@ -56,7 +56,7 @@ if TYPE_CHECKING:
 
 __all__ = ["Options", "Planned", "figures", "plan", "read"]
 
-# On Windows, Ctrl-C waits for the end of a wait.
+# On Windows, Ctrl-C takes effect only at the end of a wait.
 WAIT_S = 0.1
 
 
@@ -70,16 +70,19 @@ def plan(
     progress: Callable[[int, int], object] | None = None,
     **options: Unpack[Options],
 ) -> Planned:
-    """Plans all programs of a file, and writes their figures to a folder of Parquet.
+    """Plans all programs of a file, and writes their figures to a folder of Parquet files.
 
-    `source` is a file of JSON lines, one program a line, blank ones aside, or a Parquet file or folder with the programs, as JSON, in `column`.
-    A program that cannot be planned has its error in its row. The folder gets a part for every `chunk` rows, each written
-    whole; read in the order of their names, their rows are those of the source, in its order. Called again after it was
-    interrupted, it plans the parts that are missing. One call at a time writes into a folder.
+    `source` is a file of JSON lines (one program per line, blank lines are ignored), or a Parquet
+    file or folder with the programs, as JSON, in `column`. A program that cannot be planned has its
+    error in its row. The folder gets one part per `chunk` rows, and each part is written
+    atomically; the parts, read in the order of their names, have the rows in the order of the
+    source. A call that resumes after an interrupt plans the missing parts only. Only one call at a
+    time may write to a folder.
 
-    `jobs` is the number of threads, by default that of the cores. `progress(rows_done, rows)` is called after each part.
-    Further options are those of `plan_all`, and `scene`. Raises `IiwasimError` if the source cannot be read, or the folder
-    has figures of other programs or options.
+    `jobs` is the number of threads, by default the number of cores. `progress(rows_done, rows)` is
+    called after each part. Further options are the options of `plan_all`, and `scene`. Raises
+    `IiwasimError` if the source cannot be read, or the folder has figures of other programs or
+    options.
 
     >>> import tempfile, pathlib
     >>> import iiwasim as iw
@@ -104,9 +107,11 @@ def plan(
 def figures(
     programs: Iterable[Program | str], *, jobs: int | None = None, **options: Unpack[Options]
 ) -> pa.Table:
-    """Figures of programs in memory, in their order: what an optimiser needs of each of its candidates.
+    """Figures of programs in memory, in their order: for example, of the candidates of an
+    optimiser.
 
-    A text that is no program has its error in its row. Options are those of `plan`.
+    A text that is not a valid program has its error in its row. The options are the options of
+    `plan`.
 
     >>> import iiwasim as iw
     >>> from iiwasim import batches
@@ -124,7 +129,7 @@ def figures(
 
 
 class _Threads:
-    """Threads of this process: planning leaves the interpreter to the others."""
+    """Threads of this process: planning releases the interpreter lock."""
 
     def __init__(self, jobs: int | None) -> None:
         cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
@@ -136,7 +141,7 @@ class _Threads:
         return self
 
     def __exit__(self, *_: object) -> None:
-        # After Ctrl-C, chunks are of no use any more: what runs ends at the next look.
+        # After Ctrl-C, results are not needed any more: running chunks end at the next look.
         self._has_ended.set()
         self._pool.shutdown(cancel_futures=True)
 

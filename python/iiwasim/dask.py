@@ -1,8 +1,9 @@
-"""Figures of many programs, on a cluster of Dask: those of `iiwasim.batches`, row by row.
+"""Figures of many programs on a Dask cluster, with the same rows as `iiwasim.batches`.
 
-Workers need the same version of iiwasim, and no file but robot profiles that programs name: who calls reads and writes, and
-sends chunks of programs around.
-Needs Dask: `pip install 'iiwasim[dask]'`. Examples need a cluster: a `distributed.Client` that was made before.
+Workers need the same version of iiwasim, and only the files of robot profiles that programs name:
+the caller reads the source, sends chunks of programs to the workers, and writes the figures.
+Needs Dask: `pip install 'iiwasim[dask]'`. The examples need a cluster: an existing
+`distributed.Client`.
 """
 
 from __future__ import annotations
@@ -45,11 +46,12 @@ def plan(
     progress: Callable[[int, int], object] | None = None,
     **options: Unpack[Options],
 ) -> Planned:
-    """Plans all programs of a file or a data frame of Dask, and writes their figures to a folder of Parquet.
+    """Plans all programs of a file or a Dask data frame, and writes their figures to Parquet files.
 
-    As `iiwasim.batches.plan`, on all threads of the cluster of `client`, by default the one that was made last. Each chunk is
-    a future: if its worker dies, the scheduler has another one do it. The partitions of a data frame are computed twice, one
-    after the other; its index is left out.
+    Works like `iiwasim.batches.plan`, on all threads of the cluster of `client`, by default the
+    client that was created last. Each chunk is a future: if its worker dies, the scheduler retries
+    it on another one. The partitions of a data frame are computed twice, one after the other; its
+    index is left out.
 
     >>> import iiwasim.dask
     >>> iiwasim.dask.plan("programs.jsonl", "figures").rows
@@ -71,7 +73,7 @@ def figures(
     client: distributed.Client | None = None,
     **options: Unpack[Options],
 ) -> pa.Table:
-    """Figures of programs in memory, in their order, as `iiwasim.batches.figures`.
+    """Figures of programs in memory, in their order, like `iiwasim.batches.figures`.
 
     >>> import iiwasim as iw
     >>> import iiwasim.dask
@@ -86,9 +88,10 @@ def figures(
 def mapped(
     frame: dd.DataFrame, *, column: str = "program", **options: Unpack[Options]
 ) -> dd.DataFrame:
-    """The data frame with figures in place of the programs in `column`, computed when it is asked for.
+    """The data frame with figures in place of the programs in `column`, computed lazily.
 
-    Index and order stay. Options are those of `plan`; the columns of figures have types of Arrow.
+    Index and order are kept. The options are the options of `plan`; the columns of figures have
+    Arrow types.
 
     >>> import iiwasim as iw
     >>> import iiwasim.dask, dask.dataframe, pandas
@@ -110,7 +113,7 @@ def _partition(frame: pd.DataFrame, planning: Planning) -> pd.DataFrame:
     programs = pa.table(
         {planning.column: pa.array(frame[planning.column], pa.string(), from_pandas=True)}
     )
-    # Types of Arrow know of missing integers.
+    # Arrow types can represent missing integers.
     figures = planning.figures(programs).to_pandas(types_mapper=pd.ArrowDtype)
     return frame.drop(columns=planning.column).join(figures.set_index(frame.index))
 
@@ -141,13 +144,13 @@ def _client(client: distributed.Client | None) -> distributed.Client:
 
 
 class _Futures:
-    """Futures of Dask, one a thread of its workers at a time."""
+    """Dask futures; each worker thread computes one at a time."""
 
     def __init__(self, client: distributed.Client) -> None:
         self._client = client
 
     def limit(self) -> int:
-        # Asked each time: clusters grow.
+        # Read at each call, as clusters grow.
         threads: dict[str, int] = self._client.nthreads()
         return 2 * sum(threads.values())
 

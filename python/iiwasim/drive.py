@@ -1,12 +1,16 @@
-"""Client of `iiwasim drive`: runs programs and trajectories on the robot, and reads what it measures.
+"""Client of `iiwasim drive`: runs programs and trajectories on the robot, and reads measurements.
 
-It needs pyzmq: `pip install 'iiwasim[drive]'`. Joint positions are in rad, A1 to A7, arrays (7,) or (n, 7); times are in s.
+Needs pyzmq: `pip install 'iiwasim[drive]'`. Joint positions are in rad, A1 to A7, in arrays (7,) or
+(n, 7); times are in s.
 
-A `Drive` may be shared by threads, as each request has a connection of its own: while one thread waits for a run, others
-may `stop` it or ask for the `state`. An iterator of `Drive.stream` belongs to one thread at a time.
+A `Drive` may be shared by threads, as each request has its own connection: while one thread waits
+for a run, others may `stop` it or read the `state`. An iterator of `Drive.stream` belongs to one
+thread at a time.
 
-Ctrl-C stops the robot where `Drive.run` is called in the main thread; Python tells no other thread of it. There, catch
-`KeyboardInterrupt` in the main thread and call `Drive.stop`. Stops are no emergency stop: they depend on the network.
+Ctrl-C stops the robot if `Drive.run` is called in the main thread: Python raises
+`KeyboardInterrupt` only there. If another thread calls `Drive.run`, catch `KeyboardInterrupt` in
+the main thread and call `Drive.stop`. A stop depends on the network and does not replace an
+emergency stop.
 """
 
 from __future__ import annotations
@@ -74,27 +78,27 @@ __all__ = [
 T = TypeVar("T")
 
 ADDRESS = "127.0.0.1:5560"
-"""Where a drive listens if its options say nothing else."""
+"""Default address of a drive."""
 START_TOLERANCE_RAD = math.radians(0.5)
-"""How far from its start a program may begin, as in `iiwasim run`."""
-# Keys of a program that are sent with its motions; the others are for planning.
+"""Maximum joint deviation from the start of a program, as in `iiwasim run`."""
+# Keys of a program that are sent to the drive; the other keys are for planning only.
 MOTION_KEYS = ("motions", "tools", "bases", "frames", "tool", "base", "mode", "mount")
 MAX_BYTES = {"run_motions": 4 << 20, "run_trajectory": 32 << 20}
 MAX_POINTS = 200_000
-# The drive answers a stop within 4 s.
+# Above the 4 s within which the drive answers a stop.
 STOP_TIMEOUT_S = 5.0
-# From a stop whose connection was lost to the next one.
+# Pause before a stop whose connection was lost is sent again.
 RETRY_S = 0.05
-# How long a run is stopped again and again: it may not have reached the robot at the first time.
+# Maximum time for repeated stops of a run, as the first stop may arrive before the run has begun.
 REST_TIMEOUT_S = 10.0
-# From one look at a run, or at the samples, to the next.
+# Poll interval for the end of a run, and for samples.
 PAUSE_S = 0.05
-# How long samples are handed on that have arrived with the end of their run.
+# Maximum time for handing on the samples that arrived by the end of their run.
 LAST_SAMPLES_S = 0.5
 
 
 class ProgramText(Protocol):
-    """What can be written as a motion program in JSON, as `iiwasim.Program`."""
+    """An object with a motion program in JSON, such as `iiwasim.Program`."""
 
     def to_json(self) -> str:
         """The program in JSON."""
@@ -102,15 +106,16 @@ class ProgramText(Protocol):
 
 
 class Drive:
-    """A drive, at `address`: `HOST:PORT`, by default that of `IIWASIM_DRIVE`, else 127.0.0.1:5560.
+    """A drive at `address` (`HOST:PORT`), by default `IIWASIM_DRIVE`, else 127.0.0.1:5560.
 
-    `stream` is the address at which it publishes; its default is the next port, or `IIWASIM_STREAM` where `address` is
-    left out. On other machines than this one, a drive requires keys, made by `iiwasim keygen`: `key` is the own `.key`
-    file, `server_key` the drive's `.pub` file, by default those of `IIWASIM_KEY` and `IIWASIM_SERVER_KEY`. Answers
-    without motion are waited for `timeout_s`.
+    `stream` is the address at which the drive publishes; its default is the next port, or
+    `IIWASIM_STREAM` if `address` is left out. A drive on another machine requires keys from
+    `iiwasim keygen`: `key` is your `.key` file, `server_key` the `.pub` file of the drive; the
+    defaults are `IIWASIM_KEY` and `IIWASIM_SERVER_KEY`. `timeout_s` is the maximum time for
+    replies to requests without motion.
 
-    The first request connects. A bad address, and files that are no keys, are a `ValueError`; requests raise `DriveError`
-    and `DriveTimeout`.
+    The first request connects. An invalid address or key file raises `ValueError`; requests raise
+    `DriveError` and `DriveTimeout`.
 
     >>> program = {
     ...     "version": 1,
@@ -136,7 +141,7 @@ class Drive:
     ) -> None:
         if not 0.0 < timeout_s < math.inf:
             raise ValueError(f"timeout_s is {timeout_s}; give a time in s above 0")
-        # Not before: all else of the package does without pyzmq.
+        # Imported here, because the rest of the package works without pyzmq.
         from ._link import Keys, endpoint
 
         if address is None:
@@ -168,11 +173,11 @@ class Drive:
         return f"<Drive at {self._at}{', closed' if self._closed else ''}>"
 
     def close(self) -> None:
-        """Refuses further requests, and ends iterators of `stream`. It does not stop the robot."""
+        """Refuses further requests, and ends iterators of `stream`. Does not stop the robot."""
         self._closed = True
 
     def state(self) -> DriveState:
-        """What drive and robot do now.
+        """Reads the current state of drive and robot.
 
         >>> with Drive() as drive:
         ...     drive.state().state
@@ -193,26 +198,30 @@ class Drive:
         planned_s: float | None = None,
         robot: Robot | str | None = None,
     ) -> Run:
-        """Runs a program and returns what was measured once it has ended; the controller plans it.
+        """Runs a program, waits for its end and returns the measurements; the controller plans it.
 
-        `program` is an `iiwasim.Program`, the keys of one, or its JSON. The robot has to be at its start, within 0.5
-        deg, or `move_to_start` first moves it there, in a straight line in joint space at `start_velocity_rel` of the
-        velocity limits. `start_rad`, (7,), says that it starts elsewhere. A program without a `start` starts where the
-        robot is. `limit_torque_percent` is for planning only; to keep it, run the samples of the plan by
-        `run_trajectory`.
+        `program` is an `iiwasim.Program`, the keys of a program, or its JSON. The robot has to be
+        at the start of the program, within 0.5 deg; with `move_to_start`, the robot first moves
+        there, on a straight line in joint space at `start_velocity_rel` of the velocity limits.
+        `start_rad`, (7,), replaces the start of the program. A program without a `start` starts at
+        the current position. `limit_torque_percent` is for planning only; to enforce it, run the
+        samples of the plan with `run_trajectory`.
 
-        Ctrl-C, an exception in `on_sample`, and a run of more than `timeout_s` stop the robot on its path, also on the way
-        to the start; once it stands, they are raised. A second Ctrl-C does not wait for that. `on_sample` is called with
-        measured positions while the program runs, and should be quick; positions that it is too slow for are in the
-        result.
+        Ctrl-C, an exception in `on_sample`, and a run of more than `timeout_s` stop the robot on
+        its path, also during the motion to the start; the exception is raised once the robot is at
+        rest. A second Ctrl-C does not wait for that. `on_sample` is called with measured positions
+        while the program runs, and should be quick; positions that arrive too fast for it are only
+        in the result.
 
-        `name` and `planned_s`, the planned cycle time, are published with the run for those who follow the robot, such as
-        `iiwasim bridge`; `iiwasim history` groups runs by name.
+        `name` and `planned_s`, the planned cycle time, are published with the run for monitoring
+        clients such as `iiwasim bridge`; `iiwasim history` groups runs by name.
 
-        `robot`, a model or a profile, says which robot the program is for; its default is the program's own. The drive refuses
-        the program, with `bad_request`, if it controls a robot with other lengths or another flange.
+        `robot`, a model or a profile, is the robot for which the program was written; the default
+        is the robot of the program. The drive refuses the program, with `bad_request`, if it
+        controls a robot with other lengths or another flange.
 
-        Raises `DriveError`: with `.run`, what was measured up to then, if the run was stopped or broke off.
+        Raises `DriveError`; its `.run` has the measurements up to the error if the run was stopped
+        or aborted.
         """
         _check_callable(on_sample)
         keys = _program_keys(program)
@@ -241,10 +250,12 @@ class Drive:
         planned_s: float | None = None,
         robot: Robot | str | None = None,
     ) -> Run:
-        """Runs joint positions `q`, in rad, (n, 7), at times `t`, in s, (n,), as set-points over FRI; all else is as in `run`.
+        """Runs joint positions `q`, in rad, (n, 7), at times `t`, in s, (n,), as FRI set-points.
 
-        The drive checks them: at most 25 ms from one to the next while the arm moves, within all limits, at rest at both
-        ends, and from where the robot is; and, if `robot` is given, that it is the one that they were planned for.
+        The other arguments are as in `run`. The drive checks the trajectory: at most 25 ms between
+        set-points while the robot moves, within all limits, at rest at both ends, and starting at
+        the current position; and, if `robot` is given, that the trajectory was planned for the
+        robot of the drive.
 
         >>> rise = np.linspace(0.0, 1.0, 101)
         >>> q = np.zeros((101, 7))
@@ -272,19 +283,23 @@ class Drive:
         return self._execute(text, timeout_s, on_sample)
 
     def last_run(self) -> Run:
-        """The result of the last run again, as after a lost connection; a run that broke off is raised again."""
+        """Reads the result of the last run again, for example after a lost connection.
+
+        If the last run was aborted, its `DriveError` is raised again.
+        """
         return self._ask({"type": "last_run"}, read_run)
 
     def stop(self) -> None:
-        """Stops the running motion on its path, whoever started it, and returns once the arm stands; from any thread.
+        """Stops the running motion on its path, and returns once the robot is at rest.
 
-        The stop is sent again if the connection is lost, for 5 s.
+        Any thread may call it, and the motion may be of any client. The stop is sent again if the
+        connection is lost, for 5 s.
         """
         self._check_open()
         self._stop()
 
     def sensors(self) -> Sensors:
-        """Reads the sensors; not while a run is on (`not_idle`).
+        """Reads the sensors; refused during a run (`not_idle`).
 
         >>> with Drive() as drive:
         ...     drive.sensors().external_torque_nm.shape
@@ -293,15 +308,15 @@ class Drive:
         return self._ask({"type": "read_sensors"}, read_sensors)
 
     def list_io(self) -> list[Signal]:
-        """Reads all inputs and outputs; not while a run is on (`not_idle`)."""
+        """Reads all inputs and outputs; refused during a run (`not_idle`)."""
         return self._ask({"type": "list_io"}, read_signals)
 
     def get_io(self, name: str) -> IoValue:
-        """Reads an input or output; not while a run is on (`not_idle`)."""
+        """Reads an input or output; refused during a run (`not_idle`)."""
         return self._ask({"type": "get_io", "name": name}, read_value)
 
     def set_io(self, name: str, value: IoValue) -> IoValue:
-        """Sets an output and returns its new value; not while a run is on (`not_idle`).
+        """Sets an output and returns its new value; refused during a run (`not_idle`).
 
         >>> with Drive() as drive:
         ...     drive.set_io("MediaFlange.LEDBlue", True), drive.get_io("MediaFlange.LEDBlue")
@@ -310,10 +325,12 @@ class Drive:
         return self._ask({"type": "set_io", "name": name, "value": value}, read_value)
 
     def stream(self, *, duration_s: float | None = None) -> Generator[JointSample, None, None]:
-        """Measured joint positions, every cycle of the controller, for `duration_s` or without end.
+        """Iterates over measured joint positions, in every controller cycle, for `duration_s` or
+        endlessly.
 
-        It connects when the iteration begins. What a slow loop does not take is missed beyond a backlog of some thousand.
-        Silence of more than the drive's `timeout_s` raises `DriveTimeout`.
+        The iterator connects when the iteration begins. A loop that is too slow loses samples once
+        a backlog of some thousand samples is full. Silence for more than the `timeout_s` of this
+        `Drive` raises `DriveTimeout`.
 
         >>> with Drive() as drive:
         ...     for t_s, q in drive.stream():
@@ -341,8 +358,10 @@ class Drive:
         return self._exchange(request, read, self._timeout_s)
 
     def _stop(self) -> None:
-        """Also of a drive that another thread has closed. A stop is sent again after a lost connection: a drive under load
-        may close connections."""
+        """Stops the robot, also if another thread has closed this `Drive`.
+
+        The stop is sent again after a lost connection, as a drive under load may close connections.
+        """
         from ._link import ConnectionLost
 
         until = time.monotonic() + max(self._timeout_s, STOP_TIMEOUT_S)
@@ -384,7 +403,7 @@ class Drive:
     def _go_to_start(
         self, start: Joints, move: bool, velocity_rel: float, robot: Robot | None
     ) -> None:
-        """Makes sure that the robot is at a start; it moves there if it may."""
+        """Moves the robot to a start if `move` is true; raises `DriveError` if it is elsewhere."""
         state = self.state()
         if state.state != "idle":
             raise DriveError("not_idle", "the robot is busy: it is running another program")
@@ -420,7 +439,7 @@ class Drive:
         timeout_s: float | None,
         on_sample: Callable[[JointSample], object] | None,
     ) -> Run:
-        """Sends a run and waits for its end; what comes in between stops the robot."""
+        """Sends a run and waits for its end; an exception in the meantime stops the robot."""
         self._check_open()
         with ExitStack() as open_lines:
             samples = (
@@ -429,14 +448,14 @@ class Drive:
                 else None
             )
             if samples is not None:
-                # The run is not to begin before the drive has read the subscription.
+                # The run must not begin before the drive has read the subscription.
                 samples.poll(self._timeout_s)
             line = open_lines.enter_context(self._connection())
             try:
                 line.send(request)
                 has_ended = _follow(line, samples, timeout_s, on_sample)
             except BaseException:
-                # A lost drive takes no stop; the run goes on without it.
+                # Without a connection, the run cannot be stopped and continues.
                 if not line.is_lost:
                     self._bring_to_rest(line)
                 raise
@@ -448,7 +467,7 @@ class Drive:
             )
 
     def _bring_to_rest(self, line: Line) -> bytes | None:
-        """Stops the run that a connection waits for, and returns its reply."""
+        """Stops the run whose reply is expected on `line`, and returns the reply."""
         failure: DriveError | None = None
         until = time.monotonic() + REST_TIMEOUT_S
         with suppress(DriveError):
@@ -474,7 +493,7 @@ def _as_robot(robot: Robot | str) -> Robot:
 
 
 def _robot_of(program: object, keys: dict[str, Any]) -> Robot:
-    """The robot that a program is for."""
+    """The robot for which a program is written."""
     from ._native import Program, Robot
 
     return (
@@ -505,7 +524,7 @@ def _follow(
     timeout_s: float | None,
     on_sample: Callable[[JointSample], object] | None,
 ) -> bool:
-    """Waits for the end of a run, and hands on its samples; whether it has ended in time."""
+    """Waits for the end of a run, and hands on its samples; returns true if it ended in time."""
     if samples is None or on_sample is None:
         return line.poll(math.inf if timeout_s is None else timeout_s)
     until = math.inf if timeout_s is None else time.monotonic() + timeout_s
@@ -522,7 +541,7 @@ def _follow(
             continue
         topic, text = samples.receive()
         if topic == b"state":
-            # The first samples of a run are from before its state is published.
+            # Samples before the published state of a run do not belong to it.
             runs = state_message(text) != "idle"
         elif runs:
             on_sample(joint_sample(text))
@@ -530,7 +549,7 @@ def _follow(
 
 
 def _check_callable(on_sample: object) -> None:
-    """Before anything moves, not at the first sample."""
+    """Raises `TypeError` for an invalid `on_sample` before the robot moves."""
     if on_sample is not None and not callable(on_sample):
         raise TypeError(f"on_sample is {on_sample!r}; a function of a JointSample is expected")
 
@@ -542,7 +561,7 @@ def _program_keys(program: ProgramText | Mapping[str, Any] | str) -> dict[str, A
             keys = json.loads(program)
         except ValueError as error:
             taken = "a str is taken for the JSON of a program, and iiwasim.Program.load reads files"
-            raise ValueError(f"the program is no JSON: {error}; {taken}") from None
+            raise ValueError(f"the program is not JSON: {error}; {taken}") from None
     elif hasattr(program, "to_json"):
         keys = json.loads(program.to_json())
     elif hasattr(program, "keys"):
@@ -559,14 +578,14 @@ def _program_keys(program: ProgramText | Mapping[str, Any] | str) -> dict[str, A
 
 
 def _start_of(program: object, keys: dict[str, Any]) -> Joints | None:
-    """Where a program starts, in rad; `None` if it does not say."""
+    """The start of a program, in rad; `None` if it has no start."""
     if "start" not in keys:
         return None
     start = keys["start"]
     for name, to_rad in (("joints_rad", 1.0), ("joints_deg", math.pi / 180.0)):
         if isinstance(start, dict) and name in start:
             return _seven(start[name], f"the start's {name}") * to_rad
-    # A frame: where the joints are there depends on the robot, which a program of ours knows.
+    # The start is a frame: its joint positions depend on the robot, which `Program` knows.
     from ._native import Program
 
     if not isinstance(program, Program):
@@ -592,14 +611,14 @@ def _request_text(request: dict[str, Any]) -> bytes:
 
 
 def _plain(value: object) -> object:
-    """What JSON has for numpy's arrays and numbers."""
+    """Converts NumPy arrays and numbers to JSON values."""
     if isinstance(value, (np.ndarray, np.generic)):
         return value.tolist()
     raise TypeError(f"{type(value).__name__} has no form in JSON")
 
 
 def _caution(conditions: Conditions) -> str:
-    """Why runs take longer than planned, if they do."""
+    """Reasons for runs to take longer than planned; empty without a reason."""
     causes = []
     if conditions.override_rel is not None and conditions.override_rel < 1.0:
         causes.append(f"the override is {100 * conditions.override_rel:g} %")

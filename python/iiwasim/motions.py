@@ -1,11 +1,12 @@
-"""The motions of programs, as the dicts that program files have.
+"""Functions that return motions as the dicts of program files.
 
-What is left out is not in the dict: the robot's limits hold then, and the program's tool and base.
+Arguments that are left out are not in the dict; the robot's limits and the program's tool and base
+apply then.
 """
 
 from __future__ import annotations
 
-# Not for type checkers alone: `typing.get_type_hints` looks for them.
+# Imported at run time, too: `typing.get_type_hints` needs these names.
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from typing import Any, Union
@@ -15,7 +16,7 @@ import numpy as np
 Share = Union[float, Sequence[float]]
 
 Motion = dict[str, Any]
-"""A motion, as program files have it.
+"""A motion, as in program files.
 
 >>> import iiwasim as iw
 >>> isinstance(iw.wait(1), iw.Motion)
@@ -23,7 +24,7 @@ True
 """
 
 
-# Keys of motions that functions make of arguments of other names.
+# Keys of motions that functions build from arguments with other names.
 INSTEAD = {
     "blend": "give blend_cart_mm or blend_ori_deg",
     "offset": "give x_mm, y_mm, z_mm, a_deg, b_deg or c_deg",
@@ -46,7 +47,7 @@ def _share(name: str, value: Share | None) -> float | list[float] | None:
 
 @contextmanager
 def _named(name: str, value: object, expected: str) -> Iterator[None]:
-    """Errors of numbers with the name of the argument."""
+    """Adds the name of the argument to errors of number conversion."""
     message = "{} is {!r}; {} is expected"
     try:
         yield
@@ -61,7 +62,7 @@ def _motion(kind: str, /, **given: Any) -> Motion:
 
 
 def _others(kind: str, limits: dict[str, Any], *made: str) -> dict[str, Any]:
-    """The further keys of a motion; not those that are made of other arguments."""
+    """The further keys of a motion, without the keys that are built from other arguments."""
     for key in ("type", "blend", *made):
         if key in limits:
             raise TypeError(f"{kind} has no argument {key!r}: {INSTEAD[key]}")
@@ -91,11 +92,13 @@ def ptp(
     tool: str | None = None,
     base: str | None = None,
 ) -> Motion:
-    """All joints go to joints, in degrees or in rad, or to a frame, and arrive together.
+    """Moves all joints to joint positions, in deg or rad, or to a frame; all joints arrive
+    together.
 
-    Shares of the robot's limits are above 0 and at most 1, for all joints or one each. A blend goes round the target:
-    `blend_cart_mm` is a radius, `blend_fraction` a share of the neighbouring segments up to 0.5, `blend_sunrise_rel`
-    what Sunrise's `setBlendingRel` takes. After a `blocking` motion, whose end the program waits for, the arm stands longer.
+    Shares of the robot's limits are above 0 and at most 1, for all joints or one per joint. A blend
+    rounds the corner at the target: `blend_cart_mm` is a radius, `blend_fraction` a share of the
+    neighbouring segments up to 0.5, `blend_sunrise_rel` the argument of Sunrise's `setBlendingRel`.
+    A `blocking` motion, for whose end the program waits, is followed by a longer standstill.
 
     >>> import iiwasim as iw
     >>> iw.ptp(deg=[0, 30, 0, -60, 0, 90, 0], velocity_rel=0.5, blend_cart_mm=50)
@@ -128,9 +131,9 @@ def lin(
     blend_ori_deg: float | None = None,
     **limits: Any,
 ) -> Motion:
-    """The TCP goes straight to a frame: the name of one of the program's, or a dict.
+    """Moves the TCP on a straight line to a frame: the name of a program frame, or a dict.
 
-    `limits` are all others that program files have, and `tool`, `base` and `orientation`.
+    `limits` are all other limits of program files, and `tool`, `base` and `orientation`.
 
     >>> import iiwasim as iw
     >>> iw.lin("place", cart_velocity_mm_s=250, cart_jerk_mm_s3=20000)
@@ -161,7 +164,7 @@ def lin_rel(
     blend_ori_deg: float | None = None,
     **limits: Any,
 ) -> Motion:
-    """The TCP goes straight by an offset, in its own directions or in those of the frame `within`.
+    """Moves the TCP on a straight line by an offset, along the TCP axes or the axes of `within`.
 
     >>> import iiwasim as iw
     >>> iw.lin_rel(z_mm=-80, cart_velocity_mm_s=250)
@@ -196,7 +199,7 @@ def circ(
     blend_ori_deg: float | None = None,
     **limits: Any,
 ) -> Motion:
-    """The TCP goes on a circle through `aux` to `frame`, or on by an angle.
+    """Moves the TCP on a circular arc through `aux` to `frame`, or by `circ_angle_deg`.
 
     >>> import iiwasim as iw
     >>> iw.circ("via", "place", cart_velocity_mm_s=300)
@@ -221,7 +224,7 @@ def spline(
     blend_ori_deg: float | None = None,
     **limits: Any,
 ) -> Motion:
-    """The TCP goes through frames without a stop; segments are dicts of the types `spl`, `lin` and `circ`.
+    """Moves the TCP through frames without a stop; segments are `spl`, `lin` and `circ` dicts.
 
     >>> import iiwasim as iw
     >>> iw.spline([{"type": "spl", "frame": "via"}, {"type": "lin", "frame": "place"}])["type"]
@@ -237,9 +240,10 @@ def spline(
 
 
 def wait(seconds: float, *, overlap: bool | int = False) -> Motion:
-    """The arm stands still.
+    """Waits at standstill.
 
-    With `overlap` the wait counts from when the motion before it begins; a number says how many motions before.
+    With `overlap` the waiting time is counted from the start of the motion before; a number counts
+    that many motions back.
 
     >>> import iiwasim as iw
     >>> iw.wait(0.5), iw.wait(1, overlap=True)
@@ -257,7 +261,7 @@ def load(
     inertia_kg_m2: Sequence[float] | None = None,
     abc_deg: Sequence[float] | None = None,
 ) -> Motion:
-    """From here on this hangs on the flange, the tool with what it holds; `None` is the tool's own load again.
+    """Sets the load at the flange (tool and workpiece); `None` restores the load of the tool.
 
     >>> import iiwasim as iw
     >>> iw.load(2.5, center_mm=[0, 0, 60])

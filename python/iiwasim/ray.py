@@ -1,8 +1,9 @@
-"""Figures of many programs, on a cluster of Ray: those of `iiwasim.batches`, row by row.
+"""Figures of many programs on a Ray cluster, with the same rows as `iiwasim.batches`.
 
-Workers need the same version of iiwasim, and no file but robot profiles that programs name: who calls reads and writes, and
-sends chunks of programs around.
-Needs Ray: `pip install 'iiwasim[ray]'`. Examples need a cluster; without one, Ray starts one on this machine.
+Workers need the same version of iiwasim, and only the files of robot profiles that programs name:
+the caller reads the source, sends chunks of programs to the workers, and writes the figures.
+Needs Ray: `pip install 'iiwasim[ray]'`. The examples need a cluster; without one, Ray starts a
+local cluster.
 """
 
 from __future__ import annotations
@@ -31,7 +32,7 @@ if TYPE_CHECKING:
 
 __all__ = ["figures", "mapped", "plan"]
 
-# How often a chunk is begun again after its worker has died.
+# Maximum number of retries of a chunk whose worker has died.
 RETRIES = 3
 
 
@@ -44,11 +45,14 @@ def plan(
     progress: Callable[[int, int], object] | None = None,
     **options: Unpack[Options],
 ) -> Planned:
-    """Plans all programs of a file or a dataset of Ray Data, and writes their figures to a folder of Parquet.
+    """Plans all programs of a file or a Ray Data dataset, and writes their figures to Parquet
+    files.
 
-    As `iiwasim.batches.plan`, on all CPUs of the cluster. Each chunk is a task of Ray: if its worker dies, it is begun again
-    on another one, up to three times. Tasks, and no pipeline of Ray Data, as its results are not written in parts with
-    places of their own, which is what an interrupted run is taken up by. A dataset is held in the cluster meanwhile.
+    Works like `iiwasim.batches.plan`, on all CPUs of the cluster. Each chunk is a Ray task: if its
+    worker dies, the task is retried on another one, up to three times. This function uses tasks
+    rather than a Ray Data pipeline, because a pipeline does not write its results in parts with
+    fixed row ranges, from which an interrupted run can resume. A dataset is kept in the cluster
+    meanwhile.
 
     >>> import iiwasim.ray
     >>> iiwasim.ray.plan("programs.jsonl", "figures").rows
@@ -60,7 +64,7 @@ def plan(
 
 
 def figures(programs: Iterable[Program | str], **options: Unpack[Options]) -> pa.Table:
-    """Figures of programs in memory, in their order, as `iiwasim.batches.figures`.
+    """Figures of programs in memory, in their order, like `iiwasim.batches.figures`.
 
     >>> import iiwasim as iw
     >>> import iiwasim.ray
@@ -75,9 +79,11 @@ def figures(programs: Iterable[Program | str], **options: Unpack[Options]) -> pa
 def mapped(
     dataset: Dataset, *, column: str = "program", chunk: int = 500, **options: Unpack[Options]
 ) -> Dataset:
-    """The dataset with figures in place of the programs in `column`: a step of a pipeline of Ray Data, done when it is read.
+    """The dataset with figures in place of the programs in `column`, as a lazy step of a Ray Data
+    pipeline.
 
-    Rows stay in their order, which needs no `row`. Options are those of `plan`.
+    Rows keep their order, so that a column `row` is not needed. The options are the options of
+    `plan`.
 
     >>> import iiwasim as iw
     >>> import iiwasim.ray, ray
@@ -116,7 +122,7 @@ def _figures(planning: Planning, chunk: pa.Table) -> pa.Table:
 
 
 class _Tasks:
-    """Tasks of Ray, each on one CPU."""
+    """Ray tasks, each on one CPU."""
 
     def __init__(self) -> None:
         if not ray.is_initialized():
@@ -124,7 +130,7 @@ class _Tasks:
         self._task = ray.remote(num_cpus=1, max_retries=RETRIES)(_figures)
 
     def limit(self) -> int:
-        # Asked each time: clusters grow.
+        # Read at each call, as clusters grow.
         return 2 * int(ray.cluster_resources().get("CPU", 1))
 
     def start(self, planning: Planning, chunk: pa.Table) -> Any:

@@ -1,4 +1,4 @@
-//! Joint positions as arrays of numpy, without copies where numpy's memory allows it.
+//! Joint positions as NumPy arrays, without copies where the memory layout allows it.
 
 use std::{borrow::Cow, ops::Range};
 
@@ -13,13 +13,13 @@ use pyo3::{
     prelude::*,
 };
 
-/// What Python gives as joints: (7,) or (n, 7), or anything that numpy makes one of.
+/// Joint positions from Python: (7,) or (n, 7), or anything that NumPy converts to such an array.
 pub(crate) type JointsLike<'py> = PyArrayLikeDyn<'py, f64, AllowTypeChange>;
 
 /// Rows of seven numbers.
 pub(crate) struct Rows<'a> {
     pub(crate) joints: Cow<'a, [Joints]>,
-    /// Whether it is one row, of shape (7,).
+    /// `true` for a single row, of shape (7,).
     pub(crate) is_single: bool,
 }
 
@@ -31,7 +31,7 @@ impl<'a> Rows<'a> {
         Ok(rows)
     }
 
-    /// The rows of an array called `name`, for who checks them on the way.
+    /// The rows of an array called `name`, for callers that check them later, by [`Self::check`].
     pub(crate) fn unchecked(name: &str, array: &'a JointsLike<'_>) -> PyResult<Self> {
         let is_single = match array.shape() {
             [7] => true,
@@ -42,7 +42,7 @@ impl<'a> Rows<'a> {
                 )));
             }
         };
-        // A slice of numpy's memory may be of columns.
+        // NumPy's memory may be in column order.
         let slice = array.as_slice().ok().filter(|_| array.is_c_contiguous());
         let joints = if let Some(slice) = slice {
             Cow::Borrowed(slice.as_chunks().0)
@@ -58,7 +58,7 @@ impl<'a> Rows<'a> {
     /// Checks that some of the rows are finite.
     pub(crate) fn check(&self, name: &str, some: Range<usize>) -> PyResult<()> {
         let (first, some) = (some.start, &self.joints[some]);
-        // All of them without a branch first: that takes a fraction of what looking for the row does.
+        // First all rows without a branch, which takes a fraction of the time of finding the row.
         if some.as_flattened().iter().fold(true, |all, value| all & value.is_finite()) {
             return Ok(());
         }
@@ -83,11 +83,11 @@ impl<'a> Rows<'a> {
     }
 }
 
-/// An empty list with room for so many entries, for sizes that the caller chooses.
+/// An empty vector with capacity `count`, or a `MemoryError`: the caller chooses the size.
 pub(crate) fn room<T>(count: usize) -> PyResult<Vec<T>> {
     let mut list = Vec::new();
     list.try_reserve_exact(count)
-        .map_err(|_| PyMemoryError::new_err(format!("there is no memory for {count} rows")))?;
+        .map_err(|_| PyMemoryError::new_err(format!("not enough memory for {count} rows")))?;
     Ok(list)
 }
 
@@ -111,7 +111,7 @@ pub(crate) fn joint_array(py: Python<'_>, rows: Vec<Joints>) -> PyResult<Py<PyAr
     array(py, rows, &[7], false).map(Bound::unbind)
 }
 
-/// An array that is handed out again and again, and so is not to be written to.
+/// Makes an array read-only, as all callers of a getter share it.
 pub(crate) fn shared<T: Element, D: Dimension>(
     array: Bound<'_, PyArray<T, D>>,
 ) -> Py<PyArray<T, D>> {

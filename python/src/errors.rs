@@ -1,4 +1,4 @@
-//! Errors as the exceptions of `iiwasim._errors`.
+//! Conversion of errors to the exceptions of `iiwasim._errors`.
 
 use std::{fs, io, path::Path};
 
@@ -26,7 +26,7 @@ where
     }
 }
 
-/// A value of a type that an argument cannot have.
+/// A `TypeError` for an argument of the wrong type.
 pub(crate) fn unexpected(name: &str, value: &Bound<'_, PyAny>, expected: &str) -> PyErr {
     match value.get_type().name() {
         Ok(found) => {
@@ -40,7 +40,8 @@ pub(crate) fn unexpected(name: &str, value: &Bound<'_, PyAny>, expected: &str) -
 const NO_SUCH_FILE: i32 = 2;
 const IS_A_FOLDER: i32 = 21;
 
-/// A file that cannot be read or written; Python chooses the exception by the system's number.
+/// An `OSError` for a file that cannot be read or written; Python chooses the subclass by the
+/// error number of the system.
 pub(crate) fn os_error(path: &Path, error: &io::Error) -> PyErr {
     let text = error.to_string();
     let what = text.split(" (os error").next().unwrap_or(&text).to_owned();
@@ -55,7 +56,7 @@ pub(crate) fn os_error(path: &Path, error: &io::Error) -> PyErr {
     }
 }
 
-/// A file that was not written.
+/// An exception for a file that was not written.
 pub(crate) fn output_error(error: &OutputError) -> PyErr {
     match error {
         OutputError::Interrupted => PyKeyboardInterrupt::new_err(()),
@@ -66,7 +67,7 @@ pub(crate) fn output_error(error: &OutputError) -> PyErr {
     }
 }
 
-/// The text of a file; an exception of `class` if it is none.
+/// The text of a file; an exception of `class` if the file is not UTF-8.
 pub(crate) fn read_text(py: Python<'_>, path: &Path, class: &str) -> PyResult<String> {
     fs::read_to_string(path).map_err(|error| match error.kind() {
         io::ErrorKind::InvalidData => {
@@ -80,14 +81,14 @@ fn in_text(py: Python<'_>, class: &str, what: &str, place: &Place) -> PyErr {
     exception(py, class, (format!("{what}, at {place}"), place.line, place.column))
 }
 
-/// A text that is not a valid program.
+/// A `ProgramError` for an invalid program text.
 pub(crate) fn program_error(py: Python<'_>, error: &ProgramError) -> PyErr {
     let place = error.place();
     let motion = error.motion().map(MotionIndex::number);
     exception(py, "ProgramError", (error.to_string(), place.line, place.column, motion))
 }
 
-/// A program that cannot be read or planned.
+/// A `ProgramError`, or another exception, for a program that cannot be read or planned.
 pub(crate) fn plan_error(py: Python<'_>, error: &Error) -> PyErr {
     if error.is_interrupt() {
         return PyKeyboardInterrupt::new_err(());
@@ -101,12 +102,12 @@ pub(crate) fn plan_error(py: Python<'_>, error: &Error) -> PyErr {
     exception(py, "ProgramError", (error.to_string(), line, column, motion))
 }
 
-/// A text that is no robot profile.
+/// A `ProfileError` for an invalid robot profile.
 pub(crate) fn profile_error(py: Python<'_>, error: &ProfileError) -> PyErr {
     in_text(py, "ProfileError", &error.what(), error.place())
 }
 
-/// A text that is no scene.
+/// A `SceneError` for an invalid scene.
 pub(crate) fn scene_error(py: Python<'_>, error: &SceneError) -> PyErr {
     in_text(py, "SceneError", &error.what(), error.place())
 }

@@ -1,4 +1,4 @@
-//! Plans held against recordings, and robots identified from them.
+//! Comparison of plans with recordings, and identification of robots from recordings.
 
 use std::{
     io::Read,
@@ -27,9 +27,9 @@ use crate::{
     work::interruptible,
 };
 
-/// A plan held against a recording; `compare` makes it.
+/// The comparison of a plan with a recording, returned by `compare`.
 ///
-/// Pickled, it is its plan and recording; where it is unpickled, they are compared anew.
+/// A pickle contains the plan and the recording; unpickling compares them again.
 ///
 /// >>> import iiwasim as iw
 /// >>> program = iw.Program([iw.ptp(deg=[30] + [0] * 6), iw.wait(0.5)], start_deg=[0] * 7)
@@ -46,10 +46,10 @@ pub(crate) struct Comparison {
     report: ComparisonReport,
 }
 
-/// What plans are compared with: of a file or of memory.
+/// The plan of a comparison: from a file or from memory.
 pub(crate) enum PlanArgument {
     Plan(Py<Plan>),
-    /// A file as it is now, by its name.
+    /// Name and current content of a file.
     File(String, Py<PyBytes>),
 }
 
@@ -60,7 +60,7 @@ impl<'py> FromPyObject<'_, 'py> for PlanArgument {
         if let Ok(plan) = value.cast::<Plan>() {
             return Ok(Self::Plan(plan.to_owned().unbind()));
         }
-        // So it was pickled.
+        // The form in which a file is pickled.
         if let Ok((name, bytes)) = value.extract() {
             return Ok(Self::File(name, bytes));
         }
@@ -89,7 +89,7 @@ impl PlanArgument {
     }
 }
 
-/// Compares; see `iiwasim/_recordings.py`.
+/// Compares a plan with a recording; see `iiwasim/_recordings.py`.
 #[pyfunction]
 #[pyo3(signature = (plan, measured, /))]
 pub(crate) fn compare(
@@ -111,7 +111,7 @@ pub(crate) fn compare(
 
 #[pymethods]
 impl Comparison {
-    /// Planned minus measured, in s.
+    /// Planned minus measured cycle time, in s.
     ///
     /// >>> import iiwasim as iw
     /// >>> program = iw.Program([iw.ptp(deg=[30] + [0] * 6), iw.wait(0.5)], start_deg=[0] * 7)
@@ -125,7 +125,7 @@ impl Comparison {
         self.compared.cycle_time.error_s
     }
 
-    /// The same as a share of what was measured, in per cent.
+    /// Cycle time error as a share of the measured time, in per cent.
     ///
     /// >>> import iiwasim as iw
     /// >>> program = iw.Program([iw.ptp(deg=[30] + [0] * 6), iw.wait(0.5)], start_deg=[0] * 7)
@@ -139,7 +139,7 @@ impl Comparison {
         self.compared.cycle_time.error_percent
     }
 
-    /// The planned time, in s.
+    /// Planned cycle time, in s.
     ///
     /// >>> import iiwasim as iw
     /// >>> program = iw.Program([iw.ptp(deg=[30] + [0] * 6), iw.wait(0.5)], start_deg=[0] * 7)
@@ -153,7 +153,7 @@ impl Comparison {
         self.compared.cycle_time.simulated_s
     }
 
-    /// The measured time, in s.
+    /// Measured cycle time, in s.
     ///
     /// >>> import iiwasim as iw
     /// >>> program = iw.Program([iw.ptp(deg=[30] + [0] * 6), iw.wait(0.5)], start_deg=[0] * 7)
@@ -167,7 +167,7 @@ impl Comparison {
         self.compared.cycle_time.real_s
     }
 
-    /// How far the TCP was off the planned path at most, in mm.
+    /// Maximum deviation of the TCP from the planned path, in mm.
     ///
     /// >>> import iiwasim as iw
     /// >>> program = iw.Program([iw.ptp(deg=[30] + [0] * 6), iw.wait(0.5)], start_deg=[0] * 7)
@@ -181,7 +181,7 @@ impl Comparison {
         self.report.max_deviation_mm()
     }
 
-    /// All figures as a dict: that of `iiwasim compare --json`.
+    /// All figures as a dict, as in `iiwasim compare --json`.
     ///
     /// >>> import iiwasim as iw
     /// >>> program = iw.Program([iw.ptp(deg=[30] + [0] * 6), iw.wait(0.5)], start_deg=[0] * 7)
@@ -248,9 +248,9 @@ fn figures<'py>(py: Python<'py>, report: &impl serde::Serialize) -> PyResult<Bou
     object(py, &json.map_err(|error| PyRuntimeError::new_err(error.to_string()))?)
 }
 
-/// What recordings show of the robot that they are of; `identify` makes it.
+/// The robot parameters found from recordings, returned by `identify`.
 ///
-/// Pickled, it is what it was found from; where it is unpickled, it is found anew.
+/// A pickle contains the recordings and options; unpickling identifies the robot again.
 ///
 /// >>> import iiwasim as iw
 /// >>> program = iw.Program([iw.ptp(deg=[30] + [0] * 6), iw.wait(0.5)], start_deg=[0] * 7)
@@ -268,7 +268,7 @@ pub(crate) struct Identification {
     report: IdentificationReport,
 }
 
-/// Identifies; see `iiwasim/_recordings.py`.
+/// Identifies a robot from recordings; see `iiwasim/_recordings.py`.
 #[pyfunction]
 #[pyo3(signature = (recordings, *, program = None, robot = None, name = "identified"))]
 pub(crate) fn identify(
@@ -353,7 +353,7 @@ pub(crate) fn identify(
 
 #[pymethods]
 impl Identification {
-    /// The robot with what was found, to plan with.
+    /// The robot with the identified parameters, for planning.
     ///
     /// >>> import iiwasim as iw
     /// >>> program = iw.Program([iw.ptp(deg=[30] + [0] * 6), iw.wait(0.5)], start_deg=[0] * 7)
@@ -367,7 +367,7 @@ impl Identification {
         Robot::of(self.robot.clone())
     }
 
-    /// All figures as a dict: that of `iiwasim identify --json`.
+    /// All figures as a dict, as in `iiwasim identify --json`.
     ///
     /// >>> import iiwasim as iw
     /// >>> program = iw.Program([iw.ptp(deg=[30] + [0] * 6), iw.wait(0.5)], start_deg=[0] * 7)

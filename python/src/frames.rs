@@ -1,4 +1,4 @@
-//! Frames, tools and loads, in the words of motion programs.
+//! Frames, tools and loads, with the keys of motion programs.
 
 use iiwa_kin::{Joints, Load, Pose, Redundancy, Robot, Status};
 use iiwa_program::{Target, TargetRef, Workcell};
@@ -18,12 +18,12 @@ pub(crate) fn json(py: Python<'_>, value: &Bound<'_, PyAny>) -> PyResult<String>
     py.import("iiwasim._json")?.call_method1("dumps", (value,))?.extract()
 }
 
-/// The JSON of a program; the error says in which motion a value is not finite.
+/// The JSON of a program; the error names the motion in which a value is not finite.
 pub(crate) fn json_of_program(py: Python<'_>, program: &Bound<'_, PyDict>) -> PyResult<String> {
     py.import("iiwasim._json")?.call_method1("program", (program,))?.extract()
 }
 
-/// A Python object of a JSON text.
+/// The Python object of a JSON text.
 pub(crate) fn object<'py>(py: Python<'py>, json: &str) -> PyResult<Bound<'py, PyAny>> {
     py.import("json")?.call_method1("loads", (json,))
 }
@@ -32,7 +32,7 @@ fn invalid(error: &dyn std::error::Error) -> PyErr {
     PyValueError::new_err(error.to_string())
 }
 
-/// A load as programs state it: `mass_kg`, `center_mm` and so on.
+/// A load from a dict as in programs: `mass_kg`, `center_mm` and so on.
 pub(crate) fn load(py: Python<'_>, load: &Bound<'_, PyAny>) -> PyResult<Load> {
     if load.cast::<PyMapping>().is_err() {
         return Err(unexpected("load", load, "a dict with mass_kg and center_mm"));
@@ -48,7 +48,8 @@ pub(crate) fn load(py: Python<'_>, load: &Bound<'_, PyAny>) -> PyResult<Load> {
         .ok_or_else(|| PyValueError::new_err("load is a dict with mass_kg and center_mm"))
 }
 
-/// A robot with what a program says of its tool and base; without a program the bare flange and the foot.
+/// A robot with the tool and base of a program; without a program, the bare flange and the robot
+/// foot.
 pub(crate) struct Workplace<'a> {
     robot: &'a Robot,
     workcell: Workcell,
@@ -70,7 +71,7 @@ impl<'a> Workplace<'a> {
         Ok(Self { robot, workcell, base_name, tcp, base })
     }
 
-    /// The joints at which the TCP is at `frame`, a dict or a name among the program's frames.
+    /// Joint positions with the TCP at `frame`, a dict or the name of a program frame.
     pub(crate) fn joints(
         &self,
         py: Python<'_>,
@@ -123,7 +124,7 @@ impl<'a> Workplace<'a> {
         Ok(joints)
     }
 
-    /// The frame of the TCP in the base, as [`Target::from_json`] reads it.
+    /// The TCP frame in the base, as [`Target::from_json`] reads it.
     pub(crate) fn frame<'py>(
         &self,
         py: Python<'py>,

@@ -18,10 +18,10 @@ mod work;
 
 use pyo3::{prelude::*, types::PyTuple};
 
-/// What makes an object again where it is unpickled: a function and its arguments.
+/// A pickled object: the function that restores it, and its arguments.
 type Pickled<'py> = (Bound<'py, PyAny>, Bound<'py, PyTuple>);
 
-/// What is written in Rust; `iiwasim` has it all.
+/// The native part of the package; `iiwasim` exports all of it.
 #[pymodule(gil_used = false)]
 mod _native {
     use numpy::PyArray1;
@@ -41,7 +41,7 @@ mod _native {
         sunrise::{applications, import_application},
     };
 
-    /// Loads numpy's part: where an array is made first, Ctrl-C could come in between.
+    /// Loads NumPy's C API on import: Ctrl-C could interrupt a later load, with the first array.
     #[pymodule_init]
     fn load_numpy(module: &Bound<'_, PyModule>) -> PyResult<()> {
         PyArray1::<f64>::zeros(module.py(), 0, false);

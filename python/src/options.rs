@@ -1,4 +1,4 @@
-//! Options of planning and reading, in the words of the command line.
+//! Options of planning and reading, with the names of the command line.
 
 use std::path::PathBuf;
 
@@ -54,17 +54,17 @@ const SEARCHES: [(&str, BlendSearch); 3] = [
     ("algorithm-2", BlendSearch::Algorithm2),
 ];
 
-/// The word for a shape of blends.
+/// The option name of a blend shape.
 pub(crate) fn shape_name(shape: BlendShape) -> &'static str {
     SHAPES.iter().find(|(_, known)| *known == shape).map_or("iiwa", |(name, _)| name)
 }
 
-/// The word for a search of blends.
+/// The option name of a blend search.
 pub(crate) fn search_name(search: BlendSearch) -> &'static str {
     SEARCHES.iter().find(|(_, known)| *known == search).map_or("first-crossing", |(name, _)| name)
 }
 
-/// The value that a word stands for.
+/// The value of an option name.
 fn word<T: Copy>(what: &str, word: &str, known: &[(&str, T)]) -> PyResult<T> {
     known.iter().find(|(name, _)| *name == word).map(|(_, value)| *value).ok_or_else(|| {
         let names: Vec<_> = known.iter().map(|(name, _)| format!("'{name}'")).collect();
@@ -72,7 +72,7 @@ fn word<T: Copy>(what: &str, word: &str, known: &[(&str, T)]) -> PyResult<T> {
     })
 }
 
-/// The choices for reading a recording of these words.
+/// Options for reading a recording, from option names.
 pub(crate) fn log_options(unit: Option<&str>, positions: &str) -> PyResult<LogOptions> {
     let units = [("rad", AngleUnit::Radians), ("deg", AngleUnit::Degrees)];
     let kinds = [("measured", Positions::Measured), ("commanded", Positions::Commanded)];
@@ -81,7 +81,7 @@ pub(crate) fn log_options(unit: Option<&str>, positions: &str) -> PyResult<LogOp
     Ok(unit.map_or(options, |unit| options.with_unit(unit)))
 }
 
-/// The options of these words.
+/// Planning options from option names.
 pub(crate) fn plan_options(
     timing: &str,
     blend_shape: &str,

@@ -9,7 +9,7 @@ use rayon::ThreadPoolBuilder;
 
 use crate::{scene::Scene, work::interruptible};
 
-/// The page of a plan's or a recording's file, with that of a measurement beside it: HTML.
+/// The HTML page of a plan or recording file, with a second file as measurement.
 #[pyfunction]
 #[pyo3(signature = (file, measured = None, scene = None))]
 pub(crate) fn page(
@@ -21,7 +21,7 @@ pub(crate) fn page(
     let scene = scene.map(|scene| (*scene.get().parsed).clone());
     let work = move |_| -> Result<String, String> {
         let options = PageOptions { scene, ..PageOptions::default() };
-        // A pool that ends here: see `interruptible`.
+        // A local pool: threads of the global pool do not exist in a forked process.
         let pool = ThreadPoolBuilder::new().build().map_err(|error| error.to_string())?;
         pool.install(|| {
             Page::read(&file, measured.as_deref(), &options)

@@ -28,9 +28,9 @@ use crate::{
     scene::{Clearance, Scene},
 };
 
-/// A plan: which path the arm takes through a program, and when it is where. Immutable.
+/// A plan: the time-parameterised path of the robot through a program. Immutable.
 ///
-/// Pickled, it is its program and options; where it is unpickled, it is planned anew, to the same plan.
+/// A pickle contains the program and the options; unpickling plans again, with the same result.
 ///
 /// >>> import iiwasim as iw
 /// >>> program = iw.Program([iw.ptp(deg=[30] + [0] * 6), iw.wait(0.5)], start_deg=[0] * 7)
@@ -39,14 +39,14 @@ use crate::{
 /// <iiwasim.Plan 1.196 s, 2 motions, sunrise>
 #[pyclass(frozen, module = "iiwasim")]
 pub(crate) struct Plan {
-    /// The program that was given.
+    /// The program as given by the caller.
     source: Arc<ProgramSource>,
     planned: iiwa_plan::Plan,
-    /// Made when they are asked for.
+    /// Computed on first access.
     figures: OnceLock<PlanFigures>,
 }
 
-/// What writing needs at most of a time: a rate that is a number.
+/// Checks a sampling rate: above 0 and up to 1 MHz.
 pub(crate) fn rate(rate_hz: f64) -> PyResult<f64> {
     if rate_hz.is_finite() && rate_hz > 0.0 && rate_hz <= 1e6 {
         return Ok(rate_hz);
@@ -83,7 +83,7 @@ impl Plan {
 
 #[pymethods]
 impl Plan {
-    /// From the start to the end of the last settling or waiting, in s.
+    /// Cycle time from the start to the end of the last settling or waiting time, in s.
     ///
     /// >>> import iiwasim as iw
     /// >>> program = iw.Program([iw.ptp(deg=[30] + [0] * 6), iw.wait(0.5)], start_deg=[0] * 7)
@@ -95,7 +95,7 @@ impl Plan {
         self.trajectory().cycle_time_s()
     }
 
-    /// The part of it in motion, in s.
+    /// Part of the cycle time in motion, in s.
     ///
     /// >>> import iiwasim as iw
     /// >>> program = iw.Program([iw.ptp(deg=[30] + [0] * 6), iw.wait(0.5)], start_deg=[0] * 7)
@@ -107,7 +107,7 @@ impl Plan {
         self.trajectory().motion_time_s()
     }
 
-    /// The part of it in which the arm settles, in s.
+    /// Part of the cycle time in which the robot settles, in s.
     ///
     /// >>> import iiwasim as iw
     /// >>> program = iw.Program([iw.ptp(deg=[30] + [0] * 6), iw.wait(0.5)], start_deg=[0] * 7)
@@ -119,7 +119,7 @@ impl Plan {
         self.trajectory().totals().settle_time_s
     }
 
-    /// The part of it in which the program waits, in s.
+    /// Part of the cycle time in which the program waits, in s.
     ///
     /// >>> import iiwasim as iw
     /// >>> program = iw.Program([iw.ptp(deg=[30] + [0] * 6), iw.wait(0.5)], start_deg=[0] * 7)
@@ -131,7 +131,8 @@ impl Plan {
         self.trajectory().totals().wait_time_s
     }
 
-    /// Which limits are kept: `jerk` (velocity, acceleration and jerk) or `acceleration` (the first two).
+    /// Timing option of the plan: `sunrise` (the default of `plan`), `jerk` (velocity, acceleration
+    /// and jerk limits) or `acceleration` (velocity and acceleration limits).
     ///
     /// >>> import iiwasim as iw
     /// >>> program = iw.Program([iw.ptp(deg=[30] + [0] * 6), iw.wait(0.5)], start_deg=[0] * 7)
@@ -143,7 +144,7 @@ impl Plan {
         self.planned.options.timing.name()
     }
 
-    /// The robot that it was made for.
+    /// The robot of the plan.
     ///
     /// >>> import iiwasim as iw
     /// >>> program = iw.Program([iw.ptp(deg=[30] + [0] * 6), iw.wait(0.5)], start_deg=[0] * 7)
@@ -155,7 +156,7 @@ impl Plan {
         Robot::of(self.planned.robot().clone())
     }
 
-    /// The program.
+    /// The program of the plan.
     ///
     /// >>> import iiwasim as iw
     /// >>> program = iw.Program([iw.ptp(deg=[30] + [0] * 6), iw.wait(0.5)], start_deg=[0] * 7)
@@ -167,7 +168,7 @@ impl Plan {
         Program::planned(&self.source, &self.planned.program, self.planned.robot())
     }
 
-    /// Its motions, as `MotionFigures`.
+    /// The motions, as `MotionFigures`.
     ///
     /// >>> import iiwasim as iw
     /// >>> program = iw.Program([iw.ptp(deg=[30] + [0] * 6), iw.wait(0.5)], start_deg=[0] * 7)
@@ -179,7 +180,7 @@ impl Plan {
         py.import("iiwasim._figures")?.call_method1("motions", (self.figures(py)?,))
     }
 
-    /// What is to be said of the program and of torques above their limits.
+    /// Warnings about the program, and about torques above their limits.
     ///
     /// >>> import iiwasim as iw
     /// >>> program = iw.Program([iw.ptp(deg=[30] + [0] * 6), iw.wait(0.5)], start_deg=[0] * 7)
@@ -191,7 +192,7 @@ impl Plan {
         self.planned.warnings(self.record())
     }
 
-    /// All figures as a dict: that of `iiwasim plan --json`.
+    /// All figures as a dict, as in `iiwasim plan --json`.
     ///
     /// >>> import iiwasim as iw
     /// >>> program = iw.Program([iw.ptp(deg=[30] + [0] * 6), iw.wait(0.5)], start_deg=[0] * 7)
@@ -216,7 +217,7 @@ impl Plan {
         py.detach(|| plan_table(self.record()))
     }
 
-    /// What the arm does at `t_s`; before the start it stands there, after the end too.
+    /// The joint state at `t_s`; the robot is at rest before the start and after the end.
     ///
     /// >>> import iiwasim as iw
     /// >>> program = iw.Program([iw.ptp(deg=[30] + [0] * 6), iw.wait(0.5)], start_deg=[0] * 7)
@@ -240,7 +241,7 @@ impl Plan {
         py.import("iiwasim._figures")?.getattr("State")?.call1(state)
     }
 
-    /// What the arm does `rate_hz` times a second: the first sample is at 0, the last exactly at the cycle time.
+    /// Samples the plan at `rate_hz`; the first sample is at 0, the last exactly at the cycle time.
     ///
     /// >>> import iiwasim as iw
     /// >>> program = iw.Program([iw.ptp(deg=[30] + [0] * 6), iw.wait(0.5)], start_deg=[0] * 7)
@@ -252,7 +253,8 @@ impl Plan {
         Samples::of(slf, rate(rate_hz)?)
     }
 
-    /// Where the arm comes nearest to an obstacle of the scene; `None` if there are none. It is found to 0.1 mm.
+    /// Minimum clearance between robot and obstacles of the scene, accurate to 0.1 mm; `None`
+    /// without obstacles.
     ///
     /// >>> import iiwasim as iw
     /// >>> program = iw.Program([iw.ptp(deg=[30] + [0] * 6), iw.wait(0.5)], start_deg=[0] * 7)
@@ -264,7 +266,7 @@ impl Plan {
         self.clearance_of(py, scene.get(), ArmInScene::clearance_of)
     }
 
-    /// Where the arm comes nearest to itself, with the scene's tool if there is one.
+    /// Minimum clearance of the robot to itself, including the tool of the scene if given.
     ///
     /// >>> import iiwasim as iw
     /// >>> program = iw.Program([iw.ptp(deg=[30] + [0] * 6), iw.wait(0.5)], start_deg=[0] * 7)
@@ -282,7 +284,8 @@ impl Plan {
         Ok(self.clearance_of(py, scene, ArmInScene::self_clearance_of))
     }
 
-    /// Writes the plan to an MCAP file, as `iiwasim plan` does, with `rate_hz` joint states a second.
+    /// Writes the plan to an MCAP file, as `iiwasim plan` does, with `rate_hz` joint states per
+    /// second.
     ///
     /// >>> import iiwasim as iw
     /// >>> program = iw.Program([iw.ptp(deg=[30] + [0] * 6), iw.wait(0.5)], start_deg=[0] * 7)
@@ -308,7 +311,7 @@ impl Plan {
         })
     }
 
-    /// The way of the TCP and the joints' speeds as a picture, SVG: that of `iiwasim plan --picture`.
+    /// TCP path and joint speeds as an SVG picture, as in `iiwasim plan --picture`.
     ///
     /// >>> import iiwasim as iw
     /// >>> program = iw.Program([iw.ptp(deg=[30] + [0] * 6), iw.wait(0.5)], start_deg=[0] * 7)
@@ -326,8 +329,8 @@ impl Plan {
         })
     }
 
-    /// The page that shows the plan in 3D, HTML, which is written to `path` if there is one; with a recording beside it, and what
-    /// stands around.
+    /// The HTML page that shows the plan in 3D, which is also written to `path` if given;
+    /// optionally with a recording, and with the obstacles of a scene.
     ///
     /// >>> import iiwasim as iw
     /// >>> program = iw.Program([iw.ptp(deg=[30] + [0] * 6), iw.wait(0.5)], start_deg=[0] * 7)
@@ -348,7 +351,7 @@ impl Plan {
         slf.py().import("iiwasim._pages")?.getattr("report")?.call((slf, path), Some(&options))
     }
 
-    /// Samples as a data frame of pandas, with the columns of `iiwasim plan --csv`.
+    /// Samples as a pandas data frame, with the columns of `iiwasim plan --csv`.
     ///
     /// >>> import iiwasim as iw
     /// >>> program = iw.Program([iw.ptp(deg=[30] + [0] * 6), iw.wait(0.5)], start_deg=[0] * 7)
@@ -360,7 +363,7 @@ impl Plan {
         slf.py().import("iiwasim._tables")?.call_method1("pandas", (slf, rate_hz))
     }
 
-    /// Samples as a data frame of polars, with the columns of `iiwasim plan --csv`.
+    /// Samples as a polars data frame, with the columns of `iiwasim plan --csv`.
     ///
     /// >>> import iiwasim as iw
     /// >>> program = iw.Program([iw.ptp(deg=[30] + [0] * 6), iw.wait(0.5)], start_deg=[0] * 7)
@@ -372,7 +375,7 @@ impl Plan {
         slf.py().import("iiwasim._tables")?.call_method1("polars", (slf, rate_hz))
     }
 
-    /// The way of the TCP and the joints' speeds as a figure of matplotlib.
+    /// TCP path and joint speeds as a matplotlib figure.
     ///
     /// >>> import iiwasim as iw
     /// >>> program = iw.Program([iw.ptp(deg=[30] + [0] * 6), iw.wait(0.5)], start_deg=[0] * 7)
@@ -388,7 +391,7 @@ impl Plan {
         slf.py().import("iiwasim._pages")?.call_method1("notebook", (slf,))
     }
 
-    /// Planned anew where it is unpickled: the same input gives the same plan.
+    /// Reduces the plan to its input, as the same input gives the same plan.
     fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Pickled<'py>> {
         let (py, own) = (slf.py(), slf.get());
         let path = own.planned.options.path;

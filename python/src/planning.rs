@@ -1,4 +1,4 @@
-//! Planning one program, or many.
+//! Planning of one or many programs.
 
 use std::{
     sync::{
@@ -50,7 +50,7 @@ impl Job {
         Self { source: Arc::clone(&program.source), request }
     }
 
-    /// Plans it, by a planner whose memory may be used again.
+    /// Plans the program with a planner whose memory is reused.
     fn plan(
         &self,
         planner: &mut Option<Planner>,
@@ -74,7 +74,7 @@ impl Job {
 /// Options that replace those of the program.
 #[derive(Clone, Copy)]
 struct Instead {
-    /// Torque limit as a share of the robot's.
+    /// Torque limit as a share of the robot's torque limits.
     torque_limit_rel: Option<f64>,
     /// Override of the controller, as a share.
     speed_override: Option<f64>,
@@ -90,7 +90,7 @@ impl Instead {
     }
 }
 
-/// The share of a percentage within bounds, which are shares.
+/// Converts a percentage to a share, and checks it against bounds, which are shares.
 fn share(name: &str, percent: Option<f64>, (least, most): (f64, f64)) -> PyResult<Option<f64>> {
     let Some(percent) = percent else { return Ok(None) };
     let share = percent / 100.0;
@@ -103,9 +103,10 @@ fn share(name: &str, percent: Option<f64>, (least, most): (f64, f64)) -> PyResul
     Ok(Some(share))
 }
 
-/// Lets this thread wait where another one wants its core: those of Python go on while planning `takes_all` cores.
+/// Lowers the priority of this thread if planning `takes_all` cores, so that Python threads keep
+/// running.
 fn give_way(takes_all: bool) {
-    // Elsewhere it would be the whole process that waits.
+    // On other systems the priority of the whole process would change.
     #[cfg(target_os = "linux")]
     if takes_all {
         let _ = rustix::process::nice(5);
@@ -114,12 +115,14 @@ fn give_way(takes_all: bool) {
     let _ = takes_all;
 }
 
-/// Plans a program: the fastest motion along its path within the limits of velocity, acceleration and, by `timing='jerk'`, jerk.
-/// By `timing='sunrise'`, PTP motions from rest to rest start and stop as Sunrise was seen to plan them, and splines go by a model.
+/// Plans a program: the fastest motion along its path within the velocity, acceleration and, with
+/// `timing='jerk'`, jerk limits. With `timing='sunrise'`, PTP motions from rest to rest start and
+/// stop as observed in Sunrise, and spline speeds follow a model.
 ///
-/// The robot is the program's unless `robot` is given: a `Robot`, a name or the path of a profile. `limit_torque_percent` limits
-/// torques, too. `override_percent` is the controller's override, in place of the program's: motions take longer by it, pauses and
-/// waits do not. Raises `ProgramError` with line, column and motion. Ctrl-C ends it.
+/// `robot`, a `Robot`, a name or the path of a profile, replaces the robot of the program.
+/// `limit_torque_percent` also limits torques. `override_percent`, the override of the controller,
+/// replaces the override of the program: it slows motions down, but not pauses and waits. Raises
+/// `ProgramError` with line, column and motion. Ctrl-C interrupts planning.
 ///
 /// >>> import iiwasim as iw
 /// >>> program = iw.Program([iw.ptp(deg=[30] + [0] * 6), iw.wait(0.5)], start_deg=[0] * 7)
@@ -157,10 +160,11 @@ pub(crate) fn plan(
     job.result(py, planned)
 }
 
-/// Plans many programs on all cores, or on `jobs` of them: a list of their plans, in the order of the programs.
+/// Plans many programs on all cores, or on `jobs` cores; returns a list of plans in their order.
 ///
-/// Where a program cannot be planned, its exception is in the list. `progress(done, total)` is called from time to time. Other
-/// threads of Python run meanwhile: on Linux, planning on all cores leaves them to whoever wants one. Ctrl-C ends it.
+/// The list has an exception in place of the plan of a program that cannot be planned.
+/// `progress(done, total)` is called from time to time. Other Python threads run meanwhile: on
+/// Linux, planning on all cores runs at low priority. Ctrl-C interrupts planning.
 ///
 /// >>> import iiwasim as iw
 /// >>> targets = [10, 20, 700]
@@ -206,7 +210,7 @@ pub(crate) fn plan_all<'py>(
         })?,
     };
     let takes_all = threads > 1 && threads >= cores;
-    // Made and ended here: see `interruptible`.
+    // A local pool: threads of the global pool do not exist in a forked process.
     let pool = ThreadPoolBuilder::new()
         .num_threads(threads.min(total.max(1)))
         .start_handler(move |_| give_way(takes_all))

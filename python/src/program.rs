@@ -21,30 +21,31 @@ use crate::{
     robot::{Robot, find, is_same, restorable, restored},
 };
 
-/// A motion program: where the arm stands, and what it does then. Immutable.
+/// A motion program: the start position and the motions. Immutable.
 ///
-/// `motions` are what `ptp`, `lin`, `wait` and the others make, or such dicts. The start is in degrees, in rad, or a frame.
-/// Tools, bases, frames and all else are as in program files. Raises `ProgramError` with line, column and motion; lines are
-/// those of `to_json()`.
+/// `motions` are results of `ptp`, `lin`, `wait` and so on, or equal dicts. The start is in deg, in
+/// rad, or a frame. Tools, bases, frames and the other arguments are as in program files. Raises
+/// `ProgramError` with line, column and motion; lines refer to `to_json()`.
 ///
 /// >>> import iiwasim as iw
 /// >>> iw.Program([iw.ptp(deg=[30] + [0] * 6), iw.wait(0.5)], start_deg=[0] * 7)
 /// <iiwasim.Program 2 motions, lbr_iiwa_7_r800>
 #[pyclass(frozen, module = "iiwasim")]
 pub(crate) struct Program {
-    /// With its text as it was read, or written by us.
+    /// The program with its text, as read or as serialised.
     pub(crate) source: Arc<ProgramSource>,
-    /// The robot that it names, if it names one.
+    /// The robot that the program names, if any.
     robot: Option<Arc<Model>>,
 }
 
 impl Program {
-    /// A program that we made, and wrote.
+    /// A program from its parsed form; its text is serialised from it.
     pub(crate) fn of(py: Python<'_>, program: Motions, robot: Option<Model>) -> PyResult<Self> {
         Self::with_named_robot(py, ProgramSource::from(program), robot.map(Arc::new))
     }
 
-    /// A program for `robot`, or for the robot that it names: a built-in model, or the profile at that path.
+    /// A program for `robot`, or for the robot that it names: a built-in model, or the path of a
+    /// profile.
     fn with_named_robot(
         py: Python<'_>,
         source: ProgramSource,
@@ -87,7 +88,7 @@ impl Program {
         self.source.text.as_read()
     }
 
-    /// True if its text alone says which robot it is for.
+    /// True if the program text alone identifies the robot.
     fn names_its_robot(&self) -> bool {
         let name = self.parsed().robot.as_deref();
         let named = name.map_or_else(|| Some(Model::default()), Model::built_in);
@@ -99,13 +100,13 @@ impl Program {
         Self::with_named_robot(py, source, robot)
     }
 
-    /// The robot that it is for, unless another one is given.
+    /// The robot of the program.
     pub(crate) fn model(&self) -> Model {
         let robot = self.robot.as_deref().cloned();
         robot.unwrap_or_else(|| self.parsed().with_flange(Model::default()))
     }
 
-    /// With another value of a key.
+    /// The program with another value of a key.
     fn with(&self, py: Python<'_>, key: &str, value: &Bound<'_, PyAny>) -> PyResult<Self> {
         let program = object(py, self.text())?;
         program.set_item(key, value)?;
@@ -113,7 +114,7 @@ impl Program {
     }
 }
 
-/// Writes a file, whole or not at all.
+/// Writes a file atomically.
 fn write(path: &Path, text: &str) -> PyResult<()> {
     let write = || {
         let output = Output::new(path)?;
@@ -202,7 +203,7 @@ impl Program {
         Self::read(py, &json_of_program(py, &program)?, model)
     }
 
-    /// The program of a text. Raises `ProgramError` with line, column and motion.
+    /// Reads a program from its text. Raises `ProgramError` with line, column and motion.
     ///
     /// >>> import iiwasim as iw
     /// >>> text = '{"version": 1, "start": {"joints_deg": [0, 0, 0, 0, 0, 0, 0]}, "motions": [{"type": "wait", "seconds": 1}]}'
@@ -213,7 +214,7 @@ impl Program {
         Self::read(py, text, None)
     }
 
-    /// The program of a file, with the robot profile and the frames that it names beside it.
+    /// Reads a program from a file, with the robot profile and the frames that the file names.
     ///
     /// >>> import iiwasim as iw
     /// >>> iw.Program.load('fixtures/appendix-b.json')
@@ -225,11 +226,12 @@ impl Program {
         let source = ProgramSource::beside(&path, text.trim_start_matches('\u{feff}'));
         let source = source.map_err(raise)?;
         let robot = source.named_robot().map_err(raise)?.map(Arc::new);
-        // Places in later errors are those in `to_json()`.
+        // Places in later errors refer to `to_json()`.
         Self::read(py, source.text.complete(), robot)
     }
 
-    /// Its text: what `from_json` and `iiwasim plan` read. A robot of your own is in it by its name only; `save` has its profile.
+    /// The program text, which `from_json` and `iiwasim plan` read. It has a custom robot by its
+    /// name only; `save` also writes the profile.
     ///
     /// >>> import iiwasim as iw
     /// >>> program = iw.Program([iw.wait(1)], start_deg=[0] * 7)
@@ -239,7 +241,8 @@ impl Program {
         self.text()
     }
 
-    /// Writes its text to a file, and beside it the profile of a robot of your own: for `cell.json`, `cell-robot.json`.
+    /// Writes the program to a file, and the profile of a custom robot to a second file next to it:
+    /// for `cell.json`, `cell-robot.json`.
     ///
     /// >>> import iiwasim as iw, os, tempfile
     /// >>> with tempfile.TemporaryDirectory() as folder:
@@ -258,7 +261,7 @@ impl Program {
         write(&path, named.text())
     }
 
-    /// The same motions from another start (7,), in degrees or in rad.
+    /// A program with the same motions from another start (7,), in deg or in rad.
     ///
     /// >>> import iiwasim as iw
     /// >>> program = iw.Program([iw.ptp(deg=[30] + [0] * 6)], start_deg=[0] * 7)
@@ -284,7 +287,7 @@ impl Program {
         self.with(py, "start", &start)
     }
 
-    /// The same start, tools and frames with other motions.
+    /// A program with the same start, tools and frames, and other motions.
     ///
     /// >>> import iiwasim as iw
     /// >>> program = iw.Program([iw.wait(1)], start_deg=[0] * 7)
@@ -295,7 +298,7 @@ impl Program {
         self.with(py, "motions", &motions)
     }
 
-    /// Its motions, as dicts; changing them changes nothing in the program.
+    /// The motions, as dicts; changes of the dicts do not change the program.
     ///
     /// >>> import iiwasim as iw
     /// >>> iw.Program([iw.wait(1)], start_deg=[0] * 7).motions
@@ -305,7 +308,7 @@ impl Program {
         object(py, self.text())?.get_item("motions")
     }
 
-    /// The robot that it is for.
+    /// The robot of the program.
     ///
     /// >>> import iiwasim as iw
     /// >>> iw.Program([iw.wait(1)], start_deg=[0] * 7, robot='lbr_iiwa_14_r820').robot
@@ -315,7 +318,8 @@ impl Program {
         Robot::of(self.model())
     }
 
-    /// The joints (7,) at the start, in rad. Raises `ProgramError` if it is a frame that the robot cannot reach.
+    /// Joint positions (7,) at the start, in rad. Raises `ProgramError` if the start is a frame
+    /// that the robot cannot reach.
     ///
     /// >>> import iiwasim as iw
     /// >>> iw.Program([iw.wait(1)], start_deg=[0, 0, 0, 90, 0, 0, 0]).start_rad[3]

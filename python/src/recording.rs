@@ -20,9 +20,10 @@ use crate::{
     program::Program,
 };
 
-/// What the joints did: times and positions, and what the file tells besides. Immutable.
+/// Recorded joint positions with their times, and further data of the file. Immutable.
 ///
-/// `t` (n,) is in s and increases strictly, `q` (n, 7) in rad. Arrays share their memory with all who ask for them.
+/// `t` (n,) is in s and increases strictly, `q` (n, 7) is in rad. Their getters always return the
+/// same read-only arrays.
 ///
 /// >>> import iiwasim as iw
 /// >>> iw.Recording([0.0, 0.01, 0.02], [[0.0] * 7] * 3)
@@ -30,7 +31,7 @@ use crate::{
 #[pyclass(frozen, module = "iiwasim")]
 pub(crate) struct Recording {
     pub(crate) log: Arc<JointLog>,
-    /// Made when they are asked for.
+    /// Computed on first access.
     t: PyOnceLock<Py<PyArray1<f64>>>,
     q: PyOnceLock<Py<PyArrayDyn<f64>>>,
 }
@@ -41,7 +42,7 @@ impl Recording {
     }
 }
 
-/// A file, and no folder.
+/// Opens a file; an error for a folder.
 pub(crate) fn open(path: &Path) -> PyResult<File> {
     let opened = File::open(path).and_then(|file| {
         if path.is_dir() { Err(io::ErrorKind::IsADirectory.into()) } else { Ok(file) }
@@ -49,7 +50,7 @@ pub(crate) fn open(path: &Path) -> PyResult<File> {
     opened.map_err(|error| os_error(path, &error))
 }
 
-/// What the recording is not.
+/// A `RecordingError` for an invalid recording.
 pub(crate) fn recording_error(py: Python<'_>, name: &str, error: &JointLogError) -> PyErr {
     exception(py, "RecordingError", (format!("{name}: {}", iiwa_report::with_causes(error)),))
 }
@@ -91,11 +92,13 @@ impl Recording {
         Ok(Self::of(log))
     }
 
-    /// The recording of a file: MCAP, CSV, or a log of KUKA's DataRecorder; a plan's file, too. Raises `RecordingError`.
+    /// Reads a recording from a file: MCAP (also of a plan), CSV, or a log of KUKA's DataRecorder.
+    /// Raises `RecordingError`.
     ///
-    /// `unit`, 'rad' or 'deg', is that of positions whose columns name none; left out, those of a DataRecorder are in degrees
-    /// if one of them is beyond every range in rad, which `losses` tell. `positions` are those that are read where a
-    /// DataRecorder has both: 'measured' or 'commanded'.
+    /// `unit`, 'rad' or 'deg', applies to positions whose columns do not name a unit. Without
+    /// `unit`, DataRecorder positions are taken as degrees if one of them is outside all joint
+    /// ranges in rad, and `losses` says so. `positions` selects 'measured' or 'commanded' positions
+    /// if a DataRecorder log has both.
     ///
     /// >>> import iiwasim as iw
     /// >>> iw.Recording.load('fixtures/data-recorder.log')
@@ -137,7 +140,7 @@ impl Recording {
         Ok(made.bind(py).clone())
     }
 
-    /// What the joints exerted (n, 7), in Nm, NaN where the file has none; `None` if it has none at all.
+    /// Joint torques (n, 7), in Nm, NaN where they are missing; `None` if the file has no torques.
     ///
     /// >>> import iiwasim as iw
     /// >>> iw.Recording([0.0, 0.01], [[0.0] * 7] * 2).torque is None
@@ -151,7 +154,7 @@ impl Recording {
         joint_array(py, rows).map(Some)
     }
 
-    /// The cycle time that it states, in s, if it states any.
+    /// The cycle time stated in the recording, in s, if any.
     ///
     /// >>> import iiwasim as iw
     /// >>> iw.Recording([0.0, 0.01], [[0.0] * 7] * 2, cycle_time_s=0.01).cycle_time_s
@@ -161,7 +164,7 @@ impl Recording {
         self.log.cycle_time_s
     }
 
-    /// From the first to the last sample, in s.
+    /// Time from the first to the last sample, in s.
     ///
     /// >>> import iiwasim as iw
     /// >>> iw.Recording([0.0, 0.01], [[0.0] * 7] * 2).duration_s
@@ -171,7 +174,7 @@ impl Recording {
         self.log.duration_s()
     }
 
-    /// The program that was run, if it holds one.
+    /// The program of the run, if the recording contains it.
     ///
     /// >>> import iiwasim as iw
     /// >>> iw.Recording([0.0, 0.01], [[0.0] * 7] * 2).program is None
@@ -187,7 +190,7 @@ impl Recording {
         program.transpose()
     }
 
-    /// What it does not have of the motion, in the order of time.
+    /// Descriptions of missing or lost data, in the order of time.
     ///
     /// >>> import iiwasim as iw
     /// >>> iw.Recording([0.0, 0.01], [[0.0] * 7] * 2).losses
@@ -209,7 +212,8 @@ impl Recording {
         Ok((slf.get_type().getattr("_restore")?, parts.into_pyobject(py)?))
     }
 
-    /// Arrays, torques as the file has them and NaN where it has none, and the rest as JSON.
+    /// Restores a recording from its arrays (torques as in the file, NaN where they are missing)
+    /// and the rest as JSON.
     #[staticmethod]
     #[pyo3(signature = (t, q, torques, rest, /))]
     fn _restore<'py>(

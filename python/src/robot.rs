@@ -14,12 +14,14 @@ use crate::{
     program::Program,
 };
 
-/// Poses that are computed before they are handed on: so few that the memory takes them while the next ones are computed.
+/// Number of poses per block: small enough that the memory stores a block while the next one is
+/// computed.
 const BLOCK: usize = 32;
 
 /// A model of the robot: its kinematics, limits and dynamics. Immutable.
 ///
-/// `model` is the name of a built-in model or the path of a profile; `flange_m` another length of the flange, in m.
+/// `model` is the name of a built-in model or the path of a profile; `flange_m` overrides the
+/// flange length, in m.
 ///
 /// >>> import iiwasim as iw
 /// >>> robot = iw.Robot()
@@ -32,7 +34,7 @@ pub(crate) struct Robot {
     pub(crate) model: Arc<Model>,
 }
 
-/// The built-in model of this name, or the robot of the profile at this path.
+/// The built-in model with this name, or the robot of the profile at this path.
 pub(crate) fn find(py: Python<'_>, name: &Path) -> PyResult<Model> {
     if let Some(model) = name.to_str().and_then(Model::built_in) {
         return Ok(model);
@@ -47,7 +49,7 @@ pub(crate) fn find(py: Python<'_>, name: &Path) -> PyResult<Model> {
     of_profile(py, &read_text(py, name, "ProfileError")?)
 }
 
-/// The name of a built-in model, or a profile: what [`restored`] takes.
+/// The name of a built-in model, or a profile, as input of [`restored`].
 pub(crate) fn restorable(model: &Model) -> String {
     match Model::built_in(model.name()) {
         Some(built_in) if built_in == *model => model.name().to_owned(),
@@ -55,12 +57,13 @@ pub(crate) fn restorable(model: &Model) -> String {
     }
 }
 
-/// Whether they move in the same way: a profile does not say which of its numbers are assumed.
+/// True if two models move in the same way: a profile does not say which of its numbers are
+/// assumed.
 pub(crate) fn is_same(one: &Model, other: &Model) -> bool {
     one == other || (one.name() == other.name() && restorable(one) == restorable(other))
 }
 
-/// The model that a text of [`restorable`] stands for.
+/// The model of a text from [`restorable`].
 pub(crate) fn restored(py: Python<'_>, text: &str) -> PyResult<Model> {
     Model::built_in(text).map_or_else(|| of_profile(py, text), Ok)
 }
@@ -76,7 +79,8 @@ impl Robot {
         Self { model: Arc::new(model) }
     }
 
-    /// Does something with poses of the flange at `q`, block by block: joints are checked while they are in the cache, too.
+    /// Passes the flange poses at `q` to `take`, block by block, so that joints are checked while
+    /// they are in the cache.
     fn poses(&self, q: &Rows<'_>, mut take: impl FnMut(&[Pose])) -> PyResult<()> {
         let count = q.joints.len();
         let mut poses = vec![Pose::IDENTITY; BLOCK.min(count)];
@@ -108,7 +112,7 @@ impl Robot {
         Ok(Self::of(model))
     }
 
-    /// The robot of a profile, JSON. Raises `ProfileError` with line and column.
+    /// Reads a robot from a JSON profile. Raises `ProfileError` with line and column.
     ///
     /// >>> import iiwasim as iw
     /// >>> robot = iw.Robot()
@@ -119,7 +123,7 @@ impl Robot {
         of_profile(py, text).map(Self::of)
     }
 
-    /// Its name.
+    /// Name of the model or profile.
     ///
     /// >>> import iiwasim as iw
     /// >>> robot = iw.Robot()
@@ -130,7 +134,7 @@ impl Robot {
         self.model.name()
     }
 
-    /// The least and the greatest positions (2, 7), in rad.
+    /// Lower and upper joint position limits (2, 7), in rad.
     ///
     /// >>> import iiwasim as iw
     /// >>> robot = iw.Robot()
@@ -142,7 +146,7 @@ impl Robot {
         array(py, vec![limits.lower_rad, limits.upper_rad], &[7], false)
     }
 
-    /// Limits of velocity (7,), in rad/s.
+    /// Velocity limits (7,), in rad/s.
     ///
     /// >>> import iiwasim as iw
     /// >>> robot = iw.Robot()
@@ -153,7 +157,7 @@ impl Robot {
         array(py, vec![self.model.limits().velocity_rad_s], &[7], true)
     }
 
-    /// Limits of acceleration (7,), in rad/s^2.
+    /// Acceleration limits (7,), in rad/s^2.
     ///
     /// >>> import iiwasim as iw
     /// >>> robot = iw.Robot()
@@ -164,7 +168,7 @@ impl Robot {
         array(py, vec![self.model.limits().acceleration_rad_s2], &[7], true)
     }
 
-    /// Limits of jerk (7,), in rad/s^3.
+    /// Jerk limits (7,), in rad/s^3.
     ///
     /// >>> import iiwasim as iw
     /// >>> robot = iw.Robot()
@@ -175,7 +179,7 @@ impl Robot {
         array(py, vec![self.model.limits().jerk_rad_s3], &[7], true)
     }
 
-    /// Limits of torque (7,), in Nm.
+    /// Torque limits (7,), in Nm.
     ///
     /// >>> import iiwasim as iw
     /// >>> robot = iw.Robot()
@@ -186,7 +190,7 @@ impl Robot {
         array(py, vec![self.model.limits().torque_nm], &[7], true)
     }
 
-    /// What of the model no source states, and what each assumption rests on.
+    /// Assumptions of the model: parameters that no source states, each with its reason.
     ///
     /// >>> import iiwasim as iw
     /// >>> robot = iw.Robot()
@@ -198,7 +202,7 @@ impl Robot {
         self.model.assumptions().iter().map(text).collect()
     }
 
-    /// Positions of the flange's centre at `q`, (7,) or (n, 7) in rad: (3,) or (n, 3), in m.
+    /// Positions of the flange centre at `q`, (7,) or (n, 7) in rad: (3,) or (n, 3), in m.
     ///
     /// >>> import iiwasim as iw
     /// >>> robot = iw.Robot()
@@ -213,7 +217,8 @@ impl Robot {
         array(py, positions, &[3], rows.is_single)
     }
 
-    /// Positions (3,) or (n, 3), in m, and rotations (3, 3) or (n, 3, 3) of the flange at `q`, (7,) or (n, 7) in rad.
+    /// Flange poses at `q`, (7,) or (n, 7) in rad: positions (3,) or (n, 3), in m, and rotation
+    /// matrices (3, 3) or (n, 3, 3).
     ///
     /// >>> import iiwasim as iw
     /// >>> robot = iw.Robot()
@@ -241,8 +246,8 @@ impl Robot {
         Ok((positions, array(py, rotations, &[3, 3], rows.is_single)?))
     }
 
-    /// The Jacobian of the flange at `q`, (7,) or (n, 7) in rad: (6, 7) or (n, 6, 7); three rows of velocity, in m, and three of
-    /// angular velocity.
+    /// The flange Jacobian at `q`, (7,) or (n, 7) in rad: (6, 7) or (n, 6, 7); three rows of linear
+    /// velocity, in m, and three rows of angular velocity.
     ///
     /// >>> import iiwasim as iw
     /// >>> robot = iw.Robot()
@@ -258,11 +263,12 @@ impl Robot {
         array(py, all, &[6, 7], rows.is_single)
     }
 
-    /// The joints (7,), in rad, at which the TCP is at `frame`.
+    /// Joint positions (7,), in rad, with the TCP at `frame`.
     ///
-    /// `frame` is a dict as in programs (`x_mm` to `c_deg`, with `e1_deg` and `status`), or the name of one of `program`'s, which has
-    /// tools and bases as well. E1 (the position of A3) and the status may be given apart, or taken from joints nearby, `near`.
-    /// Raises `UnreachableError` with the ranges of E1 that are possible.
+    /// `frame` is a dict as in programs (`x_mm` to `c_deg`, with `e1_deg` and `status`), or the
+    /// name of a frame of `program`, which also has the tools and bases. E1 (the A3 position) and
+    /// the status may be separate arguments, or taken from nearby joint positions, `near`. Raises
+    /// `UnreachableError` with the reachable ranges of E1.
     ///
     /// >>> import iiwasim as iw
     /// >>> robot = iw.Robot()
@@ -289,7 +295,8 @@ impl Robot {
         array(py, vec![joints], &[7], true)
     }
 
-    /// The frame of the TCP at `q` (7,), in rad, as a dict that programs read: `x_mm` to `c_deg`, `e1_deg`, `status` and `turn`.
+    /// The TCP frame at `q` (7,), in rad, as a dict for programs: `x_mm` to `c_deg`, `e1_deg`,
+    /// `status` and `turn`.
     ///
     /// >>> import iiwasim as iw
     /// >>> robot = iw.Robot()
@@ -309,8 +316,9 @@ impl Robot {
         place.frame(py, rows.single("q")?)
     }
 
-    /// What the joints exert, in Nm, at `q` with the velocities `dq` and the accelerations `ddq`, which are 0 if they are left out;
-    /// all (7,) or (n, 7). `load` is what hangs on the flange, a dict as in programs: `mass_kg`, `center_mm` and so on.
+    /// Joint torques, in Nm, at `q` with the velocities `dq` and the accelerations `ddq`, which are
+    /// 0 by default; all (7,) or (n, 7). `load` is the load at the flange, a dict as in programs:
+    /// `mass_kg`, `center_mm` and so on.
     ///
     /// >>> import iiwasim as iw
     /// >>> robot = iw.Robot()
@@ -364,7 +372,7 @@ impl Robot {
         array(py, matrix.to_vec(), &[7], false)
     }
 
-    /// Its whole profile, JSON: what `from_profile` reads.
+    /// The complete JSON profile, which `from_profile` reads.
     ///
     /// >>> import iiwasim as iw
     /// >>> robot = iw.Robot()
@@ -374,7 +382,7 @@ impl Robot {
         self.model.to_full_profile()
     }
 
-    /// It as a URDF.
+    /// The robot model as URDF.
     ///
     /// >>> import iiwasim as iw
     /// >>> robot = iw.Robot()

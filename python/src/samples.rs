@@ -10,9 +10,9 @@ use crate::{
     plan::Plan,
 };
 
-/// Samples of a plan, all in the order of time. Arrays share their memory with all who ask for them.
+/// Samples of a plan, in the order of time. Each getter always returns the same read-only array.
 ///
-/// Pickled, they are their plan and rate; where they are unpickled, it is planned and sampled anew.
+/// A pickle contains the plan and the rate; unpickling plans and samples again.
 ///
 /// >>> import iiwasim as iw
 /// >>> program = iw.Program([iw.ptp(deg=[30] + [0] * 6), iw.wait(0.5)], start_deg=[0] * 7)
@@ -28,7 +28,7 @@ pub(crate) struct Samples {
     dq: Py<PyArrayDyn<f64>>,
     ddq: Py<PyArrayDyn<f64>>,
     motion: Py<PyArray1<u32>>,
-    /// Made when they are asked for.
+    /// Computed on first access.
     tcp: PyOnceLock<Py<PyArrayDyn<f64>>>,
     torque: PyOnceLock<Py<PyArrayDyn<f64>>>,
 }
@@ -120,7 +120,7 @@ impl Samples {
         self.ddq.bind(py).clone()
     }
 
-    /// The motions of the program (n,), from 1.
+    /// Motion numbers in the program (n,), from 1.
     ///
     /// >>> import iiwasim as iw
     /// >>> program = iw.Program([iw.ptp(deg=[30] + [0] * 6), iw.wait(0.5)], start_deg=[0] * 7)
@@ -132,7 +132,7 @@ impl Samples {
         self.motion.bind(py).clone()
     }
 
-    /// Positions of the TCP (n, 3), in m.
+    /// TCP positions (n, 3), in m.
     ///
     /// >>> import iiwasim as iw
     /// >>> program = iw.Program([iw.ptp(deg=[30] + [0] * 6), iw.wait(0.5)], start_deg=[0] * 7)
@@ -163,7 +163,7 @@ impl Samples {
         Ok(made.bind(py).clone())
     }
 
-    /// What the joints exert (n, 7), in Nm, with what hangs on the flange then.
+    /// Joint torques (n, 7), in Nm, with the load at the flange at that time.
     ///
     /// >>> import iiwasim as iw
     /// >>> program = iw.Program([iw.ptp(deg=[30] + [0] * 6), iw.wait(0.5)], start_deg=[0] * 7)

@@ -1,4 +1,4 @@
-//! Scenes, and clearances in them.
+//! Scenes and clearances.
 
 use std::{collections::BTreeMap, fs, path::PathBuf, sync::Arc};
 
@@ -25,14 +25,14 @@ use crate::{
 #[pyclass(frozen, module = "iiwasim")]
 pub(crate) struct Scene {
     pub(crate) parsed: Arc<Obstacles>,
-    /// As it was read.
+    /// The scene text, as read.
     text: Arc<str>,
-    /// The files of its meshes, by the names that it has for them.
+    /// The mesh files, by their names in the scene.
     meshes: BTreeMap<String, Vec<u8>>,
 }
 
 impl Scene {
-    /// A scene without anything in it.
+    /// An empty scene.
     pub(crate) fn bare() -> PyResult<Self> {
         let scene =
             Obstacles::new(Vec::new()).map_err(|error| PyValueError::new_err(error.to_string()))?;
@@ -43,7 +43,7 @@ impl Scene {
 
 #[pymethods]
 impl Scene {
-    /// The scene of a text. Raises `SceneError` with line and column.
+    /// Reads a scene from its text. Raises `SceneError` with line and column.
     ///
     /// >>> import iiwasim as iw
     /// >>> wall = {'name': 'wall', 'type': 'plane', 'point_mm': [700, 0, 0], 'normal': [-1, 0, 0]}
@@ -56,7 +56,7 @@ impl Scene {
         Ok(Self { parsed: Arc::new(scene), text: text.into(), meshes: BTreeMap::new() })
     }
 
-    /// The scene of a file, with the meshes that it names beside it.
+    /// Reads a scene from a file, with the mesh files that it names.
     ///
     /// >>> import iiwasim as iw
     /// >>> len(iw.Scene.load('fixtures/cage.json').obstacles)
@@ -87,7 +87,7 @@ impl Scene {
         self.parsed.obstacles().iter().map(|it| it.name.clone()).collect()
     }
 
-    /// How near the arm is to the obstacles at `q` (7,), in rad; `None` if there are none.
+    /// Clearance between robot and obstacles at `q` (7,), in rad; `None` without obstacles.
     ///
     /// >>> import iiwasim as iw
     /// >>> iw.Scene.load('fixtures/cage.json').clearance([0.0] * 7).distance_m > 0
@@ -130,7 +130,7 @@ impl Scene {
     }
 }
 
-/// How near the arm comes to something, where and when.
+/// The minimum distance between the robot and an obstacle or another link, with its place and time.
 ///
 /// >>> import iiwasim as iw
 /// >>> near = iw.Scene.load('fixtures/cage.json').clearance([0.0] * 7)

@@ -1,4 +1,4 @@
-//! Applications of Sunrise projects as programs.
+//! Import of applications from Sunrise projects.
 
 use std::path::{Path, PathBuf};
 
@@ -21,7 +21,7 @@ fn open(py: Python<'_>, folder: &Path) -> PyResult<Project> {
     })
 }
 
-/// The applications of the Sunrise project in a folder, by their names.
+/// Names of the applications of the Sunrise project in a folder.
 ///
 /// >>> import iiwasim as iw
 /// >>> iw.applications('fixtures/sunrise/joints')
@@ -32,7 +32,7 @@ pub(crate) fn applications(py: Python<'_>, folder: PathBuf) -> PyResult<Vec<Stri
     Ok(Application::all(&project).into_iter().map(|own| own.qualified_name).collect())
 }
 
-/// A number of a button, or several.
+/// The number of a button, or several numbers.
 pub(crate) struct Buttons(Vec<usize>);
 
 impl<'py> FromPyObject<'_, 'py> for Buttons {
@@ -46,7 +46,7 @@ impl<'py> FromPyObject<'_, 'py> for Buttons {
     }
 }
 
-/// Outcomes of a break condition, one time after the other.
+/// Outcomes of a break condition, in the order of its evaluations.
 pub(crate) struct Fired(Vec<bool>);
 
 impl<'py> FromPyObject<'_, 'py> for Fired {
@@ -67,7 +67,7 @@ impl<'py> FromPyObject<'_, 'py> for Value {
     type Error = PyErr;
 
     fn extract(value: Borrowed<'_, 'py, PyAny>) -> PyResult<Self> {
-        // In this order: True is an integer, too, and an integer is a number.
+        // In this order, as `True` is also an integer, and an integer is also a number.
         let known = (value.extract().map(AnswerValue::Boolean))
             .or_else(|_| value.extract().map(AnswerValue::Integer))
             .or_else(|_| value.extract().map(AnswerValue::Number))
@@ -77,14 +77,16 @@ impl<'py> FromPyObject<'_, 'py> for Value {
     }
 }
 
-/// The program that an application of a Sunrise project runs, and a dict of what is to be said of it: `application`, `notes` and
-/// `questions`.
+/// Imports an application of a Sunrise project: returns the program, and a dict with `application`,
+/// `notes` and `questions`.
 ///
-/// The application may be left out if there is one only. Dialogs are answered by `answers` (the number of a button, from 0, by the
-/// text), `inputs` and process `data` are given by name, break conditions (`fired`) by file and line of `hasFired`. `times` are
-/// seconds of holds, grippers and platforms by file and line; `tools` are frames that the data file lacks: x, y, z in mm, and perhaps
-/// a, b, c in degrees. The robot and its flange are those that the project states, unless `robot` and `flange_mm` are given; what no
-/// file states is among the questions. Raises `SunriseError` with file and line.
+/// `application` may be left out if there is only one. `answers` has the button of each dialog (its
+/// number from 0, by the text of the dialog), `inputs` and process `data` have values by name, and
+/// `fired` has the outcomes of break conditions by file and line of `hasFired`. `times` has the
+/// durations in s of holds, grippers and platforms by file and line; `tools` has frames that the
+/// data file lacks: x, y, z in mm, optionally a, b, c in deg. `robot` and `flange_mm` replace the
+/// robot and the flange of the project. Values that no file states are listed in the questions.
+/// Raises `SunriseError` with file and line.
 ///
 /// >>> import iiwasim as iw
 /// >>> program, told = iw.import_application('fixtures/sunrise/joints')

@@ -1,4 +1,4 @@
-//! Work without the interpreter's lock, which Ctrl-C ends.
+//! Execution of work without the interpreter lock, which Ctrl-C interrupts.
 
 use std::{
     mem,
@@ -15,15 +15,16 @@ use std::{
 
 use pyo3::{exceptions::PyRuntimeError, prelude::*};
 
-/// How often signals are looked at: Ctrl-C is to end the work within a tenth of a second.
+/// Interval of signal checks: Ctrl-C has to end the work within 0.1 s.
 const TICK: Duration = Duration::from_millis(20);
 
 type Task = Box<dyn FnOnce() + Send>;
 
 /// Threads that wait for work, and the process that started them.
 ///
-/// They are kept, since the memory of a new thread is cold: planning ten motions on one takes a twelfth longer. Only who holds
-/// the interpreter's lock may lock this: a process that Python forks then never inherits it locked.
+/// The threads are kept, because the memory of a new thread is cold: planning ten motions on it
+/// takes a twelfth longer. Only holders of the interpreter lock may lock this mutex, so that a
+/// process that Python forks never inherits it locked.
 static WORKERS: Mutex<Workers> = Mutex::new(Workers { process: 0, idle: Vec::new() });
 
 struct Workers {
@@ -36,13 +37,14 @@ impl Workers {
         let mut workers = WORKERS.lock().unwrap_or_else(PoisonError::into_inner);
         let process = process::id();
         if mem::replace(&mut workers.process, process) != process {
-            // Threads are not there any more in a process that was forked. Their channels may be locked for ever.
+            // A forked process does not have these threads, and their channels may be locked for
+            // ever.
             mem::forget(mem::take(&mut workers.idle));
         }
         workers
     }
 
-    /// Keeps a worker that has nothing to do, if it may be wanted again.
+    /// Keeps an idle worker for later work.
     fn keep(py: Python<'_>, worker: Sender<Task>) {
         let most = thread::available_parallelism().map_or(1, usize::from);
         let mut workers = Self::lock(py);
@@ -64,8 +66,9 @@ fn idle_worker(py: Python<'_>) -> PyResult<Sender<Task>> {
     Ok(give)
 }
 
-/// Does `work` on another thread. The interpreter is free meanwhile; between ticks it is asked for signals, and `tick` is
-/// called. Either may fail: then the flag that the work is given is set, its end is waited for, and the error is raised.
+/// Runs `work` on another thread and releases the interpreter meanwhile. Each tick checks for
+/// signals and calls `tick`. If either fails, the flag that `work` receives is set, and the error
+/// is raised once the work has ended.
 pub(crate) fn interruptible<T: Send + 'static>(
     py: Python<'_>,
     work: impl FnOnce(Arc<AtomicBool>) -> T + Send + 'static,
@@ -75,13 +78,13 @@ pub(crate) fn interruptible<T: Send + 'static>(
     let (send, receive) = mpsc::sync_channel(1);
     let flag = Arc::clone(&stop);
     let task = move || {
-        // Whoever waits is told of a panic, too.
+        // A panic is passed on to the waiting thread.
         let _ = send.send(catch_unwind(AssertUnwindSafe(|| work(flag))));
     };
     let worker = idle_worker(py)?;
     let ended = || PyRuntimeError::new_err("a thread ended without a result");
     worker.send(Box::new(task)).map_err(|_| ended())?;
-    // Without the lock of the interpreter, threads are what they are elsewhere: receivers are for one at a time.
+    // `detach` requires `Sync` of shared values, and a receiver alone is not `Sync`.
     let receive = Mutex::new(receive);
     let result = loop {
         match py

@@ -1,4 +1,4 @@
-"""Programs for the tests of the drive's client, and runs in the background."""
+"""Programs for the tests of the drive client, and runs in the background."""
 
 from __future__ import annotations
 
@@ -19,23 +19,25 @@ AWAY = [6, 4, 0, -8, 0, 4, 0]
 
 
 def program(*targets: list[float], start: list[float] = HOME, **keys: object) -> dict[str, object]:
-    """Point to point from a start to targets, all in degrees."""
+    """A program of PTP motions from a start to targets, all in deg."""
     motions = [{"type": "ptp", "joints_deg": target, **keys} for target in targets]
     return {"version": 1, "start": {"joints_deg": start}, "motions": motions}
 
 
 def go(drive: Drive, pose: list[float]) -> None:
-    """Moves the robot to joints in degrees."""
+    """Moves the robot to joint positions in deg."""
     drive.run({"motions": [{"type": "ptp", "joints_deg": pose}]})
 
 
-# It takes much longer than a test waits for it.
+# A program that takes much longer than any test waits for it.
 SLOW = program([60, 0, 0, -60, 0, 0, 0], velocity_rel=0.03)
 
 
 @contextmanager
 def in_background(run: object, *arguments: object, **keys: object) -> Iterator[list[object]]:
-    """A run in a thread of its own, which moves the arm; what it returns, or raises, is in the list at the end."""
+    """Starts a run in a separate thread and waits for motion; at the end, the list has its result
+    or its exception.
+    """
     results: list[object] = []
     samples: list[JointSample] = []
     has_begun = threading.Event()

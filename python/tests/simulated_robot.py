@@ -1,6 +1,6 @@
 """Simulated robots with their drives, as processes on free ports of this machine.
 
-`IIWASIM_BINARY` is the program that they are; tests without it are skipped.
+`IIWASIM_BINARY` is the path of `iiwasim`; without it, tests are skipped.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ START_TIMEOUT_S = 30.0
 
 @cache
 def ports() -> ModuleType:
-    """The choice of ports of all tests in Python."""
+    """The module that chooses ports for all Python tests."""
     sys.path.append(str(REPOSITORY / "tests/browser"))
     module = import_module("ports")
     atexit.register(lambda: [guard.close() for guard in module.guards])
@@ -39,7 +39,7 @@ def ports() -> ModuleType:
 
 
 def free_ports(count: int) -> list[int]:
-    """Ports that nobody has."""
+    """Unused ports."""
     return ports().free_ports(count)
 
 
@@ -90,7 +90,7 @@ class SimulatedRobot:
         return process
 
     def wait_until_ready(self, drive: Drive) -> None:
-        """Robot and drive take a moment to find each other."""
+        """Waits until robot and drive are connected."""
         until = time.monotonic() + START_TIMEOUT_S
         while True:
             state = drive.state()
@@ -102,7 +102,7 @@ class SimulatedRobot:
 
 @pytest.fixture(scope="session")
 def robot(tmp_path_factory: pytest.TempPathFactory) -> Iterator[SimulatedRobot]:
-    """The robot that tests share; each leaves it at rest."""
+    """The robot that tests share; each test leaves it at rest."""
     from iiwasim.drive import Drive
 
     with SimulatedRobot(tmp_path_factory.mktemp("robot")) as started:
@@ -121,7 +121,7 @@ def drive(robot: SimulatedRobot) -> Iterator[Drive]:
 
 @pytest.fixture(autouse=True)
 def bounded() -> Iterator[None]:
-    """A test that hangs fails, and what it has started ends."""
+    """Time limit: a test that blocks fails, and the processes that it started end."""
 
     def give_up(*_: object) -> None:
         raise TimeoutError("the test takes more than five minutes")

@@ -14,12 +14,12 @@ ROOT = Path(__file__).resolve().parents[2]
 
 OPTIONS = doctest.ELLIPSIS | doctest.NORMALIZE_WHITESPACE
 
-# Their examples speak to a drive: `test_drive.py` runs them.
+# Their examples need a drive: `test_drive.py` runs them.
 OF_THE_DRIVE = ("Drive", "Run", "JointSample")
 
 
 def members(owner: type) -> list[tuple[str, object]]:
-    """What a class of ours offers."""
+    """Public members of a class, including members of base classes in this package."""
     own = [base for base in owner.__mro__ if base.__module__.partition(".")[0] == "iiwasim"]
     found: dict[str, object] = {}
     for base in reversed(own):
@@ -46,7 +46,7 @@ def documented() -> list[tuple[str, str | None]]:
         if name == "Motion":
             continue
         found.append((name, item.__doc__))
-        # The figures of a clearance are its attributes, as the class says.
+        # The attributes of a clearance do not have docstrings of their own.
         if inspect.isclass(item) and name != "Clearance":
             found += [(f"{name}.{member}", value.__doc__) for member, value in members(item)]
     return found
@@ -60,7 +60,7 @@ def test_example(name: str, text: str | None, monkeypatch: pytest.MonkeyPatch) -
     assert text, f"{name} has no docstring"
     if name.partition(".")[0].startswith(OF_THE_DRIVE):
         return
-    # Examples name the repository's fixtures.
+    # Examples name fixtures of the repository.
     monkeypatch.chdir(ROOT)
     assert ">>>" in text, f"the docstring of {name} has no example"
     test = doctest.DocTestParser().get_doctest(text, {}, name, None, 0)

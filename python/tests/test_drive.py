@@ -1,4 +1,4 @@
-"""The drive's client, on a simulated robot."""
+"""The drive client with a simulated robot."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ if TYPE_CHECKING:
 
 
 def rise(to_rad: float, count: int = 101) -> tuple[np.ndarray, np.ndarray]:
-    """A trajectory of joint 1 from zero, at rest at both ends, within a second."""
+    """A trajectory of joint 1 from zero within 1 s, at rest at both ends."""
     t = np.linspace(0.0, 1.0, count)
     q = np.zeros((count, 7))
     q[:, 0] = to_rad * t**4 * (35 - 84 * t + 70 * t**2 - 20 * t**3)
@@ -42,7 +42,7 @@ def rise(to_rad: float, count: int = 101) -> tuple[np.ndarray, np.ndarray]:
 
 
 def assert_on_the_way(q: np.ndarray) -> None:
-    """That positions are on the straight line of `SLOW`, and do not reach its end."""
+    """Asserts that positions are on the straight line of `SLOW` and do not reach its end."""
     assert np.allclose(q[..., 3], -q[..., 0], atol=1e-6)
     assert np.allclose(np.delete(q, [0, 3], axis=-1), 0.0, atol=1e-6)
     assert 0.0 < q[..., -1, 0] < math.radians(59)
@@ -91,7 +91,7 @@ def test_runs_say_what_they_are(drive: Drive) -> None:
         "lengths_mm": {"base": 340.0, "upper_arm": 400.0, "forearm": 400.0, "flange": 152.0},
     }
     plan = {"cycle_time_s": 1.25, "limited_by": []}
-    # The move to the start of a trajectory of no known robot has none.
+    # The motion to the start of a trajectory for an unknown robot does not have a label.
     assert begins == [
         {"program": "away", "planned_for": robot, "plan": plan},
         None,
@@ -189,7 +189,7 @@ def test_samples_come_while_it_runs(drive: Drive) -> None:
     run = drive.run(program(AWAY, velocity_rel=0.1), move_to_start=True, on_sample=keep)
     assert states == ["running_motion"]
     measured = {round(t_s, 6): q for t_s, q in zip(run.start_s + run.t, run.q)}
-    # The drive tells of start and end a moment before and after them.
+    # The drive reports the start slightly early and the end slightly late.
     first_s, last_s = min(measured) - CYCLE_S / 2, max(measured) + CYCLE_S / 2
     of_the_run = [sample for sample in samples if first_s < sample.t_s < last_s]
     assert of_the_run and all(np.array_equal(measured[round(t_s, 6)], q) for t_s, q in of_the_run)
@@ -200,7 +200,7 @@ def test_trajectories_are_followed(drive: Drive) -> None:
     run = drive.run_trajectory(t, q, move_to_start=True)
     assert run.cycle_time_s == pytest.approx(1.0, abs=2 * CYCLE_S)
     expected = np.interp(run.t, t, q[:, 0])
-    # Late by a few cycles at most: the arm moves at 0.22 rad/s at most.
+    # A delay of a few cycles at most; the speed is at most 0.22 rad/s.
     assert np.allclose(run.q[:, 0], expected, atol=0.22 * 4 * CYCLE_S)
     assert run.q[-1, 0] == pytest.approx(0.1, abs=1e-4)
 
@@ -240,7 +240,7 @@ def test_a_stop_is_sent_again_after_lost_connections() -> None:
         port = server.getsockname()[1]
 
         def serve() -> bytes:
-            # More closed handshakes than mean a refusal to other requests.
+            # More closed handshakes than other requests accept before they report a refusal.
             for _ in range(6):
                 server.accept()[0].close()
             server.close()
@@ -505,7 +505,7 @@ def test_what_is_no_trajectory_is_a_value_error(drive: Drive) -> None:
 
 @contextmanager
 def answering(text: bytes) -> Iterator[Drive]:
-    """What gives one answer, whatever is asked."""
+    """A drive that gives the same answer to all requests."""
     with zmq.Context() as context, context.socket(zmq.REP) as socket:
         socket.linger = 0
         port = socket.bind_to_random_port("tcp://127.0.0.1")

@@ -52,7 +52,7 @@ def test_a_drive_that_ends_in_a_run_is_noticed(tmp_path: Path) -> None:
 
 @pytest.fixture(scope="module")
 def keyed(tmp_path_factory: pytest.TempPathFactory) -> Iterator[SimulatedRobot]:
-    """A robot whose drive lets in Alice."""
+    """A robot whose drive accepts Alice's key."""
     folder = tmp_path_factory.mktemp("keyed")
     for name in ("drive", "alice", "mallory"):
         command = [binary(), "keygen", name, "-o", folder / "keys"]
@@ -117,7 +117,7 @@ def test_files_that_are_no_keys_are_refused(keyed: SimulatedRobot) -> None:
         ("alice.pub", "drive.pub", "a public key only"),
         ("alice.key", "drive.key", "give the .pub file"),
         ("alice.key", "bob.pub", "bob.pub"),
-        ("alice.key", "none.pub", "none.pub is no key file"),
+        ("alice.key", "none.pub", "none.pub is not a key file"),
         ("exposed.key", "drive.pub", r"mode 0644.*chmod 600"),
     ]:
         given = {"key": key and keys / key, "server_key": server_key and keys / server_key}
@@ -147,7 +147,7 @@ def test_addresses_are_those_of_the_command(monkeypatch: pytest.MonkeyPatch) -> 
         "::1:5560",
         "a b:5",
     ):
-        with pytest.raises(ValueError, match="is no address"):
+        with pytest.raises(ValueError, match="is not an address"):
             Drive(wrong)
     for elsewhere in ("192.168.0.9:5560", "robot-pc:5560", "0.0.0.0:5560"):
         with pytest.raises(ValueError, match="may be another machine, so keys are required"):

@@ -1,4 +1,4 @@
-"""What the drive's client is given wrongly is told before anything is sent."""
+"""The drive client reports invalid arguments before it sends a request."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ RESTING = {"motions": [iw.wait(0)]}
 
 @pytest.fixture
 def drive(monkeypatch: pytest.MonkeyPatch) -> Drive:
-    """One that cannot connect."""
+    """A `Drive` that cannot connect."""
 
     def connect(*_: object) -> None:
         pytest.fail("it connects")
@@ -29,9 +29,9 @@ def drive(monkeypatch: pytest.MonkeyPatch) -> Drive:
 
 @pytest.mark.parametrize("address", [5560, b"127.0.0.1:5560", Path("127.0.0.1:5560")])
 def test_addresses_are_texts(address: Any) -> None:
-    with pytest.raises(TypeError, match=r"is no address: give HOST:PORT, as .* as a str"):
+    with pytest.raises(TypeError, match=r"is not an address: give HOST:PORT, as .* as a str"):
         Drive(address)
-    with pytest.raises(TypeError, match="is no address"):
+    with pytest.raises(TypeError, match="is not an address"):
         Drive("127.0.0.1:5560", stream=address)
 
 
@@ -48,7 +48,7 @@ def test_what_takes_samples_is_callable(drive: Drive, on_sample: Any) -> None:
 def test_programs_are_no_files_and_no_lists(drive: Drive) -> None:
     with pytest.raises(
         ValueError,
-        match=r"is no JSON: .*line 1 column 1.*; a str is taken .* iiwasim\.Program\.load",
+        match=r"is not JSON: .*line 1 column 1.*; a str is taken .* iiwasim\.Program\.load",
     ):
         drive.run("program.json")
     for program in ([iw.ptp(deg=[0] * 7)], [], Path("program.json"), b"{}", 3):

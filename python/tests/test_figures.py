@@ -1,6 +1,6 @@
-"""Figures of many programs: what is no program, no option and no motion, and Ctrl-C.
+"""Figures of many programs: invalid programs, options and motions, and Ctrl-C.
 
-`tests/cluster` has all else of them, on one machine and on many.
+`tests/cluster` has the other tests, on one machine and on clusters.
 """
 
 from __future__ import annotations
@@ -24,12 +24,12 @@ HOME = [0] * 7
 
 
 def program(*degrees: float) -> iw.Program:
-    """Turns of A1."""
+    """A program of PTP motions of A1."""
     return iw.Program([iw.ptp(deg=[angle, *HOME[1:]]) for angle in degrees], start_deg=HOME)
 
 
 def lines(folder: Path, *texts: str | bytes) -> Path:
-    """A file of them."""
+    """Writes a file of JSON lines."""
     source = folder / "programs.jsonl"
     source.write_bytes(
         b"\n".join(text if isinstance(text, bytes) else text.encode() for text in texts)
@@ -63,7 +63,7 @@ def test_numbers_of_numpy_are_options(options: dict[str, Any], tmp_path: Path) -
         tmp_path / "figures",
     )
     assert batches.plan(source, target, **options).rows_planned == 2
-    # They are those of Python: it is the same plan.
+    # Equal Python values give the same plan.
     plain = {
         name: getattr(value, "tolist", lambda value=value: value)()
         for name, value in options.items()
@@ -102,7 +102,7 @@ def test_blank_lines_are_no_programs(tmp_path: Path) -> None:
     assert figures["row"].to_pylist() == [0, 1, 2]
     assert [error is None for error in figures["error"].to_pylist()] == [True, False, True]
     assert figures.equals(batches.figures([texts[0], texts[2], texts[4]]))
-    # Taken up by the same numbers, and without the blank lines, too.
+    # A run resumes with equal numbers, and also without the blank lines.
     (target / "part-00001.parquet").unlink()
     assert batches.plan(source, target, chunk=1).rows_planned == 1
     lines(tmp_path, texts[0], texts[2], texts[4] + "\n")
@@ -130,7 +130,7 @@ def test_no_lines_have_no_figures(text: bytes, tmp_path: Path) -> None:
         )
         figures = batches.read(target)
         assert figures.num_rows == 0 and figures.equals(batches.figures([]))
-    # Who divides by the number of programs is not called.
+    # Without programs, `progress` is not called, as it may divide by their number.
     assert told == []
 
 
@@ -195,12 +195,14 @@ def test_ctrl_c_does_not_wait_for_the_rest_of_a_chunk(
     plan_all, row, shutdown = _chunks.plan_all, Planning._row, ThreadPoolExecutor.shutdown
 
     def interrupted(*_: Any, timeout: float, **__: Any) -> None:
-        """As Ctrl-C does while the main thread waits for chunks; on Windows, at the end of a wait."""
+        """Acts like Ctrl-C while the main thread waits for chunks; on Windows, at the end of a
+        wait.
+        """
         assert timeout <= 1 and is_at_hand.wait(20)
         raise KeyboardInterrupt
 
     def hold() -> None:
-        """Until the main thread has it."""
+        """Waits until the main thread has received the interrupt."""
         is_at_hand.set()
         assert is_told.wait(20)
 
@@ -228,7 +230,7 @@ def test_ctrl_c_does_not_wait_for_the_rest_of_a_chunk(
     source = lines(tmp_path, *[program(10).to_json()] * 20)
     with pytest.raises(KeyboardInterrupt):
         batches.plan(source, tmp_path / "figures", chunk=10, jobs=1)
-    # Nothing of the second chunk, and of the first no more than the program that was at hand.
+    # Nothing from the second chunk, and from the first at most the program in progress.
     assert chunks == [10] and len(rows) == (0 if phase == "planning" else 1)
     monkeypatch.undo()
     assert batches.plan(source, tmp_path / "figures", chunk=10, jobs=1).rows_planned == 20

@@ -1,4 +1,4 @@
-"""What is given: how it may be, and that messages say where it is wrong, and what is expected."""
+"""Arguments: accepted forms, and messages with the place and the expected value."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ def test_a_report_that_cannot_be_written_leaves_nothing(tmp_path: Path) -> None:
     folder.mkdir()
     with pytest.raises(OSError, match="folder") as caught:
         plan.report(folder)
-    # On Windows, it is no permission.
+    # Windows reports a missing permission.
     assert isinstance(caught.value, (IsADirectoryError, PermissionError))
     assert caught.value.errno and caught.value.filename == str(folder)
     assert list(tmp_path.iterdir()) == [folder] and not list(folder.iterdir())
@@ -40,7 +40,7 @@ def test_motions_that_contain_themselves(place: type) -> None:
     ) as caught:
         iw.Program([iw.wait(1), motion], start_deg=HOME)
     assert caught.value.motion == 2
-    # A list that is there twice is not in itself.
+    # A list that occurs twice does not contain itself.
     motion["source"] = {"again": [HOME, HOME], "never": np.inf}
     with pytest.raises(iw.ProgramError, match="motion 1 contains a value that is not finite"):
         iw.Program([motion], start_deg=HOME)

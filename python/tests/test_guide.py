@@ -1,7 +1,7 @@
-"""The Python of the guide and of README runs, in order, and prints what they show.
+"""The Python examples of the guide and of README run in order and print the outputs shown there.
 
-A ```text fence after a ```python fence is what it prints, with `...` for anything. `python tests/test_guide.py` writes outputs as
-they are into the guide.
+A ```text fence after a ```python fence is the expected output, with `...` for any text.
+`python tests/test_guide.py` writes the actual outputs into the guide.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ ROOT = Path(__file__).resolve().parents[2]
 GUIDE = ROOT / "docs/guide/python.md"
 README = ROOT / "README.md"
 
-# Their methods and attributes are in the guide, too.
+# Classes whose methods and attributes are in the guide, too.
 DESCRIBED = {
     "Comparison",
     "Drive",
@@ -48,23 +48,23 @@ DESCRIBED = {
 
 
 class Example(NamedTuple):
-    """A fence of Python."""
+    """A fenced Python example."""
 
     line: int
     code: str
     expected: str
-    """What it prints, as the page has it."""
+    """The output shown on the page."""
     text_line: int | None
-    """Where that begins."""
+    """Line of the output fence."""
     is_run: bool
 
 
 def checker() -> ModuleType:
-    """What runs the commands of the guide, and reads its pages."""
+    """The module that runs the commands of the guide and reads its pages."""
     spec = importlib.util.spec_from_file_location("guide_check", ROOT / "tests/guide/check.py")
     assert spec is not None and spec.loader is not None
     module = importlib.util.module_from_spec(spec)
-    # Its dataclasses look for their module there.
+    # Its dataclasses look up their module in `sys.modules`.
     with pytest.MonkeyPatch.context() as patch:
         patch.setitem(sys.modules, spec.name, module)
         patch.syspath_prepend(str(ROOT / "tests/guide"))
@@ -73,12 +73,12 @@ def checker() -> ModuleType:
 
 
 def examples(path: Path) -> list[Example]:
-    """The Python of a page."""
+    """The Python examples of a page."""
     page = checker().read_page(path)
     assert not page.problems, "\n".join(page.problems)
     found = []
     for fence, after in zip(page.fences, [*page.fences[1:], None]):
-        # `tests/cluster` has those of clusters.
+        # `tests/cluster` runs the cluster examples.
         if fence.language == "python" and "import iiwasim.ray" not in fence.text:
             # Two lines below the end.
             below = fence.line + fence.text.count("\n") + 4
@@ -93,7 +93,10 @@ def examples(path: Path) -> list[Example]:
 
 
 def outputs(path: Path, *, with_drive: bool = False) -> Iterator[tuple[Example, str]]:
-    """Runs the examples of a page, as one program, and yields what each prints; those that need a drive on request."""
+    """Runs the examples of a page as one program, and yields the output of each example.
+
+    Examples that need a drive run only with `with_drive`.
+    """
     names: dict[str, Any] = {"__name__": "__main__"}
     for example in examples(path):
         code = compile("\n" * example.line + example.code, str(path), "exec")
@@ -106,7 +109,7 @@ def outputs(path: Path, *, with_drive: bool = False) -> Iterator[tuple[Example, 
 
 
 def check(path: Path) -> int:
-    """Compares what the examples of a page print, and tells how many there are."""
+    """Compares the outputs of the examples of a page; returns the number of examples."""
     count = 0
     for example, printed in outputs(path):
         count += 1
@@ -119,7 +122,7 @@ def check(path: Path) -> int:
 
 @pytest.fixture
 def beside_fixtures(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """A folder with `fixtures` in it, as the commands of the guide have."""
+    """Changes to a folder with `fixtures` in it, like the commands of the guide."""
     (tmp_path / "fixtures").symlink_to(ROOT / "fixtures")
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("MPLBACKEND", "agg")
@@ -149,13 +152,13 @@ def test_guide_with_drive(robot: SimulatedRobot, monkeypatch: pytest.MonkeyPatch
     monkeypatch.setenv("IIWASIM_STREAM", robot.stream)
     printed = [text for example, text in outputs(GUIDE, with_drive=True) if not example.is_run]
     assert len(printed) == 3
-    # The comparison of the run, and positions as they come.
+    # The comparison of the run, and positions as they arrive.
     assert "Cycle time" in printed[0]
     assert len(printed[1].split()) > 100 and printed[2].count("\n") > 100
 
 
 def public_names() -> list[str]:
-    """What the package offers, each with an example in the guide."""
+    """Public names of the package; the guide has an example of each."""
     found = [name for name in iiwasim.__all__ if name != "Motion"]
     for owner in DESCRIBED:
         members = inspect.getmembers_static(getattr(iiwasim, owner))
@@ -165,7 +168,7 @@ def public_names() -> list[str]:
 
 @cache
 def guide_of(kind: str) -> str:
-    """Its examples, or all of it."""
+    """The examples of the guide, or its whole text."""
     return (
         "\n".join(example.code for example in examples(GUIDE))
         if kind == "code"
@@ -176,7 +179,7 @@ def guide_of(kind: str) -> str:
 @pytest.mark.parametrize("name", public_names())
 def test_guide_has(name: str) -> None:
     word = name.rpartition(".")[2]
-    # Classes may be what something else returns, or raises.
+    # A class may also appear as a return type or exception.
     is_class = inspect.isclass(getattr(iiwasim, name, None))
     where = guide_of("text" if is_class else "code")
     assert re.search(rf"\b{word}\b", where), (
@@ -185,7 +188,7 @@ def test_guide_has(name: str) -> None:
 
 
 def renew(path: Path) -> None:
-    """Writes what examples print into a page."""
+    """Writes the outputs of the examples into a page."""
     lines = path.read_text(encoding="utf-8").split("\n")
     for example, printed in reversed(list(outputs(path))):
         if "..." in example.expected or example.text_line is None:

@@ -1,4 +1,4 @@
-"""The notebooks are stored without outputs, run from end to end, and find what they say."""
+"""The notebooks are stored without outputs, run from end to end, and find the stated results."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ FOLDER = Path(__file__).resolve().parents[1] / "notebooks"
 NOTEBOOKS = sorted(FOLDER.glob("*.ipynb"))
 TIME_LIMIT_S = 120
 
-# What is asked of a notebook once it has run.
+# Expressions that are evaluated after a notebook has run.
 QUESTIONS = {
     "first-plan": """{
         "slow_s": plan.cycle_time_s,
@@ -44,7 +44,10 @@ QUESTIONS = {
 
 
 def run(name: str, monkeypatch: pytest.MonkeyPatch, folder: Path) -> tuple[dict[str, Any], Any]:
-    """The answers of a notebook, and the notebook with its outputs; its kernel is stopped, whatever comes."""
+    """Runs a notebook; returns its answers, and the notebook with its outputs.
+
+    The kernel is stopped in any case.
+    """
     nbclient = pytest.importorskip(
         "nbclient", reason="nbclient is missing: tests/requirements.txt has it"
     )
@@ -71,7 +74,7 @@ def run(name: str, monkeypatch: pytest.MonkeyPatch, folder: Path) -> tuple[dict[
 
 
 def shown(notebook: Any, kind: str) -> list[str]:
-    """What the cells show of a kind."""
+    """The cell outputs of one kind."""
     outputs = [
         output for cell in notebook.cells if cell.cell_type == "code" for output in cell.outputs
     ]
@@ -94,11 +97,12 @@ def test_stored_without_outputs(path: Path) -> None:
 def test_first_plan(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     found, notebook = run("first-plan", monkeypatch, tmp_path)
     assert 0.5 * found["slow_s"] < found["fast_s"] < 0.8 * found["slow_s"]
-    # 250 Hz with both ends, one column for the time, 3 x 7 for joints, 3 for the TCP and 7 for torques.
+    # 250 Hz with both ends, one column for the time, 3 x 7 for joints, 3 for the TCP and 7 for
+    # torques.
     assert abs(found["rows"] - 250 * found["fast_s"]) < 2.5
     assert len(found["columns"]) == 1 + 21 + 3 + 7
     assert found["torques"] == 7
-    # The figure is shown once, and so is the page.
+    # The figure and the page are each shown once.
     assert len(shown(notebook, "image/png")) == 1
     assert sum("<iframe srcdoc=" in page for page in shown(notebook, "text/html")) == 1
 

@@ -53,7 +53,7 @@ def test_samples_are_the_plan(name: str, timing: str) -> None:
             state.ddq, samples.ddq[place]
         )
         assert state.motion == samples.motion[place]
-    # The derivatives are those of the positions.
+    # Velocities and accelerations are the derivatives of the positions.
     fine = plan.sample(rate_hz=2000)
     moved = np.gradient(fine.q, fine.t, axis=0, edge_order=2)
     assert np.abs(moved - fine.dq)[2:-2].max() < 0.02
@@ -79,7 +79,7 @@ def test_the_tcp_is_the_tool() -> None:
     plan = iw.plan(iw.Program.load(FIXTURES / "pick-and-place.json"))
     samples = plan.sample(rate_hz=100)
     flange = plan.robot.tcp(samples.q)
-    # The gripper's tip is 120 mm in front of the flange, and the other one 40 mm beside it.
+    # The tip of the gripper is 120 mm in front of the flange, and the other TCP 40 mm to its side.
     distance = np.linalg.norm(samples.tcp - flange, axis=1)
     assert set(np.round(1e3 * distance, 6)) == {120.0, round(float(np.hypot(120, 40)), 6)}
 
@@ -225,7 +225,7 @@ def test_the_override_slows_motions_and_nothing_else() -> None:
     full, slow = iw.plan(program), iw.plan(program, override_percent=25)
     assert slow.motion_time_s == pytest.approx(4 * full.motion_time_s, rel=1e-3)
     assert (slow.settle_time_s, slow.wait_time_s) == (full.settle_time_s, full.wait_time_s)
-    # It replaces the program's, and the program of the plan has it.
+    # The option replaces the value of the program, and the program of the plan has it.
     assert iw.plan(slow.program).cycle_time_s == slow.cycle_time_s
     assert iw.plan(slow.program, override_percent=100).cycle_time_s == full.cycle_time_s
     assert json.loads(slow.program.to_json())["override_percent"] == 25
@@ -445,7 +445,7 @@ def test_an_imported_program_has_the_flange_that_is_given() -> None:
     stated = json.loads(program.to_json())
     assert (stated["robot"], stated["flange_mm"]) == ("lbr_iiwa_14_r820", 126)
     assert any('asks "start"' in question for question in told["questions"])
-    # The name of a model says nothing about the flange.
+    # The name of a model does not determine the flange.
     small = iw.plan(program, robot="lbr_iiwa_7_r800").robot
     assert small.tcp([0] * 7)[2] == pytest.approx(0.34 + 0.4 + 0.4 + 0.126)
 
@@ -483,7 +483,7 @@ def test_recordings_and_what_they_show_are_pickled(tmp_path: Path) -> None:
         comparison = iw.compare(own, recording)
         kept = pickle.dumps(comparison)
         assert copied(comparison).figures() == comparison.figures()
-    # Neither the file's end nor another content changes what was compared.
+    # The comparison survives deletion and replacement of the file.
     (tmp_path / "plan.mcap").unlink()
     assert pickle.loads(kept).figures() == comparison.figures()
     plan.write(tmp_path / "plan.mcap")
@@ -505,7 +505,7 @@ def test_a_profile_counts_as_it_does_on_the_command_line(tmp_path: Path) -> None
     (tmp_path / "program.json").write_text(json.dumps(text))
     slow = iw.plan(iw.Program.load(tmp_path / "program.json"))
     assert slow.cycle_time_s > 1.5 * iw.plan(swing(90)).cycle_time_s
-    # Files of elsewhere are not read for a program.
+    # A program cannot name files in other folders.
     text["robot"] = "../slow.json"
     (tmp_path / "sub").mkdir()
     (tmp_path / "sub" / "program.json").write_text(json.dumps(text))
@@ -599,7 +599,7 @@ def test_a_forked_process_plans() -> None:
     assert all(isinstance(plan, iw.Plan) for plan in plans)
     child = os.fork()
     if child == 0:
-        # Not the test's own ways out.
+        # Not the exceptions of the test itself.
         signal.alarm(60)
         os._exit(0 if all(isinstance(plan, iw.Plan) for plan in iw.plan_all([program] * 4)) else 1)
     assert os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) == 0

@@ -1,4 +1,4 @@
-"""Figures of plans: nothing covers a label, and all is within the figure."""
+"""Plots of plans: labels do not overlap, and everything is within the figure."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ def pyplot(monkeypatch: pytest.MonkeyPatch) -> Iterator[ModuleType]:
 def test_nothing_is_covered(name: str, pyplot: ModuleType) -> None:
     figure = iw.plan(iw.Program(PROGRAMS[name], start_deg=HOME)).plot()
     figure.draw_without_rendering()
-    # Each with its labels and, of the speeds, the legend above.
+    # Axes with their labels and, for the speeds, the legend above.
     boxes = [axes.get_tightbbox() for axes in figure.axes] + [figure.texts[0].get_window_extent()]
     for one, other in combinations(boxes, 2):
         assert not one.overlaps(other)
@@ -50,7 +50,7 @@ def test_what_is_drawn(pyplot: ModuleType) -> None:
     samples = plan.sample(rate_hz=100)
     assert side.lines[0].get_ydata() == pytest.approx(1e3 * samples.tcp[:, 2])
     assert top.lines[0].get_ydata() == pytest.approx(1e3 * samples.tcp[:, 1])
-    # A1 is at its limit, and the others rest.
+    # A1 is at its limit, and the other joints are at rest.
     tops = [line.get_ydata().max() for line in speeds.lines[:7]]
     assert tops == pytest.approx([100, 0, 0, 0, 0, 0, 0], abs=0.1)
     begins = [line.get_xdata()[0] for line in speeds.lines[7:]]
@@ -71,7 +71,7 @@ def test_figures_without_windows_are_not_kept(
 
 
 def test_figures_with_windows_are_kept(pyplot: ModuleType, monkeypatch: pytest.MonkeyPatch) -> None:
-    """They are what `pyplot.show` shows."""
+    """`pyplot.show` needs the open figures."""
     monkeypatch.setattr("matplotlib.get_backend", lambda: "QtAgg")
     figure = iw.plan(iw.Program(PROGRAMS["at rest"], start_deg=HOME)).plot(rate_hz=10)
     assert pyplot.get_fignums() == [figure.number]

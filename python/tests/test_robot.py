@@ -108,7 +108,7 @@ def test_clearances() -> None:
     )
     near = plan.clearance(scene)
     assert near is not None and near.at_s is not None
-    # No sample is nearer than the nearest place by more than its tolerance.
+    # The minimum over samples is not below the found minimum by more than its tolerance.
     least = min(
         found.distance_m
         for q in plan.sample(rate_hz=100).q

@@ -1,4 +1,4 @@
-"""Programs keep the robot that they are for."""
+"""Programs keep their robot."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ def test_a_saved_program_takes_as_long(program: iw.Program, tmp_path: Path) -> N
     expected = iw.plan(program)
     assert iw.plan(again).cycle_time_s == expected.cycle_time_s
     assert np.array_equal(iw.plan(again).at(0.3).q, expected.at(0.3).q)
-    # A built-in robot needs no profile.
+    # A built-in robot does not need a profile.
     is_built_in = again.robot in (iw.Robot(), iw.Robot("lbr_iiwa_14_r820"))
     assert (
         sorted(it.name for it in tmp_path.iterdir())

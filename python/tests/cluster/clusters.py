@@ -1,4 +1,4 @@
-"""Clusters of two workers on this machine, and how one of the workers dies."""
+"""Clusters of two workers on this machine, and the killing of one worker."""
 
 from __future__ import annotations
 
@@ -15,19 +15,20 @@ import pyarrow as pa
 
 from iiwasim._chunks import Planning
 
-# Read when Ray is imported: no reports of usage, and the loopback interface alone, as on other systems than Linux.
+# Ray reads these on import: no usage reports, and the loopback interface only, as on other systems
+# than Linux.
 os.environ |= {"RAY_USAGE_STATS_ENABLED": "0", "RAY_ENABLE_WINDOWS_OR_OSX_CLUSTER": "0"}
 
 import ray
 
-# An end of waiting for what is broken, not a measure of anything.
+# Timeout for broken runs; no test measures against it.
 LONG_S = 300.0
 STORE_BYTES = 200_000_000
 
 
 @contextmanager
 def ray_cluster(workers: int = 2) -> Iterator[None]:
-    """Ray with so many CPUs; no process of it remains."""
+    """Ray with `workers` CPUs; all its processes end with the context."""
     ours = set(psutil.Process().children(recursive=True))
     ray.init(
         num_cpus=workers,
@@ -47,7 +48,7 @@ def ray_cluster(workers: int = 2) -> Iterator[None]:
 
 @contextmanager
 def dask_cluster(workers: int = 2) -> Iterator[distributed.Client]:
-    """So many processes of one thread."""
+    """Dask with `workers` processes of one thread each."""
     with (
         distributed.LocalCluster(
             n_workers=workers,
@@ -65,8 +66,10 @@ CLUSTERS = {"cores": nullcontext, "ray": ray_cluster, "dask": dask_cluster}
 
 
 def victim(pid_file: Path) -> type[Planning]:
-    """Planning, of which one worker waits to be killed: the first one, as soon as the file's folder is there."""
-    # Dask plans no programs at all in this process, to know the columns.
+    """A `Planning` that makes one worker wait to be killed: the first one after the folder of
+    `pid_file` exists.
+    """
+    # Dask plans an empty table in this process, to find the columns.
     here = os.getpid()
 
     class Victim(Planning):
@@ -85,7 +88,7 @@ def victim(pid_file: Path) -> type[Planning]:
 
 
 def kill_victim(pid_file: Path) -> None:
-    """Kills the worker that waits for it."""
+    """Kills the worker that waits to be killed."""
     until = time.monotonic() + LONG_S
     while not (pid_file.exists() and pid_file.read_text().endswith("\n")):
         assert time.monotonic() < until, "no worker has begun"

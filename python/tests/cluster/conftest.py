@@ -1,4 +1,4 @@
-"""Clusters that tests share: starting one takes seconds."""
+"""Clusters that tests share, as the start of a cluster takes seconds."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ CHUNK = 50
 
 
 class Cluster(NamedTuple):
-    """Where programs are planned."""
+    """A kind of cluster and its functions."""
 
     module: ModuleType
     plan: Callable[..., batches.Planned]
@@ -47,7 +47,7 @@ def cluster(request: pytest.FixtureRequest) -> Cluster:
 
 @pytest.fixture(scope="session")
 def programs() -> list[str]:
-    """Programs, one of which cannot be planned, and two texts that are none."""
+    """Programs, one of which cannot be planned, and two texts that are not programs."""
     texts = random_programs(COUNT)
     texts[7] = texts[7].replace('"joints_deg": [', '"joints_deg": [9', 1)
     texts[60] = "{}"
@@ -57,7 +57,7 @@ def programs() -> list[str]:
 
 @pytest.fixture(scope="session")
 def source(programs: list[str], tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """The same as JSON lines."""
+    """The programs as a file of JSON lines."""
     file = tmp_path_factory.mktemp("programs") / "programs.jsonl"
     file.write_text("".join(f"{program}\n" for program in programs))
     return file
@@ -69,6 +69,6 @@ def on_one_core(programs: list[str]) -> pa.Table:
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    # Ray Data warns of options of its own.
+    # Ray Data warns about its own options.
     for item in items:
         item.add_marker(pytest.mark.filterwarnings("ignore::DeprecationWarning:ray"))

@@ -1,4 +1,4 @@
-"""Small programs of chance, the same for the same seed."""
+"""Small random programs, reproducible by their seed."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ REACH_DEG = (165, 115, 165, 115, 165, 115, 170)
 
 
 def random_programs(count: int, seed: int = 1) -> list[str]:
-    """Texts of programs of two to four motions."""
+    """JSON texts of programs with two to four motions."""
     chance = random.Random(seed)
 
     def joints() -> list[float]:

@@ -1,4 +1,4 @@
-"""Files to files on one machine: sources, folders, errors."""
+"""Planning from file to file on one machine: sources, folders, errors."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ FIXTURES = Path(__file__).resolve().parents[3] / "fixtures"
 
 
 class Interrupted(Exception):
-    """What stops a run on the way."""
+    """Raised to interrupt a run."""
 
 
 def test_figures_are_those_of_plans(programs: list[str], on_one_core: pa.Table) -> None:
@@ -47,7 +47,7 @@ def test_limits_and_clearance() -> None:
     scene = iw.Scene.load(FIXTURES / "cage.json")
     programs = [iw.Program.load(FIXTURES / f"{name}.json") for name in names]
     rows = batches.figures(programs, scene=scene).to_pylist()
-    # As `iiwasim plan fixtures` prints them.
+    # The values that `iiwasim plan fixtures` prints.
     assert [(row["limited_joint"], row["limited_by"]) for row in rows] == [
         (4, "velocity"),
         (None, "cart_velocity"),
@@ -84,7 +84,7 @@ def test_lines(source: Path, on_one_core: pa.Table, tmp_path: Path, jobs: int) -
     assert planned == (tmp_path / "figures", COUNT, COUNT)
     assert told == [(done, COUNT) for done in range(CHUNK, COUNT + 1, CHUNK)]
     assert batches.read(planned.folder).equals(on_one_core)
-    # Readers of Parquet see nothing else there, and rows in order.
+    # Parquet readers find only the parts, with rows in order.
     assert pq.read_table(planned.folder).equals(on_one_core)
 
 
@@ -110,7 +110,7 @@ def test_parquet(
     folder.mkdir()
     share = COUNT // files
     for place in range(files):
-        # Groups of rows that are no multiple of chunks.
+        # Row groups whose size is not a multiple of the chunk size.
         pq.write_table(
             table.slice(place * share, share), folder / f"{place}.parquet", row_group_size=37
         )
@@ -138,12 +138,12 @@ def test_an_interrupted_run_is_taken_up(
             raise Interrupted
 
     with pytest.raises(Interrupted):
-        # One thread: in order.
+        # One thread plans the parts in order.
         batches.plan(source, tmp_path, chunk=CHUNK, jobs=1, progress=stop)
     parts = sorted(tmp_path.glob("part-*.parquet"))
     assert len(parts) == 3
     written = [part.stat().st_mtime_ns for part in parts]
-    # As if it had died while it wrote.
+    # An incomplete part, as left by a process that died while writing.
     (tmp_path / ".part-00003.parquet").write_bytes(b"PAR1")
     assert batches.plan(source, tmp_path, chunk=CHUNK).rows_planned == COUNT - 3 * CHUNK
     assert [part.stat().st_mtime_ns for part in parts] == written
@@ -186,7 +186,7 @@ def test_foreign_folders_are_refused(programs: list[str], tmp_path: Path) -> Non
     }.items():
         with pytest.raises(iw.IiwasimError, match=named):
             batches.plan(source, target, **{"chunk": 2, **options})
-    # What is left out, and its default.
+    # An explicit default equals an option that is left out.
     assert batches.plan(source, target, chunk=2, timing="sunrise").rows_planned == 0
     source.write_text("\n".join([*programs[:3], programs[5]]))
     with pytest.raises(iw.IiwasimError, match="figures of another plan: `programs` is"):
@@ -202,7 +202,7 @@ def test_foreign_folders_are_refused(programs: list[str], tmp_path: Path) -> Non
 
 def test_a_source_that_changes_is_told(programs: list[str], tmp_path: Path) -> None:
     source = tmp_path / "programs.jsonl"
-    # More than is read at once.
+    # More than one read buffer.
     source.write_text("\n".join(program + 100_000 * " " for program in programs[:40]))
 
     def change(*_: int) -> None:
@@ -242,7 +242,7 @@ def test_bad_options(programs: list[str]) -> None:
         batches.figures(programs[:1], speed=2)  # type: ignore[call-arg]
     with pytest.raises(ValueError, match="jobs is 0"):
         batches.figures(programs[:1], jobs=0)
-    with pytest.raises(TypeError, match=r"programs\[1\] is no iiwasim.Program"):
+    with pytest.raises(TypeError, match=r"programs\[1\] is not an iiwasim.Program"):
         batches.figures([programs[0], json.loads(programs[1])])
 
 

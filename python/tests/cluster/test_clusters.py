@@ -1,4 +1,4 @@
-"""Two workers of Ray and of Dask: the rows of one core, whatever becomes of the workers."""
+"""Two Ray or Dask workers return the rows of one core, also if workers die."""
 
 from __future__ import annotations
 
@@ -28,11 +28,11 @@ from iiwasim._chunks import Planning
 
 
 class Interrupted(Exception):
-    """What stops a run on the way."""
+    """Raised to interrupt a run."""
 
 
 class Deadly(Planning):
-    """Each worker dies of it."""
+    """A `Planning` that kills each worker."""
 
     def figures(self, chunk: pa.Table) -> pa.Table:
         os._exit(1)
@@ -40,7 +40,7 @@ class Deadly(Planning):
 
 @contextmanager
 def a_worker_is_killed(module: ModuleType, folder: Path) -> Iterator[None]:
-    """One that plans in here."""
+    """Kills one worker that plans within the context."""
     pid_file = folder / "pid"
     with pytest.MonkeyPatch.context() as patch, ThreadPoolExecutor() as meanwhile:
         patch.setattr(module, "Planning", clusters.victim(pid_file))
@@ -68,7 +68,7 @@ def test_an_interrupted_run_is_taken_up_elsewhere(
     with pytest.raises(Interrupted):
         cluster.plan(source, tmp_path, chunk=CHUNK, progress=stop)
     assert len(list(tmp_path.glob("part-*.parquet"))) == 3
-    # One part on this machine, the others on the cluster.
+    # The first parts on this machine, the others on the cluster.
     with pytest.raises(Interrupted):
         batches.plan(source, tmp_path, chunk=CHUNK, jobs=1, progress=stop)
     assert cluster.plan(source, tmp_path, chunk=CHUNK).rows_planned == COUNT - 4 * CHUNK
@@ -83,7 +83,7 @@ def test_programs_that_kill_every_worker_end(
 ) -> None:
     for module in (iiwasim.ray, iiwasim.dask):
         monkeypatch.setattr(module, "Planning", Deadly)
-    # Workers do not know this file.
+    # Workers cannot import this file.
     for pickle in (cloudpickle, ray.cloudpickle):
         pickle.register_pickle_by_value(sys.modules[__name__])
     with pytest.raises(RuntimeError, match=r"chunk 0 of the programs: .* is there enough memory"):

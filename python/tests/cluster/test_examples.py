@@ -1,4 +1,4 @@
-"""Examples of docstrings, and those in `examples`."""
+"""Examples in docstrings and in `examples`."""
 
 from __future__ import annotations
 
@@ -25,8 +25,8 @@ NAMES = [
 
 
 def run(*command: str, cwd: Path | None = None) -> subprocess.CompletedProcess[str]:
-    """Python with these arguments."""
-    # Ray would report usage, and listen on all interfaces.
+    """Runs Python with the given arguments."""
+    # By default, Ray reports usage and listens on all interfaces.
     env = {**os.environ, "RAY_USAGE_STATS_ENABLED": "0", "RAY_ENABLE_WINDOWS_OR_OSX_CLUSTER": "0"}
     return subprocess.run(
         [sys.executable, *command],
@@ -64,7 +64,7 @@ def test_docstring(
 
 
 def test_search_is_the_same_everywhere() -> None:
-    """A few generations; what it finds keeps the distance, in less time."""
+    """A few generations find a program that keeps the distance and takes less time."""
     script = ROOT / "python" / "examples" / "search.py"
 
     def found(on: str) -> list[str]:
@@ -107,7 +107,7 @@ def test_missing_packages_are_named(missing: str, module: str, said: str) -> Non
 
 
 def test_nothing_else_is_imported() -> None:
-    """The package itself needs none of it."""
+    """The package itself does not import Ray or Dask."""
     script = "import iiwasim, sys; print(sorted({'ray', 'dask', 'pyarrow', 'pandas'} & set(sys.modules)))"
     done = run("-c", script)
     assert done.stdout == "[]\n"
