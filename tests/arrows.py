@@ -1,9 +1,9 @@
-"""Draws which crates use which, as Cargo knows it.
+"""Draws the dependency graph of the crates, from Cargo metadata.
 
-    tests/arrows.py            do ARCHITECTURE.md and README.md show what is?
-    tests/arrows.py --renew    makes it so
+    tests/arrows.py            compares the graphs in ARCHITECTURE.md and README.md
+    tests/arrows.py --renew    writes the graphs
 
-An arrow goes from a crate to one that uses it. What follows from other arrows is not drawn.
+An arrow points from a crate to a crate that uses it. Transitive dependencies are not drawn.
 """
 
 from __future__ import annotations
@@ -16,12 +16,12 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
 COMMAND = "iiwasim"
-# Uses all others.
+# The crate that uses all others.
 FACADE = "iiwa"
 
 
 def crates() -> tuple[dict[str, str], dict[str, set[str]]]:
-    """The folder of each crate, and what it depends on."""
+    """The folder and the dependencies of each crate."""
     command = [
         "cargo",
         "metadata",
@@ -53,7 +53,7 @@ def crates() -> tuple[dict[str, str], dict[str, set[str]]]:
 
 
 def reached(uses: dict[str, set[str]], start: str) -> set[str]:
-    """All that a crate depends on, through others."""
+    """All transitive dependencies of a crate."""
     found: set[str] = set()
     open_ = list(uses[start])
     while open_:
@@ -69,7 +69,7 @@ def short(name: str) -> str:
 
 
 def diagram(folders: dict[str, str], uses: dict[str, set[str]]) -> str:
-    """Mermaid, with a box a folder."""
+    """A Mermaid diagram, with one box per folder."""
     lines = ["```mermaid", "flowchart LR"]
     for folder in sorted(set(folders.values()) - {"cli"}):
         names = sorted(

@@ -1,12 +1,12 @@
 #!/usr/bin/env python3
-"""Compare what two builds of iiwasim write for the programs in fixtures/.
+"""Compare the outputs of two builds of iiwasim for the programs in fixtures/.
 
     compare_outputs.py OLD_BINARY NEW_BINARY
 
-Both binaries plan every program (with both timings), draw its picture, make its report and compare the two
-plans; do all experiments on a virtual robot, and identify it. One line a file says `equal` or what differs.
-MCAP files are compared by their messages, metadata and attachments. Differences in EXPECTED are named as
-such. Exits with 1 on any other difference.
+Both binaries plan every program (with both timings), draw its picture, make its report and compare
+the two plans; do all experiments on a virtual robot, and identify it. One line per file says
+`equal` or lists the differences. MCAP files are compared by their messages, metadata and
+attachments. Differences in EXPECTED are marked as expected. Exits with 1 on any other difference.
 
 Needs the Python package `mcap` (tests/requirements.txt).
 """
@@ -21,7 +21,7 @@ from mcap.reader import make_reader
 
 FIXTURES = Path(__file__).resolve().parent.parent / "fixtures"
 
-# Differences that a change is meant to make: (kind of file, what differs).
+# Intended differences of a change: (kind of file, difference).
 EXPECTED = {
     ("mcap", "attachment robot.json is new"),
     ("mcap", "metadata iiwasim.samples is gone"),
@@ -30,7 +30,7 @@ EXPECTED = {
 
 
 def programs():
-    """Programs of the fixtures: objects with motions."""
+    """Programs in the fixtures: objects with motions."""
     for path in sorted(FIXTURES.glob("*.json")):
         content = json.loads(path.read_text())
         if isinstance(content, dict) and "motions" in content:
@@ -51,7 +51,7 @@ def run(binary, folder, *arguments):
 
 
 def make(binary, folder):
-    """Runs every command into a folder and gives the texts that came out."""
+    """Runs every command in a folder, and returns the printed texts."""
     texts = {}
     for program in programs():
         name = program.stem
@@ -119,7 +119,7 @@ def mcap_content(path):
 
 
 def entries(what, old, new):
-    """How two dictionaries differ."""
+    """Differences of two dictionaries."""
     for key in sorted(old.keys() | new.keys()):
         if key not in new:
             yield f"{what} {key} is gone"

@@ -4,7 +4,8 @@
     tests/prose.py --places HABIT    each place, as FILE:LINE: text
     tests/prose.py --renew           writes the counts of now
 
-Rust, Java and JavaScript are searched in their comments, Python in comments and docstrings, Markdown outside of code blocks.
+Rust, Java and JavaScript are searched in their comments, Python in comments and docstrings,
+Markdown outside of code blocks.
 """
 
 from __future__ import annotations
@@ -23,7 +24,8 @@ ROOT = Path(__file__).resolve().parent.parent
 BASELINE = ROOT / "tests/prose.json"
 MOST_COLUMNS = 100
 C_LIKE = {".rs", ".java", ".js"}
-# What a habit looks like. The first is searched at the start of documentation lines, all others anywhere.
+# What a habit looks like. The first is searched at the start of documentation lines, all others
+# anywhere.
 HABITS = {
     "clause in place of a noun": re.compile(r"^(What|How|Whether|Where|Who|Which)\b"),
     "negated noun": re.compile(

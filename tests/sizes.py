@@ -1,6 +1,7 @@
-"""Prints how many lines of Rust each crate has, and which files are the longest: a report, which forbids nothing.
+"""Prints the lines of Rust of each crate, and the longest files: a report without limits.
 
-Tests are counted apart: files in folders called tests, and those whose name ends with tests.rs.
+Tests are counted separately: files in folders called tests, and files with names ending in
+tests.rs.
 """
 
 from __future__ import annotations

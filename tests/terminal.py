@@ -1,8 +1,8 @@
-"""What `iiwasim run` shows in a terminal: how long the motions to come still take.
+"""Checks the remaining motion time that `iiwasim run` shows in a terminal.
 
     tests/terminal.py PROGRAM DRIVE STREAM
 
-A robot has to be connected to the drive. Plans say how long it moves, and the time left is what remains of that.
+A robot has to be connected to the drive. The remaining time is compared with the planned time.
 """
 
 import fcntl
@@ -21,7 +21,7 @@ SECONDS = 180
 
 
 def shown(command: list[str]) -> str:
-    """All that a command writes to a terminal of 100 columns."""
+    """Output of a command to a terminal of 100 columns."""
     ours, theirs = pty.openpty()
     fcntl.ioctl(theirs, termios.TIOCSWINSZ, struct.pack("HHHH", 30, 100, 0, 0))
     process = subprocess.Popen(command, stdout=theirs, stderr=theirs)

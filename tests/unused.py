@@ -1,6 +1,7 @@
 """Finds dependencies that no source file of their package names, in all workspaces.
 
-A package says itself what it needs for nothing else than a feature: `ignored` in `[package.metadata.unused]`, where `*` is all.
+A package lists dependencies that it needs only for their features in `ignored` of
+`[package.metadata.unused]`; `*` means all.
 """
 
 from __future__ import annotations
@@ -15,7 +16,7 @@ WORKSPACES = [".", "python", "tests/peers", "tests/fuzz"]
 
 
 def metadata(workspace: str) -> dict:
-    """What cargo knows of a workspace and of all that it depends on."""
+    """Cargo metadata of a workspace and its dependencies."""
     manifest = ROOT / workspace / "Cargo.toml"
     command = [
         "cargo",
@@ -31,7 +32,7 @@ def metadata(workspace: str) -> dict:
 
 
 def code(folder: Path, others: set[Path]) -> str:
-    """The Rust code of a package, without comments, and without that of packages within its folder."""
+    """The Rust code of a package, without comments and without packages in its subfolders."""
     lines = []
     for file in folder.rglob("*.rs"):
         if not others.intersection(file.parents) and "target" not in file.relative_to(folder).parts:

@@ -1,4 +1,4 @@
-//! Where blends with a radius start and end, in time a search.
+//! Search for the start and the end of blends with a radius: time per search.
 #![expect(clippy::print_stderr, reason = "where a bench says that it cannot run")]
 
 use std::hint::black_box;

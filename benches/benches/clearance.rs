@@ -1,4 +1,4 @@
-//! Clearances of the arm in a cell of ten obstacles: of poses, and of the ten motions.
+//! Clearances of the arm in a cell with ten obstacles: of poses, and of the ten motions.
 #![expect(clippy::print_stderr, reason = "where a bench says that it cannot run")]
 
 use std::{fs, hint::black_box};

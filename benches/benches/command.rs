@@ -1,8 +1,8 @@
-//! The whole command `iiwasim plan` on ten motions: from the start of the process to the MCAP in
-//! its place.
+//! Whole command `iiwasim plan` on ten motions: from the start of the process to the finished MCAP
+//! file.
 //!
-//! The program is the one named by the environment variable `IIWASIM`, or else the one that
-//! `cargo build --release` has put beside the bench.
+//! The executable is named by the environment variable `IIWASIM`; by default it is that of `cargo
+//! build --release` beside the bench.
 #![expect(clippy::print_stderr, reason = "where a bench says that it cannot run")]
 
 use std::{
@@ -57,13 +57,13 @@ fn run(criterion: &mut Criterion) -> Result<()> {
     Ok(())
 }
 
-/// The program to be measured.
+/// Returns the path of the measured executable.
 fn binary() -> Result<PathBuf> {
     if let Some(path) = env::var_os("IIWASIM") {
         return Ok(path.into());
     }
     let bench = env::current_exe()?;
-    // target/release/deps/command-..., beside it target/release/iiwasim.
+    // target/release/deps/command-..., with target/release/iiwasim beside it.
     let path = bench.ancestors().nth(2).unwrap_or(&bench).join("iiwasim");
     if !path.is_file() {
         let missing = path.display();

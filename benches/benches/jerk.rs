@@ -1,5 +1,5 @@
-//! Time stamps under limits of jerk: for a program of ten blended motions, the first reference
-//! program, and for longer ones.
+//! Time parameterisation with jerk limits: for a program of ten blended motions, the first
+//! reference program, and for longer ones.
 #![expect(clippy::print_stderr, reason = "where a bench says what it cannot time")]
 
 use std::{
@@ -37,12 +37,12 @@ fn against_peers(criterion: &mut Criterion) -> Result<()> {
     group.bench_function("iiwa-traj plan", |bencher| {
         bencher.iter(|| Trajectory::plan(black_box(&path), timing));
     });
-    // The peer takes seconds: one solution a sample. Whatever is fast goes before these settings.
+    // The peer takes seconds: one solution per sample. Fast benches must precede these settings.
     group.sample_size(10).sampling_mode(SamplingMode::Flat);
     group.warm_up_time(Duration::from_millis(1)).measurement_time(Duration::from_secs(1));
     for peer in PEERS.iter().filter(|peer| peer.timed) {
         let samples = JerkSamples::new(&path, peer.intervals)?;
-        // Once beforehand: a solver that fails would fail fast.
+        // Solved once beforehand: a failing solver would appear to be fast.
         let theirs_s = samples.solve(peer.solver)?.duration_s;
         eprintln!("stamps, jerk/{}: {theirs_s:.6} s in motion", peer.name);
         group.bench_function(peer.name, |bencher| {
@@ -53,13 +53,13 @@ fn against_peers(criterion: &mut Criterion) -> Result<()> {
     Ok(())
 }
 
-/// Longest time of one plan that is sampled: ten samples of a slower one take too long.
+/// Longest sampled time of one plan: ten samples of a slower plan take too long.
 const MOST: Duration = Duration::from_secs(3);
 
-/// Programs without a stop are planned as one: their time should grow no faster than they do.
+/// Programs without a stop are planned as a whole: their time should grow at most linearly.
 fn growth(criterion: &mut Criterion) -> Result<()> {
     let mut group = criterion.benchmark_group("growth, jerk");
-    // The longest takes seconds.
+    // The longest program takes seconds.
     group.sample_size(10).sampling_mode(SamplingMode::Flat);
     for motions in [10, 100, 1000] {
         let program = Program::from_json(&text(Kind::Blended, motions))?;

@@ -1,4 +1,4 @@
-//! Forward and inverse kinematics, in time a pose.
+//! Forward and inverse kinematics: time per pose.
 #![expect(clippy::print_stderr, reason = "where a bench says that it cannot run")]
 
 use std::hint::black_box;
@@ -51,7 +51,8 @@ fn inverse(criterion: &mut Criterion) {
         .iter()
         .map(|q| {
             let flange = robot.flange_pose(q);
-            // A straight line with a constant orientation: arithmetic takes as long with zeros.
+            // A straight line with a constant orientation: arithmetic with zeros takes the same
+            // time.
             let mut moving = MovingPose::constant(&flange);
             moving.position_m[0].0[1] = 0.2;
             (flange, moving, q[2], Status::of(&robot, q))

@@ -1,4 +1,5 @@
-//! Time stamps for a program of ten blended motions: the first reference program.
+//! Acceleration-limited time parameterisation of a program of ten blended motions: the first
+//! reference program.
 #![expect(clippy::print_stderr, reason = "where a bench says that it cannot run")]
 
 use std::hint::black_box;
@@ -21,7 +22,7 @@ fn sweep(criterion: &mut Criterion) {
     }
 }
 
-/// Nodes of the sweep: lines need none.
+/// Number of sweep nodes: lines need none.
 fn swept(path: &JointPath) -> u64 {
     let curved = path.blends().filter(|(_, segment)| !segment.is_straight());
     (curved.count() * (SweepOptions::default().samples + 1)) as u64

@@ -1,9 +1,9 @@
-//! Peer: forward kinematics as in a textbook, a product of seven 4x4 matrices.
+//! Peer: textbook forward kinematics, a product of seven 4x4 matrices.
 
 use iiwa_kin::{DhRow, Joints, Robot};
 use nalgebra::Matrix4;
 
-/// A Denavit-Hartenberg table with the sines and cosines of its twists.
+/// Denavit-Hartenberg table with the sines and cosines of its twists.
 #[derive(Debug)]
 pub struct DhProduct {
     links: [Link; 7],
@@ -17,7 +17,7 @@ struct Link {
 }
 
 impl DhProduct {
-    /// The table of `robot`.
+    /// Creates the table of `robot`.
     #[must_use]
     pub fn new(robot: &Robot) -> Self {
         let links = robot.dh().map(|row| {
@@ -27,7 +27,7 @@ impl DhProduct {
         Self { links }
     }
 
-    /// The TCP's pose in the base frame, positions in m.
+    /// Flange pose in the base frame, positions in m.
     #[must_use]
     pub fn flange_pose(&self, joints_rad: &Joints) -> Matrix4<f64> {
         self.links.iter().zip(joints_rad).fold(Matrix4::identity(), |pose, (link, theta)| {

@@ -1,4 +1,4 @@
-//! Numbers that look random and are the same on every machine.
+//! Pseudo-random numbers that are the same on every machine.
 
 use iiwa_kin::{Joints, Robot, vector};
 use iiwa_path::JointPath;
@@ -6,18 +6,18 @@ use iiwa_program::Program;
 
 use super::Result;
 
-/// A generator of numbers (`splitmix64`, Steele et al. 2014).
+/// Generator of pseudo-random numbers (`splitmix64`, Steele et al. 2014).
 #[derive(Debug)]
 pub struct Numbers(u64);
 
 impl Numbers {
-    /// A generator; each `seed` gives other numbers.
+    /// Creates a generator; each `seed` gives other numbers.
     #[must_use]
     pub fn new(seed: u64) -> Self {
         Self(seed)
     }
 
-    /// The next number, evenly spread over -1 to 1.
+    /// Returns the next number, uniformly distributed over -1 to 1.
     pub fn signed(&mut self) -> f64 {
         self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
         let mut z = self.0;
@@ -27,25 +27,26 @@ impl Numbers {
         (z >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
     }
 
-    /// The next joint positions in rad, evenly spread over `share` of the robot's ranges.
+    /// Returns the next joint positions in rad, uniformly distributed over `share` of the robot's
+    /// joint ranges.
     pub fn joints(&mut self, robot: &Robot, share: f64) -> Joints {
         robot.limits().upper_rad.map(|limit| share * limit * self.signed())
     }
 }
 
-/// `count` joint positions in rad, all over the robot's ranges.
+/// Returns `count` joint positions in rad, over the whole joint ranges.
 #[must_use]
 pub fn poses(robot: &Robot, count: usize) -> Vec<Joints> {
     let mut numbers = Numbers::new(1);
     (0..count).map(|_| numbers.joints(robot, 1.0)).collect()
 }
 
-/// Paths of `count` single PTP motions with one length in joint space, from poses in the middle of the ranges; every third
-/// motion moves a single joint.
+/// Returns paths of `count` single PTP motions with one length in joint space, from poses in the
+/// middle of the ranges; every third motion moves a single joint.
 ///
 /// # Errors
 ///
-/// If a motion leaves the ranges.
+/// An error if a motion leaves the ranges.
 pub fn ptp_paths(robot: &Robot, count: usize, length_rad: f64) -> Result<Vec<JointPath>> {
     let mut numbers = Numbers::new(2);
     let path = |i: usize| {

@@ -1,4 +1,4 @@
-//! What the benches share: what they are run on, and the peers that they are held against.
+//! Common parts of the benches: the machine, the programs and the peers for comparison.
 
 pub mod dh_product;
 pub mod joints;
@@ -12,5 +12,5 @@ pub mod topp_ra;
 #[cfg(feature = "peers")]
 pub mod urdf_chain;
 
-/// Anything that keeps a bench from running.
+/// Result of a bench, with any error that prevents it.
 pub type Result<T> = std::result::Result<T, Box<dyn std::error::Error>>;

@@ -6,22 +6,22 @@ use iiwa_kin::Robot;
 
 use super::joints::Numbers;
 
-/// How the motions of a program hang together.
+/// Kind of transition between the motions of a program.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
-    /// All blended by a quarter of their segments, without a stop.
+    /// All motions blended by a quarter of their segments, without a stop.
     Blended,
-    /// The same, with a stop after every tenth motion.
+    /// All motions blended by a quarter of their segments, with a stop after every tenth motion.
     Stops,
-    /// All blended within 100 mm, without a stop.
+    /// All motions blended within 100 mm, without a stop.
     Radius,
 }
 
 impl Kind {
-    /// All of them.
+    /// All kinds.
     pub const ALL: [Self; 3] = [Self::Blended, Self::Stops, Self::Radius];
 
-    /// What a table calls it.
+    /// Name in tables.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -32,13 +32,14 @@ impl Kind {
     }
 }
 
-/// The text of a program of `motions` motions between points all over half of the robot's ranges.
+/// Returns the text of a program of `motions` motions between points over half of the robot's joint
+/// ranges.
 #[must_use]
 pub fn text(kind: Kind, motions: usize) -> String {
     seeded(kind, motions, 7)
 }
 
-/// The same with other points; each `seed` gives its own.
+/// Returns the text of a program with other points; each `seed` gives its own.
 #[must_use]
 pub fn seeded(kind: Kind, motions: usize, seed: u64) -> String {
     let robot = Robot::lbr_iiwa_7_r800();

@@ -1,8 +1,8 @@
-//! What figures were measured on.
+//! Machine of the measurements.
 
 use std::{fs, process::Command};
 
-/// The level of instructions that the crates use here: they pick it when they run.
+/// Returns the instruction level that the crates use on this machine: they select it at run time.
 #[must_use]
 pub fn instruction_level() -> &'static str {
     match pulp::Arch::new() {
@@ -15,7 +15,7 @@ pub fn instruction_level() -> &'static str {
     }
 }
 
-/// The first line that a program prints with `--version`; `none` if there is no such program.
+/// Returns the first line that a program prints with `--version`; `none` without the program.
 #[must_use]
 pub fn version(program: &str) -> String {
     let output = Command::new(program).arg("--version").output();
@@ -23,7 +23,7 @@ pub fn version(program: &str) -> String {
     text.ok().and_then(|text| text.lines().next().map(str::to_owned)).unwrap_or("none".to_owned())
 }
 
-/// The processor's name and its number of threads.
+/// Returns the name of the processor and its number of threads.
 #[must_use]
 pub fn processor() -> String {
     let info = fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
@@ -40,11 +40,11 @@ pub fn processor() -> String {
     )
 }
 
-/// The most memory that this process has held so far, in MB of 10^6 bytes.
+/// Returns the peak memory of this process so far, in MB of 10^6 bytes.
 ///
 /// # Errors
 ///
-/// If the system does not tell.
+/// An error if the system does not report it.
 pub fn peak_memory_mb() -> super::Result<f64> {
     let status = fs::read_to_string("/proc/self/status")?;
     let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"));

@@ -1,4 +1,4 @@
-//! The reference programs, in `fixtures/reference/programs.json`.
+//! Reference programs in `fixtures/reference/programs.json`.
 
 use iiwa_kin::{Joints, Robot};
 use iiwa_path::BlendSearch;
@@ -9,7 +9,7 @@ use super::Result;
 
 const PROGRAMS: &str = include_str!("../../fixtures/reference/programs.json");
 
-/// All reference programs, with the results that go with them, in order.
+/// Returns all reference programs with their results, in order.
 fn cases() -> Result<Vec<Value>> {
     let mut file: Value = serde_json::from_str(PROGRAMS)?;
     match file["cases"].take() {
@@ -18,61 +18,61 @@ fn cases() -> Result<Vec<Value>> {
     }
 }
 
-/// The texts of all reference programs, in order. The first has ten motions over a wide space, all
-/// of them blended by a quarter of their segments.
+/// Returns the texts of all reference programs, in order. The first has ten motions over a wide
+/// space, all of them blended by a quarter of their segments.
 ///
 /// # Errors
 ///
-/// If the file is not as expected.
+/// An error if the file is not as expected.
 pub fn texts() -> Result<Vec<String>> {
     Ok(cases()?.iter().map(|case| case["program"].to_string()).collect())
 }
 
-/// The text of the first reference program.
+/// Returns the text of the first reference program.
 ///
 /// # Errors
 ///
-/// If there is none.
+/// An error if the file is not as expected.
 pub fn ten_motions() -> Result<String> {
     Ok(texts()?.swap_remove(0))
 }
 
-/// How long the first reference program is in motion under limits of velocity, acceleration and
-/// jerk, in s: by an independent solver, good to 0.1 % from below.
+/// Returns the time in motion of the first reference program with velocity, acceleration and jerk
+/// limits, in s: from an independent solver, accurate to 0.1 % from below.
 ///
 /// # Errors
 ///
-/// If there is none.
+/// An error if the time is missing.
 pub fn ten_motions_jerk_s() -> Result<f64> {
     let cases = cases()?;
     let time = cases.first().and_then(|case| case["motion_s"]["jerk"].as_f64());
     time.ok_or_else(|| "the first reference program has no time under limits of jerk".into())
 }
 
-/// One search for the place where a blend starts or ends.
+/// Search for the start or the end of a blend.
 #[derive(Clone, Copy, Debug)]
 pub struct Search {
-    /// The target that is blended away, in rad.
+    /// Blended target, in rad.
     pub point_rad: Joints,
-    /// The other end of the segment before or after it, in rad.
+    /// Other end of the segment before or after the target, in rad.
     pub other_end_rad: Joints,
     /// Radius of the blend, in m.
     pub radius_m: f64,
 }
 
 impl Search {
-    /// The crossing that `search` finds, as a share of the segment; none if it finds none.
+    /// Returns the crossing that `search` finds, relative to the segment; `None` if it finds none.
     #[must_use]
     pub fn run(&self, search: BlendSearch, robot: &Robot) -> Option<f64> {
         search.crossing(robot, &[0.0; 3], &self.point_rad, &self.other_end_rad, self.radius_m)
     }
 }
 
-/// Both searches of each blend with a radius in the reference programs.
+/// Returns both searches of each blend with a radius in the reference programs.
 ///
 /// # Errors
 ///
-/// If the programs cannot be read.
+/// An error if the programs cannot be read.
 pub fn searches() -> Result<Vec<Search>> {
     let mut searches = Vec::new();
     for text in texts()? {

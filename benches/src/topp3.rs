@@ -1,6 +1,6 @@
-//! Peer: time stamps under limits of velocity, acceleration and jerk by the third-order solvers of
-//! the crate `copp`. Each of their steps solves a convex problem, with the limits of jerk
-//! linearised about the last step's speeds.
+//! Peer: time parameterisation with velocity, acceleration and jerk limits by the third-order
+//! solvers of the crate `copp`. Each of their steps solves a convex problem, with the jerk limits
+//! linearised about the speeds of the last step.
 
 use copp::{
     diag::CoppError,
@@ -14,43 +14,45 @@ use nalgebra::DMatrix;
 
 use super::Result;
 
-/// The distance of the nodes next to a join from it, as a share of an interval.
+/// Distance between a join and the nodes next to it, relative to an interval.
 ///
-/// The third derivative jumps there, and the solver knows one of it a node: so each side has its
-/// own node. A larger share leaves part of the path unchecked and makes for shorter times.
+/// The third derivative jumps at a join, and the solver has one value of it per node: so each side
+/// has its own node. A larger distance leaves part of the path unchecked and gives shorter times.
 const JOIN_GAP: f64 = 1.0 / 32.0;
 
-/// Units that the solver counts in: in these, the limits are of the order of one.
+/// Units of the solver: with these, the limits are of the order of one.
 const UNIT_RAD: f64 = 0.5;
 const UNIT_S: f64 = 0.25;
 
-/// When to stop: the relative change of the duration in the last step, and how many steps at most.
+/// Stopping criteria: the relative change of the duration in the last step, and the maximum number
+/// of steps.
 const SETTLED: f64 = 1e-4;
 const MOST_STEPS: usize = 10;
 
-/// What a step looks for.
+/// Objective of a step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Solver {
-    /// The greatest mean square of the speed, by a linear program: nearly the shortest time.
+    /// Largest mean square of the speed, by a linear program: nearly the shortest time.
     Linear,
-    /// The shortest time, by a second-order cone program.
+    /// Shortest time, by a second-order cone program.
     Conic,
 }
 
-/// One way to use the peer.
+/// Configuration of the peer.
 #[derive(Clone, Copy, Debug)]
 pub struct Peer {
-    /// What benches and tables call it.
+    /// Name in benches and tables.
     pub name: &'static str,
-    /// What its steps look for.
+    /// Objective of its steps.
     pub solver: Solver,
-    /// Intervals a segment.
+    /// Intervals per segment.
     pub intervals: usize,
-    /// Whether its time is measured: a solution at many intervals takes seconds, a bench ten.
+    /// `true` if its time is measured: a solution with many intervals takes seconds, and a bench
+    /// needs ten.
     pub timed: bool,
 }
 
-/// Both solvers, at few and at many intervals.
+/// Both solvers, with few and with many intervals.
 pub const PEERS: [Peer; 4] = [
     Peer {
         name: "copp topp3_lp, 20 intervals",
@@ -78,16 +80,16 @@ pub const PEERS: [Peer; 4] = [
     },
 ];
 
-/// What the solver finds.
+/// Result of the solver.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Solution {
     /// Time in motion, in s.
     pub duration_s: f64,
-    /// Steps that it took.
+    /// Number of steps.
     pub iterations: usize,
 }
 
-/// A path from its start to its first stop, sampled: derivatives by the distance along it, and
+/// Path from its start to its first stop, sampled: derivatives by the distance along the path, and
 /// limits.
 #[derive(Debug, Default)]
 pub struct JerkSamples {
@@ -101,12 +103,13 @@ pub struct JerkSamples {
 }
 
 impl JerkSamples {
-    /// Samples `path` at `intervals` even intervals a segment, but for narrow ones at the joins and
-    /// one of its own at each stop.
+    /// Samples `path` at `intervals` equal intervals per segment, with narrow ones at the joins and
+    /// a separate one at each stop.
     ///
     /// # Errors
     ///
-    /// If the arm stops before the path's last segment: the peer has no notion of a stop.
+    /// An error if the arm stops before the path's last segment, since the peer does not support
+    /// stops.
     pub fn new(path: &JointPath, intervals: usize) -> Result<Self> {
         let count =
             path.steps().iter().take_while(|step| matches!(step, Step::Move { .. })).count();
@@ -148,17 +151,18 @@ impl JerkSamples {
         self.jerk.push(*piece.limits.jerk_rad_s3());
     }
 
-    /// The number of nodes.
+    /// Number of nodes.
     #[must_use]
     pub fn nodes(&self) -> usize {
         self.distance.len()
     }
 
-    /// Solves it by steps from the solution without limits of jerk, until the duration settles.
+    /// Solves the problem by steps from the solution without jerk limits, until the duration
+    /// converges.
     ///
     /// # Errors
     ///
-    /// If the solver does not take the samples, or a step finds no solution.
+    /// An error if the solver rejects the samples, or a step finds no solution.
     pub fn solve(&self, solver: Solver) -> std::result::Result<Solution, CoppError> {
         // The solver keeps the linearised limits in the problem: so each solution has its own.
         let mut robot = self.robot()?;
@@ -191,7 +195,7 @@ impl JerkSamples {
         self.distance.iter().map(|s| s / UNIT_RAD).collect()
     }
 
-    /// The solver's problem, in its units.
+    /// Problem of the solver, in its units.
     fn robot(&self) -> std::result::Result<Robot<usize>, CoppError> {
         let n = self.nodes();
         let matrix = |rows: &[Joints], unit: f64| {
@@ -203,7 +207,7 @@ impl JerkSamples {
         let velocity = matrix(&self.velocity, UNIT_RAD / UNIT_S);
         let acceleration = matrix(&self.acceleration, UNIT_RAD / UNIT_S.powi(2));
         let jerk = matrix(&self.jerk, UNIT_RAD / UNIT_S.powi(3));
-        // Positions matter to limits of torque alone.
+        // Only torque limits depend on positions.
         let position = DMatrix::zeros(7, n);
         let mut robot = Robot::with_capacity(7, n);
         robot
@@ -224,7 +228,7 @@ impl JerkSamples {
 
 fn without_jerk(robot: &Robot<usize>, last: usize) -> std::result::Result<Vec<f64>, CoppError> {
     let problem = ra::Topp2ProblemBuilder::new(robot, (0, last), (0.0, 0.0)).build()?;
-    // Next to a stop the square of the speed is far below the default tolerances.
+    // Near a stop the square of the speed is far below the default tolerances.
     let options = ra::ReachSet2OptionsBuilder::new()
         .a_cmp_abs_tol(1e-13)
         .a_cmp_rel_tol(1e-12)
@@ -233,21 +237,21 @@ fn without_jerk(robot: &Robot<usize>, last: usize) -> std::result::Result<Vec<f6
     ra::topp2_ra(&problem, &options)
 }
 
-/// A segment of the path.
+/// Segment of the path.
 struct Piece<'a> {
-    /// Distance from the path's start to its own, in rad.
+    /// Distance from the start of the path to that of the segment, in rad.
     start: f64,
     segment: &'a dyn Segment,
     limits: &'a MotionLimits,
 }
 
 impl Piece<'_> {
-    /// What the distance has besides `s`, over the tangent's length, and its first three
-    /// derivatives: alpha of Larsen 2019, Eq. 18 with N = 2, for polynomial blends.
+    /// Difference of the distance from `s`, relative to the length of the tangent, and its first
+    /// three derivatives: alpha of Larsen 2019, Eq. 18 with N = 2, for polynomial blends.
     ///
-    /// A polynomial blend mixes two lines, each as long as its tangent, and runs through both: with
-    /// alpha, the distance is about as long as the blend. Alpha vanishes at the ends, up to its
-    /// second derivative: so the path's second derivative stays continuous there.
+    /// A polynomial blend mixes two lines, each as long as its tangent, and traverses both: with
+    /// alpha, the distance is about as long as the blend. Alpha and its first two derivatives
+    /// vanish at the ends, so the second derivative of the path remains continuous there.
     fn bend(&self, s: f64) -> [f64; 4] {
         if self.segment.is_straight() || !self.segment.has_continuous_curvature() {
             return [0.0; 4];
@@ -284,11 +288,11 @@ impl Piece<'_> {
         ]
     }
 
-    /// How far from a stop at `s` the jerk may stay at its limit until the acceleration is at its
-    /// own, as a share of the piece.
+    /// Distance from a stop at `s` over which the jerk may be at its limit until the acceleration
+    /// reaches its own limit, relative to the piece.
     ///
-    /// Next to a stop the solver holds the jerk for one interval. Any other length costs time: a
-    /// shorter one, since the jerk falls short within the next few intervals.
+    /// Near a stop the solver keeps the jerk constant for one interval. Any other length costs
+    /// time: also a shorter one, since the jerk is lower within the next few intervals.
     fn ramp(&self, s: f64) -> f64 {
         let [first, ..] = self.derivatives(s);
         let along = |limits: &Joints| {
@@ -309,8 +313,8 @@ mod tests {
     use super::super::reference;
     use super::*;
 
-    /// The times of the independent solver are from below, and these are from above: they hold the
-    /// limits at both ends of each interval, which costs time in proportion to its length.
+    /// The times of the independent solver are lower bounds, and these are upper bounds: they keep
+    /// the limits at both ends of each interval, which costs time in proportion to its length.
     #[test]
     fn durations_come_down_to_those_of_an_independent_solver() {
         let program = Program::from_json(&reference::ten_motions().unwrap()).unwrap();
@@ -326,7 +330,7 @@ mod tests {
             let above = conic.duration_s / expected - 1.0;
             assert!(above > 0.0 && above < most, "{above}");
             assert!(conic.iterations < MOST_STEPS && linear.iterations < MOST_STEPS);
-            // It looks for something else, which is no shorter.
+            // The linear solver has another objective, so its time is no shorter.
             let above = linear.duration_s / conic.duration_s - 1.0;
             assert!(above > 0.0 && above < 0.002, "{above}");
         }

@@ -1,4 +1,4 @@
-//! Peer: time stamps under limits of velocity and acceleration by the `topp2_ra` of the crate
+//! Peer: time parameterisation with velocity and acceleration limits by the `topp2_ra` of the crate
 //! `copp`, a TOPP-RA (Pham and Pham 2018) with the limits kept at both ends of each interval.
 
 use copp::{diag::CoppError, robot::Robot, solver::topp2_ra as ra};
@@ -8,11 +8,11 @@ use nalgebra::DMatrix;
 
 use super::Result;
 
-/// A path from its start to its first stop, sampled: derivatives by the distance in joint space,
-/// and limits.
+/// Path from its start to its first stop, sampled: derivatives by the distance in joint space, and
+/// limits.
 #[derive(Debug, Default)]
 pub struct AccelerationSamples {
-    /// Distance from the start, as long as the tangents of the pieces, in rad.
+    /// Distance from the start, measured by the tangent lengths of the pieces, in rad.
     distance: Vec<f64>,
     first: Vec<Joints>,
     second: Vec<Joints>,
@@ -21,11 +21,12 @@ pub struct AccelerationSamples {
 }
 
 impl AccelerationSamples {
-    /// Samples `path` at `intervals` even intervals a segment.
+    /// Samples `path` at `intervals` equal intervals per segment.
     ///
     /// # Errors
     ///
-    /// If the arm stops before the path's last segment: the peer has no notion of a stop.
+    /// An error if the arm stops before the path's last segment, since the peer does not support
+    /// stops.
     pub fn new(path: &JointPath, intervals: usize) -> Result<Self> {
         let moves =
             path.steps().iter().take_while(|step| matches!(step, Step::Move { .. })).count();
@@ -45,7 +46,7 @@ impl AccelerationSamples {
                 if i == 0
                     && let Some(last) = samples.velocity.len().checked_sub(1)
                 {
-                    // Both neighbours' limits hold where they meet.
+                    // The limits of both neighbours apply at their join.
                     least(&mut samples.velocity[last], limits.velocity_rad_s());
                     least(&mut samples.acceleration[last], limits.acceleration_rad_s2());
                     continue;
@@ -61,23 +62,23 @@ impl AccelerationSamples {
         Ok(samples)
     }
 
-    /// The number of nodes.
+    /// Number of nodes.
     #[must_use]
     pub fn nodes(&self) -> usize {
         self.distance.len()
     }
 
-    /// The solver's problem: its own copy of the samples.
+    /// Returns the problem of the solver, with its own copy of the samples.
     ///
     /// # Errors
     ///
-    /// If the solver does not take them.
+    /// An error if the solver rejects the samples.
     pub fn problem(&self) -> std::result::Result<Problem, CoppError> {
         let n = self.nodes();
         let matrix = |rows: &[Joints]| DMatrix::from_column_slice(7, n, rows.as_flattened());
         let (first, second) = (matrix(&self.first), matrix(&self.second));
         let (velocity, acceleration) = (matrix(&self.velocity), matrix(&self.acceleration));
-        // Positions matter to limits of torque alone.
+        // Only torque limits depend on positions.
         let position = DMatrix::zeros(7, n);
         let mut robot = Robot::with_capacity(7, n);
         robot
@@ -95,18 +96,18 @@ fn least(values: &mut Joints, others: &Joints) {
     }
 }
 
-/// The solver's problem.
+/// Problem of the solver.
 pub struct Problem {
     robot: Robot<usize>,
     distance: Vec<f64>,
 }
 
 impl Problem {
-    /// Solves it, and gives the time in motion in s.
+    /// Solves the problem, and returns the time in motion in s.
     ///
     /// # Errors
     ///
-    /// If the solver finds none.
+    /// An error if the solver finds no solution.
     pub fn solve(&self) -> std::result::Result<f64, CoppError> {
         let last = self.distance.len() - 1;
         let problem = ra::Topp2ProblemBuilder::new(&self.robot, (0, last), (0.0, 0.0)).build()?;

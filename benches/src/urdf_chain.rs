@@ -5,17 +5,17 @@ use k::{Chain, Isometry3, SerialChain};
 
 use super::Result;
 
-/// A chain of joints from the base to the flange.
+/// Chain of joints from the base to the flange.
 pub struct UrdfChain {
     chain: SerialChain<f64>,
 }
 
 impl UrdfChain {
-    /// The chain of `robot`.
+    /// Creates the chain of `robot`.
     ///
     /// # Errors
     ///
-    /// If the crate cannot read the URDF.
+    /// An error if the crate cannot read the URDF.
     pub fn new(robot: &Robot) -> Result<Self> {
         let urdf = urdf_rs::read_from_string(&robot.to_urdf())?;
         let tree = Chain::<f64>::from(urdf);
@@ -26,7 +26,7 @@ impl UrdfChain {
         Ok(Self { chain: SerialChain::from_end(end) })
     }
 
-    /// The TCP's pose in the base frame, positions in m.
+    /// Flange pose in the base frame, positions in m.
     #[must_use]
     pub fn flange_pose(&self, joints_rad: &Joints) -> Isometry3<f64> {
         self.chain.set_joint_positions_unchecked(joints_rad);

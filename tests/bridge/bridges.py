@@ -14,7 +14,7 @@ from robots import Robot
 
 
 class Bridge(Program):
-    """A bridge of a robot, to where its options say."""
+    """A bridge from a robot to the brokers in its options."""
 
     lasts = True
 
@@ -26,14 +26,14 @@ class Bridge(Program):
         )
 
     def memory_kb(self) -> int:
-        """What of it is in memory."""
+        """Resident memory."""
         for line in Path(f"/proc/{self.pid}/status").read_text().splitlines():
             if line.startswith("VmRSS:"):
                 return int(line.split()[1])
         raise AssertionError("it has ended")
 
     def threads_and_files(self) -> tuple[int, int]:
-        """How many of each it has, which are to be the same after any number of lost connections."""
+        """Numbers of threads and open files, which lost connections must not increase."""
         own = Path(f"/proc/{self.pid}")
         return len(list((own / "task").iterdir())), len(list((own / "fd").iterdir()))
 
@@ -52,7 +52,7 @@ class Schema:
         self.validator = kind(self.schema)
 
     def check(self, message: dict[str, Any]) -> dict[str, Any]:
-        """The message, which is as the schema says."""
+        """Checks a message against the schema, and returns it."""
         error = jsonschema.exceptions.best_match(self.validator.iter_errors(message))
         assert error is None, f"{error.message} at {error.json_path} in {message}"
         return message

@@ -1,4 +1,4 @@
-"""A broker on this machine, and what happens to brokers."""
+"""A broker on this machine, with starts, stops and pauses."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from processes import Program, until
 
 
 class Broker:
-    """Keeps its ports and its data from one start to the next. It runs within `with`."""
+    """A broker that keeps its ports and data across restarts. It runs within `with`."""
 
     label = "a broker"
 
@@ -20,7 +20,7 @@ class Broker:
         self.program: Program | None = None
 
     def command(self) -> list[str]:
-        """What starts it."""
+        """Command line of the broker."""
         raise NotImplementedError
 
     def answers(self) -> bool:
@@ -34,7 +34,7 @@ class Broker:
         self.stop()
 
     def start(self) -> None:
-        """Returns when it answers."""
+        """Starts the broker, and waits until it answers."""
         assert self.program is None, "it runs"
         program = self.program = Program(self.command(), self.folder / "broker.log")
 
@@ -45,13 +45,13 @@ class Broker:
         until(answers, f"{self.label} answers; see {self.folder}/broker.log")
 
     def running(self) -> Self:
-        """The broker, started where it was stopped."""
+        """The broker, started if it was stopped."""
         if self.program is None:
             self.start()
         return self
 
     def stop(self) -> None:
-        """As an operator does it: what it has for others is on the disk."""
+        """Stops the broker regularly: pending messages are on the disk."""
         if self.program:
             self.program.end()
             self.program = None
@@ -62,7 +62,7 @@ class Broker:
             self.program = None
 
     def pause(self) -> None:
-        """It holds its connections, and answers nothing."""
+        """Pauses the broker: it keeps its connections, but does not answer."""
         assert self.program
         self.program.send(signal.SIGSTOP)
 

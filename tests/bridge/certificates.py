@@ -1,4 +1,4 @@
-"""Authorities and certificates for loopback, made on the spot."""
+"""Authorities and certificates for loopback, generated for each run."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ DAY = datetime.timedelta(days=1)
 
 @dataclass(frozen=True)
 class Pair:
-    """A certificate and its private key, as PEM: a file each, and one with both."""
+    """A certificate and its private key in PEM files: one each, and one with both."""
 
     certificate: Path
     key: Path
@@ -64,7 +64,7 @@ class Authority:
         )
 
     def sign(self, name: str, *hosts: str, valid: datetime.timedelta = 30 * DAY) -> Pair:
-        """A pair for a server at these hosts, or for a client where there are none."""
+        """A pair for a server at these hosts, or without hosts for a client."""
         key = ec.generate_private_key(ec.SECP256R1())
         use = ExtendedKeyUsageOID.SERVER_AUTH if hosts else ExtendedKeyUsageOID.CLIENT_AUTH
         own = self.key.public_key()
@@ -101,7 +101,7 @@ def alternative(host: str) -> x509.GeneralName:
 
 
 class Certificates:
-    """What servers and clients of a test show each other."""
+    """Certificates of the servers and clients of a test."""
 
     def __init__(self, folder: Path) -> None:
         folder.mkdir(parents=True, exist_ok=True)
@@ -110,7 +110,7 @@ class Certificates:
         self.authority = authority.certificate
         self.server = authority.sign("server", "localhost", "127.0.0.1")
         self.client = authority.sign("client")
-        # Each of them is to be refused.
+        # Certificates that have to be refused.
         self.stranger = stranger.certificate
         self.strange_client = stranger.sign("client")
         self.misnamed = authority.sign("misnamed", "elsewhere.example")

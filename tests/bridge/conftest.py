@@ -1,4 +1,4 @@
-"""Brokers, simulated robots and bridges that tests ask for."""
+"""Fixtures: brokers, simulated robots and bridges."""
 
 from __future__ import annotations
 
@@ -17,18 +17,18 @@ from mosquitto import Mosquitto
 from robots import Robot
 from ways import KafkaWay, MqttWay, Way
 
-# A test that hangs is to end, on a slow machine as well.
+# Time limit of a test, sufficient for slow machines.
 LONGEST_S = 400
 
 
 def pytest_configure() -> None:
-    """Whoever is terminated ends what it has started, as after an interrupt."""
+    """Makes termination end all started processes, like an interrupt."""
     signal.signal(signal.SIGTERM, lambda *_: pytest.exit("terminated", 143))
 
 
 @pytest.fixture(autouse=True)
 def bounded() -> Iterator[None]:
-    """A test that hangs fails, and what it has started ends."""
+    """Time limit: a test that blocks fails, and the processes that it started end."""
 
     def give_up(*_: object) -> None:
         raise TimeoutError(f"the test takes more than {LONGEST_S} s")
@@ -55,7 +55,7 @@ def kafka_of_session(
 
 @pytest.fixture
 def kafka(kafka_of_session: KafkaBroker) -> KafkaBroker:
-    """The broker that tests share: each may stop it."""
+    """The broker that tests share; each test may stop it."""
     return kafka_of_session.running()
 
 
@@ -69,7 +69,7 @@ def mosquitto_of_session(
 
 @pytest.fixture
 def mosquitto(mosquitto_of_session: Mosquitto) -> Mosquitto:
-    """The broker that tests share: each may stop it."""
+    """The broker that tests share; each test may stop it."""
     return mosquitto_of_session.running()
 
 
@@ -103,14 +103,14 @@ def simulated_robot(robot_of_session: Robot) -> Iterator[Robot]:
 
 @pytest.fixture
 def quick_robot(tmp_path: Path, binary: Path) -> Iterator[Robot]:
-    """A robot of its own that tells its joints each millisecond."""
+    """A robot for one test, which reports its joints every 1 ms."""
     with Robot(binary, tmp_path / "robot", "--period", "1") as robot:
         yield robot
 
 
 @pytest.fixture
 def name() -> str:
-    """A name of the robot that no other test uses, so that topics are new."""
+    """A unique robot name, so that its topics are new."""
     return f"robot-{uuid.uuid4().hex[:12]}"
 
 
@@ -129,13 +129,13 @@ def bridge(binary: Path, tmp_path: Path) -> Iterator[Callable[..., Bridge]]:
     yield start
     for each in started:
         each.end()
-        # Shown where the test fails.
+        # Shown if the test fails.
         print(each.said())
 
 
 @pytest.fixture(params=["kafka", "mqtt", "mqtt 3.1.1"])
 def way(request: pytest.FixtureRequest, name: str) -> Iterator[Way]:
-    """Each broker that the bridge speaks to, and its readers."""
+    """Each kind of broker, with its readers."""
     if request.param == "kafka":
         made = KafkaWay(request.getfixturevalue("kafka"), name)
     else:

@@ -17,8 +17,8 @@ from processes import REPOSITORY
 
 CLUSTER = "iiwasim-tests-bridge00"
 USER, PASSWORD = "robot", "let me in"
-# The names of listeners, and the protocol that each speaks. To one of them clients show a certificate; what the
-# last two show is to be refused.
+# Listeners and their protocols. One listener requires client certificates; clients have to refuse
+# the certificates of the last two listeners.
 LISTENERS = {
     "PLAINTEXT": "PLAINTEXT",
     "SASL_PLAINTEXT": "SASL_PLAINTEXT",
@@ -28,7 +28,7 @@ LISTENERS = {
     "MISNAMED": "SSL",
     "EXPIRED": "SSL",
 }
-# It starts in a fraction of the time: nothing runs for long enough to be worth more.
+# Options for a fast start: runs are too short for an optimising compiler to pay off.
 JAVA = [
     "java",
     "-Xmx256m",
@@ -41,15 +41,16 @@ MECHANISMS = ("PLAIN", "SCRAM-SHA-256", "SCRAM-SHA-512")
 
 
 def fetch_jars(folder: Path | None = None) -> Path:
-    """The folder with the broker's jars, which Maven fetches where they are missing.
+    """The folder with the broker's jars; Maven fetches missing jars.
 
-    `IIWASIM_KAFKA` names it where no folder is given; else it is where CI keeps them.
+    Without `folder`, the environment variable `IIWASIM_KAFKA` names the folder; its default is the
+    folder of CI.
     """
     folder = (
         folder or Path(os.environ.get("IIWASIM_KAFKA", REPOSITORY / "target/ci/kafka")).resolve()
     )
     pom = Path(__file__).parent / "kafka/pom.xml"
-    # The pins that the jars are of: others than these are fetched anew.
+    # The versions of the fetched jars: if the pins have changed, the jars are fetched again.
     fetched = folder / "pom.xml"
     if not fetched.exists() or fetched.read_bytes() != pom.read_bytes():
         shutil.rmtree(folder, ignore_errors=True)
@@ -62,15 +63,16 @@ def fetch_jars(folder: Path | None = None) -> Path:
 
 
 class KafkaBroker(Broker):
-    """Broker and controller at once."""
+    """A node that is both broker and controller."""
 
     label = "Kafka"
 
     def __init__(
         self, jars: Path, folder: Path, certificates: Certificates | None = None, **settings: str
     ) -> None:
-        """With certificates, it listens to all LISTENERS, else to those without. Settings are as in server.properties,
-        with _ in place of dots."""
+        """Opens all LISTENERS with certificates, otherwise the listeners without TLS. Settings are
+        as in server.properties, with _ in place of dots.
+        """
         super().__init__(folder)
         self.jars = jars
         names = [
@@ -106,10 +108,10 @@ class KafkaBroker(Broker):
             "inter.broker.listener.name": "PLAINTEXT",
             "log.dirs": str(self.folder / "data"),
             "group.initial.rebalance.delay.ms": "0",
-            # After it was killed, it is waited for until it is taken for dead.
+            # After a kill, the restart waits until the old session has timed out.
             "broker.session.timeout.ms": "3000",
             "broker.heartbeat.interval.ms": "500",
-            # A broker alone: nobody else has copies, or could be waited for.
+            # A single broker, without replicas to wait for.
             "offsets.topic.replication.factor": "1",
             "share.coordinator.state.topic.replication.factor": "1",
             "share.coordinator.state.topic.min.isr": "1",
@@ -123,7 +125,7 @@ class KafkaBroker(Broker):
         }
 
     def passwords(self) -> dict[str, str]:
-        """SCRAM knows its users by what `format` writes, PLAIN by these lines."""
+        """Users of PLAIN; the users of SCRAM are written by `format`."""
         plain = f'org.apache.kafka.common.security.plain.PlainLoginModule required user_{USER}="{PASSWORD}";'
         scram = "org.apache.kafka.common.security.scram.ScramLoginModule required;"
         return {
@@ -162,7 +164,7 @@ class KafkaBroker(Broker):
         return self.addresses[listener]
 
     def start(self) -> None:
-        # A new one: after failures, a client takes its time to try again.
+        # A new client, because an old one delays its next attempt after failures.
         self.admin = AdminClient({"bootstrap.servers": self.address(), "log_level": 0})
         super().start()
 

@@ -1,4 +1,4 @@
-"""What messages of the bridge have to be like, whichever broker passes them on; and the commands that it takes."""
+"""Requirements on bridge messages from any broker, and the commands of the bridge."""
 
 from __future__ import annotations
 
@@ -15,7 +15,9 @@ KINDS = ("joints", "state", "run", "io", "sensors", "conditions", "bridge")
 
 
 def without_repetitions(messages: Iterable[dict[str, Any]]) -> tuple[list[dict[str, Any]], int]:
-    """Messages without those that have come before, in their order, and how many had: they arrive at least once."""
+    """Messages in their order without repetitions, and the number of repetitions: delivery is at
+    least once.
+    """
     messages = list(messages)
     keys = [
         tuple(message[name] for name in ("robot", "kind", "session", "seq")) for message in messages
@@ -26,9 +28,9 @@ def without_repetitions(messages: Iterable[dict[str, Any]]) -> tuple[list[dict[s
 
 
 def check_numbers(messages: Iterable[dict[str, Any]], *, may_lack: Iterable[str] = ()) -> int:
-    """Every number of each kind and session is there, from 0, in order; returns how many messages were repeated.
+    """Checks that the numbers of each kind and session are complete from 0 and in order.
 
-    Of kinds that may lack some, numbers grow.
+    For the kinds `may_lack`, numbers only have to increase. Returns the number of repetitions.
     """
     messages, repeated = without_repetitions(messages)
     may_lack = set(may_lack)
@@ -45,7 +47,9 @@ def check_numbers(messages: Iterable[dict[str, Any]], *, may_lack: Iterable[str]
 
 
 def check_times(samples: list[dict[str, Any]], step_s: float) -> int:
-    """Samples of the controller's clock are in order; returns how many of its cycles are missing."""
+    """Checks that samples are in order by the controller clock; returns the number of missing
+    cycles.
+    """
     missing = 0
     for a, b in zip(samples, samples[1:]):
         cycles = (b["t_s"] - a["t_s"]) / step_s
@@ -57,7 +61,7 @@ def check_times(samples: list[dict[str, Any]], step_s: float) -> int:
 def command(
     robot: str, type: str, *, age_s: float = 0.0, identity: str | None = None, **request: Any
 ) -> dict[str, Any]:
-    """A command as the bridge takes it."""
+    """A command for the bridge."""
     at = datetime.now(UTC) - timedelta(seconds=age_s)
     return {
         "version": 1,
@@ -68,9 +72,9 @@ def command(
     }
 
 
-# What would turn the robot, was it obeyed; each is to be refused.
+# Commands that would move the robot, each of which has to be refused.
 def refused_commands(robot: str, program: dict[str, Any]) -> dict[str, bytes]:
-    """Bodies of commands by what is wrong with them."""
+    """Bodies of invalid commands, by their error."""
 
     def changed(**change: Any) -> bytes:
         whole = {**command(robot, "run_motions", motions=program["motions"]), **change}

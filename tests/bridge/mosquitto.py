@@ -1,4 +1,4 @@
-"""An MQTT broker on this machine: Debian's mosquitto."""
+"""An MQTT broker on this machine: mosquitto of Debian."""
 
 from __future__ import annotations
 
@@ -12,20 +12,20 @@ from certificates import Certificates
 from ports import free_ports
 
 USER, PASSWORD = "robot", "let me in"
-# What clients show: nothing, a password, nothing over TLS, a password over TLS, a certificate. What the last two
-# listeners show is to be refused.
+# Listeners by the credentials of their clients: none, a password, none over TLS, a password over
+# TLS, a certificate. Clients have to refuse the certificates of the last two listeners.
 LISTENERS = ("plain", "password", "tls", "tls_password", "mutual", "misnamed", "expired")
 
 
 def program(name: str) -> str:
-    """It is not on every user's path."""
+    """Path of a mosquitto program, which is not on the search path of every user."""
     found = shutil.which(name) or shutil.which(name, path="/usr/sbin:/usr/local/sbin")
     assert found, f"{name} is missing: apt-get install mosquitto"
     return found
 
 
 class Mosquitto(Broker):
-    """With persistence, it keeps what it has for sessions that are away."""
+    """A broker with persistence, which keeps messages for disconnected sessions."""
 
     label = "mosquitto"
 
@@ -37,11 +37,12 @@ class Mosquitto(Broker):
         persistent: bool = True,
         forbidden: str = "",
     ) -> None:
-        """With certificates, it listens to all LISTENERS, else to those without. A forbidden topic is so for who shows
-        nothing."""
+        """Opens all LISTENERS with certificates, otherwise the listeners without TLS. `forbidden`
+        is a topic that clients without credentials may not use.
+        """
         super().__init__(folder)
         self.passwords = folder / "passwords"
-        # That it warns of owners and of root is as well.
+        # Its warnings about owners and root do not matter.
         command = [program("mosquitto_passwd"), "-b", "-c", str(self.passwords), USER, PASSWORD]
         subprocess.run(command, check=True, capture_output=True, timeout=60)
         self.rules = folder / "rules"
@@ -53,10 +54,10 @@ class Mosquitto(Broker):
         self.configuration = folder / "mosquitto.conf"
         lines = [
             "per_listener_settings true",
-            # Started as root, it would change to a user who may not read our files.
+            # Started as root, mosquitto would change to a user who cannot read the test files.
             "user root",
             "log_dest stderr",
-            # Sessions that are away are given all that they have missed.
+            # Disconnected sessions receive all missed messages.
             "max_queued_messages 1000000",
             "retain_available true",
         ]

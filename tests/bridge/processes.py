@@ -1,4 +1,4 @@
-"""Processes that tests start, conditions that they wait for, and the end of both."""
+"""Processes of tests, and waiting for conditions, with time limits."""
 
 from __future__ import annotations
 
@@ -15,10 +15,11 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
 REPOSITORY = Path(__file__).resolve().parents[2]
-# Where something waits for a condition that others fulfil: far above what a slow machine needs.
+# Time limit for conditions that other processes fulfil: far above the time that a slow machine
+# needs.
 PATIENCE_S = 60.0
 
-# The choice of ports of all tests in Python, and the simulated robot of those with a browser.
+# The port selection of all Python tests, and the simulated robot of the browser tests.
 sys.path.append(str(REPOSITORY / "tests/browser"))
 
 T = TypeVar("T")
@@ -27,7 +28,7 @@ T = TypeVar("T")
 def until(
     condition: Callable[[], T], what: str, *, patience_s: float = PATIENCE_S, every_s: float = 0.05
 ) -> T:
-    """What the condition gives as soon as that is true."""
+    """Waits until a condition is true, and returns its value."""
     end = time.monotonic() + patience_s
     while True:
         if found := condition():
@@ -39,9 +40,9 @@ def until(
 
 
 class Program:
-    """A program that runs, whose output is a file."""
+    """A running program with its output in a file."""
 
-    # Whether it is wrong that it ends before it is asked to.
+    # True if the program must not end before it is stopped.
     lasts = False
 
     def __init__(self, command: list[str], log: Path, *, folder: Path | None = None) -> None:
@@ -71,7 +72,7 @@ class Program:
             os.kill(self.pid, number)
 
     def wait(self, patience_s: float = PATIENCE_S) -> int:
-        """Its exit code, once it has ended by itself."""
+        """Waits until the program ends by itself, and returns its exit code."""
         self.lasts = False
         code = self.process.wait(patience_s)
         if self in running:
@@ -79,7 +80,7 @@ class Program:
         return code
 
     def end(self, patience_s: float = 20.0) -> int:
-        """Asks it to end, and insists after a while."""
+        """Terminates the program, and kills it after a while."""
         self.send(signal.SIGCONT)
         self.send(signal.SIGTERM)
         try:
@@ -97,7 +98,7 @@ running: list[Program] = []
 
 @atexit.register
 def end_all() -> None:
-    """A test that fails in between leaves nothing behind."""
+    """Ends all programs, also after a test that failed."""
     ending = running.copy()
     for program in ending:
         program.send(signal.SIGCONT)

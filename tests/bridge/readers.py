@@ -1,4 +1,4 @@
-"""Clients that read what is in Kafka and on MQTT, and write there, by libraries that the bridge does not know."""
+"""Clients that read and write Kafka and MQTT messages, with libraries unrelated to the bridge."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ from paho.mqtt.properties import Properties
 
 from processes import PATIENCE_S, until
 
-# Standard error is for what tests say: librdkafka tells of each attempt to connect.
+# Standard error is for test output: librdkafka would log each connection attempt.
 QUIET = {"log_level": 0}
 
 
@@ -37,7 +37,9 @@ def kafka_login(mechanism: str, user: str, password: str) -> dict[str, str]:
 
 
 def kafka_errors(address: str, **settings: str) -> list[str]:
-    """Why a client is not let in; empty where it is. Settings are as librdkafka's, with _ in place of dots."""
+    """Reasons for refusing a client; empty if it is accepted. Settings are those of librdkafka,
+    with _ in place of dots.
+    """
     errors: list[KafkaError] = []
     given = {key.replace("_", "."): value for key, value in settings.items()}
     consumer = Consumer(
@@ -67,7 +69,7 @@ def kafka_errors(address: str, **settings: str) -> list[str]:
 
 
 class KafkaReader:
-    """Reads topics from their beginning, whatever their partitions, and survives stops of the broker."""
+    """Reads all partitions of topics from their beginning, and survives stops of the broker."""
 
     def __init__(self, address: str, *topics: str, **settings: str) -> None:
         self.topics = topics
@@ -92,7 +94,7 @@ class KafkaReader:
         self.consumer.close()
 
     def look_for_partitions(self) -> None:
-        """Topics may be made only when the first message is sent."""
+        """Finds partitions; topics may be created only with the first message."""
         try:
             known = self.admin.list_topics(timeout=2).topics
         except KafkaException:
@@ -107,7 +109,7 @@ class KafkaReader:
             self.assigned |= new
 
     def read(self) -> None:
-        """What is there, without waiting for more than a moment."""
+        """Reads the available messages, with a short time limit."""
         missing = set(self.topics) - {topic for topic, _ in self.assigned}
         if missing:
             self.look_for_partitions()
@@ -136,7 +138,7 @@ class KafkaReader:
 
 
 class KafkaWriter:
-    """Writes, and tells what the broker has acknowledged."""
+    """Writes messages, and reports acknowledgements of the broker."""
 
     def __init__(self, address: str, **settings: str) -> None:
         given = {key.replace("_", "."): value for key, value in settings.items()}
@@ -172,7 +174,7 @@ class KafkaWriter:
 
 @dataclass
 class Received:
-    """A message of MQTT, and when it came."""
+    """An MQTT message with its time of arrival."""
 
     topic: str
     payload: bytes
@@ -186,7 +188,9 @@ class Received:
 
 
 class MqttClient:
-    """A client that subscribes and publishes; it survives stops of the broker, and so does its session."""
+    """A client that subscribes and publishes; it survives stops of the broker, and so does its
+    session.
+    """
 
     def __init__(
         self,
@@ -269,7 +273,7 @@ class MqttClient:
             return [message for message in self.received if message.topic == topic]
 
     def latest(self, topic: str) -> dict[str, Any] | None:
-        """The last message of a topic."""
+        """The latest message of a topic."""
         messages = self.of(topic)
         return messages[-1].json() if messages else None
 
@@ -282,7 +286,10 @@ class MqttClient:
         retain: bool = False,
         **properties: Any,
     ) -> None:
-        """Returns when the broker has it. Properties are those of MQTT 5: ResponseTopic, CorrelationData."""
+        """Publishes a message, and waits for the acknowledgement of the broker.
+
+        Properties are those of MQTT 5: ResponseTopic, CorrelationData.
+        """
         given = None
         if properties:
             given = Properties(PacketTypes.PUBLISH)
@@ -299,7 +306,7 @@ class MqttClient:
 
 
 def mqtt_refusal(port: int, **client: Any) -> str | None:
-    """Why a client is not let in; nothing where it is."""
+    """Reason for refusing a client; `None` if it is accepted."""
     try:
         asked = MqttClient(port, **client)
     except OSError as why:
@@ -312,7 +319,7 @@ def mqtt_refusal(port: int, **client: Any) -> str | None:
 
 
 def once_and_in_order(keys: Iterator[tuple[Any, ...]] | list[Any]) -> tuple[list[Any], int]:
-    """Keys without those that come again, and how many did: whoever sends at least once may repeat itself."""
+    """Keys without repetitions, and the number of repetitions: delivery is at least once."""
     seen: dict[Any, None] = {}
     repeated = 0
     for key in keys:

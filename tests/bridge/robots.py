@@ -1,4 +1,4 @@
-"""A simulated robot with its drive, asked in its own protocol, past the bridge."""
+"""A simulated robot with its drive, accessed by the drive protocol without the bridge."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from rig import Rig
 
 FIXTURES = REPOSITORY / "fixtures"
 START_DEG = [0, 20, 0, -70, 0, 90, 0]
-# Joints that differ by less than this are the same: what measured positions may be off by.
+# Tolerance for equal joints, above the error of measured positions.
 SAME_RAD = 1e-3
 
 
@@ -31,7 +31,7 @@ def program(*targets_deg: list[float], velocity_rel: float = 0.6, **options: Any
     return {"version": 1, "start": {"joints_deg": START_DEG}, "motions": motions, **options}
 
 
-# Some seconds of motion: long enough for what is to happen during a run.
+# Some seconds of motion, so that tests can act during the run.
 AWAY_DEG = [60, 40, 0, -70, 0, 60, 0]
 LONG = program(*[AWAY_DEG, START_DEG] * 3, velocity_rel=0.4)
 VERY_LONG = program(*[AWAY_DEG, START_DEG] * 12, velocity_rel=0.2)
@@ -50,7 +50,7 @@ def ask(address: str, type: str, **request: Any) -> dict[str, Any]:
 
 @contextmanager
 def published(stream: str, topic: str = "joints") -> Iterator[list[dict[str, Any]]]:
-    """What a drive publishes meanwhile; joints are there already."""
+    """Messages that a drive publishes within the context; joints are received before it begins."""
     read: list[dict[str, Any]] = []
     ended, begun = threading.Event(), threading.Event()
 
@@ -80,7 +80,7 @@ def published(stream: str, topic: str = "joints") -> Iterator[list[dict[str, Any
 
 
 class Robot(Rig):
-    """What was started ends with the `with` block."""
+    """A robot and its drive; started processes end with the `with` block."""
 
     def __init__(self, binary: Path, folder: Path, *cabinet: str) -> None:
         start = ",".join(map(str, START_DEG))
@@ -109,7 +109,7 @@ class Robot(Rig):
         return all(abs(a - b) < within_rad for a, b in zip(self.joints(), joints_rad))
 
     def start_run(self, motions: dict[str, Any], *options: str, name: str = "program") -> Program:
-        """`iiwasim run`, which goes on."""
+        """Starts `iiwasim run` in the background."""
         path = self.folder / f"{name}.json"
         path.write_text(json.dumps(motions))
         command = [str(self.program), "run", str(path), "--no-output", "--json", *options]
@@ -119,7 +119,7 @@ class Robot(Rig):
         return Program(command, log, folder=self.folder)
 
     def run_motions(self, motions: dict[str, Any], *options: str) -> dict[str, Any]:
-        """The figures of a whole run."""
+        """Runs motions to their end, and returns the figures."""
         run = self.start_run(motions, *options)
         code = run.wait(PATIENCE_S * 2)
         assert code == 0, run.said()
@@ -134,7 +134,7 @@ class Robot(Rig):
         )
 
     def rest(self) -> None:
-        """Idle, whatever the test before has left, and where programs start: a run is one run then."""
+        """Brings the robot to rest at the start of programs, so that a program is a single run."""
         self.stop()
         until(self.is_idle, "the robot is idle")
         if not self.is_at([math.radians(angle) for angle in START_DEG]):
@@ -142,5 +142,5 @@ class Robot(Rig):
             until(self.is_idle, "the robot is idle")
 
     def samples(self, topic: str = "joints") -> AbstractContextManager[list[dict[str, Any]]]:
-        """What the drive publishes meanwhile."""
+        """Messages that the drive publishes within the context."""
         return published(self.stream, topic)

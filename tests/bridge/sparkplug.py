@@ -1,4 +1,6 @@
-"""A host application of Sparkplug B: reads payloads, and holds those who send them to the specification."""
+"""A Sparkplug B host application: reads payloads, and checks their senders against the
+specification.
+"""
 
 from __future__ import annotations
 
@@ -11,7 +13,8 @@ from readers import Received
 
 NAMESPACE = "spBv1.0"
 
-# Of sparkplug_b.proto, Sparkplug 3.0.0: the fields of a type with their numbers. Templates and sets are left out.
+# Fields of message types with their numbers, from sparkplug_b.proto of Sparkplug 3.0.0, without
+# templates and data sets.
 FIELDS = {
     "Metric": {
         "name": (1, "string"),
@@ -37,7 +40,7 @@ FIELDS = {
         "body": (5, "bytes"),
     },
 }
-# The numbers of types of metrics, and the field that has their value.
+# Numbers of metric types, and the field with their value.
 TYPES = {
     **dict.fromkeys((1, 2, 3, 5, 6, 7), "int_value"),
     **dict.fromkeys((4, 8, 13), "long_value"),
@@ -50,7 +53,7 @@ TYPES = {
 
 
 def compiled(name: str, messages: dict[str, dict[str, tuple[int, str]]] = FIELDS) -> type:
-    """The class of a message, by a table as the one above; `*` is for repeated numbers."""
+    """The class of a message from a table such as `FIELDS`; `*` marks repeated numbers."""
     pool = descriptor_pool.DescriptorPool()
     file = descriptor_pb2.FileDescriptorProto(
         name="sparkplug.proto", package="sparkplug", syntax="proto2"
@@ -90,7 +93,7 @@ def value_of(metric: Any, datatype: int) -> Any:
 
 
 def command(name: str, value: bool) -> bytes:
-    """The payload of a command with one metric, as `Node Control/Rebirth`."""
+    """The payload of a command with one metric, such as `Node Control/Rebirth`."""
     payload = Payload(timestamp=1, seq=0)
     payload.metrics.add(name=name, datatype=11, boolean_value=value, timestamp=1)
     return payload.SerializeToString()
@@ -98,7 +101,7 @@ def command(name: str, value: bool) -> bytes:
 
 @dataclass
 class Node:
-    """What a host knows of an edge node."""
+    """State of an edge node as known by a host."""
 
     birth_seq: int | None = None
     next_seq: int = 0
@@ -106,13 +109,15 @@ class Node:
     births: int = 0
     deaths: int = 0
     devices: dict[str, bool] = field(default_factory=dict)
-    # By device, and by the name of a metric; the node's own are at "".
+    # Values by device and metric name; the device of node metrics is "".
     values: dict[tuple[str, str], Any] = field(default_factory=dict)
     names: dict[int, tuple[str, str, int]] = field(default_factory=dict)
 
 
 class Host:
-    """Takes messages in their order, and raises AssertionError where the specification is broken."""
+    """Processes messages in their order, and raises AssertionError if they violate the
+    specification.
+    """
 
     def __init__(self) -> None:
         self.nodes: dict[str, Node] = {}
@@ -128,7 +133,7 @@ class Host:
         device = device_name[0] if device_name else ""
         assert bool(device) == kind.startswith("D"), message.topic
         if not node.births and kind != "NBIRTH":
-            # A host that comes later asks for a birth.
+            # A host that connects later requests a birth.
             return
         getattr(self, kind.lower())(node, device, payload)
 
@@ -146,13 +151,13 @@ class Host:
         (metric,) = payload.metrics
         assert not payload.HasField("seq")
         self.check_sequence(payload)
-        # A death of an earlier birth comes late, and is none of this one.
+        # A late death message of an earlier birth does not concern this one.
         if metric.long_value == node.birth_seq:
             node.is_online, node.devices = False, dict.fromkeys(node.devices, False)
             node.deaths += 1
 
     def check_sequence(self, payload: Any) -> None:
-        """A host tells by it which birth a death is of: Int64, 0 to 255."""
+        """Checks `bdSeq`, Int64 from 0 to 255, which relates a death to its birth."""
         (metric,) = (metric for metric in payload.metrics if metric.name == "bdSeq")
         assert metric.datatype == 4, f"bdSeq has the type {metric.datatype}"
         assert 0 <= metric.long_value < 256
@@ -176,7 +181,7 @@ class Host:
         self.update(node, device, payload)
 
     def ncmd(self, *_: Any) -> None:
-        """Ours."""
+        """Ignores commands, which the host itself sends."""
 
     dcmd = ncmd
 

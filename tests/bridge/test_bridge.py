@@ -1,4 +1,4 @@
-"""What the bridge passes on, whichever broker it is for: all of it, once by its number, and in order."""
+"""Messages of the bridge on any broker: complete, unique by their number, and in order."""
 
 from __future__ import annotations
 
@@ -105,7 +105,7 @@ def test_nothing_is_lost_with_the_broker(
     gently: bool,
     request: pytest.FixtureRequest,
 ) -> None:
-    """Each sample of 1 kHz and each event of runs, while the broker goes away three times."""
+    """Every sample at 1 kHz and every run event arrives, although the broker stops three times."""
     if isinstance(way, MqttWay) and not gently:
         pytest.skip("mosquitto forgets what it has acknowledged when it is killed")
     robot = quick_robot
@@ -118,7 +118,7 @@ def test_nothing_is_lost_with_the_broker(
         for _ in range(3):
             way.broker.stop() if gently else way.broker.kill()
             memory.append(passing.memory_kb())
-            # A run begins and ends while there is no broker.
+            # A run begins and ends while the broker is stopped.
             run.wait(120)
             robot.run_motions(SHORT)
             runs += 2
@@ -161,7 +161,8 @@ def test_nothing_is_lost_with_the_broker(
     assert all(
         a[0] == b[0] and (a[1], b[1]) == ("begin", "end") for a, b in zip(events[::2], events[1::2])
     )
-    # What waits is on the disk. Buffers and the heap have found their size by the first look.
+    # Queued messages are on the disk. At the first measurement, buffers and heap have reached their
+    # size.
     assert max(memory) < memory[0] + 30_000, memory
     lost_and_late = robot.lost_and_late()
     print(
@@ -199,7 +200,7 @@ def test_bridge_begins_without_a_broker(
     way.broker.stop()
     try:
         bridge(robot, *way.options)
-        # It follows the robot before it has a broker: some of the run is waited for.
+        # The bridge follows the robot before it has a broker; some of the run has to be queued.
         time.sleep(3)
         robot.run_motions(SHORT)
     finally:
@@ -211,7 +212,9 @@ def test_bridge_begins_without_a_broker(
 def test_killed_bridge_continues(
     way: Way, bridge: Start, simulated_robot: Robot, name: str, tmp_path: Path
 ) -> None:
-    """What it had for a broker that is away is passed on by the next one, which numbers its own from 0."""
+    """Messages queued for a stopped broker are sent by the next bridge, which numbers its own from
+    0.
+    """
     robot = simulated_robot
     options = [*way.options, "--spool", str(tmp_path / "spool")]
     first = bridge(robot, *options)
@@ -219,7 +222,7 @@ def test_killed_bridge_continues(
     way.broker.stop()
     try:
         robot.run_motions(SHORT)
-        # What was appended last may be lost with the process, a few ms.
+        # The last few ms may be lost with the process.
         before = robot.state()["t_s"]
         until(lambda: robot.state()["t_s"] > before + 2, "the robot goes on")
         first.kill()
@@ -299,7 +302,7 @@ def test_it_ends_when_asked_without_a_broker(
 def test_both_at_once(
     kafka: KafkaBroker, mosquitto: Mosquitto, bridge: Start, quick_robot: Robot, name: str
 ) -> None:
-    """A broker that is away does not hold up the other."""
+    """A stopped broker does not block the other one."""
     with KafkaWay(kafka, name) as one, MqttWay(mosquitto, name) as other:
         others = [
             option for option in other.options if option not in ("--name", "--mqtt-client", name)

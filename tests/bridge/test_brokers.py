@@ -1,4 +1,4 @@
-"""Brokers and readers do what tests of the bridge rely on, without the bridge."""
+"""Properties of brokers and readers that the bridge tests rely on, tested without the bridge."""
 
 from __future__ import annotations
 
@@ -157,7 +157,7 @@ def test_mosquitto_keeps_retained_messages_and_wills(mosquitto: Mosquitto) -> No
 
 @pytest.mark.parametrize("version", [4, 5])
 def test_mosquitto_loses_nothing(mosquitto: Mosquitto, version: int) -> None:
-    """Neither for a reader that is there, nor for one that is away."""
+    """Messages reach both a connected and a disconnected reader."""
     topic = f"test/{uuid.uuid4().hex}"
     away = uuid.uuid4().hex
     with MqttClient(mosquitto.port(), topic, version=version, identity=away):

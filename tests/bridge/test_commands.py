@@ -1,4 +1,4 @@
-"""Commands that come by brokers: none unless they are allowed, and none twice, late, or malformed."""
+"""Commands from brokers run only if allowed, and never twice, late or malformed."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ def reply_to(way: Way, identity: str) -> dict[str, Any]:
 
 @pytest.fixture
 def allowed(way: Way, bridge: Start, simulated_robot: Robot, name: str) -> Bridge:
-    """A bridge that takes commands, and has begun to."""
+    """A bridge that accepts commands, and is ready for them."""
     started = bridge(simulated_robot, *way.options, "--allow-commands")
     read_until(way, lambda: of(way, "joints"), "joints are passed on")
     take_commands(way)
@@ -48,7 +48,9 @@ def allowed(way: Way, bridge: Start, simulated_robot: Robot, name: str) -> Bridg
 
 
 def take_commands(way: Way) -> None:
-    """Whoever follows a topic from its end misses what was there before: one command is sent until it is answered."""
+    """Sends a command until it is answered, as a bridge that follows a topic from its end misses
+    earlier commands.
+    """
 
     def answered() -> bool:
         sent = send(way, "state")
@@ -125,7 +127,7 @@ def test_what_is_wrong_is_refused(
         reply = way.replies[-1]["reply"]
         assert not reply["ok"], what
         print(f"{what}: {reply['error']}")
-        # What is refused does not come back in full.
+        # A refusal does not repeat the full command.
         assert len(json.dumps(way.replies[-1])) < 5000, what
         assert robot.is_idle(), what
     assert robot.joints() == before
@@ -163,7 +165,7 @@ def test_what_is_too_long_is_refused(
     way: Way, bridge: Start, simulated_robot: Robot, name: str
 ) -> None:
     if isinstance(way, KafkaWay):
-        # Topics may be set up to take more than the bridge does.
+        # Topics may allow larger messages than the bridge.
         settings = {"max.message.bytes": "20000000"}
         request = NewTopic(way.topic("request"), 1, 1, config=settings)
         admin = AdminClient({"bootstrap.servers": way.broker.address()})
@@ -188,7 +190,9 @@ def test_what_is_too_long_is_refused(
 def test_restarted_bridge_repeats_no_command(
     way: Way, allowed: Bridge, bridge: Start, simulated_robot: Robot, name: str
 ) -> None:
-    """A broker that keeps a command hands it out again: the next bridge knows nothing of the first one's."""
+    """A broker that stores a command delivers it again, and the next bridge does not know the first
+    delivery.
+    """
     identity = send(way, "run_motions", motions=SHORT["motions"])
     assert reply_to(way, identity)["ok"]
     allowed.kill()
@@ -205,7 +209,7 @@ def test_command_for_a_bridge_that_is_away_moves_nothing(
 ) -> None:
     allowed.end()
     send(way, "run_motions", motions=SHORT["motions"])
-    # As old as this, it is refused whoever has kept it.
+    # A command of this age is refused in any case.
     time.sleep(11)
     before = simulated_robot.joints()
     bridge(simulated_robot, *way.options, "--allow-commands")
@@ -234,7 +238,7 @@ def test_command_for_a_drive_that_is_away_moves_nothing_later(
 
 
 def test_stop_passes_a_flood(way: Way, allowed: Bridge, simulated_robot: Robot, name: str) -> None:
-    """Whoever asks for other things without pause does not keep the robot from being stopped."""
+    """A flood of other requests does not prevent a stop of the robot."""
     robot = simulated_robot
     identity = send(way, "run_motions", motions=VERY_LONG["motions"])
     until(lambda: not robot.is_idle(), "the robot moves")

@@ -1,4 +1,4 @@
-"""What only Kafka has: keys, partitions, batches, formats."""
+"""Features of Kafka: keys, partitions, batches, formats."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ def test_keys_and_times(
         way.reader.until(lambda: len(way.reader.of(topic)) > 100, "joints are passed on")
         for message in way.reader.messages:
             assert message.key() == name.encode()
-            # Created, and when the bridge received it.
+            # Creation time: when the bridge received the sample.
             kind, at_ms = message.timestamp()
             assert kind == 1
             assert before - 60 < at_ms / 1000 < time.time() + 60
@@ -47,7 +47,9 @@ def test_robots_keep_their_order_over_partitions(
     simulated_robot: Robot,
     name: str,
 ) -> None:
-    """Two robots in topics of several partitions; each of them stays in the partition that Kafka's own clients choose."""
+    """Two robots share topics with several partitions; each robot keeps the partition that Kafka's
+    own clients choose.
+    """
     admin = AdminClient({"bootstrap.servers": kafka.address()})
     with Robot(binary, tmp_path / "other") as other, KafkaWay(kafka, name) as way:
         topics = [NewTopic(way.topic(kind), 4, 1) for kind in ("joints", "run")]
@@ -70,7 +72,7 @@ def test_robots_keep_their_order_over_partitions(
         assert {message["robot"] for message in of(way, "run")} == {second}
         for robot in (name, second):
             check_numbers(message for message in way.read if message["robot"] == robot)
-        # The producer of others puts the same key into the same partition.
+        # Another producer puts the same key into the same partition.
         writer = KafkaWriter(kafka.address(), partitioner="murmur2_random")
         probe = way.topic("run")
         for key in seen:
@@ -126,7 +128,7 @@ def test_other_formats(
 
 
 def from_protobuf(payload: bytes) -> dict:
-    """By the schema of the guide."""
+    """Decodes a message with the schema of the guide."""
     from sparkplug import compiled
 
     fields = {
@@ -143,7 +145,9 @@ def from_protobuf(payload: bytes) -> dict:
 
 
 def from_cdr(payload: bytes) -> dict:
-    """`sensor_msgs/JointState` in CDR, little-endian: numbers are aligned to their size, after the head of four bytes."""
+    """Decodes `sensor_msgs/JointState` in little-endian CDR: numbers are aligned to their size,
+    after a header of four bytes.
+    """
     assert payload[:4] == b"\x00\x01\x00\x00"
     body, at = payload[4:], 0
 
@@ -176,7 +180,7 @@ def from_cdr(payload: bytes) -> dict:
 def test_broker_that_takes_less_at_a_time(
     bridge: Start, quick_robot: Robot, tmp_path: Path, name: str
 ) -> None:
-    """Its limit is far below what the bridge gathers while it is away."""
+    """The limit of the broker is far below the batch that the bridge collects during its stop."""
     small = KafkaBroker(fetch_jars(), tmp_path / "small", message_max_bytes="60000")
     with small as broker, KafkaWay(broker, name) as way:
         bridge(quick_robot, *way.options, "--kafka-compression", "none")
@@ -193,7 +197,7 @@ def test_broker_that_takes_less_at_a_time(
 def test_message_that_is_too_large_is_left_out(
     kafka: KafkaBroker, bridge: Start, simulated_robot: Robot, name: str
 ) -> None:
-    """For its topic. It holds up nothing else, and the bridge tells how much is lost."""
+    """A message too large for its topic does not block others, and the bridge reports the loss."""
     admin = AdminClient({"bootstrap.servers": kafka.address()})
     with KafkaWay(kafka, name) as way:
         small = NewTopic(way.topic("run"), 1, 1, config={"max.message.bytes": "150"})
@@ -210,8 +214,8 @@ def test_message_that_is_too_large_is_left_out(
 def test_full_spool_drops_the_oldest(
     kafka: KafkaBroker, bridge: Start, binary: Path, tmp_path: Path, name: str
 ) -> None:
-    """And says so; events are kept, and what is left is in order."""
-    # The least room is filled in some time by a robot in fast motion.
+    """The bridge reports the loss, keeps events, and sends the rest in order."""
+    # A robot with fast cycles fills the minimum spool in reasonable time.
     with (
         Robot(binary, tmp_path / "fast", "--period", "1", "--speed", "10") as robot,
         KafkaWay(kafka, name) as way,
@@ -227,7 +231,7 @@ def test_full_spool_drops_the_oldest(
         ]
         assert sum(files) < 70e6
         last = robot.state()["t_s"]
-        # Readers are not to be in a race with a robot that is so fast.
+        # Stops the fast robot, which readers could not follow.
         robot.started[0].terminate()
         kafka.start()
         read_until(
@@ -257,7 +261,7 @@ def test_full_spool_drops_the_oldest(
 def test_commands_of_any_producer(
     kafka: KafkaBroker, bridge: Start, simulated_robot: Robot, name: str, codec: str
 ) -> None:
-    """Whatever others compress, the bridge answers, or goes on with the next command."""
+    """For any compression by producers, the bridge answers, or continues with the next command."""
     with KafkaWay(kafka, name) as way:
         bridge(simulated_robot, *way.options, "--allow-commands")
         read_until(way, lambda: of(way, "joints"), "joints are passed on")
@@ -296,14 +300,14 @@ def test_topics_that_are_deleted_come_again(
 
 
 def test_latency(kafka: KafkaBroker, bridge: Start, quick_robot: Robot, name: str) -> None:
-    """From the bridge's receipt to the reader: a figure and no bound."""
+    """Latency from reception by the bridge to the reader: measured, without a bound."""
     with KafkaWay(kafka, name) as way:
         bridge(quick_robot, *way.options)
         read_until(way, lambda: of(way, "joints"), "joints are passed on")
         run = quick_robot.start_run(LONG)
         ages = []
         while run.runs():
-            # One by one: a reader that gathers messages adds to their age.
+            # One by one, as a reader that batches messages adds to their age.
             message = way.reader.consumer.poll(0.1)
             if message and not message.error() and message.topic() == way.topic("joints"):
                 ages.append(time.time() - message.timestamp()[1] / 1000)

@@ -1,4 +1,4 @@
-"""What the bridge takes of a core: figures and no bounds, which would depend on what else the machine does."""
+"""CPU load of the bridge: measured without bounds, which would depend on the machine."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ SECONDS = 10
 
 
 def load(passing: Bridge, way: KafkaWay) -> str:
-    """Over some seconds, in which all that the bridge has received arrives."""
+    """Measures the load over some seconds, and checks that all received messages arrive."""
     way.take()
     used_s, began_s, before = cpu_s(passing.pid), time.monotonic(), len(of(way, "joints"))
     while time.monotonic() < began_s + SECONDS:
@@ -48,7 +48,7 @@ def test_load_of_a_robot_at_1_khz(
 def test_load_of_ten_robots(
     kafka: KafkaBroker, bridge: Start, binary: Path, tmp_path: Path, name: str
 ) -> None:
-    """On one bridge, in one set of topics."""
+    """Ten robots on one bridge, in one set of topics."""
     with ExitStack() as stack, KafkaWay(kafka, name) as way:
         first, *others = [
             stack.enter_context(Robot(binary, tmp_path / f"robot-{i}", "--period", "5"))

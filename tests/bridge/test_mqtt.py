@@ -1,4 +1,4 @@
-"""What only MQTT has: retained messages, last wills, rates, and properties of replies."""
+"""Features of MQTT: retained messages, last wills, rates, and reply properties."""
 
 from __future__ import annotations
 
@@ -29,9 +29,9 @@ def way(request: pytest.FixtureRequest, mosquitto: Mosquitto, name: str) -> Iter
 
 
 def kept(way: MqttWay) -> dict[str, dict]:
-    """What a new subscriber gets at once, by kind."""
+    """Retained messages that a new subscriber gets, by kind."""
     with MqttClient(way.broker.port(), way.topic("+"), f"end/{way.robot}") as late:
-        # Retained messages come before what is published after the subscription.
+        # Retained messages arrive before messages published after the subscription.
         late.publish(f"end/{way.robot}", "end")
         late.until(lambda: late.of(f"end/{way.robot}"), "all that was retained is read")
         retained = [message for message in late.received if message.retained]
@@ -68,7 +68,7 @@ def test_events_are_retained_and_samples_are_not(
 def test_state_is_there_before_anything_moves(
     way: MqttWay, bridge: Start, simulated_robot: Robot
 ) -> None:
-    """Whoever comes first wants to know whether the robot is idle."""
+    """The first subscriber learns whether the robot is idle."""
     bridge(simulated_robot, *way.options)
     read_until(way, lambda: of(way, "state"), "the state is passed on", patience_s=20)
 
@@ -122,7 +122,7 @@ def test_bridge_is_online_again_after_the_broker_was_away(
 def test_unresponsive_bridge_is_offline(
     way: MqttWay, bridge: Start, simulated_robot: Robot
 ) -> None:
-    """A machine that hangs: the broker finds out by the missing keep-alive, and it comes back."""
+    """The broker detects a blocked bridge by the missing keep-alive, and the bridge reconnects."""
     passing = bridge(simulated_robot, *way.options)
     until(lambda: status(way).get("online") is True, "the bridge is online")
     passing.send(signal.SIGSTOP)
@@ -134,7 +134,7 @@ def test_unresponsive_bridge_is_offline(
 def test_refused_message_is_left_out(
     tmp_path: Path, bridge: Start, simulated_robot: Robot, name: str
 ) -> None:
-    """By rules of the broker. What it takes arrives nevertheless, and the bridge tells how much is lost."""
+    """A message refused by broker rules does not block others, and the bridge reports the loss."""
     strict = Mosquitto(tmp_path / "strict", forbidden=f"iiwasim/{name}/run")
     with (
         strict as broker,
@@ -163,12 +163,12 @@ def test_rate(
         samples = of(way, "joints")
         measured = (len(samples) - 1) / (samples[-1]["t_s"] - samples[0]["t_s"])
         print(f"asked for {rate} Hz, {measured:.1f} Hz are passed on")
-        # More would be against what was asked for, less may be the machine's.
+        # A higher rate violates the option; a lower rate may be due to the machine.
         assert measured < 1.2 * rate
 
 
 def refusal_of(way: MqttWay, identity: str) -> str:
-    """Why a command is refused."""
+    """Reason for refusing a command."""
     read_until(
         way,
         lambda: [it for it in way.replies if it.get("id") == identity],
@@ -182,7 +182,7 @@ def refusal_of(way: MqttWay, identity: str) -> str:
 def test_reply_goes_where_it_is_asked_for(
     mosquitto: Mosquitto, bridge: Start, simulated_robot: Robot, name: str
 ) -> None:
-    """MQTT 5: the topic and the correlation data that the request names."""
+    """MQTT 5: the reply uses the topic and the correlation data of the request."""
     with MqttWay(mosquitto, name) as way:
         answers = way.topic(f"reply/{uuid.uuid4().hex}")
         bridge(simulated_robot, *way.options, "--allow-commands")
@@ -207,7 +207,9 @@ def test_reply_goes_where_it_is_asked_for(
 def test_foreign_response_topic_is_refused(
     mosquitto: Mosquitto, bridge: Start, simulated_robot: Robot, name: str
 ) -> None:
-    """The bridge may publish where the sender may not, such as to the requests of another robot."""
+    """The bridge may have rights that the sender lacks, such as to publish requests to another
+    robot.
+    """
     with MqttWay(mosquitto, name) as way:
         bridge(simulated_robot, *way.options, "--allow-commands")
         read_until(way, lambda: of(way, "joints"), "joints are passed on")
@@ -230,7 +232,7 @@ def test_foreign_response_topic_is_refused(
                 assert f"the response topic has to be `{way.topic('reply')}`" in refusal_of(
                     way, body["id"]
                 )
-            # What the bridge had sent there would come before this.
+            # A message of the bridge there would arrive before this one.
             listener.publish(foreign[0], "end")
             listener.until(
                 lambda: [it for it in listener.received if it.payload == b"end"], "all is read"
@@ -246,7 +248,7 @@ def test_foreign_response_topic_is_refused(
 
 
 def test_retained_command_is_refused(way: MqttWay, bridge: Start, simulated_robot: Robot) -> None:
-    """The broker hands it out to each bridge that subscribes."""
+    """The broker would deliver a retained command to each bridge that subscribes."""
     body = command(way.robot, "run_motions", motions=LONG["motions"])
     way.client.publish(way.topic("request"), json.dumps(body), retain=True)
     before = simulated_robot.joints()
@@ -269,12 +271,12 @@ def test_command_retained_while_the_bridge_is_subscribed_is_refused(
             body = command(name, kind, **request)
             way.client.publish(way.topic("request"), json.dumps(body), retain=True)
             assert "the command is retained" in refusal_of(way, body["id"])
-        # A connection later, the last one is there again, and refused again.
+        # With the next connection, the last command is delivered again, and refused again.
         first.end()
         way.replies.clear()
         bridge(simulated_robot, *way.options, "--allow-commands")
         assert "the command is retained" in refusal_of(way, body["id"])
-        # It is removed without a reply, and the next command is an ordinary one.
+        # The retained command is removed without a reply, and the next command is an ordinary one.
         way.replies.clear()
         way.client.publish(way.topic("request"), b"", retain=True)
         body = command(name, "state")
@@ -290,7 +292,9 @@ def test_command_retained_while_the_bridge_is_subscribed_is_refused(
 def test_retained_command_runs_once_by_3_1_1(
     mosquitto: Mosquitto, bridge: Start, simulated_robot: Robot, name: str
 ) -> None:
-    """MQTT 3.1.1: the broker clears the flag for who is subscribed, as the guide says. Later deliveries are refused."""
+    """MQTT 3.1.1: the broker clears the flag for current subscribers, as the guide says. Later
+    deliveries are refused.
+    """
     with MqttWay(mosquitto, name, 4) as way:
         first = bridge(simulated_robot, *way.options, "--allow-commands")
         read_until(way, lambda: of(way, "joints"), "joints are passed on")
@@ -300,7 +304,7 @@ def test_retained_command_runs_once_by_3_1_1(
             way, lambda: [it for it in way.replies if it["id"] == body["id"]], "the run has ended"
         )
         assert way.replies[0]["reply"]["ok"]
-        # To the same bridge, as a command that the broker repeats.
+        # Delivered to the same bridge again, like a repetition by the broker.
         way.replies.clear()
         way.send(json.dumps(body).encode())
         assert "has been received before" in refusal_of(way, body["id"])
@@ -317,7 +321,9 @@ def test_retained_command_runs_once_by_3_1_1(
 def test_two_bridges_of_one_name_take_turns_without_harm(
     way: MqttWay, bridge: Start, simulated_robot: Robot
 ) -> None:
-    """The broker ends the connection of the first when the second comes: neither may run wild."""
+    """The broker disconnects the first bridge when the second connects; neither may reconnect
+    without a pause.
+    """
     passing = [bridge(simulated_robot, *way.options) for _ in range(2)]
     time.sleep(5)
     way.take()
@@ -327,7 +333,7 @@ def test_two_bridges_of_one_name_take_turns_without_harm(
 
 
 def test_latency(way: MqttWay, bridge: Start, quick_robot: Robot) -> None:
-    """From the drive's publication to the reader: a figure and no bound."""
+    """Latency from publication by the drive to the reader: measured, without a bound."""
     bridge(quick_robot, *way.options)
     read_until(way, lambda: len(of(way, "joints")) > 3000, "joints are passed on")
     received = way.client.of(way.topic("joints"))
@@ -340,7 +346,9 @@ def test_latency(way: MqttWay, bridge: Start, quick_robot: Robot) -> None:
 
 
 def test_flood_of_commands_stalls_nothing(way: MqttWay, bridge: Start, quick_robot: Robot) -> None:
-    """Commands and replies by the thousand beside samples at 1 kHz: what comes in and what goes out wait for each other."""
+    """Thousands of commands and replies with samples at 1 kHz, so that input and output wait for
+    each other.
+    """
     bridge(quick_robot, *way.options, "--allow-commands")
     read_until(way, lambda: of(way, "joints"), "joints are passed on")
     for _ in range(4):

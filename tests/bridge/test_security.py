@@ -1,4 +1,4 @@
-"""Brokers that ask who comes, and bridges that ask who answers."""
+"""Authentication of bridges by brokers, and of brokers by bridges."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ Start = Callable[..., Bridge]
 
 
 class Access:
-    """Options of the bridge by which a broker is reached: `kafka` or `mqtt`."""
+    """Bridge options for the access to a broker: `kafka` or `mqtt`."""
 
     def __init__(self, broker: str, folder: Path, certificates: Certificates) -> None:
         self.broker = broker
@@ -54,20 +54,20 @@ def mqtt_access(tmp_path: Path, certificates: Certificates) -> Access:
 
 
 def to(way: Way, listener: str, *options: str) -> list[str]:
-    """The options of a way, with another listener of its broker."""
+    """The options of a kind of broker, with another listener."""
     return [
         way.broker.address(listener) if it == way.broker.address() else it for it in way.options
     ] + [*options]
 
 
 def passes(way: Way, passing: Bridge) -> None:
-    """The bridge gets through."""
+    """Checks that bridge messages arrive."""
     read_until(way, lambda: of(way, "joints"), "joints are passed on")
     assert passing.runs(), passing.said()
 
 
 def refuses(passing: Bridge, *words: str) -> None:
-    """The bridge ends at once, and says why."""
+    """Checks that the bridge ends at once, with the reason."""
     assert passing.wait(60) not in (0, None)
     said = passing.said()
     print(said)
@@ -118,7 +118,7 @@ def test_kafka_with_tls(
 def test_kafka_that_asks_for_what_is_not_given_is_told(
     kafka: KafkaBroker, kafka_access: Access, bridge: Start, simulated_robot: Robot, name: str
 ) -> None:
-    """A certificate, or TLS at all: the bridge may go on trying, but says what is wrong."""
+    """Kafka requires a certificate or TLS: the bridge may keep trying, but reports the error."""
     with KafkaWay(kafka, name) as way:
         for listener, options in (
             ("MUTUAL", kafka_access.authority()),
@@ -184,7 +184,7 @@ def test_mqtt_with_tls(
 def test_passwords_do_not_leave_this_machine_in_the_clear(
     kafka_access: Access, mqtt_access: Access, bridge: Start, simulated_robot: Robot
 ) -> None:
-    # An address for documentation, which nobody has.
+    # An address reserved for documentation, which does not answer.
     kafka = ["--kafka", "192.0.2.1:9092", "--kafka-sasl", "plain", *kafka_access.user()]
     refuses(bridge(simulated_robot, *kafka), "in the clear")
     refuses(
@@ -246,7 +246,9 @@ def test_link_in_the_spool_is_refused(
     name: str,
     file: str,
 ) -> None:
-    """Whoever may write to the folder of the spool cannot have the bridge empty or send another file."""
+    """Write access to the spool folder is not enough to make the bridge truncate or send another
+    file.
+    """
     victim = tmp_path / "victim"
     victim.write_text("precious")
     with MqttWay(mosquitto, name) as way:

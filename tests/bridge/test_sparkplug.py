@@ -1,4 +1,4 @@
-"""The bridge as an edge node of Sparkplug B."""
+"""The bridge as a Sparkplug B edge node."""
 
 from __future__ import annotations
 
@@ -118,7 +118,7 @@ def test_broker_that_was_away(
     bridge(simulated_robot, *follower.options)
     first = follower.until(lambda node: node.devices.get(name), "the robot is born").birth_seq
     follower.mosquitto.restart()
-    # Those who are cut off may miss the birth, and ask for one.
+    # A disconnected host may miss the birth, and requests one.
     until(lambda: follower.client.connections > 1, "the host is connected again")
     time.sleep(3)
     follower.seen = len(follower.client.received)

@@ -1,4 +1,4 @@
-"""What is read back from Kafka: recordings, replays, histories."""
+"""Data read back from Kafka: recordings, replays, histories."""
 
 from __future__ import annotations
 
@@ -28,14 +28,14 @@ Start = Callable[..., Bridge]
 def read(
     binary: Path, kafka: KafkaBroker, name: str, command: str, *options: str
 ) -> subprocess.CompletedProcess:
-    """`iiwasim replay` or `history`, of what a test has written."""
+    """Runs `iiwasim replay` or `history` on the messages of a test."""
     source = ["--kafka", kafka.address(), "--kafka-prefix", name]
     whole = [binary, command, *source, *options]
     return subprocess.run(whole, check=False, capture_output=True, text=True, timeout=120)
 
 
 def recorded(path: Path) -> list[tuple[float, list[float]]]:
-    """Times in s since the beginning, and joints."""
+    """Times in s since the beginning, and joint positions."""
     with path.open("rb") as file:
         reader = make_reader(file, decoder_factories=[DecoderFactory()])
         found = [
@@ -49,7 +49,7 @@ def recorded(path: Path) -> list[tuple[float, list[float]]]:
 def stored(
     kafka: KafkaBroker, bridge: Start, quick_robot: Robot, name: str
 ) -> list[dict[str, Any]]:
-    """Samples of a run that are in Kafka."""
+    """Samples of a run in Kafka."""
     with KafkaWay(kafka, name) as way:
         passing = bridge(quick_robot, *way.options)
         read_until(way, lambda: of(way, "joints"), "joints are passed on")
@@ -98,7 +98,7 @@ def test_replay_is_a_recording(
         "--overwrite",
     )
     assert len(recorded(part)) == len(stored) - len(expected)
-    # Nothing is replaced without a word, and nothing is written where nothing is.
+    # Existing files are not replaced without an option, and empty data does not create a file.
     assert read(binary, kafka, name, "replay", "--name", name, "-o", str(part)).returncode != 0
     none = read(
         binary, kafka, name, "replay", "--name", "nobody", "-o", str(tmp_path / "none.mcap")
@@ -110,7 +110,7 @@ def test_replay_is_a_recording(
 def test_replay_is_a_drive(
     stored: list[dict[str, Any]], binary: Path, kafka: KafkaBroker, name: str, tmp_path: Path
 ) -> None:
-    """For those who follow it; nobody can move it."""
+    """Monitoring clients can follow a replay like a drive, but cannot move it."""
     drive, stream = (f"127.0.0.1:{port}" for port in free_ports(2))
     options = [
         "--kafka",
@@ -147,7 +147,7 @@ def test_replay_is_a_drive(
 def end_of_run(
     name: str, number: int, cycle_time_s: float, planned_s: float | None, **more: Any
 ) -> dict[str, Any]:
-    """The end of a run as the bridge tells it."""
+    """The bridge message for the end of a run."""
     plan = {} if planned_s is None else {"plan": {"cycle_time_s": planned_s, "limited_by": []}}
     at = datetime.now(UTC).isoformat(timespec="microseconds").replace("+00:00", "Z")
     head = {
@@ -199,7 +199,7 @@ def test_edited_program_does_not_drift(kafka: KafkaBroker, binary: Path, name: s
 def test_repeated_and_foreign_records_do_not_count(
     kafka: KafkaBroker, binary: Path, name: str
 ) -> None:
-    """At least once is once; what others have written there is told, and passed over."""
+    """Repeated records count once; foreign records are reported and ignored."""
     runs = [json.dumps(end_of_run(name, i, 2.0, 2.0)).encode() for i in range(10)]
     write(kafka, name, *runs[:5], *runs[2:7])
     write(

@@ -1,4 +1,4 @@
-"""The ways from the bridge to those who read, with one face: what holds for one broker is to hold for the other."""
+"""Kafka and MQTT behind a common interface, so that tests run on both brokers."""
 
 from __future__ import annotations
 
@@ -18,16 +18,16 @@ ROOT = "iiwasim"
 
 
 class KafkaWay:
-    """Over a Kafka broker."""
+    """The path from the bridge to readers over a Kafka broker."""
 
     label = "kafka"
-    # Kinds of which some are left out while there is no broker.
+    # Message kinds that may be incomplete after a stop of the broker.
     may_lack = ()
 
     def __init__(self, broker: KafkaBroker, robot: str) -> None:
         self.broker = broker
         self.robot = robot
-        # Topics of its own for each test: they are read from their beginning.
+        # Separate topics for each test, as topics are read from their beginning.
         self.prefix = robot
         self.options = ["--kafka", broker.address(), "--kafka-prefix", self.prefix, "--name", robot]
         self.read: list[dict[str, Any]] = []
@@ -57,14 +57,14 @@ class KafkaWay:
                 self.by_kind[content["kind"]].append(content)
 
     def send(self, *bodies: bytes) -> None:
-        """Returns when the broker has them."""
+        """Sends messages, and waits for the acknowledgement of the broker."""
         for body in bodies:
             self.writer.write(self.topic("request"), body, self.robot.encode())
         self.writer.flush()
 
 
 class MqttWay:
-    """Over an MQTT broker."""
+    """The path from the bridge to readers over an MQTT broker."""
 
     label = "mqtt"
     may_lack = ("joints",)
@@ -113,7 +113,7 @@ class MqttWay:
                 self.replies.append(message.json())
             elif kind in KINDS:
                 read = message.json()
-                # The broker speaks for a bridge that it has lost, by a message that the bridge has made before.
+                # The last will, which the broker sends for a lost bridge.
                 is_will = kind == "bridge" and not read["online"] and read["seq"] == 0
                 if is_will:
                     self.wills.append(read)
@@ -122,7 +122,7 @@ class MqttWay:
                     self.by_kind[kind].append(read)
 
     def send(self, *bodies: bytes) -> None:
-        """Returns when the broker has them."""
+        """Sends messages, and waits for the acknowledgement of the broker."""
         sent = [self.client.client.publish(self.topic("request"), body, qos=1) for body in bodies]
         for each in sent:
             each.wait_for_publish(PATIENCE_S)
@@ -132,12 +132,12 @@ Way = KafkaWay | MqttWay
 
 
 def of(way: Way, kind: str) -> list[dict[str, Any]]:
-    """What was read of a kind."""
+    """Received messages of a kind."""
     return way.by_kind[kind]
 
 
 def tells_losses(way: Way, count: int) -> bool:
-    """Whether the bridge has told that so many messages are lost."""
+    """True if the bridge has reported the loss of `count` messages."""
     return any(each["spools"][way.label]["dropped"] == count for each in of(way, "bridge"))
 
 

@@ -3,11 +3,11 @@
 
     check.py ws://127.0.0.1:PORT [--messages N] [--seconds N] [--json]
 
-Connects as Foxglove does, reads N joint states and what belongs to them, decodes it by the schemas
-that the server gives, and checks that it is what the contract of the topics promises: the frames of
-the links are those of the URDF with the joints at their positions, and the flange is at the end of
-them. A second viewer, who comes later, has to get the URDF, too. With --json, the last line has what
-was read. Exit code 1 when a check fails. Needs what requirements.txt names, one folder up.
+Connects like Foxglove, reads N joint states and the related messages, decodes them with the schemas
+of the server, and checks the specification of the topics: link frames match the URDF at the joint
+positions, and the flange is at the end of the chain. A second viewer that connects later also has
+to get the URDF. With --json, the last line has the read data. Exit code 1 when a check fails. Needs
+the packages in requirements.txt, one folder up.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ ROS_TYPES = {
 JSON_TOPICS = ("/drive_state", "/sensors", "/inputs_outputs")
 JOINTS = [f"iiwa_joint_{i}" for i in range(1, 8)]
 MESSAGE_DATA = 1
-# The most messages a second on a topic, and some for the borders.
+# Maximum messages per second on a topic, with a margin at the ends of the interval.
 RATE_HZ = 110
 
 failures: list[str] = []
@@ -69,7 +69,7 @@ class Viewer:
         return self.socket.recv()
 
     def text(self, kind: str) -> dict:
-        """The next message, which is of this kind."""
+        """The next text message, which has to be of this kind."""
         message = json.loads(self.receive())
         if message["op"] != kind:
             sys.exit(f"FAILED: {message['op']} instead of {kind}")
@@ -85,7 +85,7 @@ class Viewer:
         self.socket.send(json.dumps({"op": "subscribe", "subscriptions": subscriptions}))
 
     def message(self) -> tuple[str, int, bytes]:
-        """The next message: its topic, its time in ns, and what it carries."""
+        """The next message: its topic, its time in ns, and its payload."""
         data = self.receive()
         if isinstance(data, str):
             sys.exit(f"FAILED: {data} instead of a message")
@@ -96,7 +96,7 @@ class Viewer:
 
 
 def check_server(viewer: Viewer) -> dict:
-    """What the server says of itself and its topics; gives the decoders by topic."""
+    """Checks the server information and the topics; returns the decoders by topic."""
     check("subprotocol", viewer.socket.getsubprotocol() == PROTOCOL, viewer.socket.getsubprotocol())
     check("name", viewer.info["name"] == "iiwasim", viewer.info["name"])
     check("viewers only read", viewer.info["capabilities"] == [], viewer.info["capabilities"])
@@ -124,7 +124,7 @@ def product(a: Matrix, b: Matrix) -> Matrix:
 
 
 def rotation(axis: tuple[float, float, float], angle: float) -> Matrix:
-    """By Rodrigues' formula, as a matrix of 4 by 4."""
+    """A 4 by 4 rotation matrix, by Rodrigues' formula."""
     x, y, z = axis
     c, s, v = math.cos(angle), math.sin(angle), 1 - math.cos(angle)
     return [
@@ -136,12 +136,12 @@ def rotation(axis: tuple[float, float, float], angle: float) -> Matrix:
 
 
 def placed(matrix: Matrix, x: float, y: float, z: float) -> Matrix:
-    """A rotation with a shift before it."""
+    """A matrix after a translation."""
     return [[*row[:3], shift] for row, shift in zip(matrix, (x, y, z))] + [[0, 0, 0, 1]]
 
 
 def pose(translation: Any, q: Any) -> Matrix:
-    """What a message says, as a matrix."""
+    """The pose of a message as a matrix."""
     sine = math.hypot(q.x, q.y, q.z)
     axis = (q.x / sine, q.y / sine, q.z / sine) if sine > 0 else (0.0, 0.0, 1.0)
     return placed(
@@ -177,7 +177,7 @@ def urdf_frames(urdf: str, positions: dict[str, float]) -> dict[tuple[str, str],
 
 
 def check_arm(urdf: str, states: dict, transforms: dict, flanges: dict) -> None:
-    """Everything that belongs to one time, against the URDF; all by time."""
+    """Compares the messages of each time with the URDF."""
     worst_link = worst_flange = 0.0
     together = states.keys() & transforms.keys() & flanges.keys()
     for time_ns in together:

@@ -1,13 +1,13 @@
 #!/usr/bin/env python3
-"""An FRI client that shares no code with the project: protobuf's codec and a UDP socket.
+"""An FRI client without code of the project: protobuf's codec and a UDP socket.
 
     client.py --bind 127.0.0.1:PORT [--command] [--seconds N]
 
 Answers the controller's messages, and prints a JSON line for every session state when it begins,
 with the quality. With --command, its set-points in the commanding states are the controller's own
-interpolation with a small sine on joint 1, which starts gently when commanding is active. Ends after
-N seconds, or when it is interrupted, with a JSON line of figures, and exits with 0. Needs what
-requirements.txt names, one folder up.
+interpolation with a small sine on joint 1, which starts gently when commanding is active. Ends
+after N seconds, or on an interrupt, with a JSON line of figures and exit code 0. Needs the packages
+in requirements.txt, one folder up.
 """
 
 from __future__ import annotations
@@ -53,7 +53,7 @@ class Client:
         self.largest_difference_rad = 0.0
 
     def take(self, datagram: bytes) -> bytes | None:
-        """Takes a datagram; the answer to it, if there is to be one."""
+        """Processes a datagram; returns the answer, if any."""
         try:
             kind, message = decode(datagram)
         except DecodeError:
@@ -79,7 +79,7 @@ class Client:
         return self.answer(message)
 
     def ahead(self, counter: int) -> int:
-        """How far a 32-bit counter is ahead of the latest one; negative when behind."""
+        """Difference of a 32-bit counter to the latest one; negative for an older one."""
         if self.latest is None:
             return 1
         return (counter - self.latest + 2**31) % 2**32 - 2**31
@@ -94,7 +94,7 @@ class Client:
             print(json.dumps(line), flush=True)
 
     def compare(self, message: Any) -> None:
-        """Holds the last set-point against where the robot is."""
+        """Compares the last set-point with the position of the robot."""
         if message.connectionInfo.sessionState != FRI.COMMANDING_ACTIVE:
             self.setpoint = None
             self.active_s = 0.0
@@ -153,7 +153,7 @@ def main() -> None:
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as udp:
         udp.bind(arguments.bind)
         udp.settimeout(0.1)
-        # With port 0, this is how the port is learnt.
+        # With port 0, this line reports the chosen port.
         print(json.dumps({"bound": "{}:{}".format(*udp.getsockname())}), flush=True)
         try:
             while time.monotonic() < end:

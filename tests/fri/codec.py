@@ -1,12 +1,12 @@
 #!/usr/bin/env python3
 """Decodes FRI datagrams with protobuf's own codec, and encodes them.
 
-    codec.py           reads a datagram a line, in hex, and prints {"monitoring": {...}},
+    codec.py           reads one datagram per line, in hex, and prints {"monitoring": {...}},
                        {"command": {...}} or {"error": "..."} for each
-    codec.py --encode  the other way round
+    codec.py --encode  the opposite direction
 
-Enums are numbers; fields go by their names in fri.proto. Needs what requirements.txt names, one folder
-up.
+Enums are numbers; fields have their names in fri.proto. Needs the packages in requirements.txt, one
+folder up.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Compiles fri.proto with protoc, and tells the messages apart."""
+"""Compiles fri.proto with protoc, and distinguishes the messages."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ COMMAND = 0x34001
 
 
 def compile_schema() -> ModuleType:
-    """The module that protoc makes of fri.proto, in a folder that is gone when this returns."""
+    """The module that protoc generates from fri.proto, in a temporary folder."""
     with tempfile.TemporaryDirectory() as out:
         if protoc.main(["protoc", f"-I{FOLDER}", f"--python_out={out}", "fri.proto"]) != 0:
             sys.exit("protoc refuses fri.proto")

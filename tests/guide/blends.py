@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Draws docs/blends.svg: one corner with four blends, and the speed over time, of plans of the command.
+"""Draws docs/blends.svg: a corner with four blends, and the speed over time, from plans of iiwasim.
 
     tests/guide/blends.py target/release/iiwasim docs/blends.svg
 
@@ -26,7 +26,7 @@ BLENDS = [
 
 
 def positions(binary, blend, folder):
-    """Times in s and positions of the flange in mm."""
+    """Times in s and flange positions in mm."""
     motions = [{"type": "ptp", "joints_deg": joints} for joints in TARGETS[1:]]
     if blend:
         motions[0]["blend"] = blend
@@ -58,7 +58,7 @@ def main(binary, output):
     with tempfile.TemporaryDirectory() as folder:
         runs = [(*blend, positions(binary, blend[1], Path(folder))) for blend in BLENDS]
     all_at = [at for *_, run in runs for _, at in run]
-    # Seen from above: x up, y to the left, as if behind the robot.
+    # Top view: x up, y to the left, as seen from behind the robot.
     low_x, high_x = min(at[0] for at in all_at), max(at[0] for at in all_at)
     high_y = max(at[1] for at in all_at)
     low_y = min(at[1] for at in all_at)

@@ -1,9 +1,11 @@
 #!/usr/bin/env python3
-"""mdBook's preprocessor `sources`: what pages link to outside of docs/ becomes part of the book.
+"""The mdBook preprocessor `sources`: files outside of docs/ that pages link to become part of the
+book.
 
-A page links to `../crates/core/iiwa-kin/src/inverse.rs`, which a forge shows. The book has no such file beside it: each one
-that is linked to is copied to `sources`, beside the folder of the book, with `.txt` behind its name so that browsers show
-it, and the link leads there. Folders have nothing to show and keep their text alone.
+A page may link to `../crates/core/iiwa-kin/src/inverse.rs`, which a forge shows. The book does not
+contain such files: each linked file is copied to `sources`, next to the folder of the book, with
+the suffix `.txt`, so that browsers show it, and the link is changed. Links to folders are replaced
+by their text.
 """
 
 import json
@@ -41,7 +43,7 @@ def main():
                 return match[0]
             if not file.is_file():
                 return text
-            # mdBook takes `.md.txt` for a chapter.
+            # mdBook treats `.md.txt` as a chapter.
             name = file.relative_to(docs.parent).with_name(file.name.removesuffix(".md") + ".txt")
             copy = copies / name
             copy.parent.mkdir(parents=True, exist_ok=True)
@@ -49,7 +51,7 @@ def main():
             up = os.path.relpath(docs.parent / "sources", folder)
             return f"[{text}]({up}/{name.as_posix()})"
 
-        # What is in fences is no link.
+        # Fences do not contain links.
         parts = re.split(r"(^```.*?^```$)", chapter["content"], flags=re.MULTILINE | re.DOTALL)
         chapter["content"] = "".join(
             part if part.startswith("```") else LINK.sub(inside, part) for part in parts

@@ -1,20 +1,22 @@
 #!/usr/bin/env python3
-"""Runs what README and guide say: commands, and their outputs; programs; links.
+"""Checks README and guide: commands and their outputs, programs, links.
 
     tests/guide/check.py target/release/iiwasim [PAGE.md ...] [--renew]
 
-Each page has a folder of its own with `fixtures` in it, and `iiwasim` on the path. On Linux, as root, it has a network
-of its own as well, so that drive and cabinet find their usual ports free. Fences are taken in order:
+Each page has a separate folder with `fixtures` in it, and `iiwasim` on the path. On Linux, as root,
+it also has a separate network, so that the usual ports of drive and cabinet are free. Fences are
+processed in order:
 
     ```sh      is run by bash, and has to succeed. `cargo run --release -p iiwasim --` is the given binary.
-    ```text    after it is its standard output: a line `...` stands for any lines. Without an `sh` since the last
-               heading it is prose.
-    ```json    is a program, a scene, frames, a profile or motions for a drive, and is planned with. What the text before a
-               program says of heights is compared with the plan (geometry.py).
+    ```text    after it is its standard output: a line `...` matches any lines. Without an `sh` since
+               the last heading it is prose.
+    ```json    is a program, a scene, frames, a profile or motions for a drive, and is planned with.
+               Heights in the text before a program are compared with the plan (geometry.py).
     ```yaml    is parsed, and those of its commands that begin with iiwasim are run.
     ```python  and the `text` after it are left to `python/tests/test_guide.py`.
 
-A comment before a fence says what else is meant (MARKS). `--renew` writes outputs as they are into the pages.
+A comment before a fence changes its meaning (MARKS). `--renew` writes the actual outputs into the
+pages.
 """
 
 import argparse
@@ -49,33 +51,35 @@ MARKS = {
     "file": re.compile(r"file (?P<name>[\w.-]+)"),
     "part": re.compile(r"a part of a file"),
     "geometry": MARK,
+    # Around what a script writes.
+    "generated": re.compile(r"\w+: made by tests/|end$"),
 }
 
-# Lines with figures that were measured, and by how much each of their numbers may differ: one bound for all, or one each.
+# Lines with measured figures, and tolerances of their numbers: one for all, or one each.
 MEASURED = [
     (re.compile(r"^Measured +\d"), 0.06),
     (re.compile(r"by the robot program's clock"), [0.06, 0]),
     (re.compile(r"^\d+ samples recorded"), 40),
-    # Of a comparison: the motion's number, planned, real, error in s and in per cent.
+    # Comparison: motion number, planned and real time, error in s and in per cent.
     (
         re.compile(r"^ *\d+ +\w+ +\d\.\d{3} +\d\.\d{3} +-?\d\.\d{4} +-?\d\.\d\d$"),
         [0, 0, 0.01, 0.01, 2],
     ),
     (re.compile(r"^Cycle time .* real: off by"), [0, 0.01, 0.01, 0.2]),
-    # How soon FRI is answered depends on what else the machine does.
+    # The response time of FRI depends on the load of the machine.
     (re.compile(r"^FRI +\w+, quality"), 1000),
-    # Fits to samples with noise: limits of velocity, acceleration and jerk.
+    # Fits to noisy samples: velocity, acceleration and jerk limits.
     (re.compile(r"^ +A\d +.* \+- "), [1e-3, 1e-3, 0, 0.1, 0.1, 0, 10, 10, 0]),
     (re.compile(r"^Settles for"), [1e-5, 1e-5, 0, 1e-5, 0]),
 ]
 
-# Pages whose Rust is compiled by doctests of the crate `iiwa`.
+# Pages whose Rust examples are doctests of the crate `iiwa`.
 RUST = [ROOT / "README.md", ROOT / "docs/guide/library.md"]
 
-# Pages whose Python is run by `python/tests/test_guide.py`.
+# Pages whose Python examples are run by `python/tests/test_guide.py`.
 PYTHON = [ROOT / "README.md", ROOT / "docs/guide/python.md"]
 
-# Other commands of cargo, and where they are run.
+# Other cargo commands, and the place where they are run.
 CARGO = {
     "cargo test": "the step `tests`",
     "cargo build": "the step `build`",
@@ -94,7 +98,7 @@ class Fence:
     line: int
     text: str
     marks: dict = field(default_factory=dict)
-    # Text between it and the heading or the fence before it.
+    # Text between the fence and the previous heading or fence.
     prose: str = ""
 
 
@@ -138,7 +142,7 @@ def read_page(path):
 
 
 class Folder:
-    """Where a page's commands run, and what runs in the background there."""
+    """The folder for the commands of a page, and its background processes."""
 
     def __init__(self, binary):
         self.path = Path(tempfile.mkdtemp(prefix="guide-"))
@@ -159,7 +163,9 @@ class Folder:
         self.count = 0
 
     def start(self, script):
-        """A process group of its own: Ctrl-C reaches all of it, and nothing else."""
+        """Starts a script in a separate process group, so that Ctrl-C reaches exactly its
+        processes.
+        """
         self.count += 1
         streams = [(self.path / f".{name}-{self.count}").open("w+") for name in ("out", "err")]
         process = subprocess.Popen(
@@ -190,7 +196,7 @@ def stop(process, number):
 
 
 def commands(text):
-    """The lines of a fence that are run here; of cargo, those that are this binary."""
+    """The lines of a fence that are run; of cargo commands, only those that run this binary."""
     found = []
     for line in text.split("\n"):
         line = line.replace("cargo run --release -p iiwasim --", "iiwasim")
@@ -201,7 +207,7 @@ def commands(text):
 
 
 def run(page, fence, folder):
-    """Both outputs, or None."""
+    """Runs a fence; returns expected and actual output, or None."""
     script = commands(fence.text)
     if not script.strip():
         return None
@@ -247,7 +253,7 @@ def same(expected, found):
     for pattern, bounds in MEASURED:
         if not (pattern.search(expected) and pattern.search(found)):
             continue
-        # Columns are as wide as their numbers.
+        # The width of columns depends on their numbers.
         shape = [
             re.sub(r"[\s─]+", " ", NUMBER.sub("#", line)).strip() for line in (expected, found)
         ]
@@ -263,7 +269,7 @@ def same(expected, found):
 
 
 def agrees(expected, found):
-    """Whether the lines are those expected; `...` stands for any number of them."""
+    """True if the lines match; `...` matches any number of lines."""
     if not expected:
         return not found
     if expected[0].strip() == "...":
@@ -292,7 +298,7 @@ def check_json(page, fence, folder):
     try:
         document = json.loads(fence.text)
     except ValueError as error:
-        page.wrong(fence, f"is no JSON: {error}")
+        page.wrong(fence, f"is not JSON: {error}")
         return
     if name := fence.marks.get("file"):
         (folder.path / name["name"]).write_text(fence.text + "\n")
@@ -419,7 +425,9 @@ def check_page(path, binary, renew):
 
 
 def own_network():
-    """A loopback interface for this process and its children alone, where the system permits it."""
+    """Creates a loopback interface only for this process and its children, if the system permits
+    it.
+    """
     library = ctypes.CDLL(None, use_errno=True)
     if not hasattr(library, "unshare") or library.unshare(0x40000000) != 0:
         return False
@@ -441,7 +449,7 @@ def main():
         ROOT / "README.md",
         *sorted((ROOT / "docs").rglob("*.md")),
     ]
-    # What is ended takes along what it has started.
+    # A terminated check also ends its child processes.
     signal.signal(signal.SIGTERM, lambda *_: sys.exit(1))
     own_network()
     began, problems = time.monotonic(), []

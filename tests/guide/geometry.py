@@ -1,16 +1,17 @@
-"""Compares what the guide says of a program's geometry with where its plan moves the TCP.
+"""Compares statements of the guide on the geometry of programs with the TCP motions of their plans.
 
-A comment before a program makes claims, each with the words of the page that it stands for:
+A comment before a program makes claims, each with the quoted words of the page:
 
     <!-- geometry: motion 2 lowers by 80 mm, "lowers it by 80 mm"; motion 4 ends at place, "to the place" -->
 
     motion N lifts by D mm        the TCP moves up by D in the robot's base frame, and not sideways
-    motion N lowers by D mm       it moves down
-    motion N ends D mm over BASE  where the motion ends, along z of a base
-    motion N ends at FRAME        at a frame of the program
+    motion N lowers by D mm       the TCP moves down by D in the same way
+    motion N ends D mm over BASE  the motion ends at D along z of a base
+    motion N ends at FRAME        the motion ends at a frame of the program
 
-Where the text before a program says how far or how high the TCP moves, the comment is required. The program is planned
-without its blends, so that each motion ends at its target. No target may be below a base named `table`.
+The comment is required if the text before a program states a distance or height of the TCP. The
+program is planned without its blends, so that each motion ends at its target. Targets must not be
+below a base named `table`.
 """
 
 from __future__ import annotations
@@ -24,7 +25,7 @@ from pathlib import Path
 
 MARK = re.compile(r"geometry: (?P<claims>.+)")
 
-# Words on heights and on ways up and down, with a length.
+# Words for heights and vertical motions, with a length.
 HEIGHT = re.compile(
     r"\b(?:lift|lower|rais|retract|retreat|approach|descend)\w*\b[^.;:]*?\d+ mm"
     r"|\d+ mm (?:over|above|below|under|up|down)\b"
@@ -38,19 +39,21 @@ CLAIM = re.compile(
     r'), "(?P<words>[^"]+)"$'
 )
 
-# Plans are exact: this is for the digits of the table.
+# Tolerance for the rounding of the table; plans are exact.
 TOLERANCE_MM = 1e-3
 
 
 @dataclass
 class Runner:
-    """Where programs are planned, and with which environment."""
+    """Folder and environment for planning programs."""
 
     folder: Path
     environment: dict
 
     def ends_mm(self, program: dict) -> dict[int, list[float]]:
-        """Position of the TCP at the end of each motion, and at the start, as motion 0, in the robot's base frame."""
+        """TCP positions at the end of each motion and at the start (motion 0), in the robot's base
+        frame.
+        """
         motions = [
             {k: v for k, v in motion.items() if k != "blend"} for motion in program["motions"]
         ]
@@ -74,7 +77,7 @@ class Runner:
 
 
 def base_mm(program: dict, name: str) -> list[float]:
-    """Origin of a base. A turned base has no place here."""
+    """Origin of a base. Rotated bases are not supported."""
     base = program["bases"][name]
     assert not any(base.get(key) for key in ("a_deg", "b_deg", "c_deg", "base")), (
         f"the base {name} is turned"
@@ -94,9 +97,9 @@ def apart_mm(a: list[float], b: list[float]) -> float:
 
 
 def check_claim(claim: re.Match, program: dict, ends: dict[int, list[float]]) -> str | None:
-    """What is wrong with a claim."""
+    """The error in a claim; None if it is correct."""
     motion = int(claim["motion"])
-    # Waits and loads have no rows of their own.
+    # Waits and loads do not have rows.
     before, after = (ends[max(k for k in ends if k <= number)] for number in (motion - 1, motion))
     if claim["way"]:
         up = float(claim["by"]) * (1 if claim["way"] == "lifts" else -1)
@@ -114,7 +117,7 @@ def check_claim(claim: re.Match, program: dict, ends: dict[int, list[float]]) ->
 
 
 def check_geometry(program: dict, prose: str, mark: re.Match | None, runner: Runner) -> list[str]:
-    """What is wrong with the words before a program, or with the program."""
+    """Errors in the text before a program, or in the program."""
     prose = " ".join(prose.split())
     problems = []
     claims = []

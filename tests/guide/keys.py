@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
-"""Writes docs/guide/keys.md, the reference of all keys, of the JSON Schemas that the command prints.
+"""Writes docs/guide/keys.md, the reference of all keys, from the JSON Schemas that iiwasim prints.
 
-tests/guide/keys.py target/release/iiwasim            is the page what the schemas say?
-tests/guide/keys.py target/release/iiwasim --renew    makes it so
+tests/guide/keys.py target/release/iiwasim            compares the page with the schemas
+tests/guide/keys.py target/release/iiwasim --renew    writes the page
 """
 
 import json
@@ -51,7 +51,7 @@ def bounds(schema):
 
 
 def kind(schema):
-    """What a value may be, in Markdown."""
+    """Type of a value, in Markdown."""
     if not isinstance(schema, dict):
         return "anything"
     if "$ref" in schema:
@@ -146,7 +146,7 @@ def page(binary):
         schema = json.loads(text)
         lines += [f"## {title}", "", *section(schema)]
         for part, definition in sorted(schema.get("$defs", {}).items()):
-            # Files share parts, and say the same of them.
+            # File formats share parts, with the same description.
             if part in seen:
                 if seen[part] != definition:
                     sys.exit(f"the schemas of files differ in {part}")

@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
-"""Follows all links within the documents, and within the book that is made of them.
+"""Checks all links within the documents, and within the book generated from them.
 
     tests/guide/links.py [target/guide/html]
 
-Links to other sites are not followed.
+Links to other sites are not checked.
 """
 
 import re
@@ -23,7 +23,7 @@ def documents():
 
 
 def prose(text):
-    """Without fences and code, in which brackets mean something else."""
+    """The text without fences and code, in which brackets have other meanings."""
     text = re.sub(r"^ *```.*?^ *```$", "", text, flags=re.MULTILINE | re.DOTALL)
     return re.sub(
         r"`[^`\n]*`", lambda code: "`" + re.sub(r"[\[\]()]", "", code[0][1:-1]) + "`", text
@@ -31,7 +31,7 @@ def prose(text):
 
 
 def anchors(text):
-    """As forges and mdBook make them of headings."""
+    """Anchors that forges and mdBook generate from headings."""
     seen, found = Counter(), set()
     for heading in re.findall(r"^#+ +(.*?) *$", prose(text), flags=re.MULTILINE):
         words = re.sub(r"\[([^\]]*)\]\([^)]*\)", r"\1", heading).lower()
@@ -42,7 +42,7 @@ def anchors(text):
 
 
 def links_of_documents():
-    """Wrong ones, and how many there are."""
+    """Broken links, and the number of links."""
     wrong, count = [], 0
     for document in documents():
         text = document.read_text(encoding="utf-8")
@@ -54,7 +54,7 @@ def links_of_documents():
             file = (document.parent / name).resolve() if name else document
             shown = f"{document.relative_to(ROOT)}: {link}"
             if not file.exists():
-                wrong.append(f"{shown}: there is no such file")
+                wrong.append(f"{shown}: no such file")
             elif (
                 anchor
                 and file.suffix == ".md"
@@ -79,7 +79,7 @@ class Page(HTMLParser):
 
 
 def links_of_book(folder):
-    # The page for what is not found is shown anywhere, and the one for print repeats the others.
+    # The 404 page is shown at any address, and the print page repeats the others.
     pages = {
         file: Page(file)
         for file in folder.rglob("*.html")
@@ -95,7 +95,7 @@ def links_of_book(folder):
             target = (file.parent / name).resolve() if name else file
             shown = f"{file.relative_to(folder)}: {link}"
             if not target.is_file():
-                wrong.append(f"{shown}: there is no such file in the book")
+                wrong.append(f"{shown}: no such file in the book")
             elif anchor and target in pages and anchor not in pages[target].ids:
                 wrong.append(f"{shown}: there is no such place in the book")
     return wrong, count

@@ -1,10 +1,12 @@
 #!/usr/bin/env python3
-"""Draws docs/recorded-ptp.svg: a PTP motion of a real robot over the plans of it, by KUKA's DataRecorder and the command.
+"""Draws docs/recorded-ptp.svg: a PTP motion of a real robot, recorded by KUKA's DataRecorder, and
+its plans.
 
     tests/guide/recorded.py target/release/iiwasim LOG OVERRIDE_PERCENT NUMBER docs/recorded-ptp.svg
 
-LOG has the columns `axisQCmdT1m_...[0]` to `[6]` in degrees; NUMBER counts its motions that are straight in joint space, from 1.
-docs/evidence.md says where logs are: they are not part of this project.
+LOG has the columns `axisQCmdT1m_...[0]` to `[6]` in degrees; NUMBER counts its motions that are
+straight in joint space, from 1. The logs are not part of this project; docs/evidence.md names their
+source.
 """
 
 import csv
@@ -22,7 +24,7 @@ LEAST_DEG = 10
 
 
 def recorded(path):
-    """Times in s and commanded joints in degrees."""
+    """Times in s and commanded joint positions in deg."""
     lines = Path(path).read_text().splitlines()
     head = lines[0].lstrip("% ").split()
     joints = [column for column, name in enumerate(head) if name.startswith("axisQCmdT1m")]
@@ -36,7 +38,9 @@ def recorded(path):
 
 
 def straight_motions(samples):
-    """The motions from rest to rest that are straight in joint space, with the samples at rest around them."""
+    """The motions from rest to rest that are straight in joint space, with the samples at rest
+    around them.
+    """
     moving = [dist(a[1], b[1]) > STILL_DEG for a, b in pairwise(samples)]
     first = None
     for at, moves in enumerate([*moving, False]):
@@ -70,7 +74,7 @@ def straight_motions(samples):
 
 
 def planned(binary, start, end, timing, override, folder):
-    """Times in s, and the way along the line in degrees."""
+    """Times in s, and the position along the line in deg."""
     program = {"version": 1, "override_percent": override, "start": {"joints_deg": start}}
     program["motions"] = [{"type": "ptp", "joints_deg": end}]
     Path(folder, "ptp.json").write_text(json.dumps(program))
@@ -92,7 +96,9 @@ def speeds(samples):
 
 
 def shifted(samples, plan):
-    """The recorded samples, with the start where the way fits the plan's best: the log does not tell it to less than a sample."""
+    """The recorded samples, shifted in time for the best fit to the plan, as the log gives the
+    start only to one sample.
+    """
 
     def way(t):
         return next((s for at, s in plan if at >= t), plan[-1][1])

@@ -1,13 +1,15 @@
 #!/usr/bin/env python3
-"""Values of the Java snippets, as a JVM computes them.
+"""Values of the Java snippets, computed by a JVM.
 
-Each file of snippets/ has snippets with empty lines between them. A snippet is an expression, or the statements of a method;
-members of the class around the method come first, with a line `--` behind them. Its last line is its value: `=> int 5`.
+Each file of snippets/ has snippets separated by empty lines. A snippet is an expression, or the
+statements of a method, optionally preceded by members of its class and a line `--`. The last line
+is its value: `=> int 5`.
 
     expected.py            writes the values
-    expected.py --check    compares them with those that are written
+    expected.py --check    compares the values with the files
 
-`java` and `javac` of version 17 or newer are needed; the test `snippets` of the crate iiwa-java compares the values with its own.
+Needs `java` and `javac` of version 17 or newer. The test `snippets` of the crate iiwa-java compares
+the values with its own.
 """
 
 import difflib
@@ -85,7 +87,7 @@ public class Snippets {
 
 
 def snippets(text):
-    """The blocks of a file: the comment at its head, then lines and value of each snippet."""
+    """The blocks of a file: its head comment, then the lines and the value of each snippet."""
     blocks = []
     for block in text.strip().split("\n\n"):
         lines = block.split("\n")
@@ -111,9 +113,9 @@ def source(number, lines):
 
 
 def values(blocks):
-    """The JVM's value of each snippet."""
+    """The value of each snippet, from the JVM."""
     calls = "\n".join(f"        show(T{number}.S::run);" for number in range(len(blocks)))
-    # All classes are in one file, so that they are compiled in one go.
+    # All classes are in one file, for a single compilation.
     text = MAIN.replace("@CALLS@", calls)
     text += "".join(source(number, lines) for number, (lines, _) in enumerate(blocks))
     with tempfile.TemporaryDirectory() as folder:

@@ -1,10 +1,12 @@
 #!/usr/bin/env python3
-"""The OPC UA server of `iiwasim bridge`, built with the feature `opcua`, on a simulated robot that runs programs.
+"""Checks the OPC UA server of `iiwasim bridge`, built with the feature `opcua`, with a simulated
+robot.
 
     bridge.py PROGRAM
 
-A client of asyncua reads a run, stops it on its path, and sees the drive go away and come back. Without --allow-commands, there
-is no stop. The last line has figures. Exit code 1 when a check fails. Needs what requirements.txt names.
+A client with asyncua reads a run, stops it on its path, and observes a restart of the drive.
+Without --allow-commands, the stop method is missing. The last line has figures. Exit code 1 when a
+check fails. Needs the packages in requirements.txt.
 """
 
 from __future__ import annotations
@@ -46,7 +48,7 @@ NAME = "cell-1"
 STATE = f"{MACHINE}/B:CurrentState"
 PROGRAM_NAME = f"{TASK}/D:ParameterSet/TaskProgramName"
 END = [1.5, 0.5, 0.0, -1.0, 0.0, 0.7, 0.0]
-# Takes nine seconds.
+# A program of nine seconds.
 THERE = {
     "version": 1,
     "robot": "lbr_iiwa_7_r800",
@@ -57,11 +59,11 @@ POLL_S = 0.02
 
 
 def listening(process: subprocess.Popen) -> set[tuple[str, int]]:
-    """Where a process waits for connections."""
+    """Listening addresses of a process."""
     inodes = set()
     for file in Path(f"/proc/{process.pid}/fd").iterdir():
         name = ""
-        # It may have been closed since.
+        # The file descriptor may have been closed meanwhile.
         with suppress(FileNotFoundError):
             name = str(file.readlink())
         if name.startswith("socket:"):
@@ -83,7 +85,7 @@ def listening(process: subprocess.Popen) -> set[tuple[str, int]]:
 
 @asynccontextmanager
 async def served(rig: Rig, *options: str) -> AsyncIterator[tuple[System, subprocess.Popen, int]]:
-    """The robot as a client finds it, from a bridge that lasts as long."""
+    """Runs a bridge, and returns the robot as seen by a client."""
     (port,) = free_ports(1)
     certificates = rig.folder / "clients"
     if not certificates.exists():
@@ -108,7 +110,7 @@ async def served(rig: Rig, *options: str) -> AsyncIterator[tuple[System, subproc
 
 
 async def connected(visitor: Visitor) -> Client:
-    """As soon as the server is there."""
+    """Connects as soon as the server is available."""
     until = time.monotonic() + 20
     while True:
         try:
@@ -160,7 +162,7 @@ async def axes(system: System) -> list[float]:
 
 
 async def check_run(rig: Rig, system: System) -> float:
-    """A program is seen to run, and is stopped; how long that takes."""
+    """Observes the run of a program, and stops it; returns the time that the stop takes."""
     file = rig.folder / "there.json"
     file.write_text(json.dumps(THERE))
     await wait_for("the robot is ready", STATE, system, given("Ready"))
@@ -195,7 +197,7 @@ async def check_run(rig: Rig, system: System) -> float:
         "iiwasim run fails and reports the stop", code != 0 and b"stop" in run.stdout.read(), code
     )
     await wait_for("no program runs", STATE, system, given("Ready"))
-    # Values are those of the next update after the stop.
+    # Values are from the next update after the stop.
     first, rest = AXIS.format(1, "ActualPosition"), status(rig)["joints_rad"][0]
     await wait_for(
         "the first axis rests", first, system, lambda it: abs(it.Value.Value - rest) < 1e-5
@@ -208,7 +210,7 @@ async def check_run(rig: Rig, system: System) -> float:
 
 
 async def check_loss(rig: Rig, system: System) -> None:
-    """The drive goes away, and comes back."""
+    """The drive ends, and is restarted."""
     path = AXIS.format(1, "ActualPosition")
     before = await system.value(path)
     rig.drive.terminate()
@@ -254,7 +256,7 @@ async def check_all(program: Path, folder: Path) -> None:
 
 
 def main() -> None:
-    # Refused connections are meant to be.
+    # Refused connections are expected.
     logging.disable(logging.CRITICAL)
     if len(sys.argv) != 2:
         sys.exit(__doc__)

@@ -1,15 +1,16 @@
 #!/usr/bin/env python3
-"""A client of OPC UA that shares no code with the project.
+"""An OPC UA client without code of the project.
 
     check.py certificates FOLDER
     check.py secured URL FOLDER EXPECTED
     check.py open URL EXPECTED
 
-The first makes certificates of clients: one for the server to trust, one that it does not know, and one that it is to
-trust and that has expired. The others connect, find the robots by their types, hold all objects against the types of
-OPC 40010-1, and read what EXPECTED, a file in JSON, says of them: limits, units, the motion, states. `secured` needs
-certificates and passwords, and checks that nothing else is let in; `open` is for a server that asks for neither. The last
-line has figures in JSON. Exit code 1 when a check fails. Needs what requirements.txt names, one folder up.
+The first command generates client certificates: a trusted one, an unknown one, and a trusted one
+that has expired. The other commands connect, find the robots by their types, check all objects
+against the types of OPC 40010-1, and compare them with the JSON file EXPECTED: limits, units, the
+motion, states. `secured` needs certificates and passwords, and checks that other clients are
+refused; `open` is for a server without authentication. The last line has figures in JSON. Exit code
+1 when a check fails. Needs the packages in requirements.txt, one folder up.
 """
 
 from __future__ import annotations
@@ -43,7 +44,7 @@ CURRENT = [
     policies.SecurityPolicyAes256Sha256RsaPss,
 ]
 MODES = [ua.MessageSecurityMode.Sign, ua.MessageSecurityMode.SignAndEncrypt]
-# By the codes of UN/ECE that the OPC Foundation lists.
+# UN/ECE unit codes, as listed by the OPC Foundation.
 UNITS = {"ActualPosition": 4405297, "ActualSpeed": 12865, "ActualAcceleration": 12866}
 MANDATORY, PLACEHOLDER = ua.NodeId(78), ua.NodeId(11510)
 
@@ -96,11 +97,11 @@ def make_certificates(folder: Path) -> None:
         )
 
 
-# ---- who is let in
+# ---- access
 
 
 class Visitor:
-    """Who connects, and how."""
+    """A client with its credentials and security options."""
 
     def __init__(self, url: str, folder: Path) -> None:
         self.url, self.folder = url, folder
@@ -124,7 +125,7 @@ class Visitor:
         return client
 
     async def refused(self, what: str, **how: Any) -> None:
-        """Nobody is let in like this."""
+        """Checks that a connection with these options is refused."""
         try:
             async with await self.client(**how) as client:
                 await client.nodes.server_state.read_value()
@@ -175,12 +176,12 @@ def name_of(ref: ua.ReferenceDescription) -> tuple[int, str]:
 
 
 class Types:
-    """Holds instances against their types."""
+    """Checks instances against their types."""
 
     def __init__(self, client: Client, namespaces: list[str]) -> None:
         self.client = client
         self.devices, self.robotics = namespaces.index(DEVICES), namespaces.index(ROBOTICS)
-        # What has been asked for once. Nothing of it changes.
+        # Cache of answers, which do not change.
         self.answers: dict[tuple[str, ua.NodeId], Any] = {}
         self.checked: set[tuple[ua.NodeId, ua.NodeId]] = set()
 
@@ -195,7 +196,7 @@ class Types:
         return await self.known("below", node, lambda: node.get_references(kinds, forward))
 
     async def bases(self, type_id: ua.NodeId) -> list[ua.NodeId]:
-        """The type and those that it is a kind of."""
+        """The type and its supertypes."""
         found = [type_id]
         inverse = ua.BrowseDirection.Inverse
         while True:
@@ -214,7 +215,7 @@ class Types:
         return rules[0].nodeid if rules else None
 
     async def check(self, path: str, instance: Node, declared: Node) -> None:
-        """An instance has what its declaration has, and what the type of that has."""
+        """Checks that an instance has the members of its declaration and of the declared type."""
         if (instance.nodeid, declared.nodeid) in self.checked:
             return
         self.checked.add((instance.nodeid, declared.nodeid))
@@ -224,7 +225,7 @@ class Types:
             for ref in await self.below(self.client.get_node(model)):
                 await self.check_member(path, own, ref)
         for ref in own.values():
-            # What is named by us is of a type by itself: a robot, an axis, ...
+            # Members with names of this project have their own types: a robot, an axis, ...
             if ref.BrowseName.NamespaceIndex == instance.nodeid.NamespaceIndex:
                 node = self.client.get_node(ref.NodeId)
                 await self.check(
@@ -232,7 +233,7 @@ class Types:
                 )
 
     async def check_member(self, path: str, own: dict, ref: ua.ReferenceDescription) -> None:
-        """What an instance has of what its type has."""
+        """Checks one member of a type in an instance."""
         member = self.client.get_node(ref.NodeId)
         rule = await self.rule(member)
         path = f"{path}/{ref.BrowseName.Name}"
@@ -269,7 +270,9 @@ class System:
         self.root, self.types = root, types
 
     async def at(self, path: str) -> Node:
-        """The node at a path of browse names; names of other namespaces than that of Robotics have a letter before."""
+        """The node at a path of browse names; a letter before a name selects a namespace other than
+        Robotics.
+        """
         spaces = {"D": self.types.devices, "B": 0, "I": self.root.nodeid.NamespaceIndex}
         names = []
         for part in path.split("/"):
@@ -292,7 +295,7 @@ MACHINE = f"{TASK}/TaskControlOperation/TaskControlStateMachine"
 
 
 def motion(expected: dict, joint: int, at: datetime.datetime) -> tuple[float, float, float]:
-    """Position, speed and acceleration of a joint, which swings."""
+    """Position, speed and acceleration of a swinging joint."""
     amplitude, w = expected["amplitude_rad"], expected["rad_per_s"]
     seconds = at.replace(tzinfo=datetime.UTC).timestamp() - expected["since"]
     phase = w * seconds + joint
@@ -310,7 +313,8 @@ async def check_axes(system: System, expected: dict) -> None:
             found = await system.read(path)
             check(f"{path}: good", found.StatusCode.is_good(), found.StatusCode)
             what = motion(expected, joint, found.SourceTimestamp)[i]
-            # Stamps are in microseconds. The parabola is half a window of 60 ms late where the jerk is not zero.
+            # Stamps are in microseconds. With a non-zero jerk, the fitted parabola is late by half
+            # a window of 60 ms.
             jerk = expected["amplitude_rad"] * expected["rad_per_s"] ** 3
             tolerance = (2e-6, jerk * 0.03**2, jerk * 0.06)[i]
             near(f"{expected['name']}: {path}", found.Value.Value, what, tolerance)
@@ -351,7 +355,7 @@ async def check_states(system: System, expected: dict) -> None:
 
 
 class Listener:
-    """What a subscription brings, and how late."""
+    """Notifications of a subscription, with their delays."""
 
     def __init__(self) -> None:
         self.late_ms: list[float] = []
@@ -379,13 +383,13 @@ async def check_subscription(client: Client, system: System, seconds: float) -> 
         "p99_ms": round(late[int(0.99 * len(late))], 1),
         "max_ms": round(late[-1], 1),
     }
-    # Half of what is meant: machines are shared.
+    # Half of the nominal rate, as machines are shared.
     check("subscriptions bring 10 values a second", rate >= 10, rate)
     check("values are there within 0.2 s, in the middle", figures["median_ms"] <= 200, figures)
     return figures
 
 
-# ---- what nobody may do
+# ---- forbidden operations
 
 
 async def refused(what: str, asked: Callable[[], Awaitable[Any]]) -> None:
@@ -447,13 +451,13 @@ async def check_stop(system: System, expected: dict) -> None:
     )
 
 
-# ---- all of it
+# ---- all checks
 
 
 async def check_robots(client: Client, robots: list[dict]) -> dict:
     namespaces = await client.get_namespace_array()
     types = Types(client, namespaces)
-    # Structures as the server itself describes them.
+    # Structures from the definitions of the server.
     await client.load_data_type_definitions()
     device_set = client.get_node(ua.NodeId(5001, types.devices))
     system_type = client.get_node(ua.NodeId(1002, types.robotics))
@@ -493,7 +497,7 @@ async def run(mode: str, url: str, rest: list[str]) -> None:
 
 
 def main() -> None:
-    # Refused connections are meant to be.
+    # Refused connections are expected.
     logging.disable(logging.CRITICAL)
     match sys.argv[1:]:
         case ["certificates", folder]:

@@ -1,13 +1,13 @@
 #!/usr/bin/env python3
-"""Holds a recording against readers that this project has not written.
+"""Checks a recording with readers from other projects.
 
     check.py FILE.mcap [--figures FIGURES.json]
     check.py --recording FILE.mcap
 
-Reads the whole file with `mcap`, `mcap-ros2-support`, `rosbags` and `rerun`, and checks what the
-file promises: a plan's, or with --recording the one of what a robot did, finished or not.
-FIGURES.json is what `iiwasim plan --json` printed for it. Exit code 1 when a check fails. Needs what
-requirements.txt names, next to this file.
+Reads the whole file with `mcap`, `mcap-ros2-support`, `rosbags` and `rerun`, and checks the
+specification of the file: of a plan, or with --recording of a recorded robot, finished or not.
+FIGURES.json is the output of `iiwasim plan --json`. Exit code 1 when a check fails. Needs the
+packages in requirements.txt, next to this file.
 """
 
 from __future__ import annotations
@@ -37,9 +37,9 @@ TYPES = {
     "/flange_pose": "geometry_msgs/msg/PoseStamped",
     "/diagnostics": "diagnostic_msgs/msg/DiagnosticArray",
 }
-# What only a plan has.
+# Topics of plans only.
 PLANNED = {"/joint_trajectory", "/motion"}
-# What only a plan of a program with a tool has.
+# Topics of plans with a tool only.
 WITH_TOOL = {"/flange_pose"}
 LATCHED = {"/robot_description", "/joint_trajectory"}
 JOINTS = [f"iiwa_joint_{i}" for i in range(1, 8)]
@@ -66,13 +66,13 @@ class Tally:
 
 
 def nanoseconds(stamp: object) -> int:
-    """A ROS 2 time or duration, whichever reader it comes from."""
+    """Nanoseconds of a ROS 2 time or duration from any reader."""
     nanosec = stamp.nanosec if hasattr(stamp, "nanosec") else stamp.nanosecs
     return stamp.sec * NS + nanosec
 
 
 def header_stamps(topic: str, message: object) -> set[int]:
-    """The stamps in the headers of a message; none for a type without a header."""
+    """The header stamps of a message; empty for a type without a header."""
     if topic == "/tf":
         return {nanoseconds(transform.header.stamp) for transform in message.transforms}
     if topic == "/robot_description":
@@ -81,7 +81,7 @@ def header_stamps(topic: str, message: object) -> set[int]:
 
 
 def read_mcap(tally: Tally, path: Path, expected: dict) -> dict:
-    """The container, with every checksum: header, channels, metadata, attachments, messages."""
+    """Reads the container with all checksums: header, channels, metadata, attachments, messages."""
     with path.open("rb") as stream:
         reader = mcap.reader.make_reader(stream, validate_crcs=True)
         header = reader.get_header()
@@ -128,7 +128,7 @@ def read_mcap(tally: Tally, path: Path, expected: dict) -> dict:
 
 
 def decode_mcap_ros2(tally: Tally, path: Path) -> dict:
-    """Every message of every topic, decoded by the schema in the file."""
+    """Decodes every message of every topic with the schema in the file."""
     messages = defaultdict(list)
     with path.open("rb") as stream:
         reader = mcap.reader.make_reader(
@@ -145,7 +145,7 @@ def decode_mcap_ros2(tally: Tally, path: Path) -> dict:
 
 
 def decode_rosbags(tally: Tally, path: Path, expected: dict) -> dict:
-    """Every message once more, by a reader with its own types, schema parser and CDR decoder."""
+    """Decodes every message with a reader that has its own types, schema parser and CDR decoder."""
     messages = defaultdict(list)
     with AnyReader([path]) as reader:
         types = {connection.topic: connection.msgtype for connection in reader.connections}
@@ -162,7 +162,7 @@ def decode_rosbags(tally: Tally, path: Path, expected: dict) -> dict:
 
 
 def check_rerun(tally: Tally, path: Path, expected: dict) -> None:
-    """Structure and timelines as the Rerun viewer takes them."""
+    """Checks structure and timelines in the Rerun viewer's reader."""
     program = Path(sys.executable).parent / "rerun"
     result = subprocess.run(
         [str(program) if program.exists() else "rerun", "mcap", "check", "--full", str(path)],
@@ -192,7 +192,7 @@ def check_order(tally: Tally, stamps: dict) -> None:
 
 
 def check_time(tally: Tally, stamps: dict, cycle_time_s: float) -> None:
-    """The stamps of a plan."""
+    """Checks the stamps of a plan."""
     joint_states = stamps["/joint_states"]
     epoch = min(min(times) for times in stamps.values())
     tally.equal("first joint state at the epoch", joint_states[0], epoch)
@@ -205,7 +205,7 @@ def check_time(tally: Tally, stamps: dict, cycle_time_s: float) -> None:
 
 
 def check_poses(tally: Tally, stamps: dict) -> None:
-    """The stamps of a recording: poses for some of the joint states."""
+    """Checks the stamps of a recording, which has poses for some of its joint states."""
     tally.check("/tf has the stamps of /tcp_pose", stamps["/tf"] == stamps["/tcp_pose"])
     tally.check(
         "/tf has stamps of /joint_states", set(stamps["/tf"]) <= set(stamps["/joint_states"])
@@ -214,7 +214,7 @@ def check_poses(tally: Tally, stamps: dict) -> None:
 
 
 def checks(tally: Tally, reader: str, messages: dict) -> tuple[Callable, Callable]:
-    """What every message of a topic has to hold, and seven finite numbers."""
+    """Check functions for all messages of a topic, and for seven finite numbers."""
 
     def every(what: str, topic: str, holds: Callable[[object], bool]) -> None:
         bad = [t for t, message in messages[topic] if not holds(message)]
@@ -227,7 +227,7 @@ def checks(tally: Tally, reader: str, messages: dict) -> tuple[Callable, Callabl
 
 
 def check_messages(tally: Tally, reader: str, messages: dict) -> None:
-    """What the messages say, whoever has decoded them."""
+    """Checks the content of decoded messages of any reader."""
     every, finite = checks(tally, reader, messages)
 
     def unit(q: object) -> bool:
@@ -236,7 +236,7 @@ def check_messages(tally: Tally, reader: str, messages: dict) -> None:
     every("names", "/joint_states", lambda m: list(m.name) == JOINTS)
     every("positions", "/joint_states", lambda m: finite(m.position, 7))
     every("velocities", "/joint_states", lambda m: finite(m.velocity, 7))
-    # Torques: of a plan always, of a recording where they were measured.
+    # Torques are always in a plan, and in a recording if they were measured.
     is_plan = "/joint_trajectory" in messages
     every(
         "effort",
@@ -283,7 +283,7 @@ def check_messages(tally: Tally, reader: str, messages: dict) -> None:
 
 
 def check_plan(tally: Tally, reader: str, messages: dict, cycle_time_s: float) -> None:
-    """What the messages say that only a plan has."""
+    """Checks the content of messages that only plans have."""
     every, finite = checks(tally, reader, messages)
 
     indices = [message.index for _, message in messages["/motion"]]
@@ -328,7 +328,7 @@ def check_plan(tally: Tally, reader: str, messages: dict, cycle_time_s: float) -
         times[-1] <= round(cycle_time_s * NS) + 1,
         times[-1],
     )
-    # Both ends are samples and nodes at once: no interpolation comes in between.
+    # Both ends are samples as well as nodes, and need no interpolation.
     states = messages["/joint_states"]
     tally.equal(f"{reader}: joint states and trajectory start together", states[0][0], start)
     for state, point, place in ((states[0], points[0], "first"), (states[-1], points[-1], "last")):
@@ -337,7 +337,7 @@ def check_plan(tally: Tally, reader: str, messages: dict, cycle_time_s: float) -
 
 
 def values(messages: dict) -> list:
-    """The numbers in the joint states and the trajectory, to compare two decoders by."""
+    """Numbers of the joint states and the trajectory, for a comparison of two decoders."""
     states = [
         (t, nanoseconds(m.header.stamp), *m.position, *m.velocity)
         for t, m in messages["/joint_states"]
@@ -351,7 +351,7 @@ def values(messages: dict) -> list:
 
 
 def check_figures(tally: Tally, record: dict, figures: dict) -> None:
-    # The place of the file is no part of what is in it.
+    # The path of the file is not part of its content.
     figures = {key: value for key, value in figures.items() if key not in ("output", "warnings")}
     tally.equal("keys of the metadata record", sorted(record), sorted(figures))
     for key, expected in figures.items():
@@ -385,7 +385,7 @@ def main() -> int:
     left_out = PLANNED if arguments.recording else set()
     if not has_topic(arguments.file, "/flange_pose"):
         left_out = left_out | WITH_TOOL
-    # What a recorder saw of the drive, if it changed meanwhile.
+    # Recorded diagnostics of the drive, if they changed.
     if not arguments.recording or not has_topic(arguments.file, "/diagnostics"):
         left_out = left_out | {"/diagnostics"}
     expected = {topic: name for topic, name in TYPES.items() if topic not in left_out}

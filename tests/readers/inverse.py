@@ -1,12 +1,12 @@
 #!/usr/bin/env python3
-"""Holds `iiwasim ik` against an inverse kinematics that this project has not written.
+"""Compares `iiwasim ik` with an inverse kinematics from another project.
 
     inverse.py IIWASIM [--poses N]
 
-For random joints of both robots, `ssik` finds joints that reach the same pose, from the URDF that
-`iiwasim robot --urdf` prints. Asked for the position of A3 and the status of one of its answers,
-`iiwasim ik` has to give that answer. Exit code 1 if one differs. Needs what inverse.txt names, next to
-this file.
+For random joint positions of both robots, `ssik` finds solutions with the same pose, from the URDF
+of `iiwasim robot --urdf`. With the A3 position and the status of such a solution, `iiwasim ik` has
+to return that solution. Exit code 1 if one differs. Needs the packages in inverse.txt, next to this
+file.
 """
 
 from __future__ import annotations
@@ -28,12 +28,14 @@ LIMITS = [170, 120, 170, 120, 170, 120, 175]
 # Upper arm and forearm, in m.
 ROBOTS = {"lbr_iiwa_7_r800": (0.400, 0.400), "lbr_iiwa_14_r820": (0.420, 0.400)}
 TOLERANCE = 1e-8
-# Next to a singularity both lose digits, by as much as the arm is near to it.
+# Near a singularity, both lose digits in proportion to its distance.
 LEAST_MEASURE = 1e-3
 
 
 def measures(q: np.ndarray, arm: tuple[float, float]) -> tuple[float, float, float]:
-    """The wrist's x in the frame of A1 as a share of the arm, sin A4 and sin A6."""
+    """Distances from singularities: wrist x in the A1 frame as a share of the arm length, sin A4,
+    sin A6.
+    """
     upper, fore = arm
     ahead = upper * math.sin(q[1]) + fore * (
         math.sin(q[1]) * math.cos(q[3]) - math.cos(q[1]) * math.sin(q[3]) * math.cos(q[2])

@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
-"""Holds the torques of `iiwasim plan` against an inverse dynamics that this project has not written.
+"""Compares the torques of `iiwasim plan` with an inverse dynamics from another project.
 
     torques.py IIWASIM
 
-For both robots, without a load on the floor and with one at the ceiling, Pinocchio computes the torques of each row of
-`plan --csv` from the URDF that `iiwasim robot --urdf` prints. Exit code 1 if one differs. Needs what torques.txt names, next
-to this file.
+For both robots, on the floor without a load and on the ceiling with a load, Pinocchio computes the
+torques of each row of `plan --csv` from the URDF of `iiwasim robot --urdf`. Exit code 1 if one
+differs. Needs the packages in torques.txt, next to this file.
 """
 
 from __future__ import annotations
@@ -48,7 +48,7 @@ def program(robot: str, loaded: bool) -> dict:
 
 
 def add_load(model: pinocchio.Model) -> None:
-    """Hangs the load on the flange."""
+    """Attaches the load to the flange."""
     flange = model.frames[model.getFrameId("iiwa_link_ee")]
     a, b, c = np.radians(LOAD["abc_deg"])
     rotation = pinocchio.rpy.rpyToMatrix(c, b, a)
@@ -60,7 +60,7 @@ def add_load(model: pinocchio.Model) -> None:
 def largest_difference_nm(
     iiwasim: str, folder: Path, robot: str, loaded: bool
 ) -> tuple[float, int]:
-    """The largest difference of a torque, and how many states were compared."""
+    """The largest torque difference, and the number of compared states."""
     (folder / "program.json").write_text(json.dumps(program(robot, loaded)))
     subprocess.run(
         [iiwasim, "plan", "program.json", "--no-output", "--csv", "plan.csv"],

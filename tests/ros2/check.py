@@ -1,11 +1,12 @@
 #!/usr/bin/env python3
-"""The bridge to ROS 2 against rclpy with Fast DDS, which shares no code with the project.
+"""Checks the ROS 2 bridge with rclpy and Fast DDS, which share no code with the project.
 
     check.py PROGRAM [--json]
 
-Starts a simulated robot, its drive and `PROGRAM bridge --ros2`, built with the feature `ros2`, in a DDS domain of its own, and
-checks each topic, goals of FollowJointTrajectory, and the service that times paths. With --json, the last line has the
-latencies. Exit code 1 when a check fails. Needs what requirements.txt names, and message_types.py to have run.
+Starts a simulated robot, its drive and `PROGRAM bridge --ros2`, built with the feature `ros2`, in a
+separate DDS domain, and checks each topic, FollowJointTrajectory goals, and the time
+parameterisation service. With --json, the last line has the latencies. Exit code 1 when a check
+fails. Needs the packages in requirements.txt, and a previous run of message_types.py.
 """
 
 from __future__ import annotations
@@ -53,7 +54,7 @@ def check(what: str, holds: bool, found: object = None) -> None:
 
 
 def free_domain() -> int:
-    """A DDS domain whose first ports nobody has."""
+    """A DDS domain whose first ports are unused."""
     for domain in range(20, 100):
         with socket.socket(type=socket.SOCK_DGRAM) as udp:
             try:
@@ -109,7 +110,7 @@ def check_goals(robot: Robot) -> None:
     check("feedback", len(robot.feedback) > 10, len(robot.feedback))
     off = [far(list(each.error.positions), ZERO) for each in robot.feedback]
     check("feedback is near", max(off, default=1) < 0.1, max(off, default=None))
-    # A first point later than the start is reached from where the arm is.
+    # A first point after the start time is reached from the current position.
     done = robot.follow(robot.trajectory([(2.5, ZERO)]))
     check("a single point is reached", done.status == GoalStatus.STATUS_SUCCEEDED, done)
 
@@ -134,7 +135,7 @@ def check_cancel(robot: Robot) -> None:
         again.return_code == CancelGoal.Response.ERROR_GOAL_TERMINATED,
         again,
     )
-    # At once after the goal, perhaps before it runs.
+    # Immediately after the goal, perhaps before it runs.
     handle = robot.send(robot.trajectory([(2, ZERO)]))
     robot.result(handle.cancel_goal_async())
     done = robot.result(handle.get_result_async())
@@ -207,7 +208,8 @@ def check_times(robot: Robot) -> None:
     check("it stops where it turns back", there.success and there.stops == 1, there)
     bad = robot.time(robot.trajectory([(0, ZERO), (0, [9.0] * 7)]))
     check("out of range", not bad.success and "point 2" in bad.message, bad)
-    # The timed path is a goal that needs no new times; a long one, as a message of many fragments.
+    # The timed path is a goal that does not need new times; a long path is a message of many
+    # fragments.
     done = robot.follow(timed)
     check("a timed path is run", done.status == GoalStatus.STATUS_SUCCEEDED, done)
     check("with its own times", not done.result.error_string, done.result)
@@ -222,8 +224,9 @@ def check_times(robot: Robot) -> None:
 
 
 def latencies_ms(robot: Robot) -> dict[str, float]:
-    """From the bridge's reception to the callback, of what comes in five seconds: figures without a bound, since they are the
-    machine's, too."""
+    """Latencies from reception by the bridge to the callback over 5 s: without a bound, as they
+    also depend on the machine.
+    """
     robot.late_s.clear()
     robot.spin(5)
     late = sorted(robot.late_s)
@@ -239,7 +242,7 @@ def bridge(rig: Rig, domain: int, *options: str) -> subprocess.Popen:
 
 
 def check_end(rig: Rig, robot: Robot, process: subprocess.Popen) -> None:
-    """A bridge that ends stops its goal: nobody could cancel it."""
+    """A bridge that ends stops its goal, which nobody could cancel any more."""
     check("a last goal", robot.send(robot.trajectory([(6, NEAR)])).accepted)
     robot.spin(2)
     process.send_signal(signal.SIGINT)
@@ -252,7 +255,7 @@ def check_end(rig: Rig, robot: Robot, process: subprocess.Popen) -> None:
 
 
 def check_other_robot(rig: Rig, domain: int) -> None:
-    """A bridge for another robot than the drive's moves nothing."""
+    """A bridge for another robot than the robot of the drive does not move it."""
     process = bridge(rig, domain, "--allow-commands", "--robot", "lbr_iiwa_14_r820")
     node = rclpy.create_node("other")
     robot = Robot(node)
@@ -274,7 +277,7 @@ def check_other_robot(rig: Rig, domain: int) -> None:
 
 
 def check_several(rig: Rig, domain: int) -> None:
-    """Two robots: here, the same drive twice."""
+    """Two robots, here the same drive twice."""
     (drive,), (stream,) = rig.drive_at[1:], rig.stream_at[1:]
     two = ["--name", "left-1", "--add", f"right={drive},{stream}"]
     process = bridge(rig, domain, *two)

@@ -1,10 +1,11 @@
 #!/usr/bin/env python3
-"""Builds the message types that PyPI has no wheels of, into the environment that this runs in.
+"""Builds message types without wheels on PyPI, and installs them into the current environment.
 
     message_types.py
 
-`control_msgs` and `tf2_msgs`, of which the folder `messages` has what the bridge uses, and `iiwasim_msgs`. Needs CMake, a C++
-compiler, and what requirements.txt names. Takes a minute.
+Builds `control_msgs` and `tf2_msgs`, with the types that the bridge uses in the folder `messages`,
+and `iiwasim_msgs`. Needs CMake, a C++ compiler, and the packages in requirements.txt. Takes a
+minute.
 """
 
 from __future__ import annotations
@@ -25,7 +26,7 @@ PACKAGES = [
 
 
 def mend(prefix: Path) -> None:
-    """The wheels' CMake files name the folders of the Python that they were built with."""
+    """Corrects CMake files of the wheels, which name the folders of the Python that built them."""
     theirs = re.compile(r'/opt/python/[^";]*')
     for file in (prefix / "share").rglob("*.cmake"):
         text = file.read_text()

@@ -1,4 +1,4 @@
-"""A node that speaks with the bridge as any node of ROS 2 would."""
+"""A ROS 2 node that communicates with the bridge."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ def stamp_s(stamp: Any) -> float:
 
 
 class Robot:
-    """What is heard of one robot, and its action and service."""
+    """Received messages of one robot, and its action and service."""
 
     def __init__(self, node: Any, prefix: str = "iiwa", namespace: str = "") -> None:
         self.node = node
@@ -84,14 +84,14 @@ class Robot:
         return trajectory
 
     def send(self, trajectory: JointTrajectory) -> Any:
-        """The handle of a goal."""
+        """Sends a goal and returns its handle."""
         self.feedback.clear()
         goal = FollowJointTrajectory.Goal(trajectory=trajectory)
         heard = lambda message: self.feedback.append(message.feedback)
         return self.result(self.action.send_goal_async(goal, feedback_callback=heard))
 
     def follow(self, trajectory: JointTrajectory) -> Any:
-        """Status and result of a goal, which has to be accepted."""
+        """Sends a goal, which has to be accepted, and returns its status and result."""
         handle = self.send(trajectory)
         if not handle.accepted:
             raise AssertionError("a goal was rejected")

@@ -1,8 +1,9 @@
-//! Maxima of polynomials of degree eight on [0, 1], from their Bernstein form, exact up to rounding.
+//! Maxima of polynomials of degree eight on [0, 1], from their Bernstein form, exact up to
+//! rounding.
 //!
-//! A polynomial lies between its least and its largest coefficient, and its first and last coefficients are
-//! its values at 0 and 1. Halving the interval brings the coefficients to the curve: parts that cannot
-//! hold the largest value are dropped, the others are halved.
+//! The values of a polynomial are between its smallest and its largest coefficient, and its first
+//! and last coefficients are its values at 0 and 1. Bisecting the interval moves the coefficients
+//! towards the curve: parts that cannot contain the maximum are dropped, the others are bisected.
 
 use std::{f64::consts::PI, sync::LazyLock};
 
@@ -11,17 +12,17 @@ pub(crate) const COEFFICIENTS: usize = DEGREE + 1;
 
 const DEGREE: usize = 8;
 
-/// Largest values are found to this share of themselves.
+/// Relative precision of the maxima.
 const PRECISION: f64 = 1e-10;
 
-/// Most times that an interval is halved: below that, rounding is all that is left.
+/// Maximum number of bisections: further ones would only resolve rounding errors.
 const HALVINGS: u32 = 40;
 
-/// A polynomial of degree eight or less, by its coefficients in Bernstein's basis of degree eight.
+/// Polynomial of degree eight or less, by its coefficients in the Bernstein basis of degree eight.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Bernstein(pub(crate) [f64; COEFFICIENTS]);
 
-/// A largest value, and where in [0, 1] it is.
+/// Maximum, and its position in [0, 1].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Largest {
     pub(crate) value: f64,
@@ -29,7 +30,7 @@ pub(crate) struct Largest {
 }
 
 impl Bernstein {
-    /// The polynomial with the coefficients `powers` of 1, t, t^2 and so on, at most nine.
+    /// Creates the polynomial with the coefficients `powers` of 1, t, t^2 and so on, at most nine.
     pub(crate) fn from_powers(powers: &[f64]) -> Self {
         Self(std::array::from_fn(|i| {
             let terms = powers.iter().enumerate().take(i + 1);
@@ -37,9 +38,10 @@ impl Bernstein {
         }))
     }
 
-    /// The largest value of `key` of the polynomial, if it is above `floor`. `key` has to be convex.
+    /// Returns the largest value of `key` of the polynomial, if it is above `floor`. `key` must be
+    /// convex.
     ///
-    /// Infinite if a coefficient is not a number.
+    /// The result is infinite if a coefficient is NaN.
     pub(crate) fn largest(&self, key: impl Fn(f64) -> f64 + Copy, floor: f64) -> Option<Largest> {
         let bound = bound(&self.0, key);
         if bound <= floor {
@@ -49,14 +51,14 @@ impl Bernstein {
             return Some(Largest { value: f64::INFINITY, at: 0.0 });
         }
         let mut best = Largest { value: floor, at: f64::NAN };
-        // What is next to zero all along is not worth a search.
+        // A polynomial that is close to zero everywhere is not worth a search.
         let rounding = PRECISION * self.0.iter().fold(0.0_f64, |most, c| most.max(c.abs()));
         search(&self.0, key, [0.0, 1.0], rounding, &mut best);
         best.at.is_finite().then_some(best)
     }
 }
 
-/// The largest of `key` of the coefficients; infinite if one is not a number.
+/// Returns the largest `key` of the coefficients; infinite if one is NaN.
 fn bound(coefficients: &[f64; COEFFICIENTS], key: impl Fn(f64) -> f64) -> f64 {
     coefficients.iter().fold(f64::NEG_INFINITY, |most, &c| {
         let value = key(c);
@@ -82,7 +84,7 @@ fn search(
     }
     let [left, right] = halves(coefficients);
     let half = 0.5 * width;
-    // The more promising half first: it may make the other one needless.
+    // The more promising half first: it may make the other one unnecessary.
     if key(right[DEGREE]) > key(left[0]) {
         search(&right, key, [from + half, half], rounding, best);
         search(&left, key, [from, half], rounding, best);
@@ -92,7 +94,7 @@ fn search(
     }
 }
 
-/// The same polynomial on either half of its interval: de Casteljau's scheme.
+/// Returns the polynomial on both halves of its interval: de Casteljau's algorithm.
 fn halves(coefficients: &[f64; COEFFICIENTS]) -> [[f64; COEFFICIENTS]; 2] {
     let mut row = *coefficients;
     let (mut left, mut right) = (row, row);
@@ -110,17 +112,17 @@ fn binomial(n: usize, k: usize) -> f64 {
     (0..k).map(|i| (n - i) as f64 / (i + 1) as f64).product()
 }
 
-/// Eight functions, as seven joints and one more that fills a vector register.
+/// Values of eight functions: seven joints, and one more to fill a vector register.
 pub(crate) type Octet = [f64; 8];
 
-/// The polynomials of degree eight that meet eight functions at the nine places [`Interpolation::PLACES`].
+/// Interpolation of eight functions by polynomials of degree eight at the nine nodes `places`.
 #[derive(Debug)]
 pub(crate) struct Interpolation {
-    /// Where in [0, 1]: the extrema of Chebyshev's polynomial of degree eight.
+    /// Nodes in [0, 1]: the extrema of the Chebyshev polynomial of degree eight.
     pub(crate) places: [f64; COEFFICIENTS],
-    /// From values to Bernstein's coefficients.
+    /// Matrix from values to Bernstein coefficients.
     to_bernstein: [[f64; COEFFICIENTS]; COEFFICIENTS],
-    /// From values to the last three of Chebyshev's coefficients.
+    /// Matrix from values to the last three Chebyshev coefficients.
     to_tail: [[f64; COEFFICIENTS]; 3],
 }
 
@@ -131,10 +133,11 @@ impl Interpolation {
         let n = DEGREE as f64;
         let angle = |k: usize| PI * k as f64 / n;
         let end = |k: usize| if k == 0 || k == DEGREE { 0.5 } else { 1.0 };
-        // Chebyshev's coefficient m from the value at place k, places from 0 to 1.
+        // Weight of the value at node k in Chebyshev coefficient m, nodes from 0 to 1.
         let chebyshev =
             |m: usize, k: usize| 2.0 / n * end(m) * end(k) * (angle(DEGREE - k) * m as f64).cos();
-        // Chebyshev's polynomial of degree m in Bernstein's basis of degree m, then of degree eight.
+        // Chebyshev polynomial of degree m in the Bernstein basis of degree m, then of degree
+        // eight.
         let basis: [[f64; COEFFICIENTS]; COEFFICIENTS] = std::array::from_fn(|m| {
             let mut c = [0.0; COEFFICIENTS];
             for (i, c) in c.iter_mut().enumerate().take(m + 1) {
@@ -162,15 +165,15 @@ impl Interpolation {
         }
     }
 
-    /// Whether a polynomial of degree eight is all there is to each function, to `precision`: the last
-    /// of Chebyshev's coefficients are that small. False if a value is not a number.
+    /// Returns true if each function is a polynomial of degree eight to `precision`: its last
+    /// Chebyshev coefficients are that small. False if a value is NaN.
     pub(crate) fn is_exact(&self, values: &[Octet; COEFFICIENTS], precision: f64) -> bool {
         self.to_tail
             .iter()
             .all(|weights| combine(weights, values).iter().all(|c| c.abs() <= precision))
     }
 
-    /// The polynomials of all functions.
+    /// Returns the polynomials of all functions.
     pub(crate) fn polynomials(&self, values: &[Octet; COEFFICIENTS]) -> [Bernstein; 8] {
         let rows: [Octet; COEFFICIENTS] =
             std::array::from_fn(|i| combine(&self.to_bernstein[i], values));
@@ -217,7 +220,7 @@ mod tests {
         assert_eq!(broken.largest(f64::abs, 3.0).unwrap().value, f64::INFINITY);
     }
 
-    /// Against a million samples, of random polynomials.
+    /// Compares random polynomials with a million samples.
     #[test]
     fn nothing_is_larger_in_between() {
         let mut rng = fastrand::Rng::with_seed(1);

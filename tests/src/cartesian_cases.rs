@@ -1,4 +1,4 @@
-//! Paths of the TCP with answers of 40-digit arithmetic and the durations of an independent solver, in
+//! TCP paths with results of 40-digit arithmetic and the durations of an independent solver, in
 //! `fixtures/reference/cartesian.json`.
 
 #![expect(clippy::panic, reason = "a test fails by it")]
@@ -7,24 +7,24 @@ use iiwa_kin::Robot;
 use iiwa_program::Program;
 use serde_json::{Value, json};
 
-/// One motion from rest to rest, and its answers.
+/// Motion from rest to rest, with its reference results.
 #[derive(Debug)]
 pub struct CartesianCase {
-    /// Its number and its kind.
+    /// Number and kind of the case.
     pub id: String,
-    /// The robot.
+    /// Robot model.
     pub robot: Robot,
-    /// A program of this motion alone.
+    /// Program with this motion only.
     pub program: Program,
-    /// The entry in the file, with all answers.
+    /// Entry in the file, with all reference results.
     pub entry: Value,
 }
 
-/// All cases.
+/// Returns all cases.
 ///
 /// # Panics
 ///
-/// If the file is missing or not as expected.
+/// Panics if the file is missing or not as expected.
 #[must_use]
 pub fn cartesian_cases() -> Vec<CartesianCase> {
     let text = std::fs::read_to_string(crate::fixture("reference/cartesian.json"))
@@ -55,7 +55,7 @@ fn program(entry: &Value) -> Result<Program, iiwa_program::ProgramError> {
         "start": { "joints_deg": entry["start_joints_deg"] },
         "motions": [entry["motion"]],
     });
-    // Where the auxiliary frame of a case is given without an orientation, it does not count.
+    // An auxiliary frame without an orientation leaves the orientation free.
     let motion = &mut text["motions"][0];
     if motion["type"] == "circ" {
         motion["aux_orientation"] = json!("ignore");

@@ -1,5 +1,5 @@
-//! Starts of child processes. A child has copies of all sockets of this process until it runs its own program: what a
-//! thread closes meanwhile stays open, and its port in use.
+//! Start of child processes. A child inherits all sockets of this process until it executes its own
+//! program: sockets closed by other threads meanwhile remain open, and their ports in use.
 
 use std::{
     io,
@@ -9,18 +9,18 @@ use std::{
 
 static START: Mutex<()> = Mutex::new(());
 
-/// Starts a child process; it runs its own program when this returns.
+/// Starts a child process, which executes its own program when this function returns.
 ///
 /// # Errors
 ///
-/// It cannot be started.
+/// An error if the process cannot be started.
 pub fn start(command: &mut Command) -> io::Result<Child> {
     let _start = START.lock().unwrap_or_else(PoisonError::into_inner);
     command.spawn()
 }
 
-/// Waits until no child has a copy of a socket that was closed before: its port can be bound again, if all children
-/// are started by [`start`].
+/// Waits until children no longer hold copies of sockets closed before, so that their ports can be
+/// bound again, provided all children are started by [`start`].
 pub fn await_all() {
     drop(START.lock().unwrap_or_else(PoisonError::into_inner));
 }

@@ -1,7 +1,7 @@
-//! The conformance suite of robot programs: cases in `sunrise/conformance`, one a line, which say what a
-//! robot program answers to which instruction. The README there defines their form.
+//! Conformance suite of robot programs: cases in `sunrise/conformance`, one per line, which define
+//! the answers of a robot program to instructions. The README there defines their format.
 //!
-//! The runner is that of any robot program behind two addresses: [`run`] starts one for each file.
+//! The runner works with any robot program behind two addresses: [`run`] starts one for each file.
 
 mod case;
 mod pattern;
@@ -16,14 +16,14 @@ pub use peer::{DrivePeer, Incoming, ZmqPeer};
 
 use session::Session;
 
-/// What became of the cases.
+/// Result of the cases.
 #[derive(Clone, Debug, Default)]
 pub struct Report {
-    /// How many passed.
+    /// Number of passed cases.
     pub passed: usize,
-    /// How many were skipped, by what they need and the program does not have.
+    /// Number of skipped cases, by the capability that the program lacks.
     pub skipped: BTreeMap<String, usize>,
-    /// What was found instead of what was expected, a line each.
+    /// Differences from the expected results, a line each.
     pub failed: Vec<String>,
 }
 
@@ -48,19 +48,19 @@ impl fmt::Display for Report {
     }
 }
 
-/// Most failures that are shown.
+/// Maximum number of failures shown.
 const MOST_SHOWN: usize = 60;
 
-/// How long a program may take to come to rest.
+/// Time limit for a program to become idle.
 const REST: Duration = Duration::from_secs(30);
 
-/// Runs the files whose names `wanted` takes against a robot program that has `has` of what cases need. `start` starts
-/// the program anew for each file; its result is kept until the file is done. `connect` connects to it. Most of the time of
-/// a file is spent waiting: files run side by side.
+/// Runs the files whose names `wanted` accepts against a robot program with the capabilities `has`.
+/// `start` starts a new instance of the program for each file; its result is kept until the file is
+/// done. `connect` connects to the instance. Files run in parallel, since they mostly wait.
 ///
 /// # Panics
 ///
-/// If a file cannot be read.
+/// Panics if a file cannot be read.
 pub fn run<Program, P: DrivePeer>(
     has: &[&str],
     wanted: impl Fn(&str) -> bool,
@@ -105,7 +105,7 @@ fn run_file<P: DrivePeer>(
             Ok(()) => report.passed += 1,
             Err(what) => {
                 report.failed.push(format!("{file}:{}: {}: {what}", case.line, case.name));
-                // Whatever is still under way is not the next case's.
+                // Pending actions must not affect the next case.
                 session = Session::new(connect());
                 if let Err(what) = session.come_to_rest(REST) {
                     report.failed.push(format!("{file}: the rest is left out: {what}"));

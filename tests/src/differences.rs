@@ -1,16 +1,16 @@
-//! Limits as an observer sees them: by differences of sampled joint positions.
+//! Limits as an observer measures them: by differences of sampled joint positions.
 
 use iiwa_kin::Joints;
 use iiwa_program::{LimitKind, MotionLimits};
 use iiwa_traj::{State, Trajectory};
 
-/// The largest of `values` over their limits.
+/// Returns the largest ratio of `values` to their limits.
 #[must_use]
 pub fn ratio(values: &Joints, limits: &Joints) -> f64 {
     values.iter().zip(limits).map(|(v, l)| v.abs() / l).fold(0.0, f64::max)
 }
 
-/// The largest of some limits.
+/// Returns the largest of several limits.
 #[must_use]
 pub fn largest<'a>(all: impl Iterator<Item = &'a MotionLimits>, kind: LimitKind) -> Joints {
     all.fold([0.0; 7], |largest, limits| {
@@ -18,12 +18,12 @@ pub fn largest<'a>(all: impl Iterator<Item = &'a MotionLimits>, kind: LimitKind)
     })
 }
 
-/// Factors of the samples in the first to third difference.
+/// Coefficients of the first to third difference.
 const BINOMIAL: [&[f64]; 3] = [&[-1.0, 1.0], &[1.0, -2.0, 1.0], &[-1.0, 3.0, -3.0, 1.0]];
 
 /// Largest ratios to the limits of each kind, by differences of the samples at `rate_hz`.
 ///
-/// Where motions meet within a difference, the larger limit counts.
+/// If a difference spans several motions, the larger limit applies.
 #[must_use]
 pub fn ratios(trajectory: &Trajectory, rate_hz: f64) -> [f64; 3] {
     let path = trajectory.path();

@@ -1,8 +1,8 @@
-//! Limits as they are kept at every instant, from the trajectory's own polynomials: not by samples.
+//! Limits at every instant, from the trajectory's own polynomials rather than by samples.
 //!
-//! Between two nodes, p is a polynomial of degree five in time. On lines, so are the joints; velocity,
-//! acceleration and jerk have degree four at most. In blends they are cut into parts that degree eight is enough
-//! for, and each part's largest value is found exactly.
+//! Between two nodes, p is a polynomial of degree five in time. On lines, so are the joint
+//! positions; velocity, acceleration and jerk have degree four at most. Blends are divided into
+//! parts for which degree eight suffices, and the maximum of each part is computed exactly.
 
 use iiwa_kin::{Joint, Joints};
 use iiwa_path::Segment;
@@ -15,46 +15,47 @@ use crate::{
     jumps::jumps,
 };
 
-/// Where a joint comes closest to a limit, or exceeds it most.
+/// Point where a joint is closest to a limit, or exceeds it most.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Peak {
-    /// Value over limit; infinite if it is not a number.
+    /// Ratio of the value to the limit; infinite for NaN.
     pub ratio: f64,
-    /// The joint; none if all stand.
+    /// Joint; `None` if all are at rest.
     pub joint: Option<Joint>,
-    /// When, in s from the start of the program.
+    /// Time from the start of the program, in s.
     pub t_s: f64,
-    /// Where in the segment: its share of sigma, 0 to 1.
+    /// Position in the segment: its share of sigma, 0 to 1.
     pub p: f64,
-    /// Where between two nodes, as a share of the time.
+    /// Position between two nodes, relative to the time interval.
     pub share: f64,
-    /// Number of the node before in its piece, from 0.
+    /// Index of the previous node in its piece, from 0.
     pub node: usize,
-    /// From that node to the next, in s.
+    /// Time from that node to the next, in s.
     pub interval_s: f64,
 }
 
-/// If rounding of s and of the stamps makes more than this share of a limit of jerk, an interval is blurred.
+/// Threshold: an interval is blurred if rounding of s and of the stamps contributes more than this
+/// share of a jerk limit.
 pub const BLUR: f64 = 0.01;
 
-/// What a trajectory, or a piece of it, does to its limits.
+/// Extreme limit ratios of a trajectory or a piece.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Extremes {
-    /// Of each [kind](LimitKind::ALL), over the limits of the motion that the piece belongs to. Jerk is zero
-    /// under acceleration-limited stamps, where it has no limit.
+    /// Ratios of each [kind](LimitKind::ALL) to the limits of the motion that the piece belongs to.
+    /// Jerk is zero for acceleration-limited stamps, where it has no limit.
     pub clear: [Peak; 3],
-    /// The same between nodes that are so near to each other that rounding of s and of the stamps shows in jerk:
-    /// by more than [`BLUR`].
+    /// Ratios in intervals between nodes so close together that rounding of s and of the stamps
+    /// affects the jerk by more than [`BLUR`].
     pub blurred: [Peak; 3],
-    /// Largest speed backwards along the path, over the limit of a joint's velocity.
+    /// Largest backward speed along the path, relative to the velocity limit of a joint.
     pub backwards: f64,
-    /// Largest jumps from a piece, a rest or an interval to the next one: of velocity and, under jerk-limited
-    /// stamps, of acceleration, over the larger limit of both sides.
+    /// Largest jumps between adjacent pieces, rests or intervals: of velocity and, for jerk-limited
+    /// stamps, of acceleration, relative to the larger limit of both sides.
     pub jumps: [f64; 2],
 }
 
 impl Extremes {
-    /// The peaks of each kind, blurred or not.
+    /// Peaks of each kind, blurred or not.
     #[must_use]
     pub fn peaks(&self) -> [Peak; 3] {
         higher(&self.clear, &self.blurred)
@@ -66,7 +67,7 @@ impl Extremes {
         self.peaks().map(|peak| peak.ratio)
     }
 
-    /// The worse of two, of each kind.
+    /// Returns the worse of two results, for each kind.
     #[must_use]
     pub fn worse(&self, other: &Self) -> Self {
         Self {
@@ -82,7 +83,7 @@ fn higher(a: &[Peak; 3], b: &[Peak; 3]) -> [Peak; 3] {
     std::array::from_fn(|i| if b[i].ratio > a[i].ratio { b[i] } else { a[i] })
 }
 
-/// The extremes of a trajectory, of which `timing` is how it was planned.
+/// Returns the extremes of a trajectory that was planned with `timing`.
 #[must_use]
 pub fn extremes(trajectory: &Trajectory, timing: Timing) -> Extremes {
     let mut worst = Extremes::default();
@@ -95,8 +96,8 @@ pub fn extremes(trajectory: &Trajectory, timing: Timing) -> Extremes {
     worst
 }
 
-/// The extremes of one piece without its seams. Of what is no worse than `floor`, nothing more is found out:
-/// that is quicker.
+/// Returns the extremes of one piece without its seams. Ratios below those of `floor` are not
+/// computed exactly, which is faster.
 #[must_use]
 pub fn piece_extremes(
     trajectory: &Trajectory,
@@ -138,24 +139,24 @@ pub fn piece_extremes(
     Extremes { clear, blurred, backwards: search.backwards, jumps: [0.0; 2] }
 }
 
-/// Degree eight is taken to be enough for a part once what is missing is this share of the limit, or of
-/// the function's own size where that is larger.
+/// Precision at which degree eight suffices for a part: the error relative to the limit, or to the
+/// magnitude of the function if larger.
 const PRECISION: f64 = 1e-10;
 
-/// Most times that an interval is halved: no composition in use needs more than a few.
+/// Maximum number of bisections: no function in use needs more than a few.
 const HALVINGS: u32 = 12;
 
-/// The search for the extremes of one piece.
+/// Search for the extremes of one piece.
 struct Search<'a> {
     segment: &'a dyn Segment,
-    /// One over the limits of velocity, acceleration and jerk.
+    /// Reciprocals of the velocity, acceleration and jerk limits.
     over: [Joints; 3],
-    /// Clear ones, and blurred ones.
+    /// Clear and blurred peaks.
     peaks: [[Peak; 3]; 2],
     backwards: f64,
-    /// The node before the interval.
+    /// Node before the interval.
     node: usize,
-    /// Whether rounding shows in the interval.
+    /// `true` if rounding affects the interval.
     is_blurred: bool,
 }
 
@@ -176,7 +177,7 @@ impl Search<'_> {
         }
     }
 
-    /// The joint whose derivative is the largest share of a limit, and that share.
+    /// Returns the joint whose derivative is the largest relative to its limit, and the ratio.
     fn steepest(&self, kind: usize, dq: &Joints) -> (f64, Option<Joint>) {
         let mut steepest = (0.0, None);
         for joint in Joint::ALL {
@@ -189,7 +190,7 @@ impl Search<'_> {
         steepest
     }
 
-    /// On a line all joints go as p does: one of them decides.
+    /// Searches a line, where all joints are proportional to p: one of them is critical.
     fn line(&mut self, interval: &Interval, dq: &Joints) {
         for (kind, powers) in interval.line().iter().enumerate() {
             let (slope, joint) = self.steepest(kind, dq);
@@ -200,7 +201,7 @@ impl Search<'_> {
         }
     }
 
-    /// In a curve, from `from` on for `width` of the interval's parameter.
+    /// Searches a part of a curve, from `from` on for `width` of the interval's parameter.
     fn part(&mut self, interval: &Interval, from: f64, width: f64, halvings: u32) {
         let mut values = [[[0.0; 8]; COEFFICIENTS]; 3];
         let mut largest = [1.0_f64; 3];
@@ -214,7 +215,7 @@ impl Search<'_> {
         }
         let is_exact =
             || (0..3).all(|kind| INTERPOLATION.is_exact(&values[kind], PRECISION * largest[kind]));
-        // What is not a number stays so, however short the part.
+        // NaN remains NaN, however short the part.
         let is_finite = values.iter().flatten().flatten().all(|v| v.is_finite());
         if is_finite && halvings > 0 && !is_exact() {
             let half = 0.5 * width;
@@ -234,7 +235,7 @@ impl Search<'_> {
         }
     }
 
-    /// The largest ratio so far.
+    /// Returns the largest ratio so far.
     fn floor(&self, kind: usize) -> f64 {
         self.peaks[usize::from(self.is_blurred)][kind].ratio
     }
@@ -269,8 +270,9 @@ mod tests {
         Node { t_s, p, dt_s: 2.0, dp: 1.0, ..Node::default() }
     }
 
-    /// From rest to rest in 2 s: s = 10 f^3 - 15 f^4 + 6 f^5 with f = t / 2 s. By hand, its largest
-    /// derivatives by f are 15/8 at 1/2, 10 / sqrt(3) at (1 - 1 / sqrt(3)) / 2, and 60 at the start.
+    /// Tests a motion from rest to rest in 2 s: s = 10 f^3 - 15 f^4 + 6 f^5 with f = t / 2 s. By
+    /// hand, its largest derivatives by f are 15/8 at 1/2, 10 / sqrt(3) at (1 - 1 / sqrt(3)) / 2,
+    /// and 60 at the start.
     #[test]
     fn rest_to_rest_by_hand() {
         let line = Line::new([0.0; 7], [0.0, -0.5, 0.0, 0.25, 0.0, 0.0, 0.0]);
@@ -298,7 +300,8 @@ mod tests {
         assert_eq!(search.backwards, 0.0);
     }
 
-    /// A polynomial that overshoots: faster than 2/s on average, from and to rest at 0.9/s^2 too little.
+    /// Tests a polynomial that overshoots: its mean speed exceeds 2/s, but the acceleration of
+    /// 0.9/s^2 from and to rest is too small.
     #[test]
     fn what_goes_backwards_is_seen() {
         let line = Line::new([0.0; 7], [1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]);
@@ -318,7 +321,7 @@ mod tests {
         assert!(search.backwards >= 4.0 * (1.0 - 1e-9), "{}", search.backwards);
     }
 
-    /// A thousand samples of each interval, by the trajectory itself.
+    /// Compares with a thousand samples of each interval, from the trajectory itself.
     #[test]
     fn as_sampling_says() {
         const SAMPLES: u32 = 1000;
@@ -336,7 +339,7 @@ mod tests {
                         let limits = path.limits_of(piece.step);
                         for pair in section.nodes(piece).windows(2) {
                             let dt = pair[0].dt_s;
-                            // The ends are left out: rounding may put them into the next interval.
+                            // Excludes the ends: rounding may put them into the next interval.
                             for i in 0..SAMPLES {
                                 let share = (f64::from(i) + 0.5) / f64::from(SAMPLES);
                                 let t_s = section.start_s() + pair[0].t_s + share * dt;
@@ -360,7 +363,8 @@ mod tests {
                         sampled <= found * (1.0 + 1e-7),
                         "{what} {found}, {sampled} by samples"
                     );
-                    // Half a sample from the end of an interval, jerk differs by as much as it changes.
+                    // Half a sample from the end of an interval, jerk differs by as much as it
+                    // changes.
                     assert!(found <= sampled * 1.005, "{what} {found}, {sampled} by samples");
                 }
                 assert!(found.jumps.iter().all(|jump| *jump < 1e-6), "{:?}", found.jumps);
@@ -368,7 +372,7 @@ mod tests {
         }
     }
 
-    /// Of a piece, the peak is where it says.
+    /// Checks the position of the peak of a piece.
     #[test]
     fn the_peak_is_where_it_says() {
         let config = ProptestConfig { rng_seed: RngSeed::Fixed(8), ..ProptestConfig::default() };
@@ -386,7 +390,8 @@ mod tests {
                     let j = velocity.joint.unwrap().index();
                     let there = at.dq[j].abs() / limits.velocity_rad_s()[j];
                     assert!((there / velocity.ratio - 1.0).abs() < 1e-6, "{velocity:?}, {there}");
-                    // Under acceleration-limited stamps it jumps, and may be that of the next interval.
+                    // With acceleration-limited stamps the acceleration jumps, and may be that of
+                    // the next interval.
                     if matches!(timing, Timing::Jerk(_)) {
                         let at = section.at(acceleration.t_s);
                         let j = acceleration.joint.unwrap().index();

@@ -1,5 +1,5 @@
-//! Families of random programs, each hard on a planner in a way of its own. A program depends on its family, a
-//! seed and its number alone, so that it can be looked at again.
+//! Families of random programs, each difficult for a planner in its own way. A program is
+//! determined by its family, a seed and its number, so that it can be reproduced.
 
 mod dense;
 pub(crate) mod dice;
@@ -15,39 +15,40 @@ use iiwa_program::Program;
 
 use dice::Dice;
 
-/// A family of random programs.
+/// Family of random programs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Family {
-    /// All that a program may hold, the odd things more often than in life.
+    /// Any valid program, with unusual elements more frequent than in practice.
     Plain,
-    /// Shares of velocity, acceleration and jerk of each joint and each motion apart, from 0.01 to 1.
+    /// Independent relative velocity, acceleration and jerk of each joint and each motion, from
+    /// 0.01 to 1.
     Mixed,
-    /// Turn-backs and near ones; lines of which blends leave next to nothing, between neighbours of very
+    /// Exact and near reversals; lines almost consumed by blends, between neighbours of very
     /// unequal lengths.
     Sliver,
     /// Motions of 1e-6 to 1e-3 rad.
     Fine,
-    /// Shares of velocity from 1e-6 to 1, motions of 1e-9 to 5 rad.
+    /// Relative velocities from 1e-6 to 1, motions of 1e-9 to 5 rad.
     Extreme,
-    /// Some hundred points along a smooth curve, all blended.
+    /// About a hundred points along a smooth curve, all blended.
     Dense,
 }
 
-/// A program, and how often it was drawn anew because the robot could not do it.
+/// Program, and the number of infeasible draws before it.
 #[derive(Clone, Debug)]
 pub struct Drawn {
-    /// The program, which [`JointPath::new`] takes.
+    /// Program that [`JointPath::new`] accepts.
     pub program: Program,
-    /// Draws before it that were not valid.
+    /// Number of earlier draws that were not valid.
     pub redraws: usize,
 }
 
 impl Family {
-    /// All of them.
+    /// All families.
     pub const ALL: [Self; 6] =
         [Self::Plain, Self::Mixed, Self::Sliver, Self::Fine, Self::Extreme, Self::Dense];
 
-    /// Its name.
+    /// Name of the family.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -60,13 +61,13 @@ impl Family {
         }
     }
 
-    /// The family with this name.
+    /// Returns the family with this name.
     #[must_use]
     pub fn named(name: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|family| family.name() == name)
     }
 
-    /// Program number `index` of the family.
+    /// Returns program number `index` of the family.
     #[must_use]
     pub fn program(self, seed: u64, index: u64) -> Drawn {
         if self == Self::Plain {
@@ -84,7 +85,7 @@ impl Family {
     }
 }
 
-/// The first of `programs`, of which there is no end, that the robot can do.
+/// Returns the first feasible program of an infinite sequence.
 fn valid(programs: impl Iterator<Item = Program>) -> Drawn {
     let robot = Robot::default();
     for (redraws, program) in programs.enumerate() {
@@ -123,7 +124,7 @@ mod tests {
         }
     }
 
-    /// What gives each family its name is in it.
+    /// Checks that each family has its defining property.
     #[test]
     fn families_are_what_they_say() {
         let ptps = |family: Family| {

@@ -1,5 +1,4 @@
-//! How the arm goes on between two nodes: polynomials, of which [`extremes`](crate::extremes) finds the largest
-//! values.
+//! Motion between two nodes as polynomials, whose maxima [`extremes`](crate::extremes) computes.
 
 use iiwa_kin::Joints;
 use iiwa_path::Segment;
@@ -7,29 +6,29 @@ use iiwa_traj::Node;
 
 use crate::bernstein::{Bernstein, Octet};
 
-/// How the arm goes on between two nodes: p in time, by the share of the time.
+/// Motion between two nodes: p over time, relative to the time interval.
 pub(crate) struct Interval {
     from_p: f64,
     duration_s: f64,
-    /// By how much p and the stamps make the way miss the next node, at most.
+    /// Upper bound on the position error at the next node caused by rounding of p and the stamps.
     miss: f64,
-    /// p - `from_p`, in powers of the share of the time.
+    /// Coefficients of p - `from_p`, in powers of the relative time.
     way: [f64; 6],
 }
 
-/// By which share of the way a polynomial may miss the second node.
+/// Relative error with which a polynomial may miss the second node.
 const MISSED: f64 = 1e-12;
 
 impl Interval {
-    /// The polynomial with p, dp/dt and d2p/dt2 of both nodes. Where constant d3p/dt3 misses the second node by no
-    /// more than [`MISSED`], it is that.
+    /// Returns the polynomial with p, dp/dt and d2p/dt2 of both nodes. If constant d3p/dt3 misses
+    /// the second node by at most [`MISSED`], the polynomial has constant d3p/dt3.
     pub(crate) fn between(from: &Node, to: &Node) -> Self {
         let t = from.dt_s;
-        // Per unit of the share: speeds, and halves of accelerations.
+        // In relative time: speeds, and halves of accelerations.
         let [v0, v1] = [t * from.rate, t * to.rate];
         let [a0, a1] = [0.5 * t * t * from.u[0], 0.5 * t * t * from.u[1]];
-        // What constant d3p/dt3 misses at the end, of the way and its first derivative; the last two powers make up
-        // for it.
+        // Errors of constant d3p/dt3 at the end, in position and first derivative; the last two
+        // powers correct them.
         let miss_a = a1 - a0;
         let mut miss = from.dp - v0 - a0 - miss_a / 3.0;
         let mut miss_v = v1 - v0 - 2.0 * a0 - miss_a;
@@ -48,7 +47,7 @@ impl Interval {
         Self { from_p: from.p, duration_s: t, miss: missed, way }
     }
 
-    /// Derivative `order` of p by time, in powers of the share of the time.
+    /// Derivative `order` of p by time, in powers of the relative time.
     fn derivative(&self, order: u8) -> [f64; 5] {
         let n = usize::from(order);
         let scale = self.duration_s.powi(-i32::from(order));
@@ -58,12 +57,12 @@ impl Interval {
         })
     }
 
-    /// p at the share `t` of the time.
+    /// Returns p at the relative time `t`.
     pub(crate) fn p(&self, t: f64) -> f64 {
         self.from_p + horner(&self.way, t)
     }
 
-    /// Velocity, acceleration and jerk of each joint, per unit of the limits.
+    /// Velocity, acceleration and jerk of each joint, relative to the limits.
     pub(crate) fn functions(
         &self,
         t: f64,
@@ -82,13 +81,14 @@ impl Interval {
         rows
     }
 
-    /// Velocity, acceleration and jerk of p, in powers of the share of the time.
+    /// Velocity, acceleration and jerk of p, in powers of the relative time.
     pub(crate) fn line(&self) -> [[f64; 5]; 3] {
         [1, 2, 3].map(|order| self.derivative(order))
     }
 
-    /// By how much d3p/dt3 is off at most, in 1/s^3, because p and the stamps are rounded: what is missed is made up
-    /// for by a polynomial whose third derivative is 60 times that at both ends.
+    /// Upper bound on the error of d3p/dt3, in 1/s^3, due to rounding of p and the stamps: the
+    /// position error is corrected by a polynomial whose third derivative is 60 times that error at
+    /// both ends.
     pub(crate) fn rounding(&self) -> f64 {
         60.0 * self.miss * self.duration_s.powi(-3)
     }

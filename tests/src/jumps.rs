@@ -1,4 +1,4 @@
-//! Whether velocity and acceleration go on where pieces and intervals meet.
+//! Continuity of velocity and acceleration between pieces and intervals.
 
 use iiwa_kin::Joints;
 use iiwa_path::Derivatives;
@@ -7,7 +7,7 @@ use iiwa_traj::{Section, Timing, Trajectory};
 
 use crate::differences::largest;
 
-/// Velocity and acceleration of all joints at the end of an interval, and the limits there.
+/// Velocity and acceleration of all joints at the end of an interval, with the limits there.
 #[derive(Clone, Copy)]
 struct Side<'a> {
     dq: Joints,
@@ -15,7 +15,8 @@ struct Side<'a> {
     limits: &'a MotionLimits,
 }
 
-/// The largest jumps of velocity and, under jerk-limited stamps, of acceleration in a section.
+/// Returns the largest jumps of velocity and, for jerk-limited stamps, of acceleration in a
+/// section.
 pub(crate) fn jumps(trajectory: &Trajectory, section: &Section, timing: Timing) -> [f64; 2] {
     let mut worst = [0.0_f64; 2];
     let is_jerk_limited = matches!(timing, Timing::Jerk(_));
@@ -52,7 +53,7 @@ pub(crate) fn jumps(trajectory: &Trajectory, section: &Section, timing: Timing) 
             before = Some(side(&end, to.rate, from.u[1]));
         }
     }
-    // The arm rests after the section, whatever follows.
+    // The arm is at rest after the section.
     if let Some(last) = before {
         jump(&last, &Side { dq: [0.0; 7], ddq: [0.0; 7], ..last });
     }

@@ -1,5 +1,6 @@
-//! What the end-to-end tests share: the reference programs, random programs, an eye for limits, free
-//! ports, sockets of ZeroMQ and bare peers of ZMTP, the conformance suite of robot programs, and that in Java as a process.
+//! Common parts of the end-to-end tests: reference programs, random programs, limit checks, free
+//! ports, ZeroMQ sockets and bare ZMTP peers, the conformance suite of robot programs, and the Java
+//! robot program as a process.
 
 mod bernstein;
 pub mod cartesian_cases;
@@ -25,7 +26,7 @@ pub mod tolerances;
 pub mod torque_reference;
 pub mod zmtp;
 
-/// The end-to-end tests, in one executable with the unit tests of this crate.
+/// End-to-end tests, in one executable with the unit tests of this crate.
 #[cfg(test)]
 #[path = "../tests/main.rs"]
 mod tests;
@@ -34,7 +35,7 @@ extern crate self as iiwasim_tests;
 
 use std::path::PathBuf;
 
-/// A file below `fixtures/`.
+/// Returns the path of a file below `fixtures/`.
 #[must_use]
 pub fn fixture(name: &str) -> PathBuf {
     PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/../fixtures")).join(name)

@@ -1,5 +1,5 @@
-//! Random programs with loads up to what the robots carry, however they stand. A program depends on a seed and its number
-//! alone, so that it can be looked at again.
+//! Random programs with loads up to the rated payload, for any mounting. A program is determined by
+//! a seed and its number, so that it can be reproduced.
 
 use iiwa_kin::{Load, Mount, Robot};
 use iiwa_program::{Motion, Program};
@@ -9,24 +9,24 @@ use crate::{
     tcp_programs::tcp_program,
 };
 
-/// A program with a load on a robot, and the limit of torque that it is to keep.
+/// Program with a load on a robot, and its torque limit.
 #[derive(Clone, Debug)]
 pub struct LoadedProgram {
-    /// The robot.
+    /// Robot model.
     pub robot: Robot,
-    /// The program, without a limit of torque.
+    /// Program, without a torque limit.
     pub program: Program,
-    /// The limit, as a share of the robot's.
+    /// Torque limit relative to the robot's.
     pub torque_limit_rel: f64,
 }
 
-/// What an iiwa 7 and an iiwa 14 carry, in kg.
+/// Rated payload of an iiwa 7 and an iiwa 14, in kg.
 const MOST_KG: [f64; 2] = [7.0, 14.0];
 
-/// The shares of the robots' torques that are limits.
+/// Torque limits relative to the robot's.
 const LIMITS: [f64; 4] = [1.0, 1.0, 0.8, 0.6];
 
-/// The program of this number.
+/// Returns the program of this number.
 #[must_use]
 pub fn loaded_program(seed: u64, index: u64) -> LoadedProgram {
     let mut dice = Dice::new(seed, "loaded", index);

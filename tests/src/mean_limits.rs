@@ -1,4 +1,4 @@
-//! Limits as a drive sees them: means of velocity, acceleration and jerk over a short time.
+//! Limits as a drive measures them: means of velocity, acceleration and jerk over a short time.
 
 use iiwa_kin::Joints;
 use iiwa_program::LimitKind;
@@ -8,16 +8,16 @@ use crate::differences::{largest, ratio};
 
 /// Largest ratios of the means over `window_s` to the limits of each kind.
 ///
-/// A mean is the change of the next lower derivative over the window. Windows start, end and have their
-/// middles at nodes and halfway between them: means are largest about there. Where motions meet within
-/// a window, the larger limit counts.
+/// A mean is the change of the next lower derivative over the window. Windows start, end and are
+/// centred at nodes and halfway between them, since means are largest near these points. If a
+/// window spans several motions, the larger limit applies.
 #[must_use]
 pub fn mean_ratios(trajectory: &Trajectory, window_s: f64) -> [f64; 3] {
     let path = trajectory.path();
     let mut worst = [0.0_f64; 3];
     let mut window = |start: &State, end: &State| {
-        // Late in a long program, times are rounded. Windows that are cut short at its start or its end
-        // show rounding, not means.
+        // Late in a long program, times are rounded. Windows truncated at its start or its end show
+        // rounding, not means.
         let seconds = end.t_s - start.t_s;
         if seconds < 0.5 * window_s {
             return;

@@ -1,4 +1,4 @@
-//! What is right and wrong with the plans of one program.
+//! Checks of the plans of one program.
 
 use std::{
     panic::{AssertUnwindSafe, catch_unwind},
@@ -15,36 +15,37 @@ use iiwa_path::JointPath;
 use iiwa_program::{LimitKind, Program};
 use iiwa_traj::{SweepOptions, Timing, Trajectory};
 
-/// A millisecond: the drive's shortest cycle.
+/// Shortest cycle of the drive: a millisecond.
 const CYCLE_S: f64 = 1e-3;
 
-/// What was found out about a program.
+/// Result of the checks of a program.
 #[derive(Clone, Debug, Default)]
 pub struct PlanCheck {
-    /// Largest ratios of velocity, acceleration and jerk to their limits at an instant.
+    /// Largest ratios of velocity, acceleration and jerk to their limits at any instant.
     pub instants: [f64; 3],
-    /// The same, without the intervals in which rounding shows.
+    /// Largest ratios without the intervals affected by rounding.
     pub clear: [f64; 3],
-    /// The same over a millisecond.
+    /// Largest ratios of means over a millisecond.
     pub means: [f64; 3],
-    /// Largest ratios of velocity and acceleration under acceleration-limited stamps.
+    /// Largest ratios of velocity and acceleration for acceleration-limited stamps.
     pub swept: [f64; 2],
-    /// Acceleration-limited time over that of a finer grid, less 1, by its size the largest.
+    /// Largest relative difference, by magnitude, of the acceleration-limited time from that of a
+    /// finer grid.
     pub coarse: f64,
-    /// Jerk-limited time over the acceleration-limited one.
+    /// Ratio of the jerk-limited to the acceleration-limited time.
     pub slower: f64,
-    /// How long the jerk-limited plan took.
+    /// Computation time of the jerk-limited plan.
     pub planning: Duration,
-    /// How long its extremes took to be found.
+    /// Computation time of its extremes.
     pub judging: Duration,
-    /// Why there are no stamps: an error that says so, instead of stamps.
+    /// Errors that explain missing stamps.
     pub refusals: Vec<String>,
-    /// What is wrong.
+    /// Failures found.
     pub failures: Vec<String>,
 }
 
 impl PlanCheck {
-    /// Plans `program` with either timing and judges what comes out.
+    /// Plans `program` with both time parameterisations and judges the results.
     #[must_use]
     pub fn of(program: &Program) -> Self {
         let mut verdict = Self::default();
@@ -86,7 +87,7 @@ impl PlanCheck {
             if verdict.coarse.is_nan() || verdict.coarse.abs() > COARSE {
                 verdict.failures.push("acceleration: off the time of a finer grid".to_owned());
             }
-            // The coarser one may be slower than the best by more than that.
+            // The coarser grid may be slower than the optimum by more than that.
             if let Some(jerk) = &jerk {
                 let slower = ratio(jerk.motion_time_s(), fine.motion_time_s());
                 if slower.is_nan() || slower < 1.0 - FASTER {
@@ -144,7 +145,7 @@ impl PlanCheck {
     }
 }
 
-/// `a` over `b`; 1 if nothing moves.
+/// Returns `a` over `b`; 1 if both are equal, also for zero motion.
 fn ratio(a: f64, b: f64) -> f64 {
     if a == b { 1.0 } else { a / b }
 }

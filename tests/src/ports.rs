@@ -1,8 +1,8 @@
-//! Ports that nobody else uses, each given once.
+//! Ports for exclusive use, each assigned once.
 //!
-//! Ports come in blocks. A block belongs to the process that holds the UDP port at its beginning, the guard, and the
-//! system takes guards away from processes that end, however they do. `tests/browser/ports.py` and `Ports.java` in
-//! `sunrise/src/test` keep to the same blocks.
+//! Ports are assigned in blocks. A block belongs to the process that holds its first UDP port, the
+//! guard, which the system releases when the process ends, for any reason. `tests/browser/ports.py`
+//! and `Ports.java` in `sunrise/src/test` use the same blocks.
 
 use std::{
     collections::HashSet,
@@ -13,30 +13,33 @@ use std::{
     vec,
 };
 
-/// Below those that most systems give to outgoing connections; ports below 10 000 are for scripts that choose by hand.
+/// Range below the ports that most systems assign to outgoing connections; ports below 10 000 are
+/// for scripts with fixed ports.
 const PORTS: Range<u16> = 10_000..30_000;
 
-/// Ports of a block, with its guard.
+/// Number of ports of a block, with its guard.
 const BLOCK: u16 = 50;
 
 static RESERVED: LazyLock<Mutex<Reserved>> = LazyLock::new(|| Mutex::new(Reserved::new()));
 
-/// What this process has.
+/// Ports of this process.
 struct Reserved {
-    /// Where blocks begin that it has not tried to take; the next one is the last.
+    /// First ports of blocks not tried yet; the last entry is the next one.
     untried: Vec<u16>,
     guards: Vec<UdpSocket>,
-    /// Ports of its newest block that were free when it was taken, and have not been given.
+    /// Ports of the newest block that were free when it was reserved, and have not been assigned.
     left: vec::IntoIter<u16>,
 }
 
 impl Reserved {
     fn new() -> Self {
         let mut untried: Vec<_> = PORTS.step_by(BLOCK.into()).collect();
-        // Processes that start together seldom try the same one, and what an ended one had is not used again at once.
+        // Processes that start together seldom try the same block, and the block of an ended
+        // process is not reused at once.
         let first = std::process::id() as usize % untried.len();
         untried.rotate_left(first);
-        // An outgoing connection could take a port between its choice and its use: such blocks come last.
+        // An outgoing connection could use a port between its selection and its use: such blocks
+        // come last.
         let outgoing = outgoing();
         untried.sort_by_key(|begin| {
             !(*outgoing.end() < *begin || begin + (BLOCK - 1) < *outgoing.start())
@@ -59,15 +62,15 @@ impl Reserved {
     }
 }
 
-/// The ports that this system gives to outgoing connections.
+/// Returns the ports that this system assigns to outgoing connections.
 fn outgoing() -> RangeInclusive<u16> {
     let text = fs::read_to_string("/proc/sys/net/ipv4/ip_local_port_range").unwrap_or_default();
     let mut ends = text.split_whitespace().map_while(|end| end.parse().ok());
-    // Without the file: the range of IANA, which macOS and Windows keep to.
+    // Without the file: the IANA range, which macOS and Windows use.
     ends.next().zip(ends.next()).map_or(49_152..=u16::MAX, |(first, last)| first..=last)
 }
 
-/// Those of a block that no program has, be it one that knows nothing of blocks.
+/// Returns the ports of a block that no program uses, including programs that do not use blocks.
 fn free_of(block: Range<u16>) -> Vec<u16> {
     let Some(taken) = listed() else {
         return block.filter(|port| can_be_bound(*port)).collect();
@@ -75,8 +78,9 @@ fn free_of(block: Range<u16>) -> Vec<u16> {
     block.filter(|port| !taken.contains(port)).collect()
 }
 
-/// The ports of all sockets, where the system lists them. Nothing is bound to find out: a child process that another
-/// thread just starts has copies of all sockets until it runs its own program, and the port would stay in use as long.
+/// Returns the ports of all sockets, if the system lists them. Trying to bind would be wrong: a
+/// child process started by another thread inherits all sockets until it executes its own program,
+/// and the port would remain in use that long.
 fn listed() -> Option<HashSet<u16>> {
     let read = |protocol: &str| fs::read_to_string(format!("/proc/net/{protocol}"));
     let [tcp, udp] = [read("tcp").ok()?, read("udp").ok()?];
@@ -85,7 +89,7 @@ fn listed() -> Option<HashSet<u16>> {
     Some([tcp, udp, tcp6, udp6].iter().flat_map(|list| list.lines().filter_map(local)).collect())
 }
 
-/// The local port in a line of such a list.
+/// Returns the local port in a line of such a list.
 fn local(line: &str) -> Option<u16> {
     let (_, port) = line.split_whitespace().nth(1)?.rsplit_once(':')?;
     u16::from_str_radix(port, 16).ok()
@@ -96,19 +100,20 @@ fn can_be_bound(port: u16) -> bool {
     TcpListener::bind(address).is_ok() && UdpSocket::bind(address).is_ok()
 }
 
-/// A port of the loopback interface that is free for TCP and UDP. No other process that asks here gets it as long as
-/// this one lives, and this one does not get it again.
+/// Returns a port of the loopback interface that is free for TCP and UDP. No other process that
+/// uses this function gets the port during the life of this process, and this process does not get
+/// it again.
 ///
 /// # Panics
 ///
-/// If there is none.
+/// Panics if all ports are in use.
 #[expect(clippy::expect_used, reason = "a test fails by it")]
 #[must_use]
 pub fn free_port() -> u16 {
     RESERVED.lock().unwrap_or_else(PoisonError::into_inner).next().expect("a free port")
 }
 
-/// The loopback address with such a port.
+/// Returns the loopback address with a free port.
 #[must_use]
 pub fn free_address() -> SocketAddr {
     SocketAddr::from((Ipv4Addr::LOCALHOST, free_port()))

@@ -1,4 +1,4 @@
-//! The robot program in Java as a process of its own, in front of a simulated cabinet.
+//! Java robot program as a separate process, in front of a simulated cabinet.
 
 #![expect(
     clippy::expect_used,
@@ -19,20 +19,20 @@ use std::{
 
 use crate::child_processes;
 
-/// The program, a jar.
+/// Variable with the path of the program, a jar.
 const VARIABLE: &str = "IIWASIM_ROBOT_PROGRAM";
 
-/// How long it may take to start, and to end by itself.
+/// Time limits for its start, and for its end after closing its input.
 const START: Duration = Duration::from_secs(30);
 const END: Duration = Duration::from_secs(5);
 
-/// The jar that the environment names.
+/// Returns the jar that the environment names.
 #[must_use]
 pub fn jar() -> Option<PathBuf> {
     env::var_os(VARIABLE).map(PathBuf::from)
 }
 
-/// The same; without one, the line that says so.
+/// Returns the jar; without one, prints that the test is skipped.
 #[must_use]
 pub fn jar_or_skip() -> Option<PathBuf> {
     if jar().is_none() {
@@ -41,20 +41,20 @@ pub fn jar_or_skip() -> Option<PathBuf> {
     jar()
 }
 
-/// Where it listens, and the cabinet behind it.
+/// Addresses of the program, and of the cabinet behind it.
 #[derive(Clone, Debug)]
 pub struct ProgramPorts {
-    /// For instructions.
+    /// Address for instructions.
     pub instructions: String,
-    /// For states.
+    /// Address for states.
     pub state: String,
-    /// The cabinet's, for instructions.
+    /// Address of the cabinet for instructions.
     pub cabinet_instructions: String,
-    /// The cabinet's, for states.
+    /// Address of the cabinet for states.
     pub cabinet_state: String,
 }
 
-/// A running robot program. It ends when it is dropped.
+/// Running robot program. The process ends when this value is dropped.
 #[derive(Debug)]
 pub struct ProgramProcess {
     child: Child,
@@ -62,11 +62,11 @@ pub struct ProgramProcess {
 }
 
 impl ProgramProcess {
-    /// Starts it with further options, and waits until it is connected.
+    /// Starts the program with further options, and waits until it is connected.
     ///
     /// # Panics
     ///
-    /// If it does not start.
+    /// Panics if the program does not start.
     #[must_use]
     pub fn start(jar: &PathBuf, ports: &ProgramPorts, options: &[OsString]) -> Self {
         let (mut program, lines) = Self::spawn(jar, ports, options);
@@ -75,7 +75,7 @@ impl ProgramProcess {
         program
     }
 
-    /// Starts it; with the lines of its standard output.
+    /// Starts the program; returns the lines of its standard output.
     fn spawn(
         jar: &PathBuf,
         ports: &ProgramPorts,
@@ -100,7 +100,7 @@ impl ProgramProcess {
         (Self { stdin: child.stdin.take(), child }, lines)
     }
 
-    /// Ends it; whether it did so by itself.
+    /// Ends the program; returns true if it ended by itself.
     #[must_use]
     pub fn end(mut self) -> bool {
         self.ends()
@@ -115,7 +115,7 @@ impl ProgramProcess {
             }
             thread::sleep(Duration::from_millis(10));
         }
-        // It may have ended meanwhile.
+        // The process may have ended meanwhile.
         let _ = self.child.kill();
         let _ = self.child.wait();
         false
@@ -130,7 +130,7 @@ impl Drop for ProgramProcess {
     }
 }
 
-/// Prints the first lines that it writes about errors: a thread of it that fails again and again would fill a disk.
+/// Prints the first lines of its standard error: a thread that fails repeatedly would fill a disk.
 fn show_errors(stderr: impl Read + Send + 'static) {
     const MOST: usize = 40;
     thread::spawn(move || {

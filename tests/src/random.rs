@@ -1,11 +1,11 @@
-//! Random programs: everything that a program may hold, the odd things more often than in life.
+//! Random programs: any valid element, with unusual ones more frequent than in practice.
 
 use iiwa_kin::{Joints, Robot};
 use iiwa_path::JointPath;
 use iiwa_program::{Blend, Motion, Program, Ptp, Sources, Start, Workcell};
 use proptest::prelude::*;
 
-/// How far a motion goes: whole sweeps of the arm, short moves, tiny ones, and none.
+/// Displacement of a motion: large, short, tiny, and zero.
 fn step() -> impl Strategy<Value = Joints> {
     let size = prop_oneof![
         6 => Just(1.5),
@@ -28,7 +28,7 @@ fn share() -> impl Strategy<Value = f64> {
     prop_oneof![3 => Just(1.0), 3 => 0.05..1.0_f64, 1 => Just(0.01)]
 }
 
-/// Shares of the limits of a motion.
+/// Relative limits of a motion.
 #[derive(Clone, Copy, Debug)]
 struct Shares {
     velocity: Joints,
@@ -38,7 +38,7 @@ struct Shares {
 
 const FULL: Shares = Shares { velocity: [1.0; 7], acceleration: [1.0; 7], jerk: [1.0; 7] };
 
-/// Mostly the same share for all joints, as in life, and mostly all of the jerk.
+/// Relative limits, mostly equal for all joints, as in practice, and mostly full jerk.
 fn shares() -> impl Strategy<Value = Shares> {
     let jerk = prop_oneof![4 => Just(1.0), 1 => share()];
     let same = (share(), share(), jerk).prop_map(|(velocity, acceleration, jerk)| Shares {
@@ -73,12 +73,12 @@ enum Draft {
         shares: Shares,
         blend: Option<Blend>,
     },
-    /// Back to where the motion before came from: an exact turn-back.
+    /// Returns to the start of the previous motion: an exact reversal.
     Back {
         velocity: f64,
         blend: Option<Blend>,
     },
-    /// On in the same direction.
+    /// Continues in the same direction.
     On {
         by: f64,
         blend: Option<Blend>,
@@ -96,14 +96,14 @@ fn draft() -> impl Strategy<Value = Draft> {
     ]
 }
 
-/// Programs of up to `most` motions for the LBR iiwa 7 that [`JointPath::new`] takes.
+/// Programs of up to `most` motions for the LBR iiwa 7 that [`JointPath::new`] accepts.
 pub fn programs(most: usize) -> impl Strategy<Value = Program> {
     drafts(most).prop_filter("a blend swings out of the limits", |program| {
         JointPath::new(program, &Robot::default()).is_ok()
     })
 }
 
-/// The same, those among them whose blends swing out of the joints' ranges.
+/// Programs of up to `most` motions, including those whose blends leave the joint ranges.
 pub fn drafts(most: usize) -> impl Strategy<Value = Program> {
     (prop::array::uniform7(-1.2..1.2_f64), prop::collection::vec(draft(), 1..=most))
         .prop_map(|(start_rad, drafts)| program(start_rad, &drafts))

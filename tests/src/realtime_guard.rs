@@ -1,8 +1,8 @@
-//! Tests of what happens in real time, on machines that others use as well.
+//! Real-time tests on machines with other load.
 //!
-//! A set-point that leaves some milliseconds late changes where the arm goes, and nobody but the machine
-//! is to blame. A test that fails while the machine held its threads up is judged anew, once the machine
-//! is calm; one that fails while nothing was held up has failed.
+//! A set-point that leaves some milliseconds late changes the motion of the arm through no fault of
+//! the tested code. If a test fails while the machine has delayed its threads, it is repeated once
+//! the machine is quiet; a failure without such delays is final.
 
 use std::{
     panic::{AssertUnwindSafe, catch_unwind, resume_unwind},
@@ -14,21 +14,21 @@ use std::{
     time::{Duration, Instant},
 };
 
-/// A thread that wakes up so much later than it asked for has been held up.
+/// Wake-up delay above which a thread counts as delayed by the machine.
 const HELD_UP: Duration = Duration::from_millis(2);
 
-/// How often a test is judged at most.
+/// Maximum number of attempts.
 const ATTEMPTS: usize = 12;
 
-/// How long the machine is to be calm before the next attempt, and how long that is waited for.
+/// Required quiet time before the next attempt, and the time limit for reaching it.
 const CALM: Duration = Duration::from_millis(500);
 const WAIT_FOR_CALM: Duration = Duration::from_secs(20);
 
-/// Runs the test; again, if it fails while the machine held up threads.
+/// Runs the test; repeats it after failures during which the machine delayed threads.
 ///
 /// # Panics
 ///
-/// If the test does, on a machine that lets it run, or in every attempt.
+/// Panics if the test fails without such delays, or in every attempt.
 pub fn in_real_time(test: impl Fn()) {
     for attempt in 1.. {
         let canary = Canary::start();
@@ -52,7 +52,7 @@ fn wait_for_calm() {
     }
 }
 
-/// A thread that sleeps again and again, and notes how much too long.
+/// Thread that sleeps repeatedly, and records the wake-up delays.
 struct Canary {
     shared: Arc<Noted>,
     thread: Option<JoinHandle<()>>,
@@ -82,7 +82,7 @@ impl Canary {
         Self { shared, thread: Some(thread) }
     }
 
-    /// The longest time by which it was held up.
+    /// Returns the longest delay.
     fn end(mut self) -> Duration {
         self.shared.over.store(true, Relaxed);
         if let Some(thread) = self.thread.take() {

@@ -1,27 +1,27 @@
-//! Programs with the answers of an independent solver, in `fixtures/reference/programs.json`.
+//! Programs with the results of an independent solver, in `fixtures/reference/programs.json`.
 
 #![expect(clippy::panic, reason = "a test fails by it")]
 
 use iiwa_program::Program;
 use serde::Deserialize;
 
-/// One program and its answers.
+/// Program with its reference results.
 #[derive(Debug)]
 pub struct Case {
-    /// Its number.
+    /// Number of the program.
     pub id: usize,
     /// The program.
     pub program: Program,
-    /// Answers.
+    /// Reference results.
     pub answers: Answers,
 }
 
-/// What the independent solver found.
+/// Results of the independent solver.
 #[derive(Debug, Deserialize)]
 pub struct Answers {
-    /// Time in motion, without settling.
+    /// Time in motion, without settle time.
     pub motion_s: MotionTime,
-    /// Time for settling, in s.
+    /// Settle time, in s.
     pub settle_s: f64,
     /// Blends, in order.
     pub blends: Vec<BlendAnswer>,
@@ -30,24 +30,24 @@ pub struct Answers {
 /// Time in motion, in s.
 #[derive(Debug, Deserialize)]
 pub struct MotionTime {
-    /// Under limits of velocity and acceleration; good to 0.02 %.
+    /// Time with velocity and acceleration limits; accurate to 0.02 %.
     pub acceleration: f64,
-    /// Under limits of jerk too; good to 0.1 %, from below.
+    /// Time with jerk limits too; accurate to 0.1 %, from below.
     pub jerk: f64,
 }
 
-/// A blend.
+/// Reference results for a blend.
 #[derive(Debug, Deserialize)]
 pub struct BlendAnswer {
     /// Angle of the corner, in degrees.
     pub gamma_deg: f64,
-    /// Where it starts, in rad.
+    /// Start of the blend, in rad.
     pub start_rad: [f64; 7],
-    /// Where it ends, in rad.
+    /// End of the blend, in rad.
     pub end_rad: [f64; 7],
-    /// Where it is at s = 1/2, in rad.
+    /// Position at s = 1/2, in rad.
     pub mid_rad: [f64; 7],
-    /// The TCP there, in m.
+    /// TCP position at s = 1/2, in m.
     pub mid_tcp_m: [f64; 3],
 }
 
@@ -64,11 +64,11 @@ struct RawCase {
     answers: Answers,
 }
 
-/// All reference programs.
+/// Returns all reference programs.
 ///
 /// # Panics
 ///
-/// If the file is missing or not as expected.
+/// Panics if the file is missing or not as expected.
 #[must_use]
 pub fn cases() -> Vec<Case> {
     let text = std::fs::read_to_string(crate::fixture("reference/programs.json"))

@@ -1,12 +1,13 @@
 //! Multipart `ZeroMQ` sockets without keys, for tests: blocking, and used by one thread at a time.
 //!
-//! By default they are bare peers ([`zmtp`](crate::zmtp)), with the feature `libzmq` those of that library. Both keep to
-//! the same rules:
+//! By default they are bare peers ([`zmtp`](crate::zmtp)), with the feature `libzmq` they use that
+//! library. Both follow the same rules:
 //!
-//! - a socket that connects does so in the background, again and again, and anew when the connection is lost
-//! - a socket that is bound accepts connections at any time
-//! - a message to a connection that is lost is lost
-//! - nothing is left when a socket is dropped: no thread, and no message that waits to be sent
+//! - a connecting socket connects in the background, retries, and reconnects after a lost
+//!   connection
+//! - a bound socket accepts connections at any time
+//! - a message to a lost connection is lost
+//! - dropping a socket leaves neither threads nor unsent messages
 
 #[cfg(not(feature = "libzmq"))]
 mod bare;
@@ -20,19 +21,20 @@ pub use bare::{BareSocket as Socket, receive_any};
 #[cfg(feature = "libzmq")]
 pub use libzmq::{LibzmqSocket as Socket, receive_any};
 
-/// Longest wait for a connection to send on, and for the other side of one.
+/// Time limit for obtaining a connection to send on, and for the peer's handshake.
 const SEND_TIMEOUT: Duration = Duration::from_secs(10);
 
-/// The type of a socket.
+/// Type of a socket.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SocketType {
-    /// REQ: each message gets an empty frame in front, and loses it on arrival.
+    /// REQ: an empty frame is added in front of each sent message, and removed from received ones.
     Req,
     /// DEALER: messages are sent and received as they are.
     Dealer,
-    /// ROUTER: the first frame is the route to a peer, which is added on arrival. Without that peer a message is dropped.
+    /// ROUTER: the first frame is the route to a peer, which is added to received messages.
+    /// Messages to unknown peers are dropped.
     Router,
-    /// SUB: one message waits to be received. Further ones are left to the system, which keeps few.
+    /// SUB: holds one received message. Further ones remain in the system buffers, which are small.
     Sub,
 }
 
@@ -84,7 +86,7 @@ mod tests {
         let server = Socket::bind(SocketType::Dealer, &at).unwrap();
         server.send(&["second", ""]).unwrap();
         assert_eq!(texts(&client.receive(LONG).unwrap()), ["second", ""]);
-        // And the other side may be another one.
+        // The peer may also be replaced.
         drop(client);
         let client = Socket::connect(SocketType::Dealer, &at).unwrap();
         client.send(&[vec![7; 300_000]]).unwrap();

@@ -1,14 +1,15 @@
-//! Limits of the TCP as an observer sees them: from how its flange moves.
+//! TCP limits as an observer measures them: from the motion of the flange.
 
 use iiwa_kin::{Pose, Robot, Taylor};
 use iiwa_program::{LimitKind, Motion, MotionLimits, Program, ToolLimits};
 use iiwa_traj::{State, Trajectory};
 use nalgebra::{Isometry3, Vector3};
 
-/// Slower than this, in m/s or rad/s, the direction of a rate, and so the change of its length, is rounding.
+/// Speed, in m/s or rad/s, below which the direction of a rate, and so the change of its length, is
+/// rounding.
 const SLOW: f64 = 5e-3;
 
-/// The TCP of the motion at an instant, in the flange's frame.
+/// Returns the TCP of the motion at an instant, in the flange frame.
 fn tcp(program: &Program, state: &State) -> Pose {
     match &program.motions[state.motion.index()] {
         Motion::Cartesian(own) => program.workcell.tcp(own.tool.as_deref()),
@@ -17,7 +18,7 @@ fn tcp(program: &Program, state: &State) -> Pose {
     .unwrap_or(Pose::IDENTITY)
 }
 
-/// The length of a rate and its first two derivatives by time.
+/// Returns the length of a rate and its first two time derivatives.
 fn length(rate: [Vector3<f64>; 3]) -> Option<[f64; 3]> {
     let [v, a, j] = rate;
     let speed = v.norm();
@@ -25,8 +26,8 @@ fn length(rate: [Vector3<f64>; 3]) -> Option<[f64; 3]> {
     (speed > SLOW).then(|| [speed, along, (a.norm_squared() + v.dot(&j) - along * along) / speed])
 }
 
-/// Largest ratios of the TCP's way and turn, in order, to their limits of each kind, from the joints' derivatives at
-/// `rate_hz`.
+/// Largest ratios of TCP translation and rotation, in order, to their limits of each kind, from the
+/// joint derivatives at `rate_hz`.
 #[must_use]
 pub fn tcp_ratios(
     robot: &Robot,
@@ -44,14 +45,14 @@ pub fn tcp_ratios(
     worst
 }
 
-/// Whether limits of both way and turn hold for a motion. Where either of them changes its rate, one sum stands for
-/// both: then speeds are kept, but the smaller of both rates may change faster than its own limit says
-/// ([`ToolCoordinate`](iiwa_path::ToolCoordinate)).
+/// Returns true if a motion has limits of both translation and rotation. Where either of them
+/// changes its rate, one sum represents both: speeds are kept, but the smaller of both rates may
+/// change faster than its own limit ([`ToolCoordinate`](iiwa_path::ToolCoordinate)).
 fn limits_both(limits: &ToolLimits) -> bool {
     [&limits.way, &limits.turn].iter().all(|limits| limits.values().any(|limit| limit.is_finite()))
 }
 
-/// The same at one instant.
+/// Ratios at one instant.
 #[must_use]
 pub fn ratios_at(
     robot: &Robot,
@@ -89,8 +90,9 @@ pub fn ratios_at(
     })
 }
 
-/// Largest ratios of the TCP's way and turn to their limits of velocity and acceleration, by differences of its poses
-/// at `rate_hz`. Where motions meet within a difference, the larger limit counts.
+/// Largest ratios of TCP translation and rotation to their velocity and acceleration limits, by
+/// differences of TCP poses at `rate_hz`. If a difference spans several motions, the larger limit
+/// applies.
 #[must_use]
 pub fn tcp_difference_ratios(
     robot: &Robot,
@@ -98,7 +100,7 @@ pub fn tcp_difference_ratios(
     trajectory: &Trajectory,
     rate_hz: f64,
 ) -> [[f64; 2]; 2] {
-    // The last sample is nearer to the one before.
+    // The last sample is at a shorter distance.
     let mut all: Vec<State> = trajectory.samples(rate_hz).collect();
     all.pop();
     let pose = |state: &State, tcp: &Pose| -> Isometry3<f64> {
@@ -111,7 +113,7 @@ pub fn tcp_difference_ratios(
     };
     let mut worst = [[0.0_f64; 2]; 2];
     for states in all.windows(3) {
-        // Motions before and after may have TCPs of their own: that of the first stands for all.
+        // Adjacent motions may have other TCPs: such differences are skipped.
         let own = tcp(program, &states[0]);
         if states.iter().any(|state| tcp(program, state) != own) {
             continue;

@@ -1,8 +1,8 @@
-//! Random programs of point-to-point motions and paths of the TCP, mixed: both robots and flanges, tools, bases, all
-//! kinds of courses, limits of the TCP, and blends between all of them.
+//! Random programs of mixed PTP motions and TCP paths: both robots and flanges, tools, bases, all
+//! kinds of courses, TCP limits, and blends between all of them.
 //!
-//! Targets are where the arm is at joints near those before, so that most of them can be reached. Motions that are
-//! refused all the same are counted by their cause, and drawn anew.
+//! Targets are TCP poses at joint positions near the previous ones, so that most targets are
+//! reachable. Rejected motions are counted by cause, and drawn again.
 
 use std::{collections::BTreeMap, sync::Arc};
 
@@ -16,30 +16,30 @@ use iiwa_program::{
 
 use crate::families::dice::Dice;
 
-/// A program, the robot that it is for, and what was refused before it was found.
+/// Program, its robot, and the rejected draws before it.
 #[derive(Clone, Debug)]
 pub struct TcpProgram {
-    /// The robot.
+    /// Robot model.
     pub robot: Robot,
-    /// The program, which the robot can do.
+    /// Program that is feasible for the robot.
     pub program: Program,
-    /// How many motions, or blends, were refused, by cause.
+    /// Number of rejected motions or blends, by cause.
     pub refused: BTreeMap<&'static str, usize>,
 }
 
-/// The base in which all frames and other bases are given.
+/// Base of all frames and other bases.
 pub const ROOT: &str = "root";
-/// Another one, in [`ROOT`].
+/// Another base, in [`ROOT`].
 const TABLE: &str = "table";
-/// The program's tool.
+/// Tool of the program.
 const GRIPPER: &str = "gripper";
-/// Another TCP of it.
+/// Another TCP of the tool.
 const TIP: &str = "gripper/tip";
 
-/// Motions that a program has at most.
+/// Maximum number of motions of a program.
 const MOST_MOTIONS: usize = 8;
 
-/// Program number `index` of a `seed`.
+/// Returns program number `index` of a `seed`.
 #[must_use]
 pub fn tcp_program(seed: u64, index: u64) -> TcpProgram {
     let mut dice = Dice::new(seed, "tcp", index);
@@ -54,7 +54,7 @@ pub fn tcp_program(seed: u64, index: u64) -> TcpProgram {
     }
 }
 
-/// A motion of one kind from where the arm stands, whether or not the robot can do it: `lin` or `circ`.
+/// Returns a program with a single motion, `lin` or `circ`, which may be infeasible.
 #[must_use]
 pub fn single_path(seed: u64, index: u64, is_circ: bool) -> (Robot, Program) {
     let mut dice = Dice::new(seed, if is_circ { "circ" } else { "lin" }, index);
@@ -68,7 +68,7 @@ pub fn single_path(seed: u64, index: u64, is_circ: bool) -> (Robot, Program) {
     (robot, program)
 }
 
-/// What is wrong, in a word or two.
+/// Returns a short name of the fault.
 #[must_use]
 pub fn cause(fault: &Fault) -> &'static str {
     match fault {
@@ -88,7 +88,7 @@ pub fn cause(fault: &Fault) -> &'static str {
     }
 }
 
-/// What is wrong within a segment of a spline, or else with the motion.
+/// Returns the fault within a spline segment, otherwise that of the motion.
 fn innermost(fault: &CartesianFault) -> &CartesianFault {
     match fault {
         CartesianFault::Segment { fault, .. } => innermost(fault),
@@ -102,7 +102,7 @@ fn robot(dice: &mut Dice) -> Robot {
     robot.clone().with_flange_m(flange_m).unwrap_or(robot)
 }
 
-/// A pose well away from singular ones.
+/// Returns a pose away from singularities.
 fn clear_pose(dice: &mut Dice) -> Joints {
     let sign = |dice: &mut Dice| if dice.percent(50) { 1.0 } else { -1.0 };
     let [a2, a4, a6] = [0.15..1.2, 0.5..1.8, 0.4..1.7]
@@ -116,7 +116,7 @@ fn frame(dice: &mut Dice, most_mm: f64, most_rad: f64) -> Frame {
     Frame { xyz_mm: three(most_mm), abc_rad: three(most_rad) }
 }
 
-/// A program without motions.
+/// Returns a program without motions.
 fn program(dice: &mut Dice, start_rad: Joints) -> Program {
     let tcp = if dice.percent(30) { Frame::default() } else { frame(dice, 150.0, 1.5) };
     let tip = frame(dice, 100.0, 0.5);
@@ -179,7 +179,7 @@ fn draw(dice: &mut Dice, robot: &Robot, refused: &mut BTreeMap<&'static str, usi
     program
 }
 
-/// Where a path ends, in rad.
+/// Returns the end of a path, in rad.
 #[must_use]
 pub fn end_rad(path: &JointPath) -> Joints {
     let last = path.steps().iter().rev().find_map(|step| match step {
@@ -204,7 +204,7 @@ fn path_blend(dice: &mut Dice) -> PathBlend {
     PathBlend { cart_mm, orientation_rad, sunrise_rel, fraction: None }
 }
 
-/// Some limits of the TCP.
+/// Returns random TCP limits.
 fn tool_limits(dice: &mut Dice) -> ToolLimits {
     let mut any =
         |percent: u8, ranges: [[f64; 2]; 3]| {
@@ -219,7 +219,7 @@ fn tool_limits(dice: &mut Dice) -> ToolLimits {
     }
 }
 
-/// Limits of a segment of its own, on every fourth.
+/// Returns separate limits of a segment, with a probability of a quarter.
 fn segment_limits(dice: &mut Dice) -> SegmentLimits {
     if !dice.percent(25) {
         return SegmentLimits::default();
@@ -228,12 +228,12 @@ fn segment_limits(dice: &mut Dice) -> SegmentLimits {
     SegmentLimits { shares, tool: tool_limits(dice) }
 }
 
-/// A motion to be drawn, from where the arm is.
+/// Context of a random motion, from the current pose of the arm.
 struct Way<'a> {
     robot: &'a Robot,
     program: &'a Program,
     from_rad: Joints,
-    /// How far joints go, in rad.
+    /// Joint displacement, in rad.
     size: f64,
 }
 
@@ -261,7 +261,8 @@ impl Way<'_> {
         Motion::Cartesian(Box::new(path))
     }
 
-    /// Joints near those where the motion starts, within their ranges; with the same E1 unless it may `swing`.
+    /// Returns joint positions near the start of the motion, within the joint ranges; with the same
+    /// E1 unless `swing`.
     fn near(&self, dice: &mut Dice, swing: bool) -> Joints {
         let step = dice.joints(|dice| dice.between(-1.0, 1.0));
         let near: Joints = std::array::from_fn(|j| self.from_rad[j] + self.size * step[j]);
@@ -272,7 +273,7 @@ impl Way<'_> {
         near
     }
 
-    /// Shares, tool and base of a motion that has no course yet.
+    /// Returns a motion with relative limits, tool and base, without a course.
     fn unlimited(dice: &mut Dice) -> CartesianMotion {
         let tool = dice.percent(10).then(|| if dice.percent(50) { TIP } else { "flange" });
         let base = dice.percent(30).then(|| TABLE.to_owned());
@@ -284,7 +285,7 @@ impl Way<'_> {
         }
     }
 
-    /// The same with limits of the TCP and a law of orientation.
+    /// Returns a motion with TCP limits and a law of orientation, without a course.
     fn path(dice: &mut Dice) -> CartesianMotion {
         let tool_limits = tool_limits(dice);
         let orientation =
@@ -292,19 +293,19 @@ impl Way<'_> {
         CartesianMotion { tool_limits, orientation, ..Self::unlimited(dice) }
     }
 
-    /// The TCP of a motion at some joints, in the robot's foot.
+    /// Returns the TCP of a motion at joint positions, in the robot base.
     fn tcp(&self, motion: &CartesianMotion, joints_rad: &Joints) -> Pose {
         let tcp = self.program.workcell.tcp(motion.tool.as_deref()).unwrap_or(Pose::IDENTITY);
         self.robot.flange_pose(joints_rad).then(&tcp)
     }
 
-    /// A pose of the robot's foot as a target in the motion's base.
+    /// Converts a pose in the robot base to a target in the motion's base.
     fn at(&self, motion: &CartesianMotion, pose: &Pose) -> Target {
         let base = self.program.workcell.base(motion.base.as_deref()).unwrap_or(Pose::IDENTITY);
         Target::at(Frame::from(&base.inverse().then(pose)))
     }
 
-    /// Where the TCP is at some joints, as a target.
+    /// Returns the TCP pose at joint positions, as a target.
     fn target(
         &self,
         dice: &mut Dice,
@@ -351,7 +352,7 @@ impl Way<'_> {
         CartesianMotion { course, ..path }
     }
 
-    /// The arm turns about a standing TCP.
+    /// Returns a null-space motion, with the TCP at rest.
     fn null_space(&self, dice: &mut Dice) -> CartesianMotion {
         let path = Self::path(dice);
         let by = self.size * dice.between(-1.0, 1.0);
@@ -391,7 +392,7 @@ impl Way<'_> {
         }
     }
 
-    /// Mostly SPL segments, with lines and circles among them.
+    /// Returns a spline, mostly of SPL segments, with lines and circles among them.
     fn spline(&self, dice: &mut Dice) -> CartesianMotion {
         let path = Self::path(dice);
         let mut from_rad = self.from_rad;
@@ -416,7 +417,7 @@ impl Way<'_> {
     }
 }
 
-/// Shares of the joints' limits, mostly all of them.
+/// Returns relative joint limits, mostly full ones.
 fn shares(dice: &mut Dice) -> ByKind<Joints> {
     ByKind::from_fn(|_| match dice.count(0, 9) {
         0 => dice.joints(|dice| dice.between(0.2, 1.0)),

@@ -1,4 +1,4 @@
-//! Programs with loads, and an independent solver's answers to them.
+//! Programs with loads, and the results of an independent solver.
 
 #![expect(clippy::unwrap_used, reason = "a test fails by it")]
 
@@ -10,25 +10,25 @@ use serde::Deserialize;
 
 use crate::fixture;
 
-/// A case of `fixtures/reference/torque.json`.
+/// Case of `fixtures/reference/torque.json`.
 #[derive(Deserialize)]
 pub struct TorqueCase {
-    /// Its number.
+    /// Number of the case.
     pub id: usize,
     links: Vec<Body>,
     load: Body,
     gravity_m_s2: [f64; 3],
-    /// What the joints may exert, in Nm.
+    /// Torque limits of the joints, in Nm.
     pub torque_limit_nm: Joints,
     torque_limit_share: f64,
-    /// Durations, without settling.
+    /// Durations, without settle time.
     pub motion_s: Durations,
     program: serde_json::Value,
-    /// The largest share that standing still takes anywhere on the way.
+    /// Largest static torque along the path, relative to the limit.
     pub static_peak_share: f64,
-    /// Without limits of torque.
+    /// Peak torques without torque limits.
     pub peak_torque_share: PeakShares,
-    /// Without limits of torque.
+    /// Work and power without torque limits.
     pub energy: Energies,
 }
 
@@ -42,42 +42,42 @@ struct Body {
 /// Durations of a program, in s.
 #[derive(Deserialize)]
 pub struct Durations {
-    /// Under limits of velocity and acceleration.
+    /// Duration with velocity and acceleration limits.
     pub acceleration: f64,
-    /// Under those and limits of jerk.
+    /// Duration with velocity, acceleration and jerk limits.
     pub jerk: f64,
-    /// Under limits of velocity, acceleration and torque.
+    /// Duration with velocity, acceleration and torque limits.
     pub acceleration_torque: f64,
-    /// Under all limits.
+    /// Duration with all limits.
     pub jerk_torque: f64,
 }
 
-/// The largest shares of the limits of torque.
+/// Peak torques relative to the torque limits.
 #[derive(Deserialize)]
 pub struct PeakShares {
-    /// With limits of acceleration.
+    /// Peaks with acceleration limits.
     pub acceleration: Joints,
-    /// With limits of jerk.
+    /// Peaks with jerk limits.
     pub jerk: Joints,
 }
 
 /// Work and power.
 #[derive(Deserialize)]
 pub struct Energies {
-    /// With limits of jerk.
+    /// Work and power with jerk limits.
     pub jerk: Energy,
 }
 
 /// Work and power of one plan.
 #[derive(Deserialize)]
 pub struct Energy {
-    /// Work that the joints do, in J.
+    /// Work done by the joints, in J.
     pub positive_j: f64,
-    /// Work that is done on them, in J.
+    /// Work done on the joints, in J.
     pub negative_j: f64,
-    /// The first, joint by joint.
+    /// Work done by each joint, in J.
     pub positive_per_joint_j: Joints,
-    /// The most that they give at once, in W.
+    /// Peak power of the joints, in W.
     pub peak_power_w: f64,
 }
 
@@ -93,7 +93,7 @@ impl From<&Body> for RigidBody {
     }
 }
 
-/// The load, by its principal axes.
+/// Returns the load with its principal axes.
 fn load(body: &Body) -> Load {
     let [xx, xy, xz, yy, yz, zz] = body.inertia_kg_m2;
     let tensor = Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz);
@@ -111,11 +111,11 @@ fn load(body: &Body) -> Load {
 }
 
 impl TorqueCase {
-    /// Its path, with or without limits of torque.
+    /// Returns the path of the case, with or without torque limits.
     ///
     /// # Panics
     ///
-    /// If the case is not one of these programs.
+    /// Panics if the case is not one of these programs.
     #[must_use]
     pub fn path(&self, limits_torque: bool) -> JointPath {
         let mut program = Program::from_json(&self.program.to_string()).unwrap();
@@ -136,11 +136,11 @@ impl TorqueCase {
     }
 }
 
-/// All of `fixtures/reference/torque.json`.
+/// Returns all cases of `fixtures/reference/torque.json`.
 ///
 /// # Panics
 ///
-/// If the file is missing, or not of this form.
+/// Panics if the file is missing, or has another format.
 #[must_use]
 pub fn cases() -> Vec<TorqueCase> {
     let text = std::fs::read_to_string(fixture("reference/torque.json")).unwrap();

@@ -1,4 +1,5 @@
-//! Minimal ZMTP 3.1 peers without keys: they can stop at any byte, send arbitrary data, and not read replies.
+//! Minimal ZMTP 3.1 peers without keys: they can stop at any byte, send arbitrary data, and not
+//! read replies.
 
 use std::{
     io::{self, Read, Write},
@@ -6,23 +7,23 @@ use std::{
     time::{Duration, Instant},
 };
 
-/// Flag of a frame that is not the last one of its message.
+/// Flag of all frames of a message except the last one.
 pub const MORE: u8 = 1;
-/// Flag of a frame whose length has eight bytes.
+/// Flag of a frame with an eight-byte length.
 const LONG: u8 = 2;
 /// Flag of a command.
 pub const COMMAND: u8 = 4;
 
-/// Longest accepted frame, in bytes.
+/// Maximum accepted frame size, in bytes.
 const LONGEST: u64 = 1 << 30;
 
-/// Time that a handshake on an idle machine never takes.
+/// Time limit that no handshake on an idle machine reaches.
 pub const HANDSHAKE_TIMEOUT: Duration = Duration::from_secs(3);
 
-/// One end of a connection.
+/// Endpoint of a connection.
 #[derive(Debug)]
 pub struct Peer {
-    /// The connection, for what is not a message.
+    /// Connection, for data other than messages.
     pub stream: TcpStream,
 }
 
@@ -31,7 +32,7 @@ impl Peer {
     ///
     /// # Errors
     ///
-    /// If the connection is not accepted within `timeout`.
+    /// An error if the connection is not accepted within `timeout`.
     pub fn silent(at: SocketAddr, timeout: Duration) -> io::Result<Self> {
         Ok(Self { stream: TcpStream::connect_timeout(&at, timeout)? })
     }
@@ -40,16 +41,17 @@ impl Peer {
     ///
     /// # Errors
     ///
-    /// As [`silent`](Self::silent) and [`shake_hands`](Self::shake_hands).
+    /// See [`silent`](Self::silent) and [`shake_hands`](Self::shake_hands).
     pub fn connect(at: SocketAddr, kind: &str, timeout: Duration) -> io::Result<Self> {
         Self::shake_hands(Self::silent(at, timeout)?.stream, kind, timeout)
     }
 
-    /// The handshake, on either side. Later writes have this time-out, too.
+    /// Performs the handshake, on either side. Later writes have the same time-out.
     ///
     /// # Errors
     ///
-    /// If the connection fails, the handshake takes longer than `timeout`, or the other side requires keys.
+    /// An error if the connection fails, the handshake takes longer than `timeout`, or the peer
+    /// requires keys.
     pub fn shake_hands(mut stream: TcpStream, kind: &str, timeout: Duration) -> io::Result<Self> {
         let end = Instant::now() + timeout;
         stream.set_nodelay(true)?;
@@ -81,24 +83,24 @@ impl Peer {
     ///
     /// # Errors
     ///
-    /// If the connection fails.
+    /// An error if the connection fails.
     pub fn send(&mut self, frames: &[&[u8]]) -> io::Result<()> {
         self.stream.write_all(&message(frames))
     }
 
-    /// Waits for the next message, and answers heartbeats meanwhile. After an error, including a time-out, the
-    /// connection is unusable.
+    /// Waits for the next message, and answers heartbeats meanwhile. After an error, including a
+    /// time-out, the connection is unusable.
     ///
     /// # Errors
     ///
-    /// If the connection fails, or no message arrives within `timeout`.
+    /// An error if the connection fails, or no message arrives within `timeout`.
     pub fn receive(&mut self, timeout: Duration) -> io::Result<Vec<Vec<u8>>> {
         let end = Instant::now() + timeout;
         let mut frames = Vec::new();
         loop {
             let (flags, body) = self.frame(end)?;
             if flags & COMMAND != 0 {
-                // PING: its name, a time to live of two bytes, a context that comes back.
+                // PING: its name, a two-byte time to live, and a context to return.
                 if let Some(context) = body.strip_prefix(b"\x04PING").and_then(|ping| ping.get(2..))
                 {
                     let pong = [b"\x04PONG", context].concat();
@@ -114,11 +116,11 @@ impl Peer {
         }
     }
 
-    /// Whether the other side has closed the connection. What it has sent meanwhile is dropped.
+    /// Returns true if the peer has closed the connection. Data received meanwhile are dropped.
     ///
     /// # Errors
     ///
-    /// If the time-out of the connection cannot be set.
+    /// An error if the time-out of the connection cannot be set.
     pub fn is_closed(&mut self) -> io::Result<bool> {
         self.stream.set_read_timeout(Some(Duration::from_millis(1)))?;
         Ok(match self.stream.read(&mut [0; 1 << 12]) {
@@ -147,7 +149,7 @@ impl Peer {
     }
 }
 
-/// A message as bytes.
+/// Encodes a message.
 #[must_use]
 pub fn message(frames: &[&[u8]]) -> Vec<u8> {
     let mut bytes = Vec::new();
@@ -159,14 +161,14 @@ pub fn message(frames: &[&[u8]]) -> Vec<u8> {
     bytes
 }
 
-/// A subscription to a topic as a command of ZMTP 3.1.
+/// Encodes a subscription to a topic as a ZMTP 3.1 command.
 #[must_use]
 pub fn subscription(topic: &[u8]) -> Vec<u8> {
     let body = [b"\x09SUBSCRIBE", topic].concat();
     [frame_head(COMMAND, body.len()), body].concat()
 }
 
-/// The header of a frame.
+/// Encodes the header of a frame.
 #[must_use]
 pub fn frame_head(flags: u8, length: usize) -> Vec<u8> {
     match u8::try_from(length) {
@@ -175,7 +177,7 @@ pub fn frame_head(flags: u8, length: usize) -> Vec<u8> {
     }
 }
 
-/// Signature, version 3.1, mechanism NULL.
+/// Returns the greeting: signature, version 3.1, mechanism NULL.
 fn greeting() -> [u8; 64] {
     let mut greeting = [0; 64];
     greeting[0] = 0xff;

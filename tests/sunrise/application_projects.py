@@ -1,4 +1,4 @@
-"""Projects about what Java does around motions: time, classes, questions, signals, forces."""
+"""Projects for Java code around motions: time, classes, dialogs, signals, forces."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ def asynchronous(folder: Path) -> Program:
     p.ptp("Belt/Give", "ptp(give).setBlendingCart(40)", blend={"cart_mm": 40})
     p.wait(0.2, "MILLISECONDS.sleep(200)", overlap=1)
     p.lin("Belt/Fetch", "lin(fetch).setBlendingCart(30)", blend={"cart_mm": 30})
-    # It begins when the one before it is over, after the first motion has begun.
+    # The wait begins after the previous wait, after the first motion has begun.
     p.wait(0.3, "MILLISECONDS.sleep(300)", overlap=2)
     p.lin("Belt/Give", "lin(give)")
 

@@ -1,11 +1,13 @@
 #!/usr/bin/env python3
-"""What the import of the Sunrise projects in fixtures/sunrise has to give: computed here, without a look at their Java.
+"""Expected imports of the Sunrise projects in fixtures/sunrise, independent of their Java code.
 
     tests/sunrise/expected.py [--check]
 
-Each project is stated a second time, motion by motion, with the arithmetic of this folder; of the Java only the numbers
-of lines are looked up. Writes the projects' data files and their `expected.json`; `--check` compares those that are there.
-Of the projects that have to be refused, in fixtures/sunrise/refused, the places that their `expected.toml` names are there.
+Each project is stated a second time, motion by motion, with the arithmetic of this folder; only
+line numbers are looked up in the Java files. Writes the data files of the projects and their
+`expected.json`; `--check` compares the existing files. For the projects in
+fixtures/sunrise/refused, which have to be refused, the places in their `expected.toml` have to
+exist.
 """
 
 from __future__ import annotations
@@ -47,7 +49,9 @@ def files(folder: Path, program: Program) -> dict[Path, str]:
 
 
 def is_same(found: object, stated: object) -> bool:
-    """Whether two documents are alike, but for the last bits of numbers: sines are not the same on all machines."""
+    """True if two documents are equal except for the last bits of numbers, as sines differ between
+    machines.
+    """
     if isinstance(found, dict) and isinstance(stated, dict):
         return list(found) == list(stated) and all(
             is_same(found[key], stated[key]) for key in found
@@ -69,7 +73,7 @@ def is_as_stated(path: Path, text: str) -> bool:
 
 
 def wrong_refusal(folder: Path) -> str | None:
-    """What is wrong with the statement of how a project is refused."""
+    """The error in the expected refusal of a project; None if it is correct."""
     name = f"refused/{folder.name}"
     try:
         stated = tomllib.loads((folder / "expected.toml").read_text(encoding="utf-8"))

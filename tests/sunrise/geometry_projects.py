@@ -1,4 +1,4 @@
-"""Projects about where the arm goes: joints, frames, tools, paths, batches."""
+"""Projects for targets and paths: joints, frames, tools, paths, batches."""
 
 from __future__ import annotations
 

@@ -1,11 +1,12 @@
-"""Poses in mm and rad as Sunrise writes them, and which turn the arm has at one."""
+"""Poses in mm and rad as in Sunrise, and the turn of joint positions."""
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass
 
-# Lengths of the LBR iiwa 7 R800 from shoulder to elbow, elbow to wrist, foot to shoulder, wrist to flange, in mm.
+# Lengths of the LBR iiwa 7 R800 from shoulder to elbow, elbow to wrist, foot to shoulder, wrist to
+# flange, in mm.
 UPPER, FORE, FOOT, FLANGE = 400.0, 400.0, 340.0, 152.0
 LIMITS_DEG = [170, 120, 170, 120, 170, 120, 175]
 
@@ -55,7 +56,7 @@ class Pose:
         return cls(*origin, a, b, c)
 
     def then(self, carried: Pose) -> Pose:
-        """The pose of what this one carries."""
+        """The composition of this pose with a pose in its frame."""
         moved = applied(self.rotation, [carried.x, carried.y, carried.z])
         origin = [own + by for own, by in zip([self.x, self.y, self.z], moved)]
         return Pose.of(product(self.rotation, carried.rotation), origin)
@@ -65,18 +66,18 @@ class Pose:
         return Pose.of(back, [-v for v in applied(back, [self.x, self.y, self.z])])
 
     def keys(self) -> dict[str, float]:
-        """As programs have it."""
+        """The keys of the pose in programs."""
         values = [self.x, self.y, self.z, self.a, self.b, self.c]
         return dict(zip(["x_mm", "y_mm", "z_mm", "a_rad", "b_rad", "c_rad"], values))
 
 
 def deg(x: float, y: float, z: float, a: float, b: float, c: float) -> Pose:
-    """With angles in degrees."""
+    """A pose with angles in deg."""
     return Pose(x, y, z, *map(math.radians, [a, b, c]))
 
 
 def joints(flange: Pose, e1: float, status: int) -> list[float]:
-    """The joints that bring the flange to a pose, with A3 at `e1`: in closed form, see docs/cartesian.md."""
+    """Joint positions for a flange pose, with A3 at `e1`, in closed form: see docs/cartesian.md."""
     s0, s4, s6 = (-1 if status & bit else 1 for bit in [1, 2, 4])
     r = flange.rotation
     wx, wy, wz = (
@@ -106,5 +107,5 @@ def joints(flange: Pose, e1: float, status: int) -> list[float]:
 
 
 def turn(found: list[float]) -> int:
-    """The bits of the joints that are negative."""
+    """The turn: one bit for each negative joint."""
     return sum(1 << i for i, angle in enumerate(found) if angle < 0)

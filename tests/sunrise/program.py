@@ -1,4 +1,4 @@
-"""Programs as the import has to write them, motion by motion."""
+"""Expected programs of the import, motion by motion."""
 
 from __future__ import annotations
 
@@ -11,13 +11,15 @@ from station import Load, Station
 
 
 def exact_deg(rad: float) -> float:
-    """What reads back as `rad`: going to degrees and back may be off by a bit."""
+    """An angle in deg that reads back exactly as `rad`, as conversion to deg and back may differ by
+    one bit.
+    """
     about = math.degrees(rad)
     near = [about, math.nextafter(about, math.inf), math.nextafter(about, -math.inf)]
     return next((deg for deg in near if math.radians(deg) == rad), about)
 
 
-# The keys of motions in the order in which programs are written.
+# Keys of motions in the order of written programs.
 ORDER = [
     *[
         "type",
@@ -44,7 +46,7 @@ ORDER = [
 
 
 class Program:
-    """Where the arm begins, and what it does; `folder` has the project's sources."""
+    """Start and motions of a program; `folder` has the sources of the project."""
 
     def __init__(self, folder: Path, station: Station, main: str, tool: str | None = None) -> None:
         self.folder, self.station, self.main, self.tool = folder, station, main, tool
@@ -54,7 +56,9 @@ class Program:
         self.used_bases: set[str] = set()
 
     def source(self, place: str | tuple[str, str]) -> dict:
-        """Where a call is, by a piece of text that only its line has: a file's name may come before it."""
+        """The place of a call, found by text that is unique to its line; a file name may precede
+        it.
+        """
         name, text = place if isinstance(place, tuple) else (self.main, place)
         (file,) = sorted(self.folder.glob(f"src/**/{name}.java"))
         lines = file.read_text(encoding="utf-8").split("\n")
@@ -64,7 +68,7 @@ class Program:
 
     def add(self, kind: str, place: str | tuple[str, str], **keys: object) -> None:
         if kind != "wait" and not keys.get("blend"):
-            # The program waits for its end, unless something else is said.
+            # By default, the program waits for the end of the motion.
             keys.setdefault("blocking", True)
         given = {key: value for key, value in keys.items() if value is not None}
         motion = {"type": kind, **given, "source": self.source(place)}
@@ -87,7 +91,7 @@ class Program:
     def path(
         self, kind: str, place: str | tuple[str, str], tool: str | None = None, **keys: object
     ) -> None:
-        """A motion of a TCP: `tool` if that is not the program's."""
+        """Adds a motion of a TCP; `tool` if it differs from the tool of the program."""
         self.use_tool(tool)
         for target in [keys.get("frame"), keys.get("aux"), keys.get("in")]:
             self.use(target)
@@ -121,7 +125,7 @@ class Program:
         self.motions.append({"type": "load", "load": load.keys() if load else None} | source)
 
     def text(self) -> str:
-        """As JSON, with a line for each entry and each motion."""
+        """The program as JSON, with one line per entry and motion."""
         station = self.station
         named = {
             "tools": {name: station.tool(name) for name in sorted(self.used_tools)},
@@ -149,5 +153,5 @@ class Program:
 
 
 def placed(pose: Pose, redundancy: dict | None = None) -> dict:
-    """A target where it is used, in the robot's foot."""
+    """An inline target, relative to the robot foot."""
     return {**pose.keys(), "base": "robot", **(redundancy or {})}

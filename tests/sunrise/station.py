@@ -1,4 +1,6 @@
-"""Stations: their frames, tools, workpieces and process data, and the data file that Sunrise would keep of them."""
+"""Stations with frames, tools, workpieces and process data, and the corresponding Sunrise data
+file.
+"""
 
 from __future__ import annotations
 
@@ -12,7 +14,7 @@ PACKAGE = "com.kuka.roboticsAPI"
 
 @dataclass(frozen=True)
 class Load:
-    """What something weighs: kg, mm and kg m^2, about axes along those of its own root."""
+    """A load: kg, mm and kg m^2, about axes parallel to the axes of its root."""
 
     mass: float
     center: tuple[float, float, float] = (0, 0, 0)
@@ -26,12 +28,12 @@ class Load:
         }
 
     def moved(self, z: float) -> Load:
-        """Carried with its root at z of another."""
+        """The load with its root shifted to z of another."""
         x, y, own = self.center
         return Load(self.mass, (x, y, own + z), self.inertia)
 
     def with_one(self, other: Load) -> Load:
-        """Both as one, where both centres are on the z axis: the axes then stay as they are."""
+        """Both loads combined; both centres are on the z axis, so that the axes do not change."""
         assert self.center[:2] == other.center[:2] == (0, 0)
         mass = self.mass + other.mass
         z = (self.mass * self.center[2] + other.mass * other.center[2]) / mass
@@ -55,7 +57,7 @@ class Frame:
 
 @dataclass
 class Tool:
-    """A template: its TCPs in the flange's frame, the first one being what moves."""
+    """A tool template: its TCPs in the flange frame; the first one is the default TCP."""
 
     tcps: dict[str, Pose] = field(default_factory=dict)
     load: Load | None = None
@@ -82,7 +84,7 @@ class Station:
     data: dict[str, ProcessData] = field(default_factory=dict)
 
     def world(self, path: str) -> Pose:
-        """A frame in the world, which is the robot's foot."""
+        """A frame in the world, which is the robot foot."""
         parent, _, _ = path.rpartition("/")
         own = self.frames[path].pose
         return self.world(parent).then(own) if parent else own
@@ -91,14 +93,14 @@ class Station:
         return [name for name in self.frames if name.rpartition("/")[0] == path]
 
     def tcp(self, name: str | None) -> Pose:
-        """A TCP by `TOOL/TCP`, in the flange's frame."""
+        """A TCP by `TOOL/TCP`, in the flange frame."""
         if name is None:
             return Pose()
         tool, _, tip = name.partition("/")
         return self.tools[tool].tcps[tip]
 
     def turn(self, path: str) -> int | None:
-        """The turn with which a frame was taught."""
+        """The turn of a taught frame."""
         frame = self.frames[path]
         if frame.status is None or frame.e1 is None:
             return None
@@ -106,24 +108,24 @@ class Station:
         return turn(joints(flange, frame.e1, frame.status))
 
     def redundancy(self, path: str) -> dict:
-        """As programs have it."""
+        """The redundancy data in programs."""
         frame = self.frames[path]
         if frame.status is None:
             return {}
         return {"e1_rad": frame.e1, "status": frame.status, "turn": self.turn(path)}
 
     def target(self, path: str) -> dict:
-        """As an entry of `frames`."""
+        """An entry of `frames`."""
         parent = path.rpartition("/")[0]
         return {**self.frames[path].pose.keys(), "base": parent or "robot", **self.redundancy(path)}
 
     def base(self, path: str) -> dict:
-        """As an entry of `bases`."""
+        """An entry of `bases`."""
         parent = path.rpartition("/")[0]
         return self.frames[path].pose.keys() | ({"base": parent} if parent else {})
 
     def tool(self, name: str) -> dict:
-        """As an entry of `tools`."""
+        """An entry of `tools`."""
         tool = self.tools[name]
         names = list(tool.tcps)
         entry: dict = {"tcp": (tool.tcps[names[0]] if names else Pose()).keys()}

@@ -1,5 +1,5 @@
-//! The rules that keep the workspace easy to change, held against its sources: the arrows between
-//! crates, circles between files, names, and names in the documentation.
+//! Architecture rules, checked on the sources of the workspace: dependencies between crates, cycles
+//! between files, names, and names in the documentation.
 
 mod arrows;
 mod circles;

@@ -1,4 +1,4 @@
-//! Paths of the TCP against cases of 40-digit arithmetic and the durations of an independent solver, in
+//! TCP paths compared with 40-digit arithmetic and the durations of an independent solver, in
 //! `fixtures/reference/cartesian.json`.
 
 use iiwa_path::{JointPath, Segment, Step};
@@ -10,7 +10,7 @@ fn path(case: &CartesianCase) -> JointPath {
     JointPath::new(&case.program, &case.robot).unwrap()
 }
 
-/// The motion's segment.
+/// Returns the segment of the motion.
 fn segment(path: &JointPath) -> &dyn Segment {
     path.steps()
         .iter()

@@ -1,7 +1,7 @@
-//! Paths that break solvers. Each is planned and checked under either timing, and where there is a
-//! closed form, its duration is held against it.
+//! Paths that break solvers. Each is planned and checked with both time parameterisations, and if
+//! there is a closed form, its duration is compared with it.
 
-// Helpers of tests may fail.
+// Test helpers may panic.
 #![allow(clippy::unwrap_used, clippy::panic, clippy::float_cmp)]
 
 use iiwa_kin::{Joints, Robot};
@@ -23,7 +23,7 @@ const SHAPES: [BlendShape; 6] = [
     BlendShape::Circle,
 ];
 
-/// Joint `joint` (from 1) at `deg`, the others at zero.
+/// Returns joint `joint` (from 1) at `deg`, the others at zero.
 fn only(joint: usize, deg: f64) -> Joints {
     std::array::from_fn(|j| if j + 1 == joint { deg.to_radians() } else { 0.0 })
 }
@@ -41,14 +41,14 @@ fn path(start: Joints, motions: &[Ptp], shape: BlendShape) -> JointPath {
     JointPath::with_options(&program, &Robot::lbr_iiwa_7_r800(), options).unwrap()
 }
 
-/// The first motion whose blend starts with a jump in curvature, from 0.
+/// Returns the first motion whose blend starts with a jump in curvature.
 fn first_kink(path: &JointPath) -> Option<MotionIndex> {
     let mut blends = path.blends();
     let kink = blends.find(|(_, segment)| !segment.has_continuous_curvature());
     kink.map(|(corner, _)| corner.motion)
 }
 
-/// Plans with either timing and checks both; returns the acceleration-limited one.
+/// Plans with both time parameterisations and checks both; returns the acceleration-limited plan.
 fn plan(path: &JointPath, samples: usize) -> Trajectory {
     let timing = Timing::Acceleration(SweepOptions { samples });
     let trajectory = Trajectory::plan(path, timing).unwrap();
@@ -63,7 +63,7 @@ fn plan(path: &JointPath, samples: usize) -> Trajectory {
     trajectory
 }
 
-/// Limits hold, and it is no faster than without those of jerk.
+/// Checks that limits hold, and that the plan is no faster than without jerk limits.
 fn check_jerk(trajectory: &Trajectory, acceleration: &Trajectory) {
     let mut last: Option<State> = None;
     for state in trajectory.states() {
@@ -83,12 +83,12 @@ fn check_jerk(trajectory: &Trajectory, acceleration: &Trajectory) {
     assert!(found >= least, "{found} s, {least} s without limits of jerk");
 }
 
-/// The duration of a program whose motions are `motions`, in s, without settling.
+/// Returns the duration of a program with `motions`, in s, without settle time.
 fn motion_time_s(start: Joints, motions: &[Ptp]) -> f64 {
     plan(&path(start, motions, BlendShape::Iiwa), 100).motion_time_s()
 }
 
-/// Stamps increase, limits hold, and position and velocity do not jump.
+/// Checks that stamps increase, limits hold, and position and velocity do not jump.
 fn check(trajectory: &Trajectory) {
     let path = trajectory.path();
     let mut last: Option<State> = None;
@@ -127,10 +127,10 @@ fn check(trajectory: &Trajectory) {
     assert_eq!(last.dq, [0.0; 7]);
 }
 
-/// Between two looks at a trajectory, in s.
+/// Sample step of the checks, in s.
 const DT: f64 = 1e-4;
 
-/// From rest to rest over `distance` at limits of speed and acceleration.
+/// Returns the duration from rest to rest over `distance` with speed and acceleration limits.
 fn trapezoid(distance: f64, v: f64, a: f64) -> f64 {
     if distance > v * v / a { distance / v + v / a } else { 2.0 * (distance / a).sqrt() }
 }
@@ -160,7 +160,8 @@ fn one_joint_alone() {
     same(motion_time_s([0.0; 7], &there_and_back), 2.0 * trapezoid(40.0, V1, A1), 1e-9);
 }
 
-/// On a line all joints move in proportion: the slowest decides, for speed and acceleration apart.
+/// All joints move in proportion on a line: the slowest joint is critical, separately for speed and
+/// acceleration.
 #[test]
 fn all_joints_on_one_line() {
     let to = [0.9, -0.8, 0.7, -0.6, 0.5, -0.4, 0.3];
@@ -204,7 +205,7 @@ fn straight_on_is_one_motion() {
     }
 }
 
-/// The blend already keeps the limits of what follows (Larsen 2019, Appendix B).
+/// A blend already keeps the limits of the next motion (Larsen 2019, Appendix B).
 #[test]
 fn straight_on_into_a_slower_motion() {
     let motions =
@@ -217,7 +218,7 @@ fn straight_on_into_a_slower_motion() {
     same(motion_time_s([0.0; 7], &motions), first + second, 1e-6);
 }
 
-/// Almost straight on must not differ from straight on.
+/// A nearly collinear corner must not differ from a collinear one.
 #[test]
 fn nearly_straight_on() {
     for deg in [1e-9, 1e-7, 1e-5, 1e-3] {
@@ -226,14 +227,14 @@ fn nearly_straight_on() {
         for shape in SHAPES {
             let motions = [Ptp::to(only(1, 40.0)).blend(Blend::Fraction(0.25)), Ptp::to(end)];
             let trajectory = plan(&path([0.0; 7], &motions, shape), 100);
-            // Eq. 32 keeps an even pace, the others do not: their grid misses the switch.
+            // Eq. 32 has a constant pace, the others do not: their grid misses the switching point.
             same(trajectory.motion_time_s(), trapezoid(90.0, V1, A1), 1e-3);
         }
     }
 }
 
-/// A joint that turns back is at rest at its farthest, so that each way between two turns takes the
-/// time of a motion from rest to rest.
+/// A reversing joint is at rest at its turning point, so the motion between two turning points
+/// takes the time of a motion from rest to rest.
 #[test]
 fn one_joint_turns_back() {
     for shape in SHAPES {
@@ -247,7 +248,7 @@ fn one_joint_turns_back() {
                     _ => None,
                 })
             };
-            // Where joint 1 turns, found on a fine grid.
+            // Turning points of joint 1 on a fine grid.
             let mut turns = vec![0.0_f64];
             let mut before = (0.0_f64, 0.0_f64);
             for q in moves().flat_map(|segment: &dyn Segment| {
@@ -278,7 +279,7 @@ fn all_joints_turn_back() {
         for blend in [Blend::Fraction(0.1), Blend::Fraction(0.5), Blend::CartMm(100.0)] {
             let path = path([0.0; 7], &[Ptp::to(to).blend(blend), Ptp::to([0.0; 7])], shape);
             let trajectory = plan(&path, 100);
-            // It turns before the target: there and back with a stop would take longer.
+            // The joint turns before the target: a stop there would take longer.
             let stop = motion_time_s([0.0; 7], &[Ptp::to(to), Ptp::to([0.0; 7])]);
             assert!(trajectory.motion_time_s() < stop, "{shape:?}");
         }
@@ -301,7 +302,7 @@ fn repeated_targets() {
     same(nowhere.cycle_time_s(), 2.0 * settle_time_s(), 1e-12);
 }
 
-/// Two blends of half a motion leave nothing of it between them, but for rounding or a sliver.
+/// Two blends of half a motion leave nothing of it between them, except rounding or a sliver.
 #[test]
 fn slivers_between_blends() {
     let a = [0.0; 7];
@@ -356,7 +357,8 @@ fn tiny_motions() {
                 Ptp::to([0.0; 7]),
             ];
             let found = plan(&path([0.0; 7], &there, shape), 100).motion_time_s();
-            // Nothing but acceleration limits it: it goes with the root of its size.
+            // Only acceleration limits the motion: its duration is proportional to the square root
+            // of its size.
             let large = plan(
                 &path(
                     [0.0; 7],
@@ -373,11 +375,11 @@ fn tiny_motions() {
             same(found / (rad / 1e-2).sqrt(), large, 2e-4);
         }
     }
-    // Less than a nanoradian is rounding.
+    // Motions below a nanoradian are rounding.
     assert_eq!(motion_time_s([0.0; 7], &[Ptp::to(only(1, 1e-8))]), 0.0);
 }
 
-/// Tiny motions between large ones, blended.
+/// Tiny blended motions between large ones.
 #[test]
 fn tiny_motions_on_the_way() {
     let half = Blend::Fraction(0.5);
@@ -394,7 +396,8 @@ fn tiny_motions_on_the_way() {
     }
 }
 
-/// A tiny motion between a large one and a slow one: the speed changes by far within next to no way.
+/// A tiny motion between a large and a slow one: the speed changes strongly over almost no
+/// distance.
 #[test]
 fn tiny_motions_before_slow_ones() {
     let two = |joints: [usize; 2], q: [f64; 2]| -> Joints {
@@ -432,8 +435,8 @@ fn tiny_motions_before_slow_ones() {
 
 #[test]
 fn slow_motions_take_as_long_as_they_are_slow() {
-    // A hundredth of the speed takes a hundred times as long, but for the ramps. Sampling so long a
-    // time, as the other tests do, would take for ever.
+    // A hundredth of the speed takes a hundred times as long, except for the ramps. Sampling such a
+    // long time, as in the other tests, would take too long.
     for timing in [Timing::Acceleration(SweepOptions::default()), Timing::jerk_limited()] {
         let time_s = |motions: &[Ptp]| {
             let path = path([0.0; 7], motions, BlendShape::Iiwa);
@@ -454,7 +457,7 @@ fn slow_motions_take_as_long_as_they_are_slow() {
     }
 }
 
-/// The error of a limit of jerk names the first blend that is round from its start on.
+/// The error about jerk limits names the first blend whose curvature jumps at its start.
 #[test]
 fn curvature_that_jumps_is_named() {
     let (a, b) = ([0.4, 0.3, 0.0, 0.0, 0.0, 0.0, 0.0], [0.4, 0.8, 0.2, 0.0, 0.0, 0.0, 0.0]);
@@ -463,7 +466,7 @@ fn curvature_that_jumps_is_named() {
     let motions = vec![
         ptp(a, None),
         Motion::Wait { seconds: 0.5, overlap: 0 },
-        // Straight on: there is nothing to round.
+        // Collinear: there is nothing to blend.
         ptp(a.map(|q| 0.5 * q), Some(blend)),
         ptp([0.0; 7], None),
         ptp(a, Some(blend)),
@@ -494,7 +497,7 @@ fn curvature_that_jumps_is_named() {
     }
 }
 
-/// A joint that would hardly move decides about all others.
+/// A joint that hardly moves can limit all others.
 #[test]
 fn one_joint_is_held_back() {
     let (a, b) = ([0.5, 0.3, 0.0, -0.8, 0.0, 0.4, 1.0], [0.2, 0.7, 0.3, -0.2, 0.5, 0.4, -1.0]);

@@ -1,8 +1,8 @@
-//! Programs in `fixtures/hostile` on which planners have failed. Each is planned with either timing and judged
-//! at every instant, by the bars of [`iiwasim_tests::bars`]. What is known to be wrong is listed: the list can only
-//! become shorter.
+//! Programs in `fixtures/hostile` on which planners have failed. Each is planned with both time
+//! parameterisations and judged at every instant, with [`iiwasim_tests::tolerances`]. Known
+//! failures are listed: the list may only become shorter.
 
-// Helpers of tests may fail.
+// Test helpers may panic.
 #![allow(clippy::unwrap_used)]
 
 use std::{collections::BTreeSet, fs};
@@ -10,7 +10,7 @@ use std::{collections::BTreeSet, fs};
 use iiwa_program::Program;
 use iiwasim_tests::{fixture, plan_check::PlanCheck};
 
-/// What is wrong with each program, as far as it is known.
+/// Known failures of each program.
 const KNOWN: [(&str, &[&str]); 0] = [];
 
 #[test]

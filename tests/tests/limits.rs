@@ -1,4 +1,4 @@
-//! Limits hold along random programs, at the samples and between them.
+//! Limits along random programs, at the samples and between them.
 
 use iiwa_kin::Robot;
 use iiwa_path::{JointPath, Step};
@@ -37,7 +37,7 @@ fn ends_at_the_target(program: &Program, trajectory: &Trajectory) -> Result<(), 
         Motion::Ptp(ptp) => Some(ptp.target_rad),
         _ => None,
     });
-    // Less than a nanoradian is no motion: a few of these may be missing.
+    // Motions below a nanoradian are omitted: a few of these may be missing.
     for (found, expected) in
         end.q.iter().zip(target.unwrap_or(*program.start.joints_rad().unwrap()))
     {
@@ -50,7 +50,7 @@ fn keeps(trajectory: &Trajectory, rate_hz: f64, allowed: &[f64]) -> Result<(), T
     let found = ratios(trajectory, rate_hz);
     for (i, what) in LimitKind::ALL.iter().enumerate().take(allowed.len()) {
         let ratio = found[i];
-        // Not a number is too much, too.
+        // The comparison also fails for NaN.
         let kept = ratio <= allowed[i];
         prop_assert!(kept, "{what} ratio {ratio} by differences at {rate_hz} Hz");
     }
@@ -82,7 +82,7 @@ fn check_jerk(program: &Program) -> Result<(), TestCaseError> {
     ends_at_the_target(program, &trajectory)
 }
 
-/// Just before and just after a node, in s: long enough to be told apart after an hour.
+/// Distance to a node, in s: large enough to be resolved after an hour.
 const JUST: f64 = 1e-10;
 
 fn acceleration_continues(trajectory: &Trajectory) -> Result<(), TestCaseError> {
@@ -94,7 +94,7 @@ fn acceleration_continues(trajectory: &Trajectory) -> Result<(), TestCaseError> 
         let jerk = largest(limits(), LimitKind::Jerk);
         for j in 0..7 {
             let jump = (after.ddq[j] - before.ddq[j]).abs();
-            // Jerk is held against its limit over a millisecond: for an instant it may be above.
+            // Jerk is compared with its limit over a millisecond: at an instant it may exceed it.
             let allowed = 1e-6 * acceleration[j] + 2.0 * JUST * 2.0 * jerk[j];
             prop_assert!(
                 jump <= allowed,
@@ -126,7 +126,7 @@ fn rests_between_stretches(trajectory: &Trajectory) -> Result<(), TestCaseError>
 proptest! {
     #![proptest_config(ProptestConfig {
         cases: if std::env::var_os("IIWASIM_LONG").is_some() { 2000 } else { 150 },
-        // The same programs each time: a failure is one of the change at hand.
+        // Fixed programs: a failure is due to the latest change.
         rng_seed: RngSeed::Fixed(2019),
         failure_persistence: None,
         ..ProptestConfig::default()

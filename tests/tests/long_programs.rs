@@ -11,7 +11,7 @@ use proptest::{
     test_runner::{RngSeed, TestRunner},
 };
 
-/// A random program without a stop, the same at each call.
+/// Returns a random program without a stop, the same at each call.
 fn path(motions: usize, blend: &BoxedStrategy<Blend>) -> JointPath {
     let share = || prop_oneof![3 => Just(1.0), 1 => 0.1..1.0_f64];
     let joints = || prop::array::uniform7(-1.0..1.0_f64);
@@ -50,7 +50,7 @@ fn blends() -> [BoxedStrategy<Blend>; 3] {
     ]
 }
 
-/// Part by part it takes as long as when it is solved as a whole.
+/// Solving in parts gives the same duration as solving as a whole.
 #[test]
 fn parts_make_no_difference() {
     for blend in blends() {

@@ -1,4 +1,5 @@
-//! The workspace from outside: planned programs, random programs, and the architecture rules.
+//! End-to-end tests of the workspace: planned programs, random programs, and the architecture
+//! rules.
 
 mod architecture;
 mod cartesian;

@@ -1,7 +1,7 @@
-//! Programs that have to take as long as others: mirror images, the way back, legs in two parts, slower limits,
-//! stops. Under either timing, unless the crate that plans tests it already.
+//! Programs with equal durations: mirror images, reversed paths, segments in two parts, slower
+//! limits, stops. With both time parameterisations, unless tested in the planning crate.
 
-// Helpers of tests may fail.
+// Test helpers may panic.
 #![allow(clippy::unwrap_used)]
 
 use iiwa_kin::{Joints, Robot};
@@ -10,7 +10,7 @@ use iiwa_program::{Blend, Motion, Program, Ptp, Sources, Start, Workcell};
 use iiwa_traj::{SweepOptions, Timing, Trajectory};
 use iiwasim_tests::families::Family;
 
-/// By which share times may differ.
+/// Relative tolerance of durations.
 const BAR: f64 = 1e-3;
 
 fn timings() -> [Timing; 2] {
@@ -22,7 +22,8 @@ fn motion_time_s(program: &Program, timing: Timing) -> f64 {
     Trajectory::plan(&path, timing).unwrap().motion_time_s()
 }
 
-/// Fails unless `other` takes `times` as long as `program`, by up to `bar`. Returns the difference as a share.
+/// Fails unless `other` takes `times` as long as `program`, to the relative tolerance `bar`.
+/// Returns the relative difference.
 fn compare(program: &Program, other: &Program, times: f64, timing: Timing, bar: f64) -> f64 {
     let [found, expected] = [motion_time_s(other, timing), times * motion_time_s(program, timing)];
     let change = if found == expected { 0.0 } else { found / expected - 1.0 };
@@ -35,7 +36,7 @@ fn compare(program: &Program, other: &Program, times: f64, timing: Timing, bar: 
     change.abs()
 }
 
-/// The program with its poses and motions changed.
+/// Returns the program with changed poses and motions.
 fn changed(
     program: &Program,
     pose: impl Fn(Joints) -> Joints,
@@ -52,8 +53,8 @@ fn changed(
     program
 }
 
-/// Programs of two to six motions that go some way: shares of limits of each joint are `shares`, fractions of
-/// blends up to `largest`.
+/// Returns programs of two to six motions of sufficient length: `shares` gives relative limits of
+/// each joint, and blend fractions are up to `largest`.
 fn programs(
     count: usize,
     shares: impl Fn(&mut fastrand::Rng) -> [Joints; 3],
@@ -84,7 +85,7 @@ fn programs(
             workcell: Workcell::default(),
             sources: Sources::default(),
         };
-        // A blend may swing out of a joint's range.
+        // A blend may leave a joint range.
         if JointPath::new(&program, &Robot::default()).is_ok() {
             found.push(program);
         }
@@ -92,7 +93,7 @@ fn programs(
     found
 }
 
-/// Shares of each joint apart.
+/// Returns independent relative limits of each joint.
 fn apart(rng: &mut fastrand::Rng) -> [Joints; 3] {
     std::array::from_fn(|_| std::array::from_fn(|_| 0.2 + 0.8 * rng.f64()))
 }
@@ -105,7 +106,7 @@ fn ptps(program: &Program) -> Vec<Ptp> {
     program.motions.iter().filter_map(ptp).collect()
 }
 
-/// To the arm's left as to its right.
+/// Mirror images have equal durations.
 #[test]
 fn a_mirror_image_takes_as_long() {
     let mirror = |mut q: Joints| {
@@ -127,7 +128,8 @@ fn a_mirror_image_takes_as_long() {
     println!("largest change {largest:e}");
 }
 
-/// Limits and blends go with the way: each joint's and each corner's are the same there and back.
+/// Limits and blends are symmetric: those of each joint and each corner are the same in both
+/// directions.
 #[test]
 fn the_way_back_takes_as_long() {
     let mut largest = 0.0_f64;
@@ -154,7 +156,8 @@ fn the_way_back_takes_as_long() {
     println!("largest change {largest:e}");
 }
 
-/// Each leg in two halves that are blended as far as can be, and each corner's blend as far as before.
+/// Each segment in two halves with the largest blend between them, and unchanged blends at the
+/// corners.
 #[test]
 fn legs_in_two_halves_take_as_long() {
     let mut largest = 0.0_f64;
@@ -183,7 +186,8 @@ fn legs_in_two_halves_take_as_long() {
     println!("largest change {largest:e}");
 }
 
-/// At 1/k of the speed and 1/k^2 of the acceleration it takes k times as long.
+/// Scaling of limits: with 1/k of the speed and 1/k^2 of the acceleration, the program takes k
+/// times as long.
 #[test]
 fn acceleration_limited_time_scales() {
     let timing = Timing::Acceleration(SweepOptions::default());
@@ -206,7 +210,7 @@ fn acceleration_limited_time_scales() {
     println!("largest change {largest:e}");
 }
 
-/// What is before a stop does not matter after it.
+/// Motions before a stop do not affect those after it.
 #[test]
 fn a_stop_cuts_a_program_in_two() {
     let mut largest = 0.0_f64;

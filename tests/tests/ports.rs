@@ -1,4 +1,4 @@
-//! Ports are given once, whoever asks.
+//! Ports are assigned once across processes.
 
 use std::{
     collections::HashSet,
@@ -9,12 +9,12 @@ use std::{
 
 use iiwasim_tests::ports::free_port;
 
-/// Asks for a process that takes ports.
+/// Variable that turns the process into one that reserves ports.
 const TAKES: &str = "IIWASIM_TEST_TAKES_PORTS";
 
 const EACH: usize = 2000;
 
-/// Says which ports it has taken, and keeps them until its standard input closes.
+/// Prints its reserved ports, and holds them until its standard input closes.
 #[test]
 #[ignore = "the process that another test starts"]
 fn taker() {
@@ -47,11 +47,11 @@ fn two_processes_take_no_port_twice() {
             lines.filter_map(|line| line.unwrap().strip_prefix("port: ")?.parse::<u16>().ok());
         taken.extend(ports.take(EACH));
     }
-    // While both still have theirs.
+    // While both still hold theirs.
     taken.extend((0..EACH).map(|_| free_port()));
     for mut taker in takers {
         drop(taker.stdin.take());
-        // Not a reader any more: what else it prints has to go somewhere.
+        // Further output must be read.
         io::copy(&mut taker.stdout.take().unwrap(), &mut io::sink()).unwrap();
         assert!(taker.wait().unwrap().success());
     }

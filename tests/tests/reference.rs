@@ -1,4 +1,4 @@
-//! The reference programs, cross-validated against an independent solver's answers.
+//! Reference programs, cross-validated against the results of an independent solver.
 
 use iiwa_kin::Robot;
 use iiwa_path::JointPath;
@@ -61,7 +61,7 @@ fn cycle_times_with_many_samples() {
     assert!(largest_time_error(1600) < 3e-4);
 }
 
-/// Motion times of all programs under limits of jerk, in s.
+/// Returns the motion times of all programs with jerk limits, in s.
 fn jerk_limited_s(refinement: f64) -> Vec<f64> {
     let timing = Timing::Jerk(JerkOptions { refinement, ..JerkOptions::default() });
     let plan = |case: &Case| Trajectory::plan(&path(case), timing).unwrap();
@@ -81,7 +81,8 @@ fn cycle_times_under_limits_of_jerk() {
     for (case, found) in cases().iter().zip(jerk_limited_s(1.0)) {
         let error = found / case.answers.motion_s.jerk - 1.0;
         println!("program {:2}: {:+.5} %", case.id, 100.0 * error);
-        // Straight lines have a closed form. Else the answers are good to 0.1 %, from below.
+        // Straight lines have a closed form. Otherwise the reference is accurate to 0.1 %, from
+        // below.
         let straight = case.answers.blends.is_empty();
         let (least, most) = if straight { (-1e-4, 1e-4) } else { (-5e-4, 3e-3) };
         assert!(least <= error && error <= most, "program {}: {error:e}", case.id);

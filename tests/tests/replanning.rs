@@ -1,6 +1,7 @@
-//! Plans that follow a change: as good as plans from nothing, and as they were after an error.
+//! Replanning: plans after a change are as good as plans from scratch, and unchanged after an
+//! error.
 
-// Helpers of tests may fail.
+// Test helpers may panic.
 #![allow(clippy::unwrap_used)]
 
 use fastrand::Rng;
@@ -10,7 +11,7 @@ use iiwa_program::{Blend, Motion, MotionIndex, Program, Ptp, Sources, Start, Wor
 use iiwa_traj::{JerkOptions, PlanError, Replanner, Timing, Trajectory};
 use iiwasim_tests::{extremes::extremes, families::Family, tolerances::RATIOS};
 
-/// By which share of the cycle a plan may be slower than one from nothing.
+/// Cycle time by which a plan may be slower than one from scratch, relative.
 const BAR: f64 = 1e-3;
 
 fn replanner(program: &Program) -> Replanner {
@@ -23,7 +24,7 @@ fn cold(program: &Program) -> Trajectory {
     Trajectory::plan(&path, Timing::jerk_limited()).unwrap()
 }
 
-/// A motion with another target, speed or blend.
+/// Returns a motion with another target, speed or blend.
 fn changed(rng: &mut Rng, ptp: &Ptp) -> Motion {
     let mut ptp = ptp.clone();
     match rng.u32(0..4) {
@@ -60,7 +61,7 @@ fn changes_are_planned_as_well_as_programs() {
             let slower = plan.cycle_time_s() / expected_s - 1.0;
             assert!(slower < BAR, "program {index}, motion {motion}: {slower:e}");
 
-            // It keeps the limits wherever it was patched, and time goes on.
+            // Limits hold at each patched place, and time increases.
             let found = extremes(&trajectory, Timing::jerk_limited());
             for (ratio, allowed) in found.ratios().into_iter().zip(RATIOS) {
                 assert!(ratio <= allowed, "program {index}, motion {motion}: {:?}", found.ratios());
@@ -115,7 +116,7 @@ fn stops_come_and_go() {
     plan.replace(middle, Motion::Ptp(Ptp::to(via))).unwrap();
     is_as_cold(&plan);
     assert_eq!(sections(&plan), 2);
-    // A blend into a wait is none, so the one before has to stop first.
+    // A blend into a wait is invalid, so the motion before must stop first.
     assert!(plan.replace(middle, Motion::Wait { seconds: 1.0, overlap: 0 }).is_err());
     let Motion::Ptp(before) = plan.program().motions[1].clone() else { panic!() };
     plan.replace(MotionIndex::new(1), Motion::Ptp(Ptp { blend: None, ..before.clone() })).unwrap();

@@ -1,7 +1,7 @@
-//! Straight motions from rest to rest under limits of jerk: their durations are known from a formula. Those of ruckig are in
-//! `tests/peers`.
+//! Straight motions from rest to rest with jerk limits: their durations are known in closed form.
+//! The comparison with ruckig is in `tests/peers`.
 
-// Helpers of tests may fail.
+// Test helpers may panic.
 #![allow(clippy::unwrap_used, clippy::panic, clippy::print_stdout)]
 
 use iiwa_kin::{Joints, Robot};
@@ -11,9 +11,10 @@ use iiwa_program::{
 };
 use iiwa_traj::{JerkOptions, Timing, Trajectory};
 
-/// From rest to rest over `distance`, in s, under limits of speed, acceleration and jerk.
+/// Returns the duration from rest to rest over `distance`, in s, with speed, acceleration and jerk
+/// limits.
 fn duration_s(distance: f64, [v, a, j]: [f64; 3]) -> f64 {
-    // Time to get to the speed `top`, with or without a phase of constant acceleration.
+    // Time to reach the speed `top`, with or without a phase of constant acceleration.
     let rise = |top: f64| if top >= a * a / j { top / a + a / j } else { 2.0 * (top / j).sqrt() };
     if v * rise(v) <= distance {
         distance / v + rise(v)
@@ -24,7 +25,8 @@ fn duration_s(distance: f64, [v, a, j]: [f64; 3]) -> f64 {
     }
 }
 
-/// The limits of `ptp` of each kind, over the way of each joint: the slowest joint decides, for each apart.
+/// Returns the expected duration of `ptp`: for each kind of limit, the smallest ratio of a joint's
+/// limit to its displacement is critical.
 fn expected_s(start: &Joints, ptp: &Ptp) -> f64 {
     let robot = MotionLimits::full(&Robot::lbr_iiwa_7_r800());
     let least = LimitKind::ALL.map(|kind| {
@@ -49,7 +51,7 @@ fn path(start_rad: Joints, motions: Vec<Ptp>, blend_shape: BlendShape) -> JointP
     JointPath::with_options(&program, &Robot::lbr_iiwa_7_r800(), options).unwrap()
 }
 
-/// The general solver, with cells so many times as fine.
+/// Returns the general solver, with cells finer by this factor.
 fn general(refinement: f64) -> Timing {
     Timing::Jerk(JerkOptions { refinement, general: true })
 }
@@ -59,14 +61,15 @@ fn found_s(start: Joints, ptp: &Ptp, timing: Timing) -> f64 {
     Trajectory::plan(&path, timing).unwrap().motion_time_s()
 }
 
-/// Joint `joint` (from 1) at `deg`, the others at zero.
+/// Returns joint `joint` (from 1) at `deg`, the others at zero.
 fn only(joint: usize, deg: f64) -> Joints {
     std::array::from_fn(|j| if j + 1 == joint { deg.to_radians() } else { 0.0 })
 }
 
 const ALL: Joints = [0.9, -0.8, 0.7, -0.6, 0.5, -0.4, 0.3];
 
-/// Motions from zero: each joint alone and all together, long and short, with shares of each limit.
+/// Returns motions from zero: each joint alone and all together, long and short, with various
+/// relative limits.
 fn moves() -> Vec<Ptp> {
     let alone = (1..=7).flat_map(|joint| {
         [100.0, 40.0, 19.6, 5.0, 0.3, 0.01, 1e-4].map(|deg| Ptp::to(only(joint, deg)))
@@ -92,7 +95,7 @@ fn moves() -> Vec<Ptp> {
             })
         })
         .collect();
-    // A share for each joint, so that three of them decide.
+    // Different relative limits, so that three joints are critical.
     for size in [1.0, 0.1, 1e-3] {
         let mut ptp = Ptp::to(ALL.map(|q| q * size));
         ptp.velocity_rel[4] = 0.2;
@@ -103,7 +106,7 @@ fn moves() -> Vec<Ptp> {
     moves
 }
 
-/// The least and the largest difference of durations to those of the formula, as a share.
+/// Returns the smallest and the largest relative difference of durations from the closed form.
 fn differences(timing: Timing) -> [f64; 2] {
     let differences = moves().into_iter().map(|ptp| {
         let found = found_s([0.0; 7], &ptp, timing);
@@ -136,8 +139,9 @@ fn as_the_formula_says() {
     assert!(least > -1e-9 && most < 1e-9);
 }
 
-/// Where jerk is constant, its square root of x is a little less than it could be between the places at
-/// which it is kept. Finer cells converge.
+/// Compares the general solver with the closed form. Where jerk is constant, its speed (square root
+/// of x) is slightly below the optimum between the points at which the jerk limit is enforced.
+/// Finer cells converge.
 #[test]
 fn the_general_solver_agrees() {
     for (refinement, tolerance) in [(1.0, [-1e-4, 1.5e-3]), (8.0, [-1e-4, 1e-4])] {
@@ -146,7 +150,7 @@ fn the_general_solver_agrees() {
     }
 }
 
-/// Straight on through blends is the line from the first start to the last target.
+/// Collinear motions with blends are equal to the line from the first start to the last target.
 #[test]
 fn straight_on_through_blends() {
     let shapes = [
@@ -185,8 +189,8 @@ fn straight_on_through_blends() {
     assert!(largest[0] < 2e-3 && largest[1] < 1e-4, "{largest:?}");
 }
 
-/// A LIN that the limits of the TCP alone hold back takes the time of its seven phases, to the last digits; the solver, which
-/// knows nothing of them, takes hardly more.
+/// A LIN limited only by TCP limits takes the time of its seven phases, to the last digits; the
+/// general solver, which does not use this form, takes hardly more.
 #[test]
 fn slow_lines_of_the_tcp() {
     let robot = Robot::lbr_iiwa_7_r800();
@@ -195,7 +199,7 @@ fn slow_lines_of_the_tcp() {
         [100.0, 1500.0, 3000.0],
         [20.0, 40.0, 1e4],
         [250.0, 150.0, 500.0],
-        // The jerk of joints holds it back.
+        // Limited by the joint jerk.
         [100.0, 2000.0, 1e6],
     ] {
         let text = format!(
@@ -215,7 +219,7 @@ fn slow_lines_of_the_tcp() {
             assert!(own_s > 1.001 * expected_s, "{text}: {own_s} {expected_s}");
         }
         assert!((solved_s / own_s - 1.0).abs() < 1e-3, "{text}: {own_s} {solved_s}");
-        // Enough nodes to show the joints' curves.
+        // Enough nodes for the curves of the joints.
         let nodes =
             own.sections()[0].pieces().iter().map(|piece| own.sections()[0].nodes(piece).len());
         assert!(nodes.sum::<usize>() > 50);

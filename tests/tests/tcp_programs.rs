@@ -1,4 +1,4 @@
-//! Random programs with paths of the TCP: both timings keep all limits.
+//! Random programs with TCP paths: both time parameterisations keep all limits.
 
 use std::{collections::BTreeMap, sync::Arc};
 
@@ -15,10 +15,10 @@ use iiwasim_tests::{
     tcp_programs::{ROOT, TcpProgram, single_path, tcp_program},
 };
 
-/// What may exceed its limit by how much: velocity and acceleration by 1 %, jerk by 5 %.
+/// Tolerances of limit ratios: 1 % for velocity and acceleration, 5 % for jerk.
 const ALLOWED: [f64; 3] = [1.01, 1.01, 1.05];
 
-/// What is wrong with a program's plans.
+/// Returns the faults of a program's plans.
 fn faults(TcpProgram { robot, program, .. }: &TcpProgram) -> Vec<String> {
     let path = match JointPath::new(program, robot) {
         Ok(path) => path,
@@ -100,7 +100,7 @@ fn all_limits_are_kept() {
     assert_eq!(wrong, 0, "of {count} programs");
 }
 
-/// The program with other joints where joints are given.
+/// Returns the program with other joint positions.
 fn with_joints(program: &Program, joints: impl Fn(Joints) -> Joints) -> Program {
     let mut program = program.clone();
     if let Start::Joints(start_rad) = &mut program.start {
@@ -122,7 +122,8 @@ fn timings() -> [Timing; 2] {
     [Timing::jerk_limited(), Timing::Acceleration(SweepOptions::default())]
 }
 
-/// All frames are in one base: turned about the robot's first axis together with joint A1, the program takes as long.
+/// Turned about the robot's first axis together with joint A1, the program takes the same time: all
+/// frames are in one base.
 #[test]
 fn turned_about_the_first_axis_it_takes_as_long() {
     let mut compared = 0;
@@ -138,7 +139,8 @@ fn turned_about_the_first_axis_it_takes_as_long() {
             let Ok(there) = JointPath::new(&turned, &robot) else { continue };
             let here = JointPath::new(&program, &robot).unwrap();
             for timing in timings() {
-                // Where cells are just above a limit, rounding decides which are lowered before jerk is kept.
+                // Where cells slightly exceed a limit, rounding decides which cells are lowered
+                // before the jerk limits apply.
                 let allowed = if matches!(timing, Timing::Jerk(_)) { 1e-3 } else { 1e-6 };
                 let off = seconds(&there, timing) / seconds(&here, timing) - 1.0;
                 assert!(off.abs() < allowed, "program {index} by {}: {off:e}", timing.name());
@@ -149,7 +151,7 @@ fn turned_about_the_first_axis_it_takes_as_long() {
     assert!(compared > 60, "{compared}");
 }
 
-/// Where the base is moved and the frames in it are moved back, the path stays.
+/// Moving the base, and the frames in it back, leaves the path unchanged.
 #[test]
 fn a_moved_base_and_frames_moved_back_are_the_same_path() {
     for index in 0..60 {
@@ -167,7 +169,7 @@ fn a_moved_base_and_frames_moved_back_are_the_same_path() {
         }
         for motion in &mut moved.motions {
             let Motion::Cartesian(own) = motion else { continue };
-            // What is given in another base goes with that one.
+            // Targets in another base move with that base.
             if own.base.is_some() {
                 continue;
             }
@@ -205,7 +207,8 @@ fn targets_of(segment: &mut SplineSegment) -> Vec<&mut TargetRef> {
     }
 }
 
-/// With limits of the k-th derivative by a factor to the power of -k, the program takes the factor times as long.
+/// Scaling the limits of the k-th derivative by a factor to the power of -k makes the program take
+/// the factor times as long.
 #[test]
 fn scaled_limits_scale_time() {
     const FACTOR: f64 = 1.7;
@@ -244,7 +247,7 @@ fn scale(limits: &mut ToolLimits, kind: LimitKind, by: f64) {
     limits.turn[kind] *= by;
 }
 
-/// The segments between stops.
+/// Returns the segments between stops.
 fn segments(path: &JointPath) -> Vec<Vec<Arc<dyn Segment>>> {
     let parts = path.steps().split(|step| !step.moves());
     let segment = |step: &Step| match step {
@@ -254,8 +257,9 @@ fn segments(path: &JointPath) -> Vec<Vec<Arc<dyn Segment>>> {
     parts.map(|part| part.iter().filter_map(segment).collect()).collect()
 }
 
-/// Joints go on with two derivatives by the path parameter wherever the arm does not stop, and so does the TCP: by the
-/// segments' own derivatives, and by divided differences of their positions.
+/// Joint positions and TCP are continuous with two derivatives by the path parameter wherever the
+/// arm does not stop: checked by the segments' own derivatives, and by divided differences of
+/// positions.
 #[test]
 fn position_and_two_derivatives_go_on_across_blends() {
     let mut joins = 0;
@@ -273,7 +277,7 @@ fn position_and_two_derivatives_go_on_across_blends() {
                 let scale = 1.0 + vector::norm(&into[k]);
                 assert!(off < 1e-6 * scale, "program {index}, derivative {}: {off:e}", k + 1);
             }
-            // One-sided differences of the second order, over steps that are short on both sides.
+            // One-sided second-order differences, over steps that are short on both sides.
             let h = 1e-5 * a.sigma_length_rad().min(b.sigma_length_rad());
             let at = |segment: &Arc<dyn Segment>, way: f64| {
                 segment.at(segment.s_at(way / segment.sigma_unit_rad())).q
@@ -295,7 +299,7 @@ fn position_and_two_derivatives_go_on_across_blends() {
     assert!(joins > 500, "{joins}");
 }
 
-/// A start, and a corner of two lines of the TCP in one plane.
+/// Returns a start, and a corner of two TCP lines in one plane.
 fn corner(index: u64) -> Option<(Robot, Joints, [Frame; 2])> {
     let (robot, program) = single_path(6, index, false);
     let start_rad = *program.start.joints_rad()?;
@@ -331,7 +335,8 @@ fn lines(
     }
 }
 
-/// Two lines in one plane without a turn: their blend stays in the plane, and does not turn either.
+/// Two lines in one plane without rotation: their blend stays in the plane, and does not rotate
+/// either.
 #[test]
 fn blends_of_lines_keep_plane_and_orientation() {
     let mut compared = 0;
@@ -356,7 +361,7 @@ fn blends_of_lines_keep_plane_and_orientation() {
     assert!(compared > 100, "{compared}");
 }
 
-/// A line in two halves with the largest blend between them is the line.
+/// A line in two halves with the largest blend between them is equal to the line.
 #[test]
 fn a_line_in_two_halves_takes_as_long() {
     let mut compared = 0;
@@ -378,7 +383,7 @@ fn a_line_in_two_halves_takes_as_long() {
     assert!(compared > 50, "{compared}");
 }
 
-/// A path to where the arm already is is no motion: there is nothing to blend.
+/// A path to the current pose is not a motion: there is nothing to blend.
 #[test]
 fn blends_at_a_standing_target_are_stops() {
     let start_rad = [0.0, 0.5, 0.0, -1.2, 0.0, 0.9, 0.0];

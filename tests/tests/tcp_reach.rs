@@ -1,5 +1,5 @@
-//! Random paths of the TCP are planned, or refused for a cause that holds: against a course of the TCP that is found
-//! here by itself, with nalgebra, and the joints along it.
+//! Random TCP paths are planned, or rejected for a valid cause: checked against an independent
+//! computation of the TCP path with nalgebra, and the joint positions along it.
 
 use std::collections::BTreeMap;
 
@@ -12,7 +12,7 @@ use iiwa_program::{
 use iiwasim_tests::tcp_programs::{cause, single_path};
 use nalgebra::{Isometry3, Rotation3, Translation3, UnitQuaternion, Vector3};
 
-/// The TCP, as a function of s.
+/// TCP pose as a function of s.
 type TcpAt = Box<dyn Fn(f64) -> Isometry3<f64>>;
 
 fn target(
@@ -24,7 +24,8 @@ fn target(
     (pose.to_isometry(), target.e1_rad)
 }
 
-/// The course of a line or circle, and E1 at its end; none for laws of orientation that are not checked here.
+/// Returns the course of a line or circle, and E1 at its end; `None` for laws of orientation that
+/// are not checked here.
 fn course(
     program: &Program,
     from: Isometry3<f64>,
@@ -54,7 +55,8 @@ fn course(
             let (to, e1) = target(program, motion, &circ.to);
             let start = from.translation.vector;
             let [a, b] = [aux, to].map(|pose| pose.translation.vector - start);
-            // The centre is as far from all three: two equations, and it lies in their plane.
+            // The centre is equidistant from all three points: two equations, and it is in their
+            // plane.
             let normal = a.cross(&b).normalize();
             let rows =
                 nalgebra::Matrix3::from_rows(&[a.transpose(), b.transpose(), normal.transpose()]);
@@ -78,7 +80,7 @@ fn course(
     }
 }
 
-/// The joints along a course.
+/// Joint positions along a course.
 struct Along<'a> {
     robot: &'a Robot,
     course: TcpAt,
@@ -88,7 +90,7 @@ struct Along<'a> {
 }
 
 impl Along<'_> {
-    /// None where the arm does not reach.
+    /// Returns the joint positions at s; `None` if out of reach.
     fn joints(&self, s: f64) -> Option<Joints> {
         let flange = (self.course)(s) * self.flange;
         let rotation = flange.rotation.to_rotation_matrix();
@@ -100,17 +102,17 @@ impl Along<'_> {
         self.robot.inverse(&pose, e1, self.status).ok()
     }
 
-    /// How near the arm comes to a singular pose around `s`, from some `s` to which a cause points.
+    /// Returns the distance to a singularity near `s`, for causes that refer to some `s`.
     fn singularity(&self, s: f64) -> f64 {
         let joints = self.joints(s.clamp(0.0, 1.0));
         joints.map_or(0.0, |joints| self.robot.singularity(&joints).least().0)
     }
 }
 
-/// Samples along a path.
+/// Number of samples along a path.
 const SAMPLES: u32 = 400;
 
-/// What is wrong with what the planner says of a path; the cause if it is refused.
+/// Checks the planner's result for a path; returns the cause if the path is rejected.
 fn judge(robot: &Robot, program: &Program) -> Result<&'static str, String> {
     let Motion::Cartesian(motion) = &program.motions[0] else { return Ok("not checked") };
     let start_rad = *program.start.joints_rad().unwrap();
@@ -144,7 +146,7 @@ fn judge(robot: &Robot, program: &Program) -> Result<&'static str, String> {
                     return Err(format!("planned, but at {s} {outside}"));
                 }
                 let off = vector::distance(&segment.at(s).q, &expected);
-                // Next to singular poses, rounding of the pose is more of the joints.
+                // Near singularities, rounding of the pose is amplified in the joint positions.
                 if off > 1e-8 + 1e-12 / along.singularity(s) {
                     return Err(format!("off the course by {off:e} rad at {s}"));
                 }
@@ -161,7 +163,7 @@ fn judge(robot: &Robot, program: &Program) -> Result<&'static str, String> {
                     along.joints(*s).is_some_and(|joints| limits.check(&joints).is_err())
                 }
                 CartesianFault::Singular { s, part, .. } => {
-                    // Where it is too abrupt to tell, it is somewhere around.
+                    // An abrupt change is localised only approximately.
                     let (most, reach) = if part.is_some() { (1e-4, 0.0) } else { (0.02, 2e-3) };
                     (-20..=20)
                         .any(|i| along.singularity(s + reach * f64::from(i) / 20.0) <= most * 1.001)

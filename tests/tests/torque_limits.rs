@@ -1,4 +1,5 @@
-//! Limits of torque: against an independent solver's plans, at every millisecond, and where they change nothing.
+//! Torque limits: compared with the plans of an independent solver, at every millisecond, and where
+//! they are inactive.
 
 use std::collections::BTreeMap;
 
@@ -17,15 +18,15 @@ use iiwasim_tests::{
 const TIMINGS: [fn() -> Timing; 2] =
     [Timing::jerk_limited, || Timing::Acceleration(SweepOptions::default())];
 
-/// What a plan may reach of a limit of torque.
+/// Tolerance of torque ratios in a plan.
 const MOST_TORQUE: f64 = 1.01;
 
-/// The largest shares that a trajectory reaches at a kilohertz: of the joints' torques, then of velocity, acceleration and
-/// jerk.
+/// Returns the largest ratios of a trajectory at 1 kHz: of joint torques, velocity, acceleration
+/// and jerk.
 fn worst(trajectory: &Trajectory, limits_nm: &Joints) -> [f64; 4] {
     let path = trajectory.path();
     let mut worst = [0.0_f64; 4];
-    // Of what takes minutes, as many instants.
+    // Bounds the number of samples for trajectories of minutes.
     let rate_hz = 1000.0_f64.min(2e5 / trajectory.cycle_time_s());
     for state in trajectory.samples(rate_hz) {
         let limits = path.limits_of(state.step);
@@ -46,14 +47,15 @@ fn worst(trajectory: &Trajectory, limits_nm: &Joints) -> [f64; 4] {
     worst
 }
 
-/// Whether a torque holds any motion back.
+/// Returns true if a torque limit is active in any motion.
 fn is_held_back(trajectory: &Trajectory) -> bool {
     let mut limits = trajectory.motions().into_iter().flat_map(|motion| motion.limits);
     limits.any(|limit| matches!(limit.limit, Limit::Torque(_)))
 }
 
-/// Cross-validated: six programs with loads on the floor, a wall and at the ceiling, against an independent solver's plans
-/// without and with limits of torque, with limits of acceleration alone and with those of jerk.
+/// Cross-validation: six programs with loads on the floor, a wall and at the ceiling, against the
+/// plans of an independent solver without and with torque limits, with acceleration limits alone
+/// and with jerk limits.
 #[test]
 fn durations_are_those_of_the_reference() {
     let cases = cases();
@@ -83,15 +85,16 @@ fn durations_are_those_of_the_reference() {
     }
 }
 
-/// Random programs on both robots, with loads up to what they carry, however they stand: planned within all limits, or
-/// refused for a load that cannot be held, which is so.
+/// Random programs on both robots, with loads up to the rated payload, for any mounting: planned
+/// within all limits, or rejected for a load that cannot be held, which is verified.
 #[test]
 fn all_limits_are_kept() {
     let count = if std::env::var_os("IIWASIM_LONG").is_some() { 1000 } else { 40 };
     let mut found: BTreeMap<&str, usize> = BTreeMap::new();
     let mut worst_of_all = [[0.0_f64; 4]; 2];
     let mut faults = Vec::new();
-    // 152: a spline of 5 mm whose third derivative has a peak between the places at which cells are checked.
+    // 152: a spline of 5 mm whose third derivative has a peak between the points at which cells are
+    // checked.
     for index in (0..count).chain((count <= 152).then_some(152)) {
         let LoadedProgram { robot, mut program, torque_limit_rel } = loaded_program(2026, index);
         let limits_nm = robot.limits().torque_nm.map(|limit| torque_limit_rel * limit);
@@ -136,7 +139,7 @@ fn all_limits_are_kept() {
                     f64::INFINITY,
                 ],
             };
-            // A share that is not a number fails, too.
+            // The comparison also fails for NaN.
             if !(0..4).all(|i| shares[i] <= allowed[i]) {
                 faults.push(format!("{index}, {}: {shares:.4?}", timing().name()));
             }
@@ -175,7 +178,7 @@ fn plan(program: &Program, timing: Timing) -> Result<Trajectory, TimingError> {
     Trajectory::plan(&JointPath::new(program, &Robot::default()).unwrap(), timing)
 }
 
-/// A limit that nothing reaches leaves every bit as it is.
+/// An inactive limit leaves every bit of the plan unchanged.
 #[test]
 fn what_needs_no_more_is_planned_as_without() {
     for timing in TIMINGS {
@@ -195,7 +198,7 @@ fn what_needs_no_more_is_planned_as_without() {
     }
 }
 
-/// Less torque and more load both take more time.
+/// Less torque and more load both increase the duration.
 #[test]
 fn less_torque_takes_longer() {
     for timing in TIMINGS {
@@ -210,8 +213,9 @@ fn less_torque_takes_longer() {
     }
 }
 
-/// A robot with links that are as lopsided as the iiwa's, or with these mirrored. The axes of links 2, 4 and 6 are across the
-/// plane in which the arm stands at zero, z in their frames; of the others it is y.
+/// Returns a robot with links as asymmetric as the iiwa's, or mirrored. The axes of links 2, 4 and
+/// 6 perpendicular to the plane of the arm at zero are z in their frames; for the other links it is
+/// y.
 fn lopsided(is_mirrored: bool) -> Robot {
     let sign = if is_mirrored { -1.0 } else { 1.0 };
     let links = std::array::from_fn(|i| {
@@ -229,8 +233,8 @@ fn lopsided(is_mirrored: bool) -> Robot {
     Robot::default().with_links(links)
 }
 
-/// The same program mirrored about the vertical plane through the robot takes as long: A1, A3, A5 and A7 the other way, and so
-/// the links, the load and a sloping foot.
+/// A program mirrored about the vertical plane through the robot takes the same time: A1, A3, A5
+/// and A7 are negated, and the links, the load and an inclined base are mirrored.
 #[test]
 fn a_mirrored_program_takes_as_long() {
     let mirrored = |q: Joints| [-q[0], q[1], -q[2], q[3], -q[4], q[5], -q[6]];
@@ -263,14 +267,15 @@ fn a_mirrored_program_takes_as_long() {
     }
 }
 
-/// A load that cannot be held is an error of its own, with motion, joint and torque.
+/// A load that cannot be held is a separate error, with motion, joint and torque.
 #[test]
 fn what_cannot_be_held_is_refused() {
     let mut program = loaded(6.0, 0.4);
     program.motions.remove(0);
     let load = Load { mass_kg: 6.0, center_mm: [0.0, 0.0, 80.0], ..Load::default() };
     program.motions.insert(2, Motion::Load(Some(load)));
-    // The load is taken where it can be held, and the way back leads through where it cannot.
+    // The load is picked up where it can be held, and the return motion leads through poses where
+    // it cannot.
     for timing in TIMINGS {
         let error = plan(&program, timing()).unwrap_err();
         let TimingError::CannotHold { motion, joint, holding_nm, limit_nm, .. } = error else {
@@ -282,7 +287,7 @@ fn what_cannot_be_held_is_refused() {
     }
 }
 
-/// What friction takes at full speed is no longer there for the motion.
+/// Torque spent on friction at full speed is not available for the motion.
 #[test]
 fn friction_is_taken_off() {
     let friction = Friction { viscous_nm_s_rad: [2.0; 7], coulomb_nm: [3.0; 7] };
@@ -298,7 +303,7 @@ fn friction_is_taken_off() {
     }
 }
 
-/// A program that changes is planned as from nothing.
+/// A changed program is planned as from scratch.
 #[test]
 fn planning_again_keeps_limits_of_torque() {
     let robot = Robot::default();
@@ -321,7 +326,7 @@ fn planning_again_keeps_limits_of_torque() {
     assert!((plan_again.cycle_time_s() / from_nothing.cycle_time_s() - 1.0 - off).abs() < 1e-12);
 }
 
-/// The key of programs, and its range.
+/// Parses the key of programs, and its range.
 #[test]
 fn programs_say_it() {
     let text = |percent: &str| {

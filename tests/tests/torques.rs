@@ -1,4 +1,5 @@
-//! Torques along trajectories: against an independent solver's, and against the energy that they bring about.
+//! Torques along trajectories: compared with those of an independent solver, and with the energy
+//! balance.
 
 use iiwa_kin::{Friction, Joints, Load, Robot, vector};
 use iiwa_path::JointPath;
@@ -10,7 +11,8 @@ use iiwasim_tests::{
 };
 use proptest::prelude::*;
 
-/// Largest torques of all motions, as shares of the limits of a case; and the same of what stands still.
+/// Returns the largest torques of all motions, relative to the limits of a case; and the largest
+/// static torque.
 fn peaks(case: &TorqueCase, figures: &TorqueFigures) -> (Joints, f64) {
     let share = |torques: &Joints, j: usize| torques[j].abs() / case.torque_limit_nm[j];
     let most = |j| figures.motions.iter().map(|m| share(&m.peak_nm, j)).fold(0.0, f64::max);
@@ -18,8 +20,8 @@ fn peaks(case: &TorqueCase, figures: &TorqueFigures) -> (Joints, f64) {
     (std::array::from_fn(most), still.fold(0.0, f64::max))
 }
 
-/// Cross-validated: an independent solver's trajectories of six programs with loads on the floor, a wall and at the
-/// ceiling, and Pinocchio's torques along them.
+/// Cross-validation: trajectories of an independent solver for six programs with loads on the
+/// floor, a wall and at the ceiling, and Pinocchio's torques along them.
 #[test]
 fn peaks_and_work_are_those_of_the_reference() {
     let cases = cases();
@@ -36,7 +38,7 @@ fn peaks_and_work_are_those_of_the_reference() {
             assert!((still - case.static_peak_share).abs() < 1e-4, "case {}: {still}", case.id);
             let off: Joints = std::array::from_fn(|j| (peaks[j] - expected[j]).abs());
             println!("case {}: peaks {peaks:.3?}, off by {off:.4?} of the limits", case.id);
-            // The two solvers' accelerations differ where they jump, or nearly so: in blends.
+            // The accelerations of both solvers differ where they jump, or nearly so: in blends.
             assert!(off.iter().all(|off| *off < 0.017), "case {}: {off:?}", case.id);
             sum_off += off.iter().sum::<f64>();
             let Timing::Jerk(_) = timing else { continue };
@@ -77,7 +79,7 @@ fn picked_up(program: &mut Program) {
 proptest! {
     #![proptest_config(ProptestConfig { cases: 24, ..ProptestConfig::default() })]
 
-    /// From stop to stop, the joints' work is what arm and load gain in height.
+    /// The work of the joints between stops is the gain in potential energy of arm and load.
     #[test]
     fn work_is_the_change_of_energy(
         mut program in programs(8), limits_jerk in any::<bool>(), rpy_deg in prop::array::uniform3(-180.0..180.0_f64),
@@ -97,7 +99,7 @@ proptest! {
         prop_assert!(figures.positive_work_j.iter().all(|work| *work >= 0.0));
         prop_assert!(figures.negative_work_j.iter().all(|work| *work <= 0.0));
 
-        // The peaks are those of a dense look.
+        // The peaks agree with dense sampling.
         let motions = trajectory.motions();
         prop_assert_eq!(motions.len(), figures.motions.len());
         for (motion, torques) in motions.iter().zip(&figures.motions) {
@@ -119,7 +121,7 @@ proptest! {
     }
 }
 
-/// What friction takes is work on top.
+/// Friction requires additional work.
 #[test]
 fn friction_costs_work() {
     let program = Program::from_deg([0.0, 20.0, 0.0, -60.0, 0.0, 40.0, 0.0])
@@ -140,7 +142,7 @@ fn friction_costs_work() {
     assert!((work(&figures) - 0.3 * turned).abs() < 1e-3, "{} {}", work(&figures), 0.3 * turned);
 }
 
-/// A load counts from where it is picked up to where it is put down.
+/// A load acts from its pick-up to its put-down.
 #[test]
 fn loads_count_while_they_hang_there() {
     let text = r#"{ "version": 1, "start": { "joints_deg": [0, 60, 0, -60, 0, 60, 0] }, "motions": [

@@ -1,8 +1,8 @@
-//! Holds instruction counts against `benches/baseline.json`, and fails when one has grown.
+//! Compares instruction counts with `benches/baseline.json`, and fails if one has grown.
 //!
-//! Counts are callgrind's. Each workload is run a few times and then more often, in processes of
-//! their own: the difference is the workload's alone. Counts depend on the level of instructions
-//! that the crates find, so that the baseline holds one set for each level.
+//! The counts are those of callgrind. Each workload runs a few times and then more often, in
+//! separate processes: the difference is due to the workload alone. Counts depend on the
+//! instruction level that the crates detect, so the baseline contains one set per level.
 //!
 //! `cargo run --release -p iiwasim-benches --bin gate`; with `-- --renew` it writes the baseline.
 #![expect(clippy::print_stdout, reason = "a table is what it is for")]
@@ -27,14 +27,14 @@ use iiwasim_benches::{
 use serde::{Deserialize, Serialize};
 
 const BASELINE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/baseline.json");
-/// Largest growth that passes.
+/// Largest accepted growth.
 const TOLERANCE: f64 = 0.05;
-/// Counts by level of instructions.
+/// Counts by instruction level.
 type Baseline = BTreeMap<String, Counts>;
 
 #[derive(Deserialize, Serialize)]
 struct Counts {
-    /// What they were counted with.
+    /// Tool versions of the counts.
     rustc: String,
     valgrind: String,
     /// Instructions of one run of each workload.
@@ -99,8 +99,9 @@ impl Workload {
         }
     }
 
-    /// The most instructions that it may take, whatever it took before: of inverse dynamics 2000 a pose one by one, and
-    /// 1100 in a batch; with limits of torque that bind, twice what the stamps take without.
+    /// Upper bound on instructions, independent of the baseline: for inverse dynamics 2000 per pose
+    /// one by one, and 1100 in a batch; with active torque limits, twice the time parameterisation
+    /// without them.
     fn most(self, counts: &BTreeMap<String, u64>) -> Option<u64> {
         match self {
             Self::Torques => Some(2_000_000),
@@ -110,8 +111,8 @@ impl Workload {
         }
     }
 
-    /// How often it runs in the shorter and in the longer process: the fast ones more often, so
-    /// that what they do once only does not count.
+    /// Number of runs in the shorter and in the longer process: more for fast workloads, so that
+    /// one-time work cancels.
     fn runs(self) -> [u64; 2] {
         match self {
             Self::LongJerk => [1, 2],
@@ -220,7 +221,7 @@ impl Workload {
     }
 }
 
-/// Plans 100 single PTP motions of one length in joint space.
+/// Plans 100 single PTP motions with one length in joint space.
 fn plan_ptps(robot: &Robot, length_rad: f64, runs: u64) -> Result<()> {
     let paths = ptp_paths(robot, 100, length_rad)?;
     for path in (0..runs).flat_map(|_| &paths) {
@@ -229,7 +230,7 @@ fn plan_ptps(robot: &Robot, length_rad: f64, runs: u64) -> Result<()> {
     Ok(())
 }
 
-/// Plans ten motions with a load that torques hold back.
+/// Plans ten motions with a load for which torque limits are active.
 fn plan_with_torque_limits(robot: &Robot, runs: u64) -> Result<()> {
     let mut program = Program::from_json(&reference::ten_motions()?)?;
     let load = Load { mass_kg: 7.0, center_mm: [0.0, 0.0, 60.0], ..Load::default() };
@@ -252,7 +253,7 @@ fn main() -> Result<ExitCode> {
     match arguments.as_slice() {
         [] => check(),
         ["--renew"] => renew(),
-        // In the processes that are counted.
+        // Arguments of the counted processes.
         ["--level"] => {
             println!("{}", machine::instruction_level());
             Ok(ExitCode::SUCCESS)
@@ -311,7 +312,7 @@ fn check() -> Result<ExitCode> {
         println!("\nThe baseline is by {}, the figures are by {}.", expected.rustc, found.rustc);
     }
     if is_above {
-        println!("\nAbove what it may take: this is no growth to be renewed.");
+        println!("\nAbove what it may take: this growth cannot be renewed.");
     }
     if grown {
         println!("\nIf the growth is meant: `gate --renew`, and say why in the commit.");

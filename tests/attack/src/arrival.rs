@@ -1,4 +1,5 @@
-//! Datagrams with the kernel's times of arrival: a process that is woken late does not change them.
+//! Datagrams with the kernel's arrival times: a delayed wake-up of the process does not change
+//! them.
 
 use std::{
     io,
@@ -6,7 +7,7 @@ use std::{
     time::Duration,
 };
 
-/// A socket that tells when datagrams have arrived.
+/// Socket that reports the arrival times of datagrams.
 pub(super) struct TimedSocket(UdpSocket);
 
 #[cfg(target_os = "linux")]
@@ -27,9 +28,9 @@ mod linux {
     use super::{Duration, SocketAddr, TimedSocket, UdpSocket, io};
 
     impl TimedSocket {
-        /// Of an IPv4 socket.
+        /// Wraps an IPv4 socket.
         pub(in super::super) fn new(socket: UdpSocket) -> Self {
-            // Without it, no datagram has a time, which `receive` reports.
+            // Without this option, no datagram has a time, which `receive` reports.
             let _ = setsockopt(&socket, ReceiveTimestampns, &true);
             Self(socket)
         }
@@ -62,12 +63,13 @@ mod linux {
 
 #[cfg(not(target_os = "linux"))]
 impl TimedSocket {
-    /// Of a socket.
+    /// Wraps a socket.
     pub(super) fn new(socket: UdpSocket) -> Self {
         Self(socket)
     }
 
-    /// Waits for a datagram. Returns its length, its sender and the time at which it was read, since 1970.
+    /// Waits for a datagram. Returns its length, its sender and the time at which it was read,
+    /// since 1970.
     pub(super) fn receive(&self, buffer: &mut [u8]) -> io::Result<(usize, SocketAddr, Duration)> {
         let (length, sender) = self.0.recv_from(buffer)?;
         let now = std::time::SystemTime::now().duration_since(std::time::UNIX_EPOCH);
@@ -93,9 +95,10 @@ mod tests {
         let at = to.local_addr().unwrap();
         let to = TimedSocket::new(to);
         let now = || SystemTime::now().duration_since(UNIX_EPOCH).unwrap();
-        // The kernel's clock has steps of some milliseconds where it is coarse.
+        // A coarse kernel clock has steps of some milliseconds.
         let step = Duration::from_millis(10);
-        // The kernel begins to note arrivals some time after it was asked to; until then it has the time of reading.
+        // The kernel starts recording arrival times with a delay; until then, the time of reading
+        // is returned.
         let is_noted = (0..100).any(|_| {
             let before = now();
             from.send_to(b"abc", at).unwrap();

@@ -1,4 +1,4 @@
-//! Attackers that exhaust resources, each kind in threads of its own until it is dropped.
+//! Attackers that exhaust resources; each kind runs in separate threads until it is dropped.
 
 use std::{
     collections::VecDeque,
@@ -15,7 +15,7 @@ use std::{
 use super::rig::Addresses;
 use iiwasim_tests::zmtp::{HANDSHAKE_TIMEOUT, Peer, frame_head, message, subscription};
 
-/// The number of attackers and the amount of data.
+/// Number of attackers and amount of data.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Size {
     /// Connections to each port.
@@ -26,7 +26,7 @@ pub(super) struct Size {
     pub(super) topics: usize,
 }
 
-/// A kind of attack.
+/// Kind of attack.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Kind {
     SilentConnections,
@@ -58,7 +58,7 @@ impl Kind {
         Self::Subscribers,
     ];
 
-    /// Its name in the table.
+    /// Name in the table.
     pub(super) fn name(self, size: &Size) -> String {
         let Size { connections, handshakes, topics } = size;
         match self {
@@ -80,7 +80,7 @@ impl Kind {
         }
     }
 
-    /// Whether it attacks the stream, which must not affect trajectories.
+    /// Returns true for attacks on the stream, which must not affect trajectories.
     pub(super) fn is_subscriber(self) -> bool {
         matches!(self, Self::StalledSubscribers | Self::Topics | Self::Subscribers)
     }
@@ -173,13 +173,13 @@ const STALLED_SUBSCRIBERS: usize = 3;
 const UNREAD_CLIENTS: usize = 3;
 const HANDSHAKES_PER_S: u32 = 1500;
 
-/// More than a socket has places for.
+/// More connections than a socket accepts.
 const CROWD: usize = 66;
 
-/// Below and above the limit of a drive, 32 MiB.
+/// Request sizes below and above the limit of a drive, 32 MiB.
 const LONG_REQUEST_BYTES: [usize; 2] = [31_000_000, 60_000_000];
 
-/// An attack in progress.
+/// Attack in progress.
 #[derive(Default)]
 pub(super) struct Attack {
     shutdown: Arc<AtomicBool>,
@@ -217,7 +217,7 @@ impl Drop for Attack {
 }
 
 fn hold(count: usize, open: impl Fn() -> io::Result<TcpStream>, shutdown: &AtomicBool) {
-    /// Attempts in a row before open connections are checked.
+    /// Consecutive attempts before open connections are checked.
     const AT_A_TIME: usize = 50;
     let mut streams: Vec<TcpStream> = Vec::with_capacity(count);
     while !shutdown.load(Ordering::Relaxed) {
@@ -253,7 +253,7 @@ fn long_requests(to: SocketAddr, body: &[u8], shutdown: &AtomicBool) {
             thread::sleep(Duration::from_millis(100));
             continue;
         };
-        // Until it is refused, or takes too long.
+        // Repeats until the request is rejected, or takes too long.
         loop {
             let head = [message(&[b"", b""])[..2].to_vec(), frame_head(0, body.len())].concat();
             if push(&mut peer.stream, &head, shutdown).is_err()
@@ -278,14 +278,14 @@ fn long_requests(to: SocketAddr, body: &[u8], shutdown: &AtomicBool) {
     }
 }
 
-/// A request with a string that is not terminated.
+/// Returns a request with an unterminated string.
 fn garbage(bytes: usize) -> Vec<u8> {
     let mut text = br#"{"type": "run_motions", "motions": ""#.to_vec();
     text.resize(bytes, b'x');
     text
 }
 
-/// A well-formed trajectory at rest far from the arm: it is refused after it was parsed.
+/// Returns a well-formed trajectory at rest far from the arm: it is rejected after parsing.
 pub(super) fn trajectory(bytes: usize) -> Vec<u8> {
     // At full precision, as programs write numbers.
     let point = b"[2.012345678901234,1.012345678901234,1.012345678901234,1.012345678901234,1.012345678901234,1.012345678901234,1.012345678901234],";
@@ -395,7 +395,7 @@ fn handshakes(to: SocketAddr, shutdown: &AtomicBool) {
         thread::sleep(due.saturating_duration_since(Instant::now()));
         count += 1;
         if let Ok(mut stream) = open(to) {
-            // Every second one has the whole greeting of a client with keys.
+            // Every second connection sends the whole greeting of a client with keys.
             let bytes = if count % 2 == 0 { 64 } else { 1 };
             let _ = stream.write_all(&CURVE_GREETING[..bytes]);
             streams.push_back(stream);
@@ -406,7 +406,7 @@ fn handshakes(to: SocketAddr, shutdown: &AtomicBool) {
     }
 }
 
-/// Signature, version 3.1, mechanism CURVE.
+/// Greeting: signature, version 3.1, mechanism CURVE.
 const CURVE_GREETING: [u8; 64] = {
     let mut greeting = [0; 64];
     greeting[0] = 0xff;

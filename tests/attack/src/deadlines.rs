@@ -9,7 +9,7 @@ pub(super) fn set_factor(factor: u32) {
     let _ = FACTOR.set(factor);
 }
 
-/// The scaled deadline.
+/// Returns the scaled deadline.
 pub(super) fn scaled(time: Duration) -> Duration {
     time * FACTOR.get().copied().unwrap_or(1)
 }

@@ -1,4 +1,4 @@
-//! An erratic robot program: it sends contradictory states thousands of times a second.
+//! Erratic robot program: it sends contradictory states thousands of times per second.
 
 use std::{
     io::{Read, Write},
@@ -17,14 +17,14 @@ use serde_json::{Value, json};
 use super::rig::{Addresses, Fault};
 use iiwasim_tests::zmtp::{HANDSHAKE_TIMEOUT, Peer, message};
 
-/// How often the threads check for shutdown.
+/// Interval of the shutdown check.
 const POLL_INTERVAL: Duration = Duration::from_millis(50);
 
 /// States per batch: as many as the other side receives.
 const BATCH: usize = 100;
 const PAUSE: Duration = Duration::from_millis(5);
 
-/// It listens at the addresses of a cabinet.
+/// Erratic program that listens at the addresses of a cabinet.
 pub(super) struct ErraticProgram {
     shutdown: Arc<AtomicBool>,
     states: Arc<AtomicU64>,
@@ -32,7 +32,7 @@ pub(super) struct ErraticProgram {
 }
 
 impl ErraticProgram {
-    /// Starts to send states to all connections.
+    /// Starts sending states to all connections.
     pub(super) fn start(at: &Addresses) -> Result<Self, Fault> {
         let [instructions, state] =
             [TcpListener::bind(at.cabinet_instructions)?, TcpListener::bind(at.cabinet_state)?];

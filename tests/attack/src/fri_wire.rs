@@ -1,29 +1,29 @@
-//! A minimal decoder of FRI for commanded positions and set-points. It shares no code with the project's decoder, so
-//! that a fault of the latter shows.
+//! Minimal FRI decoder for commanded positions and set-points. It shares no code with the project's
+//! decoder, so that faults of the latter become visible.
 
-/// The decoded part of a monitoring message.
+/// Decoded part of a monitoring message.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Monitoring {
     /// Commanded joint positions, in rad.
     pub(super) commanded_rad: Option<[f64; 7]>,
-    /// The controller's time stamp: seconds and nanoseconds.
+    /// Time stamp of the controller: seconds and nanoseconds.
     pub(super) stamp: Option<(u64, u64)>,
     /// State of the session; 4 is active commanding.
     pub(super) session: u64,
-    /// Its number.
+    /// Sequence number of the message.
     pub(super) sequence: u64,
 }
 
-/// The decoded part of a command message.
+/// Decoded part of a command message.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Answer {
-    /// The number of the monitoring message that it answers.
+    /// Sequence number of the answered monitoring message.
     pub(super) sequence: u64,
-    /// The set-point, in rad.
+    /// Set-point, in rad.
     pub(super) joints_rad: [f64; 7],
 }
 
-/// The value of a field.
+/// Value of a field.
 enum Value<'a> {
     Number(u64),
     Double(f64),
@@ -83,7 +83,7 @@ pub(super) fn answer(datagram: &[u8]) -> Option<Answer> {
     Some(Answer { sequence: reflected?, joints_rad: joints_rad? })
 }
 
-/// Seconds and nanoseconds.
+/// Decodes seconds and nanoseconds.
 fn time_stamp(bytes: &[u8]) -> Option<(u64, u64)> {
     let mut stamp = (0, 0);
     for_each(bytes, |number, value| {
@@ -97,7 +97,7 @@ fn time_stamp(bytes: &[u8]) -> Option<(u64, u64)> {
     Some(stamp)
 }
 
-/// Seven doubles, packed or with one tag per value.
+/// Decodes seven doubles, packed or with one tag per value.
 fn joint_values(bytes: &[u8]) -> Option<[f64; 7]> {
     let mut values = Vec::with_capacity(7);
     for_each(bytes, |number, value| {
@@ -164,7 +164,7 @@ fn varint(bytes: &mut &[u8]) -> Option<u64> {
 mod tests {
     use super::*;
 
-    /// A length-delimited field.
+    /// Encodes a length-delimited field.
     fn field(number: u8, content: &[u8]) -> Vec<u8> {
         [&[number << 3 | 2, u8::try_from(content.len()).unwrap()], content].concat()
     }

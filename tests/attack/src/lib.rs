@@ -1,12 +1,12 @@
-//! Black-box attacks on `iiwasim cabinet`, `drive` and `twin`: processes of the command line and raw sockets,
-//! judged by a witness on the FRI connection with a decoder of its own.
+//! Black-box attacks on `iiwasim cabinet`, `drive` and `twin`: processes of the command line and
+//! raw sockets, judged by a witness on the FRI connection with a separate decoder.
 //!
 //! | part | requirement |
 //! |---|---|
 //! | stop | after a stop, or the loss of a client or drive, the arm does not move |
 //! | load | stops are answered under floods of connections, long requests and subscribers that do not read |
-//! | suspend | while drive or cabinet are suspended and resumed, commanded positions keep the limits of acceleration |
-//! | memory | memory and logs of the programs stay bounded |
+//! | suspend | while drive or cabinet are suspended and resumed, commanded positions keep the acceleration limits |
+//! | memory | memory and logs of the programs are bounded |
 
 mod arrival;
 mod attackers;
@@ -40,21 +40,21 @@ use rig::Fault;
 /// Options of the attacks.
 #[derive(Clone, Debug)]
 pub struct Options {
-    /// The program `iiwasim`.
+    /// Path of the executable `iiwasim`.
     pub binary: PathBuf,
-    /// The parts to run.
+    /// Parts to run.
     pub part: Part,
-    /// A soak of an hour instead of two minutes.
+    /// `true` for a soak test of an hour instead of two minutes.
     pub long: bool,
-    /// With CURVE keys between all programs, and attackers without keys.
+    /// `true` for CURVE keys between all programs, and attackers without keys.
     pub keys: bool,
-    /// Triples all deadlines, on a machine with other load.
+    /// `true` triples all deadlines, on a machine with other load.
     pub shared: bool,
     /// Seed of the random instants.
     pub seed: u64,
 }
 
-/// A part of the attacks.
+/// Part of the attacks.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Part {
     /// Stops at random instants.
@@ -67,17 +67,17 @@ pub enum Part {
     Suspend,
     /// Memory and logs.
     Memory,
-    /// All of these.
+    /// All parts.
     All,
 }
 
-/// Runs the attacks and prints a table of requirements and measurements. Returns exit code 0 if all requirements
-/// are met, and 1 otherwise or if an attack cannot be made.
+/// Runs the attacks and prints a table of requirements and measurements. Returns exit code 0 if all
+/// requirements are met, and 1 otherwise or if an attack cannot be made.
 #[must_use]
 pub fn run(options: &Options) -> ExitCode {
     deadlines::set_factor(if options.shared { 3 } else { 1 });
     open_files::raise_limit();
-    // It fails if a handler is set already, which does not matter here.
+    // Fails if a handler is set already, which does not matter here.
     let _ = ctrlc::set_handler(|| {
         process::kill_all();
         std::process::exit(130);
@@ -98,7 +98,7 @@ fn attack(options: &Options) -> Result<Vec<Row>, Fault> {
     let Options { binary, part, long, keys, seed, .. } = options;
     let includes = |which: Part| [which, Part::All].contains(part);
     let seconds = |short, soak| Duration::from_secs(if *long { soak } else { short });
-    // More than the open files of a program, at each port.
+    // More connections at each port than a program may have open files.
     let connections = if *long { 2500 } else { 1200 };
     let size = |topics| Size { connections, handshakes: 250, topics };
     print(&format!("seed {seed}"));

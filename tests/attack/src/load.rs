@@ -1,4 +1,5 @@
-//! Stops under attack: the latency of replies once the arm is at rest, and the memory and logs of the programs.
+//! Stops under attack: the latency of replies once the arm is at rest, and the memory and logs of
+//! the programs.
 
 use std::{
     fs,
@@ -29,18 +30,18 @@ const REPLY_DEADLINE: Duration = Duration::from_millis(300);
 /// Time-out of a stop.
 const STOP_TIMEOUT: Duration = Duration::from_secs(10);
 
-/// The extent of the attacks.
+/// Extent of the attacks.
 pub(super) struct LoadExtent {
     pub(super) size: Size,
     /// Duration of each kind of attack.
     pub(super) time: Duration,
     /// Duration of all kinds together.
     pub(super) together: Duration,
-    /// The only scenario, if not all are wanted.
+    /// Single scenario to run, unless all are requested.
     pub(super) only: Option<Scenario>,
 }
 
-/// A scenario by itself.
+/// Scenario that can run alone.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Scenario {
     /// Clients with many pending requests.
@@ -51,12 +52,12 @@ pub enum Scenario {
     Handshakes,
     /// Many subscribers.
     Subscribers,
-    /// Silent connections to programs that may open few files.
+    /// Silent connections to programs with a low limit of open files.
     Descriptors,
 }
 
 impl Scenario {
-    /// The scenario of this name.
+    /// Returns the scenario of this name.
     #[must_use]
     pub fn named(name: &str) -> Option<Self> {
         Some(match name {
@@ -86,7 +87,7 @@ impl Scenario {
     }
 }
 
-/// Attacks of each kind, and all of them together.
+/// Runs attacks of each kind, and all of them together.
 pub(super) fn run(
     binary: &Path,
     seed: u64,
@@ -99,7 +100,7 @@ pub(super) fn run(
         if keys {
             name += ", with keys";
         }
-        // New programs, so that attacks do not affect each other.
+        // Restarts the programs, so that attacks do not affect each other.
         let mut rig = Rig::start(binary, Parts { twin: true, keys, few_files })?;
         let mut phase = LoadPhase { rig: &mut rig, random: random.fork(), name: &name };
         rows.extend(phase.run(&kinds, &extent.size, time)?);
@@ -107,7 +108,7 @@ pub(super) fn run(
     Ok(rows)
 }
 
-/// Attackers beside which stops are tried.
+/// Attackers during which stops are tried.
 struct Flood {
     name: String,
     kinds: Vec<Kind>,
@@ -136,14 +137,14 @@ impl Flood {
     }
 }
 
-/// Stops under attacks of some kinds.
+/// Stops under attacks of certain kinds.
 struct LoadPhase<'a> {
     rig: &'a mut Rig,
     random: Rng,
     name: &'a str,
 }
 
-/// Stops of one kind.
+/// Statistics of one kind of stop.
 #[derive(Default)]
 struct Stops {
     count: usize,
@@ -157,10 +158,10 @@ impl LoadPhase<'_> {
         let mut rows = Vec::new();
         let page = self.rig.open_page();
         let usage = Usage::begin(self.rig);
-        // Those that exhaust quotas come last.
+        // Attacks that exhaust quotas start last.
         let attacks: Vec<Attack> =
             kinds.iter().rev().map(|kind| kind.start(&self.rig.at, size)).collect();
-        // Until the attack has full effect.
+        // Waits until the attack has full effect.
         thread::sleep(Duration::from_secs(1));
         if kinds.iter().all(|kind| kind.is_subscriber()) {
             let attempts = self.attempt_trajectory()?;
@@ -220,12 +221,13 @@ impl LoadPhase<'_> {
         Ok(rows)
     }
 
-    /// A long request beside others: a trajectory that is refused as it starts elsewhere.
+    /// Measures a long request beside others: a trajectory that is rejected because it starts
+    /// elsewhere.
     fn long_request(&self) -> Result<Row, Fault> {
         const DEADLINE: Duration = Duration::from_secs(5);
         let begin = Instant::now();
         let body = String::from_utf8(trajectory(1_000_000))?;
-        // Without keys, a request of its own is simplest.
+        // Without keys, a direct request is simplest.
         let reply = if self.rig.has_keys() { None } else { Some(self.rig.request(&body)) };
         let took = begin.elapsed();
         Ok(Row {
@@ -240,7 +242,7 @@ impl LoadPhase<'_> {
         })
     }
 
-    /// The messages that a new subscriber receives.
+    /// Counts the messages that a new subscriber receives.
     fn stream(&self) -> Result<Row, Fault> {
         const TIME: Duration = Duration::from_secs(1);
         let mut peer = Peer::connect(self.rig.at.stream, "SUB", HANDSHAKE_TIMEOUT)?;
@@ -258,7 +260,7 @@ impl LoadPhase<'_> {
         })
     }
 
-    /// When `iiwasim stop` has succeeded, or why it has failed.
+    /// Returns the time at which `iiwasim stop` succeeded, or the reason for its failure.
     fn command_stop(&self) -> Result<Result<Instant, String>, Fault> {
         let mut stop = self.rig.client(&["stop"], false)?;
         Ok(match stop.wait(STOP_TIMEOUT) {
@@ -273,8 +275,9 @@ impl LoadPhase<'_> {
         self.rig.client(&["run", file.as_str(), "--no-output"], true)
     }
 
-    /// The number of attempts until a trajectory succeeds. The machine may delay the controller's clock or the
-    /// drive once; an attack that aborts a trajectory aborts all attempts.
+    /// Returns the number of attempts until a trajectory succeeds. The machine may delay the
+    /// controller's clock or the drive once; an attack that aborts a trajectory aborts all
+    /// attempts.
     fn attempt_trajectory(&mut self) -> Result<Option<u32>, Fault> {
         for attempt in 1..=3 {
             if self.run_trajectory()? {
@@ -284,7 +287,7 @@ impl LoadPhase<'_> {
         Ok(None)
     }
 
-    /// Whether a trajectory succeeds.
+    /// Returns true if a trajectory succeeds.
     fn run_trajectory(&mut self) -> Result<bool, Fault> {
         // FRI may have been disturbed briefly.
         if let Err(fault) = self.rig.await_ready() {
@@ -309,7 +312,7 @@ impl LoadPhase<'_> {
     }
 }
 
-/// When the twin has reported that the arm is stopped, or why it has failed.
+/// Returns the time at which the twin reported the stop, or the reason for its failure.
 fn press(page: Option<&mut WebSocket>) -> Result<Instant, String> {
     let page = page.ok_or("the page is not open")?;
     match page.stop(STOP_TIMEOUT) {

@@ -1,6 +1,6 @@
-//! Attacks the programs of the command line from outside:
-//! `attack BINARY [PART] [--long] [--keys] [--shared] [--seed N]`. Parts are `stop`, `load`, `suspend`, `memory` and `all`, and
-//! of `load` also `pipelines`, `trickle`, `handshakes`, `subscribers` and `descriptors` alone.
+//! Attacks the programs of the command line from outside: `attack BINARY [PART] [--long] [--keys]
+//! [--shared] [--seed N]`. Parts are `stop`, `load`, `suspend`, `memory` and `all`; parts of `load`
+//! are `pipelines`, `trickle`, `handshakes`, `subscribers` and `descriptors`.
 
 use std::{path::PathBuf, process::ExitCode};
 

@@ -16,7 +16,7 @@ use super::{
     usage::Usage,
 };
 
-/// The extent of the attacks.
+/// Extent of the attacks.
 pub(super) struct MemoryExtent {
     pub(super) size: Size,
     /// Duration of each attack.
@@ -25,11 +25,11 @@ pub(super) struct MemoryExtent {
     pub(super) last_run: Duration,
 }
 
-/// Attacks that take memory, and those that fill logs.
+/// Runs attacks that use memory, and attacks that fill logs.
 pub(super) fn run(binary: &Path, keys: bool, extent: &MemoryExtent) -> Result<Vec<Row>, Fault> {
     let mut rows = Vec::new();
     for kind in [Kind::UnreadReplies, Kind::Topics, Kind::LongRequests] {
-        // New programs, so that attacks do not affect each other.
+        // Restarts the programs, so that attacks do not affect each other.
         let mut rig = Rig::start(binary, Parts { twin: true, keys, ..Parts::default() })?;
         if kind == Kind::UnreadReplies {
             make_last_run(&rig, extent.last_run)?;
@@ -47,7 +47,7 @@ pub(super) fn run(binary: &Path, keys: bool, extent: &MemoryExtent) -> Result<Ve
     Ok(rows)
 }
 
-/// Makes a run with many samples.
+/// Performs a run with many samples.
 fn make_last_run(rig: &Rig, duration: Duration) -> Result<(), Fault> {
     let from = rig.witness.position().ok_or("the witness has not seen the arm")?;
     let file = rig.folder.path().join("program.json");
@@ -61,7 +61,7 @@ fn make_last_run(rig: &Rig, duration: Duration) -> Result<(), Fault> {
     }
 }
 
-/// A drive with an erratic robot program.
+/// Runs a drive with an erratic robot program.
 fn erratic_program(binary: &Path, time: Duration) -> Result<Row, Fault> {
     let mut rig = Rig::new(binary, Parts::default())?;
     let program = ErraticProgram::start(&rig.at)?;

@@ -1,13 +1,13 @@
-//! The limit of open files: attackers need more than the usual limit of a login.
+//! Limit of open files: attackers need more than the usual limit of a login.
 
 use std::{env, fs, os::unix::process::CommandExt, process::Command};
 
 use super::output::print;
 
-/// Connections of all attackers, and files.
+/// Number of files needed for the connections of all attackers, and other files.
 const NEEDED: u64 = 16_000;
 
-/// Set for the restarted program.
+/// Variable that marks the restarted program.
 const RAISED: &str = "IIWASIM_ATTACK_FILES_RAISED";
 
 /// Restarts this program with a higher limit if necessary and possible; otherwise returns.
@@ -30,7 +30,7 @@ pub(super) fn raise_limit() {
     print(&format!("too few open files, {soft}: {error}"));
 }
 
-/// Soft and hard limit, if the system provides them.
+/// Returns soft and hard limit, if the system provides them.
 fn limits() -> Option<[u64; 2]> {
     let text = fs::read_to_string("/proc/self/limits").ok()?;
     let line = text.lines().find_map(|line| line.strip_prefix("Max open files"))?;

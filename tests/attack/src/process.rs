@@ -1,4 +1,4 @@
-//! Processes of the program under attack. None outlives the harness, however it ends.
+//! Processes of the program under attack. All end with the harness, however it ends.
 
 use std::{
     ffi::OsStr,
@@ -21,7 +21,7 @@ static RUNNING: Mutex<Vec<u32>> = Mutex::new(Vec::new());
 /// Stored part of standard error, in bytes.
 const MAX_STORED: usize = 2000;
 
-/// A process, which is killed when this is dropped.
+/// Process that is killed when this value is dropped.
 pub(super) struct Process {
     child: Child,
     /// Lines of standard output.
@@ -36,10 +36,10 @@ struct StandardError {
     start: Mutex<Vec<u8>>,
 }
 
-/// How a process has ended.
+/// End of a process.
 pub(super) struct Ended {
     pub(super) at: Instant,
-    /// Whether the exit code was 0.
+    /// `true` for exit code 0.
     pub(super) success: bool,
 }
 
@@ -91,7 +91,7 @@ impl Process {
         send(name, self.child.id());
     }
 
-    /// Kills it at once.
+    /// Kills the process at once.
     pub(super) fn kill(&mut self) {
         let _ = self.child.kill();
     }
@@ -115,7 +115,7 @@ impl Process {
         }
     }
 
-    /// Whether it still runs.
+    /// Returns true if the process still runs.
     pub(super) fn runs(&mut self) -> bool {
         matches!(self.child.try_wait(), Ok(None))
     }
@@ -125,19 +125,19 @@ impl Process {
         self.stderr.bytes.load(Ordering::Relaxed)
     }
 
-    /// The beginning of standard error.
+    /// Returns the beginning of standard error.
     pub(super) fn stderr(&self) -> String {
         let start = self.stderr.start.lock().unwrap_or_else(PoisonError::into_inner);
         String::from_utf8_lossy(&start).into_owned()
     }
 
-    /// Peak memory since the last call, in MB, if the system provides it.
+    /// Returns the peak memory since the last call, in MB, if the system provides it.
     pub(super) fn take_peak_memory_mb(&self) -> Option<f64> {
         let id = self.child.id();
         let status = fs::read_to_string(format!("/proc/{id}/status")).ok()?;
         let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;
         let kib: f64 = line.trim().strip_suffix("kB")?.trim().parse().ok()?;
-        // Reset the peak; if that is refused, it is that of the whole lifetime.
+        // Resets the peak; if not permitted, it is that of the whole lifetime.
         let _ = fs::write(format!("/proc/{id}/clear_refs"), "5");
         Some(kib * 1.024e-3)
     }

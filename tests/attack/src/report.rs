@@ -1,6 +1,6 @@
-//! The table of requirements and measurements.
+//! Table of requirements and measurements.
 
-/// A row of the table.
+/// Row of the table.
 pub(super) struct Row {
     pub(super) what: String,
     pub(super) required: String,
@@ -8,7 +8,7 @@ pub(super) struct Row {
     pub(super) met: bool,
 }
 
-/// The table in Markdown.
+/// Formats the table as Markdown.
 pub(super) fn table(rows: &[Row]) -> String {
     let head = "| what | required | measured | |\n|---|---|---|---|\n".to_owned();
     rows.iter().fold(head, |table, Row { what, required, measured, met }| {

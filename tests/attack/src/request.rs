@@ -1,4 +1,4 @@
-//! Requests to the drive, each over its own connection.
+//! Requests to the drive, each over a separate connection.
 
 use std::{io, net::SocketAddr, time::Duration};
 
@@ -6,7 +6,7 @@ use serde_json::Value;
 
 use iiwasim_tests::zmtp::{HANDSHAKE_TIMEOUT, Peer};
 
-/// A pending request.
+/// Pending request.
 pub(super) struct PendingRequest {
     peer: Peer,
 }
@@ -32,7 +32,7 @@ pub(super) fn request(at: SocketAddr, body: &str, timeout: Duration) -> io::Resu
     PendingRequest::send(at, body)?.reply(timeout)
 }
 
-/// Whether a reply is `ok`.
+/// Returns true if a reply is `ok`.
 pub(super) fn is_ok(reply: &Value) -> bool {
     reply["ok"].as_bool() == Some(true)
 }

@@ -1,4 +1,5 @@
-//! The system under attack: a cabinet, a drive and optionally a twin, with a witness between the first two.
+//! System under attack: a cabinet, a drive and optionally a twin, with a witness between the first
+//! two.
 
 use std::{
     error::Error,
@@ -15,7 +16,7 @@ use tempfile::TempDir;
 use super::{process::Process, request::request, websocket::WebSocket, witness::Witness};
 use iiwasim_tests::ports::free_address;
 
-/// Why the harness itself fails.
+/// Failure of the harness itself.
 pub(super) type Fault = Box<dyn Error + Send + Sync>;
 
 /// Time-out of starting and connecting the programs.
@@ -32,11 +33,11 @@ const FEW_FILES: u32 = 192;
 pub(super) struct Parts {
     pub(super) twin: bool,
     pub(super) keys: bool,
-    /// Whether the drive and the cabinet may open few files only.
+    /// `true` for a low limit of open files in the drive and the cabinet.
     pub(super) few_files: bool,
 }
 
-/// The programs and their addresses.
+/// Programs and their addresses.
 pub(super) struct Rig {
     pub(super) witness: Witness,
     pub(super) cabinet: Option<Process>,
@@ -86,7 +87,7 @@ impl Rig {
         Ok(rig)
     }
 
-    /// A rig without running programs.
+    /// Creates a rig without running programs.
     pub(super) fn new(binary: &Path, parts: Parts) -> Result<Self, Fault> {
         let at = Addresses {
             requests: free_address(),
@@ -113,7 +114,7 @@ impl Rig {
     /// Starts a cabinet, with the arm at its default position.
     pub(super) fn start_cabinet(&mut self) -> Result<(), Fault> {
         self.cabinet = None;
-        // Messages of the one before have passed.
+        // Waits until messages of the previous cabinet have passed.
         thread::sleep(Duration::from_millis(20));
         self.witness.forget();
         let mut arguments = named(&[
@@ -155,7 +156,7 @@ impl Rig {
 
     fn start_twin(&mut self) -> Result<(), Fault> {
         let mut arguments = vec!["--port".to_owned(), self.at.twin.port().to_string()];
-        // Not those of whoever runs this.
+        // Prevents use of the user's own positions.
         let positions = self.folder.path().join("positions.json").display().to_string();
         arguments.extend(["--positions".to_owned(), positions]);
         arguments.extend(self.client_options(true));
@@ -218,7 +219,7 @@ impl Rig {
         Ok(())
     }
 
-    /// The status of the drive; `None` if it does not reply.
+    /// Returns the status of the drive; `None` if it does not reply.
     pub(super) fn status(&self) -> Option<Value> {
         const TIMEOUT: Duration = Duration::from_secs(3);
         if !self.keys {
@@ -230,12 +231,12 @@ impl Rig {
         serde_json::from_str(&lines).ok()
     }
 
-    /// Whether the programs have keys.
+    /// Returns true if the programs have keys.
     pub(super) fn has_keys(&self) -> bool {
         self.keys
     }
 
-    /// The reply to a request, without keys.
+    /// Returns the reply to a request, without keys.
     pub(super) fn request(&self, body: &str) -> io::Result<Value> {
         request(self.at.requests, body, Duration::from_secs(30))
     }
@@ -263,8 +264,8 @@ impl Rig {
         }
     }
 
-    /// Waits until no run is active and the arm is at rest, sending stops until then; starts programs that do
-    /// not run.
+    /// Waits until no run is active and the arm is at rest, sending stops until then; starts
+    /// programs that do not run.
     pub(super) fn await_idle(&mut self) -> Result<(), Fault> {
         const TIMEOUT: Duration = Duration::from_secs(15);
         let since = Instant::now();

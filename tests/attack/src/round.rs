@@ -1,4 +1,4 @@
-//! One attempt to make the arm move after a stop.
+//! Single attempt to make the arm move after a stop.
 
 use std::{
     fs, thread,
@@ -15,14 +15,14 @@ use super::{
     tasks::{Task, program},
 };
 
-/// Motion within this time after a reply is of a message in transit.
+/// Time after a reply within which motion is due to a message in transit.
 const IN_FLIGHT: Duration = Duration::from_millis(50);
 
-/// Motion that begins within this time after a stop request cannot be prevented, as `iiwasim stop` has to start
+/// Time after a stop request within which motion cannot be prevented, as `iiwasim stop` must start
 /// first.
 const STOP_LATENCY: Duration = Duration::from_millis(100);
 
-/// Motion that begins within this time after the loss of a client or drive cannot be prevented.
+/// Time after the loss of a client or drive within which motion cannot be prevented.
 const LOSS_LATENCY: Duration = Duration::from_millis(250);
 
 /// Deadline of the reply to a stop: half a second, and half a second to brake.
@@ -34,7 +34,7 @@ const REPLY_DEADLINE_WITHOUT_CABINET: Duration = Duration::from_secs(6);
 /// Time-out of a stop.
 const STOP_TIMEOUT: Duration = Duration::from_secs(8);
 
-/// When an attempt is made within a run.
+/// Phase of a run in which an attempt is made.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Phase {
     Request,
@@ -44,23 +44,23 @@ pub(super) enum Phase {
     End,
 }
 
-/// What is attempted.
+/// Attempt to make the arm move.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Attempt {
-    /// A raw request.
+    /// Raw stop request.
     StopRequest(Phase),
     /// `iiwasim stop`.
     StopCommand(Phase),
-    /// SIGINT to `iiwasim run` before its request, while the cabinet plans its motions, or while the arm
-    /// moves.
+    /// SIGINT to `iiwasim run` before its request, while the cabinet plans its motions, or while
+    /// the arm moves.
     Interrupt(Phase),
-    /// The connection of a run is closed before the arm moves.
+    /// Connection of a run closed before the arm moves.
     ConnectionClosed,
-    /// `iiwasim run` is killed before the arm moves.
+    /// `iiwasim run` killed before the arm moves.
     ClientKilled,
-    /// The drive gets a signal before the arm moves.
+    /// Drive ended by a signal before the arm moves.
     DriveEnded(&'static str),
-    /// The cabinet is killed and restarted, with a stop meanwhile.
+    /// Cabinet killed and restarted, with a stop meanwhile.
     CabinetKilled,
 }
 
@@ -94,7 +94,7 @@ impl Attempt {
         ]
     };
 
-    /// Its name in the table.
+    /// Name in the table.
     pub(super) fn name(self) -> String {
         let phase = |phase| match phase {
             Phase::Request => "the request is in transit",
@@ -116,16 +116,16 @@ impl Attempt {
     }
 }
 
-/// The outcome of an attempt.
+/// Outcome of an attempt.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Outcome {
     /// Latency of the reply.
     pub(super) reply: Option<Duration>,
-    /// The reply was late, an error, or missing.
+    /// `true` if the reply was late, an error, or missing.
     pub(super) unanswered: bool,
     /// Time from the reply, or the loss, to the first motion.
     pub(super) moved_after: Option<Duration>,
-    /// The arm moved before the attempt.
+    /// `true` if the arm moved before the attempt.
     pub(super) is_void: bool,
 }
 
@@ -136,11 +136,11 @@ pub(super) struct Planning {
     most_s: [f64; 2],
 }
 
-/// Motions by which planning is measured.
+/// Number of motions for measuring the planning time.
 const MEASURED: u32 = 200;
 
 impl Planning {
-    /// Measures it repeatedly on this machine, which may have other load.
+    /// Measures the planning time repeatedly on this machine, which may have other load.
     pub(super) fn measure(rig: &mut Rig, random: &mut Rng) -> Result<Self, Fault> {
         let mut planning = Self { least_s: [f64::INFINITY; 2], most_s: [0.0; 2] };
         for _ in 0..3 {
@@ -176,7 +176,7 @@ impl Planning {
         Duration::from_secs_f64(1.5 * time_s + 0.2)
     }
 
-    /// The number of motions that are planned in a time, in s.
+    /// Returns the number of motions that are planned in a time, in s.
     fn count(self, time_s: f64) -> usize {
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a count")]
         let count = ((time_s - self.least_s[0]) / Self::each_s(self.least_s)).max(1.0) as usize;
@@ -187,7 +187,7 @@ impl Planning {
 /// Largest number of motions per request.
 const MOST_MOTIONS: usize = 3000;
 
-/// Attempts one after the other.
+/// Sequence of attempts.
 pub(super) struct Rounds<'a> {
     pub(super) rig: &'a mut Rig,
     pub(super) random: Rng,
@@ -246,7 +246,7 @@ impl Rounds<'_> {
         let reply = replied.map(|at| at - begin);
         let at_least = sent + self.planning.at_most(task.count());
         let moved_after = replied.and_then(|at| self.moves_after(at, scaled(IN_FLIGHT), at_least));
-        // A run that has not begun must not begin before the reply either.
+        // Nor may a pending run begin before the reply.
         let began = self.rig.witness.first_move_after(since);
         let began_after =
             began.and_then(|at| at.checked_duration_since(begin + scaled(STOP_LATENCY)));
@@ -269,7 +269,7 @@ impl Rounds<'_> {
         if phase == Phase::Request {
             self.sleep(0.0..0.15);
         } else {
-            // It prints its plan before its request.
+            // The plan is printed before the request is sent.
             await_plan(&run)?;
             if phase == Phase::Planning {
                 self.sleep(0.0..self.planning.expected_s(task.count()));
@@ -286,7 +286,7 @@ impl Rounds<'_> {
         let ended = run.wait(STOP_TIMEOUT).map(|ended| ended.at);
         let reply = ended.map(|at| at - begin);
         let late = reply.is_none_or(|reply| reply > scaled(REPLY_DEADLINE));
-        // The arm has to be at rest at the deadline, even if the process ends later.
+        // The arm must be at rest at the deadline, even if the process ends later.
         let from = ended
             .map_or(begin + scaled(REPLY_DEADLINE), |at| at.min(begin + scaled(REPLY_DEADLINE)));
         let at_least = begin + self.planning.at_most(task.count());
@@ -336,7 +336,7 @@ impl Rounds<'_> {
         let sent = Instant::now();
         let _run = PendingRequest::send(self.rig.at.requests, &task.request())?;
         self.sleep(0.0..self.planning.expected_s(task.count()) + 0.5);
-        // The stop is sent just before or just after.
+        // The stop is sent shortly before or after.
         let [stop_after, kill_after] =
             [(); 2].map(|()| Duration::from_secs_f64(0.05 * self.random.f64()));
         let down = Duration::from_secs_f64(0.3 * self.random.f64());
@@ -373,7 +373,7 @@ impl Rounds<'_> {
         })
     }
 
-    /// The outcome of a loss before the motion, at `lost`.
+    /// Returns the outcome of a loss before the motion, at `lost`.
     fn judge_loss(&self, sent: Instant, lost: Instant, count: usize) -> Outcome {
         let noticed = lost + scaled(LOSS_LATENCY);
         let at_least = sent.max(lost) + self.planning.at_most(count);
@@ -383,8 +383,8 @@ impl Rounds<'_> {
         Outcome { moved_after: moved_after.filter(|_| !is_void), is_void, ..Outcome::default() }
     }
 
-    /// The time after `from` at which the arm moves, if it does so after a grace period. It is observed until
-    /// `at_least`, and for a minimum time.
+    /// Returns the time after `from` at which the arm moves, if it does so after a grace period.
+    /// The arm is observed until `at_least`, and for a minimum time.
     fn moves_after(&self, from: Instant, grace: Duration, at_least: Instant) -> Option<Duration> {
         let until = at_least.max(from + grace + Duration::from_millis(250));
         let left = until.saturating_duration_since(Instant::now());
@@ -403,14 +403,14 @@ impl Rounds<'_> {
         self.rig.witness.position().ok_or_else(|| "the witness has not seen the arm".into())
     }
 
-    /// Motions with a long planning time.
+    /// Returns motions with a long planning time.
     fn long_motions(&mut self) -> Task {
         let share = 0.4 + 0.6 * self.random.f64();
         let count = self.planning.count(share * self.longest_planning.as_secs_f64());
         Task::motions(&mut self.random, count)
     }
 
-    /// Motions with a long planning time, and sometimes few motions.
+    /// Returns motions with a long planning time, and sometimes few motions.
     fn long_work(&mut self) -> Task {
         if self.random.f64() < 0.2 {
             let count = self.random.usize(1..=10);
@@ -439,14 +439,14 @@ impl Rounds<'_> {
     }
 }
 
-/// When a raw stop got the reply `ok`.
+/// Returns the time at which a raw stop got the reply `ok`.
 fn request_stop(rig: &Rig) -> Option<Instant> {
     let reply = request(rig.at.requests, r#"{"type": "stop"}"#, STOP_TIMEOUT);
     let at = Instant::now();
     reply.is_ok_and(|reply| is_ok(&reply)).then_some(at)
 }
 
-/// When `iiwasim stop` succeeded.
+/// Returns the time at which `iiwasim stop` succeeded.
 fn command_stop(rig: &Rig) -> Result<Option<Instant>, Fault> {
     let mut stop = rig.client(&["stop"], false)?;
     Ok(stop.wait(STOP_TIMEOUT).filter(|ended| ended.success).map(|ended| ended.at))

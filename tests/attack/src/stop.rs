@@ -1,5 +1,5 @@
-//! Stops at random instants of requests, planning, start, motion and end, and losses of clients, drive and
-//! cabinet: no motion may follow.
+//! Stops at random instants of requests, planning, start, motion and end, and losses of clients,
+//! drive and cabinet: no motion may follow.
 
 use std::{
     collections::BTreeMap,
@@ -17,7 +17,7 @@ use super::{
     round::{Attempt, Outcome, Planning, Rounds},
 };
 
-/// The extent of the attempts.
+/// Extent of the attempts.
 pub(super) struct StopExtent {
     pub(super) rounds: usize,
     pub(super) time: Duration,

@@ -1,8 +1,9 @@
-//! Trajectories during which the drive, the cabinet or both are suspended and resumed: what the arm is commanded to do
-//! keeps the limits of acceleration.
+//! Trajectories during which the drive, the cabinet or both are suspended and resumed: the
+//! commanded motion keeps the acceleration limits.
 //!
-//! A suspended process leaves messages in its queue, and answers them together when it is resumed. By their times of
-//! arrival, any acceleration appears; the arm follows the controller's clock, which is in each message.
+//! A suspended process leaves messages in its queue, and answers them together when it is resumed.
+//! Measured by arrival times, the acceleration can have any value; the arm follows the controller's
+//! clock, which is in each message.
 
 use std::{
     path::Path,
@@ -29,10 +30,10 @@ pub(super) struct SuspendExtent {
     pub(super) time: Duration,
 }
 
-/// Largest acceleration as a share of its limit: that of the drive's governor.
+/// Largest acceleration relative to its limit: that of the drive's governor.
 const BOUND: f64 = 1.3;
 
-/// Which processes are suspended.
+/// Suspended processes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Victims {
     Drive,
@@ -69,13 +70,14 @@ impl Victims {
 #[derive(Clone, Copy, Debug, Default)]
 struct SuspendTally {
     rounds: usize,
-    /// Rounds in which the run ended with an error.
+    /// Number of rounds in which the run ended with an error.
     ended: usize,
-    /// Largest acceleration of the drive's set-points as a share of its limit, by the stamps of what they answer.
+    /// Largest acceleration of the drive's set-points relative to its limit, by the stamps of the
+    /// answered messages.
     answers: f64,
-    /// That of the controller's positions, by its stamps.
+    /// Largest acceleration of the controller's positions, by its stamps.
     by_stamps: f64,
-    /// The same by the times of arrival.
+    /// Largest acceleration of the controller's positions, by the arrival times.
     by_arrival: f64,
     failed: usize,
 }
@@ -129,8 +131,8 @@ pub(super) fn run(binary: &Path, seed: u64, extent: &SuspendExtent) -> Result<Ve
     Ok(Victims::ALL.iter().zip(tallies).map(|(victims, tally)| tally.row(*victims)).collect())
 }
 
-/// Runs a trajectory, and suspends processes on the way. Returns the messages from the beginning to the rest, and whether
-/// the run was completed.
+/// Runs a trajectory, and suspends processes on the way. Returns the messages from the beginning to
+/// standstill, and true if the run was completed.
 fn suspend(rig: &Rig, random: &mut Rng, victims: Victims) -> Result<(Recording, bool), Fault> {
     let from = rig.witness.position().ok_or("the witness has not seen the arm")?;
     let duration_s = 0.8 + random.f64();
@@ -142,7 +144,7 @@ fn suspend(rig: &Rig, random: &mut Rng, victims: Victims) -> Result<(Recording, 
     for _ in 0..random.usize(1..4) {
         thread::sleep(Duration::from_secs_f64(0.3 * duration_s * random.f64()));
         victims.signal(rig, "STOP");
-        // From a part of a cycle to more than what a controller waits for.
+        // From a part of a cycle to more than the time-out of a controller.
         thread::sleep(Duration::from_secs_f64(0.002 * 200_f64.powf(random.f64())));
         victims.signal(rig, "CONT");
     }
@@ -151,7 +153,7 @@ fn suspend(rig: &Rig, random: &mut Rng, victims: Victims) -> Result<(Recording, 
     Ok((rig.witness.end_recording(), reply["ok"].as_bool() == Some(true)))
 }
 
-/// The largest acceleration between three messages as a share of its limit.
+/// Returns the largest acceleration between three messages relative to its limit.
 fn strongest(samples: &[(f64, [f64; 7])], limits_rad_s2: &[f64; 7]) -> f64 {
     let mut strongest = 0.0_f64;
     for three in samples.windows(3) {

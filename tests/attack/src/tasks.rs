@@ -8,7 +8,7 @@ use serde_json::{Value, json};
 /// Largest distance of targets from the middle of the range, in rad.
 const RANGE_RAD: f64 = 0.3;
 
-/// A run to be requested.
+/// Run to be requested.
 pub(super) enum Task {
     /// Motions, planned by the controller.
     Motions(Vec<Value>),
@@ -17,7 +17,7 @@ pub(super) enum Task {
 }
 
 impl Task {
-    /// A number of motions between random targets.
+    /// Returns motions between random targets.
     pub(super) fn motions(random: &mut Rng, count: usize) -> Self {
         let motion = |i: usize| {
             let target: [f64; 7] =
@@ -31,15 +31,15 @@ impl Task {
         Self::Motions((0..count).map(motion).collect())
     }
 
-    /// A motion of A1 of about this duration, in s.
+    /// Returns a motion of A1 of about this duration, in s.
     pub(super) fn one_motion(from: &[f64; 7], duration_s: f64) -> Self {
-        // Half of the velocity limit, less the time to accelerate.
+        // Half of the velocity limit, without the time to accelerate.
         let mut target = *from;
         target[0] += inward(from[0]) * 0.85 * (duration_s - 0.15).max(0.05);
         Self::Motions(vec![json!({ "type": "ptp", "joints_rad": target, "velocity_rel": 0.5 })])
     }
 
-    /// A minimum-jerk trajectory of A1 of this duration, in s.
+    /// Returns a minimum-jerk trajectory of A1 of this duration, in s.
     pub(super) fn trajectory(from: &[f64; 7], duration_s: f64) -> Self {
         // Far below the limits: 1.875 times the mean velocity at the middle.
         let distance_rad = inward(from[0]) * 0.04 * duration_s.powi(2).min(4.0);
@@ -55,7 +55,7 @@ impl Task {
         Self::Trajectory(t_s, joints_rad)
     }
 
-    /// The request for it.
+    /// Returns the request to run the task.
     pub(super) fn request(&self) -> String {
         match self {
             Self::Motions(motions) => json!({ "type": "run_motions", "motions": motions }),
@@ -67,7 +67,7 @@ impl Task {
         .to_string()
     }
 
-    /// Number of motions to be planned.
+    /// Returns the number of motions to be planned.
     pub(super) fn count(&self) -> usize {
         match self {
             Self::Motions(motions) => motions.len(),
@@ -76,23 +76,23 @@ impl Task {
     }
 }
 
-/// A program file.
+/// Returns a program file.
 pub(super) fn program(from: &[f64; 7], motions: &[Value]) -> String {
     json!({ "version": 1, "start": { "joints_rad": from }, "motions": motions }).to_string()
 }
 
-/// A program that moves A1 back and forth for about this time.
+/// Returns a program that moves A1 back and forth for about this time.
 pub(super) fn there_and_back(from: &[f64; 7], duration: Duration) -> String {
     let mut there = *from;
     there[0] += inward(from[0]) * 0.25;
-    // A leg at a tenth of the velocity limit, with acceleration and settling.
+    // One direction at a tenth of the velocity limit, with acceleration and settle time.
     let legs = (duration.as_millis() / 1600 + 1) as usize;
     let motion = |target| json!({ "type": "ptp", "joints_rad": target, "velocity_rel": 0.1 });
     let motions: Vec<_> = [there, *from].into_iter().cycle().take(legs).map(motion).collect();
     program(from, &motions)
 }
 
-/// Direction towards the middle of the range.
+/// Returns the direction towards the middle of the range.
 fn inward(from_rad: f64) -> f64 {
     if from_rad > 0.0 { -1.0 } else { 1.0 }
 }

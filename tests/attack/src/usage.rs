@@ -4,23 +4,23 @@ use std::time::{Duration, Instant};
 
 use super::{output::print, process::Process, report::Row, rig::Rig};
 
-/// Limit of memory per program, in MB.
+/// Upper bound on the memory per program, in MB.
 const MAX_MEMORY_MB: f64 = 150.0;
 
-/// Limit of the output of all programs on standard error, in bytes per minute.
+/// Upper bound on the output of all programs on standard error, in bytes per minute.
 const MAX_LOG_RATE: f64 = 1e6;
 
 /// Shortest time over which the rate is computed, in s: each start is logged in some lines.
 const SHORTEST_S: f64 = 10.0;
 
-/// Memory and log volume from an instant on.
+/// Memory and log volume since an instant.
 pub(super) struct Usage {
     begin: Instant,
     logged: u64,
 }
 
 impl Usage {
-    /// Begins to measure.
+    /// Begins the measurement.
     pub(super) fn begin(rig: &Rig) -> Self {
         for (_, process) in processes(rig) {
             process.take_peak_memory_mb();
@@ -28,7 +28,7 @@ impl Usage {
         Self { begin: Instant::now(), logged: logged_bytes(rig) }
     }
 
-    /// The row of an attack.
+    /// Returns the row of an attack.
     pub(super) fn row(self, beside: &str, rig: &mut Rig) -> Row {
         let elapsed = self.begin.elapsed();
         let logged = logged_bytes(rig).saturating_sub(self.logged);
@@ -70,7 +70,7 @@ fn logged_bytes(rig: &Rig) -> u64 {
     processes(rig).map(|(_, process)| process.stderr_bytes()).sum()
 }
 
-/// Programs that have ended, and their output on standard error.
+/// Returns programs that have ended, and their output on standard error.
 fn ended(rig: &mut Rig) -> Vec<(&'static str, String)> {
     let all = [("drive", &mut rig.drive), ("cabinet", &mut rig.cabinet), ("twin", &mut rig.twin)];
     let mut ended = Vec::new();

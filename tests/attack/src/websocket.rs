@@ -1,4 +1,4 @@
-//! A client of the twin's page that presses its stop button.
+//! Client of the twin's page that presses its stop button.
 
 use std::{
     io::{self, BufRead, BufReader, Read, Write},
@@ -10,7 +10,7 @@ use std::{
 
 use serde_json::Value;
 
-/// A connection to the twin. Input is read at once, as by a browser.
+/// Connection to the twin. Input is read at once, as by a browser.
 pub(super) struct WebSocket {
     stream: TcpStream,
     answers: Receiver<Value>,
@@ -57,7 +57,7 @@ impl WebSocket {
         Ok(Self { stream, answers, commands: 0 })
     }
 
-    /// Presses the stop button. Returns when the answer arrived, and its error.
+    /// Presses the stop button. Returns the arrival time of the answer, and its error.
     pub(super) fn stop(&mut self, timeout: Duration) -> io::Result<(Instant, Option<String>)> {
         let end = Instant::now() + timeout;
         self.commands += 1;
@@ -85,7 +85,7 @@ impl WebSocket {
 
 impl Drop for WebSocket {
     fn drop(&mut self) {
-        // Ends the thread that reads.
+        // Ends the reading thread.
         let _ = self.stream.shutdown(std::net::Shutdown::Both);
     }
 }

@@ -1,5 +1,5 @@
-//! An independent witness of the arm: a relay for FRI between cabinet and drive that records when the commanded
-//! position changes.
+//! Independent witness of the arm: an FRI relay between cabinet and drive that records changes of
+//! the commanded position.
 
 use std::{
     collections::VecDeque,
@@ -15,18 +15,18 @@ use std::{
 
 use super::{arrival::TimedSocket, fri_wire};
 
-/// Smaller changes of the commanded position are no motion, in rad.
+/// Largest change of the commanded position that counts as standstill, in rad.
 const STILL_RAD: f64 = 1e-7;
 
-/// The arm is at rest if its commanded position is constant for this time: several cycles.
+/// Time for which the commanded position of an arm at rest is constant: several cycles.
 const REST_TIME: Duration = Duration::from_millis(60);
 
-/// How often the threads check for shutdown.
+/// Interval of the shutdown check.
 const POLL_INTERVAL: Duration = Duration::from_millis(50);
 
-/// The relay.
+/// FRI relay.
 pub(super) struct Witness {
-    /// The address that the cabinet sends to.
+    /// Address that the cabinet sends to.
     pub(super) address: SocketAddr,
     log: Arc<Mutex<Log>>,
     shutdown: Arc<AtomicBool>,
@@ -36,24 +36,24 @@ pub(super) struct Witness {
 /// Joint positions in a message.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Sample {
-    /// The kernel's time of its arrival, by the real-time clock.
+    /// Arrival time by the kernel's real-time clock.
     pub(super) arrival: Duration,
-    /// The controller's time stamp; of an answer, that of the message that it answers.
+    /// Time stamp of the controller; for an answer, that of the answered message.
     pub(super) stamp: Duration,
-    /// The joint positions, in rad.
+    /// Joint positions, in rad.
     pub(super) joints_rad: [f64; 7],
 }
 
-/// The messages of a run.
+/// Messages of a run.
 #[derive(Debug, Default)]
 pub(super) struct Recording {
-    /// The commanded positions in the controller's messages.
+    /// Commanded positions in the controller's messages.
     pub(super) commanded: Vec<Sample>,
-    /// The set-points in the drive's answers.
+    /// Set-points in the drive's answers.
     pub(super) answers: Vec<Sample>,
 }
 
-/// So many messages may wait for their answers.
+/// Maximum number of messages that await their answers.
 const UNANSWERED: usize = 1000;
 
 #[derive(Default)]
@@ -61,9 +61,9 @@ struct Log {
     commanded_rad: Option<[f64; 7]>,
     /// Messages, while they are recorded.
     recording: Option<Recording>,
-    /// Numbers and time stamps of the last messages.
+    /// Sequence numbers and time stamps of the last messages.
     stamps: VecDeque<(u64, Duration)>,
-    /// When messages with a changed commanded position arrived.
+    /// Arrival times of messages with a changed commanded position.
     moves: Vec<Instant>,
 }
 
@@ -88,7 +88,7 @@ impl Witness {
             let [from, to] = [to_cabinet.try_clone()?, to_drive.try_clone()?];
             let (log, cabinet) = (Arc::clone(&log), Arc::clone(&cabinet));
             relay(from, Arc::clone(&shutdown), move |datagram, sender, arrival| {
-                // Forwarded first: recording does not delay the drive.
+                // Forwards first: recording does not delay the drive.
                 let _ = to.send_to(datagram, drive);
                 *cabinet.lock().unwrap_or_else(PoisonError::into_inner) = Some(sender);
                 lock(&log).record(datagram, Instant::now(), arrival);
@@ -105,12 +105,12 @@ impl Witness {
         Ok(Self { address, log, shutdown, threads: vec![down, up] })
     }
 
-    /// Forgets the commanded position: that of another controller is no motion.
+    /// Forgets the commanded position: that of another controller is not a motion.
     pub(super) fn forget(&self) {
         lock(&self.log).commanded_rad = None;
     }
 
-    /// Begins to record messages.
+    /// Starts recording messages.
     pub(super) fn begin_recording(&self) {
         lock(&self.log).recording = Some(Recording::default());
     }
@@ -120,24 +120,24 @@ impl Witness {
         lock(&self.log).recording.take().unwrap_or_default()
     }
 
-    /// The commanded joint positions, in rad.
+    /// Commanded joint positions, in rad.
     pub(super) fn position(&self) -> Option<[f64; 7]> {
         lock(&self.log).commanded_rad
     }
 
-    /// The first motion after an instant.
+    /// Returns the first motion after an instant.
     pub(super) fn first_move_after(&self, instant: Instant) -> Option<Instant> {
         let log = lock(&self.log);
         log.moves.get(log.moves.partition_point(|at| *at <= instant)).copied()
     }
 
-    /// The last motion before an instant.
+    /// Returns the last motion before an instant.
     pub(super) fn last_move_before(&self, instant: Instant) -> Option<Instant> {
         let log = lock(&self.log);
         log.moves[..log.moves.partition_point(|at| *at <= instant)].last().copied()
     }
 
-    /// Whether the arm is at rest.
+    /// Returns true if the arm is at rest.
     pub(super) fn is_at_rest(&self) -> bool {
         lock(&self.log).moves.last().is_none_or(|at| at.elapsed() > REST_TIME)
     }
@@ -223,7 +223,8 @@ fn relay(
     })
 }
 
-/// Gives the thread real-time priority if permitted: the witness must not delay the drive's answers.
+/// Gives the thread real-time priority if permitted: the witness must not delay the drive's
+/// answers.
 fn raise() {
     use thread_priority::{
         RealtimeThreadSchedulePolicy, ThreadPriority, ThreadPriorityValue, ThreadSchedulePolicy,

@@ -1,6 +1,6 @@
 //! Edits of a URDF, and the outcome of each with our reader and with `urdf-rs`.
 //!
-//! `DESIGN.md` ("What of the libraries that the project was asked to build on?") rests on this table. A case that fails
+//! `DESIGN.md` ("Which libraries are used, and for what?") rests on this table. A case that fails
 //! after an update of `urdf-rs` is a reason to look at that decision again.
 
 use std::{env, process::Command};

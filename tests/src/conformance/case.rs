@@ -1,4 +1,4 @@
-//! Cases as they are written.
+//! Case files.
 
 use std::{
     collections::BTreeSet,
@@ -10,32 +10,32 @@ use std::{
 use serde::{Deserialize, Deserializer};
 use serde_json::Value;
 
-/// What cases may need of a robot program.
+/// Capabilities that cases may require of a robot program.
 pub const NEEDS: [&str; 7] =
     ["motion", "kinematics", "commanding", "no_fri", "io", "temperatures", "times"];
 
-/// The folder with the cases.
+/// Returns the folder with the cases.
 #[must_use]
 pub fn folder() -> PathBuf {
     PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/../sunrise/conformance"))
 }
 
-/// A case: what is sent, and what is expected.
+/// Case: sent instructions, and expected answers.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ConformanceCase {
-    /// Its name, unique in its file.
+    /// Name, unique in its file.
     pub name: String,
-    /// What the program has to have for it.
+    /// Required capabilities of the program.
     #[serde(default)]
     pub needs: Vec<String>,
     pub(super) steps: Vec<Step>,
-    /// Its line in the file, from 1.
+    /// Line in the file, from 1.
     #[serde(skip)]
     pub line: usize,
 }
 
-/// What is done with state changes.
+/// Acknowledgement of state changes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Acknowledge {
     Yes,
@@ -45,9 +45,9 @@ pub(super) enum Acknowledge {
 
 #[derive(Debug)]
 pub(super) enum Step {
-    /// The frames of an instruction's body.
+    /// Frames of an instruction's body.
     Send(Vec<Vec<u8>>),
-    /// The next answers, in any order.
+    /// Next answers, in any order.
     Expect(Vec<Value>),
     ExpectNothing(Duration),
     State(Value, Duration),
@@ -60,7 +60,7 @@ pub(super) enum Step {
     Pause(Duration),
 }
 
-/// The keys of a step; exactly one but `within_s`.
+/// Keys of a step; exactly one, not counting `within_s`.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct StepWire {
@@ -144,11 +144,11 @@ fn hex(text: &str) -> Option<Vec<u8>> {
     pairs.map(|i| u8::from_str_radix(text.get(i..i + 2)?, 16).ok()).collect()
 }
 
-/// The cases of a text of lines.
+/// Parses the cases of a text, one per line.
 ///
 /// # Errors
 ///
-/// The first line that is no case, a name that is there twice, or a need that is not known.
+/// The first line that is not a case, a repeated name, or an unknown capability.
 pub fn cases(text: &str) -> Result<Vec<ConformanceCase>, String> {
     let mut names = BTreeSet::new();
     let mut cases = Vec::new();
@@ -167,11 +167,11 @@ pub fn cases(text: &str) -> Result<Vec<ConformanceCase>, String> {
     Ok(cases)
 }
 
-/// All files by name, with their cases.
+/// Returns all files by name, with their cases.
 ///
 /// # Panics
 ///
-/// If one cannot be read.
+/// Panics if a file cannot be read.
 #[expect(clippy::expect_used, clippy::panic, reason = "a test fails by it")]
 pub(super) fn files() -> Vec<(String, Vec<ConformanceCase>)> {
     let entries = fs::read_dir(folder()).expect("the folder sunrise/conformance");

@@ -2,7 +2,8 @@
 
 use serde_json::{Map, Value};
 
-/// How `found` differs from a pattern; `None` if it matches. `found` is `None` where a key is absent.
+/// Describes the difference between `found` and a pattern; `None` if it matches. `found` is `None`
+/// for an absent key.
 #[must_use]
 pub fn mismatch(pattern: &Value, found: Option<&Value>) -> Option<String> {
     let differs = |expected: &dyn std::fmt::Display| {
@@ -36,12 +37,12 @@ pub fn mismatch(pattern: &Value, found: Option<&Value>) -> Option<String> {
     }
 }
 
-/// Whether both are whole numbers as they are written: those are compared exactly.
+/// Returns true if both are written as integers: these are compared exactly.
 fn is_whole(a: &serde_json::Number, b: &serde_json::Number) -> bool {
     [a, b].iter().all(|number| number.is_u64() || number.is_i64())
 }
 
-/// Whether `found` is what a pattern with one key such as `$has` describes.
+/// Returns true if `found` matches a pattern with one key such as `$has`.
 fn is_one(pattern: &Map<String, Value>, found: Option<&Value>) -> bool {
     let text = found.and_then(Value::as_str);
     let contains = |part: &Value| match (text, part.as_str()) {

@@ -1,15 +1,15 @@
-//! The other side of a robot program.
+//! Peer of a robot program.
 
 use std::time::Duration;
 
 use crate::socket::{Socket, SocketType, receive_any};
 
-/// A message from a robot program, with all its frames.
+/// Message from a robot program, with all its frames.
 #[derive(Clone, Debug)]
 pub enum Incoming {
-    /// On the socket for instructions.
+    /// Answer on the socket for instructions.
     Answer(Vec<Vec<u8>>),
-    /// On the socket for state changes.
+    /// Message on the socket for state changes.
     State(Vec<Vec<u8>>),
 }
 
@@ -21,22 +21,23 @@ pub trait DrivePeer {
     /// Sends a message to the socket for state changes.
     fn acknowledge(&mut self, frames: Vec<Vec<u8>>);
 
-    /// The next message of either socket, if it arrives within `timeout`.
+    /// Returns the next message of either socket, if it arrives within `timeout`.
     fn next(&mut self, timeout: Duration) -> Option<Incoming>;
 }
 
-/// The same by sockets of `ZeroMQ`, without keys.
+/// Peer with `ZeroMQ` sockets, without keys.
 pub struct ZmqPeer {
     instructions: Socket,
     state: Socket,
 }
 
 impl ZmqPeer {
-    /// Connects to the addresses of instructions and of state changes, such as `tcp://127.0.0.1:30001`.
+    /// Connects to the addresses of instructions and of state changes, such as
+    /// `tcp://127.0.0.1:30001`.
     ///
     /// # Panics
     ///
-    /// If an address is none.
+    /// Panics if an address is invalid.
     #[expect(clippy::expect_used, reason = "a test fails by it")]
     #[must_use]
     pub fn connect(instructions: &str, state: &str) -> Self {

@@ -1,4 +1,4 @@
-//! One connection to a robot program, and the cases on it.
+//! Connection to a robot program, and execution of cases on it.
 
 use std::{
     collections::VecDeque,
@@ -13,13 +13,13 @@ use super::{
     peer::{DrivePeer, Incoming},
 };
 
-/// How long an answer may take. Programs are to answer within 2 s, and machines may be slow.
+/// Time limit of an answer. Programs must answer within 2 s, but machines may be slow.
 const ANSWER: Duration = Duration::from_mins(1);
 
-/// The codes of errors.
+/// Error codes.
 const CODES: [&str; 5] = ["bad_request", "not_idle", "limit", "robot", "timeout"];
 
-/// Longest message of an error, in bytes.
+/// Maximum length of an error message, in bytes.
 const MESSAGE_BYTES: usize = 500;
 
 pub(super) struct Session<P> {
@@ -27,9 +27,9 @@ pub(super) struct Session<P> {
     answers: VecDeque<Value>,
     states: VecDeque<Value>,
     acknowledge: Acknowledge,
-    /// The latest state.
+    /// Latest state.
     latest: Value,
-    /// What no program may send, whatever it was asked.
+    /// Violation of a rule for all messages.
     wrong: Option<String>,
 }
 
@@ -60,7 +60,7 @@ impl<P: DrivePeer> Session<P> {
         }
     }
 
-    /// Stops what is under way, and waits for the state idle.
+    /// Stops pending actions, and waits for the state idle.
     pub(super) fn come_to_rest(&mut self, within: Duration) -> Result<(), String> {
         self.send(&[json!({"seq": u32::MAX, "type": "stop"}).to_string().into_bytes()]);
         let answered =
@@ -110,7 +110,7 @@ impl<P: DrivePeer> Session<P> {
         self.peer.instruct([&[Vec::new()], body].concat());
     }
 
-    /// The next answers are these, in any order.
+    /// Checks that the next answers match these patterns, in any order.
     fn expect(&mut self, patterns: &[Value]) -> Result<(), String> {
         let mut open: Vec<&Value> = patterns.iter().collect();
         while !open.is_empty() {
@@ -126,7 +126,7 @@ impl<P: DrivePeer> Session<P> {
         Ok(())
     }
 
-    /// Waits for a state that matches; those before it are passed over.
+    /// Waits for a state that matches; earlier states are skipped.
     fn state(&mut self, pattern: &Value, within: Duration) -> Result<(), String> {
         let end = Instant::now() + within;
         let mut last = None;
@@ -143,7 +143,7 @@ impl<P: DrivePeer> Session<P> {
         }
     }
 
-    /// Receives until `done`; whether it is.
+    /// Receives until `done` or a time-out; returns true if `done`.
     fn wait(&mut self, within: Duration, done: impl Fn(&Self) -> bool) -> Result<bool, String> {
         let end = Instant::now() + within;
         while !done(self) {
@@ -156,7 +156,7 @@ impl<P: DrivePeer> Session<P> {
         Ok(true)
     }
 
-    /// Takes all messages that are there, the first of which may take so long.
+    /// Receives all available messages; waits up to `timeout` for the first.
     fn receive(&mut self, timeout: Duration) -> Result<(), String> {
         let mut timeout = timeout;
         while let Some(incoming) = self.peer.next(timeout) {
@@ -190,7 +190,7 @@ impl<P: DrivePeer> Session<P> {
     }
 }
 
-/// The JSON of a message: an object in one frame, behind an empty one.
+/// Parses a message: a JSON object in one frame, after an empty frame.
 fn message(frames: &[Vec<u8>]) -> Result<Value, String> {
     let [envelope, body] = frames else { return Err(format!("{} frames", frames.len())) };
     if !envelope.is_empty() {
@@ -234,7 +234,7 @@ fn checked_state(state: Value, before: &Value) -> Result<Value, String> {
     Ok(state)
 }
 
-/// That an error has a code, and a message that is shown to people on one line.
+/// Checks that an error has a code, and a message that fits on one line.
 fn check_error(error: Option<&Value>) -> Result<(), String> {
     let Some(error) = error.filter(|error| !error.is_null()) else { return Ok(()) };
     let code = error["code"].as_str().unwrap_or_default();

@@ -1,4 +1,4 @@
-//! Points along a smooth curve, as other programs make them.
+//! Points along a smooth curve, as other programs generate them.
 
 use std::f64::consts::TAU;
 
@@ -6,12 +6,12 @@ use iiwa_program::{Blend, Program};
 
 use super::dice::{Dice, program as of, ptp};
 
-/// 50 to 200 points along sines of low order, all blended alike.
+/// Returns a program of 50 to 200 points along sines of low order, with equal blends.
 pub(super) fn program(dice: &mut Dice) -> Program {
     let points = dice.count(50, 200);
     let blend = Blend::Fraction(if dice.percent(50) { 0.5 } else { 0.3 });
     let shares = if dice.percent(70) { [1.0; 3] } else { [dice.log(0.1, 1.0), 1.0, 1.0] };
-    // Of each joint, three waves: amplitude in rad, turns along the whole curve, phase in rad.
+    // Three waves per joint: amplitude in rad, periods along the whole curve, phase in rad.
     let size = dice.log(0.1, 1.0);
     let waves: [[[f64; 3]; 3]; 7] = std::array::from_fn(|_| {
         std::array::from_fn(|order| {

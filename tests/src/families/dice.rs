@@ -1,4 +1,4 @@
-//! Random numbers, and what programs are put together from.
+//! Random numbers and random parts of programs.
 
 use std::f64::consts::TAU;
 
@@ -6,12 +6,12 @@ use fastrand::Rng;
 use iiwa_kin::{Joints, Robot, vector};
 use iiwa_program::{Blend, Motion, Program, Ptp, Sources, Start, Workcell};
 
-/// A source of random numbers.
+/// Source of random numbers.
 #[derive(Debug)]
 pub(crate) struct Dice(Rng);
 
 impl Dice {
-    /// Those of program `index` of `family`.
+    /// Creates the source for program `index` of `family`.
     pub(crate) fn new(seed: u64, family: &str, index: u64) -> Self {
         let mut rng = Rng::with_seed(seed);
         for word in family.bytes().map(u64::from).chain([index]) {
@@ -24,7 +24,7 @@ impl Dice {
         least + (most - least) * self.0.f64()
     }
 
-    /// As likely to be in one decade as in another.
+    /// Returns a number with a log-uniform distribution.
     pub(crate) fn log(&mut self, least: f64, most: f64) -> f64 {
         self.between(least.ln(), most.ln()).exp().max(least).min(most)
     }
@@ -33,7 +33,7 @@ impl Dice {
         self.0.usize(least..=most)
     }
 
-    /// True in so many of a hundred cases.
+    /// Returns true with this probability in percent.
     pub(crate) fn percent(&mut self, percent: u8) -> bool {
         self.0.u8(0..100) < percent
     }
@@ -42,12 +42,12 @@ impl Dice {
         std::array::from_fn(|_| one(self))
     }
 
-    /// A pose in the middle of the joints' ranges.
+    /// Returns a pose in the middle of the joint ranges.
     pub(crate) fn pose(&mut self) -> Joints {
         self.joints(|dice| dice.between(-1.2, 1.2))
     }
 
-    /// A unit vector: of all joints, or now and then of some or of one.
+    /// Returns a unit vector: with all joints, or sometimes with several or one.
     pub(crate) fn direction(&mut self) -> Joints {
         let some = self.percent(20);
         let only = self.percent(10).then(|| self.count(0, 6));
@@ -64,7 +64,7 @@ impl Dice {
         }
     }
 
-    /// A unit vector at `angle_rad` to `direction`, towards any side.
+    /// Returns a unit vector at `angle_rad` to `direction`, in a random direction.
     pub(crate) fn turned(&mut self, direction: &Joints, angle_rad: f64) -> Joints {
         loop {
             let side = self.joints(Self::normal);
@@ -83,7 +83,7 @@ impl Dice {
         (-2.0 * (1.0 - radius).ln()).sqrt() * (TAU * angle).cos()
     }
 
-    /// A fraction: any, a half, or none.
+    /// Returns a blend fraction: a random one, a half, or none.
     pub(crate) fn blend(&mut self) -> Option<Blend> {
         match self.count(0, 9) {
             0 => None,
@@ -93,7 +93,8 @@ impl Dice {
         }
     }
 
-    /// A way of `length` from `at` that stays within the joints' ranges, if a few throws find one.
+    /// Returns a displacement of `length` from `at` that stays within the joint ranges, if a few
+    /// draws find one.
     pub(crate) fn leg(&mut self, at: &Joints, length: f64) -> Joints {
         let limits = Robot::default().limits().upper_rad;
         let throws = std::iter::repeat_with(|| vector::scale(length, &self.direction()));
@@ -109,7 +110,7 @@ impl Dice {
     }
 }
 
-/// A motion with the same shares for all joints.
+/// Returns a motion with equal relative limits for all joints.
 pub(crate) fn ptp(target_rad: Joints, [v, a, j]: [f64; 3], blend: Option<Blend>) -> Ptp {
     Ptp {
         velocity_rel: [v; 7],
@@ -120,7 +121,7 @@ pub(crate) fn ptp(target_rad: Joints, [v, a, j]: [f64; 3], blend: Option<Blend>)
     }
 }
 
-/// The program of these motions. The last blend is left out: it would lead nowhere.
+/// Returns the program of these motions, without the last blend, which would lead nowhere.
 pub(crate) fn program(start_rad: Joints, mut motions: Vec<Ptp>) -> Program {
     if let Some(last) = motions.last_mut() {
         last.blend = None;

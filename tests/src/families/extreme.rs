@@ -1,14 +1,14 @@
-//! As slow, as short and as long as programs may be.
+//! Programs at the bounds of speed and length.
 
 use iiwa_program::Program;
 
 use super::dice::{Dice, program as of, ptp};
 
-/// Shares of velocity from 1e-6 to 1 and legs of 1e-9 to 5 rad; those of acceleration and jerk, too, in half
-/// of the programs.
+/// Returns a program with relative velocities from 1e-6 to 1 and segments of 1e-9 to 5 rad; in half
+/// of the programs acceleration and jerk vary, too.
 pub(super) fn program(dice: &mut Dice) -> Program {
     let start_rad = dice.joints(|dice| dice.between(-2.0, 2.0));
-    // Of all motions alike, where the path and not the motions decide.
+    // Equal for all motions, so that the path rather than the motions is critical.
     let is_even = dice.percent(50);
     let is_slow = dice.percent(50);
     let share = |dice: &mut Dice| dice.log(1e-6, 1.0);

@@ -1,10 +1,10 @@
-//! Motions so short that the arm never gets going.
+//! Motions too short for the arm to reach its speed.
 
 use iiwa_program::Program;
 
 use super::dice::{Dice, program as of, ptp};
 
-/// Legs of 1e-6 to 1e-3 rad.
+/// Returns a program with segments of 1e-6 to 1e-3 rad.
 pub(super) fn program(dice: &mut Dice) -> Program {
     let start_rad = dice.pose();
     let mut direction = dice.direction();

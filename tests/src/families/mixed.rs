@@ -1,10 +1,11 @@
-//! Shares of the limits that have nothing to do with each other.
+//! Independent relative limits.
 
 use iiwa_program::{Program, Ptp};
 
 use super::dice::{Dice, program as of};
 
-/// Shares of each joint, each motion and each kind of limit apart, from 0.01 to 1.
+/// Returns a program with independent relative limits of each joint, each motion and each kind,
+/// from 0.01 to 1.
 pub(super) fn program(dice: &mut Dice) -> Program {
     let start_rad = dice.pose();
     let mut at = start_rad;

@@ -1,4 +1,4 @@
-//! All that a program may hold.
+//! Any valid program.
 
 use iiwa_program::Program;
 use proptest::{
@@ -8,7 +8,7 @@ use proptest::{
 
 use crate::random::drafts;
 
-/// Draws for program `index`, until one is valid.
+/// Returns draws for program `index`, of which the first valid one is used.
 pub(super) fn programs(seed: u64, index: u64) -> impl Iterator<Item = Program> {
     let mut bytes = [0; 32];
     bytes[..8].copy_from_slice(&seed.to_le_bytes());

@@ -1,11 +1,12 @@
-//! Turn-backs, and lines of which next to nothing remains.
+//! Reversals, and lines almost consumed by blends.
 
 use iiwa_program::{Blend, Program};
 
 use super::dice::{Dice, program as of, ptp};
 
-/// Most legs turn by 170 to 180 degrees from the one before, some by 180 exactly; most blends leave 0.2 % of
-/// the shorter leg, or nothing. Lengths are very unequal.
+/// Returns a program in which most segments turn by 170 to 180 degrees from the previous one, some
+/// by exactly 180; most blends leave 0.2 % of the shorter segment, or nothing. Lengths are very
+/// unequal.
 pub(super) fn program(dice: &mut Dice) -> Program {
     let start_rad = dice.pose();
     let longest = dice.log(1e-2, 2.0);

@@ -1,4 +1,4 @@
-//! Sockets of bare peers: each connection has a thread that receives from it.
+//! Sockets of bare peers: each connection has a receiving thread.
 
 use std::{
     collections::{BTreeMap, VecDeque},
@@ -15,22 +15,22 @@ use crate::zmtp::{Peer, message, subscription};
 /// Time between attempts to connect.
 const RETRY: Duration = Duration::from_millis(20);
 
-/// Longer than any test takes.
+/// Time longer than any test.
 const FOREVER: Duration = Duration::from_hours(24);
 
-/// A socket of bare peers.
+/// Socket of bare peers.
 pub struct BareSocket {
     shared: Arc<Shared>,
     thread: Option<JoinHandle<()>>,
-    /// Where it listens, if it is bound.
+    /// Listening address, if bound.
     bound: Option<SocketAddr>,
 }
 
-/// What a socket and its threads share.
+/// Shared state of a socket and its threads.
 struct Shared {
     kind: SocketType,
     state: Mutex<SocketState>,
-    /// A connection is ready, a message was taken, or the socket is dropped.
+    /// Signals a ready connection, a received message, or the end of the socket.
     changed: Condvar,
 }
 
@@ -38,31 +38,32 @@ struct Shared {
 struct SocketState {
     is_dropped: bool,
     topics: Vec<Vec<u8>>,
-    /// By their routes, the newest one last.
+    /// Connections by route; the newest is last.
     connections: BTreeMap<Vec<u8>, Arc<TcpStream>>,
     /// Number of connections so far.
     count: u32,
     inbox: VecDeque<Vec<Vec<u8>>>,
-    /// The thread that waits for a message.
+    /// Thread that waits for a message.
     receiver: Option<Thread>,
 }
 
 impl BareSocket {
-    /// A socket that connects to an address such as `tcp://127.0.0.1:30001`, in the background.
+    /// Creates a socket that connects to an address such as `tcp://127.0.0.1:30001`, in the
+    /// background.
     ///
     /// # Errors
     ///
-    /// If the address is none, or no thread can be started.
+    /// An error if the address is invalid, or the thread cannot be started.
     pub fn connect(kind: SocketType, at: &str) -> io::Result<Self> {
         let at = parse(at)?;
         Self::start(kind, None, move |shared| shared.keep_connected(at))
     }
 
-    /// A socket that listens at such an address.
+    /// Creates a socket that listens at an address such as `tcp://127.0.0.1:30001`.
     ///
     /// # Errors
     ///
-    /// If the address is none or in use, or no thread can be started.
+    /// An error if the address is invalid or in use, or the thread cannot be started.
     pub fn bind(kind: SocketType, at: &str) -> io::Result<Self> {
         let listener = TcpListener::bind(parse(at)?)?;
         let bound = listener.local_addr()?;
@@ -85,7 +86,7 @@ impl BareSocket {
     ///
     /// # Errors
     ///
-    /// If the socket is of another type.
+    /// An error if the socket is of another type.
     pub fn subscribe(&self, topic: &[u8]) -> io::Result<()> {
         if self.shared.kind != SocketType::Sub {
             return Err(io::ErrorKind::InvalidInput.into());
@@ -100,7 +101,7 @@ impl BareSocket {
     ///
     /// # Errors
     ///
-    /// If there is none within 10 s.
+    /// An error without a connection within 10 s.
     pub fn send(&self, frames: &[impl AsRef<[u8]>]) -> io::Result<()> {
         if self.send_within(frames, SEND_TIMEOUT) {
             Ok(())
@@ -109,7 +110,7 @@ impl BareSocket {
         }
     }
 
-    /// Sends a message if there is a connection; whether there is.
+    /// Sends a message if there is a connection; returns true if sent.
     pub fn try_send(&self, frames: &[impl AsRef<[u8]>]) -> bool {
         self.send_within(frames, Duration::ZERO)
     }
@@ -131,7 +132,7 @@ impl BareSocket {
         true
     }
 
-    /// The next message, if it arrives within `timeout`.
+    /// Returns the next message, if it arrives within `timeout`.
     #[must_use]
     pub fn receive(&self, timeout: Duration) -> Option<Vec<Vec<u8>>> {
         receive_any(&[self], timeout).map(|(_, frames)| frames)
@@ -143,12 +144,13 @@ impl Drop for BareSocket {
         let mut state = self.shared.lock();
         state.is_dropped = true;
         for stream in state.connections.values() {
-            // The other side may have closed it.
+            // The peer may have closed the connection.
             let _ = stream.shutdown(Shutdown::Both);
         }
         drop(state);
         self.shared.changed.notify_all();
-        // A thread that waits for connections ends with the next one. It may be gone already.
+        // A thread that waits for connections ends with the next one. The thread may have ended
+        // already.
         let _ = self.bound.map(TcpStream::connect);
         if let Some(thread) = self.thread.take() {
             let _ = thread.join();
@@ -156,7 +158,8 @@ impl Drop for BareSocket {
     }
 }
 
-/// The next message of several sockets, and whose it is, if one arrives within `timeout`.
+/// Returns the next message of several sockets with the index of its socket, if it arrives within
+/// `timeout`.
 #[must_use]
 pub fn receive_any(sockets: &[&BareSocket], timeout: Duration) -> Option<(usize, Vec<Vec<u8>>)> {
     let end = Instant::now() + timeout;
@@ -182,11 +185,11 @@ impl Shared {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Connects again and again, until the socket is dropped.
+    /// Connects repeatedly, until the socket is dropped.
     fn keep_connected(&self, at: SocketAddr) {
         loop {
             if let Ok(peer) = Peer::silent(at, SEND_TIMEOUT) {
-                // Another connection follows.
+                // The next iteration reconnects.
                 let _ = self.serve(peer.stream);
             }
             let state = self.lock();
@@ -206,14 +209,14 @@ impl Shared {
                     return;
                 }
                 if let Ok((stream, _)) = accepted {
-                    // The other side connects again.
+                    // The peer reconnects.
                     scope.spawn(|| drop(self.serve(stream)));
                 }
             }
         });
     }
 
-    /// Shakes hands, and receives messages until the connection ends.
+    /// Performs the handshake, and receives messages until the connection ends.
     fn serve(&self, stream: TcpStream) -> io::Result<()> {
         let mut peer = Peer::shake_hands(stream, name(self.kind), SEND_TIMEOUT)?;
         let mut state = self.lock();
@@ -222,7 +225,7 @@ impl Shared {
         }
         state.topics.iter().for_each(|topic| write(&peer.stream, &subscription(topic)));
         state.count += 1;
-        // As `libzmq` makes it: a zero and four bytes.
+        // Format of `libzmq`: a zero and four bytes.
         let route = [&[0], state.count.to_be_bytes().as_slice()].concat();
         state.connections.insert(route.clone(), Arc::new(peer.stream.try_clone()?));
         drop(state);
@@ -237,7 +240,7 @@ impl Shared {
             let mut frames = peer.receive(FOREVER)?;
             match self.kind {
                 SocketType::Router => frames.insert(0, route.to_vec()),
-                // A message without the empty frame is none.
+                // A message without the empty frame is invalid.
                 SocketType::Req if !frames.remove(0).is_empty() => continue,
                 _ => {}
             }
@@ -245,7 +248,7 @@ impl Shared {
         }
     }
 
-    /// Hands over a message, once there is room for it.
+    /// Queues a message, once there is room.
     fn deliver(&self, frames: Vec<Vec<u8>>) {
         let room = if self.kind == SocketType::Sub { 1 } else { 1000 };
         let is_full = |state: &mut SocketState| state.inbox.len() >= room && !state.is_dropped;
@@ -257,7 +260,7 @@ impl Shared {
         }
     }
 
-    /// The newest connection, once there is one.
+    /// Returns the newest connection, once there is one.
     fn newest(&self, timeout: Duration) -> Option<Arc<TcpStream>> {
         let is_alone = |state: &mut SocketState| state.connections.is_empty();
         let wait = self.changed.wait_timeout_while(self.lock(), timeout, is_alone);
@@ -266,7 +269,7 @@ impl Shared {
     }
 }
 
-/// The name of a type in a handshake.
+/// Returns the name of a socket type in the handshake.
 fn name(kind: SocketType) -> &'static str {
     match kind {
         SocketType::Req => "REQ",
@@ -276,10 +279,10 @@ fn name(kind: SocketType) -> &'static str {
     }
 }
 
-/// Writes to a connection. If that fails, it is of no more use.
+/// Writes to a connection, and closes it after a failure.
 fn write(mut stream: &TcpStream, bytes: &[u8]) {
     if stream.write_all(bytes).is_err() {
-        // Its thread finds out.
+        // The receiving thread then ends.
         let _ = stream.shutdown(Shutdown::Both);
     }
 }

@@ -6,28 +6,29 @@ use zmq::{Context, DONTWAIT, POLLIN, PollItem, Socket};
 
 use super::{SEND_TIMEOUT, SocketType};
 
-/// A socket of `libzmq`.
+/// Socket of `libzmq`.
 pub struct LibzmqSocket {
     socket: Socket,
 }
 
 impl LibzmqSocket {
-    /// A socket that connects to an address such as `tcp://127.0.0.1:30001`, in the background.
+    /// Creates a socket that connects to an address such as `tcp://127.0.0.1:30001`, in the
+    /// background.
     ///
     /// # Errors
     ///
-    /// If the address is none, or there are no resources.
+    /// An error if the address is invalid, or resources are exhausted.
     pub fn connect(kind: SocketType, at: &str) -> io::Result<Self> {
         let socket = new(kind)?;
         socket.connect(at)?;
         Ok(Self { socket })
     }
 
-    /// A socket that listens at such an address.
+    /// Creates a socket that listens at an address such as `tcp://127.0.0.1:30001`.
     ///
     /// # Errors
     ///
-    /// If the address is none or in use, or there are no resources.
+    /// An error if the address is invalid or in use, or resources are exhausted.
     pub fn bind(kind: SocketType, at: &str) -> io::Result<Self> {
         let socket = new(kind)?;
         socket.bind(at)?;
@@ -38,7 +39,7 @@ impl LibzmqSocket {
     ///
     /// # Errors
     ///
-    /// If the socket is of another type.
+    /// An error if the socket is of another type.
     pub fn subscribe(&self, topic: &[u8]) -> io::Result<()> {
         Ok(self.socket.set_subscribe(topic)?)
     }
@@ -47,29 +48,30 @@ impl LibzmqSocket {
     ///
     /// # Errors
     ///
-    /// If there is none within 10 s.
+    /// An error without room within 10 s.
     pub fn send(&self, frames: &[impl AsRef<[u8]>]) -> io::Result<()> {
         Ok(self.socket.send_multipart(frames.iter().map(AsRef::as_ref), 0)?)
     }
 
-    /// Sends a message if there is room for it; whether there is.
+    /// Sends a message if there is room for it; returns true if sent.
     pub fn try_send(&self, frames: &[impl AsRef<[u8]>]) -> bool {
         self.socket.send_multipart(frames.iter().map(AsRef::as_ref), DONTWAIT).is_ok()
     }
 
-    /// The next message, if it arrives within `timeout`.
+    /// Returns the next message, if it arrives within `timeout`.
     #[must_use]
     pub fn receive(&self, timeout: Duration) -> Option<Vec<Vec<u8>>> {
         receive_any(&[self], timeout).map(|(_, frames)| frames)
     }
 }
 
-/// The next message of several sockets, and whose it is, if one arrives within `timeout`.
+/// Returns the next message of several sockets with the index of its socket, if it arrives within
+/// `timeout`.
 #[must_use]
 pub fn receive_any(sockets: &[&LibzmqSocket], timeout: Duration) -> Option<(usize, Vec<Vec<u8>>)> {
     let mut items: Vec<_> =
         sockets.iter().map(|socket| socket.socket.as_poll_item(POLLIN)).collect();
-    // Rounded up, so that a short rest of a time-out is not a busy loop.
+    // Rounded up, so that a short remaining time-out does not cause a busy loop.
     let timeout_ms = i64::try_from(timeout.as_micros().div_ceil(1000)).unwrap_or(i64::MAX);
     zmq::poll(&mut items, timeout_ms).ok()?;
     let place = items.iter().position(PollItem::is_readable)?;

@@ -1,12 +1,13 @@
-//! Which crate may use which.
+//! Allowed dependencies between crates.
 
 use std::collections::{BTreeMap, BTreeSet};
 
 use crate::tests::architecture::offenders::forbid;
 use crate::tests::architecture::sources::{members, root, text};
 
-/// The arrows that ARCHITECTURE.md draws, each from a crate to one that uses it. `tests/arrows.py` draws what Cargo knows: whoever
-/// adds an arrow renews the drawing, and sees where it leads.
+/// Returns the arrows in ARCHITECTURE.md, each from a crate to one that uses it. `tests/arrows.py`
+/// draws the dependencies of Cargo: adding a dependency requires renewing the drawing, which shows
+/// its consequences.
 fn drawn() -> BTreeMap<String, Vec<String>> {
     let text = text(&root().join("ARCHITECTURE.md"));
     let mut arrows = BTreeMap::<_, Vec<_>>::new();
@@ -18,7 +19,7 @@ fn drawn() -> BTreeMap<String, Vec<String>> {
     arrows
 }
 
-/// All from which arrows lead to a crate.
+/// Returns all crates from which arrows lead to a crate.
 fn below(arrows: &BTreeMap<String, Vec<String>>, name: &str) -> BTreeSet<String> {
     let mut found = BTreeSet::new();
     let mut open = vec![name];
@@ -32,14 +33,14 @@ fn below(arrows: &BTreeMap<String, Vec<String>>, name: &str) -> BTreeSet<String>
     found
 }
 
-/// Crates for command lines, which libraries leave to those who write one.
+/// Crates for command lines, which libraries must not use.
 const COMMAND_LINE: [&str; 2] = ["annotate-snippets", "clap"];
 
 #[test]
 fn libraries_depend_only_on_those_below_them() {
     let arrows = drawn();
     let mut wrong = BTreeMap::new();
-    // The facade hands on all of them.
+    // The facade re-exports all of them.
     for library in members().iter().filter(|member| member.is_library() && member.name != "iiwa") {
         let short = |name: &str| name.strip_prefix("iiwa-").map(str::to_owned);
         let below = below(&arrows, &short(&library.name).unwrap_or_default());

@@ -1,7 +1,7 @@
-//! No two files of a crate import each other, directly or by way of others.
+//! Test that no two files of a crate import each other, directly or indirectly.
 //!
-//! A file has an arrow to each file that defines something it names, however it was re-exported. A module
-//! that only declares its children or hands on what they define has no arrow to them.
+//! A file has an arrow to each file that defines a name it uses, however the name is re-exported. A
+//! module that only declares its children or re-exports their names has no arrow to them.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
@@ -43,7 +43,7 @@ fn no_two_files_of_a_crate_import_each_other() {
     );
 }
 
-/// All files that arrows lead to from a file.
+/// Returns all files reachable by arrows from a file.
 fn reachable<'a>(arrows: &'a Arrows, from: &str) -> BTreeSet<&'a String> {
     let mut reached = BTreeSet::new();
     let mut open: Vec<&str> = vec![from];
@@ -57,7 +57,7 @@ fn reachable<'a>(arrows: &'a Arrows, from: &str) -> BTreeSet<&'a String> {
     reached
 }
 
-/// From each file to those that define what it names.
+/// Returns the arrows from each file to the files that define its names.
 fn arrows(tree: &ModuleTree) -> Arrows {
     let mut arrows = Arrows::new();
     for (index, module) in tree.modules.iter().enumerate() {
@@ -79,7 +79,7 @@ fn arrows(tree: &ModuleTree) -> Arrows {
     arrows
 }
 
-/// All paths in code, those of imports within functions and of macros' arguments among them.
+/// All paths in code, including imports within functions and macro arguments.
 struct Names {
     paths: Vec<Vec<String>>,
 }

@@ -1,4 +1,4 @@
-//! What the documentation names exists: items of the crates, and files that it links to.
+//! Test that the documentation names existing items and files.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
@@ -33,7 +33,7 @@ fn items_that_documents_name_exist() {
         all.extend(names.iter().cloned());
         public.insert(library.name.replace('-', "_"), names);
     }
-    // The facade hands on the others.
+    // The facade re-exports the others.
     public.entry("iiwa".to_owned()).or_default().extend(all);
 
     let mut wrong = BTreeMap::new();
@@ -66,17 +66,15 @@ fn files_that_documents_link_to_exist() {
             let Some((link, _)) = after.split_once(')') else { continue };
             let target = link.split(['#', ' ']).next().unwrap_or_default();
             if !target.is_empty() && !target.contains(':') && !folder.join(target).exists() {
-                wrong.insert(
-                    format!("{}: {target}", shown(&document)),
-                    "there is no such file".to_owned(),
-                );
+                wrong.insert(format!("{}: {target}", shown(&document)), "no such file".to_owned());
             }
         }
     }
     forbid("link", &wrong, "Point to where the file is now.");
 }
 
-/// Paths such as `iiwa_kin::Robot::flange_pose`; of `iiwa_path::{Program, Blend}`, one for each in the braces.
+/// Returns paths such as `iiwa_kin::Robot::flange_pose`; for `iiwa_path::{Program, Blend}`, one
+/// path per name in the braces.
 fn paths(text: &str) -> Vec<Vec<String>> {
     let word = |c: char| c.is_alphanumeric() || c == '_';
     let mut found = Vec::new();
@@ -96,7 +94,7 @@ fn paths(text: &str) -> Vec<Vec<String>> {
             rest = after.unwrap_or_default();
         }
         if let Some((names, _)) = rest.strip_prefix('{').and_then(|rest| rest.split_once('}')) {
-            // Groups within groups are for code, not for prose.
+            // Nested groups occur only in code, not in prose.
             for name in names.split(',').map(str::trim).filter(|name| name.chars().all(word)) {
                 let end = (!name.is_empty() && name != "self").then(|| name.to_owned());
                 found.push(path.iter().cloned().chain(end).collect());
@@ -108,7 +106,7 @@ fn paths(text: &str) -> Vec<Vec<String>> {
     found
 }
 
-/// Names of public items, of their fields, variants and methods; re-exports too.
+/// Adds the names of public items, their fields, variants and methods, including re-exports.
 fn add_public_names(module: &Module, names: &mut BTreeSet<String>) {
     names.extend(module.children.keys().cloned());
     names.extend(
@@ -167,7 +165,8 @@ fn add_public_names(module: &Module, names: &mut BTreeSet<String>) {
     }
 }
 
-/// What a table names in front of the link to a file, as in `` `Limits::check` ([limits.rs](..)) ``, is in it.
+/// Checks that an item named in a table beside the link to a file, such as `` `Limits::check`
+/// ([limits.rs](..)) ``, is in that file.
 #[test]
 fn items_are_in_the_files_that_documents_name_beside_them() {
     let mut wrong = BTreeMap::new();
@@ -182,7 +181,7 @@ fn items_are_in_the_files_that_documents_name_beside_them() {
                     continue;
                 }
                 let source = text(&file);
-                // After the link before this one, and within a cell of a table.
+                // After the previous link, and within a table cell.
                 let before = before.split_once(')').map_or(before, |(_, rest)| rest);
                 let cell = before.rsplit('|').next().unwrap_or_default();
                 for name in cell.split('`').skip(1).step_by(2) {
@@ -208,7 +207,7 @@ fn items_are_in_the_files_that_documents_name_beside_them() {
     forbid("place", &wrong, "Point to the file that defines it.");
 }
 
-/// Whether a source defines an item, a field or a variant of this name.
+/// Returns true if a source defines an item, a field or a variant of this name.
 fn defines(source: &str, name: &str) -> bool {
     let keywords = ["fn", "struct", "enum", "trait", "const", "type", "static"];
     source.lines().any(|line| {

@@ -1,5 +1,5 @@
-//! Libraries do not know which program uses them: their texts name no command and no flag. The command
-//! line adds such hints.
+//! Test that libraries are independent of the programs that use them: their texts contain no
+//! commands and no flags. The command line adds such hints.
 
 use std::collections::BTreeMap;
 
@@ -38,8 +38,8 @@ fn libraries_name_no_commands_and_no_flags() {
     );
 }
 
-/// Whether there is something like `--key`. Rules of Markdown tables, comments of HTML and variables of CSS are
-/// none.
+/// Returns true for a flag such as `--key`. Rules of Markdown tables, HTML comments and CSS
+/// variables do not count.
 fn names_flag(text: &str) -> bool {
     text.match_indices("--").any(|(at, mark)| {
         !["-", "<!", "var("].iter().any(|before| text[..at].ends_with(before))
@@ -47,7 +47,7 @@ fn names_flag(text: &str) -> bool {
     })
 }
 
-/// All string literals but documentation.
+/// All string literals except documentation.
 struct Literals {
     texts: Vec<String>,
 }
@@ -81,7 +81,7 @@ impl<'ast> Visit<'ast> for Literals {
         if attribute.path().is_ident("doc") {
             return;
         }
-        // As in `#[error("...")]`.
+        // For example in `#[error("...")]`.
         if let Ok(list) = attribute.meta.require_list() {
             self.tokens(list.tokens.clone());
         }

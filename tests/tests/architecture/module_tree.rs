@@ -1,4 +1,4 @@
-//! The modules of a crate, as far as names need them: what each defines, and what it imports.
+//! Modules of a crate with their definitions and imports.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
@@ -7,30 +7,30 @@ use syn::{Attribute, Item, UseTree, Visibility};
 
 use crate::tests::architecture::sources::{shown, text};
 
-/// A name that a `use` brings in.
+/// Name imported by a `use`.
 pub(crate) struct Import {
-    /// From the `use` on, with `crate`, `self` and `super`. Ends in `*` for all names of a module.
+    /// Path of the `use`, with `crate`, `self` and `super`. Ends in `*` for all names of a module.
     pub(crate) path: Vec<String>,
-    /// Whether it is handed on: `pub use` of any reach.
+    /// `true` for a re-export: `pub use` of any visibility.
     pub(crate) reexport: bool,
 }
 
-/// A module, in a file of its own or within one.
+/// Module, in a separate file or inline.
 pub(crate) struct Module {
     pub(crate) file: PathBuf,
     pub(crate) parent: Option<usize>,
     pub(crate) children: BTreeMap<String, usize>,
-    /// Names of the items that are written here.
+    /// Names of the items defined here.
     pub(crate) items: BTreeSet<String>,
-    /// Names of structs, enums, unions, traits and type aliases that are written here.
+    /// Names of the structs, enums, unions, traits and type aliases defined here.
     pub(crate) types: Vec<String>,
     pub(crate) imports: BTreeMap<String, Import>,
     pub(crate) globs: Vec<Import>,
-    /// The items themselves, without modules and imports.
+    /// Items without modules and imports.
     pub(crate) code: Vec<Item>,
 }
 
-/// The modules of a crate; the first one is its root. What is compiled for tests only is left out.
+/// Modules of a crate, without test-only modules; the first one is the root.
 pub(crate) struct ModuleTree {
     pub(crate) modules: Vec<Module>,
 }
@@ -92,8 +92,8 @@ impl ModuleTree {
         index
     }
 
-    /// The file that defines what a path names, seen from a module. None for modules, and for what is not
-    /// of this crate.
+    /// Returns the file that defines the item of a path, as seen from a module. `None` for modules,
+    /// and for items of other crates.
     pub(crate) fn definition(&self, module: usize, path: &[String]) -> Option<&Path> {
         match self.follow(module, path, 0)? {
             Found::Module(_) => None,
@@ -124,7 +124,7 @@ impl ModuleTree {
     }
 
     fn look_up(&self, module: usize, name: &str, depth: usize) -> Option<Found> {
-        // Globs may lead back to where they came from.
+        // Globs may form a cycle.
         if depth > 20 {
             return None;
         }
@@ -136,7 +136,7 @@ impl ModuleTree {
             return Some(Found::Item(module));
         }
         if let Some(import) = here.imports.get(name) {
-            // As in `use serde::{self, Serialize}`: no way back to the name itself.
+            // For example `use serde::{self, Serialize}`: avoids recursion into the name itself.
             let own = import.path.len() == 1 && import.path[0] == name;
             return if own { None } else { self.follow(module, &import.path, depth + 1) };
         }
@@ -175,7 +175,7 @@ impl Module {
                 if rename.ident != "self" {
                     path.push(rename.ident.to_string());
                 }
-                // `as _` brings in a trait's methods only; several may.
+                // `as _` imports only the methods of a trait; several such imports may exist.
                 let name = match rename.rename.to_string().as_str() {
                     "_" => format!("_ {}", path.join("::")),
                     name => name.to_owned(),
@@ -237,7 +237,7 @@ fn attributes(item: &Item) -> &[Attribute] {
     }
 }
 
-/// `#[cfg(test)]`, alone or among others.
+/// Returns true for `#[cfg(test)]`, alone or among other conditions.
 pub(crate) fn for_tests_only(attribute: &Attribute) -> bool {
     attribute.path().is_ident("cfg")
         && attribute.meta.require_list().is_ok_and(|list| {

@@ -1,4 +1,4 @@
-//! One name, one type.
+//! Test that type names are unique.
 
 use std::collections::BTreeMap;
 

@@ -1,8 +1,8 @@
-//! How a broken rule is reported.
+//! Report of broken rules.
 
 use std::collections::BTreeMap;
 
-/// Fails with `remedy` when there are offenders. They map to what is wrong with each.
+/// Fails with `remedy` if there are offenders, which map to descriptions of the violations.
 pub(crate) fn forbid(rule: &str, offenders: &BTreeMap<String, String>, remedy: &str) {
     let list: Vec<String> = offenders
         .iter()

@@ -1,11 +1,12 @@
-//! One implementation of what all front ends do: read a program with its files, choose its robot, plan it, warn.
+//! Test that the common steps of all front ends have one implementation: reading a program with its
+//! files, choosing its robot, planning, warnings.
 
 use std::collections::BTreeMap;
 
 use crate::tests::architecture::offenders::forbid;
 use crate::tests::architecture::sources::{files, root, shown, text};
 
-/// A call, and the folders that may make it.
+/// Calls, and the folders that may contain them.
 const CALLS: [(&str, &[&str]); 6] = [
     ("Planner::new(", &["crates/core/iiwa-traj", "crates/core/iiwa-plan"]),
     ("Program::from_json_with(", &["crates/core/iiwa-program", "crates/core/iiwa-plan"]),

@@ -1,12 +1,12 @@
-//! The files of the workspace, and its crates.
+//! Files and crates of the workspace.
 
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// Folders that hold no sources of ours.
+/// Folders without project sources.
 const SKIPPED: [&str; 5] = ["target", ".git", "node_modules", "corpus", "artifacts"];
 
-/// The folder of the workspace.
+/// Returns the folder of the workspace.
 pub(crate) fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR"))
         .parent()
@@ -14,7 +14,8 @@ pub(crate) fn root() -> PathBuf {
         .to_path_buf()
 }
 
-/// All files below a folder with one of these extensions, in order; none when the folder is missing.
+/// Returns all files below a folder with one of these extensions, in order; empty if the folder is
+/// missing.
 pub(crate) fn files(folder: &Path, extensions: &[&str]) -> Vec<PathBuf> {
     let mut found = Vec::new();
     let mut folders = vec![folder.to_path_buf()];
@@ -35,7 +36,7 @@ pub(crate) fn files(folder: &Path, extensions: &[&str]) -> Vec<PathBuf> {
     found
 }
 
-/// The path as it is written in messages: from the workspace's folder on, with `/`.
+/// Formats a path for messages: relative to the workspace, with `/`.
 pub(crate) fn shown(path: &Path) -> String {
     let path = path.strip_prefix(root()).unwrap_or(path);
     path.components()
@@ -48,22 +49,22 @@ pub(crate) fn text(path: &Path) -> String {
     fs::read_to_string(path).unwrap_or_else(|error| panic!("{}: {error}", shown(path)))
 }
 
-/// A member of the workspace.
+/// Member of the workspace.
 pub(crate) struct Member {
-    /// The package's name.
+    /// Name of the package.
     pub(crate) name: String,
     pub(crate) folder: PathBuf,
-    /// The packages under `[dependencies]`, of any target.
+    /// Packages under `[dependencies]`, of any target.
     pub(crate) dependencies: Vec<String>,
 }
 
 impl Member {
-    /// Whether it is one of the libraries, below `crates/`.
+    /// Returns true for libraries, which are below `crates/`.
     pub(crate) fn is_library(&self) -> bool {
         self.folder.ancestors().nth(2).is_some_and(|crates| crates.ends_with("crates"))
     }
 
-    /// The roots of its module trees: `lib.rs`, `main.rs` and those of further binaries.
+    /// Returns the roots of its module trees: `lib.rs`, `main.rs` and further binaries.
     pub(crate) fn roots(&self) -> Vec<PathBuf> {
         let src = self.folder.join("src");
         let mut roots: Vec<PathBuf> = ["lib.rs", "main.rs"]
@@ -80,7 +81,7 @@ impl Member {
     }
 }
 
-/// The members of the workspace, in order of their folders.
+/// Returns the members of the workspace, in order of their folders.
 pub(crate) fn members() -> Vec<Member> {
     let within = |folder: PathBuf| fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
     let mut folders: Vec<PathBuf> = within(root().join("crates"))
@@ -100,7 +101,7 @@ fn member(folder: PathBuf) -> Member {
     for line in manifest.lines().map(str::trim).filter(|line| !line.starts_with('#')) {
         if let Some(header) = line.strip_prefix('[') {
             table = header.trim_matches(['[', ']']);
-            // As in `[dependencies.serde]`.
+            // For example `[dependencies.serde]`.
             if let Some((_, package)) = table.split_once("dependencies.")
                 && !table.starts_with("dev-")
                 && !table.contains(".dev-")

@@ -1,8 +1,8 @@
-//! Prints how many programs a second `plan_all` plans on one core and on all of them, as a Markdown
-//! table.
+//! Prints the number of programs that `plan_all` plans per second on one core and on all cores, as
+//! a Markdown table.
 //!
-//! What else runs on the machine takes from all cores and only rarely from one: efficiencies are
-//! meaningful on a quiet machine only.
+//! Other processes on the machine slow down all cores together more than a single one: efficiencies
+//! are meaningful only on a quiet machine.
 
 use std::{process::ExitCode, thread, time::Instant};
 
@@ -18,13 +18,12 @@ use iiwasim_benches::{
 };
 use rayon::{ThreadPool, ThreadPoolBuilder};
 
-/// Different ones, since their times differ: that is what balances the load.
+/// Number of distinct programs: their planning times differ, which exercises load balancing.
 const PROGRAMS: u64 = 300;
 const MOTIONS: usize = 10;
-/// Rounds, each on one core and then on all; the fastest of each counts.
+/// Number of rounds, each on one core and then on all; the fastest of each counts.
 const ROUNDS: usize = 5;
-/// A round is made of so many calls at least this long, in s: a fast one would be over before all
-/// threads are awake.
+/// Minimum duration of a round, in s: a shorter round would end before all threads are awake.
 const ROUND_S: f64 = 0.5;
 
 pub(crate) fn run(arguments: &[&str]) -> Result<ExitCode> {
@@ -60,7 +59,8 @@ fn pool(threads: usize) -> Result<ThreadPool> {
     Ok(ThreadPoolBuilder::new().num_threads(threads).build()?)
 }
 
-/// The time to plan all of `programs` on the threads of `pool`, in s: the mean of a round's calls.
+/// Returns the time to plan all `programs` on the threads of `pool`, in s: the mean of a round's
+/// calls.
 fn round(pool: &ThreadPool, programs: &[Program], timing: Timing) -> Result<f64> {
     let robot = Robot::lbr_iiwa_7_r800();
     let (mut calls, mut time_s) = (0, 0.0);
@@ -69,7 +69,7 @@ fn round(pool: &ThreadPool, programs: &[Program], timing: Timing) -> Result<f64>
         let plans = pool.install(|| plan_all(programs, &robot, PathOptions::default(), timing));
         time_s += start.elapsed().as_secs_f64();
         calls += 1;
-        // A program that fails would fail fast.
+        // A failing program would appear to be fast.
         plans.into_iter().collect::<std::result::Result<Vec<Trajectory>, PlanError>>()?;
     }
     Ok(time_s / f64::from(calls))

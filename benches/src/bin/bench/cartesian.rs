@@ -1,7 +1,8 @@
-//! Prints what paths of the TCP cost to plan, how this grows, and how much sooner the arm gets there than by one trapezoid, as
-//! Markdown tables. With `--long`: longer programs, and more LINs.
+//! Prints the planning time of TCP paths, its growth, and the reduction of motion time compared
+//! with a single trapezoid, as Markdown tables. With `--long`: longer programs, and more LINs.
 //!
-//! It fails where something cannot be planned, or where the arm's advantage is lost; times never count.
+//! The bench fails if planning fails, or if the reduction of motion time is lost; planning times
+//! never cause a failure.
 
 mod clock;
 mod growth;

@@ -1,5 +1,6 @@
-//! Prints how long imports of large Sunrise projects take, and the most memory that they held: an application of about a
-//! thousand motions, which is planned as well, and a project of 100 files of 30 kB, all of which the application uses.
+//! Prints the time of importing large Sunrise projects, and the peak memory: an application of
+//! about a thousand motions, which is planned as well, and a project of 100 files of 30 kB, all of
+//! which the application uses.
 
 mod large;
 
@@ -12,12 +13,12 @@ use iiwasim_benches::{Result, machine};
 use tempfile::TempDir;
 
 const FILES: usize = 100;
-/// Of each file.
+/// Size of each file.
 const BYTES: usize = 30_000;
 
 pub(crate) fn run(arguments: &[&str]) -> Result<ExitCode> {
     no_arguments(arguments)?;
-    // First, since the memory is the most of the process.
+    // Runs first, since the reported memory is the peak of the process.
     large::run()?;
     let folder = TempDir::new()?;
     write_project(folder.path())?;
@@ -38,7 +39,7 @@ pub(crate) fn run(arguments: &[&str]) -> Result<ExitCode> {
     Ok(ExitCode::SUCCESS)
 }
 
-/// An application that moves by a method of each of the other classes.
+/// Writes an application that moves through a method of each of the other classes.
 fn write_project(folder: &Path) -> Result<()> {
     let sources = folder.join("src/application");
     fs::create_dir_all(&sources)?;

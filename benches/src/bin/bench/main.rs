@@ -1,6 +1,6 @@
-//! Figures that take whole runs, a bench each: `bench NAME`, with the arguments that its module names.
+//! Benches that need whole runs: `bench NAME`, with the arguments of the module of that name.
 //!
-//! They are one program since programs of their own would take half a minute each to optimise.
+//! They share one executable since separate ones would take half a minute each to optimise.
 #![expect(clippy::print_stdout, reason = "tables are what it is for")]
 
 mod batch;

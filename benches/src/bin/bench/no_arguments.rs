@@ -1,4 +1,4 @@
-//! For benches that take none.
+//! Check for benches without arguments.
 
 use iiwasim_benches::Result;
 

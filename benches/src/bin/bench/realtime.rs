@@ -1,5 +1,6 @@
-//! Prints how punctually a drive answers a simulated cabinet over the loopback interface while a core
-//! is kept busy and trajectories run, as a Markdown table with a list of what else was seen.
+//! Prints the answer latency of a drive towards a simulated cabinet over the loopback interface
+//! while a core is busy and trajectories run, as a Markdown table with a list of further
+//! observations.
 //!
 //! ```text
 //! bench realtime                 10 s at 5 ms, 10 s at 1 ms
@@ -8,14 +9,16 @@
 //! bench realtime --period 1 --seconds 60 [--subscribers] [--ordinary]
 //! ```
 //!
-//! Cabinet, drive, subscribers and what keeps the core busy are processes of their own, as in use. Each
-//! of them ends when its input does, so none is left over, however this one ends. On each core a witness
-//! of a higher priority does nothing but wake: while it does not, the machine stands still.
+//! Cabinet, drive, subscribers and the load on the core are separate processes, as in use. Each of
+//! them ends when its input is closed, so none remains, however this process ends. On each core a
+//! witness process of higher priority only wakes periodically: when it misses a wake-up, the
+//! machine is stalled.
 //!
-//! A cycle is lost by the drive if its answer came more than a period after its message, after the time
-//! in which the machine stood still is taken off. Nothing else is: the times that the system, and the
-//! cabinet's own threads, take to wake count against the drive. Exits with 1 if a drive with real-time
-//! priority lost more than one cycle in 10 000, or if a live subscriber missed a message.
+//! A cycle is lost by the drive if its answer came more than a period after its message, after
+//! subtracting the time in which the machine was stalled. Nothing else is subtracted: wake-up
+//! delays of the system, and of the cabinet's own threads, count against the drive. Exits with 1 if
+//! a drive with real-time priority lost more than one cycle in 10 000, or if a live subscriber
+//! missed a message.
 
 mod busy;
 mod cabinet_side;

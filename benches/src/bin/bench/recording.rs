@@ -1,9 +1,9 @@
-//! Records a long program at 1 kHz, and says how soon the recording is read, held against its plan, and
-//! used to identify the robot, and with how much memory.
+//! Records a long program at 1 kHz, and prints the time and memory for reading the recording,
+//! comparing it with its plan, and identifying the robot from it.
 //!
 //! `bench recording [MINUTES]`, 5 by default. An hour takes 5 GB in the folder for temporary files.
 //!
-//! Each job has a process of its own, which reports the most memory that it ever held.
+//! Each job runs in a separate process, which reports its peak memory.
 
 use std::{
     collections::BTreeMap,
@@ -32,10 +32,10 @@ use iiwasim_benches::{
 
 const RATE_HZ: u32 = 1000;
 
-/// Motions a minute of the program that is recorded, about.
+/// Approximate number of motions per minute in the recorded program.
 const MOTIONS_A_MINUTE: usize = 60;
 
-/// Standard deviation of each joint.
+/// Standard deviation of the noise of each joint.
 const NOISE_RAD: f64 = 1e-5;
 
 const PROGRAM: &str = "program.json";
@@ -69,7 +69,7 @@ pub(crate) fn run(arguments: &[&str]) -> Result<ExitCode> {
     Ok(ExitCode::SUCCESS)
 }
 
-/// Does one job, and says what it was.
+/// Runs one job, and describes it.
 fn done(job: &str, folder: &FilePath) -> Result<String> {
     let read = |name: &str| -> Result<JointLog> {
         let log = JointLog::read(File::open(folder.join(name))?)?;
@@ -112,7 +112,7 @@ fn write(minutes: usize, folder: &FilePath) -> Result<()> {
     let trajectory = &plan.trajectory;
     write_plan(BufWriter::new(create(PLAN)?), &plan, PlanConfig::default(), &text)?;
 
-    // The fewer periods, the sooner it is written; it makes no difference for what is read.
+    // Fewer periods make writing faster, and do not affect reading.
     let config = RecorderConfig { period: Duration::from_secs(10), ..RecorderConfig::default() };
     let mut random = fastrand::Rng::with_seed(1);
     let mut recorder = Recorder::new(create(MCAP)?, &robot, config)?;

@@ -1,5 +1,5 @@
-//! Prints how often a second `Replanner` plans programs anew in which one motion changes, and how far the cycle time is
-//! from that of a plan from nothing, as Markdown tables.
+//! Prints the number of replanned programs per second of a `Replanner` in which one motion changes,
+//! and the difference of the cycle time from that of a plan from scratch, as Markdown tables.
 
 use std::{process::ExitCode, time::Instant};
 
@@ -15,19 +15,19 @@ use iiwasim_benches::{
     machine,
 };
 
-/// Motions of a program, and how many programs.
+/// Number of motions per program, and number of programs.
 const SIZES: [(usize, u64); 4] = [(10, 60), (100, 6), (1000, 1), (10_000, 1)];
-/// Changes of each kind in each program of that size.
+/// Number of changes of each kind per program of that size.
 const CHANGES: [usize; 4] = [10, 100, 600, 600];
 
-/// What changes.
+/// Kind of change.
 #[derive(Clone, Copy)]
 enum Change {
     /// Each joint of a target, by up to 0.1 rad.
     Target,
-    /// The share of speed, to 0.2 to 1.
+    /// Relative velocity, between 0.2 and 1.
     Speed,
-    /// The blend, to 0.05 to 0.45 of the legs.
+    /// Blend, between 0.05 and 0.45 of the adjacent segments.
     Radius,
 }
 
@@ -52,12 +52,12 @@ impl Change {
     }
 }
 
-/// What was measured of one kind of change in programs of one size.
+/// Measurements of one kind of change in programs of one size.
 #[derive(Default)]
 struct Changed {
     changes: u32,
     time_s: f64,
-    /// Cycle times less those of plans from nothing, in s.
+    /// Differences of cycle times from those of plans from scratch, in s.
     off_s: Vec<f64>,
 }
 
@@ -78,7 +78,7 @@ pub(crate) fn run(arguments: &[&str]) -> Result<ExitCode> {
             off_s.sort_by(f64::total_cmp);
             let mut sizes: Vec<_> = off_s.iter().map(|off| off.abs()).collect();
             sizes.sort_by(f64::total_cmp);
-            // The value below which so many tenths of them are.
+            // Quantile in tenths.
             let of = |list: &[f64], tenths: usize| match list.len() {
                 0 => "-".to_owned(),
                 n => format!("{:.1e} s", list[(n - 1) * tenths / 10]),
@@ -97,7 +97,7 @@ pub(crate) fn run(arguments: &[&str]) -> Result<ExitCode> {
     Ok(ExitCode::SUCCESS)
 }
 
-/// Changes a program again and again.
+/// Changes a program repeatedly.
 fn measure(
     change: Change,
     motions: usize,
@@ -119,7 +119,7 @@ fn measure(
         let cycle_time_s = plan.cycle_time_s();
         measured.time_s += start.elapsed().as_secs_f64();
         measured.changes += 1;
-        // The rest of a long program is as it was.
+        // Long programs change only locally, and are not compared.
         if motions <= 10 {
             let path = JointPath::new(plan.program(), &robot)?;
             let cold = Trajectory::plan(&path, Timing::Jerk(options))?;

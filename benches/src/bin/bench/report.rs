@@ -1,8 +1,8 @@
-//! Prints what `cargo bench -p iiwasim-benches` has measured, with ratios, required figures and
+//! Prints the results of `cargo bench -p iiwasim-benches`, with ratios, required figures and
 //! accuracies, as Markdown tables.
 //!
-//! Times are those of the fastest of criterion's samples: of all that a sample tells, this depends
-//! least on what else the machine does.
+//! Times are those of the fastest of criterion's samples, which depend least on other load on the
+//! machine.
 
 use std::{
     env, fs,
@@ -22,12 +22,12 @@ use iiwasim_benches::{
 };
 use serde_json::Value;
 
-/// A bench's figures.
+/// Result of a bench.
 struct Figure {
     name: String,
-    /// Of the fastest sample, for one run.
+    /// Time of one run in the fastest sample.
     fastest_ns: f64,
-    /// What `fastest_ns` is for: so many poses, searches, samples.
+    /// Number of elements in `fastest_ns`: poses, searches or samples.
     elements: Option<f64>,
 }
 
@@ -37,7 +37,7 @@ impl Figure {
     }
 }
 
-/// The figures of one group of benches.
+/// Results of one group of benches.
 struct Group {
     title: &'static str,
     element: &'static str,
@@ -45,7 +45,7 @@ struct Group {
 }
 
 impl Group {
-    /// Reads a group from the folder where `criterion` keeps it.
+    /// Reads a group from the folder of `criterion`.
     fn read(
         folder: &FilePath,
         title: &'static str,
@@ -86,7 +86,7 @@ impl Group {
         format!("{elements} {}{plural}", self.element)
     }
 
-    /// Ratios are to the first figure.
+    /// Prints the group; ratios are relative to the first figure.
     fn print(&self) {
         let each = !self.element.is_empty();
         println!("\n### {}\n", self.title);
@@ -178,15 +178,15 @@ pub(crate) fn run(arguments: &[&str]) -> Result<ExitCode> {
     Ok(ExitCode::SUCCESS)
 }
 
-/// Times in motion of the ten motions under limits of jerk, in s.
+/// Times in motion of the ten motions with jerk limits, in s.
 struct Durations {
     ours: f64,
     peers: Vec<(&'static str, f64)>,
-    /// Of an independent solver.
+    /// Time of an independent solver.
     reference: f64,
 }
 
-/// The peer that the requirement is held against: the one that looks for the shortest time.
+/// Peer of the requirement: the one that minimises time.
 const HELD_AGAINST: &str = "copp topp3_socp, 100 intervals";
 
 impl Durations {
@@ -205,7 +205,7 @@ impl Durations {
         })
     }
 
-    /// Of the planner, as a share of the peer's.
+    /// Time of the planner relative to the peer's.
     fn over(&self, peer: &str) -> Option<f64> {
         let (_, theirs) = self.peers.iter().find(|(name, _)| *name == peer)?;
         Some(self.ours / theirs)
@@ -226,10 +226,10 @@ impl Durations {
     }
 }
 
-/// How a table writes a figure.
+/// Formats a figure for a table.
 type Format<'a> = &'a dyn Fn(f64) -> String;
 
-/// A ratio or a time, and the largest that it may be.
+/// Prints ratios and times, with their upper bounds.
 fn print_required(
     search: &Group,
     stamps: &Group,
@@ -297,7 +297,7 @@ fn print_required(
     }
 }
 
-/// What the searches of the bench find.
+/// Prints the results of the searches in the bench.
 fn print_found_crossings() -> Result<()> {
     let robot = Robot::lbr_iiwa_7_r800();
     println!("\n### crossings found\n");
@@ -320,7 +320,7 @@ fn print_found_crossings() -> Result<()> {
     Ok(())
 }
 
-/// Errors of the time in motion of the first reference program.
+/// Prints errors of the time in motion of the first reference program.
 fn print_accuracy() -> Result<()> {
     const FINE: usize = 20_000;
     let program = Program::from_json(&reference::ten_motions()?)?;
@@ -346,8 +346,8 @@ fn print_accuracy() -> Result<()> {
     Ok(())
 }
 
-/// How the time in motion of the ten motions depends on the size of the cells, under limits of
-/// jerk.
+/// Prints the dependence of the time in motion of the ten motions on the cell size, with jerk
+/// limits.
 fn print_jerk_accuracy() -> Result<()> {
     const FINEST: f64 = 8.0;
     let program = Program::from_json(&reference::ten_motions()?)?;
@@ -369,7 +369,7 @@ fn print_jerk_accuracy() -> Result<()> {
     Ok(())
 }
 
-/// A time with three digits.
+/// Formats a time with three digits.
 fn time(ns: f64) -> String {
     let (value, unit) = match ns {
         ns if ns < 1e3 => (ns, "ns"),
@@ -381,11 +381,11 @@ fn time(ns: f64) -> String {
     format!("{value:.digits$} {unit}")
 }
 
-/// Where `criterion` keeps its figures.
+/// Returns the folder of criterion's results.
 fn criterion_folder() -> Result<PathBuf> {
     let folder = match env::var_os("CRITERION_HOME") {
         Some(home) => home.into(),
-        // target/release/bench, beside it target/criterion.
+        // target/release/bench, with target/criterion beside it.
         None => env::current_exe()?
             .ancestors()
             .nth(2)

@@ -1,7 +1,7 @@
-//! Prints how time and memory grow with the length of a program, as Markdown tables: without limits
-//! of jerk, and with them.
+//! Prints the growth of time and memory with the length of a program, as Markdown tables: without
+//! jerk limits, and with them.
 //!
-//! Each case runs in a process of its own, which reports the most memory that it ever held.
+//! Each case runs in a separate process, which reports its peak memory.
 
 use std::{
     env, fs,
@@ -23,20 +23,20 @@ use iiwasim_benches::{
 use serde::{Deserialize, Serialize};
 
 const MOTIONS: [usize; 4] = [100, 1_000, 10_000, 100_000];
-/// Under limits of jerk.
+/// Numbers of motions with jerk limits.
 const JERK_MOTIONS: [usize; 3] = [100, 1_000, 10_000];
 
-/// Longest time that a case may take.
+/// Time limit of a case.
 const MOST: Duration = Duration::from_secs(30);
 
-/// What a case's process reports.
+/// Report of a case's process.
 #[derive(Deserialize, Serialize)]
 struct Report {
     parse_ms: f64,
     path_ms: f64,
     plan_ms: f64,
     cycle_time_s: f64,
-    /// Before anything was done, and at most.
+    /// Memory at the start, and its peak.
     memory_mb: [f64; 2],
 }
 
@@ -96,11 +96,11 @@ fn print_table(timing: Timing, lengths: &[usize]) -> Result<()> {
     Ok(())
 }
 
-/// What `command` prints; nothing if it takes longer than `most`: then it is ended.
+/// Returns the output of `command`; kills the process after `most` and returns `None`.
 fn within(most: Duration, command: &mut Command) -> Result<Option<Output>> {
     let mut process = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn()?;
     let start = Instant::now();
-    // It prints too little to fill a pipe.
+    // The output is too short to fill a pipe.
     while process.try_wait()?.is_none() {
         if start.elapsed() > most {
             process.kill()?;

@@ -1,6 +1,6 @@
-//! Plans random programs of several families under limits of jerk and of acceleration, and counts what goes
-//! wrong: programs without a solution, limits that are exceeded at any instant, stamps that stand, times that
-//! cannot be.
+//! Plans random programs of several families with jerk limits and with acceleration limits, and
+//! counts failures: programs without a solution, limits exceeded at any instant, stamps that do not
+//! increase, impossible times.
 //!
 //! ```text
 //! bench stress [PROGRAMS [SEED]] [--family NAME]       100 000 programs by default, of all families in turn
@@ -8,8 +8,8 @@
 //! bench stress --file PROGRAM.json                     the same of any program
 //! ```
 //!
-//! With `--json`, one program is printed and not planned.
-//! Exits with 1 if a plan is wrong. A program that is refused, with an error, is counted apart.
+//! With `--json`, one program is printed and not planned. Exits with 1 if a plan is wrong. A
+//! program that is rejected, with an error, is counted separately.
 
 mod arguments;
 
@@ -42,7 +42,7 @@ pub(crate) fn run(arguments: &[&str]) -> Result<ExitCode> {
     Ok(if passed { ExitCode::SUCCESS } else { ExitCode::FAILURE })
 }
 
-/// Judges programs of one family, or of all in turn; true if nothing went wrong.
+/// Judges programs of one family, or of all in turn; returns true without failures.
 fn judge(family: Option<Family>, seed: u64, programs: u64) -> bool {
     println!("On {}, {}.", machine::processor(), machine::instruction_level());
     let families = family.map_or_else(|| Family::ALL.to_vec(), |family| vec![family]);
@@ -51,7 +51,7 @@ fn judge(family: Option<Family>, seed: u64, programs: u64) -> bool {
     let mut said_s = 0.0;
     for number in 0..programs {
         let turn = number / tallies.len() as u64;
-        // The one whose turn it is has judged the fewest.
+        // The next family in turn has judged the fewest programs.
         if let Some(tally) = tallies.iter_mut().find(|tally| tally.programs() == turn) {
             tally.add(seed, turn);
         }

@@ -1,4 +1,4 @@
-//! Times of anything that can be done again.
+//! Timing of repeatable work.
 
 use std::{
     hint::black_box,
@@ -7,12 +7,12 @@ use std::{
 
 use iiwasim_benches::Result;
 
-/// It is done so many times at least.
+/// Minimum number of runs.
 const LEAST_RUNS: u32 = 20;
-/// And no more often once it took this long in all.
+/// Total time after which no more runs are started.
 const LONG: Duration = Duration::from_millis(60);
 
-/// The time of the fastest run of `work`, in s.
+/// Returns the time of the fastest run of `work`, in s.
 pub(crate) fn fastest_s<T>(work: impl Fn() -> Result<T>) -> Result<f64> {
     let began = Instant::now();
     let (mut runs, mut fastest) = (0, Duration::MAX);
@@ -26,7 +26,7 @@ pub(crate) fn fastest_s<T>(work: impl Fn() -> Result<T>) -> Result<f64> {
     Ok(fastest.as_secs_f64())
 }
 
-/// The value that so many percent of all are below or equal to; `sorted` rises and is not empty.
+/// Returns the quantile at `percent`; `sorted` is in ascending order and not empty.
 pub(crate) fn quantile(sorted: &[f64], percent: usize) -> f64 {
     sorted[((sorted.len() - 1) * percent + 50) / 100]
 }

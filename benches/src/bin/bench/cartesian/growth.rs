@@ -1,4 +1,4 @@
-//! How time grows with the number of lines.
+//! Growth of planning time with the number of lines.
 
 use std::time::Instant;
 
@@ -8,13 +8,13 @@ use iiwa_program::{CartesianMotion, Course, Frame, Motion, PathBlend, Program, P
 use iiwa_traj::{Planner, SweepOptions, Timing};
 use iiwasim_benches::Result;
 
-/// The wrist is away from all singular poses, with room for the star around it.
+/// Start pose, away from all singularities, with room for the star around it.
 const START_DEG: [f64; 7] = [0.0, 20.0, 0.0, -110.0, 0.0, -40.0, 90.0];
-/// The tips of the star on one round, in and out in turn.
+/// Number of tips of the star per turn, alternating between outside and inside.
 const TIPS: usize = 40;
-/// How far from its centre they are, in mm.
+/// Distances of the tips from the centre, in mm.
 const RADII_MM: [f64; 2] = [80.0, 100.0];
-/// At least so many programs of each length are planned, and more while few motions were.
+/// Minimum number of planned programs per length, and minimum number of planned motions.
 const LEAST_RUNS: usize = 3;
 const MOTIONS: usize = 300;
 
@@ -43,7 +43,7 @@ pub(crate) fn print(lengths: &[usize]) -> Result<()> {
     Ok(())
 }
 
-/// Lines from tip to tip.
+/// Returns a program with lines from tip to tip.
 fn star(motions: usize, blend: Option<PathBlend>) -> Program {
     let start_rad = START_DEG.map(f64::to_radians);
     let pose = Robot::lbr_iiwa_7_r800().flange_pose(&start_rad);
@@ -53,7 +53,7 @@ fn star(motions: usize, blend: Option<PathBlend>) -> Program {
         let radius_mm = RADII_MM[i % 2];
         let [x, y, z] = start.xyz_mm;
         let (sin, cos) = turned.sin_cos();
-        // The first tip is next to where the arm starts.
+        // The first tip is close to the start of the arm.
         let place = [x, y + radius_mm * sin, z + radius_mm * cos - RADII_MM[0]];
         let to = Frame { xyz_mm: place, ..start };
         let blend = blend.filter(|_| i < motions);
@@ -64,7 +64,7 @@ fn star(motions: usize, blend: Option<PathBlend>) -> Program {
     lines.fold(program, add).build()
 }
 
-/// Times a motion of the path and of both plans, in us.
+/// Returns the times per motion for the path and both plans, in us.
 fn measure(program: &Program, motions: usize) -> Result<[f64; 3]> {
     let robot = Robot::lbr_iiwa_7_r800();
     let mut fastest_s = [f64::INFINITY; 3];

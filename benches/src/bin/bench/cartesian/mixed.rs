@@ -1,4 +1,4 @@
-//! Ten motions of all kinds, blended.
+//! Ten blended motions of all kinds.
 
 use iiwa_kin::Robot;
 use iiwa_path::JointPath;
@@ -10,7 +10,7 @@ use super::clock::fastest_s;
 
 const PROGRAM: &str = include_str!("mixed.json");
 
-/// Prints how long the ten motions take to plan, and the arm to do.
+/// Prints the planning time of the ten motions, and their cycle time.
 pub(crate) fn print() -> Result<()> {
     let (program, robot) = (Program::from_json(PROGRAM)?, Robot::lbr_iiwa_7_r800());
     let path_s = fastest_s(|| Ok(JointPath::new(&program, &robot)?))?;

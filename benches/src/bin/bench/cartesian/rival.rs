@@ -1,40 +1,43 @@
-//! A LIN timed by one trapezoid of its path parameter, as KDL's and Pilz' planners do.
+//! LIN timed by a single trapezoidal profile of its path parameter, as in the KDL and Pilz
+//! planners.
 //!
-//! The trapezoid is one of the TCP: joints are found by inverse kinematics at samples, and their limits are only checked
-//! there, by differences. Who asks for such a motion lowers its factor until it passes.
+//! The trapezoid limits the TCP: joint positions follow from inverse kinematics at samples, where
+//! joint limits are only checked, by finite differences. The user of such a planner lowers the
+//! scaling factor until the check passes.
 
 use iiwa_kin::{Joints, Robot};
 use iiwasim_benches::Result;
 
 use super::{straight::Straight, trapezoid::Trapezoid};
 
-/// Samples a second.
+/// Samples per second.
 const RATE_HZ: f64 = 1000.0;
-/// Shares of the duration for which the speed rises: so many are tried first, from the least to a half.
+/// Number of tested ratios of the ramp to the duration, from the smallest to a half.
 const SHARES: u32 = 32;
 const LEAST_SHARE: f64 = 0.005;
-/// Then the best and its neighbours are searched so many times by the golden section.
+/// Number of golden-section steps that then refine the best ratio.
 const GOLDEN: usize = 16;
-/// Durations and factors are good to this share.
+/// Relative precision of durations and factors.
 const PRECISION: f64 = 1e-4;
 
-/// Pilz' default limits of the TCP: m/s, m/s^2 and rad/s.
+/// Pilz' default TCP limits: m/s, m/s^2 and rad/s.
 pub(crate) const PILZ_SPEED_M_S: f64 = 1.0;
 pub(crate) const PILZ_ACCELERATION_M_S2: f64 = 2.25;
 pub(crate) const PILZ_TURN_RAD_S: f64 = 1.57;
 
-/// By the fastest of all trapezoids; by Pilz' limits times one factor, the largest; and by the largest up to 1.
+/// Compared profiles: the fastest trapezoid; Pilz' limits times the largest feasible factor; and
+/// times the largest feasible factor up to 1.
 pub(crate) const RIVALS: [&str; 3] =
     ["best trapezoid", "one factor, the largest", "one factor up to 1"];
 
-/// How long each of [`RIVALS`] takes, in s.
+/// Returns the durations of [`RIVALS`], in s.
 pub(crate) fn durations_s(line: &Straight<'_>, robot: &Robot) -> Result<[f64; 3]> {
     let factor = largest_factor(line, robot)?;
     let motions = [best(line, robot)?, pilz(line, factor), pilz(line, factor.min(1.0))];
     Ok(motions.map(|motion| motion.duration_s()))
 }
 
-/// Samples in a duration, at 1 kHz.
+/// Returns the number of samples in a duration, at 1 kHz.
 #[expect(
     clippy::cast_possible_truncation,
     clippy::cast_sign_loss,
@@ -44,13 +47,15 @@ fn samples_in(duration_s: f64) -> usize {
     (duration_s * RATE_HZ).ceil() as usize
 }
 
-/// The largest velocity and the largest acceleration of a joint over their limits, by differences of samples at 1 kHz.
+/// Returns the largest velocity and the largest acceleration of a joint relative to their limits,
+/// by differences of samples at 1 kHz.
 fn worst(line: &Straight<'_>, robot: &Robot, motion: &Trapezoid) -> Result<[f64; 2]> {
     let samples = samples_in(motion.duration_s());
     differences(line, robot, |k| motion.s(k as f64 / RATE_HZ), samples, RATE_HZ)
 }
 
-/// The same of s at so many samples after the first. The arm stands before and after.
+/// Returns these ratios for s at `samples` samples after the first. The arm is at rest before and
+/// after.
 fn differences(
     line: &Straight<'_>,
     robot: &Robot,
@@ -80,12 +85,13 @@ fn passes(line: &Straight<'_>, robot: &Robot, motion: &Trapezoid) -> Result<bool
     Ok(worst(line, robot, motion)?.iter().all(|&share| share <= 1.0))
 }
 
-/// The fastest trapezoid that passes. All trapezoids are shares of rising and durations; for a share, velocity falls with
-/// the duration and acceleration with its square, so that the least duration follows from one of them.
+/// Returns the fastest feasible trapezoid. A trapezoid is given by ramp ratio and duration; for a
+/// fixed ratio, velocity is inversely proportional to the duration and acceleration to its square,
+/// so one evaluation determines the shortest duration.
 fn best(line: &Straight<'_>, robot: &Robot) -> Result<Trapezoid> {
     let least_s = |share: f64| -> Result<f64> {
         let mut duration_s = 1.0;
-        // Twice, so that samples are a millisecond apart.
+        // Two passes, so that samples are one millisecond apart.
         for _ in 0..2 {
             let samples = samples_in(duration_s).max(20);
             let unit = Trapezoid::with_ramp(share, 1.0);
@@ -122,7 +128,7 @@ fn best(line: &Straight<'_>, robot: &Robot) -> Result<Trapezoid> {
         }
     }
     let of = |duration_s: f64| Trapezoid::with_ramp(share(at), duration_s);
-    // From here on with samples of exactly 1 kHz.
+    // From here on with samples at exactly 1 kHz.
     let (mut slow_s, mut fast_s) = (fastest_s, 0.98 * fastest_s);
     while !passes(line, robot, &of(slow_s))? {
         slow_s *= 1.01;
@@ -138,8 +144,8 @@ fn best(line: &Straight<'_>, robot: &Robot) -> Result<Trapezoid> {
     Ok(of(slow_s))
 }
 
-/// Pilz' trapezoid, its limits times a factor. The path's length is the way, or the turn at the radius at which both of
-/// Pilz' speeds are one.
+/// Returns Pilz' trapezoid, with its limits times a factor. The path length is the TCP distance, or
+/// the rotation angle times the radius at which both of Pilz' speeds are equal.
 fn pilz(line: &Straight<'_>, factor: f64) -> Trapezoid {
     let [way_m, turn_rad] = line.way();
     let length_m = way_m.max(turn_rad * PILZ_SPEED_M_S / PILZ_TURN_RAD_S);

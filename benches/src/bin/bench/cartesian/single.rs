@@ -1,4 +1,4 @@
-//! One motion, from its program to its path and to its plan.
+//! Single motion, from its program to its path and its plan.
 
 use iiwa_path::JointPath;
 use iiwa_traj::{SweepOptions, Timing, Trajectory};

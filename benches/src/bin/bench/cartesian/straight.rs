@@ -1,30 +1,31 @@
-//! A LIN as its definition says: made here, to be held against the planner's path.
+//! LIN by its definition: an independent implementation, for comparison with the planner's path.
 
 use iiwa_kin::{Joints, Pose, Robot, Status};
 use iiwasim_benches::Result;
 use nalgebra::{Rotation3, UnitQuaternion, Vector3};
 
-/// The TCP goes straight and turns about one axis, both evenly in s; A3 goes evenly, too.
+/// Straight path: the TCP moves on a line and rotates about one axis, both linearly in s; A3 is
+/// linear, too.
 #[derive(Debug)]
 pub(crate) struct Straight<'a> {
     robot: &'a Robot,
-    /// The flange, seen from the TCP.
+    /// Flange pose in the TCP frame.
     flange: Pose,
     from_m: Vector3<f64>,
     way_m: Vector3<f64>,
     from: UnitQuaternion<f64>,
-    /// Axis times angle, in the TCP's frame at the start.
+    /// Axis times angle, in the TCP frame at the start.
     turn_rad: Vector3<f64>,
     e1_rad: [f64; 2],
     status: Status,
 }
 
 impl<'a> Straight<'a> {
-    /// From joints to joints, in rad, of a TCP given in the flange's frame.
+    /// Creates the path between joint positions, in rad, for a TCP given in the flange frame.
     pub(crate) fn new(robot: &'a Robot, tcp: &Pose, from_rad: &Joints, to_rad: &Joints) -> Self {
         let ends = [from_rad, to_rad].map(|joints| robot.flange_pose(joints).then(tcp));
         let [from_m, to_m] = ends.map(|pose| Vector3::from(pose.position_m));
-        // Next to no turn, an angle from a matrix has half of the digits.
+        // For small rotations, an angle computed from a matrix has half of the digits.
         let [from, to] = ends.map(|pose| pose.to_isometry().rotation);
         Self {
             robot,
@@ -38,12 +39,12 @@ impl<'a> Straight<'a> {
         }
     }
 
-    /// How far the TCP goes, in m, and turns, in rad.
+    /// Returns the TCP distance, in m, and the rotation angle, in rad.
     pub(crate) fn way(&self) -> [f64; 2] {
         [self.way_m.norm(), self.turn_rad.norm()]
     }
 
-    /// The joints at s, by inverse kinematics.
+    /// Returns the joint positions at s, by inverse kinematics.
     pub(crate) fn joints(&self, s: f64) -> Result<Joints> {
         let turned =
             (self.from.to_rotation_matrix() * Rotation3::new(s * self.turn_rad)).into_inner();

@@ -1,4 +1,4 @@
-//! Durations of random LINs beside those by one trapezoid.
+//! Durations of random LINs compared with a single trapezoid.
 
 use iiwa_path::{JointPath, Step};
 use iiwa_program::{ByKind, Motion, ToolLimits};
@@ -14,25 +14,26 @@ use super::{
 };
 
 const SEED: u64 = 1;
-/// By how much Pilz' motion, as it is without changing its limits, has to be slower, in the median.
+/// Required median ratio of the duration of Pilz' motion with its default limits to the planner's.
 const LEAST_ADVANTAGE: f64 = 1.25;
-/// By how much a path of joints may be off the rival's, in rad.
+/// Largest deviation between both joint paths, in rad.
 const SAME_PATH_RAD: f64 = 1e-6;
-/// The best trapezoid keeps the same limits on the same path, so that it cannot be faster than the time-optimal motion,
-/// except for violations between its samples.
+/// Smallest accepted ratio: the best trapezoid obeys the same limits on the same path, so it cannot
+/// be faster than the time-optimal motion, except for violations between its samples.
 const LEAST_RATIO: f64 = 0.995;
 
-/// LINs of this way or more also have rows of their own, in m: short ones are nearly even in joint space, where a trapezoid is
-/// the fastest there is.
+/// Length above which LINs have additional rows, in m: short LINs are nearly straight in joint
+/// space, where a trapezoid is optimal.
 const LONG_M: f64 = 0.3;
 
-/// A LIN: the durations of its rivals over that of the planner.
+/// LIN with the durations of its rivals relative to the planner's.
 struct Compared {
     way_m: f64,
     ratios: [f64; 3],
 }
 
-/// Prints ratios for the first LINs of a seed that can be done; whether the planner is as far ahead as it should be.
+/// Prints ratios for the first feasible LINs of a seed; returns true if the planner is as far ahead
+/// as required.
 pub(crate) fn print(lines: u64) -> Result<bool> {
     println!("### against one trapezoid\n");
     println!(
@@ -78,7 +79,7 @@ pub(crate) fn print(lines: u64) -> Result<bool> {
     Ok(median >= LEAST_ADVANTAGE && least >= LEAST_RATIO)
 }
 
-/// A LIN of the seed; none if the robot cannot do it.
+/// Compares a LIN of the seed; `None` if it is infeasible.
 fn compare(index: u64) -> Result<Option<Compared>> {
     let (robot, mut program) = single_path(SEED, index, false);
     let Some(Motion::Cartesian(motion)) = program.motions.first_mut() else {
@@ -109,7 +110,7 @@ fn compare(index: u64) -> Result<Option<Compared>> {
     Ok(Some(Compared { way_m, ratios }))
 }
 
-/// The tool of a program's only motion.
+/// Returns the tool of a program's only motion.
 fn motion_tool(motions: &[Motion]) -> Option<&str> {
     match motions {
         [Motion::Cartesian(motion)] => motion.tool.as_deref(),

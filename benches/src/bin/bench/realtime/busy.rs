@@ -1,4 +1,4 @@
-//! The process that keeps a core busy.
+//! Process that keeps a core busy.
 
 use std::thread;
 

@@ -1,4 +1,4 @@
-//! The process of the cabinet.
+//! Cabinet process.
 
 use std::{thread, time::Duration};
 
@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 
 use super::{clock::SystemClock, part::serve, sockets::Sockets};
 
-/// What the controller sees.
+/// Measurements of the controller.
 #[derive(Deserialize, Serialize)]
 pub(crate) struct CabinetSide {
     pub(crate) period_ms: u32,
@@ -18,11 +18,11 @@ pub(crate) struct CabinetSide {
     pub(crate) late_us: Vec<Answer>,
     pub(crate) held_up: u64,
     pub(crate) real_time: bool,
-    /// Median, 99.9 % and longest.
+    /// Median, 99.9 % quantile and maximum.
     pub(crate) latency_us: [f64; 3],
 }
 
-/// A late answer, in us of the system's clock.
+/// Late answer, in us of the system clock.
 #[derive(Deserialize, Serialize)]
 pub(crate) struct Answer {
     pub(crate) sent: i64,
@@ -39,7 +39,7 @@ pub(crate) fn be_cabinet(period_ms: u32, sockets: &Sockets) -> Result<()> {
     let cabinet = Cabinet::start(config, &Server::open())?;
     serve(|| {
         let mut report = cabinet.report();
-        // One answer may be on its way.
+        // One answer may be in transit.
         for _ in 0..10 {
             if report.cycles == report.latency.count() as u64 {
                 break;

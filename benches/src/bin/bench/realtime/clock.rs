@@ -1,8 +1,8 @@
-//! A clock for all processes.
+//! Common clock of all processes.
 
 use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
-/// The system's clock, which all processes share.
+/// System clock, which all processes share.
 pub(crate) struct SystemClock {
     now: Instant,
     now_us: i64,

@@ -1,4 +1,4 @@
-//! The process of the drive.
+//! Drive process.
 
 use std::{thread, time::Duration};
 
@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 
 use super::{part::serve, sockets::Sockets};
 
-/// What the drive measures.
+/// Measurements of the drive.
 #[derive(Deserialize, Serialize)]
 pub(crate) struct DriveSide {
     pub(crate) received: u64,
@@ -17,7 +17,7 @@ pub(crate) struct DriveSide {
     pub(crate) behind: u64,
     pub(crate) slowest_us: f64,
     pub(crate) real_time: bool,
-    /// Once started, and at most.
+    /// Memory after the start, and its peak.
     pub(crate) memory_mb: [f64; 2],
 }
 
@@ -33,7 +33,7 @@ pub(crate) fn be_drive(sockets: &Sockets) -> Result<()> {
     let start_mb = machine::peak_memory_mb()?;
     serve(|| {
         let mut answer_latency = drive.answer_latency();
-        // One message may be in its hands.
+        // One message may be in process.
         for _ in 0..10 {
             if answer_latency.received == answer_latency.answered {
                 break;

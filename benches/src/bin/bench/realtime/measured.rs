@@ -1,4 +1,4 @@
-//! A case: its processes, and what they have measured.
+//! Case with its processes and their measurements.
 
 use std::{env, process::Command, time::Duration};
 
@@ -15,30 +15,29 @@ use super::{
     witness::{Section, joined, witnesses},
 };
 
-/// What a case gave.
+/// Result of a case.
 pub(crate) struct Measured {
     pub(crate) cabinet: CabinetSide,
     pub(crate) drive: DriveSide,
     pub(crate) subscribers: Option<Subscribers>,
     pub(crate) runs: Runs,
-    /// When the machine stood still, in us; none without witnesses.
+    /// Intervals in which the machine was stalled, in us; `None` without witnesses.
     pub(crate) still: Option<Vec<Section>>,
 }
 
 impl Measured {
-    /// Messages without any answer.
+    /// Number of messages without any answer.
     pub(crate) fn never(&self) -> u64 {
         self.cabinet.cycles - self.cabinet.answered
     }
 
-    /// Cycles lost by the drive: messages that have reached it, and were answered too late or never,
-    /// though the machine went on.
+    /// Number of cycles lost by the drive: messages that reached the drive, and were answered late
+    /// or never, although the machine was not stalled.
     pub(crate) fn lost(&self) -> u64 {
         self.late_by_drive().count() as u64 + (self.drive.received - self.drive.answered)
     }
 
-    /// Late answers that no standstill explains: how long they took, and for how much of it the machine
-    /// stood still, in us.
+    /// Late answers that no stall explains: their latencies, and the stalled part of each, in us.
     pub(crate) fn late_by_drive(&self) -> impl Iterator<Item = [i64; 2]> {
         let still = self.still.as_deref().unwrap_or_default();
         let period_us = 1000 * i64::from(self.cabinet.period_ms);
@@ -51,9 +50,9 @@ impl Measured {
     }
 }
 
-/// None if the drive cannot be kept from real-time priority.
+/// Runs a case; `None` if real-time priority cannot be denied to the drive.
 pub(crate) fn measure(case: &Case) -> Result<Option<Measured>> {
-    // As root has it without this capability: like anybody else.
+    // Removes this capability of root: the drive then runs as an ordinary process.
     const ORDINARY: [&str; 2] = ["--bounding-set=-sys_nice", "--inh-caps=-sys_nice"];
     let sockets = Sockets::free();
     let text = serde_json::to_string(&sockets)?;
@@ -79,7 +78,7 @@ pub(crate) fn measure(case: &Case) -> Result<Option<Measured>> {
             &sockets.stream,
         ]))?);
     }
-    // The controller comes last: each of its messages counts, from the first one on.
+    // The controller starts last: each of its messages counts, beginning with the first.
     let period = case.period_ms.to_string();
     let mut cabinet =
         Part::start(Command::new(&this).args(["realtime", "--part", "cabinet", &period, &text]))?;

@@ -1,4 +1,4 @@
-//! Processes of this program, and how they report.
+//! Processes of this executable, and their reports.
 
 use std::{
     io::{self, BufRead, BufReader, Write},
@@ -11,19 +11,19 @@ use std::{
 use iiwasim_benches::Result;
 use serde::{Serialize, de::DeserializeOwned};
 
-/// A process of this program.
+/// Process of this executable.
 pub(crate) struct Part {
     process: Child,
-    /// Closed, it ends.
+    /// Input; the process ends when it is closed.
     input: Option<ChildStdin>,
     lines: Receiver<String>,
 }
 
-/// How long a part may take to say something.
+/// Time limit for a reply of a process.
 const ANSWERED_WITHIN: Duration = Duration::from_secs(15);
 
 impl Part {
-    /// Runs until it is ready.
+    /// Starts a process and waits until it is ready.
     pub(crate) fn start(command: &mut Command) -> Result<Self> {
         let mut process = command.stdin(Stdio::piped()).stdout(Stdio::piped()).spawn()?;
         let input = process.stdin.take();
@@ -43,7 +43,7 @@ impl Part {
         line.map_err(|_| "a part of the bench says nothing; see what it wrote above".into())
     }
 
-    /// Its report.
+    /// Requests the report of the process.
     pub(crate) fn ask<T: DeserializeOwned>(&mut self) -> Result<T> {
         writeln!(self.input.as_mut().ok_or("no input")?)?;
         Ok(serde_json::from_str(&self.line()?)?)
@@ -65,7 +65,7 @@ impl Drop for Part {
     }
 }
 
-/// Says that this part is ready, and what `report` gives to each line that comes in, until there are no more.
+/// Reports readiness, then answers each input line with `report`, until the input ends.
 pub(crate) fn serve<T: Serialize>(mut report: impl FnMut() -> T) -> Result<()> {
     println!();
     for line in io::stdin().lines() {

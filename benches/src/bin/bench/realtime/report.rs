@@ -1,4 +1,4 @@
-//! The table, its notes and the faults.
+//! Table, its notes and the faults.
 
 use std::process::ExitCode;
 
@@ -59,8 +59,8 @@ fn print_row(case: &Case, measured: &Measured) {
     );
 }
 
-/// One cycle in so many may be lost without a fault: a witness sees a standstill up to 0.25 ms after it has
-/// begun, so that several in a row, at 1 ms, may leave a late answer unexplained.
+/// Number of cycles of which one may be lost: a witness detects a stall up to 0.25 ms after its
+/// start, so that several in a row, at 1 ms, may leave a late answer unexplained.
 const UNEXPLAINED: u64 = 10_000;
 
 fn note(case: &Case, measured: &Measured, notes: &mut Vec<String>, faults: &mut Vec<String>) {

@@ -1,4 +1,4 @@
-//! Trajectories that run meanwhile.
+//! Trajectories that run during the measurement.
 
 use std::{
     thread,
@@ -14,16 +14,16 @@ use iiwasim_benches::Result;
 
 use super::sockets::Sockets;
 
-/// Trajectories, set-point by set-point.
+/// Runs of trajectories, set-point by set-point.
 #[derive(Default)]
 pub(crate) struct Runs {
     pub(crate) begun: u64,
     pub(crate) done: u64,
-    /// Why the last one of those broke off that did.
+    /// Reason for the last aborted run.
     pub(crate) error: String,
 }
 
-/// Runs trajectories for so long, with a second between them.
+/// Runs trajectories for this time, with pauses of a second.
 pub(crate) fn run_trajectories(sockets: &Sockets, time: Duration) -> Result<Runs> {
     let end = Instant::now() + time;
     let pause = Duration::from_secs(1);
@@ -33,7 +33,7 @@ pub(crate) fn run_trajectories(sockets: &Sockets, time: Duration) -> Result<Runs
     let mut runs = Runs::default();
     loop {
         let left = end.saturating_duration_since(Instant::now());
-        // One that begins is to end in time.
+        // A trajectory that begins must end in time.
         if left < pause + takes + pause {
             thread::sleep(left);
             return Ok(runs);
@@ -50,7 +50,7 @@ pub(crate) fn run_trajectories(sockets: &Sockets, time: Duration) -> Result<Runs
     }
 }
 
-/// To where trajectories begin, as soon as the robot can.
+/// Moves to the start of the trajectories, as soon as the robot can.
 fn go_back(client: &mut Client, end: Instant) {
     while Instant::now() + Duration::from_secs(5) < end {
         let back = vec![Motion::Ptp(Ptp::to([0.0; 7]))];
@@ -61,7 +61,7 @@ fn go_back(client: &mut Client, end: Instant) {
     }
 }
 
-/// A trajectory that ends where it begins, in stamps 4 ms apart.
+/// Returns a trajectory that ends where it begins, with stamps 4 ms apart.
 fn there_and_back() -> Result<TimedJoints> {
     const STEP_S: f64 = 0.004;
     let to = |deg: [f64; 7]| Ptp::to(deg.map(f64::to_radians));

@@ -1,11 +1,11 @@
-//! Addresses of the parts.
+//! Addresses of the processes.
 
 use std::net::SocketAddr;
 
 use iiwasim_tests::ports::free_address;
 use serde::{Deserialize, Serialize};
 
-/// Where the parts meet.
+/// Addresses at which the processes connect.
 #[derive(Clone, Deserialize, Serialize)]
 pub(crate) struct Sockets {
     pub(crate) fri: SocketAddr,

@@ -1,4 +1,4 @@
-//! The process of the subscribers.
+//! Subscriber process.
 
 use std::{
     sync::{Arc, Mutex, PoisonError},
@@ -12,7 +12,7 @@ use serde::{Deserialize, Serialize};
 
 use super::part::serve;
 
-/// What a subscriber got, and what it missed between the first message and the last.
+/// Received messages of a subscriber, and missed messages between the first and the last one.
 #[derive(Clone, Copy, Default, Deserialize, Serialize)]
 pub(crate) struct Followed {
     pub(crate) messages: u64,
@@ -21,7 +21,7 @@ pub(crate) struct Followed {
 }
 
 impl Followed {
-    /// A message at 1 ms.
+    /// Counts a message of the 1 ms stream.
     fn take(&mut self, t_s: f64) {
         if let Some(last_s) = self.last_s {
             #[expect(
@@ -37,7 +37,7 @@ impl Followed {
     }
 }
 
-/// What all subscribers got.
+/// Messages of all subscribers.
 #[derive(Deserialize, Serialize)]
 pub(crate) struct Subscribers {
     pub(crate) live: [Followed; LIVE],
@@ -63,7 +63,7 @@ pub(crate) fn be_subscribers(at: &str) -> Result<()> {
             }
         });
     }
-    // Connections take a moment.
+    // Connections need a moment.
     thread::sleep(Duration::from_millis(500));
     serve(|| {
         let asleep = sleeper.wake();
@@ -71,7 +71,7 @@ pub(crate) fn be_subscribers(at: &str) -> Result<()> {
     })
 }
 
-/// A subscriber that takes nothing until it is woken.
+/// Subscriber that reads nothing until it is woken.
 struct Sleeper {
     socket: zmq::Socket,
 }
@@ -79,7 +79,7 @@ struct Sleeper {
 impl Sleeper {
     fn new(at: &str) -> Result<Self> {
         let socket = zmq::Context::new().socket(zmq::SUB)?;
-        // It keeps next to nothing by itself.
+        // The smallest buffers, so that the subscriber stores next to nothing.
         socket.set_rcvhwm(1)?;
         socket.set_rcvbuf(4096)?;
         socket.set_subscribe(b"joints")?;
@@ -87,7 +87,7 @@ impl Sleeper {
         Ok(Self { socket })
     }
 
-    /// Takes what there is for a second: what has waited, and what is published now.
+    /// Receives for a second: the queued messages, and those published now.
     fn wake(&self) -> Followed {
         #[derive(Deserialize)]
         struct Stamp {

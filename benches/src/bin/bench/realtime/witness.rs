@@ -1,4 +1,4 @@
-//! The processes that find out when the machine stands still.
+//! Processes that detect stalls of the machine.
 
 use std::{
     path::Path,
@@ -15,10 +15,10 @@ use super::{
     part::{Part, serve},
 };
 
-/// From when to when, in us of the system's clock.
+/// Interval, in us of the system clock.
 pub(crate) type Section = [i64; 2];
 
-/// Sections without those that overlap.
+/// Merges overlapping intervals.
 pub(crate) fn joined(mut sections: Vec<Section>) -> Vec<Section> {
     sections.sort_unstable();
     let mut joined: Vec<Section> = Vec::new();
@@ -31,9 +31,9 @@ pub(crate) fn joined(mut sections: Vec<Section>) -> Vec<Section> {
     joined
 }
 
-/// One on each core; none where that is not permitted.
+/// Starts a witness on each core; `None` if this is not permitted.
 pub(crate) fn witnesses(this: &Path) -> Result<Option<Vec<Part>>> {
-    // Above the drive's and the cabinet's.
+    // Above the priorities of drive and cabinet.
     const PRIORITY: &str = "60";
     let cores = thread::available_parallelism()?.get();
     let on = |core: usize| {
@@ -44,10 +44,10 @@ pub(crate) fn witnesses(this: &Path) -> Result<Option<Vec<Part>>> {
     Ok((0..cores).map(on).collect::<Result<Vec<_>>>().ok())
 }
 
-/// Wakes again and again, and tells when it could not, in us of the system's clock.
+/// Wakes periodically, and reports missed wake-ups, in us of the system clock.
 pub(crate) fn be_witness() -> Result<()> {
     const EVERY: Duration = Duration::from_micros(250);
-    /// So late it does not wake for other reasons.
+    /// Delay of a wake-up that only a stall explains.
     const STILL: Duration = Duration::from_micros(100);
     let still = Arc::new(Mutex::new(Vec::new()));
     let seen = Arc::clone(&still);

@@ -1,4 +1,4 @@
-//! The command line.
+//! Command line.
 
 use std::fs;
 
@@ -6,14 +6,14 @@ use iiwa_program::Program;
 use iiwasim_benches::Result;
 use iiwasim_tests::families::Family;
 
-/// What is asked for.
+/// Requested task.
 #[derive(Debug)]
 pub(crate) enum Task {
-    /// Judge so many programs of a family, or of all.
+    /// Judges programs of a family, or of all.
     Run { family: Option<Family>, seed: u64, programs: u64 },
-    /// Print what becomes of one program.
+    /// Prints the plan of one program.
     Table(Program),
-    /// Print one program.
+    /// Prints one program.
     Json(Program),
 }
 

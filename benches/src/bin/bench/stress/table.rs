@@ -1,4 +1,4 @@
-//! The pieces of one program, and how they keep their limits.
+//! Pieces of one program, and their limit ratios.
 
 use iiwa_kin::Robot;
 use iiwa_path::JointPath;
@@ -7,7 +7,7 @@ use iiwa_traj::{SweepOptions, Timing, Trajectory};
 use iiwasim_benches::Result;
 use iiwasim_tests::extremes::{Extremes, Peak, extremes, piece_extremes};
 
-/// Prints a table of the pieces under either timing.
+/// Prints a table of the pieces with either time parameterisation.
 pub(crate) fn print_table(program: &Program) -> Result<()> {
     let path = JointPath::new(program, &Robot::default())?;
     for timing in [Timing::Acceleration(SweepOptions::default()), Timing::default()] {

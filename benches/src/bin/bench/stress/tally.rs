@@ -1,16 +1,16 @@
-//! What was found in a family.
+//! Results of a family.
 
 use std::{collections::BTreeMap, fmt, time::Duration};
 
 use iiwasim_tests::{families::Family, plan_check::PlanCheck};
 
-/// Programs of more motions do not count for the longest plan.
+/// Largest number of motions of programs that count for the longest plan.
 const FEW_MOTIONS: usize = 20;
 
-/// Numbers of programs that are printed for each kind of failure.
+/// Number of program numbers printed for each kind of failure.
 const SHOWN: usize = 8;
 
-/// The largest value of something, and the program that it is from.
+/// Largest value of a quantity, and its program.
 #[derive(Clone, Copy, Debug, Default)]
 struct Worst {
     value: f64,
@@ -31,7 +31,7 @@ impl fmt::Display for Worst {
     }
 }
 
-/// What was found in one family.
+/// Results of one family.
 #[derive(Debug)]
 pub(crate) struct Tally {
     family: Family,
@@ -46,12 +46,12 @@ pub(crate) struct Tally {
     slowest: Worst,
     planning: Duration,
     judging: Duration,
-    /// Of programs with few motions, in s.
+    /// Planning times of programs with few motions, in s.
     plans_s: Vec<f64>,
     longest_s: Worst,
     failed: usize,
     refused: usize,
-    /// The programs that failed or were refused, by what went wrong.
+    /// Failed and rejected programs, by reason.
     failures: BTreeMap<String, Vec<u64>>,
 }
 
@@ -109,17 +109,17 @@ impl Tally {
         }
     }
 
-    /// The programs so far.
+    /// Number of programs so far.
     pub(crate) fn programs(&self) -> u64 {
         self.programs
     }
 
-    /// Those of them that an error was the answer to.
+    /// Number of programs rejected with an error.
     pub(crate) fn refused(&self) -> usize {
         self.refused
     }
 
-    /// Those of them with which anything is wrong.
+    /// Number of programs with any failure.
     pub(crate) fn failed(&self) -> usize {
         self.failed
     }
