@@ -40,7 +40,7 @@ fn an_interrupt_stops_the_robot_on_its_path() {
             wait_for("motion", || rig.joint_1() > 0.2);
             running.signal("INT");
             let ended = running.end().code(1);
-            assert!(ended.stderr.contains("the robot stands"), "{}", ended.stderr);
+            assert!(ended.stderr.contains("the robot is at rest"), "{}", ended.stderr);
             assert!(ended.stderr.contains("did not finish the program: stopped on request at"));
             assert!(ended.stdout.contains("\nEnded after "), "{}", ended.stdout);
             assert!(!ended.stdout.contains("Measured"), "{}", ended.stdout);

@@ -140,7 +140,7 @@ fn the_source_of_fri_is_an_option() {
         .stderr(contains("FRI messages from 127.0.0.1").and(contains("--fri-cabinet")));
     let drive = rig.drive.take().unwrap();
     assert!(
-        drive.stderr().contains("FRI comes from 127.0.0.1, expected 127.0.0.2"),
+        drive.stderr().contains("FRI messages arrive from 127.0.0.1, expected 127.0.0.2"),
         "{}",
         drive.stderr()
     );

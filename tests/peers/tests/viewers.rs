@@ -306,7 +306,7 @@ fn what_a_viewer_gets_wrong_it_is_told() {
     let subscribe = |id: u64, channel: u64| json!({ "op": "subscribe", "subscriptions": [{ "id": id, "channelId": channel }] });
     let (tf, sensors) = (viewer.channels["/tf"].id, viewer.channels["/sensors"].id);
     for (message, expected) in [
-        (subscribe(9, 99).to_string(), "there is no channel 99"),
+        (subscribe(9, 99).to_string(), "unknown channel 99"),
         (subscribe(9, tf).to_string(), "already subscribed"),
         (subscribe(0, sensors).to_string(), "subscription 0 is in use"),
         ("no JSON".to_owned(), "invalid message"),

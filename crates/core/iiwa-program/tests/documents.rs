@@ -48,12 +48,16 @@ fn read(file: &Path) -> Value {
 
 /// All programs among the fixtures.
 pub(crate) fn fixtures() -> Vec<Value> {
-    let fixtures = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../../fixtures"));
+    // From the crate, and from tests/peers, which includes this file.
+    let mut folders = Path::new(env!("CARGO_MANIFEST_DIR")).ancestors();
+    let fixtures =
+        folders.find_map(|folder| Some(folder.join("fixtures")).filter(|f| f.is_dir())).unwrap();
     let reference = read(&fixtures.join("reference/programs.json"));
     let mut programs: Vec<Value> =
         reference["cases"].as_array().unwrap().iter().map(|case| case["program"].clone()).collect();
     assert_eq!(programs.len(), 12);
-    let folders = [fixtures, &fixtures.join("hostile")].map(|folder| fs::read_dir(folder).unwrap());
+    let folders =
+        [&fixtures, &fixtures.join("hostile")].map(|folder| fs::read_dir(folder).unwrap());
     for entry in folders.into_iter().flatten() {
         let file = entry.unwrap().path();
         if file.extension().is_some_and(|extension| extension == "json") {

@@ -2,6 +2,9 @@
 
 const desk = { positions: [], plan: null, run: null };
 
+/** `true` if the last file could not be loaded, until this is reported. */
+let loadFailed = false;
+
 /** Unpacks the robots of a plan or a run for drawing. */
 const unpackArms = (sketch) =>
   sketch.arms.map((arm) => ({
@@ -17,8 +20,10 @@ link.takes.plan = (plan) => {
   desk.plan = plan && { ...plan, arms: unpackArms(plan.sketch) };
   writePlan();
   fillScene();
-  if (!plan) show("live");
-  else if (isNew) {
+  if (!plan) {
+    show("live");
+    reportEmptyDesk();
+  } else if (isNew) {
     show("simulation");
     play(true);
   }
@@ -160,13 +165,17 @@ async function loadFile(file) {
       `${file.name} is longer than 4 MiB, the most that the twin accepts; iiwasim plan has no such limit. Nothing is loaded.`;
     return;
   }
-  await attempt("program-said", async () => {
-    try {
-      await handOver(file.name, await file.text());
-    } catch (error) {
-      throw new Error(desk.plan ? error.message : `${error.message}\nNothing is loaded.`);
-    }
-  });
+  const isLoaded = await attempt("program-said", async () =>
+    handOver(file.name, await file.text()),
+  );
+  loadFailed = !isLoaded;
+  if (!desk.plan) reportEmptyDesk();
+}
+
+/** Adds to the error of a file that no program is loaded. The previous plan may be dropped only after the error arrives. */
+function reportEmptyDesk() {
+  if (loadFailed) $("program-said").textContent += "\nNothing is loaded.";
+  loadFailed = false;
 }
 
 $("file").addEventListener("change", async () => {
