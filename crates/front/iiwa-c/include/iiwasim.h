@@ -193,8 +193,7 @@ void iiwasim_plan_free(struct IiwasimPlan *plan);
  Writes the cycle time to `*seconds`: from the start to the end of the last settle time or wait,
  in s.
  */
-enum IiwasimStatus iiwasim_plan_cycle_time_s(const struct IiwasimPlan *plan,
-                                             double *seconds);
+enum IiwasimStatus iiwasim_plan_cycle_time_s(const struct IiwasimPlan *plan, double *seconds);
 
 /*
  Writes the state of the arm `t_s` after the start of the program to `*state`. Before the start
@@ -226,8 +225,7 @@ enum IiwasimStatus iiwasim_plan_sample(const struct IiwasimPlan *plan,
  Writes the figures to `*json`: the object of `iiwasim plan --json`, without `output`.
  `iiwasim_string_free` frees it; `*json` is NULL after a failure.
  */
-enum IiwasimStatus iiwasim_plan_figures_json(const struct IiwasimPlan *plan,
-                                             char **json);
+enum IiwasimStatus iiwasim_plan_figures_json(const struct IiwasimPlan *plan, char **json);
 
 /*
  Writes the text files of an FMU that runs the plan to `*json`: an object with a text for each
@@ -254,8 +252,7 @@ enum IiwasimStatus iiwasim_plan_fmu_json(const struct IiwasimPlan *plan,
 
  `json` is NULL, or a string that ends with a NUL.
  */
-enum IiwasimStatus iiwasim_program_from_json(const char *json,
-                                             struct IiwasimProgram **program);
+enum IiwasimStatus iiwasim_program_from_json(const char *json, struct IiwasimProgram **program);
 
 /*
  Reads a program from a file, with the files that it includes or names as its robot's profile,
@@ -266,8 +263,7 @@ enum IiwasimStatus iiwasim_program_from_json(const char *json,
 
  `path` is NULL, or a string in UTF-8 that ends with a NUL.
  */
-enum IiwasimStatus iiwasim_program_load(const char *path,
-                                        struct IiwasimProgram **program);
+enum IiwasimStatus iiwasim_program_load(const char *path, struct IiwasimProgram **program);
 
 /*
  Frees a program; NULL is ignored. Plans of this program remain valid.
