@@ -172,7 +172,10 @@ async function loadFile(file) {
   if (!desk.plan) reportEmptyDesk();
 }
 
-/** Adds to the error of a file that no program is loaded. The previous plan may be dropped only after the error arrives. */
+/**
+ * Adds to the error of a file that no program is loaded. The previous plan may be dropped only
+ * after the error arrives.
+ */
 function reportEmptyDesk() {
   if (loadFailed) $("program-said").textContent += "\nNothing is loaded.";
   loadFailed = false;
