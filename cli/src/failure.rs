@@ -155,23 +155,17 @@ impl From<&PageError> for Failure {
             }
             _ => "",
         };
-        let what = format!("{}{hint}", with_causes(error));
         if error.is_input() {
-            Self::input(what)
+            Self::input(format!("{}{hint}", with_causes(error)))
         } else {
-            Self::Run { what: printable(&what), cause: None }
+            Self::broken(error)
         }
     }
 }
 
 impl From<ReportError> for Failure {
     fn from(error: ReportError) -> Self {
-        let what = with_causes(&error);
-        if error.is_input() {
-            Self::input(what)
-        } else {
-            Self::Run { what: printable(&what), cause: None }
-        }
+        if error.is_input() { Self::input(with_causes(&error)) } else { Self::broken(&error) }
     }
 }
 
