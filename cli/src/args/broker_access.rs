@@ -1,4 +1,4 @@
-//! How a broker is reached safely: the same options for Kafka and for MQTT, each with its name before them.
+//! TLS and login options of brokers, with the prefix `--kafka` or `--mqtt`.
 
 use std::path::PathBuf;
 
@@ -54,7 +54,7 @@ macro_rules! broker_access {
     };
 }
 
-/// What is needed to be let in by a broker.
+/// TLS files and login of a broker connection.
 pub(crate) struct BrokerAccess<'a> {
     pub(crate) tls: bool,
     pub(crate) authority: Option<&'a PathBuf>,
@@ -65,7 +65,7 @@ pub(crate) struct BrokerAccess<'a> {
 }
 
 broker_access!(
-    /// How Kafka is reached, for all commands that do.
+    /// Kafka connection options, for all commands that use Kafka.
     KafkaAccess, "kafka", {
         /// SASL mechanism; `plain` sends the password itself, and needs TLS or a broker on this
         /// machine
@@ -75,6 +75,6 @@ broker_access!(
 );
 
 broker_access!(
-    /// How an MQTT broker is reached.
+    /// MQTT connection options.
     MqttAccess, "mqtt"
 );

@@ -19,8 +19,8 @@ use super::{
 /// recording of the run is shown beside the plan. Saved positions stay for the next time, and can
 /// be made into a program.
 ///
-/// The page is a client of the drive like any other: its requests pass the checks of the drive and
-/// those of `iiwasim run`. Ctrl-C ends the twin; a run that it has started is stopped on its path.
+/// The page is an ordinary client of the drive: the drive and the checks of `iiwasim run` validate
+/// all requests. Ctrl-C ends the twin; a run that it has started is stopped on its path.
 #[derive(Args, Debug)]
 pub(crate) struct Twin {
     /// Port of the page on this machine; 0 for a free port

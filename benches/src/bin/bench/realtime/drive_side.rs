@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 
 use super::{part::serve, sockets::Sockets};
 
-/// Measurements of the drive.
+/// Message counts, longest answer and memory of the drive process.
 #[derive(Deserialize, Serialize)]
 pub(crate) struct DriveSide {
     pub(crate) received: u64,
