@@ -1,10 +1,13 @@
 //! Types of the companion specifications: Devices (OPC 10000-100), Industrial Automation (OPC
 //! 10000-200) and Robotics (OPC 40010-1), as published by the OPC Foundation.
 
+use std::io::Read;
+
 use opcua::{
     nodes::{ImportedItem, NodeSet2Import, NodeSetImport},
     types::NodeSetNamespaceMapper,
 };
+use ruzstd::decoding::StreamingDecoder;
 
 use crate::OpcUaError;
 
@@ -33,8 +36,11 @@ pub(crate) fn all() -> Result<Vec<NodeSet>, OpcUaError> {
 
 fn read(name: &'static str, packed: &[u8]) -> Result<NodeSet, OpcUaError> {
     let bad = |what: String| OpcUaError::Server { what: format!("{name} is damaged: {what}") };
-    let bytes = zstd::decode_all(packed).map_err(|error| bad(error.to_string()))?;
-    let text = String::from_utf8(bytes).map_err(|error| bad(error.to_string()))?;
+    let mut text = String::new();
+    StreamingDecoder::new(packed)
+        .map_err(|error| bad(error.to_string()))?
+        .read_to_string(&mut text)
+        .map_err(|error| bad(error.to_string()))?;
     let import = NodeSet2Import::new_str("en", &without_breaks(&text), Vec::new());
     import.map(NodeSet).map_err(|error| bad(error.to_string()))
 }

@@ -6,7 +6,7 @@ use mcap::McapError;
 use mcap::records::{ChunkHeader, ChunkIndex, MessageHeader, MessageIndex, MessageIndexEntry, op};
 
 use crate::Topic;
-use crate::compression::{Compression, Compressor};
+use crate::compression::{self, Compressor};
 use crate::record::{
     MESSAGE_HEADER_BYTES, RECORD_HEADER_BYTES, append, message_header, put_channel, put_record,
     put_schema, record_header,
@@ -109,7 +109,7 @@ impl Chunk {
             message_end_time,
             uncompressed_size: bytes.len() as u64,
             uncompressed_crc: crc32fast::hash(bytes),
-            compression: Compression::NAME.to_owned(),
+            compression: compression::METHOD.to_owned(),
             compressed_size: 0,
         };
         written.clear();

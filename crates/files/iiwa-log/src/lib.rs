@@ -68,7 +68,6 @@ mod whole_file;
 mod writer;
 
 pub use arm::Arm;
-pub use compression::Compression;
 pub use diagnostic::{Diagnostic, DiagnosticLevel};
 pub use encoder::{Encoder, Frame};
 pub use entry::{Attachment, Entry, JointSample, Motion, MotionSample, PoseSample};

@@ -10,8 +10,7 @@ use iiwa_traj::{Section, State};
 
 use crate::arm::Arm;
 use crate::{
-    Compression, Config, Motion, TrajectoryMessage, TrajectoryPoint, WriteError, Writer,
-    plan_metadata,
+    Config, Motion, TrajectoryMessage, TrajectoryPoint, WriteError, Writer, plan_metadata,
 };
 
 /// Options of a plan file.
@@ -24,9 +23,9 @@ pub struct PlanConfig {
 }
 
 impl Default for PlanConfig {
-    /// Returns 250 joint states per second and [`Compression::Fast`].
+    /// Returns 250 joint states per second and chunks of 128 KiB.
     fn default() -> Self {
-        let file = Config { compression: Compression::Fast, ..Config::default() };
+        let file = Config { chunk_bytes: 128 * 1024, ..Config::default() };
         Self { rate_hz: 250.0, file }
     }
 }

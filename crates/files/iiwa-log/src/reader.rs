@@ -11,7 +11,9 @@ use mcap::sans_io::linear_reader::{LinearReadEvent, LinearReader, LinearReaderOp
 use mcap::{MAGIC, McapError};
 use serde::Deserialize;
 
+use crate::compression::decompress;
 use crate::error::ReadError;
+use crate::record::RECORD_HEADER_BYTES;
 use crate::ros::{
     JointState, JointTrajectory, Joints, MotionMessage, Names, PoseStamped, Text, Time,
 };
@@ -36,26 +38,19 @@ const READ_BYTES: std::ops::RangeInclusive<usize> = 64 * 1024..=1024 * 1024;
 pub struct Reader<R> {
     stream: R,
     mcap: LinearReader,
-    schemas: BTreeMap<u16, (String, String)>,
-    channels: BTreeMap<u16, Option<Topic>>,
-    /// Topics to read; all if `None`.
-    wanted: Option<Vec<Topic>>,
-    epoch_ns: Option<u64>,
-    frame_id: Arc<str>,
+    chunk: Chunk,
+    content: Content,
     offset: u64,
     /// Last bytes read, up to the length of the magic bytes.
     end: Vec<u8>,
-    messages: u64,
     done: bool,
 }
 
 impl<R> std::fmt::Debug for Reader<R> {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.debug_struct("Reader")
-            .field("channels", &self.channels)
-            .field("epoch_ns", &self.epoch_ns)
+            .field("content", &self.content)
             .field("offset", &self.offset)
-            .field("messages", &self.messages)
             .field("done", &self.done)
             .finish_non_exhaustive()
     }
@@ -65,7 +60,7 @@ impl<R: Read> Reader<R> {
     /// Starts reading at the current position of `stream`, which needs no buffering.
     pub fn new(stream: R) -> Self {
         let options = LinearReaderOptions::default()
-            .with_prevalidate_chunk_crcs(true)
+            .with_emit_chunks(true)
             .with_validate_data_section_crc(true)
             .with_validate_summary_section_crc(true)
             .with_check_finishes_after_end_magic(true)
@@ -73,14 +68,10 @@ impl<R: Read> Reader<R> {
         Self {
             stream,
             mcap: LinearReader::new_with_options(options),
-            schemas: BTreeMap::new(),
-            channels: BTreeMap::new(),
-            wanted: None,
-            epoch_ns: None,
-            frame_id: Arc::from(""),
+            chunk: Chunk::default(),
+            content: Content::default(),
             offset: 0,
             end: Vec::new(),
-            messages: 0,
             done: false,
         }
     }
@@ -88,44 +79,45 @@ impl<R: Read> Reader<R> {
     /// Skips messages of all other topics, whatever they contain, which is faster than decoding
     /// them. Attachments and metadata are read.
     #[must_use]
-    pub fn only(self, topics: &[Topic]) -> Self {
-        Self { wanted: Some(topics.to_vec()), ..self }
+    pub fn only(mut self, topics: &[Topic]) -> Self {
+        self.content.wanted = Some(topics.to_vec());
+        self
     }
 
     /// Instant of `t_s` = 0 as the time since 1970-01-01T00:00:00Z: the log time of the first
     /// message. `None` before the first message.
     #[must_use]
     pub fn epoch(&self) -> Option<Duration> {
-        self.epoch_ns.map(Duration::from_nanos)
+        self.content.epoch_ns.map(Duration::from_nanos)
     }
 
     /// Reads up to the next entry.
     fn advance(&mut self) -> Result<Option<Entry>, ReadError> {
         loop {
+            let offset = self.offset;
+            while let Some((opcode, data)) =
+                self.chunk.next().map_err(|source| self.content.broken(offset, source))?
+            {
+                if let Some(entry) = self.content.take(opcode, data, offset)? {
+                    return Ok(Some(entry));
+                }
+            }
             let need = match self.mcap.next_event() {
                 None => return Ok(None),
                 Some(Err(source @ McapError::BytesAfterEndMagic)) => {
                     if self.rest_ends_a_file()? {
                         return Ok(None);
                     }
-                    return Err(broken(self.offset, self.messages, source));
+                    return Err(self.content.broken(self.offset, source));
                 }
-                Some(Err(source)) => return Err(broken(self.offset, self.messages, source)),
+                Some(Err(source)) => return Err(self.content.broken(offset, source)),
                 Some(Ok(LinearReadEvent::ReadRequest(need))) => need,
+                Some(Ok(LinearReadEvent::Record { data, opcode: op::CHUNK })) => {
+                    self.chunk.load(data).map_err(|source| self.content.broken(offset, source))?;
+                    continue;
+                }
                 Some(Ok(LinearReadEvent::Record { data, opcode })) => {
-                    let record = parse(opcode, data)
-                        .map_err(|source| broken(self.offset, self.messages, source))?;
-                    let Some(record) = record else { continue };
-                    let mut content = Content {
-                        schemas: &mut self.schemas,
-                        channels: &mut self.channels,
-                        wanted: self.wanted.as_deref(),
-                        epoch_ns: &mut self.epoch_ns,
-                        frame_id: &mut self.frame_id,
-                        offset: self.offset,
-                        messages: &mut self.messages,
-                    };
-                    match content.take(record)? {
+                    match self.content.take(opcode, data, offset)? {
                         None => continue,
                         entry => return Ok(entry),
                     }
@@ -185,10 +177,41 @@ fn keep_end(end: &mut Vec<u8>, read: &[u8]) {
     end.drain(..end.len().saturating_sub(MAGIC.len()));
 }
 
-fn broken(offset: u64, messages: u64, source: McapError) -> ReadError {
-    match source {
-        McapError::UnexpectedEof => ReadError::Truncated { offset, messages },
-        source => ReadError::Mcap { offset, messages, source },
+/// Records of the current chunk, unpacked.
+#[derive(Debug, Default)]
+struct Chunk {
+    records: Vec<u8>,
+    /// Start of the next record.
+    next: usize,
+}
+
+impl Chunk {
+    /// Unpacks the content of a chunk record.
+    fn load(&mut self, data: &[u8]) -> Result<(), McapError> {
+        let too_large = McapError::RecordTooLarge { opcode: op::CHUNK, len: data.len() as u64 };
+        lengths_fit(op::CHUNK, data).ok_or(too_large)?;
+        self.next = 0;
+        if let Record::Chunk { header, data } = mcap::parse_record(op::CHUNK, data)? {
+            decompress(&header, &data, RECORD_LIMIT_BYTES, &mut self.records)?;
+        }
+        Ok(())
+    }
+
+    /// Opcode and content of the next record.
+    fn next(&mut self) -> Result<Option<(u8, &[u8])>, McapError> {
+        let rest = &self.records[self.next..];
+        if rest.is_empty() {
+            return Ok(None);
+        }
+        let record = || {
+            let (opcode, rest) = rest.split_first()?;
+            let (length, rest) = rest.split_first_chunk()?;
+            let content = rest.get(..usize::try_from(u64::from_le_bytes(*length)).ok()?)?;
+            Some((*opcode, content))
+        };
+        let (opcode, content) = record().ok_or(McapError::UnexpectedEoc)?;
+        self.next += RECORD_HEADER_BYTES + content.len();
+        Ok(Some((opcode, content)))
     }
 }
 
@@ -212,6 +235,11 @@ fn lengths_fit(opcode: u8, data: &[u8]) -> Option<()> {
         // Two numbers; topic, encoding and a map.
         op::CHANNEL => map(texts(data.get(4..)?, 2)?),
         op::METADATA => map(texts(data, 1)?),
+        // Two times, a length and a checksum; method; compressed data with a longer length.
+        op::CHUNK => {
+            let (len, content) = texts(data.get(28..)?, 1)?.split_first_chunk()?;
+            content.get(..usize::try_from(u64::from_le_bytes(*len)).ok()?).map(drop)
+        }
         // Two times; name and type; content with a longer length, and its checksum.
         op::ATTACHMENT => {
             let (len, content) = texts(data.get(16..)?, 2)?.split_first_chunk()?;
@@ -241,50 +269,64 @@ fn map(data: &[u8]) -> Option<()> {
     Some(())
 }
 
-/// State of the reader apart from the container, which lends the records.
-struct Content<'a> {
-    schemas: &'a mut BTreeMap<u16, (String, String)>,
-    channels: &'a mut BTreeMap<u16, Option<Topic>>,
-    wanted: Option<&'a [Topic]>,
-    epoch_ns: &'a mut Option<u64>,
-    frame_id: &'a mut Arc<str>,
-    offset: u64,
-    messages: &'a mut u64,
+/// State of the reader apart from the container.
+#[derive(Debug, Default)]
+struct Content {
+    schemas: BTreeMap<u16, (String, String)>,
+    channels: BTreeMap<u16, Option<Topic>>,
+    /// Topics to read; all if `None`.
+    wanted: Option<Vec<Topic>>,
+    epoch_ns: Option<u64>,
+    frame_id: Arc<str>,
+    messages: u64,
 }
 
-impl Content<'_> {
-    fn take(&mut self, record: Record<'_>) -> Result<Option<Entry>, ReadError> {
+impl Content {
+    fn broken(&self, offset: u64, source: McapError) -> ReadError {
+        let messages = self.messages;
+        match source {
+            McapError::UnexpectedEof => ReadError::Truncated { offset, messages },
+            source => ReadError::Mcap { offset, messages, source },
+        }
+    }
+
+    /// Takes a record that ends before `offset` in the file.
+    fn take(&mut self, opcode: u8, data: &[u8], offset: u64) -> Result<Option<Entry>, ReadError> {
+        let record = parse(opcode, data).map_err(|source| self.broken(offset, source))?;
         match record {
-            Record::Schema { header, .. } => {
+            Some(Record::Schema { header, .. }) => {
                 self.schemas.insert(header.id, (header.name, header.encoding));
                 Ok(None)
             }
-            Record::Channel(channel) => {
-                let topic = Topic::from_name(&channel.topic)
-                    .filter(|topic| self.wanted.is_none_or(|wanted| wanted.contains(topic)));
+            Some(Record::Channel(channel)) => {
+                let topic = Topic::from_name(&channel.topic).filter(|topic| {
+                    self.wanted.as_ref().is_none_or(|wanted| wanted.contains(topic))
+                });
                 if let Some(topic) = topic {
                     self.check_type(topic, &channel)?;
                 }
                 self.channels.insert(channel.id, topic);
                 Ok(None)
             }
-            Record::Message { header, data } => {
+            Some(Record::Message { header, data }) => {
                 let epoch_ns = *self.epoch_ns.get_or_insert(header.log_time);
                 let topic = *self.channels.get(&header.channel_id).ok_or_else(|| {
                     let source = McapError::UnknownChannel(header.sequence, header.channel_id);
-                    broken(self.offset, *self.messages, source)
+                    self.broken(offset, source)
                 })?;
-                *self.messages += 1;
+                self.messages += 1;
                 let Some(topic) = topic else { return Ok(None) };
                 let body = Body { topic, epoch_ns, log_ns: header.log_time, bytes: &data };
                 self.message(&body)
             }
-            Record::Attachment { header, data, .. } => Ok(Some(Entry::Attachment(Attachment {
-                name: header.name,
-                media_type: header.media_type,
-                bytes: data.into_owned(),
-            }))),
-            Record::Metadata(metadata) => {
+            Some(Record::Attachment { header, data, .. }) => {
+                Ok(Some(Entry::Attachment(Attachment {
+                    name: header.name,
+                    media_type: header.media_type,
+                    bytes: data.into_owned(),
+                })))
+            }
+            Some(Record::Metadata(metadata)) => {
                 Ok(Some(Entry::Metadata { name: metadata.name, entries: metadata.metadata }))
             }
             _ => Ok(None),
@@ -312,12 +354,12 @@ impl Content<'_> {
             Topic::JointStates => Entry::JointState(body.joint_state()?),
             topic @ (Topic::TcpPose | Topic::FlangePose) => {
                 let message: PoseStamped<'_> = body.decode()?;
-                if **self.frame_id != *message.header.frame_id {
-                    *self.frame_id = Arc::from(message.header.frame_id.as_ref());
+                if *self.frame_id != *message.header.frame_id {
+                    self.frame_id = Arc::from(message.header.frame_id.as_ref());
                 }
                 let sample = PoseSample {
                     t_s: body.stamp_s(message.header.stamp)?,
-                    frame_id: Arc::clone(self.frame_id),
+                    frame_id: Arc::clone(&self.frame_id),
                     position_m: message.position,
                     rotation_xyzw: message.orientation,
                 };

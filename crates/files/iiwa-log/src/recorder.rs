@@ -71,7 +71,7 @@ const NO_CRC: u32 = 0;
 /// is stamped with the epoch; `/tf` and `/tcp_pose` are written with the first sample of every
 /// interval of their rate, and with the last sample of all.
 ///
-/// At 1 kHz an hour is some 600 MB, of which the poses are a fifth; at 200 Hz it is a third of
+/// At 1 kHz an hour is some 700 MB, of which the poses are a fifth; at 200 Hz it is a third of
 /// that. Every period ends with rewriting the index of the whole file, some 110 bytes for every
 /// period before: 4 MB after ten hours of periods of 1 s, which takes some 10 ms then. Memory grows
 /// by some 2 kB per period. Longer periods reduce both.

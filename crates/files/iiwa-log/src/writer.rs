@@ -12,7 +12,7 @@ use crate::container::Container;
 use crate::error::WriteError;
 use crate::ros::Time;
 use crate::tail::Index;
-use crate::{Compression, Diagnostic, Encoder, Frame, Motion, Topic, TrajectoryMessage};
+use crate::{Diagnostic, Encoder, Frame, Motion, Topic, TrajectoryMessage};
 
 /// 2020-01-01T00:00:00Z as the time since 1970-01-01T00:00:00Z (Unix time 1 577 836 800 s).
 ///
@@ -27,20 +27,22 @@ pub struct Config {
     pub epoch: Duration,
     /// Name of the writing program in the file header.
     pub library: String,
-    /// Compression of the file.
-    pub compression: Compression,
+    /// Length of a chunk before compression, in bytes; a longer message is a chunk of its own. A
+    /// short chunk fits into the processor's cache with all that is needed to compress it; long ones
+    /// make a short index.
+    pub chunk_bytes: usize,
     /// Names of joints and links.
     pub names: RosNames,
 }
 
 impl Default for Config {
-    /// Returns [`DEFAULT_EPOCH`], this crate's name and version, [`Compression::Small`], and the
-    /// names of `iiwa_stack`.
+    /// Returns [`DEFAULT_EPOCH`], this crate's name and version, chunks of 1 MiB, and the names of
+    /// `iiwa_stack`.
     fn default() -> Self {
         Self {
             epoch: DEFAULT_EPOCH,
             library: concat!(env!("CARGO_PKG_NAME"), "/", env!("CARGO_PKG_VERSION")).to_owned(),
-            compression: Compression::default(),
+            chunk_bytes: 1024 * 1024,
             names: RosNames::default(),
         }
     }
@@ -53,8 +55,7 @@ impl Default for Config {
 /// within a topic; across topics their order is free, but viewers are fastest if all messages are
 /// in the order of time.
 ///
-/// Memory use stays at a few megabytes: only the index grows, by some 200 bytes per chunk, that is
-/// for every megabyte of messages, or every eighth of one with [`Compression::Fast`].
+/// Memory use stays at a few megabytes: only the index grows, by some 200 bytes per chunk.
 ///
 /// The bytes depend on the calls and on [`Config`] alone. Call [`finish`](Self::finish): a writer
 /// that is dropped leaves a file that is cut off.
@@ -96,11 +97,11 @@ impl<W: Write> Writer<W> {
     /// [`WriteError::EpochOutOfRange`] for an epoch past 2038, [`WriteError::Mcap`] if the stream
     /// fails.
     pub fn new(stream: W, config: Config) -> Result<Self, WriteError> {
-        let Config { epoch, library, compression, names } = config;
+        let Config { epoch, library, chunk_bytes, names } = config;
         let encoder = Encoder::with_names(epoch, &names)?;
         let epoch_ns =
             u64::try_from(epoch.as_nanos()).map_err(|_| WriteError::EpochOutOfRange { epoch })?;
-        let container = Container::new(stream, library, compression)?;
+        let container = Container::new(stream, library, chunk_bytes)?;
         let channels = [Channel::default(); Topic::ALL.len()];
         Ok(Self { encoder, file: File { container, epoch, epoch_ns, channels } })
     }

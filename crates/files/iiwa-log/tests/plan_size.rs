@@ -5,7 +5,7 @@
 use std::{fs, io::Cursor, path::Path as FilePath};
 
 use iiwa_kin::Robot;
-use iiwa_log::{Compression, PlanConfig, PlanSize, PlanWriter};
+use iiwa_log::{PlanConfig, PlanSize, PlanWriter};
 use iiwa_path::JointPath;
 use iiwa_plan::PlanFigures;
 use iiwa_program::{Blend, Motion, Program, Ptp, Sources, Start, Workcell};
@@ -22,10 +22,7 @@ fn size(plan: &Trajectory, rate_hz: f64) -> PlanSize {
 
 /// Returns the bytes of the file.
 fn written(plan: &Trajectory, rate_hz: f64) -> usize {
-    written_as(plan, PlanConfig { rate_hz, ..PlanConfig::default() })
-}
-
-fn written_as(plan: &Trajectory, config: PlanConfig) -> usize {
+    let config = PlanConfig { rate_hz, ..PlanConfig::default() };
     let storage = Cursor::new(Vec::new());
     let mut writer = PlanWriter::new(storage, plan.path().robot(), config).unwrap();
     for section in plan.sections() {
@@ -95,18 +92,4 @@ fn months_have_a_size_too() {
     assert!(found.bytes() > 50_000_000_000, "{found:?}");
     // The estimate saturates at the largest integer.
     assert_eq!(size(&plan, 1e300).bytes(), u64::MAX);
-}
-
-#[test]
-fn what_is_written_fast_is_hardly_larger() {
-    let fixture =
-        FilePath::new(env!("CARGO_MANIFEST_DIR")).join("../../../fixtures/ten-motions.json");
-    let plan = planned(&Program::from_json(&fs::read_to_string(fixture).unwrap()).unwrap());
-    let [fast, small] = [Compression::Fast, Compression::Small].map(|compression| {
-        let mut config = PlanConfig::default();
-        config.file.compression = compression;
-        written_as(&plan, config)
-    });
-    assert!(small < fast, "{small} {fast}");
-    assert!(fast as f64 <= 1.2 * small as f64, "{small} {fast}");
 }

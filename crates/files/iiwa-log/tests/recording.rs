@@ -6,6 +6,7 @@
     reason = "a failed test is a panic, and what is read back is what was written, bit by bit"
 )]
 
+mod compression;
 mod damage;
 mod kill;
 mod names;

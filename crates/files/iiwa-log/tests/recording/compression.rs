@@ -1,0 +1,80 @@
+//! Files compressed by the `mcap` crate with each of its methods, and chunks whose header is wrong.
+
+use std::io::Cursor;
+
+use iiwa_log::{ReadError, Recording};
+use mcap::{Compression, McapError, MessageStream, WriteOptions, records::op};
+
+use crate::recording::sample::sample;
+
+/// Returns the messages of `file` in a file of the `mcap` crate, in one chunk.
+fn rewritten(file: &[u8], method: Option<Compression>) -> Vec<u8> {
+    let options = WriteOptions::new().compression(method).chunk_size(None);
+    let mut writer = options.create(Cursor::new(Vec::new())).unwrap();
+    for message in MessageStream::new(file).unwrap() {
+        writer.write(&message.unwrap()).unwrap();
+    }
+    writer.finish().unwrap();
+    writer.into_inner().into_inner()
+}
+
+/// Offset of the content of the first chunk.
+fn chunk_offset(file: &[u8]) -> usize {
+    let mut offset = mcap::MAGIC.len();
+    loop {
+        let length = u64::from_le_bytes(file[offset + 1..offset + 9].try_into().unwrap());
+        if file[offset] == op::CHUNK {
+            return offset + 9;
+        }
+        offset += 9 + usize::try_from(length).unwrap();
+    }
+}
+
+/// Returns the error of a file whose chunk header is changed.
+fn with_chunk(method: Compression, change: impl Fn(&mut [u8])) -> McapError {
+    let mut file = rewritten(&sample(), Some(method));
+    let offset = chunk_offset(&file);
+    change(&mut file[offset..]);
+    let error = Recording::from_bytes(&file).unwrap_err();
+    let ReadError::Mcap { source, .. } = error else { panic!("{error:?}") };
+    source
+}
+
+/// Writes the length after unpacking, which follows the two times.
+fn claim(bytes: u64) -> impl Fn(&mut [u8]) {
+    move |chunk| chunk[16..24].copy_from_slice(&bytes.to_le_bytes())
+}
+
+#[test]
+fn every_method_of_mcap_is_read() {
+    let expected = Recording::from_bytes(&sample()).unwrap();
+    for method in [None, Some(Compression::Lz4), Some(Compression::Zstd)] {
+        let read = Recording::from_bytes(&rewritten(&sample(), method)).unwrap();
+        assert_eq!(read.joint_states, expected.joint_states, "{method:?}");
+        assert_eq!(read.tcp_poses, expected.tcp_poses, "{method:?}");
+    }
+}
+
+#[test]
+fn no_more_is_unpacked_than_the_chunk_states() {
+    for method in [Compression::Lz4, Compression::Zstd] {
+        for bytes in [0, 100, 1 << 24] {
+            let error = with_chunk(method, claim(bytes));
+            assert!(matches!(error, McapError::DecompressionError(_)), "{bytes}: {error:?}");
+        }
+        let error = with_chunk(method, claim(1 << 40));
+        assert!(matches!(error, McapError::ChunkTooLarge(bytes) if bytes == 1 << 40), "{error:?}");
+    }
+}
+
+#[test]
+fn a_chunk_of_an_unknown_method_or_with_another_checksum_is_an_error() {
+    let other_method = |chunk: &mut [u8]| chunk[32..35].copy_from_slice(b"xz5");
+    let error = with_chunk(Compression::Lz4, other_method);
+    assert!(
+        matches!(&error, McapError::UnsupportedCompression(name) if name == "xz5"),
+        "{error:?}"
+    );
+    let error = with_chunk(Compression::Lz4, |chunk| chunk[24] ^= 1);
+    assert!(matches!(error, McapError::BadChunkCrc { .. }), "{error:?}");
+}
