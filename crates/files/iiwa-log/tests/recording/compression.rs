@@ -36,7 +36,7 @@ fn with_chunk(method: Compression, change: impl Fn(&mut [u8])) -> McapError {
     let offset = chunk_offset(&file);
     change(&mut file[offset..]);
     let error = Recording::from_bytes(&file).unwrap_err();
-    let ReadError::Mcap { source, .. } = error else { panic!("{error:?}") };
+    let ReadError::Mcap { source, .. } = error else { unreachable!("{error:?}") };
     source
 }
 
