@@ -18,9 +18,9 @@ mod frame;
 mod input;
 mod lines;
 mod output;
+mod output_kind;
 mod picture;
 mod progress;
-mod replaceable;
 #[cfg(feature = "live")]
 mod runner;
 #[cfg(feature = "live")]

@@ -6,13 +6,13 @@ use std::{
     sync::atomic::Ordering,
 };
 
-use iiwa_files::{Output, interrupt};
+use iiwa_files::{Output, folder_of, interrupt};
 
-use crate::{failure::Failure, replaceable::Replaceable};
+use crate::{failure::Failure, output_kind::OutputKind};
 
 /// Starts a file that will be at `path`, and may replace a file of the same kind.
-pub(crate) fn replacing(path: &Path, kind: Replaceable) -> Result<Output, Failure> {
-    kind.check(path)?;
+pub(crate) fn replacing(path: &Path, kind: OutputKind) -> Result<Output, Failure> {
+    kind.check_existing(path)?;
     Ok(Output::new(path)?)
 }
 
@@ -24,7 +24,8 @@ pub(crate) fn write(path: &Path, content: &[u8]) -> Result<(), Failure> {
 }
 
 /// Rejects replacing a file that cannot be generated again, unless `overwrite` is set.
-pub(crate) fn keep_existing(what: &str, path: &Path, overwrite: bool) -> Result<(), Failure> {
+pub(crate) fn keep_existing(kind: OutputKind, path: &Path, overwrite: bool) -> Result<(), Failure> {
+    kind.check_name(path)?;
     if !path.exists() {
         // Reports an output that cannot be written before a robot moves, or a long computation
         // begins.
@@ -34,28 +35,37 @@ pub(crate) fn keep_existing(what: &str, path: &Path, overwrite: bool) -> Result<
         return Ok(());
     }
     Err(Failure::input(format!(
-        "{} exists; a {what} is not written over another file: name one with --output, or give --overwrite",
-        path.display()
+        "{} exists; a {} is not written over another file: name one with --output, or give --overwrite",
+        path.display(),
+        kind.name()
     )))
 }
 
-/// Returns true if two paths lead to the same file.
+/// Returns true if two paths lead to the same file, which need not exist yet.
 pub(crate) fn same_file(a: &Path, b: &Path) -> bool {
-    a == b || a.canonicalize().is_ok_and(|a| b.canonicalize().is_ok_and(|b| a == b))
+    let real = |path: &Path| {
+        path.canonicalize().or_else(|_| {
+            let folder = folder_of(path).canonicalize()?;
+            Ok::<_, io::Error>(folder.join(path.file_name().unwrap_or_default()))
+        })
+    };
+    a == b || real(a).is_ok_and(|a| real(b).is_ok_and(|b| a == b))
 }
 
-/// Rejects writing `what` to `target` over one of the `read` files, which are given with their
-/// kinds.
-pub(crate) fn keep_inputs<'a>(
-    what: &str,
+/// Rejects an output at `target` whose name does not fit its kind, or that would replace one of the
+/// `other` files of the command, which are given with their names in messages.
+pub(crate) fn keep_others<'a>(
+    kind: OutputKind,
     target: &Path,
-    read: impl IntoIterator<Item = (&'a str, &'a Path)>,
+    other: impl IntoIterator<Item = (&'a str, &'a Path)>,
     option: &str,
 ) -> Result<(), Failure> {
-    match read.into_iter().find(|(_, path)| same_file(target, path)) {
+    kind.check_name(target)?;
+    match other.into_iter().find(|(_, path)| same_file(target, path)) {
         None => Ok(()),
         Some((other, path)) => Err(Failure::input(format!(
-            "the {what} would be written over the {other}, {}; name another file with {option}",
+            "the {} would be written over the {other}, {}; name another file with {option}",
+            kind.name(),
             path.display()
         ))),
     }

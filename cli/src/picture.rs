@@ -6,7 +6,7 @@ use iiwa_report::PictureFormat;
 
 use iiwa_files::Output;
 
-use crate::{failure::Failure, features, output, replaceable::Replaceable};
+use crate::{failure::Failure, features, output, output_kind::OutputKind};
 
 /// Returns the format of a picture, by its file extension.
 pub(crate) fn format(path: &Path) -> Result<PictureFormat, Failure> {
@@ -21,7 +21,7 @@ pub(crate) fn format(path: &Path) -> Result<PictureFormat, Failure> {
 
 /// Starts the file of a picture, which may replace a file of the same format.
 pub(crate) fn output(path: &Path) -> Result<Output, Failure> {
-    output::replacing(path, Replaceable::Picture(format(path)?))
+    output::replacing(path, OutputKind::Picture(format(path)?))
 }
 
 /// Encodes a drawing in SVG for the file `path`.

@@ -4,15 +4,16 @@ use iiwa_eval::Plan;
 use iiwa_log::{PlanRecordError, Positions};
 use iiwa_report::{ComparisonReport, draw_comparison, with_causes};
 
-use crate::{args::Compare, failure::Failure, input, output, picture, replaceable::Replaceable};
+use crate::{args::Compare, failure::Failure, input, output, output_kind::OutputKind, picture};
 
 /// Compares a recording with a plan, prints the figures and applies the gates.
 pub(crate) fn run(options: &Compare) -> Result<(), Failure> {
     let Compare { plan: plan_file, measured: measured_file, .. } = options;
     if let Some(picture) = &options.picture {
         let read = [("plan", plan_file.as_path()), ("recording", measured_file.as_path())];
-        output::keep_inputs("picture", picture, read, "--picture")?;
-        Replaceable::Picture(picture::format(picture)?).check(picture)?;
+        let kind = OutputKind::Picture(picture::format(picture)?);
+        output::keep_others(kind, picture, read, "--picture")?;
+        kind.check_existing(picture)?;
     }
     let robot = options.robot.as_deref().map(input::find_robot).transpose()?;
     let plan = Plan::read_mcap(input::open(plan_file)?, robot).map_err(|error| {

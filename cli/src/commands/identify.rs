@@ -9,7 +9,7 @@ use iiwa_plan::ProgramSource;
 use iiwa_program::Program;
 use iiwa_report::{IdentificationReport, with_causes};
 
-use crate::{args::Identify, failure::Failure, input, output};
+use crate::{args::Identify, failure::Failure, input, output, output_kind::OutputKind};
 
 /// Recording and its program.
 struct Source {
@@ -26,8 +26,8 @@ pub(crate) fn run(options: &Identify) -> Result<(), Failure> {
         let program = options.program.as_deref().map(|path| ("program", path));
         let robot = options.robot.as_deref().map(|path| ("robot", Path::new(path)));
         let read = recordings.chain(program).chain(robot);
-        output::keep_inputs("profile", target, read, "--output")?;
-        output::keep_existing("profile", target, options.overwrite)?;
+        output::keep_others(OutputKind::Profile, target, read, "--output")?;
+        output::keep_existing(OutputKind::Profile, target, options.overwrite)?;
     }
     let (mut sources, model) = read(options)?;
     if let Some(percent) = options.speed_override {

@@ -13,7 +13,7 @@ use crate::{
     failure::{Failure, print_note},
     input::{find_robot, scene},
     output,
-    replaceable::Replaceable,
+    output_kind::OutputKind,
 };
 
 /// Creates the page, and prints its path.
@@ -24,8 +24,8 @@ pub(crate) fn run(options: &Report) -> Result<(), Failure> {
     let urdf = options.arm.urdf.as_deref().map(|path| ("URDF", path));
     let file = [("file", options.file.as_path())].into_iter();
     let read = file.chain(measured).chain(around).chain(urdf);
-    output::keep_inputs("page", &target, read, "--output")?;
-    Replaceable::Page.check(&target)?;
+    output::keep_others(OutputKind::Page, &target, read, "--output")?;
+    OutputKind::Page.check_existing(&target)?;
     output::catch_interrupts();
     let robot = options.robot.as_deref().map(find_robot).transpose()?;
     let scene = options.scene.as_deref().map(scene).transpose()?;

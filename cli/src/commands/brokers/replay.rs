@@ -27,6 +27,7 @@ use crate::{
     failure::{Failure, print_note},
     input::find_robot,
     output,
+    output_kind::OutputKind,
     progress::Progress,
 };
 
@@ -43,7 +44,7 @@ pub(crate) fn run(options: &Replay) -> Result<(), Failure> {
 fn record(options: &Replay, path: &Path) -> Result<(), Failure> {
     let robot = find_robot(&options.robot)?;
     let (reader, selection) = reader(&options.stored, Some(options.name.clone()))?;
-    output::keep_existing("recording", path, options.overwrite)?;
+    output::keep_existing(OutputKind::Recording, path, options.overwrite)?;
     let mut recording: Option<Recording> = None;
     let mut failed = None;
     let mut progress = Progress::of_recording();

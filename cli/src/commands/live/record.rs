@@ -19,6 +19,7 @@ use crate::{
     failure::{Failure, print_note},
     input::find_robot,
     output,
+    output_kind::OutputKind,
     progress::Progress,
 };
 
@@ -40,7 +41,7 @@ pub(crate) fn run(options: &Record) -> Result<(), Failure> {
     let path = &options.output;
     let refuse =
         |error: WriteError| Failure::run(format!("cannot write {}", path.display()), &error);
-    output::keep_existing("recording", path, options.overwrite)?;
+    output::keep_existing(OutputKind::Recording, path, options.overwrite)?;
     // The file is created with the first sample: until then, a file to be overwritten is kept.
     let mut recorder: Option<Recorder<File>> = None;
 

@@ -24,6 +24,7 @@ use crate::{
     connection,
     failure::{Failure, print_note},
     input, output,
+    output_kind::OutputKind,
     progress::Progress,
     runner::{connect, execute_with_progress, go_to_start, hint, recording, sampled},
 };
@@ -123,7 +124,7 @@ fn target(options: &Run) -> Result<Option<PathBuf>, Failure> {
         return Ok(None);
     }
     if let Some(path) = &options.output {
-        output::keep_existing("recording", path, options.overwrite)?;
+        output::keep_existing(OutputKind::Recording, path, options.overwrite)?;
         return Ok(Some(path.clone()));
     }
     let stem = stem(options);

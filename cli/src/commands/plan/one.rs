@@ -14,7 +14,9 @@ use crate::{
     failure::{Failure, print_note},
     features,
     input::{self, Input},
-    output, picture,
+    output,
+    output_kind::OutputKind,
+    picture,
     progress::Progress,
     trace,
 };
@@ -82,22 +84,24 @@ fn distinct(options: &Plan, program: &Path, target: Option<&Path>) -> Result<(),
     let robot = options.robot.as_deref().map(|path| ("robot", Path::new(path)));
     let scene = options.scene.as_deref().map(|path| ("scene", path));
     let urdf = options.arm.urdf.as_deref().map(|path| ("URDF", path));
-    let read: Vec<_> =
+    let mut others: Vec<_> =
         iter::once(("program", program)).chain(robot).chain(scene).chain(urdf).collect();
-    if let Some(target) = target {
-        output::keep_inputs("trajectory", target, read.iter().copied(), "--output")?;
-    }
     if options.parquet.is_some() {
         features::PARQUET.require("--parquet")?;
     }
-    for table in options.csv.iter().chain(&options.parquet) {
-        output::keep_inputs("table", table, read.iter().copied(), "--csv or --parquet")?;
-    }
-    if let Some(picture) = &options.picture {
-        let trajectory = target.map(|path| ("trajectory", path));
-        let others = read.iter().copied().chain(trajectory);
-        output::keep_inputs("picture", picture, others, "--picture")?;
-        picture::format(picture)?;
+    let picture = options.picture.as_deref();
+    let picture_kind = picture.map(picture::format).transpose()?.map(OutputKind::Picture);
+    let outputs = [
+        (Some(OutputKind::Trajectory), target, "--output"),
+        (Some(OutputKind::Csv), options.csv.as_deref(), "--csv"),
+        (Some(OutputKind::Parquet), options.parquet.as_deref(), "--parquet"),
+        (picture_kind, picture, "--picture"),
+    ];
+    for (kind, path, option) in outputs {
+        if let (Some(kind), Some(path)) = (kind, path) {
+            output::keep_others(kind, path, others.iter().copied(), option)?;
+            others.push((kind.name(), path));
+        }
     }
     Ok(())
 }

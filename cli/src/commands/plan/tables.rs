@@ -9,7 +9,7 @@ use iiwa_files::{Output, Stream};
 use iiwa_log::PlanTable;
 use iiwa_traj::Section;
 
-use crate::{args::Plan, failure::Failure, output, replaceable::Replaceable};
+use crate::{args::Plan, failure::Failure, output, output_kind::OutputKind};
 
 /// Tables under construction that the options request.
 pub(super) struct Tables(Vec<(Output, PlanTable<BufWriter<Stream>>)>);
@@ -19,7 +19,7 @@ type Begin = fn(BufWriter<Stream>, f64) -> io::Result<PlanTable<BufWriter<Stream
 
 impl Tables {
     pub(super) fn new(options: &Plan) -> Result<Self, Failure> {
-        let begin = |path: &Path, kind: Replaceable, begin: Begin| {
+        let begin = |path: &Path, kind: OutputKind, begin: Begin| {
             let output = output::replacing(path, kind)?;
             let table = begin(output.stream()?, options.rate);
             match table {
@@ -27,11 +27,11 @@ impl Tables {
                 Err(error) => Err(Failure::from(output.failure(error))),
             }
         };
-        let csv = options.csv.as_deref().map(|path| begin(path, Replaceable::Csv, PlanTable::csv));
+        let csv = options.csv.as_deref().map(|path| begin(path, OutputKind::Csv, PlanTable::csv));
         let parquet = options
             .parquet
             .as_deref()
-            .map(|path| begin(path, Replaceable::Parquet, PlanTable::parquet));
+            .map(|path| begin(path, OutputKind::Parquet, PlanTable::parquet));
         csv.into_iter().chain(parquet).collect::<Result<_, _>>().map(Self)
     }
 

@@ -16,8 +16,9 @@ use crate::{
     arm_files::ArmFiles,
     failure::Failure,
     input::{self, Input},
-    output, picture,
-    replaceable::Replaceable,
+    output,
+    output_kind::OutputKind,
+    picture,
 };
 
 use super::tables::Tables;
@@ -65,7 +66,7 @@ pub(super) fn write(
         None => ArmInScene::new(&robot, scene),
     });
 
-    let output = target.map(|path| output::replacing(path, Replaceable::Trajectory)).transpose()?;
+    let output = target.map(|path| output::replacing(path, OutputKind::Trajectory)).transpose()?;
     let drawing = options.picture.as_deref().map(picture::output).transpose()?;
     let mut writer = match &output {
         None => None,

@@ -13,6 +13,7 @@ use crate::{
     failure::{Failure, print_note},
     input::{self, Input},
     output,
+    output_kind::OutputKind,
 };
 
 /// Writes a program as a Sunrise project.
@@ -72,7 +73,7 @@ struct Exported<'a> {
 /// `overwrite` is set.
 fn keep_existing(folder: &Path, overwrite: bool) -> Result<(), Failure> {
     let is_empty = fs::read_dir(folder).is_ok_and(|mut entries| entries.next().is_none());
-    output::keep_existing("project", folder, overwrite || is_empty)
+    output::keep_existing(OutputKind::Project, folder, overwrite || is_empty)
 }
 
 /// Converts an export error to a failure, with the place of the fault.

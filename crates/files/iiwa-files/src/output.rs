@@ -9,7 +9,7 @@ use std::{
 
 use tempfile::NamedTempFile;
 
-use crate::{interrupt, leftovers::Name};
+use crate::{folder_of, interrupt, leftovers::Name};
 
 /// Reason why a file could not be written.
 #[derive(Debug, thiserror::Error)]
@@ -59,9 +59,9 @@ impl Output {
             let what = format!("no such folder: {}", folder.display());
             return Err(refuse(io::Error::other(what)));
         }
-        // The target of a symbolic link is replaced, not the link.
-        let real = path.canonicalize().unwrap_or_else(|_| path.to_owned());
-        match real.metadata() {
+        let real = destination(path);
+        let existing = real.metadata();
+        match &existing {
             Ok(kind) if kind.is_dir() => {
                 return Err(refuse(io::Error::from(io::ErrorKind::IsADirectory)));
             }
@@ -85,6 +85,10 @@ impl Output {
             .make(folder, make, NamedTempFile::path)
             // Omits the name of the temporary file.
             .map_err(|error| refuse(io::Error::from(error.kind())))?;
+        if let Ok(existing) = existing {
+            // A private file stays private.
+            file.as_file().set_permissions(existing.permissions()).map_err(refuse)?;
+        }
         Ok(Self { path: real, file, _lock: lock })
     }
 
@@ -139,6 +143,18 @@ impl Output {
     }
 }
 
+/// Returns the path that a symbolic link leads to, which need not exist: the target of a link is
+/// replaced, not the link.
+fn destination(path: &Path) -> PathBuf {
+    let mut real = path.to_owned();
+    // Links that lead in a circle are not followed for ever.
+    for _ in 0..40 {
+        let Ok(target) = real.read_link() else { break };
+        real = folder_of(&real).join(target);
+    }
+    real.canonicalize().unwrap_or(real)
+}
+
 /// Stream into the file that fails after an interrupt.
 #[derive(Debug)]
 pub struct Stream(File);
@@ -178,6 +194,28 @@ mod tests {
         assert_eq!(std::fs::read_to_string(&path).unwrap(), "after");
         drop(Output::new(&path).unwrap());
         assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_link_and_permissions_are_kept() {
+        use std::os::unix::fs::{PermissionsExt, symlink};
+        let folder = tempfile::tempdir().unwrap();
+        let [file, link] = ["file.csv", "link.csv"].map(|name| folder.path().join(name));
+        // The target does not exist at first.
+        symlink("file.csv", &link).unwrap();
+        for content in ["first", "second"] {
+            let output = Output::new(&link).unwrap();
+            output.write(content.as_bytes()).unwrap();
+            output.complete().unwrap();
+            assert!(link.is_symlink());
+            assert_eq!(std::fs::read_to_string(&file).unwrap(), content);
+            std::fs::set_permissions(&file, std::fs::Permissions::from_mode(0o600)).unwrap();
+        }
+        drop(Output::new(&file).unwrap());
+        let output = Output::new(&file).unwrap();
+        output.complete().unwrap();
+        assert_eq!(file.metadata().unwrap().permissions().mode() & 0o777, 0o600);
     }
 
     #[test]

@@ -50,8 +50,8 @@ pub struct JointSample {
     pub t_s: f64,
     /// Joint positions, rad.
     pub q: [f64; 7],
-    /// Joint velocities, rad/s.
-    pub dq: [f64; 7],
+    /// Joint velocities, rad/s, if the message has them: ROS drivers may leave them out.
+    pub dq: Option<[f64; 7]>,
     /// Torques, Nm, if the file has them: in a plan the torques that the joints exert, in a
     /// recording the measured ones.
     pub torques_nm: Option<[f64; 7]>,

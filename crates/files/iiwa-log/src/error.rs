@@ -114,6 +114,17 @@ pub enum ReadError {
         /// Type and encodings in the file.
         found: String,
     },
+    /// Another MCAP file follows the end of the file.
+    #[error("another MCAP file follows the end of this one, and is not read")]
+    Concatenated,
+    /// Joint states of two robots.
+    #[error("joint states of two robots: {first} and {second}; a recording has one of them")]
+    TwoArms {
+        /// The first topic.
+        first: String,
+        /// The second topic.
+        second: String,
+    },
     /// A message that cannot be decoded.
     #[error("{topic} at {t_s} s: {what}")]
     Message {

@@ -37,13 +37,14 @@ use crate::recorded_robot::recorded_robot;
 ///   `/robot_description`. The program is the attachment `program.json`.
 /// - A table: a line of column names, then a line per sample, with commas, semicolons, tabs or
 ///   spaces between fields. Names may be quoted; case is ignored. The decimal separator is a point.
+///   Lines that begin with `#` are comments; the header may be the last comment before the data.
 ///
 /// - An Apache Parquet file with such columns, with the feature `parquet`.
 ///
 /// | column | accepted names |
 /// |---|---|
 /// | time, s | `t_s`, `time_s`, `time` or `t`; or both of `ZeitInSec` and `ZeitInNanoSec` |
-/// | joint 1, rad | `joint_1`, `iiwa_joint_1`, `q1` or `A1`, each with or without the suffix `_rad` |
+/// | joint 1, rad | `joint_1`, `iiwa_joint_1`, `q1` or `A1`, each with the suffix `_rad`, or without a suffix (a [`Loss`] reports the assumption) |
 /// | joint 1, degrees | the same names with the suffix `_deg` |
 /// | joint 1 of a KUKA `DataRecorder` | `axisQMsr_ROBOT[0]`, or else `axisQCmd_ROBOT[0]` or `axisQCmdT1m_ROBOT[0]` |
 /// | torque of joint 1, Nm | `torque_1_nm`, `effort_1`, with or without `joint_` or `iiwa_joint_` before the number |

@@ -9,6 +9,7 @@ use std::time::Duration;
 use mcap::records::{Record, op};
 use mcap::sans_io::linear_reader::{LinearReadEvent, LinearReader, LinearReaderOptions};
 use mcap::{MAGIC, McapError};
+use memchr::memmem;
 use serde::Deserialize;
 
 use crate::compression::decompress;
@@ -41,8 +42,10 @@ pub struct Reader<R> {
     chunk: Chunk,
     content: Content,
     offset: u64,
-    /// Last bytes read, up to the length of the magic bytes.
+    /// Last bytes read, up to twice the length of the magic bytes.
     end: Vec<u8>,
+    /// `true` if another file follows the end of a file: both were concatenated.
+    is_concatenated: bool,
     done: bool,
 }
 
@@ -72,6 +75,7 @@ impl<R: Read> Reader<R> {
             content: Content::default(),
             offset: 0,
             end: Vec::new(),
+            is_concatenated: false,
             done: false,
         }
     }
@@ -105,6 +109,9 @@ impl<R: Read> Reader<R> {
             let need = match self.mcap.next_event() {
                 None => return Ok(None),
                 Some(Err(source @ McapError::BytesAfterEndMagic)) => {
+                    if self.is_concatenated {
+                        return Err(ReadError::Concatenated);
+                    }
                     if self.rest_ends_a_file()? {
                         return Ok(None);
                     }
@@ -126,7 +133,7 @@ impl<R: Read> Reader<R> {
             let room = self.mcap.insert(need.clamp(*READ_BYTES.start(), *READ_BYTES.end()));
             let read = read(&mut self.stream, room)
                 .map_err(|source| ReadError::Io { offset: self.offset, source })?;
-            keep_end(&mut self.end, &room[..read]);
+            self.is_concatenated |= keep_end(&mut self.end, &room[..read]);
             self.mcap.notify_read(read);
             self.offset += read as u64;
         }
@@ -138,7 +145,7 @@ impl<R: Read> Reader<R> {
         loop {
             match read(&mut self.stream, &mut room) {
                 Err(source) => return Err(ReadError::Io { offset: self.offset, source }),
-                Ok(0) => return Ok(self.end == MAGIC),
+                Ok(0) => return Ok(self.end.ends_with(MAGIC)),
                 Ok(read) => {
                     keep_end(&mut self.end, &room[..read]);
                     self.offset += read as u64;
@@ -171,10 +178,17 @@ pub(crate) fn read<R: Read>(stream: &mut R, room: &mut [u8]) -> std::io::Result<
     }
 }
 
-/// Updates the kept end of the stream, which is as long as the magic bytes at the end of a file.
-fn keep_end(end: &mut Vec<u8>, read: &[u8]) {
-    end.extend(&read[read.len().saturating_sub(MAGIC.len())..]);
-    end.drain(..end.len().saturating_sub(MAGIC.len()));
+/// Updates the kept end of the stream. Returns true if the magic bytes of a file's end and of
+/// another file's beginning follow each other.
+fn keep_end(end: &mut Vec<u8>, read: &[u8]) -> bool {
+    let border = [MAGIC, MAGIC].concat();
+    let kept = end.len();
+    end.extend(&read[..read.len().min(border.len())]);
+    let is_border = [&end[..], read].iter().any(|bytes| memmem::find(bytes, &border).is_some());
+    end.truncate(kept);
+    end.extend(&read[read.len().saturating_sub(border.len())..]);
+    end.drain(..end.len().saturating_sub(border.len()));
+    is_border
 }
 
 /// Records of the current chunk, unpacked.
@@ -269,6 +283,11 @@ fn map(data: &[u8]) -> Option<()> {
     Some(())
 }
 
+/// Returns the topic of joint states in a namespace, such as `/lbr/joint_states`.
+fn in_namespace(name: &str) -> Option<Topic> {
+    name.ends_with(Topic::JointStates.name()).then_some(Topic::JointStates)
+}
+
 /// State of the reader apart from the container.
 #[derive(Debug, Default)]
 struct Content {
@@ -276,6 +295,8 @@ struct Content {
     channels: BTreeMap<u16, Option<Topic>>,
     /// Topics to read; all if `None`.
     wanted: Option<Vec<Topic>>,
+    /// Name of the topic that joint states are read from.
+    joint_states: Option<String>,
     epoch_ns: Option<u64>,
     frame_id: Arc<str>,
     messages: u64,
@@ -299,11 +320,23 @@ impl Content {
                 Ok(None)
             }
             Some(Record::Channel(channel)) => {
-                let topic = Topic::from_name(&channel.topic).filter(|topic| {
+                let is_wanted = |topic: &Topic| {
                     self.wanted.as_ref().is_none_or(|wanted| wanted.contains(topic))
-                });
+                };
+                let mut topic = Topic::from_name(&channel.topic).filter(is_wanted);
                 if let Some(topic) = topic {
                     self.check_type(topic, &channel)?;
+                } else if in_namespace(&channel.topic).as_ref().is_some_and(is_wanted)
+                    && self.check_type(Topic::JointStates, &channel).is_ok()
+                {
+                    topic = Some(Topic::JointStates);
+                }
+                if topic == Some(Topic::JointStates) {
+                    let first = self.joint_states.get_or_insert_with(|| channel.topic.clone());
+                    if *first != channel.topic {
+                        let (first, second) = (first.clone(), channel.topic);
+                        return Err(ReadError::TwoArms { first, second });
+                    }
                 }
                 self.channels.insert(channel.id, topic);
                 Ok(None)
@@ -395,10 +428,16 @@ impl<'a> Body<'a> {
     fn joint_state(&self) -> Result<JointSample, ReadError> {
         let message: JointState<'_> = self.decode()?;
         self.check_names("name", message.name)?;
+        let stamp = message.header.stamp;
+        // A stamp of zero is one that was never set.
+        let t_s = if stamp == Time::default() { self.t_s() } else { self.stamp_s(stamp)? };
         Ok(JointSample {
-            t_s: self.stamp_s(message.header.stamp)?,
+            t_s,
             q: self.seven("position", &message.position)?,
-            dq: self.seven("velocity", &message.velocity)?,
+            dq: match message.velocity.len {
+                0 => None,
+                _ => Some(self.seven("velocity", &message.velocity)?),
+            },
             torques_nm: match message.effort.len {
                 0 => None,
                 _ => Some(self.seven("effort", &message.effort)?),

@@ -10,7 +10,7 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use crate::Diagnostic;
 
 /// `builtin_interfaces/msg/Time`, and `Duration` with the same fields.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) struct Time {
     pub(crate) sec: i32,
     pub(crate) nanosec: u32,

@@ -48,7 +48,7 @@ fn hashes(name: &str, timing: Timing) -> [u64; 2] {
     }
     let mut states = Hash::new();
     for sample in Recording::from_bytes(&file).unwrap().joint_states {
-        for value in [sample.t_s].iter().chain(&sample.q).chain(&sample.dq) {
+        for value in [sample.t_s].iter().chain(&sample.q).chain(&sample.dq.unwrap()) {
             states.add(&value.to_le_bytes());
         }
     }

@@ -13,6 +13,7 @@ use crate::{
     failure::{Failure, print_note},
     input::{Text, default_robot, find_robot},
     output,
+    output_kind::OutputKind,
 };
 
 /// File of a project with its frames and tools.
@@ -36,8 +37,8 @@ pub(super) fn run(options: &Import) -> Result<(), Failure> {
     if let Some(target) = target {
         let robot = options.robot.as_deref().map(|path| ("robot", Path::new(path)));
         let read = [("project", project.as_path())].into_iter().chain(robot);
-        output::keep_inputs("file of frames", target, read, "--output")?;
-        output::keep_existing("file of frames", target, options.overwrite)?;
+        output::keep_others(OutputKind::Frames, target, read, "--output")?;
+        output::keep_existing(OutputKind::Frames, target, options.overwrite)?;
     }
     let robot = options.robot.as_deref().map_or_else(default_robot, find_robot)?;
     let Text { name, text } = Text::read(&project)?;

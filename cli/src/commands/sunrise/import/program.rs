@@ -15,6 +15,7 @@ use crate::{
     failure::Failure,
     input::Text,
     output,
+    output_kind::OutputKind,
     sunrise::{Application, failure},
 };
 
@@ -49,7 +50,7 @@ pub(super) fn run(options: &ImportArgs) -> Result<(), Failure> {
     };
     let target = target(options, &import.application.name);
     if let Some(target) = &target {
-        output::keep_existing("program", target, options.overwrite)?;
+        output::keep_existing(OutputKind::Program, target, options.overwrite)?;
         if let Some(robot) = &import.program.robot {
             import.program.robot = Some(beside(target, robot, options.overwrite)?);
         }
@@ -86,7 +87,7 @@ fn write_data(
             all.join(", ")
         )));
     }
-    output::keep_existing("data file", target, options.overwrite)?;
+    output::keep_existing(OutputKind::DataFile, target, options.overwrite)?;
     let mut file = DataFile::default();
     for entry in &missing {
         entry.add_to(&mut file);
@@ -107,14 +108,14 @@ fn beside(target: &Path, robot: &str, overwrite: bool) -> Result<String, Failure
         return Ok(robot.to_owned());
     }
     let profile = Path::new(robot);
-    output::keep_inputs("program", target, [("robot profile", profile)], "--output")?;
+    output::keep_others(OutputKind::Program, target, [("robot profile", profile)], "--output")?;
     // Programs refer to profiles by names with this extension.
     let name = Path::new(profile.file_name().unwrap_or_default()).with_extension("json");
     let copy = target.with_file_name(&name);
     if !output::same_file(&copy, profile) {
         let text = Text::read(profile)?.text;
         if !Text::read(&copy).is_ok_and(|known| known.text == text) {
-            output::keep_existing("robot profile", &copy, overwrite)?;
+            output::keep_existing(OutputKind::Profile, &copy, overwrite)?;
             output::write(&copy, text.as_bytes())?;
         }
     }

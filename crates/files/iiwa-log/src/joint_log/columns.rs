@@ -196,22 +196,24 @@ fn title(joint: usize) -> String {
 fn joint(source: Source, name: &str, unit: Option<AngleUnit>) -> Option<(usize, Role)> {
     if source != Source::Table {
         let (joint, _) = axis(source, name)?;
-        let unit = match unit {
-            Some(AngleUnit::Radians) => Unit::Radians,
-            Some(AngleUnit::Degrees) => Unit::Degrees,
-            None => Unit::Unstated,
-        };
-        return Some((joint, Role::Position(joint, unit)));
+        return Some((joint, Role::Position(joint, unit_or_unstated(unit))));
     }
-    let (stem, degrees) = match (name.strip_suffix("_deg"), name.strip_suffix("_rad")) {
-        (Some(stem), _) => (stem, true),
-        (_, Some(stem)) => (stem, false),
-        _ => (name, unit == Some(AngleUnit::Degrees)),
+    let (stem, unit) = match (name.strip_suffix("_deg"), name.strip_suffix("_rad")) {
+        (Some(stem), _) => (stem, Unit::Degrees),
+        (_, Some(stem)) => (stem, Unit::Radians),
+        _ => (name, unit_or_unstated(unit)),
     };
     let number = ["iiwa_joint_", "joint_", "q", "a"].iter().find_map(|p| stem.strip_prefix(p))?;
     let joint = digit(number)?.checked_sub(1)?;
-    let unit = if degrees { Unit::Degrees } else { Unit::Radians };
     Some((joint, Role::Position(joint, unit))).filter(|_| joint < 7)
+}
+
+fn unit_or_unstated(unit: Option<AngleUnit>) -> Unit {
+    match unit {
+        Some(AngleUnit::Radians) => Unit::Radians,
+        Some(AngleUnit::Degrees) => Unit::Degrees,
+        None => Unit::Unstated,
+    }
 }
 
 /// Returns the torque role of a column, by its lower-case name.

@@ -55,6 +55,8 @@ pub enum Loss {
         /// Position of the joint, degrees.
         found_deg: f64,
     },
+    /// Columns of a table without a unit in their names were read as radians.
+    RadiansAssumed,
     /// The last line of a table does not end with a line break, so its last number may lack digits.
     /// The line was omitted.
     LastLine {
@@ -91,6 +93,11 @@ impl fmt::Display for Loss {
             Self::DegreesAssumed { place, joint, found_deg } => write!(
                 f,
                 "the file states no unit of its positions: read as degrees, as joint A{joint} is at {found_deg:.3} in {place}"
+            ),
+            Self::RadiansAssumed => write!(
+                f,
+                "the column names state no unit: positions are read as radians (names such as \
+                 joint_1_deg, or --unit deg, state degrees)"
             ),
             Self::LastLine { line } => write!(
                 f,

@@ -62,7 +62,7 @@ fn broken_off(samples: &mut Samples, error: ReadError) -> Result<Loss, JointLogE
         // was not recognised as such, at an unknown position.
         ReadError::Mcap { source: McapError::BadDataCrc { .. }, .. } => return Err(error.into()),
         ReadError::Mcap { source, .. } => format!("{error}: {source}"),
-        ReadError::Truncated { .. } => error.to_string(),
+        ReadError::Truncated { .. } | ReadError::Concatenated => error.to_string(),
         _ => return Err(error.into()),
     };
     match samples.log().t_s.last() {

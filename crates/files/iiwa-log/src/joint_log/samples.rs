@@ -132,6 +132,10 @@ impl Samples {
         if !self.log.torques_nm.is_empty() {
             self.log.torques_nm.resize(self.log.t_s.len(), None);
         }
+        let is_unstated = self.units.contains(&Unit::Unstated);
+        if self.log.source == Some(Source::Table) && is_unstated {
+            self.log.losses.push(Loss::RadiansAssumed);
+        }
         self.log.losses.extend(self.assumed);
         self.log.losses.extend(self.repeated);
         add_gaps(&mut self.log);

@@ -19,10 +19,10 @@ pub(super) fn read<R: Read>(
     stream: R,
     options: LogOptions,
 ) -> Result<JointLog, JointLogError> {
-    let (number, header) = header(head)?;
+    let Header { line: header_line, text: header, end: data } = header(head)?;
     let delimiter = [b';', b'\t', b','].into_iter().find(|d| header.contains(d)).unwrap_or(b' ');
     let layout = Layout { spaces: delimiter == b' ' };
-    let columns = Columns::new(number, names(header, delimiter, layout)?, options)?;
+    let columns = Columns::new(header_line, names(header, delimiter, layout)?, options)?;
 
     let mut samples = Samples::new(columns.source, columns.units());
     samples.log().robot.clone_from(&columns.robot);
@@ -33,17 +33,15 @@ pub(super) fn read<R: Read>(
         .delimiter(delimiter)
         .quoting(false)
         .buffer_capacity(1 << 18)
-        .from_reader(Ended { stream: Cursor::new(head).chain(stream), last: b'\n' });
+        .from_reader(Ended { stream: Cursor::new(&head[data..]).chain(stream), last: b'\n' });
     let mut origin = None;
     let mut end = None;
     let (mut line, mut next) = (ByteRecord::new(), ByteRecord::new());
-    // The header, which may follow blank lines.
-    while read_line(&mut table, &mut line)? && layout.is_blank(&line) {}
     let mut more = read_line(&mut table, &mut line)?;
     while more {
         more = read_line(&mut table, &mut next)?;
-        if !layout.is_blank(&line) {
-            let number = line.position().map_or(0, csv::Position::line);
+        if !layout.is_blank(&line) && !line.as_slice().starts_with(b"#") {
+            let number = header_line + line.position().map_or(0, csv::Position::line);
             if !more && !matches!(table.get_ref().last, b'\n' | b'\r') {
                 end = Some(Loss::LastLine { line: number });
                 break;
@@ -61,21 +59,58 @@ pub(super) fn read<R: Read>(
     Ok(log)
 }
 
-/// Returns the first line that is not blank, and its number.
-fn header(head: &[u8]) -> Result<(u64, &[u8]), JointLogError> {
-    let head = head.strip_prefix(b"\xef\xbb\xbf").unwrap_or(head);
-    let mut lines = (1..).zip(head.split(|byte| *byte == b'\n'));
-    let (number, header) =
-        lines.find(|(_, line)| !line.trim_ascii().is_empty()).ok_or(JointLogError::NoSamples)?;
-    let header = header.trim_ascii();
-    // MATLAB begins the header with a comment sign.
-    let header = header.strip_prefix(b"%").unwrap_or(header).trim_ascii_start();
-    let is_text = std::str::from_utf8(header).is_ok_and(|text| !text.contains('\0'));
-    let is_whole = header.len() < HEAD_BYTES && !header.contains(&b'\r');
-    if is_text && is_whole {
-        return Ok((number, header));
+/// Line of column names.
+struct Header<'a> {
+    /// Number of the line, from 1.
+    line: u64,
+    text: &'a [u8],
+    /// Offset of the first line of data.
+    end: usize,
+}
+
+/// Returns the first line that is neither blank, nor a comment, nor Excel's `sep=`. The header may
+/// be a comment itself, as MATLAB and numpy write it: then a line of numbers follows.
+fn header(head: &[u8]) -> Result<Header<'_>, JointLogError> {
+    let unknown = |found: String| Err(JointLogError::Unknown { found });
+    if head.starts_with(b"\xff\xfe") || head.starts_with(b"\xfe\xff") {
+        return unknown("text in UTF-16: save it as UTF-8".to_owned());
     }
-    Err(JointLogError::Unknown { found: format!("`{}`", shown(header)) })
+    let text = head.strip_prefix(b"\xef\xbb\xbf").unwrap_or(head);
+    let (mut end, mut line) = (head.len() - text.len(), 0);
+    loop {
+        if end == head.len() {
+            return Err(JointLogError::NoSamples);
+        }
+        let (text, next) = next_line(head, end);
+        (end, line) = (next, line + 1);
+        let text = text.trim_ascii();
+        let comment = text.strip_prefix(b"#").or_else(|| text.strip_prefix(b"%"));
+        let is_separator = text.len() <= 5 && text.to_ascii_lowercase().starts_with(b"sep=");
+        let names_follow = || !starts_with_number(next_line(head, next).0);
+        if text.is_empty() || is_separator || comment.is_some() && names_follow() {
+            continue;
+        }
+        let text = comment.unwrap_or(text).trim_ascii_start();
+        let is_text = text.iter().all(|byte| !byte.is_ascii_control() || *byte == b'\t');
+        if is_text && text.len() < HEAD_BYTES {
+            return Ok(Header { line, text, end });
+        }
+        return unknown(format!("`{}`", shown(text)));
+    }
+}
+
+/// Returns the line at `start`, which ends with CR, LF or both, and the start of the next one.
+fn next_line(head: &[u8], start: usize) -> (&[u8], usize) {
+    let rest = &head[start..];
+    let length = rest.iter().position(|byte| b"\r\n".contains(byte)).unwrap_or(rest.len());
+    let (line, end) = rest.split_at(length);
+    let line_break = if end.starts_with(b"\r\n") { 2 } else { end.len().min(1) };
+    (line, start + length + line_break)
+}
+
+fn starts_with_number(line: &[u8]) -> bool {
+    let mut fields = line.trim_ascii_start().split(|byte| b",; \t".contains(byte));
+    fields.next().is_some_and(|field| number(field).is_some())
 }
 
 fn names(header: &[u8], delimiter: u8, layout: Layout) -> Result<Vec<String>, JointLogError> {
@@ -86,6 +121,7 @@ fn names(header: &[u8], delimiter: u8, layout: Layout) -> Result<Vec<String>, Jo
     let names = layout.fields(&line).map(bare).map(|name| match name {
         // No known name is that long, and `shown` leaves known names unchanged.
         name if name.len() > MAX_NAME => String::new(),
+        // Names that are read are ASCII; in others, UTF-8 or Latin-1 makes no difference.
         name => name.iter().map(|byte| char::from(*byte)).flat_map(char::escape_debug).collect(),
     });
     let mut names: Vec<String> = names.collect();

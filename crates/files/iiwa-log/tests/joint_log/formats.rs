@@ -39,7 +39,9 @@ fn csv_as_it_is_written() {
 
 #[test]
 fn every_name_and_delimiter() {
-    let expected = read("t q1 q2 q3 q4 q5 q6 q7\n0.5 .1 .2 .3 .4 .5 .6 .7\n").unwrap();
+    let expected =
+        read("t q1_rad q2_rad q3_rad q4_rad q5_rad q6_rad q7_rad\n0.5 .1 .2 .3 .4 .5 .6 .7\n")
+            .unwrap();
     assert_eq!(expected.t_s, [0.5]);
     assert_eq!(expected.q_rad, [[0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7]]);
     for (stem, unit) in
@@ -55,12 +57,41 @@ fn every_name_and_delimiter() {
                         .map(|value| format!("{quote}{value}{quote}"))
                         .into();
                     let text = [header.join(between), row.join(between), String::new()].join(end);
-                    let log = read(&text).unwrap_or_else(|error| panic!("{text}{error}"));
+                    let mut log = read(&text).unwrap_or_else(|error| panic!("{text}{error}"));
+                    let stated = if unit.is_empty() { vec![Loss::RadiansAssumed] } else { vec![] };
+                    assert_eq!(std::mem::take(&mut log.losses), stated, "{text}");
                     assert_eq!(log, expected, "{text}");
                 }
             }
         }
     }
+}
+
+/// Tests the headers of numpy and Excel, comments, other line ends and other encodings.
+#[test]
+fn headers_of_other_programs() {
+    let columns: Vec<_> = (1..=7).map(|j| format!("joint_{j}_rad")).collect();
+    let (names, row) = (format!("t_s,{}", columns.join(",")), "0.5,.1,.2,.3,.4,.5,.6,.7");
+    let expected = read(&format!("{names}\n{row}\n")).unwrap();
+    for text in [
+        format!("# {names}\n{row}\n"),
+        format!("% {names}\n{row}\n"),
+        format!("# recorded 2026\n# {names}\n{row}\n"),
+        format!("# recorded 2026\n{names}\n# begins here\n{row}\n"),
+        format!("sep=,\r\n{names}\r\n{row}\r\n"),
+        format!("{names}\r{row}\r"),
+        format!("{names},Kraft ä\n{row},1\n"),
+    ] {
+        assert_eq!(read(&text).unwrap(), expected, "{text}");
+    }
+    let latin_1 = [names.as_bytes(), b",Kraft_\xe4\n", row.as_bytes(), b",1\n"].concat();
+    assert_eq!(JointLog::read(&*latin_1).unwrap(), expected);
+    let error = read(&format!("# {names}\n# {names}\n")).unwrap_err();
+    assert!(matches!(error, JointLogError::NoSamples), "{error}");
+    let line = read(&format!("# {names}\n{row}\n0.6,.1,x,.3,.4,.5,.6,.7\n")).unwrap_err();
+    assert!(line.to_string().starts_with("line 3,"), "{line}");
+    let utf_16: Vec<u8> = "\u{feff}t_s".encode_utf16().flat_map(u16::to_le_bytes).collect();
+    assert!(JointLog::read(&*utf_16).unwrap_err().to_string().contains("UTF-16"));
 }
 
 #[test]

@@ -22,30 +22,43 @@ use mcap::{Channel, Message, Schema, WriteOptions};
 
 /// Returns a file with one message of this schema and content.
 fn foreign(topic: Topic, type_name: &str, encoding: &str, data: &[u8]) -> Vec<u8> {
-    let schema = Schema {
+    on_topics(&[topic.name()], topic, type_name, encoding, data)
+}
+
+/// Returns a file with such a message on each of the topics of these names.
+fn on_topics(
+    names: &[&str],
+    topic: Topic,
+    type_name: &str,
+    encoding: &str,
+    data: &[u8],
+) -> Vec<u8> {
+    let schema = Arc::new(Schema {
         id: 1,
         name: type_name.into(),
         encoding: "ros2msg".into(),
         data: Cow::Owned(topic.schema().into_bytes()),
-    };
-    let channel = Channel {
-        id: 1,
-        topic: topic.name().into(),
-        schema: Some(Arc::new(schema)),
-        message_encoding: encoding.into(),
-        metadata: BTreeMap::new(),
-    };
+    });
     let mut writer = WriteOptions::new().create(Cursor::new(Vec::new())).unwrap();
     let time = u64::try_from(DEFAULT_EPOCH.as_nanos()).unwrap();
-    writer
-        .write(&Message {
-            channel: Arc::new(channel),
-            sequence: 0,
-            log_time: time,
-            publish_time: time,
-            data: Cow::Borrowed(data),
-        })
-        .unwrap();
+    for (id, name) in (1..).zip(names) {
+        let channel = Channel {
+            id,
+            topic: (*name).to_owned(),
+            schema: Some(Arc::clone(&schema)),
+            message_encoding: encoding.into(),
+            metadata: BTreeMap::new(),
+        };
+        writer
+            .write(&Message {
+                channel: Arc::new(channel),
+                sequence: 0,
+                log_time: time,
+                publish_time: time,
+                data: Cow::Borrowed(data),
+            })
+            .unwrap();
+    }
     writer.finish().unwrap();
     writer.into_inner().into_inner()
 }
@@ -103,7 +116,7 @@ fn read_joint_state(data: &[u8]) -> Result<Recording, ReadError> {
 fn a_foreign_writer_is_understood() {
     let recording = read_joint_state(&joint_state(&JOINT_NAMES, &[0.5; 7], &[0.25; 7])).unwrap();
     assert_eq!(recording.joint_states[0].q, [0.5; 7]);
-    assert_eq!(recording.joint_states[0].dq, [0.25; 7]);
+    assert_eq!(recording.joint_states[0].dq, Some([0.25; 7]));
 }
 
 #[test]
@@ -134,13 +147,48 @@ fn other_joints_are_named() {
 
 #[test]
 fn wrong_lengths_name_the_field() {
-    let cases = [(8, 7, "8 entries in `position`"), (7, 0, "0 entries in `velocity`")];
+    let cases = [(8, 7, "8 entries in `position`"), (7, 6, "6 entries in `velocity`")];
     for (positions, velocities, expected) in cases {
         let values = [0.0; 8];
         let data = joint_state(&JOINT_NAMES, &values[..positions], &values[..velocities]);
         let error = read_joint_state(&data).unwrap_err().to_string();
         assert!(error.contains(expected), "{error}");
     }
+}
+
+/// Tests what ROS drivers publish: no velocities, a namespace, no stamps.
+#[test]
+fn joint_states_of_ros_drivers() {
+    let data = joint_state(&JOINT_NAMES, &[0.25; 7], &[]);
+    let recording = read_joint_state(&data).unwrap();
+    assert_eq!((recording.joint_states[0].q, recording.joint_states[0].dq), ([0.25; 7], None));
+
+    let read = |topics: &[&str]| {
+        let type_name = Topic::JointStates.type_name();
+        Recording::from_bytes(&on_topics(topics, Topic::JointStates, type_name, "cdr", &data))
+    };
+    assert_eq!(read(&["/lbr/joint_states"]).unwrap().joint_states.len(), 1);
+    let error = read(&["/a/joint_states", "/b/joint_states"]).unwrap_err().to_string();
+    assert!(error.contains("/a/joint_states and /b/joint_states"), "{error}");
+    // Another type in a namespace is another topic.
+    let other = on_topics(&["/a/joint_states"], Topic::Tf, Topic::Tf.type_name(), "cdr", &data);
+    assert_eq!(Recording::from_bytes(&other).unwrap().joint_states, []);
+
+    let mut unset = data.clone();
+    unset[4..12].fill(0);
+    assert_eq!(read_joint_state(&unset).unwrap().joint_states[0].t_s, 0.0);
+}
+
+#[test]
+fn a_second_file_behind_the_first_is_reported() {
+    let file = foreign(
+        Topic::JointStates,
+        Topic::JointStates.type_name(),
+        "cdr",
+        &joint_state(&JOINT_NAMES, &[0.5; 7], &[]),
+    );
+    let error = Recording::from_bytes(&[&*file, &file].concat()).unwrap_err();
+    assert!(matches!(error, ReadError::Concatenated), "{error}");
 }
 
 #[test]

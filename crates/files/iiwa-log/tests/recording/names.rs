@@ -64,8 +64,8 @@ fn messages_with_other_names_come_back() {
         }
         let recording = Recording::from_bytes(&file).unwrap();
         let [without, with] = recording.joint_states[..] else { panic!("not two states") };
-        assert_eq!((without.q, without.dq, without.torques_nm), (q, dq, None));
-        assert_eq!((with.q, with.dq, with.torques_nm), (q, dq, Some([0.5; 7])));
+        assert_eq!((without.q, without.dq, without.torques_nm), (q, Some(dq), None));
+        assert_eq!((with.q, with.dq, with.torques_nm), (q, Some(dq), Some([0.5; 7])));
         assert_eq!(recording.trajectory, (0..=20).map(point).collect::<Vec<_>>());
     }
 }

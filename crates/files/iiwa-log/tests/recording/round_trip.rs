@@ -22,7 +22,7 @@ fn everything_comes_back() {
     for (i, sample) in (0..).zip(&recording.joint_states) {
         let t = TICK * i;
         let (q, dq) = state(t);
-        assert_eq!((sample.t_s, sample.q, sample.dq), (t.as_secs_f64(), q, dq));
+        assert_eq!((sample.t_s, sample.q, sample.dq), (t.as_secs_f64(), q, Some(dq)));
     }
     assert_eq!(recording.tcp_poses.len(), JOINT_SAMPLES as usize);
     assert_eq!(&*recording.tcp_poses[0].frame_id, "iiwa_link_0");
