@@ -163,7 +163,7 @@ impl Patience {
     /// Limits for stops: closed handshakes are not limited, because a drive under load may close
     /// connections. Without a drive, the time-out is the usual one.
     fn of_stop(total: Duration) -> Self {
-        // Within the 5 s of a stop, an attempt that hangs leaves time for another one.
+        // Within the 5 s of a stop, an attempt without an answer leaves time for another one.
         Self { total, each: Duration::from_secs(2), closed_handshakes: u32::MAX }
     }
 }
