@@ -465,6 +465,7 @@ impl<'a, S: Simd, const R: usize> SectionSweep<'a, S, R> {
             }
         }
         let motion = segment.motion;
+        // The robot would stop on the way: a speed of zero makes the time infinite.
         if !end_s.is_finite() {
             return Err(TimingError::Stuck { motion });
         }

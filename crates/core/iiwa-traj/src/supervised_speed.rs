@@ -65,6 +65,7 @@ impl Way<'_> {
             let middle = f64::midpoint(low, high);
             if self.is_exceeded(&from, to, middle) == start { low = middle } else { high = middle }
         }
+        // The change is at a node, up to rounding: an interval of zero length is not created.
         if low <= 0.0 || low >= from.dt_s {
             nodes.push(if end { self.held(&from, to) } else { from });
             return;
