@@ -167,6 +167,7 @@ impl JointSpline {
                         }
                     }
                     let most = control.iter().map(|q| excess(*q)).fold(f64::MIN, f64::max);
+                    // Only parts that may exceed the worst place so far are divided further.
                     if most > known(&worst) + ROUNDING_RAD && to - from > f64::EPSILON {
                         let half = f64::midpoint(from, to);
                         let [left, right] = split(&control);

@@ -94,6 +94,7 @@ impl TcpCurve {
         // On a spline segment, another E1 would also change the other segments.
         let [[from], [by]] = self.e1_rad.linear()?;
         let nearest = ((from + by).to_degrees() / STEP_DEG).round();
+        // Alternately above and below, the nearest first, up to 170 deg away.
         let tries = (1..=68).map(|k| {
             let away = f64::from((k + 1) / 2);
             STEP_DEG * if k % 2 == 0 { nearest - away } else { nearest + away }
