@@ -84,7 +84,7 @@ impl Points {
             before: before.len(),
             after: after.len(),
         };
-        // Relative to the start: differences of large stamps plus short times would lose digits.
+        // Relative to the start: short times added to large stamps would lose digits.
         points.t_s.extend(before.iter().rev().map(|t_s| -t_s));
         points.t_s.extend(stamps.iter().map(|stamp| stamp - start_s));
         points.t_s.extend(after.iter().map(|t_s| end_s + t_s));

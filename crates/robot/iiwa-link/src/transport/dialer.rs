@@ -134,8 +134,8 @@ async fn exchange(
         wire.queue(&frames)?;
     }
     loop {
-        // All branches of the selection are cancellation-safe: no input is lost.
         timeout(TIMEOUT, wire.flush()).await.map_err(|_| WireError::Stalled(TIMEOUT))??;
+        // Both branches are cancellation-safe: the one that is dropped loses no input.
         tokio::select! {
             command = command_queue.recv() => match command {
                 Some(Command::Send(frames)) => wire.queue(&frames)?,
