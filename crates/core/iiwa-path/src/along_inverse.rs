@@ -41,6 +41,7 @@ fn interpolated(table: &Table, sigma: f64) -> f64 {
         clippy::cast_sign_loss,
         reason = "it is between 0 and the number of intervals; what is not a number becomes 0"
     )]
+    // The end of the table belongs to the last interval.
     let index = (place as usize).min(INTERVALS - 1);
     let f = place - index as f64;
     let [[a, da], [b, db]] = [table[index], table[index + 1]];
@@ -56,6 +57,7 @@ fn newton(along: &Polynomial, sigma: f64, s: f64) -> f64 {
         slope = slope * s + value;
         value = value * s + c;
     }
+    // The slope is at least 1, because alpha does not decrease.
     (s - (value - sigma) / slope).clamp(0.0, 1.0)
 }
 

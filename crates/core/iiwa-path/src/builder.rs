@@ -24,8 +24,8 @@ use crate::{
 };
 use iiwa_program::{Blend, Fault, Motion, MotionIndex, OperatingMode, PathBlend, Program};
 
-/// Joint distance, in rad, below which a motion is rounding: a tenth of a micrometre at the flange
-/// is about a hundred times as much.
+/// Joint distance, in rad, below which a motion is rounding error: it moves the flange by about
+/// 1 nm.
 const NO_MOTION_RAD: f64 = 1e-9;
 
 /// Returns the path steps of the motions in `range` of `program`, which has been checked.
@@ -37,20 +37,22 @@ pub(crate) fn steps(
 ) -> Result<Vec<Step>, Fault> {
     let legs = Legs::new(program, robot)?;
     let is_t1 = program.workcell.mode == OperatingMode::T1;
+    // T1 limits the TCP speed of all motions, also in programs without frames.
     let has_tcps = is_t1 || program.has_frames() || program.workcell.tool.is_some();
     let tcps = has_tcps.then(|| program.tcps()).transpose()?;
     let supervised = tcps.clone().filter(|_| is_t1);
     let corners = Corners { program, robot, options, legs: &legs, tcps };
     let mut steps = Builder { robot, supervised, steps: Vec::with_capacity(2 * range.len()) };
-    // The part of the motion that the preceding blend leaves.
+    // The part of the next motion that the blend before it does not replace.
+    // An update may begin with a motion that the blend before has partly replaced.
     let mut rest = match range.start.checked_sub(1) {
         Some(before) => corners.at_end_of(before)?.map(RoundedCorner::after),
         None => None,
     };
     for (motion, entry) in program.entries().take(range.end).skip(range.start) {
         let rest_s = match entry {
-            // Before a blend, an overlapping wait is not a step: any stop, and its duration, depend
-            // on the time stamps.
+            // The motion before the wait ends in a blend, whose step is already there. The time
+            // stamps decide if the robot stops before that blend, and for how long.
             Motion::Wait { overlap: 1.., .. } if steps.end_in_blend() => continue,
             Motion::Wait { overlap: 1.., .. } | Motion::Load(_) => Some(0.0),
             Motion::Wait { overlap: 0, seconds } => Some(*seconds),
@@ -81,7 +83,7 @@ pub(crate) fn steps(
                 });
             }
             None => {
-                // A preceding blend may also leave nothing of a motion that moves.
+                // Not so if the blend before has used up the motion: it has moved.
                 let still = rest.is_none() && steps.steps.len() == before;
                 steps.push(Step::Settle { motion, blocking: entry.is_blocking(), still });
             }
@@ -91,7 +93,8 @@ pub(crate) fn steps(
     Ok(steps.steps)
 }
 
-/// The motions of a program on one robot. Programs without frames need no list.
+/// The motions of a program on one robot, with their start and end in joint space. Without frames
+/// in the program, they are computed on demand instead of listed.
 enum Legs<'a> {
     InJoints { program: &'a Program, start_rad: Joints },
     Listed(Vec<Option<Leg>>),
@@ -124,7 +127,7 @@ impl<'a> Legs<'a> {
     }
 }
 
-/// The part of a motion that the preceding blend leaves.
+/// The remainder of a motion: the part that the blend before it does not replace.
 enum Rest {
     /// A line from these joint positions, in rad.
     Line(Joints),
@@ -132,7 +135,7 @@ enum Rest {
     Path(f64),
 }
 
-/// Finder of the corners of a program that are rounded off.
+/// Finder of the corners of a program that have a blend.
 struct Corners<'a> {
     program: &'a Program,
     robot: &'a Arc<Robot>,
@@ -142,15 +145,16 @@ struct Corners<'a> {
     tcps: Option<Vec<Pose>>,
 }
 
-/// A corner that is rounded off.
+/// A corner with a blend.
 enum RoundedCorner {
+    /// A corner between two lines in joint space.
     InJoints(JointCorner),
     /// A corner with a TCP path on at least one side, and the remainder of the next motion.
     Curved(CurvedCorner, Rest),
 }
 
 impl RoundedCorner {
-    /// The part that the blend leaves of the motion after it.
+    /// The remainder of the motion after the blend.
     fn after(self) -> Rest {
         match self {
             Self::InJoints(corner) => Rest::Line(corner.end()),
@@ -160,7 +164,7 @@ impl RoundedCorner {
 }
 
 impl Corners<'_> {
-    /// Returns the entry after a motion, skipping waits that overlap it.
+    /// Returns the next entry after a motion that is not an overlapping wait.
     fn next(&self, motion: MotionIndex) -> MotionIndex {
         let after = self.program.motions.iter().skip(motion.index() + 1);
         let waits = after.take_while(|entry| entry.is_overlapping_wait()).count();
@@ -192,6 +196,7 @@ impl Corners<'_> {
             [] => vector::distance(&leg.ends_rad[0], &leg.ends_rad[1]) <= NO_MOTION_RAD,
             paths => paths.iter().all(|path| path.rate_rad <= NO_MOTION_RAD),
         };
+        // A blend needs a direction on both sides.
         if is_still(&leg) || is_still(&next) {
             return Ok(None);
         }
@@ -217,7 +222,8 @@ impl Corners<'_> {
 /// Steps of a path, built in order.
 struct Builder<'a> {
     robot: &'a Arc<Robot>,
-    /// TCPs of the motions, if their speeds are supervised.
+    /// TCPs of the motions in T1, where the speed of TCP and flange is limited; `None` in other
+    /// operating modes.
     supervised: Option<Vec<Pose>>,
     steps: Vec<Step>,
 }
@@ -227,6 +233,7 @@ impl Builder<'_> {
         matches!(self.steps.last(), Some(Step::Move { blend: Some(_), .. }))
     }
 
+    /// Adds a step. In T1, its segment also limits the speed of TCP and flange.
     fn push(&mut self, step: Step) {
         self.steps.push(match (step, &self.supervised) {
             (Step::Move { motion, segment, blend, limits }, Some(tcps)) => {
@@ -239,7 +246,7 @@ impl Builder<'_> {
         });
     }
 
-    /// Adds the part of a motion that blends leave.
+    /// Adds the part of a motion that is not replaced by the blends `before` and `after` it.
     fn push_leg(
         &mut self,
         motion: MotionIndex,
@@ -267,6 +274,7 @@ impl Builder<'_> {
         let last = leg.paths.len() - 1;
         for (index, path) in leg.paths.iter().enumerate() {
             let from = match before {
+                // Blends reach into the first and the last segment of a spline only.
                 Some(Rest::Path(share)) if index == 0 => *share,
                 _ => 0.0,
             };
@@ -282,7 +290,7 @@ impl Builder<'_> {
         Ok(())
     }
 
-    /// Adds the TCP path between two of its shares.
+    /// Adds a part of a TCP path; `range` is in s, from 0 to 1.
     fn push_path(
         &mut self,
         motion: MotionIndex,
@@ -309,7 +317,8 @@ impl Builder<'_> {
         Ok(())
     }
 
-    /// Checks a blend for joints outside their range.
+    /// Checks a blend with a TCP path, whose curve in joint space is `image`, for joints outside
+    /// their range.
     fn check_image(&self, motion: MotionIndex, image: &JointSpline) -> Result<(), Fault> {
         let limits = self.robot.limits();
         match image.outside(limits) {
@@ -339,6 +348,7 @@ impl Builder<'_> {
             BlendShape::Alpha(continuity) => continuity,
             _ => Continuity::Second,
         };
+        // Straight on, the radius of a circle would be infinite.
         let segment: Arc<dyn Segment> = if corner.is_straight() {
             Arc::new(Line::new(corner.start(), corner.end()))
         } else if shape == BlendShape::Circle {
@@ -347,6 +357,7 @@ impl Builder<'_> {
             let (d0, d1) =
                 (vector::scale(corner.reach, &corner.y0), vector::scale(corner.reach, &corner.y1));
             let blend = PolynomialBlend::new(&corner.target, d0, &d1, kappa, continuity);
+            // A circle needs no check: it stays in the triangle of start, target and end.
             self.check_position_limits(motion, corner, &blend)?;
             Arc::new(blend)
         };
@@ -360,7 +371,7 @@ impl Builder<'_> {
         Ok(())
     }
 
-    /// Checks for joints outside their range in a blend, which may overshoot its ends.
+    /// Checks a blend in joint space, which may overshoot its ends, for joints outside their range.
     fn check_position_limits(
         &self,
         motion: MotionIndex,
@@ -369,6 +380,7 @@ impl Builder<'_> {
     ) -> Result<(), Fault> {
         let limits = self.robot.limits();
         let corners = [corner.start(), corner.target, corner.end()];
+        // A bound first: samples are necessary only near an end of a joint range.
         let at_risk = Joint::ALL.into_iter().any(|joint| {
             let j = joint.index();
             let [least, greatest] =
@@ -386,6 +398,7 @@ impl Builder<'_> {
             let Err(outside) = limits.check(&at(i)) else { continue };
             let j = outside.joint.index();
             let excess = |q: f64| (limits.lower_rad[j] - q).max(q - limits.upper_rad[j]);
+            // The error states the largest excess of this joint, not the first.
             let farthest = (0..=OVERSHOOT_SAMPLES)
                 .map(|i| at(i)[j])
                 .fold(outside.found_rad, |a, b| if excess(b) > excess(a) { b } else { a });
@@ -402,7 +415,7 @@ impl Builder<'_> {
 /// error of the peak is less than 1e-5 of the overshoot.
 const OVERSHOOT_SAMPLES: u32 = 1024;
 
-/// A corner to round off in joint space, with the distance on either side.
+/// A corner with a blend in joint space, and the distance that the blend reaches on either side.
 struct JointCorner {
     target: Joints,
     /// Unit vector of the motion into the corner (Larsen 2019, Eq. 27).

@@ -60,10 +60,12 @@ pub(crate) fn check_joins(
         }
         let [from, to] = [segment.at(0.0), segment.at(1.0)];
         let gap_rad = vector::norm(&vector::sub(&from.q, &at));
+        // NaN joins nothing, and fails all comparisons.
         if gap_rad.is_nan() || gap_rad > GAP_RAD {
             return Err(JoinError::Gap { step, gap_rad });
         }
         let unit = |v: &Joints| vector::scale(1.0 / vector::norm(v), v);
+        // A tangent of zero length has no direction: NaN does not count as a kink.
         if let Some(before) = direction
             && vector::norm(&vector::sub(&unit(&from.dq), &before)) > KINK
         {

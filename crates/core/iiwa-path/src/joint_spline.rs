@@ -129,6 +129,7 @@ impl JointSpline {
         if halvings == MOST_HALVINGS || self.pieces.len() >= MOST_PIECES {
             return Err(CurveFaultAt { s: half, fault: CurveFault::Abrupt });
         }
+        // The quarters are the middles of the halves: two evaluations per halving suffice.
         self.halve([from, half], &[ends[0], *middle], &quarter, halvings + 1)?;
         self.halve([half, to], &[*middle, ends[1]], &three, halvings + 1)
     }
@@ -166,6 +167,7 @@ impl JointSpline {
                         }
                     }
                     let most = control.iter().map(|q| excess(*q)).fold(f64::MIN, f64::max);
+                    // Only parts that may exceed the worst place so far are divided further.
                     if most > known(&worst) + ROUNDING_RAD && to - from > f64::EPSILON {
                         let half = f64::midpoint(from, to);
                         let [left, right] = split(&control);
@@ -230,6 +232,7 @@ impl Segment for JointSpline {
                 for k in 2..8 {
                     second[k - 2] = (k * (k - 1)) as f64 * piece[k][j];
                 }
+                // The control points of the second derivative bound it.
                 let most = bernstein(&second).into_iter().map(f64::abs).fold(0.0, f64::max);
                 *bound = bound.max(most * per * per);
             }
@@ -305,6 +308,7 @@ fn bernstein(powers: &[f64; 8]) -> [f64; 8] {
         let mut weight = 1.0;
         for (k, power) in powers.iter().enumerate().take(i + 1) {
             *control += weight * power;
+            // After the last power, the weight is not used: no division by zero.
             weight *= (i - k) as f64 / (7 - k).max(1) as f64;
         }
     }

@@ -21,8 +21,8 @@
 //! ```
 //!
 //! A [`JointPath`] is a list of [`Step`]s. A step with motion holds a [`Segment`], which gives the
-//! joint positions and their first three derivatives at any s in [0, 1]. `Segment` is a trait, so
-//! that a new shape is one new type.
+//! joint positions and their first three derivatives at any s in [0, 1]. `Segment` is a trait: a
+//! path from [`JointPath::from_steps`] can contain segments of other types.
 //!
 //! Source: C. Larsen, *Including a Collaborative Robot in Digital Twin Manufacturing Systems*,
 //! Chalmers 2019, chapters 2.3 and 4, cited as "Larsen 2019".

@@ -327,6 +327,7 @@ impl JointPath {
     /// supervises, and that limit in m/s; `None` in other modes.
     #[must_use]
     pub fn unsupervised(&self) -> Option<(Self, f64)> {
+        // The operating mode, and thus the speed, is the same for all motions.
         let speed_m_s = self.limits.first()?.supervised_m_s()?;
         let limits = self.limits.iter().map(MotionLimits::unsupervised).collect();
         let steps = self.steps.iter().map(|step| match step {

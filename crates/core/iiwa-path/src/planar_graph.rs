@@ -4,8 +4,8 @@ use iiwa_kin::Joints;
 
 use crate::continuity::Continuity;
 
-/// Number of places per call of [`PlanarGraph::derivatives`], as many as fill the widest vector
-/// register.
+/// Number of values of sigma per call of [`PlanarGraph::derivatives`], as many as fill the widest
+/// vector register.
 pub const PLACES: usize = 8;
 
 /// A curve `q(sigma) = start + sigma ahead + f(sigma) across` in joint space: the graph of one

@@ -22,7 +22,8 @@ pub enum Step {
         /// Limits in place of those of the motion: those of a spline segment with its own limits.
         limits: Option<Arc<MotionLimits>>,
     },
-    /// Stop without a dwell, at a corner without a blend.
+    /// Stop without a dwell, at a corner without a blend (the struct [`Corner`] is a corner with a
+    /// blend).
     Corner {
         /// The motion that has ended.
         motion: MotionIndex,

@@ -80,6 +80,7 @@ impl ToolCoordinate {
         }
         if segment.has_even_tool_way() {
             let ToolWay { way_m: [way, ..], turn_rad: [turn, ..] } = segment.tool_way(0.0);
+            // Without motion, a limit is never active.
             let over =
                 |limit: f64, rate: f64| if rate > 0.0 { limit / rate } else { f64::INFINITY };
             let of = |kind| [over(limits.way[kind], way), over(limits.turn[kind], turn)];

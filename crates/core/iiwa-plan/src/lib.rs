@@ -1,9 +1,10 @@
 //! Plans of motion programs: from a text or a file to the trajectory, its figures and its warnings.
 //!
 //! A [`ProgramSource`] is a program with the files that it names. A [`PlanRequest`] selects robot,
-//! limits and planning options: [`PlanRequest::plan`] returns the whole [`Plan`],
-//! [`PlanRequest::begin`] a [`Planning`], which plans section by section in bounded memory. All
-//! failures are reported as an [`Error`] with its place in the program's text.
+//! torque limit and override; its [`PlanOptions`] select path options and timing.
+//! [`PlanRequest::plan`] returns the whole [`Plan`], [`PlanRequest::begin`] a [`Planning`], which
+//! plans section by section in bounded memory. All failures are reported as an [`Error`], with its
+//! place in the program's text if it has one.
 //!
 //! ```
 //! use iiwa_plan::{PlanRequest, ProgramSource};

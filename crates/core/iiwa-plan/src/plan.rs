@@ -32,7 +32,8 @@ impl Plan {
         PlanFigures::of(&self.trajectory, &self.options)
     }
 
-    /// Warnings about the program and its torques, as messages for the user.
+    /// Warnings about the program and its torques, as messages for the user. `figures` are those
+    /// of this plan: they are passed in, so that callers that have them do not compute them twice.
     #[must_use]
     pub fn warnings(&self, figures: &PlanFigures) -> Vec<String> {
         let mut all = warnings(&self.program, self.trajectory.path());

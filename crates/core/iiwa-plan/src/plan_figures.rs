@@ -18,8 +18,8 @@ use crate::{
     rests_on::{self, AssumptionRecord},
 };
 
-/// Figures of a plan. As JSON, this is the object of `iiwasim plan --json`; in a file, each key is
-/// an entry of the metadata record `iiwasim`.
+/// Figures of a plan. As JSON, this is the object of `iiwasim plan --json`; in an MCAP file, each
+/// key is an entry of the metadata record `iiwasim`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct PlanFigures {
     /// Time from the start to the end of the last settling or waiting, in s.
@@ -42,9 +42,11 @@ pub struct PlanFigures {
     /// Override of the controller, in per cent, if not 100.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub override_percent: Option<f64>,
-    /// Assumed robot limits that the figures depend on, for which no source gives a value.
+    /// Assumed robot limits that the figures depend on, for which no source gives a value (not the
+    /// assumptions about the controller, which are `rests_on`).
     pub assumptions: Vec<String>,
-    /// Assumptions about the controller that the cycle time depends on.
+    /// Assumptions about the controller that the cycle time depends on, as listed by `iiwasim plan
+    /// --assumptions` (not the assumed robot limits, which are `assumptions`).
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub rests_on: Vec<AssumptionRecord>,
     /// Smallest distance between the arm and the scene, if there is a scene with obstacles.
@@ -57,10 +59,11 @@ pub struct PlanFigures {
     /// an earlier version.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub energy_j: Option<EnergyRecord>,
-    /// Largest total power of the joints; absent in the same cases.
+    /// Largest total power of the joints; absent for a plan without motions, or of an earlier
+    /// version.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub power: Option<PowerRecord>,
-    /// Motions of the program, in order.
+    /// Motions and waits of the program that have a duration, in order.
     pub motions: Vec<MotionRecord>,
     /// Blends between the motions, in order.
     pub blends: Vec<BlendRecord>,
@@ -102,7 +105,8 @@ impl fmt::Display for SourceRecord {
 pub struct ClearanceRecord {
     /// Distance in mm; 0 if the arm touches the obstacle.
     pub distance_mm: f64,
-    /// Link of the arm, 2 to 7, or 8 for the tool.
+    /// Link of the arm, 2 to 7, or 8 for the tool. Links 0 and 1 have the same distances at all
+    /// poses.
     pub link: usize,
     /// Obstacle name.
     pub obstacle: String,
@@ -117,7 +121,8 @@ pub struct SelfClearanceRecord {
     pub distance_mm: f64,
     /// First link, 3 to 7, or 8 for the tool.
     pub link: usize,
-    /// Second link, 0 to 5.
+    /// Second link, 0 to 5: at least three numbers lower, since closer links are assumed not to
+    /// touch each other.
     pub other_link: usize,
     /// Time, in s.
     pub at_s: f64,
@@ -134,7 +139,8 @@ pub struct MotionRecord {
     pub start_s: f64,
     /// End time, in s.
     pub end_s: f64,
-    /// Largest share of its velocity limit that any joint reaches, 0 to 1.
+    /// Top speed: the largest share of a joint's velocity limit (the robot's limit, not the
+    /// motion's), 0 to 1.
     pub peak_velocity_rel: f64,
     /// Limit that is active for the longest time, if any.
     pub limited_by: Option<LimitRecord>,
@@ -151,7 +157,7 @@ pub struct MotionRecord {
     pub source: Option<SourceRecord>,
 }
 
-/// TCP figures of a motion to a frame.
+/// TCP figures of a motion to a frame, or of a motion in a program with a tool.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct CartesianRecord {
     /// Top TCP speed, in mm/s.
@@ -167,7 +173,7 @@ pub struct CartesianRecord {
 /// Smallest distance of the arm from a singularity.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SingularityRecord {
-    /// Distance: 0 at the singularity, 1 at most.
+    /// Smallest distance, as a measure without unit: 0 at the singularity, 1 at most.
     pub least: f64,
     /// Time, in s.
     pub at_s: f64,
@@ -185,13 +191,13 @@ pub struct LimitShareRecord {
     pub share: f64,
 }
 
-/// A joint limit or a TCP limit.
+/// A joint limit, a TCP limit, or a limit of another kind.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct LimitRecord {
-    /// Joint, 1 to 7; `None` for a TCP limit.
+    /// Joint, 1 to 7; `None` for a limit that does not belong to a joint.
     pub joint: Option<usize>,
-    /// Kind: `velocity`, `acceleration` or `jerk`; for a TCP limit with the prefix `cart_` (along
-    /// the path) or `orientation_` (angular).
+    /// Kind: `velocity`, `acceleration` or `jerk`, for a TCP limit with the prefix `cart_` (along
+    /// the path) or `orientation_` (angular); `torque`; or the name of another limit.
     pub kind: Cow<'static, str>,
 }
 
@@ -208,7 +214,7 @@ pub struct BlendRecord {
     pub end_rad: [f64; 7],
     /// Joint positions at the middle of the blend, in rad.
     pub mid_rad: [f64; 7],
-    /// Flange position at the middle of the blend, in m.
+    /// Flange position at the middle of the blend, in m; despite the name, also with a tool.
     pub mid_tcp_m: [f64; 3],
     /// Start time, in s.
     pub start_s: f64,
@@ -321,7 +327,7 @@ impl PlanFigures {
         torques.add(section);
         self.energy_j.get_or_insert_default().add(&torques);
         self.power.get_or_insert_default().add(&torques);
-        // Both contain the motions of the section, in order.
+        // `section.motions()` and `torques.motions` have the same entries in the same order.
         let sources = section.path().sources();
         for (motion, torques) in zip(&section.motions(), &torques.motions) {
             let torque = Some(TorqueRecord::from(torques));

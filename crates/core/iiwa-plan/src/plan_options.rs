@@ -24,12 +24,12 @@ impl PlanOptions {
         Self { timing, ..Self::default() }
     }
 
-    /// Plans a whole program for `robot`, regardless of the robot that the program names.
+    /// Plans a whole program for `robot`.
     ///
     /// # Errors
     ///
-    /// [`PlanError::Fault`] if the program requires something that the robot cannot do,
-    /// [`PlanError::Timing`] if no trajectory was found.
+    /// [`PlanError::Fault`] if the program names another robot or flange, or requires something
+    /// that the robot cannot do, [`PlanError::Timing`] if no trajectory was found.
     pub fn plan(&self, program: &Program, robot: &Robot) -> Result<Trajectory, PlanError> {
         let path = JointPath::with_options(program, robot, self.path)?;
         Ok(Trajectory::plan(&path, self.timing)?)

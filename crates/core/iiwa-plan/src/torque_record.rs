@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 /// Torques of a motion.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct TorqueRecord {
-    /// Largest torque of each joint, with its sign, in Nm.
+    /// Torque of each joint with the largest absolute value, with its sign, in Nm.
     pub peak_nm: Joints,
     /// Absolute value of the largest torque, in per cent of the robot's limit.
     pub peak_percent: Joints,
@@ -64,16 +64,19 @@ impl fmt::Display for LargestTorque {
     }
 }
 
-/// Threshold of warnings, in per cent of the limit: plans with torque limits keep them within 1 %.
+/// Torques above this are reported, in per cent of the limit. Plans with torque limits exceed the
+/// limits by at most 1 %.
 const KEPT_PERCENT: f64 = 101.0;
 
 impl TorqueRecord {
-    /// Torque limit of a joint, in Nm; NaN if the joint exerts no torque.
+    /// Torque limit of a joint, in Nm, from the peak and its share of the limit, because records
+    /// do not store limits. NaN, for which comparisons give no warning, if the peak is zero.
     fn limit_nm(&self, j: usize) -> f64 {
         100.0 * self.peak_nm[j].abs() / self.peak_percent[j]
     }
 
-    /// Largest share of all joints; the first joint's for equal shares.
+    /// Largest share of all joints; the first joint's for equal shares. `motion` is only stored in
+    /// the result.
     pub(crate) fn largest(&self, motion: usize) -> LargestTorque {
         let most = |a: Joint, b: Joint| {
             let is_larger = self.peak_percent[b.index()] > self.peak_percent[a.index()];

@@ -163,6 +163,7 @@ impl Attempt {
             Err(error) => return Err(error),
         }
         match self.solve(GAP, stop) {
+            // A segment that takes a tiny share of the time settles at a smaller gap only.
             Err(SolveError::NotConverged) => self.solve(SETTINGS.interior_point.last_gap, stop)?,
             result => result?,
         }
@@ -277,6 +278,7 @@ impl Attempt {
         let slower = |(kind, share): (LimitKind, f64)| {
             (share / REFINEMENT.tolerance[kind]).powf(1.0 / f64::from(kind.order()))
         };
+        // Infinite if cells do not join, which no time scale mends: the attempt is then discarded.
         let others = larger(row.sqrt(), self.solver.continuity_defect());
         largest.into_iter().map(slower).fold(larger(1.0, others), larger)
     }
@@ -299,6 +301,7 @@ impl Attempt {
             .zip(first..)
             .map(|(shares, cell)| {
                 let mut by_share = |share: f64, allowed: f64, by: f64| {
+                    // NaN counts as an excess: numbers are out of range.
                     if share > allowed || share.is_nan() {
                         lowered.excess = lowered.excess.max(share);
                         by

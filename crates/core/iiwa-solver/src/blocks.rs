@@ -57,6 +57,7 @@ impl Blocks {
         for &k in list {
             let place = match LimitedCell::new(segments, mesh, k).rows() {
                 1 if segments[mesh.cells[k].segment].is_line() => 0,
+                // Also one row: on curves it has the terms of q'', which blocks of lines leave out.
                 ..=2 => 1,
                 3 => 2,
                 4 => 3,

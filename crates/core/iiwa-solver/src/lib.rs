@@ -1,13 +1,23 @@
 //! Time-optimal motion along a joint path under velocity, acceleration and jerk limits.
 //!
-//! The unknown is x = (dsigma/dt)^2 along the path, a cubic on each cell of a [mesh](Mesh). Limits
-//! are rows, linear in x and its derivatives. A primal-dual interior-point method minimises the
-//! duration; each of its Newton steps is a Riccati recursion. Where a limit is exceeded between the
-//! places of its rows, the rows of that cell are tightened, and a window of cells around it is
-//! solved again.
+//! The path parameter sigma, in rad, is the length of a line in joint space, and continues through
+//! blends such that the first two derivatives of the path by sigma are continuous. The unknown is
+//! x = (dsigma/dt)^2, a cubic on each cell of a [mesh](Mesh). Each limit at a point of a cell is
+//! one constraint, called a row: linear in x and its derivative for velocity and acceleration; for
+//! jerk, linear in x and its first two derivatives after division by sqrt(x), with the bound
+//! x^(-1/2).
 //!
-//! The input is segments, their limits and the stamps to start from; `iiwa-traj` builds
-//! trajectories from the solution.
+//! A primal-dual interior-point method minimises the duration; each of its Newton steps is a
+//! Riccati recursion. Rows apply at a few points of each cell. Where a limit is exceeded in
+//! between, the rows of that cell are tightened, and a window of cells around it is solved again.
+//!
+//! The input is segments, their limits, and an initial motion within the velocity and acceleration
+//! limits ([`SweptNode`]: time, share of the segment, speed); `iiwa-traj` builds trajectories from
+//! the solution.
+//!
+//! The example solves for a line, a blend and a line, from rest to rest, on a mesh of the usual
+//! fineness, 1.0. In a `SweptNode`, `p` is the share of the segment, `rate` is dp/dt, and `u` is
+//! d2p/dt2 at both ends of the interval to the next node.
 //!
 //! ```
 //! use std::sync::atomic::AtomicBool;

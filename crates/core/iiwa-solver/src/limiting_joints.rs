@@ -50,6 +50,7 @@ impl LimitingJoints {
                 let is_between = |i: usize, k: usize| {
                     spans[i][k] && areas[j][k] + areas[i][j] <= areas[i][k] * (1.0 + EQUAL)
                 };
+                // Dropped points do not count, so that one of several equal points remains.
                 let others = |i: &usize| kept[*i] && *i != j;
                 kept[j] =
                     !(0..7).filter(others).any(|i| (0..i).filter(others).any(|k| is_between(i, k)));

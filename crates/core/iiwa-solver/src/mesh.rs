@@ -295,6 +295,7 @@ fn switches(segments: &[LimitedSegment<'_>]) -> Vec<Switch> {
             switches.push(Switch { t_s: node.t_s, build_up_s });
         };
         if segment.is_line() && !segment.has_rows() {
+            // The stamps of a line are the instants between its phases: each of them is a switch.
             segment.swept.iter().for_each(add);
             continue;
         }

@@ -69,6 +69,7 @@ pub(crate) struct Solver {
 
 impl Drop for Solver {
     fn drop(&mut self) {
+        // The next solver of this thread reuses the memory.
         std::mem::take(&mut self.blocks).spare();
     }
 }
@@ -222,6 +223,7 @@ impl Solver {
     /// Restricts the problem to the cells in `window`, which start from their current states.
     pub(crate) fn select(&mut self, window: Range<usize>) {
         self.window = window;
+        // Blocks at the edge of the window also contain fixed cells, whose step has to be zero.
         self.steps.fill([0.0; 4]);
     }
 
@@ -501,6 +503,7 @@ fn lower_to_jerk(segments: &[LimitedSegment<'_>], mesh: &Mesh, x: &mut [f64]) {
         if segment.is_line() {
             continue;
         }
+        // Indices among the seven places of a geometry.
         let [start, middle, end] = [0, 3, 6].map(|place| {
             let [_, _, dddq] = segment.derivatives_at(geometry, place);
             segment.jerk_at_unit_speed(&dddq)

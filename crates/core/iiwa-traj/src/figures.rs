@@ -113,6 +113,7 @@ impl Section {
                 let (first, last) = (&pieces[0], &pieces[pieces.len() - 1]);
                 let motion_type = match first.kind {
                     PieceKind::Wait => MotionType::Wait,
+                    // A program without tools and frames has PTP motions only.
                     _ => self.path.motion_type(first.motion).unwrap_or_default(),
                 };
                 let settles = last.kind == PieceKind::Settle;

@@ -78,6 +78,7 @@ impl Grid {
         let blends = found.map_or_else(Default::default, |(_, blends)| Arc::clone(blends));
         if found.is_none() {
             if recent.len() == KEPT {
+                // The oldest. Grids in use keep their tables.
                 recent.remove(0);
             }
             recent.push((intervals, Arc::clone(&blends)));

@@ -196,6 +196,7 @@ impl LimitUsage {
             shares.merge(&other.of[kind]);
         }
         for row in &other.rows {
+            // By limit, not by index: the pieces of a motion may have different rows.
             match self.rows.iter_mut().find(|own| own.limit == row.limit) {
                 Some(own) => {
                     own.peak = own.peak.max(row.peak);

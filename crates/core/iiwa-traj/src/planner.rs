@@ -1,4 +1,5 @@
-//! Time parameterisation of a path, one section at a time.
+//! Time parameterisation of a path, one section at a time. A section is the part of the path from
+//! one stop to the next.
 
 use std::{
     ops::Range,
@@ -23,27 +24,31 @@ use crate::{
     timing::{Timing, TimingError},
 };
 
-/// Largest share of a further limit at which a section that was planned without further limits is
-/// accepted.
+// "Further limits" are all limits other than velocity, acceleration and jerk: torque limits and
+// those of `Planner::with_limit`. Below are ratios of a value to its limit.
+
+/// Largest ratio at which a section that was planned without further limits is accepted.
 const TOLERANCE: f64 = 1.005;
 
-/// Share of a further limit in the acceleration-limited stamps above which the jerk-limited ones
-/// are likely to exceed the limit as well.
+/// Ratio in the plan with velocity and acceleration limits only, from which on the plan with jerk
+/// limits probably exceeds the further limit as well.
 const LIKELY: f64 = 1.03;
 
-/// Largest share of a further limit in an accepted plan.
+/// Largest ratio in an accepted plan.
 const MOST: f64 = 1.01;
 
-/// Largest difference in time between plans of different lengths in their common part, in s:
-/// nanoseconds, plus a margin.
+/// Margin in s for comparing times of plans of different lengths. In their common part, times
+/// differ by nanoseconds only.
 const PLANS_DIFFER_S: f64 = 0.02;
 
-/// Decision on a blend: to continue through the blend, or to stop before it.
+/// Decision on a blend: to continue through the blend, or to stop before it. A program may send the
+/// next motion only after a wait that overlaps the motion before the blend.
 enum Decided {
-    /// The next motion is known in time. `needed_s` is the latest time at which it has to be known,
-    /// in s, where that was computed, and negative infinity elsewhere.
+    /// The program sends the next motion in time for the blend into it. `needed_s` is the latest
+    /// time at which the motion has to be known, in s; negative infinity if it was not computed.
     InTime { needed_s: f64 },
-    /// The next motion is known too late: the part of the section that stops before the blend.
+    /// The program sends the next motion too late: the part of the section that stops before the
+    /// blend.
     TooLate(Box<Section>),
 }
 
@@ -76,14 +81,16 @@ pub struct Planner {
     /// Index of the next step of the path.
     step: usize,
     time_s: f64,
+    /// Joint positions at the last stop, in rad.
     rest_rad: Joints,
     /// Times at which motions after overlapping waits are known.
     clock: ProgramClock,
+    /// Memory of the sweep, the backward and forward pass under velocity and acceleration limits.
     scratch: SweepScratch,
     /// All limits beside those of velocity, acceleration and jerk.
     limits: PathLimits,
-    /// Path without the T1 speed limit, and that limit in m/s, if it is supervised during
-    /// execution.
+    /// Path without the T1 speed limit of TCP and flange, and that limit in m/s; only in T1 under
+    /// Sunrise's timing, which plans without this limit and caps the speed during execution.
     supervised: Option<(JointPath, f64)>,
     /// Flag that interrupts planning.
     stop: Arc<AtomicBool>,
@@ -116,8 +123,9 @@ impl Planner {
         planner
     }
 
-    /// Applies Sunrise's limits to the path: the minimum cruise time of short motions, and planning
-    /// without the T1 speed where that is supervised during execution.
+    /// Applies Sunrise's limits to the path. A LIN or CIRC motion from rest to rest is not faster
+    /// than its length over `least_cruise_s`. In T1, motions are planned without the speed limit,
+    /// which caps the speed during execution.
     fn limit_as_sunrise(&mut self) {
         self.supervised = None;
         if let Some(JerkTiming { sunrise: true, .. }) = self.jerk {
@@ -151,7 +159,8 @@ impl Planner {
         self
     }
 
-    /// Adds a limit.
+    /// Adds a limit that is linear in the acceleration `u` along the path and in the squared path
+    /// speed `x`: `-1 <= a u + b x + c <= 1`, see [`RowLimit`](crate::RowLimit).
     ///
     /// ```
     /// use std::sync::Arc;
@@ -208,12 +217,13 @@ impl Planner {
 }
 
 impl Planner {
-    /// Plans the moves of `section`, which has no pieces yet.
+    /// Plans `steps`, all of which move, and adds their pieces (segments with times) to `section`,
+    /// which has no pieces yet.
     ///
-    /// A section with limits beside those of velocity, acceleration and jerk is planned without
-    /// them first. This pass has a numerical reason: cells are shorter with further limits, and
-    /// inactive rows still change the last digits of the solution. A section in which no further
-    /// limit is active has to equal the plan without them to the last bit.
+    /// A section with further limits is planned without them first, for a numerical reason: with
+    /// further limits, the solver uses a finer mesh and more constraints, so that even limits that
+    /// are never reached change the last digits. A section in which no further limit is active has
+    /// to equal the plan without them to the last bit.
     fn plan_moves(
         &mut self,
         steps: Range<usize>,
@@ -225,9 +235,9 @@ impl Planner {
             return self.limit_jerk(&[], section);
         }
         let (first, jumps) = (steps.start, self.jerk.is_none());
-        // Where acceleration jumps, shares are larger than under jerk limits. If they exceed a
-        // limit by far, the solution without further limits would be discarded, and the solver
-        // takes almost all of the time.
+        // The solver for jerk limits takes almost all of the time. If the plan without jerk limits
+        // exceeds a further limit clearly, the plan with jerk limits would probably be discarded:
+        // it is skipped.
         let is_likely = !jumps && largest_share(section, first, &limits, true) >= LIKELY;
         let is_kept =
             |section: &Section| largest_share(section, first, &limits, jumps) <= TOLERANCE;
@@ -244,6 +254,7 @@ impl Planner {
             .pieces
             .iter()
             .filter_map(|piece| Some((piece.motion, piece.usage.largest_row()?)));
+        // A NaN ratio counts as the largest, and is refused below.
         let reached = reached.max_by(|(_, a), (_, b)| a.1.total_cmp(&b.1));
         let Some((motion, (limit, ratio))) = reached else { return Ok(()) };
         if is_likely && ratio < SATURATED_ROW {
@@ -272,7 +283,8 @@ impl Planner {
         sweep_moves(&moves, &mut self.scratch, &self.stop, section)
     }
 
-    /// Limits the jerk of a swept section, if the timing has jerk limits.
+    /// Limits the jerk of a swept section (one planned under velocity and acceleration limits), if
+    /// the timing has jerk limits.
     fn limit_jerk(&self, limits: &[StepLimits], section: &mut Section) -> Result<(), TimingError> {
         self.jerk.map_or(Ok(()), |timing| spline_speed::limit(section, limits, timing, &self.stop))
     }
@@ -299,6 +311,7 @@ impl Planner {
     fn plan_section(&mut self) -> Result<Section, TimingError> {
         let first = self.step;
         if first == 0 {
+            // Once, before the caller gets any section of the path.
             self.limits.check(&self.path)?;
         }
         let overlaps = !self.path.overlapping_waits().is_empty();
@@ -425,6 +438,7 @@ impl Planner {
         known_s: f64,
         section: &Section,
     ) -> Result<Decided, TimingError> {
+        // In time; the latest time is not computed.
         let unknown = Decided::InTime { needed_s: f64::NEG_INFINITY };
         let Some(piece) = section.pieces.iter().position(|piece| piece.step == blend) else {
             return Ok(unknown);

@@ -171,6 +171,7 @@ impl Replanner {
             }
             return Ok(());
         }
+        // Without nodes: `state` then reads the states at both ends from the unchanged neighbours.
         let blank = replaced.after.clone().map(|_| StepPlan::default());
         let before: Vec<_> = self.plans.splice(replaced.before, blank).collect();
         // After a change in shape, the outermost lines are longer or shorter at their inner ends
@@ -253,6 +254,7 @@ impl Replanner {
                 step += 1;
             }
         }
+        // Stored after all windows have been solved: an error leaves all plans unchanged.
         for (first, plans) in found {
             for (plan, found) in self.plans[first..].iter_mut().zip(plans) {
                 *plan = found;
@@ -304,6 +306,7 @@ impl Replanner {
             let window = self.around(&moves, count);
             match self.plan_window(&window) {
                 Ok(plans) => return Ok((window.start, plans)),
+                // The window already extends from stop to stop.
                 Err(error) if self.around(&window, 1) == window => return Err(error),
                 Err(_) => count = MORE * count.max(1),
             }

@@ -245,6 +245,7 @@ impl Section {
         };
         let nodes = self.nodes(piece);
         let t = t_s - self.start_s;
+        // The interval that contains t; at the ends of the piece, its first or last interval.
         let node = nodes.partition_point(|node| node.t_s <= t).clamp(1, nodes.len() - 1) - 1;
         self.state(t_s, piece, segment, &nodes[node], &nodes[node + 1])
     }
@@ -433,6 +434,7 @@ impl Section {
     ) -> State {
         let dt = (t_s - self.start_s - from.t_s).clamp(0.0, from.dt_s);
         let Progress { dp, rate, u, du } = interval::progress(dt, from, to);
+        // Rounding may lead beyond the ends of the segment.
         let d = segment.at_share((from.p + dp).clamp(0.0, 1.0));
         State {
             t_s,

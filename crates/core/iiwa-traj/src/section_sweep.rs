@@ -337,6 +337,7 @@ impl<'a, S: Simd, const R: usize> SectionSweep<'a, S, R> {
             }
             let from = to - self.nodes(&segment);
             let [first, last] = self.tangent_lengths_rad(&segment, step);
+            // x refers to the p of its segment; at the joint, both have the same path speed.
             let end = next.map_or(0.0, |(x, tangent)| x * (tangent / last).powi(2));
             let samples = &mut samples[from..to];
             if let Some(line) = &segment.line {
@@ -353,6 +354,7 @@ impl<'a, S: Simd, const R: usize> SectionSweep<'a, S, R> {
             to = from;
         }
 
+        // At the given speed, the robot could not slow down in time.
         if let (Some(start), Some((x, tangent))) = (*start, next)
             && x * tangent * tangent < start * (1.0 - TOLERANCE)
         {
@@ -463,6 +465,7 @@ impl<'a, S: Simd, const R: usize> SectionSweep<'a, S, R> {
             }
         }
         let motion = segment.motion;
+        // The robot would stop on the way: a speed of zero makes the time infinite.
         if !end_s.is_finite() {
             return Err(TimingError::Stuck { motion });
         }

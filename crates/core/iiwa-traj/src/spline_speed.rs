@@ -125,6 +125,7 @@ fn model_segments<'a>(
     for segment in &mut segments {
         segment.set_held(Arc::clone(&held));
     }
+    // Again, because the ramps depend on the held speeds.
     let sweep = SplineSweep::new(&segments, grid);
     let ramps = RampEnd::BOTH.map(|end| end_ramp(path, pieces, &segments, &sweep, end));
     let [Some(start), Some(stop)] = ramps else { return None };

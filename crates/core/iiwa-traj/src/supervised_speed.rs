@@ -65,6 +65,7 @@ impl Way<'_> {
             let middle = f64::midpoint(low, high);
             if self.is_exceeded(&from, to, middle) == start { low = middle } else { high = middle }
         }
+        // The change is at a node, up to rounding: an interval of zero length is not created.
         if low <= 0.0 || low >= from.dt_s {
             nodes.push(if end { self.held(&from, to) } else { from });
             return;
@@ -135,6 +136,7 @@ impl Way<'_> {
     /// Returns the usage of the limits of velocity and acceleration.
     fn usage(&self, nodes: &[Node], limits: &MotionLimits) -> LimitUsage {
         let [speed, most] = [limits.velocity_rad_s(), limits.acceleration_rad_s2()];
+        // The eighth element is the supervised speed: dp/dt over its maximum.
         let velocity = std::array::from_fn(|j| if j < 7 { most[j] / speed[j] } else { 1.0 });
         let (mut dq, mut ddq) = (Vec::new(), Vec::new());
         for node in nodes {

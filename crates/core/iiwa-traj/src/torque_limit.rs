@@ -91,6 +91,7 @@ impl PathLimit for TorqueLimit {
 
 /// Returns joint positions along a segment, including both ends.
 fn places(segment: &dyn Segment) -> impl Iterator<Item = Joints> + '_ {
+    // At least the ends and the middle; at most a number that bounds the time for any path.
     let parts = (segment.sigma_length_rad() / MOST_RAD).ceil().clamp(2.0, 1e4);
     let shares = (0_u32..).map(f64::from).take_while(move |k| *k <= parts);
     shares.map(move |k| segment.at(k / parts).q)

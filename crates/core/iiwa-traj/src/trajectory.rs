@@ -184,6 +184,7 @@ impl Trajectory {
     /// ```
     pub fn samples(&self, rate_hz: f64) -> impl Iterator<Item = State> {
         let end_s = self.cycle_time_s();
+        // Not added up, so that rounding errors do not accumulate.
         let stamps = (0_u64..).map(move |i| i as f64 / rate_hz);
         let at = |t_s| State { t_s, ..self.at(t_s) };
         stamps.take_while(move |t_s| *t_s < end_s).chain([end_s]).map(at)

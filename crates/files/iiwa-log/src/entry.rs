@@ -77,10 +77,10 @@ pub struct Motion<'a> {
     pub index: u32,
     /// Kind: `line`, `lin`, `circ`, `spline`, `blend`, `settle` or `wait`.
     pub kind: Cow<'a, str>,
-    /// Joint of the active limit, 1 to 7; `None` if the active limit is a TCP limit.
+    /// Joint of the active limit, 1 to 7; `None` if the active limit does not belong to a joint.
     pub limiting_joint: Option<u8>,
     /// Active limit: `velocity`, `acceleration` or `jerk`, with the prefix `cart_` or
-    /// `orientation_` for TCP limits; empty at standstill.
+    /// `orientation_` for TCP limits; `torque`; the name of another limit; empty at standstill.
     pub limiting_kind: Cow<'a, str>,
 }
 

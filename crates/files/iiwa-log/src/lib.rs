@@ -1,14 +1,21 @@
-//! Recordings of a KUKA LBR iiwa as MCAP files for ROS 2 tools and viewers.
+//! Plans and recordings of a KUKA LBR iiwa: MCAP files for ROS 2 tools and viewers, and recordings
+//! in other formats.
 //!
-//! A [`Writer`] writes joint states, transforms, poses, motions and a trajectory, with times since
-//! the start of the motion, compressed, into any [`Write`]. A [`Recorder`] records the robot while
-//! it moves, into a file that is complete at every moment. [`Recording`] reads such a file back,
-//! and [`Reader`] reads it entry by entry. A [`PlanWriter`] writes a plan, and a [`PlanRecord`] is
-//! read back from its file. [`Topic`] lists the topics and their types. For other transports, an
-//! [`Encoder`] encodes single messages, and an [`Arm`] computes their content.
+//! | task | type |
+//! |---|---|
+//! | read positions and torques of a recording in any format | [`JointLog`] |
+//! | read everything in an MCAP recording | [`Recording`]; entry by entry: [`Reader`] |
+//! | record a moving robot | [`Recorder`] |
+//! | write and read a plan | [`PlanWriter`], [`PlanRecord`] |
+//! | write joint states, transforms, poses and motions into any [`Write`] | [`Writer`] |
+//! | encode single messages for other transports | [`Encoder`] |
 //!
-//! [`JointLog`] contains the joint positions over time only, from such a file, from CSV or from a
-//! log of KUKA's `DataRecorder`. It rejects implausible data, and reports what a file has lost.
+//! A [`JointLog`] contains positions and torques over time, with the program and the robot if the
+//! file states them, from an MCAP file, a table such as CSV, Parquet (feature `parquet`), or a log
+//! of KUKA's `DataRecorder`. It rejects implausible data, and reports losses of a file. The file of
+//! a [`Recorder`] is readable and indexed at every moment: a killed process loses at most the last
+//! period, by default 1 s. An [`Arm`] computes the link frames, flange pose and URDF of messages;
+//! [`Topic`] lists the topics and their types.
 //!
 //! Lengths are in m, angles in rad, times in s. The same calls give the same bytes.
 //!

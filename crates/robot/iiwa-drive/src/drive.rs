@@ -4,11 +4,11 @@
 //! |---|---|
 //! | requests | receives client requests and sends replies |
 //! | dispatcher | serves requests and instructs the robot program |
-//! | checks | parses and checks runs |
+//! | checks | parses clients' motions and trajectories, and checks them before they run |
 //! | replies | writes replies with run measurements |
 //! | state | receives and acknowledges state changes of the robot program |
 //! | FRI | answers the controller every cycle, sends trajectory set-points |
-//! | stream | publishes measurements and states |
+//! | publish | publishes measurements and states on the stream |
 //!
 //! A client can query the state or stop a motion while another client waits for the end of that
 //! motion. Requests, regardless of their number and length, delay neither stops nor FRI.
@@ -66,8 +66,9 @@ use crate::drive::{
 
 /// A running drive.
 ///
-/// Dropping the drive shuts it down: a trajectory is stopped on its path, a run that has not begun
-/// is withdrawn, and a motion continues, because the robot program executes it.
+/// Dropping the drive shuts it down: a trajectory, whose set-points are sent over FRI, slows down
+/// on its path to a stop; motions that the controller executes continue; a run that has not begun
+/// is withdrawn.
 ///
 /// ```
 /// use iiwa_drive::{Drive, DriveConfig};
@@ -107,7 +108,7 @@ impl Drive {
         clients: &Server,
         cabinet: &Remote,
     ) -> Result<Self, LinkError> {
-        // Other machines could reach FRI, but messages of this machine only would be accepted.
+        // FRI would listen for other machines, but accept messages of this machine only.
         if !config.fri.ip().is_loopback() && config.fri_controller.is_loopback() {
             return Err(LinkError::ControllerAddress { fri: config.fri });
         }
@@ -143,6 +144,7 @@ impl Drive {
             ready: Arc::clone(&ready),
         };
         threads.spawn("drive FRI", move |shutdown| fri.run(shutdown))?;
+        // From here on, `answer_latency` reports the priority of the thread.
         ready.wait();
         // This thread ends with the publishing threads, which hold the senders.
         threads.spawn("drive publish", move |_| publish::publish(&to_publish, &stream))?;
@@ -178,7 +180,7 @@ impl Drive {
         Ok(Self { instructions, stream: stream_at, fri: fri_at, latency, _threads: threads })
     }
 
-    /// The bound address for requests, such as `tcp://127.0.0.1:5560`.
+    /// The bound address for client requests, such as `tcp://127.0.0.1:5560`.
     #[must_use]
     pub fn instructions(&self) -> &str {
         &self.instructions
@@ -217,7 +219,8 @@ fn listen(
     })
 }
 
-/// Returns `true` for stop requests. Connections with a pending stop are evicted last.
+/// Returns `true` for stop requests. If there are too many connections, old ones are closed for new
+/// ones: those with a pending stop last.
 fn is_stop(frames: &[Bytes]) -> bool {
     let body = frames.last().filter(|body| body.len() <= SHORT_MESSAGE_BYTES);
     body.is_some_and(

@@ -1,8 +1,13 @@
-//! iiwaDrive: connects the KUKA LBR iiwa, or a simulated one, to any number of clients.
+//! iiwaDrive, a server process (not a servo drive): connects the KUKA LBR iiwa, or a simulated one,
+//! to any number of clients.
 //!
 //! A [`Drive`] serves clients over the network; the crate `iiwa-link` contains these clients. The
-//! robot is a Sunrise cabinet with its FRI connection and a robot program, or the simulated cabinet
-//! of the crate `iiwa-cabinet`.
+//! drive talks to the Sunrise controller over FRI, and to the robot program, the Java application
+//! of the folder `sunrise` that runs on the controller. The simulated cabinet of the crate
+//! `iiwa-cabinet` replaces both.
+//!
+//! Clients, drive and robot program are connected by `ZeroMQ` sockets (in capitals), the controller
+//! by UDP:
 //!
 //! ```text
 //! clients                    drive                        cabinet
@@ -10,6 +15,8 @@
 //! Stream  SUB  <--joints---- PUB            REP <--state changes- DEALER
 //!                                           UDP <------FRI------> UDP   controller
 //! ```
+//!
+//! A drive without keys (`open`), for this machine only:
 //!
 //! ```no_run
 //! use iiwa_drive::{Drive, DriveConfig};

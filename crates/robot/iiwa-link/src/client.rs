@@ -163,6 +163,7 @@ impl Patience {
     /// Limits for stops: closed handshakes are not limited, because a drive under load may close
     /// connections. Without a drive, the time-out is the usual one.
     fn of_stop(total: Duration) -> Self {
+        // Within the 5 s of a stop, an attempt without an answer leaves time for another one.
         Self { total, each: Duration::from_secs(2), closed_handshakes: u32::MAX }
     }
 }
@@ -300,6 +301,7 @@ impl Client {
         #[derive(Deserialize)]
         struct EmptyReply {}
         let request = Request::Stop;
+        // Unlike other requests, a stop is repeated: sent twice, it has the same effect as once.
         let reply = self.exchange_again(&request.to_json(), REPLY_TIMEOUT)?;
         let EmptyReply {} = read_reply(&request, &reply)?;
         Ok(())
@@ -329,9 +331,12 @@ impl Client {
 
     /// Sends a request and waits for its reply.
     fn exchange(&mut self, request: &str, limit: Option<Duration>) -> Result<Bytes, ClientError> {
+        // The drive would close the connection without a reply that names the reason.
         if request.len() > MAX_MESSAGE_BYTES {
             return Err(ClientError::TooLong { found: request.len() });
         }
+        // After a time-out, the connection is dropped with the future: a late reply cannot be taken
+        // for the reply to the next request.
         let wire = self.wire.take();
         let Self { at, config, .. } = self;
         let exchange = exchange(wire, config, at, request, Patience::USUAL);
@@ -381,6 +386,7 @@ fn read_reply<T: DeserializeOwned>(request: &Request, reply: &[u8]) -> Result<T,
                 request,
                 Request::RunMotions { .. } | Request::RunTrajectory { .. } | Request::LastRun
             );
+            // The reply of an aborted run contains its measurements beside the error.
             let run = is_run.then(|| serde_json::from_slice::<Run>(reply).ok()).flatten();
             Err(ClientError::Refused { refusal, run: run.map(Box::new) })
         }
@@ -402,6 +408,7 @@ async fn repeat(
     loop {
         let patience = Patience::of_stop(limit.saturating_sub(since.elapsed()));
         match exchange(wire.take(), config, at, request, patience).await {
+            // Ends before the time-out, so that the lost connection is reported instead.
             Err(ClientError::Lost { .. }) if since.elapsed() + RETRY_INTERVAL < limit => {
                 sleep(RETRY_INTERVAL).await;
             }
@@ -426,6 +433,7 @@ async fn exchange(
         Some(wire) => wire,
         None => connect(config, at, patience).await?,
     };
+    // REQ sockets send and receive an empty frame before the message (`ZeroMQ` RFC 28).
     let frames = [Bytes::new(), Bytes::copy_from_slice(request.as_bytes())];
     wire.queue(&frames).map_err(lost)?;
     wire.flush().await.map_err(lost)?;
@@ -457,6 +465,7 @@ async fn connect(
         what: why.reason(),
     };
     let since = Instant::now();
+    // A longer time-out applies as soon as a server is known to listen at the address.
     let mut total = patience.total.min(CONNECT_TIMEOUT);
     let mut closed = 0;
     loop {
@@ -491,5 +500,6 @@ async fn connect(
 /// Returns true for errors which mean that no server is listening at the address.
 fn is_absent(error: &io::Error) -> bool {
     use io::ErrorKind::{BrokenPipe, ConnectionAborted, ConnectionReset, UnexpectedEof};
+    // These errors occur on connections that a server has accepted.
     !matches!(error.kind(), BrokenPipe | ConnectionAborted | ConnectionReset | UnexpectedEof)
 }

@@ -39,6 +39,7 @@ impl Lag {
         }
         self.last_s = t_s;
         if now_s - self.window_from_s > Self::WINDOW_S {
+            // With two windows, a new window has a reference from its first message on.
             self.least_s = [self.least_s[1], late_s];
             self.window_from_s = now_s;
         }

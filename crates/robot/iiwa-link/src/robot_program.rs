@@ -152,6 +152,7 @@ impl Instruction {
         }
         Ok(match name {
             "run_motions" => {
+                // Parsed first, because its errors contain the index of the motion.
                 let motions =
                     MotionList::from_json(text).map_err(|error| Refusal::bad(error.to_string()))?;
                 let MotionsKeys { run, .. } = read(text)?;

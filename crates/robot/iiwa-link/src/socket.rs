@@ -168,6 +168,7 @@ impl Remote {
         endpoint.check_connect(self.security.is_some())?;
         let mechanism =
             self.security.as_ref().map_or(MechanismSetup::Null, ClientSecurity::mechanism);
+        // The number of long messages is not limited: the client has chosen its server.
         let config = WireConfig { role: Role::Client, kind, mechanism, max_bytes, long: None };
         Ok((endpoint, config))
     }

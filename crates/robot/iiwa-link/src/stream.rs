@@ -206,11 +206,13 @@ async fn open(source: Source<'_>, connection: &mut Connection) -> Result<(), Lin
             Connection::Open(_) => return Ok(()),
             Connection::None => {
                 let (at, config, topics) = source;
+                // In a separate task: a handshake cannot be resumed after a time-out of `next`.
                 let task = tokio::spawn(connect(at.clone(), config.clone(), topics));
                 *connection = Connection::Pending(task);
             }
             Connection::Pending(task) => {
                 let connected = task.await;
+                // A task that has ended must not be awaited again.
                 *connection = Connection::None;
                 match connected {
                     Ok(Ok(wire)) => *connection = Connection::Open(Box::new(wire)),
@@ -242,6 +244,7 @@ async fn connect(
                 closed += 1;
             }
             Ok(Err(WireError::Refused(why))) => return Err(why),
+            // The drive may start later: the number of attempts is not limited.
             _ => {}
         }
         sleep(RETRY_INTERVAL).await;

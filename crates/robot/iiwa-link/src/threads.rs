@@ -62,6 +62,7 @@ impl ThreadGroup {
 
 impl Drop for ThreadGroup {
     fn drop(&mut self) {
+        // Relaxed: the flag does not guard other data, and `join` synchronises.
         self.shutdown.store(true, Ordering::Relaxed);
         for thread in self.threads.drain(..) {
             // A thread that has panicked has also ended.

@@ -24,6 +24,7 @@ pub(crate) fn channel<const N: usize>(
         let Stretch::Free { chord, step } = &stretches[index] else { return None };
         let arc_m = arcs_m[index];
         let (chord, ends) = (*chord, rate_sources(stretches, index));
+        // Without neighbours, a parabola is not defined: a single SPL is a straight line.
         if ends == [RateSource::End; 2] {
             return Some(Linked::even([0.0; N], *step));
         }
@@ -47,6 +48,7 @@ pub(crate) fn channel<const N: usize>(
             RateSource::End => None,
         });
         let [start, end] = with_ends(rates, length, step, &carried);
+        // The curve is relative to the start of the segment, `end` to the knot at its end.
         let end = carried(step, &end);
         let curve = Quintic::hermite([&[0.0; N], step], [&start, &end], length);
         Some(Linked::new(link, curve.0.to_vec()))
@@ -59,6 +61,7 @@ fn link_at<const N: usize>(stretches: &[Stretch<N>], arcs_m: &[f64], knot: usize
     let sides = [knot - 1, knot];
     let chords = sides.map(|i| match &stretches[i] {
         Stretch::Free { chord, .. } => *chord,
+        // Does not occur: parabolas have free segments on both sides.
         Stretch::Given(_) => MIN_CHORD_RAD,
     });
     link_rates(sides.map(|i| arcs_m[i]), chords)

@@ -74,6 +74,7 @@ impl Shape {
         } else {
             x.sqrt()
         };
+        // The linear term is zero at a cusp.
         let [start, _, powers @ ..] = &self.curve.0;
         std::array::from_fn(|i| {
             let sum = powers.iter().rev().fold(Taylor::constant(0.0), |sum, c| sum * v + c[i]);
@@ -133,6 +134,7 @@ impl ChordCurve {
         let parts = [[from, half], [half, to]];
         let lengths = parts.map(|part| self.shape.length_m(part));
         let [first, second] = lengths;
+        // Relative to the length so far, to which the interval is added.
         let is_near = (first + second - whole_m).abs() <= TOLERANCE * (self.length_m() + whole_m);
         for (part, length_m) in parts.into_iter().zip(lengths) {
             if is_near || halvings == MAX_HALVINGS {

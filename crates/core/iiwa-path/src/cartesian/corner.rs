@@ -25,8 +25,9 @@ use iiwa_program::{Blend, CART_MM_MIN, MotionLimits, PathBlend, SUNRISE_REL_MIN}
 /// A blend between two motions, and the shares of both that it replaces.
 #[derive(Debug)]
 pub(crate) struct CurvedCorner {
-    /// Share of the end of the first motion, and of the start of the second.
+    /// Replaced share of the first motion, at its end, and of the second, at its start.
     pub(crate) shares: [f64; 2],
+    /// The blend as a curve in joint space.
     pub(crate) image: JointSpline,
     /// Angle between both directions: of the TCP between two TCP paths, otherwise in joint space.
     pub(crate) gamma_deg: f64,
@@ -61,6 +62,7 @@ impl CurvedCorner {
                 let (gamma_rad, kappa) = if goes {
                     let (a, b) = (scaled(1.0 / norm(&into), &into), scaled(1.0 / norm(&out), &out));
                     let sum = std::array::from_fn(|i| a[i] + b[i]);
+                    // Unlike an arc cosine, precise near 0 and 180 deg.
                     let gamma_rad = 2.0 * norm(&sub(&b, &a)).atan2(norm(&sum));
                     (gamma_rad, options.blend_shape.tcp_kappa(robot, gamma_rad.to_degrees()))
                 } else {
@@ -86,6 +88,7 @@ impl CurvedCorner {
                 let (into, out) = (rate(&parts[0], 1.0)?, rate(&parts[1], 0.0)?);
                 let gamma_rad = vector::angle(&vector::unit(&into), &vector::unit(&out));
                 let kappa = options.blend_shape.kappa(robot, gamma_rad.to_degrees());
+                // The following motion determines TCP and limits, as far as it has a TCP path.
                 let tool = paths.into_iter().flatten().next_back();
                 let tcp = tool.map_or(Pose::IDENTITY, |path| path.curve.flange.inverse());
                 let blend = JointBlend {
@@ -162,6 +165,7 @@ fn shares(
             _ => None,
         };
         let all = [by_way, by_turn, by_share];
+        // The smallest zone counts; at most half, so that two blends of a motion do not overlap.
         Some(all.into_iter().flatten().fold(HALF, f64::min))
     };
     let mut shares = [share(0)?, share(1)?];

@@ -110,6 +110,7 @@ impl JointCurve for TcpCurve {
 
     fn tool_way(&self, s: f64) -> ToolWay {
         if self.wrist.is_some() {
+            // A curve that the robot cannot follow was refused when its image was computed.
             let joints = self.at(Taylor::variable(s));
             return joints.map_or_else(
                 |_| ToolWay::default(),
@@ -251,6 +252,7 @@ impl TcpBlend {
 
 impl JointCurve for TcpBlend {
     fn at(&self, s: Taylor) -> Result<MovingJoints, CurveFault> {
+        // One TCP (see `joins_in_space`), and the status does not change along TCP paths.
         let TcpCurve { robot, flange, status, .. } = &*self.parts[0].curve;
         let (tcp, e1) = self.pose(s);
         joints_of(robot, &tcp, flange, e1, *status)

@@ -88,6 +88,7 @@ pub(crate) struct Linked<const N: usize> {
 
 impl<const N: usize> Linked<N> {
     pub(crate) fn new(link: Option<Quintic<1>>, mut powers: Vec<[f64; N]>) -> Self {
+        // Without trailing zeros, `is_zero` and `linear` recognise simple cases by the length.
         let len = powers.iter().rposition(|power| *power != [0.0; N]).map_or(0, |last| last + 1);
         powers.truncate(len);
         Self { link, powers }

@@ -49,6 +49,7 @@ pub(crate) fn parts(
         let [(from, starts_at_cusp), (to, ends_at_cusp)] = [ends[0], ends[1]];
         match [starts_at_cusp, ends_at_cusp] {
             [true, true] => {
+                // A `ChordCurve` has one cusp at most: two halves, without a stop between them.
                 let whole = between(curve, [from, to], [true, true]);
                 for (range, cusp) in [([0.0, 0.5], Cusp::Start), ([0.5, 1.0], Cusp::End)] {
                     let curve = ChordCurve::new(whole.part(range), Some(cusp));
@@ -71,6 +72,7 @@ pub(crate) fn parts(
 /// Returns the curve between two shares of the chord, with first derivatives of exactly zero where
 /// it reverses.
 fn between(curve: &Quintic<3>, [from, to]: [f64; 2], cusps: [bool; 2]) -> Quintic<3> {
+    // Not recomputed, so that the rates at the knots remain exact.
     if [from, to] == [0.0, 1.0] {
         return *curve;
     }
@@ -98,6 +100,7 @@ fn reversals(curve: &Quintic<3>, chord_m: f64) -> Vec<f64> {
     let mut found = Vec::new();
     for i in 0..SAMPLES {
         let [mut low, mut high] = [at(i), at(i + 1)];
+        // Only minima of the speed: its slope changes from negative to positive.
         if !(slope(low) < 0.0 && slope(high) >= 0.0) {
             continue;
         }

@@ -62,6 +62,7 @@ impl<'a> Site<'a> {
     ) -> Found<TcpCourse> {
         let (_, aux) = self.frame("aux", &circ.aux)?;
         if let Some(angle) = circ.angle_rad
+            // Up to one turn, with the rounding error of the conversion from degrees.
             && !(angle.abs() > 0.0 && angle.abs() <= TAU * (1.0 + 1e-12))
         {
             let found_deg = angle.to_degrees();
@@ -126,6 +127,7 @@ impl Site<'_> {
         self.robot.limits().check(&to_rad).map_err(CartesianFault::Outside)?;
         let [point, at_end] = [from_rad, &to_rad]
             .map(|joints| FlangePoint::new(self.robot, self.tcp.position_m, joints));
+        // `FlangePoint` contains signs of the inverse kinematics, which the path cannot change.
         if point != at_end {
             return Err(CartesianFault::OtherSide);
         }

@@ -120,6 +120,7 @@ impl TcpCourse {
         let centre = std::array::from_fn(|i| from.position_m[i] + to_centre[i]);
         let u = scaled(-1.0, &to_centre);
         let v = cross(&axis, &u);
+        // About `axis` = a x b, the auxiliary point precedes the end: angles are positive.
         let angle_of = |point: &Vec3<f64>| {
             let d = sub(point, &centre);
             dot(&d, &v).atan2(dot(&d, &u)).rem_euclid(std::f64::consts::TAU)
@@ -284,6 +285,7 @@ impl TcpCourse {
             Length::Turn(turn_rad) => (1, turn_rad),
         };
         if let Some(rates) = self.even_rates() {
+            // Never reached without motion: another zone counts, or half of the motion.
             return if rates[which] > NOTHING { length / rates[which] } else { f64::INFINITY };
         }
         let nodes = self.rising_lengths();
@@ -291,6 +293,7 @@ impl TcpCourse {
         if whole <= NOTHING {
             return f64::INFINITY;
         }
+        // Above 1: callers limit the share to half of the motion.
         if length >= whole {
             return length / whole;
         }

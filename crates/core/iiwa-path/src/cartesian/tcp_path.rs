@@ -15,6 +15,7 @@ use iiwa_program::{CartesianFault, MotionLimits};
 #[derive(Clone, Debug)]
 pub(crate) struct TcpPath {
     pub(crate) curve: Arc<TcpCurve>,
+    /// The path as a curve in joint space.
     pub(crate) image: Arc<JointSpline>,
     /// dsigma/ds, in rad.
     pub(crate) rate_rad: f64,
@@ -61,6 +62,7 @@ impl TcpCurve {
     /// Converts a failure to follow the curve into a fault.
     pub(crate) fn fault(&self, CurveFaultAt { s, fault }: CurveFaultAt) -> CartesianFault {
         match fault {
+            // The frame itself is out of reach, not the path to it.
             CurveFault::Unreachable(reason) if s == 1.0 => CartesianFault::Unreachable(reason),
             CurveFault::Unreachable(reason) => CartesianFault::UnreachableOnTheWay { s, reason },
             CurveFault::Singular(part) => {
@@ -92,6 +94,7 @@ impl TcpCurve {
         // On a spline segment, another E1 would also change the other segments.
         let [[from], [by]] = self.e1_rad.linear()?;
         let nearest = ((from + by).to_degrees() / STEP_DEG).round();
+        // Alternately above and below, the nearest first, up to 170 deg away.
         let tries = (1..=68).map(|k| {
             let away = f64::from((k + 1) / 2);
             STEP_DEG * if k % 2 == 0 { nearest - away } else { nearest + away }
@@ -103,6 +106,7 @@ impl TcpCurve {
                 let s = f64::from(i) / f64::from(SAMPLES);
                 other.at(Taylor::constant(s)).is_ok_and(|joints| {
                     let joints = joints.map(Number::value);
+                    // The start does not depend on the E1 at the target.
                     let starts = i == 0;
                     (starts || self.robot.singularity(&joints).least().0 > CLEAR)
                         && self.robot.limits().check(&joints).is_ok()

@@ -36,6 +36,7 @@ impl JointPath {
             let limits = self.limits_of(i);
             let [way_m, ..] = segment.tool_way(0.0).way_m;
             let speed = way_m / seconds;
+            // A limit that cannot become active is left out, so that the path can be shared.
             if !segment.has_even_tool_way() || top_speed(segment.as_ref(), limits) <= speed {
                 continue;
             }

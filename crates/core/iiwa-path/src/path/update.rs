@@ -55,6 +55,7 @@ impl JointPath {
             &program.motions[motion.index()],
             &program.workcell,
         );
+        // Equal curves with other limits are replaced as well: their timing changes.
         let changed = limits != self.limits[motion.index()];
         let is_same = |old: &Step, new: &Step| {
             let is_limited = matches!(new, Step::Move { motion: own, .. } if *own == motion);
@@ -71,6 +72,7 @@ impl JointPath {
         new.drain(..first);
         let after = replaced.start..replaced.start + new.len();
 
+        // All that can fail precedes the first change: after an error, the path is unchanged.
         self.carried = Arc::new(Carried::new(program));
         self.has_tools = has_tools(&motions);
         self.motions = Arc::new(motions);
@@ -82,6 +84,7 @@ impl JointPath {
     /// Indices of the steps of the motions in `range`.
     fn steps_of(&self, range: &Range<usize>) -> Range<usize> {
         let motion = |step: &Step| match step {
+            // A blend is built with the motion that it ends, but has the limits of the next one.
             Step::Move { blend: Some(corner), .. } => corner.motion.index(),
             Step::Move { motion, .. }
             | Step::Corner { motion }
@@ -96,6 +99,7 @@ impl JointPath {
 /// Motions whose steps may change with the motion at `index`.
 fn affected(motions: &[Motion], index: usize) -> Range<usize> {
     let is_ptp = |place: &usize| matches!(motions[*place], Motion::Ptp(_));
+    // The motion before is blended into this one.
     let first = (0..index).rev().find(is_ptp).unwrap_or(index);
     // The next motion is blended into the one after it.
     let last = (index + 1..motions.len()).filter(is_ptp).take(2).last().unwrap_or(index);

@@ -26,6 +26,7 @@ pub(super) fn line(segment: &LimitedSegment<'_>) -> Stamps {
     let length = segment.length_rad();
     let instants = phases(length, segment.straight(0.0));
     let mut usage = LimitUsage::default();
+    // The geometry of a line is the same at all places.
     let geometry = segment.geometry(&[0.0; PLACES]);
     for interval in instants.windows(2).map(ConstantJerk::new) {
         for (rates, dt) in interval.rates() {

@@ -51,6 +51,7 @@ fn receding(
 ) -> Result<Option<Stamps>, SolveError> {
     let mut stamper = Stamper::new(start_s, 0);
     let Some(first) =
+        // The caller solves the section as a whole if it is not longer than one part.
         part(segments, 0, None).filter(|first| first.window.range.end < segments.len())
     else {
         return Ok(None);

@@ -149,6 +149,7 @@ impl Stamper {
                 let [from, middle, to] = [0.0, 0.5, 1.0].map(share);
                 let place = part as usize % PLACES;
                 if place == 0 {
+                    // Places beyond the last part are not used.
                     let middles = std::array::from_fn(|i| share(i as f64 + 0.5).min(1.0));
                     geometry = segment.geometry(&middles.map(|f: f64| cell.from + f * cell.length));
                 }
@@ -174,6 +175,7 @@ impl Stamper {
             let length = segment.length_rad();
             self.begin(to_rest.segment);
             let dt = self.time_scale * solution.stop_s();
+            // The node before was the last of its cells and got neither way nor time.
             if let Some(before) = self.stamps.nodes.last_mut() {
                 (before.dp, before.dt_s) = (to_rest.length / length, dt);
             }

@@ -23,6 +23,7 @@ impl HeldSpeed {
                 is_near
             };
             let (before, from) = held.split_at_mut(k);
+            // `all` ends at the first point out of reach.
             let _ = before.iter_mut().rev().all(&mut hold);
             let _ = from.iter_mut().all(&mut hold);
         }
@@ -34,6 +35,7 @@ impl HeldSpeed {
         let next = self.places.partition_point(|[place, _]| *place <= sigma);
         let next = next.clamp(1, self.places.len() - 1);
         let ([from, slow], [to, fast]) = (self.places[next - 1], self.places[next]);
+        // Adjacent segments have a point at the same sigma.
         let share = if to > from { ((sigma - from) / (to - from)).clamp(0.0, 1.0) } else { 0.0 };
         slow + share * (fast - slow)
     }

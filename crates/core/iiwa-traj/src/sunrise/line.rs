@@ -90,6 +90,7 @@ const ROUNDING: f64 = 1e-12;
 /// without duration are dropped.
 pub(crate) fn instants(way: f64, limits: &RampedLine<'_>) -> Vec<ProfilePoint> {
     let halves = [0, 1].map(|end| Half::new(limits, end));
+    // A short line is not faster than its way over the minimum cruise time.
     let [speed, cruise] =
         top_speed(way, limits.speed.min(way / limits.law.least_cruise_s), &halves);
     let cruise_s = cruise / speed;

@@ -127,6 +127,7 @@ impl RampStart {
         // J + c sqrt(1.5 J v1) = Y is a quadratic equation in the square root of J.
         let b = limits.damping_per_s * (1.5 * speed).sqrt();
         let root = 2.0 * limits.jerk / (b + (b * b + 4.0 * limits.jerk).sqrt());
+        // At most the jerk with which this phase alone leads to the acceleration.
         Self { speed, jerk: (root * root).min(acceleration * acceleration / (1.5 * speed)) }
     }
 

@@ -59,6 +59,7 @@ impl LatencyRecorder {
     }
 
     pub(super) fn read(&self) -> AnswerLatency {
+        // Not a consistent snapshot: these are independent statistics.
         AnswerLatency {
             received: self.received.load(Relaxed),
             answered: self.answered.load(Relaxed),

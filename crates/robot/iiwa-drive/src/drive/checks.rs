@@ -67,6 +67,7 @@ pub(super) fn carry_out<C>(robot: &Robot, job: CheckJob<C>) -> CheckResult<C> {
     match job {
         CheckJob::Check(UncheckedRun { run, body, permit, at_rad }) => {
             let (id, task) = read(&body, robot, &at_rad);
+            // In this order: the permit bounds the number of long bodies in memory.
             drop((body, permit));
             CheckResult::Checked(CheckedRun { run, id, task })
         }
@@ -142,6 +143,7 @@ fn check_motions(
             "written out in full, the request has {bytes} bytes; at most {MAX_MOTIONS_BYTES} are allowed"
         )));
     }
+    // A measured position may be slightly outside the joint range.
     let program = list.clone().starting_at(robot.limits().clamp(at_rad));
     JointPath::new(&program, robot).map(drop).map_err(|fault| {
         let mut refusal = Refusal::of_fault(&fault);

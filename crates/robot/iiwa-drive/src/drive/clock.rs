@@ -42,10 +42,12 @@ impl Clock {
         let elapsed_s = self.elapsed_s(message, stamp_s);
         // Without time stamps, messages are assumed to be one cycle apart.
         let controller_s =
+            // Silence counts from one second on: shorter delays are jitter.
             stamp_s.unwrap_or_else(|| self.ahead_s + self.last_s + cycle_s.max(silence_s.floor()));
         if self.received.is_none() {
             self.ahead_s = controller_s;
         } else if self.restarted || controller_s <= self.ahead_s + self.last_s {
+            // The stream time continues: its stamps increase even if the clock was set back.
             self.ahead_s = controller_s - self.last_s - silence_s.max(cycle_s);
         }
         self.restarted = false;

@@ -19,7 +19,8 @@ use iiwa_link::{CABINET_INSTRUCTIONS_PORT, CABINET_STATE_PORT, FRI_PORT};
 pub struct DriveConfig {
     /// The robot. Trajectories are checked against its limits.
     pub robot: Robot,
-    /// Address for client requests, such as `tcp://127.0.0.1:5560`.
+    /// Address for client requests, such as `tcp://127.0.0.1:5560`; the address for instructions to
+    /// the robot program is `cabinet_instructions`.
     pub instructions: String,
     /// Address of the stream for subscribers.
     pub stream: String,

@@ -50,10 +50,12 @@ impl FriThread {
         self.ready.wait();
         let mut responder = Responder::new(self.cabinet, &self.limits);
         let mut buffer = [0; 2048];
+        // Room for a whole datagram, so that the loop does not allocate.
         let mut answer = Vec::with_capacity(1500);
         let mut deadline = None;
         loop {
             if shutdown.load(Ordering::Relaxed) {
+                // In each cycle, because a queued command may still start a trajectory.
                 responder.stop(false);
                 let deadline = *deadline.get_or_insert_with(|| Instant::now() + FINAL_STOP_TIMEOUT);
                 if !responder.moves() || Instant::now() >= deadline {
@@ -70,6 +72,7 @@ impl FriThread {
                 Err(error) => {
                     if !is_timeout(&error) {
                         tracing::warn!("FRI: {error}");
+                        // A persistent error must not occupy a processor with real-time priority.
                         std::thread::sleep(POLL_INTERVAL);
                     }
                     continue;

@@ -110,10 +110,12 @@ impl Governor {
             self.arm_rad = None;
             return;
         };
+        // Until the first set-point is sent, the reference follows the controller.
         if self.last.as_ref().is_none_or(|last| !last.is_sent) {
             self.last = Some(LastSetpoint::at(*arm_rad, [0.0; 7], step_s));
         }
         let most = self.limits.velocity_rad_s;
+        // Clamped to the limits, because braking starts at this velocity after `restart`.
         self.arm_speed = match self.arm_rad {
             Some(before) if elapsed_s > 0.0 => std::array::from_fn(|j| {
                 ((arm_rad[j] - before[j]) / elapsed_s).clamp(-most[j], most[j])
@@ -154,6 +156,7 @@ impl Governor {
         let last = self.last.as_mut()?;
         // A non-finite set-point counts as missing, so that the joints brake.
         let requested = requested.filter(|requested| requested.iter().all(|q| q.is_finite()));
+        // Never zero, because velocities are divided by it: messages may have equal time stamps.
         let step_s = if last.since_s > 0.0 { last.since_s } else { last.step_s };
         let span_s = 0.5 * (step_s + last.step_s);
         let mut moved: Option<(usize, f64)> = None;
@@ -182,6 +185,7 @@ impl Governor {
                 return requested[j];
             }
             let limited = if speed[j] == 0.0 { at } else { at + speed[j] * step_s };
+            // A joint that is outside its range does not jump into it.
             let limited = limited.clamp(lower.min(at), upper.max(at));
             if let Some(requested) = requested {
                 let by = (limited - requested[j]).abs();

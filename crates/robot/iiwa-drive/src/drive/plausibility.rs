@@ -153,6 +153,7 @@ impl Plausibility {
             }
             _ => 1,
         };
+        // Not while consistent messages arrive: the row would be from another sender.
         if row >= ROW && now.duration_since(received) >= period(latest) * ROW_PERIODS {
             let is_ahead = ahead(message.sequence, latest.sequence) > 0;
             let is_successor =
@@ -172,6 +173,7 @@ impl Plausibility {
         client: &Client,
     ) -> Verdict {
         let received = client.classify(message);
+        // A repeated message does not show that the controller is still sending.
         if received.is_fresh() {
             self.suspect = None;
             self.accepted = Some((from, now));
@@ -248,6 +250,7 @@ impl Plausibility {
         let Limits { velocity_rad_s, lower_rad, upper_rad, .. } = &self.limits;
         for j in 0..7 {
             let range = lower_rad[j] - RANGE_RAD..=upper_rad[j] + RANGE_RAD;
+            // A joint that is already outside its range must be able to return.
             if !range.contains(&joints_rad[j]) && range.contains(&before[j]) {
                 return Err("a joint is outside its range");
             }

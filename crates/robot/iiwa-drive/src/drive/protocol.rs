@@ -26,5 +26,6 @@ pub(super) fn check_protocol(hello: &Hello) -> Result<(), Refusal> {
 pub(super) fn acknowledge(mut frames: Frames) -> (Option<StateChange>, Frames) {
     let body = frames.pop().unwrap_or_default();
     frames.push(Bytes::from_static(RECEIVED.as_bytes()));
+    // A malformed state is acknowledged as well, otherwise it would be repeated forever.
     (from_json(&body), frames)
 }

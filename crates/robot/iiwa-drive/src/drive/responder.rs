@@ -70,6 +70,7 @@ impl Responder {
 
     /// Drains the events since the last call.
     pub(super) fn take_events(&mut self) -> impl Iterator<Item = FriEvent> + '_ {
+        // `drain` keeps the capacity: the real-time thread does not allocate again.
         self.events.drain(..)
     }
 
@@ -108,6 +109,7 @@ impl Responder {
 
     fn replace(&mut self, next: TrajectoryTask) {
         let old = std::mem::replace(&mut self.task, next);
+        // The dispatcher frees the task: freeing may take longer than a cycle permits.
         self.events.push(FriEvent::Freed(old));
     }
 
@@ -182,9 +184,11 @@ impl Responder {
             );
             self.task.fail(Refusal::robot(error), tick.t_s);
             self.governor.restart(step_s);
+            // From here on, the governor brakes.
             requested = None;
         }
         let is_answered = is_due && {
+            // Only for due answers: the governor bounds the differences of answers that are sent.
             let limited = self.governor.command(requested.as_ref());
             if let Some((j, by_rad)) = limited.as_ref().and_then(|limited| limited.moved) {
                 let error = format!(
@@ -233,6 +237,7 @@ impl Responder {
             _ => return,
         };
         self.task.fail(Refusal::robot(error), self.clock.last_s);
+        // Without messages, a standstill cannot be observed: the end is reported at once.
         self.governor.release();
         self.report_end(self.clock.last_s);
     }

@@ -119,6 +119,7 @@ impl<A> Running<A> {
     /// Records that the robot program has begun the run.
     pub(super) fn begun(&mut self, now: Instant) {
         self.phase = Phase::Begun;
+        // The first time counts: the outcome calls this function again.
         self.begun_at.get_or_insert(now);
     }
 

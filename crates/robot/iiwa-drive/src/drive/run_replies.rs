@@ -28,6 +28,7 @@ impl RunRecord {
 
     /// Returns the memory of a reply, in units of [`UNIT_BYTES`].
     fn units(&self) -> u32 {
+        // More than `UNITS` could never be acquired.
         let units = (self.samples * SAMPLE_BYTES).div_ceil(UNIT_BYTES).clamp(1, UNITS);
         u32::try_from(units).unwrap_or(u32::MAX)
     }

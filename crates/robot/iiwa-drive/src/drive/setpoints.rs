@@ -11,8 +11,8 @@ use iiwa_traj::playback::{Playback, STOP_S, TimedMotion};
 
 use super::clock::Tick;
 
-/// A trajectory that starts at the actual position: the difference to its first point fades within
-/// the first half second.
+/// A trajectory that starts at the robot's commanded position: the difference to its first point
+/// fades within the first half second.
 pub(super) struct OffsetTrajectory {
     trajectory: Box<TimedJoints>,
     difference_rad: Joints,
@@ -25,7 +25,7 @@ pub(super) struct OffsetTrajectory {
 /// acceleration limits, and the delay of the trajectory another 2 %.
 const FADE_S: f64 = 0.5;
 
-/// Difference up to which a trajectory is not prolonged, in rad.
+/// Largest difference for which a trajectory may be shorter than [`FADE_S`], in rad.
 const NEGLIGIBLE_RAD: f64 = 1e-5;
 
 impl OffsetTrajectory {
@@ -60,12 +60,13 @@ pub(super) enum TrajectoryTask {
     /// No trajectory.
     #[default]
     Idle,
-    /// The trajectory waits until the session commands.
+    /// The trajectory waits until the FRI session is in the state `CommandingActive`.
     Pending {
         run: RunId,
         trajectory: Box<TimedJoints>,
-        /// `true` if the session was in another state meanwhile, so that it commands for this
-        /// trajectory and not for the previous one.
+        /// `true` once the session was outside `CommandingActive`, or in a safety stop, since this
+        /// trajectory was received: the next commanding state then belongs to this trajectory and
+        /// not to the previous one.
         armed: bool,
     },
     /// Set-points of the trajectory are being sent.
@@ -77,8 +78,8 @@ pub(super) enum TrajectoryTask {
         /// Time spent waiting for arrival at the last set-point, in s.
         arriving_s: f64,
     },
-    /// The trajectory was aborted, and the robot is braking. The previous state is kept, to be
-    /// freed outside the real-time thread.
+    /// The trajectory was aborted or could not start; the robot is braking, or at rest. The
+    /// previous state is kept, to be freed outside the real-time thread.
     Braking(TrajectoryEnd, Box<TrajectoryTask>),
 }
 
@@ -139,7 +140,7 @@ pub(super) struct TrajectoryEnd {
     pub(super) start_s: f64,
     /// End on the stream time scale, in s.
     pub(super) end_s: f64,
-    /// The reason for an abort or a stop.
+    /// The reason for an abort or a stop, if the trajectory did not reach its end.
     pub(super) error: Option<Refusal>,
 }
 
@@ -150,7 +151,7 @@ const ARRIVED_RAD: f64 = 1e-4;
 const ARRIVAL_TIMEOUT_S: f64 = 1.0;
 
 impl TrajectoryTask {
-    /// Returns true if the trajectory has begun.
+    /// Returns true if the trajectory has begun, or was aborted and its end is not reported yet.
     pub(super) fn moves(&self) -> bool {
         matches!(self, Self::Running { .. } | Self::Braking(..))
     }
@@ -187,8 +188,9 @@ impl TrajectoryTask {
     }
 
     /// Advances to the time of a message. Returns the set-point, in rad, and the end of the
-    /// trajectory if it is complete. An aborted trajectory is `Braking` afterwards. A trajectory
-    /// begins only with an answer that `is_due`.
+    /// trajectory if it is complete. An aborted trajectory is `Braking` afterwards. `is_due`: the
+    /// controller expects an answer to this message, to every `receive_multiplier`-th one. A
+    /// trajectory begins only with such a message, because its first set-point is sent at once.
     pub(super) fn advance(
         &mut self,
         message: &Monitoring,
@@ -251,8 +253,8 @@ impl TrajectoryTask {
     }
 }
 
-/// Returns the joint (0 to 6) furthest from the last set-point and its distance in rad, unless the
-/// robot has arrived.
+/// Returns the joint (0 to 6) whose commanded position, as reported by the controller, is furthest
+/// from the last set-point, and the distance in rad; `None` below [`ARRIVED_RAD`].
 fn furthest(message: &Monitoring, setpoint: &Joints) -> Option<(usize, f64)> {
     let at = message.commanded_rad?;
     (0..7)
@@ -295,7 +297,8 @@ fn check_continuation(message: &Monitoring, parameters: Parameters) -> Result<()
     Ok(())
 }
 
-/// Starts the trajectory at the position of the robot, which may have moved since the check.
+/// Starts the trajectory at the robot's commanded position. The robot may have moved since the
+/// check.
 fn start(
     trajectory: &mut Box<TimedJoints>,
     message: &Monitoring,

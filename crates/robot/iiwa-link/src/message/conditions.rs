@@ -114,6 +114,7 @@ impl OperationMode {
 impl fmt::Display for OperationMode {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
+            // The name is external text, of any length and with any characters.
             Self::Other(name) => f.pad(&shortened(name)),
             known => f.pad(&known.name().to_ascii_uppercase()),
         }
@@ -133,6 +134,7 @@ impl<'de> Deserialize<'de> for OperationMode {
             "t1" => Self::T1,
             "t2" => Self::T2,
             "aut" => Self::Aut,
+            // Kept: an error would discard the whole state change for an unknown mode.
             _ => Self::Other(name),
         })
     }

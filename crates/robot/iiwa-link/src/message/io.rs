@@ -71,6 +71,7 @@ impl<'de> Deserialize<'de> for IoValue {
             fn visit_u64<E>(self, value: u64) -> Result<IoValue, E> {
                 Ok(IoValue::Digital(value))
             }
+            // Negative numbers only: `serde_json` passes all other integers to `visit_u64`.
             fn visit_i64<E>(self, value: i64) -> Result<IoValue, E> {
                 Ok(IoValue::Analog(value as f64))
             }

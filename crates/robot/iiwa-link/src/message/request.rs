@@ -132,8 +132,10 @@ impl Request {
         let Ok(text) = str::from_utf8(bytes) else {
             return (None, Err(Refusal::bad("the request is not text in UTF-8")));
         };
+        // A busy drive refuses requests by their head, without parsing a long trajectory.
         match serde_json::from_str::<Object<HeadKeys>>(text) {
             Ok(Object(HeadKeys { r#type, id })) => (id, Ok(RequestHead { r#type, text })),
+            // Also a refusal needs the id, by which the client assigns replies to requests.
             Err(error) => (id_of(text), Err(bad_json(text, &error))),
         }
     }
@@ -305,6 +307,7 @@ request!(ValueRequest { name: String, value: IoValue });
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
+// Not declared by the macro, whose keys are all required.
 struct TrajectoryRequest {
     #[serde(rename = "type")]
     _type: String,

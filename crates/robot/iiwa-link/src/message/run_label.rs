@@ -44,6 +44,7 @@ impl RunLabel {
     /// [`Code::BadRequest`](crate::message::Code::BadRequest) if the label is longer than
     /// [`MAX_LABEL_BYTES`].
     pub(crate) fn check(self) -> Result<Self, Refusal> {
+        // As published: subscribers bound the length of run messages by this maximum.
         let bytes = to_json(&self).len();
         if bytes > MAX_LABEL_BYTES {
             return Err(Refusal::bad(format!(

@@ -33,6 +33,7 @@ pub fn shortened(text: &str) -> String {
     const MAX_CHARS: usize = 60;
     let mut shown = String::new();
     for letter in text.chars() {
+        // Escaped text is ASCII: its bytes are its characters.
         if shown.len() >= MAX_CHARS {
             shown.push_str("...");
             break;

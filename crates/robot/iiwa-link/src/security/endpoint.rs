@@ -121,11 +121,13 @@ impl FromStr for Endpoint {
             Some(_) => return Err(refuse("only tcp://HOST:PORT is supported")),
             None => text,
         };
+        // The last colon: IPv6 addresses contain colons.
         let Some((host, port)) = address.rsplit_once(':') else {
             return Err(refuse("HOST:PORT is required"));
         };
         let port = match port {
             "*" => None,
+            // `parse` accepts a leading `+`.
             port if !port.starts_with('+') => match port.parse() {
                 Ok(0) | Err(_) => return Err(refuse("a port is from 1 to 65535, or *")),
                 Ok(port) => Some(port),

@@ -37,6 +37,7 @@ impl KeyPair {
     pub fn write(&self, folder: &Path, name: &str) -> Result<(PathBuf, PathBuf), SecurityError> {
         check_name(name)?;
         let paths = (folder.join(format!("{name}.key")), folder.join(format!("{name}.pub")));
+        // `persist` checks this again; here, both files are checked before either is written.
         for path in [&paths.0, &paths.1] {
             // A dangling link counts as existing.
             if path.symlink_metadata().is_ok() {
@@ -52,6 +53,7 @@ impl KeyPair {
             format!("# Public key `{name}` of iiwasim\ncurve\n    public-key = \"{public}\"\n");
         let secret_file = prepare(folder, &paths.0, &secret_text, 0o600)?;
         let public_file = prepare(folder, &paths.1, &public_text, 0o644)?;
+        // Both contents are on the disk before either file gets its name.
         persist(secret_file, &paths.0)?;
         if let Err(error) = persist(public_file, &paths.1) {
             let _ = fs::remove_file(&paths.0);
@@ -74,6 +76,7 @@ impl KeyPair {
             };
             return Err(SecurityError::KeyFile { path: path.to_owned(), what });
         };
+        // Only for secret keys: everyone may read a public key.
         if let Some(mode) = exposed(keys.mode) {
             return Err(SecurityError::Exposed { path: path.to_owned(), mode });
         }
@@ -123,6 +126,7 @@ impl Keys {
     fn read(path: &Path) -> Result<Self, SecurityError> {
         let refuse = |source| SecurityError::Read { path: path.to_owned(), source };
         let file = File::open(path).map_err(refuse)?;
+        // The mode of the open file: the path may refer to another file in the meantime.
         let mode = mode(&file.metadata().map_err(refuse)?);
         let mut bytes = Vec::new();
         file.take(MAX_BYTES).read_to_end(&mut bytes).map_err(refuse)?;
@@ -146,6 +150,7 @@ impl Keys {
             let refuse = |what: &str| Err((i + 1, what.to_owned()));
             let indented = line.starts_with([' ', '\t']);
             let line = line.trim();
+            // Metadata of CZMQ certificates may have any names.
             if line.is_empty() || line.starts_with('#') || (indented && in_metadata) {
                 continue;
             }
@@ -197,6 +202,7 @@ fn prepare(
     #[cfg(unix)]
     {
         use std::os::unix::fs::PermissionsExt as _;
+        // From creation on, so that others cannot read the secret at any time.
         builder.permissions(fs::Permissions::from_mode(mode));
     }
     #[cfg(not(unix))]
@@ -204,6 +210,7 @@ fn prepare(
     // The error is reported without the name of the temporary file.
     let file = builder.tempfile_in(folder).map_err(|error| refuse(error.kind().into()));
     let mut file = file?;
+    // Synchronised first: after a crash, a key file is complete or missing.
     file.write_all(text.as_bytes()).and_then(|()| file.as_file().sync_all()).map_err(refuse)?;
     Ok(file)
 }
@@ -213,6 +220,7 @@ fn persist(file: NamedTempFile, path: &Path) -> Result<(), SecurityError> {
     let path = path.to_owned();
     match file.persist_noclobber(&path) {
         Ok(_) => Ok(()),
+        // Another process has created the file since the check.
         Err(error) if error.error.kind() == io::ErrorKind::AlreadyExists => {
             Err(SecurityError::Exists { path })
         }

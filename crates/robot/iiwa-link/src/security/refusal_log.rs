@@ -27,6 +27,7 @@ impl RefusalLog {
             return false;
         }
         if self.entries.len() == CAPACITY {
+            // The oldest: entries are in the order of their time.
             self.entries.remove(0);
         }
         self.entries.push((address.to_owned(), key, now));

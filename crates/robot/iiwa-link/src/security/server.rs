@@ -51,10 +51,12 @@ impl ServerSecurity {
             let address = peer.peer_address.as_deref().unwrap_or_default();
             if let Some(name) = allowed.name(&key) {
                 tracing::info!(client = name, address, "admitted");
+                // Connection slots are counted by this name.
                 return AuthenticationResult::allow().with_user_id(name.as_bytes().to_vec());
             }
             // Each attempt has another port.
             let host = address.rsplit_once(':').map_or(address, |(host, _)| host);
+            // The log remains usable after a panic: it only limits the rate of messages.
             let mut refusals = refusals.lock().unwrap_or_else(PoisonError::into_inner);
             if refusals.record(host, Some(key)) {
                 tracing::warn!(address, key = %key, "refused: its key is not allowed");

@@ -28,6 +28,7 @@ pub(super) fn decode(text: &str) -> Result<[u8; 32], KeyTextError> {
         return Err(KeyTextError::Length { found });
     }
     let mut key = [0; 32];
+    // 64 bits, because five digits may exceed 32: 85^5 > 2^32.
     let (mut value, mut words) = (0_u64, key.chunks_exact_mut(4));
     for (i, character) in text.chars().enumerate() {
         let digit = DIGITS.iter().position(|digit| char::from(*digit) == character);

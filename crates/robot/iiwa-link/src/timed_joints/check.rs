@@ -47,6 +47,7 @@ impl TimedJoints {
     /// assert_eq!(refusal.code, Code::StartMismatch);
     /// ```
     pub fn check(&self, limits: &Limits, start_rad: &Joints) -> Result<(), Refusal> {
+        // First: all other checks rely on two points, increasing stamps and finite numbers.
         self.check_form()?;
         let start = &self.joints_rad[0];
         let off = |j: &usize| (start[*j] - start_rad[*j]).abs();

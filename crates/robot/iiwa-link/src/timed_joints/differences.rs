@@ -84,6 +84,7 @@ impl Points {
             before: before.len(),
             after: after.len(),
         };
+        // Relative to the start: short times added to large stamps would lose digits.
         points.t_s.extend(before.iter().rev().map(|t_s| -t_s));
         points.t_s.extend(stamps.iter().map(|stamp| stamp - start_s));
         points.t_s.extend(after.iter().map(|t_s| end_s + t_s));
@@ -105,6 +106,7 @@ impl Points {
         for start in 0..self.t_s.len() {
             place[0] = start;
             for k in 1..4 {
+                // Places only move forward, so that a long trajectory is checked in linear time.
                 place[k] = place[k].max(place[k - 1] + 1);
                 let from_s = self.t_s[place[k - 1]];
                 while self.t_s.get(place[k]).is_some_and(|t_s| t_s - from_s < at_least_s) {
@@ -175,6 +177,7 @@ impl Points {
 /// the last point.
 fn rest(step_s: f64) -> Vec<f64> {
     let [shortest_s, .., longest_s] = SPANS_S;
+    // The lower bound limits the number of points after a tiny step.
     let step_s = step_s.clamp(shortest_s, longest_s);
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "at most 75")]
     let count = (3.0 * longest_s / step_s).ceil() as u32 + 3;

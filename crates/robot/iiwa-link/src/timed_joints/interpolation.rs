@@ -14,6 +14,7 @@ impl TimedJoints {
     /// be the end of its range.
     #[must_use]
     pub fn at(&self, t_s: f64) -> Joints {
+        // An unchecked trajectory may have a different number of stamps and points.
         let count = self.t_s.len().min(self.joints_rad.len());
         let (stamps, points) = (&self.t_s[..count], &self.joints_rad[..count]);
         let ([first_s, ..], [first, .., last]) = (stamps, points) else {

@@ -80,6 +80,7 @@ impl Dialer {
 
 impl Drop for Dialer {
     fn drop(&mut self) {
+        // First, because the thread ends when the channel is closed.
         self.commands = None;
         if let Some(thread) = self.thread.take() {
             let _ = thread.join();
@@ -134,6 +135,7 @@ async fn exchange(
     }
     loop {
         timeout(TIMEOUT, wire.flush()).await.map_err(|_| WireError::Stalled(TIMEOUT))??;
+        // Both branches are cancellation-safe: the one that is dropped loses no input.
         tokio::select! {
             command = command_queue.recv() => match command {
                 Some(Command::Send(frames)) => wire.queue(&frames)?,
@@ -159,6 +161,7 @@ async fn connect(config: &WireConfig, to: &Endpoint) -> Wire {
         let refused_pause = REFUSED_INTERVAL.min(2 * pause);
         pause = match timeout(TIMEOUT, Wire::connect(to, config)).await {
             Ok(Ok(wire)) => return wire,
+            // Logged once: the attempts continue for as long as the peer refuses them.
             Ok(Err(WireError::Refused(why))) if logged != Some(why) => {
                 tracing::warn!("{to} refused the connection: {}", why.reason());
                 logged = Some(why);
@@ -166,6 +169,7 @@ async fn connect(config: &WireConfig, to: &Endpoint) -> Wire {
             }
             Ok(Err(error)) => {
                 tracing::trace!("{to}: {error}");
+                // An I/O error is usually a missing peer, which cannot log the attempts.
                 if matches!(error, WireError::Io(_)) { RETRY_INTERVAL } else { refused_pause }
             }
             Err(_) => {

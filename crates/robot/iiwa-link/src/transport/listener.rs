@@ -150,6 +150,7 @@ impl Listener {
         let places = open_files::places()?;
         let runtime = runtime().map_err(|source| LinkError::Thread { source })?;
         let listener = {
+            // Sockets are registered with the runtime that is entered.
             let _in_runtime = runtime.enter();
             bind(at).map_err(refuse)?
         };
@@ -160,12 +161,14 @@ impl Listener {
             backlog: config.backlog,
             is_urgent: config.is_urgent,
             places: Places::new(places),
+            // Handshakes and established connections have `places` each.
             descriptors: Arc::new(Semaphore::new(2 * places + CLOSING)),
             wire: WireConfig {
                 role: Role::Server,
                 kind: config.kind.socket_type(),
                 mechanism,
                 max_bytes: config.max_bytes,
+                // Bounds the memory of all peers together, whatever they announce.
                 long: Some(Arc::new(Semaphore::new(1))),
             },
             sink: Arc::new(sink),
@@ -190,6 +193,7 @@ impl Listener {
     /// Sends a message to a peer, unless it has disconnected. `hold` is dropped once the message is
     /// sent.
     pub fn send(&self, to: PeerId, frames: Frames, hold: Option<Box<dyn Send>>) {
+        // The table is locked: `try_send` does not wait for a slow peer.
         if let Some(peer) = self.shared.peers().connected.get(&to) {
             // If the inbox is full, the peer does not read the replies to its requests: they are
             // dropped.
@@ -201,6 +205,7 @@ impl Listener {
     /// the first frame.
     pub fn publish(&self, frames: &Frames) {
         for peer in self.shared.peers().connected.values() {
+            // During a handshake, the task of the connection does not read the inbox.
             if !peer.occupant.activity.stage.is_handshake() {
                 // A peer that does not keep up misses the message.
                 let _ = peer.inbox.try_send(Outgoing { frames: frames.clone(), hold: None });
@@ -211,6 +216,7 @@ impl Listener {
 
 impl Drop for Listener {
     fn drop(&mut self) {
+        // Stored until it is waited for: also a thread that has just started ends.
         self.shared.shutdown.notify_one();
         if let Some(thread) = self.thread.take() {
             let _ = thread.join();
@@ -291,6 +297,7 @@ impl Shared {
             HandshakeStep::Greeted => Stage::Greeted,
             HandshakeStep::Introduced => Stage::Introduced,
         };
+        // Steps are reported for each read: single bytes within a step do not count as activity.
         if let Some(peer) = self.peers().connected.get_mut(&id)
             && peer.occupant.activity.stage < stage
         {
@@ -307,6 +314,7 @@ impl Shared {
             peer.occupant.holder = Holder::Key(key);
         }
         let holder = peer.occupant.holder.clone();
+        // Still at the stage of a handshake, so that the connection cannot evict itself.
         peers.make_room(&self.places, false, &holder);
         if let Some(peer) = peers.connected.get_mut(&id) {
             peer.occupant.activity = Activity::now(Stage::Fresh);
@@ -350,6 +358,7 @@ fn accept(
         // at once.
         let _ = SockRef::from(&stream).set_send_buffer_size(SEND_BUFFER);
     }
+    // Room for the replies to all pending requests, at least.
     let (inbox, outgoing) = mpsc::channel(shared.backlog.max(2 * REQUEST_QUOTA));
     let id = {
         let mut peers = shared.peers();
@@ -358,6 +367,7 @@ fn accept(
         peers.next += 1;
         let id = peers.next;
         let occupant = Occupant { holder, activity: Activity::now(Stage::Silent) };
+        // Registered before its task starts: the task reports its steps to this entry.
         peers.connected.insert(id, Peer { occupant, inbox, task: None });
         id
     };
@@ -385,6 +395,7 @@ struct ConnectionGuard {
 
 impl Drop for ConnectionGuard {
     fn drop(&mut self) {
+        // The lock ends with this line: the sink may send, which locks the table again.
         self.shared.peers().connected.remove(&self.id);
         if self.established {
             (self.shared.sink)(Event::Disconnected(self.id));
@@ -419,6 +430,7 @@ async fn serve(
     // Dropped once all output is sent.
     let mut holds = Vec::new();
     loop {
+        // Replies do not name their requests: urgency ends when no request is pending.
         urgent &= activity.pending > 0;
         if activity.pending > 0 {
             activity.stage = if urgent { Stage::Urgent } else { Stage::Busy };
@@ -427,6 +439,7 @@ async fn serve(
         }
         shared.update(guard.id, activity);
         while wire.has_output() {
+            // Each part has its own time-out: a slow peer that makes progress is not disconnected.
             if let Ok(sent) = timeout(STALL_GRACE, wire.send_some()).await {
                 sent?;
             } else {
@@ -437,6 +450,7 @@ async fn serve(
         }
         holds.clear();
         tokio::select! {
+            // Output first: a peer that sends without pause does not delay its own replies.
             biased;
             Some(Outgoing { frames, hold }) = outgoing.recv() => {
                 if shared.kind.replies() {
@@ -448,6 +462,7 @@ async fn serve(
                     holds.extend(hold);
                 }
             }
+            // Beyond the quota, requests remain in the system's buffers, which block the peer.
             incoming = wire.receive(), if activity.pending < REQUEST_QUOTA => match incoming? {
                 Incoming::Message(received) => {
                     let pending = activity.pending + usize::from(shared.kind.replies());

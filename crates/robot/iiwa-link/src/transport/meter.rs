@@ -36,6 +36,7 @@ impl Meter {
                 bytes = rest;
                 self.begin_frame();
             }
+            // Also for a frame of length zero.
             if self.missing == 0 && self.frame_has_begun() {
                 self.end_frame();
             }
@@ -62,12 +63,14 @@ impl Meter {
         if self.frame_has_begun() {
             let length = self.header[1..].iter().fold(0, |sum, byte| sum << 8 | u64::from(*byte));
             self.missing = length;
+            // Saturating, because the peer may announce any length.
             self.announced = self.announced.saturating_add(length).saturating_add(FRAME_BYTES);
         }
     }
 
     fn end_frame(&mut self) {
         self.frames += 1;
+        // The last frame of a message, or a command, which always has one frame.
         if self.header[0] & (MORE | COMMAND) != MORE {
             self.announced = 0;
         }

@@ -33,6 +33,7 @@ pub(super) fn places() -> Result<usize, LinkError> {
 /// Returns the number of slots within `limit`; `None` means unlimited.
 fn places_within(limit: Option<u64>) -> Result<usize, LinkError> {
     let limit = limit.unwrap_or(u64::MAX);
+    // Twice, because each socket has slots for handshakes and for established connections.
     let places = (limit.saturating_sub(RESERVED) / (2 * LISTENERS)).min(MAX_PLACES);
     if places < MIN_PLACES {
         let needed = RESERVED + 2 * LISTENERS * MIN_PLACES;

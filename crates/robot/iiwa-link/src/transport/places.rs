@@ -44,6 +44,7 @@ pub(super) enum Holder {
 impl Holder {
     /// Returns the holder of connections from an address.
     pub(super) fn at(address: IpAddr) -> Self {
+        // IPv4 addresses that are mapped to IPv6 are the same machine.
         Self::Address(match address.to_canonical() {
             IpAddr::V6(v6) if !v6.is_loopback() => {
                 Ipv6Addr::from_bits(v6.to_bits() & (u128::MAX << 64)).into()
@@ -149,6 +150,7 @@ impl Places {
         let stage = over_share(&occupants)?;
         occupants.retain(|(_, it)| it.activity.stage == stage);
         let first = occupants.into_iter().min_by(|(id, it), (other_id, other)| {
+            // Ids break ties of equal instants: the older connection has the lower one.
             it.activity.eviction_order(&other.activity).then(id.cmp(other_id))
         });
         first.map(|(id, _)| id)
@@ -164,6 +166,7 @@ fn over_share(occupants: &[(PeerId, &Occupant)]) -> Option<Stage> {
     // Peers that do not read have no share.
     let share = |stage| if stage == Stage::Stalled { 0 } else { occupants.len() / SHARES };
     let over = counts.iter().find(|(stage, count)| **count > share(**stage));
+    // If all stages have exactly their share, the lowest one loses.
     over.or(counts.first_key_value()).map(|(stage, _)| *stage)
 }
 

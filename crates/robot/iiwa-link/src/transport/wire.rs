@@ -157,6 +157,7 @@ fn set_options(stream: &TcpStream) {
         .with_interval(Duration::from_secs(1))
         .with_retries(3);
     let _ = socket.set_tcp_keepalive(&keep_alive);
+    // Keep-alive probes are not sent while output is unacknowledged.
     #[cfg(target_os = "linux")]
     let _ = socket.set_tcp_user_timeout(Some(Duration::from_secs(10)));
 }
@@ -253,6 +254,7 @@ impl Wire {
             let greeting = GREETING_BYTES.saturating_sub(bytes).min(chunk.len());
             self.meter.read(&chunk[greeting..]);
             bytes += chunk.len();
+            // Before the codec reads it, so that the error names the missing keys.
             self.check_greeting(&chunk)?;
             if let Err(error) = self.codec.handle_input(chunk) {
                 // The pending output may contain the reason for the peer.
@@ -356,6 +358,7 @@ impl Wire {
         }
         let patience = self.long.as_ref().map_or(MAX_PAUSE, |(_, it)| it.patience(Instant::now()));
         timeout(patience, self.read_long()).await.map_err(|_| {
+            // Only the minimum rate shortens the time-out.
             if patience < MAX_PAUSE { WireError::Slow } else { WireError::Stalled(MAX_PAUSE) }
         })?
     }
@@ -388,6 +391,7 @@ impl Wire {
         if next.payload_len > SHORT_BYTES {
             let mut payload = vec![0; next.payload_len];
             if let Some((_, filled)) = self.codec.begin_supplied_payload_into(&mut payload)? {
+                // Kept in `self`: reception continues after a cancellation.
                 self.payload = Some((payload, filled));
             }
         }

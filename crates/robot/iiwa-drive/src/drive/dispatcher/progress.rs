@@ -23,6 +23,7 @@ impl<C> Dispatcher<C> {
         acknowledgement: Acknowledgement,
         now: Instant,
     ) {
+        // Acknowledgements of instructions that have timed out are ignored.
         let Some(purpose) = self.instructions.acknowledged(acknowledgement.seq) else { return };
         match (purpose, acknowledgement.error) {
             (Purpose::Query(requester, _), Some(error)) => self.reply(requester, Err(error)),
@@ -46,6 +47,7 @@ impl<C> Dispatcher<C> {
                     running.begun(now);
                 }
             }
+            // An end that fails is repeated with the next state of the run.
             (Purpose::End, _) => {}
         }
         self.send_next(now);
@@ -82,6 +84,7 @@ impl<C> Dispatcher<C> {
                     let error = "the robot program restarted during the run";
                     self.fail(run, Refusal::robot(error), now);
                 }
+                // Not at once: this state may have been sent before the run began.
                 _ if change.run != Some(run) && running.is_overdue(now) => {
                     let error = "the robot program no longer knows the run";
                     self.fail(run, Refusal::robot(error), now);
@@ -143,6 +146,7 @@ impl<C> Dispatcher<C> {
             FriEvent::Ended(end) => self.trajectory_ended(end, now),
             // The trajectory was stopped before it began.
             FriEvent::Discarded => self.end_by(Instruction::Stop, now),
+            // The task is freed with this event.
             FriEvent::Freed(_) => {}
         }
     }
@@ -179,6 +183,7 @@ impl<C> Dispatcher<C> {
                 self.fail(run, error, now);
             }
         }
+        // After `finish`: a run that has just ended no longer delays the replies to stops.
         self.reply_to_stoppers(now);
         self.send_next(now);
         self.refuse_overdue(now);
@@ -222,6 +227,7 @@ impl<C> Dispatcher<C> {
         if let RunStage::Running(running) = &mut self.stage
             && running.run == run
         {
+            // Without `begin`, planned motions never start; later, the run may have begun.
             if running.phase != Phase::Planning {
                 self.abandoned = Some(now);
             }
@@ -244,6 +250,7 @@ impl<C> Dispatcher<C> {
                 return;
             }
         };
+        // Also after a failure, when set-points may still be sent.
         if running.kind == DriveState::RunningTrajectory {
             self.outputs.push(Output::Fri(FriCommand::Release));
         }

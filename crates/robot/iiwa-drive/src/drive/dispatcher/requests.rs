@@ -56,6 +56,7 @@ impl<C> Dispatcher<C> {
         let is_free = self.check_protocol(now).and_then(|()| self.check_idle(now));
         let refusal = match is_free {
             Err(refusal) => refusal,
+            // The quota is for queries only: instructions of runs and stops are never refused.
             Ok(()) if self.instructions.is_full() => {
                 Refusal::robot("too many requests wait for the robot program")
             }
@@ -110,6 +111,7 @@ impl<C> Dispatcher<C> {
     /// Handles the result of a check.
     pub(in crate::drive) fn checked(&mut self, checked: CheckedRun, now: Instant) {
         let CheckedRun { run, id, task } = checked;
+        // A check cannot be interrupted: the reply to a withdrawn run waits for its id.
         if let Some(i) = self.withdrawn.iter().position(|(withdrawn, ..)| *withdrawn == run) {
             let (_, requester, refusal) = self.withdrawn.swap_remove(i);
             return self.reply(Requester { id, ..requester }, Err(refusal));
@@ -127,6 +129,7 @@ impl<C> Dispatcher<C> {
         let ready = task.and_then(|(task, label)| {
             self.check_idle(now)?;
             let observation = self.check_connected(now)?;
+            // Motions of the controller do not need commanding over FRI.
             if matches!(task, RunTask::Trajectory(_)) {
                 check_session(&observation)?;
             }
@@ -163,6 +166,7 @@ impl<C> Dispatcher<C> {
                 self.instruct(Instruction::RunMotions { run, motions }, Purpose::Plan(run), now);
             }
             RunTask::Trajectory(trajectory) => {
+                // First, so that the trajectory is pending before the session can command.
                 self.outputs.push(Output::Fri(FriCommand::Run(run, trajectory)));
                 self.instruct(Instruction::RunTrajectory { run }, Purpose::Begin(run), now);
             }

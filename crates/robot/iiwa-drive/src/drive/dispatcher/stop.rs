@@ -16,6 +16,7 @@ const STOP_TIMEOUT: Duration = Duration::from_secs(4);
 
 impl<C> Dispatcher<C> {
     pub(super) fn serve_stop(&mut self, requester: Requester<C>, now: Instant) {
+        // Also withdraws runs whose requests are still arriving: see `check_free`.
         self.stopped = Some(now);
         self.stop("stopped on request", now);
         // A run of a previous drive, or a robot that is not known to be at rest.
@@ -58,6 +59,7 @@ impl<C> Dispatcher<C> {
                     self.withdrawn.push((run, requester, before()));
                 }
             }
+            // Not instructed to begin, so the robot program discards the motions by itself.
             RunStage::Running(running) if running.phase == Phase::Planning => {
                 let run = running.run;
                 self.fail(run, before(), now);

@@ -52,6 +52,7 @@ pub(super) fn listen(udp: &UdpSocket, controller: IpAddr) -> FriFindings {
         };
         let message = client.decode(&buffer[..length]);
         if from.ip() != controller {
+            // Other datagrams do not show the address of a controller.
             found.other = message.ok().map(|_| from.ip()).or(found.other);
             continue;
         }
