@@ -37,11 +37,17 @@ mod urdf;
 mod validate;
 mod values;
 
-use std::ffi::OsString;
+use std::{
+    env,
+    ffi::{OsStr, OsString},
+    io::{self, Write},
+    process,
+};
 
-use clap::{Arg, CommandFactory, FromArgMatches, Parser, Subcommand};
+use clap::{Arg, CommandFactory, FromArgMatches, Parser, Subcommand, builder::Resettable};
 
 use crate::{
+    failure::{Failure, print_note},
     features,
     settings::{self, Settings},
 };
@@ -118,7 +124,7 @@ impl Arguments {
                     arg.allow_negative_numbers(true)
                 }
             };
-            command.mut_args(number).after_help(EXIT_CODES)
+            command.mut_args(number).mut_args(without_empty_variable).after_help(EXIT_CODES)
         })
     }
 
@@ -129,8 +135,27 @@ impl Arguments {
         let arguments = with_optional_values(std::env::args_os());
         let matches = command
             .try_get_matches_from(arguments)
-            .unwrap_or_else(|error| features::explain(error).exit());
-        Self::from_arg_matches(&matches).unwrap_or_else(|error| error.exit())
+            .unwrap_or_else(|error| leave(&features::explain(error)));
+        Self::from_arg_matches(&matches).unwrap_or_else(|error| leave(&error))
+    }
+}
+
+/// Ignores an empty variable: compose files and CI set variables that have no value.
+fn without_empty_variable(arg: Arg) -> Arg {
+    let is_empty = |name: &OsStr| env::var_os(name).is_some_and(|value| value.is_empty());
+    if arg.get_env().is_some_and(is_empty) { arg.env(Resettable::Reset) } else { arg }
+}
+
+/// Prints help, the version or an error, and exits. Unlike [`clap::Error::exit`], this reports a
+/// standard output that cannot be written.
+fn leave(error: &clap::Error) -> ! {
+    let printed = error.print().and_then(|()| io::stdout().flush());
+    match printed {
+        Err(failure) if !error.use_stderr() && failure.kind() != io::ErrorKind::BrokenPipe => {
+            print_note(&Failure::run("cannot write to standard output", &failure).text());
+            process::exit(1)
+        }
+        _ => process::exit(error.exit_code()),
     }
 }
 

@@ -148,9 +148,12 @@ impl FromStr for OtherRobot {
 
 /// A host and a port.
 pub(super) fn address(text: &str) -> Result<String, String> {
-    let port = text.rsplit_once(':').filter(|(host, _)| !host.is_empty()).map(|(_, port)| port);
-    match port.map(str::parse::<u16>) {
-        Some(Ok(port)) if port > 0 => Ok(text.to_owned()),
-        _ => Err("the form is HOST:PORT".to_owned()),
+    let form = || "the form is HOST:PORT, without a scheme; IPv6 as [ADDRESS]:PORT".to_owned();
+    let (host, port) = text.rsplit_once(':').ok_or_else(form)?;
+    let is_address = host.starts_with('[') && host.ends_with(']');
+    let is_host = is_address || !host.is_empty() && !host.contains([':', '/']);
+    match port.parse::<u16>() {
+        Ok(port) if port > 0 && is_host => Ok(text.to_owned()),
+        _ => Err(form()),
     }
 }

@@ -1,11 +1,11 @@
 //! Warnings about programs that can be planned.
 
-use iiwa_path::{JointPath, TurnContradiction};
+use iiwa_path::{JointPath, Step, TurnContradiction};
 use iiwa_program::{Program, Start};
 
 /// Warnings about a program with this path, as messages for the user: a start frame without E1 or
-/// status, targets whose turn contradicts the joint positions, splines with TCP stops, and a final
-/// blend without a following motion.
+/// status, targets whose turn contradicts the joint positions, splines with TCP stops, and blends
+/// without a following motion or into one that does not move.
 #[must_use]
 pub fn warnings(program: &Program, path: &JointPath) -> Vec<String> {
     let turns = TurnContradiction::all(program, path.robot()).unwrap_or_default();
@@ -19,8 +19,21 @@ pub fn warnings(program: &Program, path: &JointPath) -> Vec<String> {
     let end = program.blend_at_the_end().map(|motion| {
         format!("motion {motion} is the last one: its blend has nothing to blend into, and the arm stops")
     });
+    let into_standstill = path.steps().iter().filter_map(|step| {
+        let Step::Settle { motion, still: true, .. } = step else { return None };
+        let blended = program.blend_into(*motion)?;
+        Some(format!(
+            "motion {motion} does not move: the blend of motion {blended} has nothing to blend into, and the arm stops"
+        ))
+    });
     let turns = turns.iter().map(ToString::to_string);
-    open_start(program).into_iter().chain(turns).chain(stops).chain(end).collect()
+    open_start(program)
+        .into_iter()
+        .chain(turns)
+        .chain(stops)
+        .chain(into_standstill)
+        .chain(end)
+        .collect()
 }
 
 /// Warning about the redundancy parameters that a start frame leaves open.

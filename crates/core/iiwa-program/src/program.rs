@@ -102,6 +102,15 @@ impl Motion {
         }
     }
 
+    /// Returns true for a motion with a blend that has an effect.
+    fn has_blend(&self) -> bool {
+        match self {
+            Self::Ptp(ptp) => ptp.blend.is_some_and(Blend::has_effect),
+            Self::Cartesian(own) => own.blend.is_some(),
+            Self::Wait { .. } | Self::Load(_) => false,
+        }
+    }
+
     /// Returns true for a wait during which the robot may move.
     #[must_use]
     pub fn is_overlapping_wait(&self) -> bool {
@@ -388,12 +397,15 @@ impl Program {
     #[must_use]
     pub fn blend_at_the_end(&self) -> Option<MotionIndex> {
         let last = self.motions.iter().rposition(|entry| !entry.is_overlapping_wait())?;
-        let blends = match self.motions.get(last)? {
-            Motion::Ptp(ptp) => ptp.blend.is_some_and(Blend::has_effect),
-            Motion::Cartesian(own) => own.blend.is_some(),
-            Motion::Wait { .. } | Motion::Load(_) => false,
-        };
-        blends.then(|| MotionIndex::new(last))
+        self.motions[last].has_blend().then(|| MotionIndex::new(last))
+    }
+
+    /// Motion before `motion`, if it has a blend into it.
+    #[must_use]
+    pub fn blend_into(&self, motion: MotionIndex) -> Option<MotionIndex> {
+        let before = self.motions.get(..motion.index())?;
+        let previous = before.iter().rposition(|entry| !entry.is_overlapping_wait())?;
+        self.motions[previous].has_blend().then(|| MotionIndex::new(previous))
     }
 }
 
