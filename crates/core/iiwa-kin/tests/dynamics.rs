@@ -68,8 +68,8 @@ fn agrees_with_pinocchio() {
             (dynamics.kinetic_energy_j(&q, &qd), "kinetic_energy_j"),
             (dynamics.potential_energy_j(&q), "potential_energy_j"),
         ];
-        for (found, key) in energies {
-            worst = worst.max((found - case[key].as_f64().unwrap()).abs());
+        for (actual, key) in energies {
+            worst = worst.max((actual - case[key].as_f64().unwrap()).abs());
         }
         let matrix = dynamics.mass_matrix(&q);
         let diagonal = std::array::from_fn(|j| matrix[j][j]);
@@ -87,14 +87,14 @@ fn built_in_links_are_those_of_lbr_description() {
         if case["inertials"].as_str().unwrap().starts_with("lbr_description") {
             let robot = Robot::built_in(case["robot"].as_str().unwrap()).unwrap();
             let robot = robot.with_flange_m(case["flange_m"].as_f64().unwrap()).unwrap();
-            let own = robot.dynamics().with_gravity_m_s2(read(&case["gravity_m_s2"]));
+            let dynamics = robot.dynamics().with_gravity_m_s2(read(&case["gravity_m_s2"]));
             let q = read(&case["q_rad"]);
             let without_load = arm(&{
                 let mut case = case.clone();
                 case["load"] = Value::Null;
                 case
             });
-            assert_eq!(own.gravity_torques(&q), without_load.gravity_torques(&q));
+            assert_eq!(dynamics.gravity_torques(&q), without_load.gravity_torques(&q));
             compared += 1;
         }
     }
@@ -124,8 +124,8 @@ fn holds_what_it_weighs() {
     }
 }
 
-fn joints(most: f64) -> impl Strategy<Value = Joints> {
-    prop::array::uniform7(-most..most)
+fn joints(limit: f64) -> impl Strategy<Value = Joints> {
+    prop::array::uniform7(-limit..limit)
 }
 
 prop_compose! {

@@ -73,11 +73,11 @@ fn blends_of_the_tcp_may_have_a_kappa_of_their_own() {
     let same = read(", \"tcp_blend_kappa\": [-3, 0.01, 0.0002]");
     assert_eq!(same, plain);
     assert!(!same.to_profile().contains("tcp_blend_kappa"));
-    let own = read(", \"tcp_blend_kappa\": [-1, 0, 0]");
-    assert_eq!((own.kappa(0.0), own.tcp_kappa(0.0)), (-3.0, -1.0));
-    assert!(own.to_profile().contains("tcp_blend_kappa"));
+    let changed = read(", \"tcp_blend_kappa\": [-1, 0, 0]");
+    assert_eq!((changed.kappa(0.0), changed.tcp_kappa(0.0)), (-3.0, -1.0));
+    assert!(changed.to_profile().contains("tcp_blend_kappa"));
     // Changing kappa of joint blends does not change the measured kappa of TCP blends.
-    let again = own.with_blend_kappa([1.0, 0.0, 0.0]);
+    let again = changed.with_blend_kappa([1.0, 0.0, 0.0]);
     assert_eq!((again.kappa(0.0), again.tcp_kappa(0.0)), (1.0, -1.0));
 }
 
@@ -96,14 +96,14 @@ fn ranges_need_not_be_symmetric() {
     assert_eq!(outside.to_string(), "joint A5 is at 0 deg; its range is 10 to 20 deg");
     assert!(limits.check(&limits.clamp(&[0.0; 7])).is_ok());
     for (share, expected) in [(-1.0, limits.lower_rad), (1.0, limits.upper_rad)] {
-        let found = limits.at_shares(&[share; 7]);
-        assert!((0..7).all(|j| (found[j] - expected[j]).abs() < 1e-15), "{found:?}");
+        let actual = limits.at_shares(&[share; 7]);
+        assert!((0..7).all(|j| (actual[j] - expected[j]).abs() < 1e-15), "{actual:?}");
     }
     // The URDF has the limits, too.
     assert!(robot.to_urdf().contains(&format!("lower=\"{}\"", 10_f64.to_radians())));
 
     let symmetric = ranges.replace("[-170, 170]", "[170, -170]");
-    for (keys, what) in [
+    for (keys, message) in [
         (
             range(&symmetric),
             "position_range_deg: upper limit of joint A3 is -170.0; it must be at least 170.001 and at most 360.0",
@@ -118,7 +118,7 @@ fn ranges_need_not_be_symmetric() {
             "both position_limit_deg and position_range_deg are given; keep one of them",
         ),
     ] {
-        assert_eq!(refused(&text(&keys)).what(), what);
+        assert_eq!(refused(&text(&keys)).message(), message);
     }
 }
 
@@ -154,7 +154,7 @@ fn links_are_bodies() {
     assert_eq!(heavy.links(), robot.links());
     assert_eq!(Robot::from_profile(&heavy.to_profile()).unwrap(), heavy);
 
-    for (keys, what) in [
+    for (keys, message) in [
         (
             both.replace("2.001", "2.01"),
             "link_mass_kg: link 2 is 2.01, and 2.0 in links; keep one of the keys".to_owned(),
@@ -184,7 +184,7 @@ fn links_are_bodies() {
         (r#""ramps": { "spline_bend_rel": 0 }"#.to_owned(),
          "ramps: spline_bend_rel is 0.0; it must be above 0 and at most 1000000000.0".to_owned()),
     ] {
-        assert_eq!(refused(&text(&keys)).what(), what);
+        assert_eq!(refused(&text(&keys)).message(), message);
     }
 }
 
@@ -210,7 +210,7 @@ fn what_is_given_is_no_assumption() {
             format!(r#"{{ "version": 1, "base": "lbr_iiwa_14_r820", "{key}": [{numbers}] }}"#);
         Robot::from_profile(&text).unwrap()
     };
-    for (what, key, numbers) in [
+    for (quantity, key, numbers) in [
         ("acceleration", "acceleration_limit_deg_s2", "1, 2, 3, 4, 5, 6, 7"),
         ("jerk", "jerk_limit_deg_s3", "1, 2, 3, 4, 5, 6, 7"),
         ("masses", "link_mass_kg", "1, 2, 3, 4, 5, 6, 7, 8"),
@@ -218,7 +218,7 @@ fn what_is_given_is_no_assumption() {
         ("acceleration", "acceleration_limit_deg_s2", "425, 425, 500, 375, 650, 675, 675"),
     ] {
         let robot = read(key, numbers);
-        assert!(!robot.assumes(what), "{what}");
+        assert!(!robot.assumes(quantity), "{quantity}");
         assert_eq!(robot.assumptions().len(), 3);
         assert_eq!(Robot::from_profile(&robot.to_profile()).unwrap(), robot);
     }
@@ -234,8 +234,11 @@ fn assert_refused(cases: &[Refused]) {
         let place = error.place();
         assert_eq!((place.line, place.column), (line, column), "{text}: {error}");
         assert_eq!(&text[place.span.clone()], span, "{text}: {error}");
-        assert!(error.what().contains(message), "{text}: {error}");
-        assert_eq!(error.to_string(), format!("{}, at line {line}, column {column}", error.what()));
+        assert!(error.message().contains(message), "{text}: {error}");
+        assert_eq!(
+            error.to_string(),
+            format!("{}, at line {line}, column {column}", error.message())
+        );
     }
 }
 

@@ -142,15 +142,15 @@ fn another_model_is_told_by_its_first_joint() {
 #[test]
 fn a_millimetre_is_told_by_its_joint() {
     let robot = Robot::default();
-    let own = robot.to_urdf();
+    let urdf = robot.to_urdf();
     // The upper arm ends at joint 4.
-    let error = robot.check_urdf(&own.replace("0 0 0.4\"", "0 0 0.401\""), None).unwrap_err();
+    let error = robot.check_urdf(&urdf.replace("0 0 0.4\"", "0 0 0.401\""), None).unwrap_err();
     let message = error.to_string();
     assert!(message.contains("axis of joint 4 (\"iiwa_joint_4\") is 1.000 mm"), "{message}");
-    let line = own.lines().position(|line| line.contains("\"iiwa_joint_4\"")).unwrap() + 1;
+    let line = urdf.lines().position(|line| line.contains("\"iiwa_joint_4\"")).unwrap() + 1;
     assert_eq!(error.place().line, line);
     assert!(message.ends_with(&format!("at line {line}, column 3")), "{message}");
-    assert!(message.starts_with(&error.what()) && !error.what().contains("line"));
+    assert!(message.starts_with(&error.message()) && !error.message().contains("line"));
     // A wrong direction of rotation.
     let text = other_frames().replace("0 1 0", "0 -1 0");
     let error = robot.check_urdf(&text, None).unwrap_err();
@@ -337,8 +337,8 @@ fn meshes_have_their_places() {
         assert_eq!(shapes.len(), count);
         for (k, mesh) in shapes.iter().enumerate() {
             let shift = if k == 0 { head.len() } else { 0 };
-            assert_eq!((mesh.at.line, mesh.at.column), (first + 2 * k, column + shift));
-            let tag = &text[mesh.at.span.clone()];
+            assert_eq!((mesh.place.line, mesh.place.column), (first + 2 * k, column + shift));
+            let tag = &text[mesh.place.span.clone()];
             assert!(tag.starts_with("<mesh") && tag.ends_with("/>"), "{tag}");
         }
     }
@@ -347,9 +347,9 @@ fn meshes_have_their_places() {
 proptest! {
     /// Any change to a valid file is either harmless or an error, never a panic.
     #[test]
-    fn never_panics(from in 0_usize..3000, length in 0_usize..40, with in "[<>/a='\" &;!\\[\\]?\\-0e9]{0,8}", own in any::<bool>()) {
+    fn never_panics(from in 0_usize..3000, length in 0_usize..40, with in "[<>/a='\" &;!\\[\\]?\\-0e9]{0,8}", is_model in any::<bool>()) {
         let robot = Robot::default();
-        let text = if own { robot.to_urdf() } else { other_frames() };
+        let text = if is_model { robot.to_urdf() } else { other_frames() };
         let from = from.min(text.len());
         let to = (from + length).min(text.len());
         let text = format!("{}{with}{}", &text[..from], &text[to..]);

@@ -92,10 +92,10 @@ impl RampsWire {
             ("stop_nm_s", self.stop_nm_s, &mut law.stop_nm_s),
         ] {
             let Some(given) = given else { continue };
-            for (index, found) in given.into_iter().enumerate() {
-                let what = || format!("{RAMPS}: {key} of joint A{}", index + 1);
+            for (index, value) in given.into_iter().enumerate() {
+                let quantity = || format!("{RAMPS}: {key} of joint A{}", index + 1);
                 let place = [Key(RAMPS), Key(key), Index(index)];
-                field[index] = checked(text, &place, found, MAX_NUMBER, what, SAME)?;
+                field[index] = checked(text, &place, value, MAX_NUMBER, quantity, SAME)?;
             }
         }
         for (key, given, field) in [
@@ -109,9 +109,9 @@ impl RampsWire {
             ("spline_ramp_reach", self.spline_ramp_reach, &mut law.spline.ramp_reach),
             ("spline_short_ramp_s", self.spline_short_ramp_s, &mut law.spline.short_ramp_s),
         ] {
-            let Some(found) = given else { continue };
-            let what = || format!("{RAMPS}: {key}");
-            *field = checked(text, &[Key(RAMPS), Key(key)], found, MAX_NUMBER, what, SAME)?;
+            let Some(value) = given else { continue };
+            let quantity = || format!("{RAMPS}: {key}");
+            *field = checked(text, &[Key(RAMPS), Key(key)], value, MAX_NUMBER, quantity, SAME)?;
         }
         Ok(law)
     }
