@@ -40,7 +40,7 @@ pub enum CartesianFault {
     },
     /// The path comes too close to a singular pose.
     #[error(
-        "at {:.1} % of the way, the arm is singular: {}{}", 100.0 * .s, what(*.part), hint(*.other_e1_deg)
+        "at {:.1} % of the way, the arm is singular: {}{}", 100.0 * .s, description(*.part), hint(*.other_e1_deg)
     )]
     Singular {
         /// Position of the fault, as a share of the path length.
@@ -168,7 +168,7 @@ impl CartesianFault {
     }
 }
 
-fn what(part: Option<SingularPart>) -> &'static str {
+fn description(part: Option<SingularPart>) -> &'static str {
     match part {
         Some(SingularPart::Shoulder) => "the wrist passes over joint A1, and E1 cannot be kept",
         Some(SingularPart::Elbow) => "A4 is at 0 and the arm stretched",

@@ -57,9 +57,12 @@ impl MotionLimits {
             Motion::Ptp(ptp) => {
                 Self::of_shares(robot, |kind| ptp.share(kind), ToolLimits::NONE, workcell)
             }
-            Motion::Cartesian(own) => {
-                Self::of_shares(robot, |kind| &own.shares[kind], own.tool_limits, workcell)
-            }
+            Motion::Cartesian(cartesian) => Self::of_shares(
+                robot,
+                |kind| &cartesian.shares[kind],
+                cartesian.tool_limits,
+                workcell,
+            ),
             Motion::Wait { .. } | Motion::Load(_) => {
                 Self::of_shares(robot, |_| &[1.0; 7], ToolLimits::NONE, workcell)
             }
@@ -72,11 +75,11 @@ impl MotionLimits {
     pub fn of_segment(
         robot: &Robot,
         spline: &CartesianMotion,
-        own: &SegmentLimits,
+        segment: &SegmentLimits,
         workcell: &Workcell,
     ) -> Self {
-        let shares = |kind| own.shares[kind].as_ref().unwrap_or(&spline.shares[kind]);
-        Self::of_shares(robot, shares, own.tool.or(&spline.tool_limits), workcell)
+        let shares = |kind| segment.shares[kind].as_ref().unwrap_or(&spline.shares[kind]);
+        Self::of_shares(robot, shares, segment.tool.or(&spline.tool_limits), workcell)
     }
 
     fn of_shares<'a>(

@@ -97,7 +97,7 @@ impl Motion {
     pub fn is_blocking(&self) -> bool {
         match self {
             Self::Ptp(ptp) => ptp.blocking,
-            Self::Cartesian(own) => own.blocking,
+            Self::Cartesian(cartesian) => cartesian.blocking,
             Self::Wait { .. } | Self::Load(_) => false,
         }
     }
@@ -280,7 +280,7 @@ impl Program {
     fn check_entry(&self, motion: MotionIndex, entry: &Motion) -> Result<(), Fault> {
         match entry {
             Motion::Ptp(ptp) => self.check_ptp(motion, ptp),
-            Motion::Cartesian(own) => self.check_cartesian(motion, own),
+            Motion::Cartesian(cartesian) => self.check_cartesian(motion, cartesian),
             Motion::Wait { seconds, .. } if !(0.0..=MAX_WAIT_S).contains(seconds) => {
                 Err(Fault::Wait { motion, found: *seconds, max_s: MAX_WAIT_S })
             }
@@ -342,17 +342,21 @@ impl Program {
         ptp.blend.map_or(Ok(()), |blend| self.check_blend(motion, blend))
     }
 
-    fn check_cartesian(&self, motion: MotionIndex, own: &CartesianMotion) -> Result<(), Fault> {
-        check_shares(motion, |kind| &own.shares[kind])?;
+    fn check_cartesian(
+        &self,
+        motion: MotionIndex,
+        cartesian: &CartesianMotion,
+    ) -> Result<(), Fault> {
+        check_shares(motion, |kind| &cartesian.shares[kind])?;
         let fault =
             |key, fault| Fault::Cartesian { motion: Some(motion), key, fault: Box::new(fault) };
-        own.tool_limits.check().map_err(|(key, problem)| fault(key, problem))?;
-        own.check_segments().map_err(|(key, problem)| fault(key, problem))?;
-        let Some(blend) = own.blend else { return Ok(()) };
-        if own.blocking {
+        cartesian.tool_limits.check().map_err(|(key, problem)| fault(key, problem))?;
+        cartesian.check_segments().map_err(|(key, problem)| fault(key, problem))?;
+        let Some(blend) = cartesian.blend else { return Ok(()) };
+        if cartesian.blocking {
             return Err(Fault::BlockingBlend { motion });
         }
-        blend.check(own.is_ptp()).map_err(|problem| fault("blend", problem))?;
+        blend.check(cartesian.is_ptp()).map_err(|problem| fault("blend", problem))?;
         match blend.in_joints() {
             Some(size) => self.check_blend(motion, size),
             // A blend given by orientation alone has no size to check.
@@ -361,12 +365,12 @@ impl Program {
     }
 
     fn check_blend(&self, motion: MotionIndex, blend: Blend) -> Result<(), Fault> {
-        let (found, max) = match blend {
+        let (size, max) = match blend {
             Blend::Fraction(b) => (b, 0.5),
             Blend::SunriseRel(x) => (x, 1.0),
             Blend::CartMm(r) => (r, f64::MAX),
         };
-        if !(0.0..=max).contains(&found) {
+        if !(0.0..=max).contains(&size) {
             return Err(Fault::Blend { motion, blend });
         }
         if blend.has_effect() { self.check_what_follows(motion) } else { Ok(()) }
@@ -390,7 +394,7 @@ impl Program {
         let last = self.motions.iter().rposition(|entry| !entry.is_overlapping_wait())?;
         let blends = match self.motions.get(last)? {
             Motion::Ptp(ptp) => ptp.blend.is_some_and(Blend::has_effect),
-            Motion::Cartesian(own) => own.blend.is_some(),
+            Motion::Cartesian(cartesian) => cartesian.blend.is_some(),
             Motion::Wait { .. } | Motion::Load(_) => false,
         };
         blends.then(|| MotionIndex::new(last))

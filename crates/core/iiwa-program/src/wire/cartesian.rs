@@ -164,7 +164,7 @@ type Wrong = (&'static str, String);
 
 impl LinWire {
     pub(super) fn motion(mut self) -> Result<Motion, Wrong> {
-        let to = std::mem::take(&mut self.frame).target().map_err(|what| ("frame", what))?;
+        let to = std::mem::take(&mut self.frame).target().map_err(|message| ("frame", message))?;
         Ok(self.on(Course::Lin { to }))
     }
 
@@ -175,11 +175,11 @@ impl LinWire {
 
 impl LinRelWire {
     pub(super) fn motion(mut self) -> Result<Motion, Wrong> {
-        let offset = self.offset.frame().map_err(|what| ("offset", what))?;
+        let offset = self.offset.frame().map_err(|message| ("offset", message))?;
         let within = match self.r#in.take() {
             None => None,
             Some(TargetRefWire::Named(name)) if name == TCP => None,
-            Some(within) => Some(within.target().map_err(|what| ("in", what))?),
+            Some(within) => Some(within.target().map_err(|message| ("in", message))?),
         };
         let e1_rad = self.e1_deg.map(f64::to_radians);
         Ok(self.on(Course::LinRel { offset, e1_rad, within }))
@@ -206,7 +206,8 @@ impl CircWire {
             aux: self.aux_orientation,
             end: self.end_orientation,
         };
-        let [aux, to] = [aux.map_err(|what| ("aux", what))?, to.map_err(|what| ("frame", what))?];
+        let [aux, to] =
+            [aux.map_err(|message| ("aux", message))?, to.map_err(|message| ("frame", message))?];
         Ok(self.on(Course::Circ(options.circ(aux, to))))
     }
 

@@ -313,7 +313,7 @@ impl ToolWire {
     fn tool(self) -> Result<Tool, String> {
         let tip = |(name, pose): (String, PoseWire)| match pose.frame() {
             Ok(frame) => Ok((name, frame)),
-            Err(what) => Err(format!("`{}`: {what}", excerpt(&name))),
+            Err(message) => Err(format!("`{}`: {message}", excerpt(&name))),
         };
         let load = self.load.map(|load| {
             if load.mass_kg >= 0.0 {
@@ -376,7 +376,7 @@ fn check_name(
     taken: &str,
     meaning: &str,
 ) -> Result<(), (&'static str, String, String)> {
-    let wrong = |what: String| Err((list, name.to_owned(), what));
+    let wrong = |message: String| Err((list, name.to_owned(), message));
     if name.is_empty() {
         wrong("a name has at least one character".to_owned())
     } else if name == taken {
@@ -400,17 +400,18 @@ pub(super) fn workcell(
         if wire.tips.contains_key("") {
             return Err(("tools", name, "the name of a tip has at least one character".to_owned()));
         }
-        let tool = wire.tool().map_err(|what| ("tools", name.clone(), what))?;
+        let tool = wire.tool().map_err(|message| ("tools", name.clone(), message))?;
         workcell.tools.insert(name, tool);
     }
     for (name, wire) in bases {
         check_name("bases", &name, ROBOT, "the robot's foot")?;
-        let frame = wire.written().frame(false).map_err(|what| ("bases", name.clone(), what))?;
+        let frame =
+            wire.written().frame(false).map_err(|message| ("bases", name.clone(), message))?;
         workcell.bases.insert(name, Base { frame, base: wire.base });
     }
     for (name, wire) in frames {
         check_name("frames", &name, TCP, "the TCP itself")?;
-        let target = wire.target().map_err(|what| ("frames", name.clone(), what))?;
+        let target = wire.target().map_err(|message| ("frames", name.clone(), message))?;
         workcell.frames.insert(name, target);
     }
     Ok(workcell)
