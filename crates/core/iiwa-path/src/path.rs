@@ -212,7 +212,7 @@ impl JointPath {
     #[must_use]
     pub fn limits_of(&self, step: usize) -> &MotionLimits {
         match &self.steps[step] {
-            Step::Move { limits: Some(own), .. } => own,
+            Step::Move { limits: Some(limits), .. } => limits,
             Step::Move { motion, .. }
             | Step::Corner { motion }
             | Step::Settle { motion, .. }
@@ -334,7 +334,7 @@ impl JointPath {
                 motion: *motion,
                 segment: segment.unsupervised().unwrap_or_else(|| Arc::clone(segment)),
                 blend: *blend,
-                limits: limits.as_ref().map(|own| Arc::new(own.unsupervised())),
+                limits: limits.as_ref().map(|limits| Arc::new(limits.unsupervised())),
             },
             rest => rest.clone(),
         });

@@ -99,7 +99,7 @@ fn stated_turn(program: &Program, target: &TargetRef) -> Option<Turn> {
 
 fn cartesian(motion: &Motion) -> Option<&CartesianMotion> {
     match motion {
-        Motion::Cartesian(own) => Some(own),
+        Motion::Cartesian(cartesian) => Some(cartesian),
         _ => None,
     }
 }

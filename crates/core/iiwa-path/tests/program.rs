@@ -66,8 +66,8 @@ fn degrees_and_radians_are_the_same_joints() {
         panic!("two motions")
     };
     let expected = [PI / 2.0, -PI / 4.0, PI / 6.0, PI / 3.0, PI, 0.0, PI / 180.0];
-    for (found, expected) in deg.target_rad.iter().zip(expected) {
-        assert!((found - expected).abs() < 1e-15);
+    for (actual, expected) in deg.target_rad.iter().zip(expected) {
+        assert!((actual - expected).abs() < 1e-15);
     }
     assert_eq!(rad.target_rad, [1.0, 2.0, 3.0, -1.0, -2.0, -3.0, 0.5]);
 }

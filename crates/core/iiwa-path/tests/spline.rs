@@ -88,8 +88,8 @@ fn it_goes_through_its_frames_without_a_stop() {
     for (way, segment) in moves.iter().zip(&segments) {
         let pose = pose(&way.at(1.0).q);
         let number = |key: &str| segment["frame"][key].as_f64().unwrap();
-        let found = pose.position_m.map(|m| 1e3 * m);
-        assert!(off(&found, &["x_mm", "y_mm", "z_mm"].map(number)) < 1e-6, "{found:?}");
+        let actual = pose.position_m.map(|m| 1e3 * m);
+        assert!(off(&actual, &["x_mm", "y_mm", "z_mm"].map(number)) < 1e-6, "{actual:?}");
         let angles = pose.abc_rad().map(f64::to_degrees);
         assert!(off(&angles, &["a_deg", "b_deg", "c_deg"].map(number)) < 1e-6, "{angles:?}");
     }
@@ -104,8 +104,8 @@ fn it_stays_in_the_plane_of_its_frames() {
     let x = pose(path.start_rad()).position_m[0];
     for way in moves(&path) {
         for i in 0..=20 {
-            let at = pose(&way.at(f64::from(i) / 20.0).q).position_m[0];
-            assert!((at - x).abs() < 2e-9, "{at} {x}");
+            let x_m = pose(&way.at(f64::from(i) / 20.0).q).position_m[0];
+            assert!((x_m - x).abs() < 2e-9, "{x_m} {x}");
         }
     }
 }
@@ -172,15 +172,15 @@ fn its_neighbours_bend_to_lines_and_circles() {
     assert!(q < 2e-9 && dq < 1e-7 && ddq < 1e-5, "{q} {dq} {ddq}");
     let height = pose(path.start_rad()).position_m[2] + 0.03;
     for i in 0..=20 {
-        let at = pose(&moves[1].at(f64::from(i) / 20.0).q).position_m[2];
-        assert!((at - height).abs() < 2e-9);
+        let z_m = pose(&moves[1].at(f64::from(i) / 20.0).q).position_m[2];
+        assert!((z_m - height).abs() < 2e-9);
     }
     let centre =
         circle([frame(-60.0, -40.0, 0.0), frame(-60.0, 40.0, 0.0), frame(-100.0, 0.0, 0.0)]);
     let radius = distance(&pose(&moves[4].at(0.0).q), centre);
     for i in 0..=20 {
-        let found = distance(&pose(&moves[4].at(f64::from(i) / 20.0).q), centre);
-        assert!((found - radius).abs() < 2e-9, "{found} {radius}");
+        let actual = distance(&pose(&moves[4].at(f64::from(i) / 20.0).q), centre);
+        assert!((actual - radius).abs() < 2e-9, "{actual} {radius}");
     }
 }
 
@@ -396,8 +396,8 @@ fn turns_in_place_may_be_a_little_off() {
             segment("spl", frame(100.0, 20.0, 35.0)),
         ];
         let path = plan(&program(&json!([spline(&segments)]))).unwrap();
-        let found: usize = path.stops_in_splines().iter().map(|(_, count)| count).sum();
-        assert_eq!(found, stops, "{off_mm} mm");
+        let actual: usize = path.stops_in_splines().iter().map(|(_, count)| count).sum();
+        assert_eq!(actual, stops, "{off_mm} mm");
         let end = path.steps().iter().rev().find_map(|step| match step {
             Step::Move { segment, .. } => Some(pose(&segment.at(1.0).q)),
             _ => None,

@@ -29,8 +29,8 @@ pub(crate) fn spline<'a>(
         segments.iter().map(|segment| segment.orientation.unwrap_or(motion.orientation)).collect();
     let mut knots = vec![Knot { pose: site.pose(from_rad), e1_rad: from_rad[2] }];
     for (index, segment) in segments.iter().enumerate() {
-        let found = site.frame("frame", segment.course.target());
-        let (target, pose) = found.map_err(|fault| in_segment(index, fault))?;
+        let frame = site.frame("frame", segment.course.target());
+        let (target, pose) = frame.map_err(|fault| in_segment(index, fault))?;
         let e1_rad = target.e1_rad.unwrap_or(knots[index].e1_rad);
         knots.push(Knot { pose, e1_rad });
     }
@@ -116,8 +116,8 @@ fn turn_knots(knots: &mut [Knot], types: &[OrientationType]) {
                 way
             })
             .collect();
-        for (knot, at) in (before + 1..next).zip(ways) {
-            let share = if at > 0.0 { at / way } else { 0.0 };
+        for (knot, knot_way) in (before + 1..next).zip(ways) {
+            let share = if way > 0.0 { knot_way / way } else { 0.0 };
             knots[knot].pose.rotation = product(&from, &exp(&scaled(share, &turn)));
         }
         before = next;
