@@ -115,7 +115,7 @@ impl Attempt {
     /// check.
     pub(crate) fn slowness(&self, segment: &LimitedSegment<'_>, cell: usize) -> f64 {
         let duration_s = mean(|f| 1.0 / self.solver.at(cell, f)[0].sqrt());
-        duration_s * self.mesh.cells[cell].length / (REFINEMENT.slow * segment.least_build_up_s)
+        duration_s * self.mesh.cells[cell].length / (REFINEMENT.slow * segment.min_build_up_s)
     }
 
     /// Time from the share `from` to the share `to` of an inner cell, in s, without the time scale.
@@ -293,8 +293,8 @@ impl Attempt {
     ) -> Lowered {
         let first = window.start;
         let mut lowered = Lowered::default();
-        let found = self.largest_shares(segments, window);
-        let mut by: Vec<_> = found
+        let largest = self.largest_shares(segments, window);
+        let mut by: Vec<_> = largest
             .into_iter()
             .zip(first..)
             .map(|(shares, cell)| {
@@ -319,11 +319,11 @@ impl Attempt {
             })
             .collect();
         for cell in lowered.cells.iter().filter(|cell| before.binary_search(cell).is_ok()) {
-            if let [own, next, ..] = &mut by[cell - first..] {
+            if let [current, next, ..] = &mut by[cell - first..] {
                 for (kind, next) in next.of.iter_mut().filter(|(kind, _)| !has_row_at_end(*kind)) {
-                    *next = next.min(own.of[kind]);
+                    *next = next.min(current.of[kind]);
                 }
-                next.rows = next.rows.min(own.rows);
+                next.rows = next.rows.min(current.rows);
             }
         }
         if !lowered.cells.is_empty() {
@@ -440,9 +440,9 @@ impl Attempt {
 /// Number of stretches in which to check a cell on a curve, from the largest shares of the limits
 /// `found` and their `errors`: 1 if no limit is exceeded either way. Errors are proportional to the
 /// third power of the stretch length.
-fn of_uneven_curve(found: &ByKind<f64>, errors: &ByKind<f64>) -> f64 {
+fn of_uneven_curve(shares: &ByKind<f64>, errors: &ByKind<f64>) -> f64 {
     let stretches = LimitKind::ALL.map(|kind| {
-        let is_near = found[kind] + errors[kind] > REFINEMENT.early[kind];
+        let is_near = shares[kind] + errors[kind] > REFINEMENT.early[kind];
         if is_near { (errors[kind] / REFINEMENT.missed).cbrt().ceil() } else { 1.0 }
     });
     stretches.into_iter().fold(1.0, f64::max).min(REFINEMENT.stretches)
@@ -458,9 +458,9 @@ fn raise(largest: &mut ByKind<f64>, shares: &ByKind<f64>) {
 
 /// Mean of a function over [0, 1], by three-point Gauss quadrature.
 #[inline(always)]
-fn mean(at: impl Fn(f64) -> f64) -> f64 {
+fn mean(value_at: impl Fn(f64) -> f64) -> f64 {
     const HALF_WIDTH: f64 = 0.387_298_334_620_741_7;
-    (5.0 * (at(0.5 - HALF_WIDTH) + at(0.5 + HALF_WIDTH)) + 8.0 * at(0.5)) / 18.0
+    (5.0 * (value_at(0.5 - HALF_WIDTH) + value_at(0.5 + HALF_WIDTH)) + 8.0 * value_at(0.5)) / 18.0
 }
 
 /// Check of the cells of a window, run with the widest vector instructions of the machine.

@@ -113,7 +113,7 @@ impl RowLimits {
         let values: Vec<(usize, Vec<T>)> =
             self.limits.iter().map(|limit| (limit.row_count(), of(limit.as_ref()))).collect();
         let at = |place: usize| {
-            values.iter().flat_map(move |(count, own)| &own[place * count..(place + 1) * count])
+            values.iter().flat_map(move |(count, rows)| &rows[place * count..(place + 1) * count])
         };
         (0..places).flat_map(at).copied().collect()
     }
