@@ -157,10 +157,10 @@ mod tests {
             let change = ((u1 - u0) / ds).abs() * t * t;
             prop_assert!((half.rate / expected - 1.0).abs() < 1e-9 + 2e-4 * change * change);
             for (end, t, s, x, u) in [(from, 0.0, 0.0, x0, u0), (to, t, 1.0, x1, u1)] {
-                let found = progress(t, &from, &to);
-                prop_assert!((found.dp / ds - s).abs() < 1e-11, "{end:?}");
-                prop_assert!((found.rate - x.sqrt()).abs() < 1e-9 * (1.0 + x.sqrt()));
-                prop_assert!((found.u - u).abs() < 1e-8 * (1.0 + 1.0 / t));
+                let actual = progress(t, &from, &to);
+                prop_assert!((actual.dp / ds - s).abs() < 1e-11, "{end:?}");
+                prop_assert!((actual.rate - x.sqrt()).abs() < 1e-9 * (1.0 + x.sqrt()));
+                prop_assert!((actual.u - u).abs() < 1e-8 * (1.0 + 1.0 / t));
             }
         }
     }
@@ -180,8 +180,8 @@ mod tests {
         let rate = (v + t * (a + t * j / 2.0)) * (1.0 - f64::EPSILON);
         let to = Node { rate, u: [a + j * t; 2], ..Node::default() };
         for i in 0..=10 {
-            let found = progress(f64::from(i) / 10.0 * t, &from, &to);
-            assert!((found.du / j - 1.0).abs() < 1e-4, "{found:?}");
+            let actual = progress(f64::from(i) / 10.0 * t, &from, &to);
+            assert!((actual.du / j - 1.0).abs() < 1e-4, "{actual:?}");
         }
         let end = progress(t, &from, &to);
         assert!((end.dp / from.dp - 1.0).abs() < 1e-12 && (end.rate / rate - 1.0).abs() < 1e-12);

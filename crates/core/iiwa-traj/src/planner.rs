@@ -121,8 +121,8 @@ impl Planner {
     fn limit_as_sunrise(&mut self) {
         self.supervised = None;
         if let Some(JerkTiming { sunrise: true, .. }) = self.jerk {
-            let least_s = self.path.ramp_law().least_cruise_s;
-            let slower = |path: JointPath| path.with_least_cruise(least_s).unwrap_or(path);
+            let min_cruise_s = self.path.ramp_law().least_cruise_s;
+            let slower = |path: JointPath| path.with_least_cruise(min_cruise_s).unwrap_or(path);
             self.supervised = self.path.unsupervised().map(|(path, speed)| (slower(path), speed));
             self.path = slower(self.path.clone());
         }

@@ -232,16 +232,16 @@ impl Replanner {
     /// plans are unchanged.
     fn plan(&mut self, changed: Range<usize>, around: usize) -> Result<(), TimingError> {
         self.limits.check(&self.path)?;
-        let mut found = Vec::new();
+        let mut sections = Vec::new();
         let mut step = changed.start;
         if changed.is_empty() && self.moves(step) {
             // A rest between two moves was removed: the moves now join.
-            found.push(self.plan_moves(step..step, around)?);
+            sections.push(self.plan_moves(step..step, around)?);
         }
         while step < changed.end {
             let moves = (step..changed.end).take_while(|step| self.moves(*step)).count();
             if moves > 0 {
-                found.push(self.plan_moves(step..step + moves, around)?);
+                sections.push(self.plan_moves(step..step + moves, around)?);
                 step += moves;
             } else {
                 let duration_s = match self.path.steps()[step] {
@@ -249,13 +249,13 @@ impl Replanner {
                     Step::Wait { seconds, .. } => seconds,
                     _ => 0.0,
                 };
-                found.push((step, vec![StepPlan { duration_s, ..StepPlan::default() }]));
+                sections.push((step, vec![StepPlan { duration_s, ..StepPlan::default() }]));
                 step += 1;
             }
         }
-        for (first, plans) in found {
-            for (plan, found) in self.plans[first..].iter_mut().zip(plans) {
-                *plan = found;
+        for (first, plans) in sections {
+            for (plan, sections) in self.plans[first..].iter_mut().zip(plans) {
+                *plan = sections;
             }
         }
         Ok(())

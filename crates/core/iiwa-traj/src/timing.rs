@@ -147,13 +147,13 @@ pub enum TimingError {
     },
     /// Too many rows of [further limits](crate::PathLimit).
     #[error(
-        "{rows} rows of limits beside velocity, acceleration and jerk: at most {most} are possible"
+        "{rows} rows of limits beside velocity, acceleration and jerk: at most {max} are possible"
     )]
     TooManyRows {
         /// Rows of the limits of a step.
         rows: usize,
         /// Largest possible number of rows.
-        most: usize,
+        max: usize,
     },
     /// A blend of this shape starts and ends with a jump in curvature, where jerk would be
     /// infinite.

@@ -55,7 +55,7 @@ const SHARES: [f64; 4] = [0.0, 0.276_393_202_250_021, 0.723_606_797_749_979, 1.0
 const WEIGHTS: [f64; 4] = [1.0 / 12.0, 5.0 / 12.0, 5.0 / 12.0, 1.0 / 12.0];
 
 /// Largest joint rotation between two instants at which torques are computed, in rad.
-const MOST_RAD: f64 = 0.05;
+const MAX_RAD: f64 = 0.05;
 
 impl Trajectory {
     /// Returns the torques at `t_s`, with the payload at that time and the installation of the
@@ -160,7 +160,7 @@ impl Samples {
             ddq.push(state.ddq);
         };
         for piece in pieces {
-            for (duration_s, states) in section.spans_of(piece, &SHARES, MOST_RAD) {
+            for (duration_s, states) in section.spans_of(piece, &SHARES, MAX_RAD) {
                 held.extend(states[..3].iter().map(|state| state.q));
                 for (state, weight) in states.iter().zip(WEIGHTS) {
                     add(state, weight * duration_s);

@@ -76,13 +76,13 @@ fn changed(program: &Program, change: impl Fn(usize, &mut Ptp)) -> Program {
 
 #[test]
 fn slower_limits_never_make_it_faster() {
-    let mut least = f64::INFINITY;
+    let mut min_ratio = f64::INFINITY;
     for program in programs(40) {
         let before = motion_time_s(&program);
-        let mut slower = |what: LimitKind, change: &dyn Fn(usize, &mut Ptp)| {
+        let mut slower = |kind: LimitKind, change: &dyn Fn(usize, &mut Ptp)| {
             let ratio = motion_time_s(&changed(&program, change)) / before;
-            assert!(ratio > 1.0 - 1e-3, "{ratio} times as long with a lower {what}: {program:?}");
-            least = least.min(ratio);
+            assert!(ratio > 1.0 - 1e-3, "{ratio} times as long with a lower {kind}: {program:?}");
+            min_ratio = min_ratio.min(ratio);
         };
         for kind in LimitKind::ALL {
             let times = |ptp: &mut Ptp, factor: f64| {
@@ -96,7 +96,7 @@ fn slower_limits_never_make_it_faster() {
             slower(kind, &|_, ptp| ptp.share_mut(kind)[3] *= 0.4);
         }
     }
-    println!("at least {least} times as long");
+    println!("at least {min_ratio} times as long");
 }
 
 /// With a thousand times the jerk limit, acceleration builds up almost instantly; the rest is due
@@ -108,16 +108,16 @@ fn much_jerk_is_no_limit_of_jerk() {
         usual.limits().jerk_rad_s3.iter().map(|jerk| 1000.0 * jerk.to_degrees()).collect();
     let profile = format!(r#"{{ "version": 1, "jerk_limit_deg_s3": {jerk:?} }}"#);
     let robot = Robot::from_profile(&profile).unwrap();
-    let (mut least, mut most) = (f64::INFINITY, 0.0_f64);
+    let (mut min_ratio, mut max_ratio) = (f64::INFINITY, 0.0_f64);
     for program in programs(40) {
         let fine = Timing::Acceleration(SweepOptions { samples: 400 });
         let expected = trajectory(&program, &robot, fine).motion_time_s();
-        let found = trajectory(&program, &robot, Timing::jerk_limited()).motion_time_s();
-        let ratio = found / expected;
-        assert!((ratio - 1.0).abs() < 0.025, "{found} s, {expected} s: {program:?}");
-        (least, most) = (least.min(ratio), most.max(ratio));
+        let actual = trajectory(&program, &robot, Timing::jerk_limited()).motion_time_s();
+        let ratio = actual / expected;
+        assert!((ratio - 1.0).abs() < 0.025, "{actual} s, {expected} s: {program:?}");
+        (min_ratio, max_ratio) = (min_ratio.min(ratio), max_ratio.max(ratio));
     }
-    println!("{least} to {most} of the acceleration-limited time");
+    println!("{min_ratio} to {max_ratio} of the acceleration-limited time");
 }
 
 /// The duration depends only on the ratios of ways and limits.

@@ -126,8 +126,8 @@ fn a_stop_without_standing_is_still_a_stop() {
         assert_eq!(trajectory.sections().len(), 2);
         assert_eq!(trajectory.totals().wait_time_s, 0.0);
         let (_, begins_s) = blend_start(&trajectory);
-        let at = trajectory.at(begins_s);
-        assert!(at.dq.iter().all(|rate| rate.abs() < 1e-6), "{:?}", at.dq);
+        let state = trajectory.at(begins_s);
+        assert!(state.dq.iter().all(|rate| rate.abs() < 1e-6), "{:?}", state.dq);
     }
 }
 
@@ -220,8 +220,8 @@ fn a_late_blend_is_found_after_many_that_are_in_time() {
             program.motions.push(wait(if i == late { 20.0 } else { 0.01 }, 1));
         }
         let trajectory = plan(&program, timing);
-        let found: Vec<_> = trajectory.late_blends().map(|blend| blend.after_motion).collect();
-        assert_eq!(found, [MotionIndex::new(2 * late)]);
+        let motions: Vec<_> = trajectory.late_blends().map(|blend| blend.after_motion).collect();
+        assert_eq!(motions, [MotionIndex::new(2 * late)]);
     }
 }
 

@@ -60,16 +60,18 @@ impl RowLimit for Combinations {
     }
 
     fn rows(&self, _: &[Joints], derivative: &[Joints], second: &[Joints]) -> Vec<PathRow> {
-        let row = |own: &Combination, one: &Joints, two: &Joints| {
-            let scale = 2.0 / (own.upper - own.lower);
+        let row = |combination: &Combination, one: &Joints, two: &Joints| {
+            let scale = 2.0 / (combination.upper - combination.lower);
             PathRow {
-                acceleration: scale * own.sum(one),
-                square: scale * own.sum(two),
-                offset: -0.5 * scale * (own.lower + own.upper),
+                acceleration: scale * combination.sum(one),
+                square: scale * combination.sum(two),
+                offset: -0.5 * scale * (combination.lower + combination.upper),
             }
         };
         let places = derivative.iter().zip(second);
-        places.flat_map(|(one, two)| self.0.iter().map(move |own| row(own, one, two))).collect()
+        places
+            .flat_map(|(one, two)| self.0.iter().map(move |combination| row(combination, one, two)))
+            .collect()
     }
 }
 
@@ -144,9 +146,9 @@ fn plan(path: &JointPath, timing: Timing, limits: &[Arc<dyn PathLimit>]) -> Traj
 
 /// Returns the largest share of the limits that a trajectory reaches at 2 kHz.
 fn largest(trajectory: &Trajectory, limit: &Combinations) -> f64 {
-    let shares = trajectory
-        .samples(2000.0)
-        .flat_map(|state| limit.0.iter().map(move |own| own.share(&state.ddq).abs()));
+    let shares = trajectory.samples(2000.0).flat_map(|state| {
+        limit.0.iter().map(move |combination| combination.share(&state.ddq).abs())
+    });
     shares.fold(0.0, |largest, share| if share <= largest { largest } else { share })
 }
 
@@ -238,7 +240,7 @@ fn limits_of_ones_own_are_kept_beside_torques() {
         let rows = vec![Combination::symmetric([1.0; 7], 4.0); 10];
         let mut planner = Planner::new(&path, timing()).with_limit(Arc::new(Combinations(rows)));
         let error = Trajectory::by(&mut planner).err();
-        assert_eq!(error, Some(TimingError::TooManyRows { rows: 17, most: 16 }));
+        assert_eq!(error, Some(TimingError::TooManyRows { rows: 17, max: 16 }));
     }
 }
 

@@ -91,11 +91,11 @@ proptest! {
     fn one_jerk_takes_as_long_as_the_ramp(from in pose(), to in pose()) {
         let program = Program::from_deg(from).ptp_deg(to).build();
         let robot = Robot::default();
-        let [closed, found] =
+        let [closed, actual] =
             [Timing::default(), solved()].map(|timing| plan(&program, &robot, timing).motion_time_s());
         let way = std::iter::zip(from, to).map(|(a, b)| (b - a).powi(2)).sum::<f64>().sqrt();
         prop_assume!(way > 100.0);
-        prop_assert!((found / closed - 1.0).abs() < 2e-3, "{found} {closed}");
+        prop_assert!((actual / closed - 1.0).abs() < 2e-3, "{actual} {closed}");
     }
 
     /// Sections with blends keep the joint limits, and take at least as long as under these limits
@@ -113,11 +113,11 @@ proptest! {
         let limits = robot.limits();
         let steps = 2000;
         for i in 0..=steps {
-            let at = sunrise.at(sunrise.cycle_time_s() * f64::from(i) / f64::from(steps));
+            let state = sunrise.at(sunrise.cycle_time_s() * f64::from(i) / f64::from(steps));
             for j in 0..7 {
-                prop_assert!(at.dq[j].abs() <= 1.005 * limits.velocity_rad_s[j]);
-                prop_assert!(at.ddq[j].abs() <= 1.02 * limits.acceleration_rad_s2[j]);
-                prop_assert!(at.dddq[j].abs() <= 1.05 * limits.jerk_rad_s3[j], "A{}: {}", j + 1, at.dddq[j] / limits.jerk_rad_s3[j]);
+                prop_assert!(state.dq[j].abs() <= 1.005 * limits.velocity_rad_s[j]);
+                prop_assert!(state.ddq[j].abs() <= 1.02 * limits.acceleration_rad_s2[j]);
+                prop_assert!(state.dddq[j].abs() <= 1.05 * limits.jerk_rad_s3[j], "A{}: {}", j + 1, state.dddq[j] / limits.jerk_rad_s3[j]);
             }
         }
     }
