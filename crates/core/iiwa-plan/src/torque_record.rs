@@ -75,11 +75,11 @@ impl TorqueRecord {
 
     /// Largest share of all joints; the first joint's for equal shares.
     pub(crate) fn largest(&self, motion: usize) -> LargestTorque {
-        let most = |a: Joint, b: Joint| {
+        let larger = |a: Joint, b: Joint| {
             let is_larger = self.peak_percent[b.index()] > self.peak_percent[a.index()];
             if is_larger { b } else { a }
         };
-        let joint = Joint::ALL.into_iter().fold(Joint::A1, most);
+        let joint = Joint::ALL.into_iter().fold(Joint::A1, larger);
         let j = joint.index();
         LargestTorque {
             motion,
