@@ -224,7 +224,7 @@ fn check(plan: &Plan, log: &JointLog) -> Result<(), CompareError> {
     }
     let mut before = f64::NEG_INFINITY;
     for (i, (t_s, q)) in log.t_s.iter().zip(&log.q_rad).enumerate() {
-        let bad = |what| CompareError::BadSample { index: i + 1, what };
+        let bad = |fault| CompareError::BadSample { index: i + 1, fault };
         if !t_s.is_finite() || q.iter().any(|v| !v.is_finite()) {
             return Err(bad("contains a value that is not finite"));
         }
@@ -542,19 +542,24 @@ impl<'a> Finder<'a> {
         const AROUND: usize = 3;
         let log = self.log;
         let (first, places) = (self.followed.first, &self.followed.place_s);
-        let at = self.sample_at(plan_s);
-        let before = at.checked_sub(1).filter(|before| *before >= first)?;
-        if at >= first + places.len() || log.t_s[at] - log.t_s[before] > self.noise.gap_s() {
+        let sample = self.sample_at(plan_s);
+        let before = sample.checked_sub(1).filter(|before| *before >= first)?;
+        if sample >= first + places.len() || log.t_s[sample] - log.t_s[before] > self.noise.gap_s()
+        {
             return None;
         }
         let leg = self.legs.iter().find(|leg| leg.start_s <= plan_s && plan_s <= leg.end_s)?;
         let near = |i: usize| {
             let place_s = places[i - first];
-            let close = (log.t_s[i] - log.t_s[at]).abs() <= AROUND_S || i.abs_diff(at) <= AROUND;
+            let close =
+                (log.t_s[i] - log.t_s[sample]).abs() <= AROUND_S || i.abs_diff(sample) <= AROUND;
             close && leg.start_s < place_s && place_s < leg.end_s
         };
-        let from = (first..at).rev().take_while(|i| near(*i)).last().unwrap_or(at);
-        let to = (at..first + places.len()).take_while(|i| near(*i)).last().map_or(at, |i| i + 1);
+        let from = (first..sample).rev().take_while(|i| near(*i)).last().unwrap_or(sample);
+        let to = (sample..first + places.len())
+            .take_while(|i| near(*i))
+            .last()
+            .map_or(sample, |i| i + 1);
         let points = (from..to).map(|i| {
             let place_s = places[i - first];
             let speed = norm(&self.plan.curve.at(place_s).1);
@@ -562,6 +567,6 @@ impl<'a> Finder<'a> {
         });
         let line = Line::fit(points)?;
         // Two motions may meet at a reversal; the time is then between the two samples.
-        Some(line.zero.clamp(log.t_s[before], log.t_s[at]))
+        Some(line.zero.clamp(log.t_s[before], log.t_s[sample]))
     }
 }

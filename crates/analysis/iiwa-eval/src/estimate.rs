@@ -99,8 +99,9 @@ impl<const N: usize> Linear<N> {
         let scatters = degrees > 0 && too_much(best.2);
         if scatters {
             // The total scatter of all observations is an upper bound.
-            let most = best.2 * rows.iter().map(|row| row.deviation.powi(2)).fold(0.0, f64::max);
-            let mut range = [0.0, most];
+            let max_variance =
+                best.2 * rows.iter().map(|row| row.deviation.powi(2)).fold(0.0, f64::max);
+            let mut range = [0.0, max_variance];
             for _ in 0..100 {
                 excess = 0.5 * (range[0] + range[1]);
                 best = solve(excess)?;

@@ -72,17 +72,17 @@ pub use self::{
 ///
 /// If a program cannot be planned for `model`, or a recording shows nothing of its program.
 pub fn identify(recordings: &[Recording<'_>], model: &Robot) -> Result<Identified, IdentifyError> {
-    let mut found = Findings::default();
+    let mut findings = Findings::default();
     let mut followed_courses = Vec::new();
     for (recording, Recording { program, log }) in recordings.iter().enumerate() {
         let watched = Watched::new(recording, program, log, model)
             .map_err(|fault| IdentifyError::Program { recording, fault })?;
-        let sections = observe(&watched, &mut found)?;
+        let sections = observe(&watched, &mut findings)?;
         if program.has_frames() {
             followed_courses.push((watched, sections));
         }
     }
-    let mut known = found.conclude(model);
+    let mut known = findings.conclude(model);
     // The identified kappa is required first: only then does a blend show other deviations from the
     // assumptions.
     let robot = known.robot(model);
@@ -101,7 +101,7 @@ pub fn identify(recordings: &[Recording<'_>], model: &Robot) -> Result<Identifie
 }
 
 /// Evaluates one recording and returns the sections in which it follows its program.
-fn observe(watched: &Watched<'_>, found: &mut Findings) -> Result<Vec<Section>, IdentifyError> {
+fn observe(watched: &Watched<'_>, findings: &mut Findings) -> Result<Vec<Section>, IdentifyError> {
     let Watched { recording, log, path, .. } = watched;
     let recording = *recording;
     let Some(mut followed) = stops::follow(path, log, 0) else {
@@ -112,20 +112,20 @@ fn observe(watched: &Watched<'_>, found: &mut Findings) -> Result<Vec<Section>, 
     if followed.passages.is_empty() {
         return Err(IdentifyError::NoMotion { recording });
     }
-    found.period_s = found.period_s.max(log.period_s().unwrap_or_default());
+    findings.period_s = findings.period_s.max(log.period_s().unwrap_or_default());
     let mut sections = Vec::new();
     // The program may have been run several times.
     loop {
         let FollowedStops { passages, lost_in } = &followed;
-        Observer { watched, found }.observe(passages);
+        Observer { watched, found: findings }.observe(passages);
         for passage in passages {
-            tcp_blends::observe(watched, passage, found);
+            tcp_blends::observe(watched, passage, findings);
             let (steps, samples) = (passage.steps.clone(), passage.samples.clone());
             sections.push(Section { steps, samples });
         }
         if let Some(motion) = *lost_in {
             let why = Why::NotFollowed;
-            found.known.left_out.push(LeftOut { recording, motion, why });
+            findings.known.left_out.push(LeftOut { recording, motion, why });
             break;
         }
         let from = passages.last().map_or(log.q_rad.len(), |last| last.arrives);

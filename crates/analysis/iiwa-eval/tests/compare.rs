@@ -332,6 +332,6 @@ fn an_arm_that_stands_elsewhere_is_refused() {
     shift_rad[0] = 1_f64.to_radians();
     let tape = Tape { shift_rad, ..tape };
     let log = tape.record(&trajectory, &mut Rng::with_seed(1));
-    let found = compare(&plan, &log).unwrap();
-    assert!(found.cycle_time.error_s.abs() < 1e-3, "{:?}", found.cycle_time);
+    let actual = compare(&plan, &log).unwrap();
+    assert!(actual.cycle_time.error_s.abs() < 1e-3, "{:?}", actual.cycle_time);
 }

@@ -16,12 +16,12 @@ pub enum CompareError {
         samples: usize,
     },
     /// The recording contains invalid values.
-    #[error("the recording's sample {index}, counted from 1, {what}")]
+    #[error("the recording's sample {index}, counted from 1, {fault}")]
     BadSample {
         /// Index in the recording, from 1.
         index: usize,
         /// Description of the fault.
-        what: &'static str,
+        fault: &'static str,
     },
     /// The recorded robot does not move.
     #[error("no motion in the recording: no joint moves by more than {extent_rad:.1e} rad")]

@@ -51,7 +51,7 @@ pub(crate) fn find(
     let curve = &plan.curve;
     let start = curve.at(legs[0].start_s).0;
     let radius = reach(curve, &legs[0], &start);
-    let mut found: Option<Followed> = None;
+    let mut followed: Option<Followed> = None;
     let mut best: Option<(f64, CompareError)> = None;
     // Bounds the work for any recording to a few passes over it.
     let mut budget = 20 * log.t_s.len();
@@ -63,8 +63,8 @@ pub(crate) fn find(
         match follow(plan, legs, log, noise, from) {
             Attempt::Done(place_s) => {
                 budget = budget.saturating_sub(place_s.len());
-                match &mut found {
-                    None => found = Some(Followed { first: from, place_s, again_s: None }),
+                match &mut followed {
+                    None => followed = Some(Followed { first: from, place_s, again_s: None }),
                     Some(first) if from >= first.first + first.place_s.len() / 2 => {
                         first.again_s = Some(log.t_s[from]);
                         break;
@@ -74,14 +74,14 @@ pub(crate) fn find(
             }
             Attempt::Failed { arc_rad, error } => {
                 budget = budget.saturating_sub(visit.to - from);
-                if best.as_ref().is_none_or(|(most, _)| arc_rad > *most) {
+                if best.as_ref().is_none_or(|(max_arc_rad, _)| arc_rad > *max_arc_rad) {
                     best = Some((arc_rad, error));
                 }
             }
         }
     }
-    match (found, best) {
-        (Some(found), _) => Ok(found),
+    match (followed, best) {
+        (Some(followed), _) => Ok(followed),
         (None, Some((_, error))) => Err(error),
         (None, None) => Err(never_left(log, &start, radius)),
     }

@@ -54,13 +54,13 @@ impl FoundRamps {
     #[must_use]
     pub fn law(&self, model: &RampLaw) -> RampLaw {
         let mut law = *model;
-        for (values, found) in [
+        for (values, estimates) in [
             (&mut law.torque_snap_nm_s2, &self.torque_snap_nm_s2),
             (&mut law.start_nm_s, &self.start_nm_s),
             (&mut law.stop_nm_s, &self.stop_nm_s),
         ] {
-            for (value, found) in values.iter_mut().zip(found) {
-                *value = found.map_or(*value, |found| found.value);
+            for (value, estimates) in values.iter_mut().zip(estimates) {
+                *value = estimates.map_or(*value, |estimates| estimates.value);
             }
         }
         law

@@ -54,7 +54,7 @@ impl FoundLoad {
     pub fn untold(&self) -> Vec<&'static str> {
         const CENTER: [&str; 3] = ["x of the centre", "y of the centre", "z of the centre"];
         let center = self.center_mm.iter().zip(CENTER);
-        let center = center.filter(|(found, _)| found.is_none()).map(|(_, name)| name);
+        let center = center.filter(|(estimate, _)| estimate.is_none()).map(|(_, name)| name);
         self.mass_kg.is_none().then_some("the mass").into_iter().chain(center).collect()
     }
 
@@ -70,12 +70,12 @@ impl FoundTorques {
     /// values are set to 0.
     #[must_use]
     pub fn friction(&self, model: &Friction) -> Friction {
-        let value = |found: &Option<Estimate>, known: f64| match found {
-            Some(found) => found.value.max(0.0),
+        let value = |estimate: &Option<Estimate>, known: f64| match estimate {
+            Some(estimate) => estimate.value.max(0.0),
             None => known,
         };
-        let all = |found: &[Option<Estimate>; 7], known: &[f64; 7]| {
-            std::array::from_fn(|j| value(&found[j], known[j]))
+        let all = |estimate: &[Option<Estimate>; 7], known: &[f64; 7]| {
+            std::array::from_fn(|j| value(&estimate[j], known[j]))
         };
         Friction {
             viscous_nm_s_rad: all(&self.viscous_nm_s_rad, &model.viscous_nm_s_rad),

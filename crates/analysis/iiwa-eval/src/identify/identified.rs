@@ -73,13 +73,13 @@ impl Identified {
     #[must_use]
     pub fn robot(&self, model: &Robot) -> Robot {
         let mut limits = *model.limits();
-        for (limits, found) in [
+        for (limits, estimates) in [
             (&mut limits.velocity_rad_s, &self.velocity_rad_s),
             (&mut limits.acceleration_rad_s2, &self.acceleration_rad_s2),
             (&mut limits.jerk_rad_s3, &self.jerk_rad_s3),
         ] {
-            for (limit, found) in limits.iter_mut().zip(found) {
-                *limit = found.map_or(*limit, |found| found.value);
+            for (limit, estimates) in limits.iter_mut().zip(estimates) {
+                *limit = estimates.map_or(*limit, |estimates| estimates.value);
             }
         }
         let mut robot = model.clone().with_limits(limits);

@@ -56,8 +56,8 @@ impl LineSamples<'_> {
         let dynamics = path.dynamics(self.motion);
         [(RampEnd::Start, 1.0, 0.0), (RampEnd::Stop, -1.0, self.length)].map(|(end, sign, way)| {
             let away = scale(sign, self.direction);
-            let at = add_scaled(self.from, way, self.direction);
-            (end, away, dynamics.path_torques(&at, &away, &[0.0; 7]).acceleration)
+            let position = add_scaled(self.from, way, self.direction);
+            (end, away, dynamics.path_torques(&position, &away, &[0.0; 7]).acceleration)
         })
     }
 }
@@ -150,9 +150,9 @@ impl Observer<'_> {
         let Motion::Ptp(ptp) = &self.watched.program.motions[motion.index()] else { return None };
         let shares = LimitKind::ALL.map(|kind| ptp.share(kind));
         let FittedLine { mut figures, law, residual, .. } = fitted;
-        let least_s = self.watched.path.robot().ramp_law().least_cruise_s;
+        let min_cruise_s = self.watched.path.robot().ramp_law().least_cruise_s;
         if law == LineLaw::Snap
-            && figures[0].is_some_and(|(speed, _)| speed * least_s > CRUISE_SHARE * length)
+            && figures[0].is_some_and(|(speed, _)| speed * min_cruise_s > CRUISE_SHARE * length)
         {
             // The speed is limited by the minimum duration of the cruise, not by a joint.
             figures[0] = None;
@@ -229,15 +229,17 @@ impl Observer<'_> {
 
     /// Returns the line as planned by the model with the fitted speed and acceleration, and the
     /// time of its middle.
-    fn expected(&self, line: &LineSamples<'_>, found: Option<&Ramps>) -> (SoftLine, f64) {
+    fn expected(&self, line: &LineSamples<'_>, fitted: Option<&Ramps>) -> (SoftLine, f64) {
         let robot = self.watched.path.robot();
         let (limits, law) = (robot.limits(), robot.ramp_law());
-        let most = |limits| largest_multiple(line.direction, limits);
+        let max_along = |limits| largest_multiple(line.direction, limits);
         let known = |figure: Option<Observed>, model: f64| figure.map_or(model, |(value, _)| value);
-        let speed = known(found.and_then(|ramps| ramps.speed), most(&limits.velocity_rad_s));
+        let speed = known(fitted.and_then(|ramps| ramps.speed), max_along(&limits.velocity_rad_s));
         let speed = speed.min(line.length / law.least_cruise_s);
-        let acceleration =
-            known(found.and_then(|ramps| ramps.acceleration), most(&limits.acceleration_rad_s2));
+        let acceleration = known(
+            fitted.and_then(|ramps| ramps.acceleration),
+            max_along(&limits.acceleration_rad_s2),
+        );
         let ends = line.ends(&self.watched.path).map(|(end, away, torques)| {
             RampStart::by(
                 &law.limits(&away, &torques, &[1.0; 7], end),
@@ -248,7 +250,7 @@ impl Observer<'_> {
         let width = law.width_rad_s;
         let half = line.along.iter().position(|way| *way >= 0.5 * line.length);
         let half_s = line.t_s.get(half.unwrap_or_default()).copied().unwrap_or_default();
-        let middle_s = found.map_or(half_s, |ramps| f64::midpoint(ramps.start_s.0, ramps.end_s.0));
+        let middle_s = fitted.map_or(half_s, |ramps| f64::midpoint(ramps.start_s.0, ramps.end_s.0));
         (SoftLine { way: line.length, speed, acceleration, ends, width }, middle_s)
     }
 

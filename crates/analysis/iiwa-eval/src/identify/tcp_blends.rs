@@ -31,7 +31,7 @@ fn distance(a: &Vec3<f64>, b: &Vec3<f64>) -> f64 {
 }
 
 /// Evaluates the blends of one section of a recording.
-pub(super) fn observe(watched: &Watched<'_>, passage: &Passage, found: &mut Findings) {
+pub(super) fn observe(watched: &Watched<'_>, passage: &Passage, findings: &mut Findings) {
     let steps = &watched.path.steps()[passage.steps.clone()];
     let mut from_sample = passage.samples.start;
     for step in steps {
@@ -61,7 +61,7 @@ pub(super) fn observe(watched: &Watched<'_>, passage: &Passage, found: &mut Find
         let places = &places[about.first..about.last];
         let mut leave_out = |why| {
             let recording = watched.recording;
-            found.known.left_out.push(LeftOut { recording, motion, why });
+            findings.known.left_out.push(LeftOut { recording, motion, why });
         };
         if places.len() < FEWEST {
             leave_out(Why::TooFewSamples);
@@ -94,16 +94,16 @@ pub(super) fn observe(watched: &Watched<'_>, passage: &Passage, found: &mut Find
             let [found_before, found_after] = free.reach;
             if by.abs() > 0.1 * own_after.max(own_before) {
                 let share = (found_after.0 - found_before.0) / by;
-                found.tcp_unequal.push((share, free.difference_deviation / by.abs()));
+                findings.tcp_unequal.push((share, free.difference_deviation / by.abs()));
             } else if let Some(asked_m) = asked_m(watched, motion)
                 && (reach_m / asked_m - 1.0).abs() < 1e-6
             {
-                for (reach, (value, deviation)) in found.tcp_reach.iter_mut().zip(free.reach) {
+                for (reach, (value, deviation)) in findings.tcp_reach.iter_mut().zip(free.reach) {
                     reach.push((value / asked_m, deviation / asked_m));
                 }
             }
         }
-        found.known.tcp_blends.push(TcpBlendObservation {
+        findings.known.tcp_blends.push(TcpBlendObservation {
             recording: watched.recording,
             motion,
             time_s: [watched.log.t_s[seen.start], watched.log.t_s[seen.end - 1]],
@@ -147,8 +147,11 @@ fn about(
 
 /// Returns the programmed distance, in m, if the program gives only a distance.
 fn asked_m(watched: &Watched<'_>, motion: MotionIndex) -> Option<f64> {
-    let Motion::Cartesian(own) = &watched.program.motions[motion.index()] else { return None };
-    let blend = own.blend.filter(|b| b.orientation_rad.is_none() && b.sunrise_rel.is_none())?;
+    let Motion::Cartesian(cartesian) = &watched.program.motions[motion.index()] else {
+        return None;
+    };
+    let blend =
+        cartesian.blend.filter(|b| b.orientation_rad.is_none() && b.sunrise_rel.is_none())?;
     blend.cart_mm.map(|mm| 1e-3 * mm)
 }
 

@@ -49,11 +49,11 @@ const TOLD_FRICTION_NM: f64 = 0.5;
 
 /// Lower bounds of the uncertainty of a payload, as a share of the mass and in mm: twice the error
 /// of windows with samples every 5 ms without any noise.
-const LEAST_MASS_SHARE: f64 = 3e-4;
-const LEAST_CENTER_MM: f64 = 0.15;
+const MIN_MASS_SHARE: f64 = 3e-4;
+const MIN_CENTER_MM: f64 = 0.15;
 
 /// Lower bound of the standard deviation of a torque, in Nm.
-const LEAST_NM: f64 = 2e-3;
+const MIN_NM: f64 = 2e-3;
 
 /// Rounds of weighting by the scatter of the previous round.
 const ROUNDS: usize = 4;
@@ -139,7 +139,8 @@ impl Regressor {
             [1.0, 0.0, 1.0],
             [0.0, 1.0, 1.0],
         ];
-        let with = |at: [f64; 3]| arm.with_body(&RigidBody::point(1.0, at.map(|x| x * POINT_M)));
+        let with =
+            |point: [f64; 3]| arm.with_body(&RigidBody::point(1.0, point.map(|x| x * POINT_M)));
         Self { arm: *arm, points: POINTS.map(with) }
     }
 
@@ -247,8 +248,8 @@ impl Observations {
                 let variance: f64 = covariance[(first + j, first + j)];
                 let uncertainty = NORMAL_95 * variance.sqrt();
                 let (value, count) = (unknowns[first + j], count(2 * j + 1));
-                let found = Estimate { value, uncertainty, count };
-                (count > 0 && uncertainty <= TOLD_FRICTION_NM).then_some(found)
+                let estimate = Estimate { value, uncertainty, count };
+                (count > 0 && uncertainty <= TOLD_FRICTION_NM).then_some(estimate)
             })
         };
         let loads = groups.into_iter().enumerate();
@@ -332,7 +333,7 @@ impl Observations {
         }
         sums.map(|(squares, products, _, count)| {
             let count = count.max(1.0);
-            let variance = (squares / count).max(LEAST_NM.powi(2));
+            let variance = (squares / count).max(MIN_NM.powi(2));
             let correlation: f64 = products / f64::max(squares, f64::MIN_POSITIVE);
             // White noise shows this correlation by chance.
             if correlation < 2.0 / count.sqrt() {
@@ -352,24 +353,24 @@ fn found_load(
     unknowns: &DVector<f64>,
     covariance: &DMatrix<f64>,
 ) -> FoundLoad {
-    let at = FRICTION + MOMENTS * load;
-    let mass = unknowns[at];
+    let offset = FRICTION + MOMENTS * load;
+    let mass = unknowns[offset];
     let mass_kg = Estimate {
         value: mass,
-        uncertainty: (NORMAL_95 * covariance[(at, at)].sqrt()).hypot(LEAST_MASS_SHARE * mass),
+        uncertainty: (NORMAL_95 * covariance[(offset, offset)].sqrt()).hypot(MIN_MASS_SHARE * mass),
         count,
     };
-    let told = mass_kg.uncertainty <= TOLD_MASS_KG.max(TOLD_MASS_SHARE * mass);
+    let is_known = mass_kg.uncertainty <= TOLD_MASS_KG.max(TOLD_MASS_SHARE * mass);
     let center_mm = std::array::from_fn(|axis| {
-        let first = at + 1 + axis;
+        let first = offset + 1 + axis;
         let center_m = unknowns[first] / mass;
         // The centre of mass is the first moment over the mass.
-        let variance = covariance[(first, first)] - 2.0 * center_m * covariance[(first, at)]
-            + center_m.powi(2) * covariance[(at, at)];
+        let variance = covariance[(first, first)] - 2.0 * center_m * covariance[(first, offset)]
+            + center_m.powi(2) * covariance[(offset, offset)];
         let uncertainty =
-            (1e3 * NORMAL_95 * variance.max(0.0).sqrt() / mass.abs()).hypot(LEAST_CENTER_MM);
-        let known = told && !mass_kg.holds(0.0) && mass > 0.0 && uncertainty <= TOLD_CENTER_MM;
+            (1e3 * NORMAL_95 * variance.max(0.0).sqrt() / mass.abs()).hypot(MIN_CENTER_MM);
+        let known = is_known && !mass_kg.holds(0.0) && mass > 0.0 && uncertainty <= TOLD_CENTER_MM;
         known.then_some(Estimate { value: 1e3 * center_m, uncertainty, count })
     });
-    FoundLoad { recordings, stated, mass_kg: told.then_some(mass_kg), center_mm }
+    FoundLoad { recordings, stated, mass_kg: is_known.then_some(mass_kg), center_mm }
 }
