@@ -103,8 +103,8 @@ pub(crate) fn parts(robot: &Robot) -> Vec<Part> {
                 }
                 Solid::Sphere { radius_m } => (Volume::Ball { radius: radius_m }, Along::Z),
             };
-            let own = from_own_axis(center, along, &form);
-            let reach = reaches(&d, link, from_origin(center, &form), own);
+            let axis_distance = from_own_axis(center, along, &form);
+            let reach = reaches(&d, link, from_origin(center, &form), axis_distance);
             let axis = match along {
                 Along::Y => Vector::Y,
                 Along::Z => Vector::Z,
@@ -126,10 +126,10 @@ pub(crate) fn mesh_parts(robot: &Robot, hulls: &[Vec<ConvexHull>; 8]) -> Vec<Par
             let (hull, center) = Polyhedron::new(hull);
             // A corner of a hull has the largest distance from any point or axis.
             let way = hull.bound(|corner| (center + corner).length());
-            let own = hull.bound(|corner| (center + corner).truncate().length());
+            let axis_distance = hull.bound(|corner| (center + corner).truncate().length());
             let bound = hull.bound(Vector::length);
             let form = Volume::Hull { sides: [Vector::X, Vector::Y], hull: Arc::new(hull) };
-            let reach = reaches(&d, link, way, own);
+            let reach = reaches(&d, link, way, axis_distance);
             Part { link, shown: link, center, axis: Vector::Z, form, bound, reach }
         })
     });
@@ -164,7 +164,7 @@ pub(crate) fn tool_parts(robot: &Robot, tool: &[ToolShape]) -> Vec<Part> {
         // The origin of the last link's frame is at the wrist, with the orientation of the flange.
         let center = Vector::from(center_m) + d[LAST_LINK - 1] * Vector::Z;
         let bound = form.bound();
-        let (way, own) = match &form {
+        let (way, axis_distance) = match &form {
             // A corner of a hull has the largest distance from any point or axis.
             Volume::Hull { hull, .. } => (
                 hull.bound(|corner| (center + turn(corner)).length()),
@@ -177,16 +177,16 @@ pub(crate) fn tool_parts(robot: &Robot, tool: &[ToolShape]) -> Vec<Part> {
             Volume::Hull { sides, hull } => Volume::Hull { sides: sides.map(turn), hull },
             round => round,
         };
-        let reach = reaches(&d, LAST_LINK, way, own);
+        let reach = reaches(&d, LAST_LINK, way, axis_distance);
         Part { link: LAST_LINK, shown: TOOL, center, axis: turn(Vector::Z), form, bound, reach }
     };
     tool.iter().map(part).collect()
 }
 
 /// Returns the largest distance of a part's points from the axis of each joint, given their
-/// distance `way` from the origin of the link frame, and `own` from the axis of the link's own
+/// distance `way` from the origin of the link frame, and `axis_distance` from the axis of the link's own
 /// joint.
-fn reaches(d: &Joints, link: usize, mut way: f64, own: f64) -> Joints {
+fn reaches(d: &Joints, link: usize, mut way: f64, axis_distance: f64) -> Joints {
     let mut reach = [0.0; 7];
     let Some(own_joint) = link.checked_sub(1) else { return reach };
     // The shift d_j is along the axis of joint j, so that the axis passes through the origin of the
@@ -196,7 +196,7 @@ fn reaches(d: &Joints, link: usize, mut way: f64, own: f64) -> Joints {
         reach[joint] = way;
         way += d[joint];
     }
-    reach[own_joint] = own;
+    reach[own_joint] = axis_distance;
     reach
 }
 

@@ -32,13 +32,13 @@ struct Facet {
 
 /// Returns the triangles of the hull, as indices of `points`, counterclockwise from outside.
 ///
-/// The points must be finite, sorted and unique. Points within a thickness of `least` are flat.
+/// The points must be finite, sorted and unique. Points within a thickness of `min_thickness` are flat.
 pub(crate) fn hull(
     points: &[Vector],
-    least: f64,
+    min_thickness: f64,
     max_facets: usize,
 ) -> Result<Vec<[u32; 3]>, NoHull> {
-    let first = tetrahedron(points, least).ok_or(NoHull::Flat)?;
+    let first = tetrahedron(points, min_thickness).ok_or(NoHull::Flat)?;
     let [a, b, c, d] = first;
     let mut hull = Growing { points, facets: Vec::new() };
     for (corners, neighbours) in [
@@ -56,8 +56,8 @@ pub(crate) fn hull(
         if hull.facets[next].is_alive
             && let Some(point) = hull.farthest(next)
         {
-            let (gone, new) = hull.add(point, next);
-            alive = alive - gone + new;
+            let (removed, new) = hull.add(point, next);
+            alive = alive - removed + new;
             if alive > max_facets {
                 return Err(NoHull::TooMany);
             }
@@ -68,7 +68,7 @@ pub(crate) fn hull(
 }
 
 /// Returns four points with a volume; the last one is below the plane of the others.
-fn tetrahedron(points: &[Vector], least: f64) -> Option<[u32; 4]> {
+fn tetrahedron(points: &[Vector], min_thickness: f64) -> Option<[u32; 4]> {
     // Any four points are valid: the farther apart they are, the fewer points remain outside.
     let best = |measure: &dyn Fn(Vector) -> f64| {
         let measured = (0..).zip(points).map(|(index, point)| (index, measure(*point)));
@@ -81,7 +81,7 @@ fn tetrahedron(points: &[Vector], least: f64) -> Option<[u32; 4]> {
     let c = best(&|p| (p - at(a)).cross(along).length_squared())?;
     let normal = (at(b) - at(a)).cross(at(c) - at(a)).try_normalize()?;
     let d = best(&|p| normal.dot(p - at(a)).abs())?;
-    if normal.dot(at(d) - at(a)).abs() < least {
+    if normal.dot(at(d) - at(a)).abs() < min_thickness {
         return None;
     }
     let side = side(points, [a, b, c], d);

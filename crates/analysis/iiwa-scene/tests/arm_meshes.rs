@@ -25,11 +25,11 @@ fn cuboid(low: [f64; 3], high: [f64; 3]) -> String {
 }
 
 /// Returns the robot's own URDF with an addition to the link of this number.
-fn urdf_with(robot: &Robot, link: usize, what: &str) -> String {
+fn urdf_with(robot: &Robot, link: usize, element: &str) -> String {
     let name = format!("<link name=\"iiwa_link_{link}\">");
     let urdf = robot.to_urdf();
     assert!(urdf.contains(&name), "{urdf}");
-    urdf.replace(&name, &format!("{name}{what}"))
+    urdf.replace(&name, &format!("{name}{element}"))
 }
 
 fn visual(rest: &str) -> String {
@@ -60,11 +60,11 @@ fn meshes_are_placed_and_painted() {
     };
     let urdf = urdf_with(&robot, 3, &visual(&format!("{origin}{mesh}")));
     let meshes = ArmMeshes::from_urdf(&robot, &urdf, read).unwrap();
-    for (found, expected) in
+    for (actual, expected) in
         extents(&meshes, 3).iter().zip([[0.08, 0.1], [0.0, 0.01], [-0.03, 0.0]])
     {
-        assert!((found[0] - expected[0]).abs() < 1e-7, "{found:?}");
-        assert!((found[1] - expected[1]).abs() < 1e-7, "{found:?}");
+        assert!((actual[0] - expected[0]).abs() < 1e-7, "{actual:?}");
+        assert!((actual[1] - expected[1]).abs() < 1e-7, "{actual:?}");
     }
     // Triangles are oriented outwards although the mesh is mirrored.
     let patch = &meshes.visual[3][0];
@@ -129,10 +129,10 @@ fn hulls_are_what_clearances_are_taken_of() {
     for i in 0..40 {
         let q =
             [0.1, 0.4, -0.2, -1.1, 0.3, 0.7, 0.2].map(|v| v * (f64::from(i) * 0.37).sin() * 2.0);
-        let (found, expected) = (meshed.clearance(&q).unwrap(), tooled.clearance(&q).unwrap());
-        assert!((found.distance_m - expected.distance_m).abs() < 1e-6, "{found:?} {expected:?}");
+        let (actual, expected) = (meshed.clearance(&q).unwrap(), tooled.clearance(&q).unwrap());
+        assert!((actual.distance_m - expected.distance_m).abs() < 1e-6, "{actual:?} {expected:?}");
         if expected.link == 8 {
-            assert_eq!(found.link, 7);
+            assert_eq!(actual.link, 7);
             nearest += 1;
         }
     }
@@ -163,7 +163,7 @@ fn what_is_no_arm_is_refused() {
     let text = error.to_string();
     assert!(text.contains("package://arm/box.obj") && text.contains("no such package"), "{text}");
     assert!(error.place().is_some_and(|place| urdf[place.span.clone()].contains("box.obj")));
-    assert!(!error.what().contains(" at line"), "{}", error.what());
+    assert!(!error.message().contains(" at line"), "{}", error.message());
     for (contents, why) in [
         (&b"v 0 0 0\nv 1 0 0\n"[..], "it has no triangles"),
         (b"", "no triangles"),
@@ -210,9 +210,9 @@ fn collada_is_read_in_its_unit() {
     let mut points = mesh.patches[0].points.clone();
     points.sort_by(|a, b| a.partial_cmp(b).unwrap());
     let expected = [[0.0, 0.0, 0.05], [0.0, 0.2, 0.05], [0.1, 0.0, 0.05]];
-    for (found, expected) in points.iter().zip(expected) {
-        for (found, expected) in found.iter().zip(expected) {
-            assert!((found - expected).abs() < 1e-6, "{points:?}");
+    for (actual, expected) in points.iter().zip(expected) {
+        for (actual, expected) in actual.iter().zip(expected) {
+            assert!((actual - expected).abs() < 1e-6, "{points:?}");
         }
     }
     // Contents that the library would omit, or on which it would panic.
