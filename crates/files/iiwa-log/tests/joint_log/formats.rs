@@ -213,9 +213,9 @@ proptest! {
         let mut bytes = Vec::new();
         log.write_csv(&mut bytes).unwrap();
         match JointLog::read(&*bytes) {
-            Ok(found) => {
-                prop_assert_eq!(found.t_s, log.t_s);
-                prop_assert_eq!(found.q_rad, log.q_rad);
+            Ok(copy) => {
+                prop_assert_eq!(copy.t_s, log.t_s);
+                prop_assert_eq!(copy.q_rad, log.q_rad);
             }
             Err(error) => prop_assert!(matches!(error, JointLogError::TooFast { .. }), "{}", error),
         }

@@ -58,7 +58,8 @@ fn first_and_last_stamps_are_exact() {
         .filter(|message| message.channel.topic == "/joint_states")
         .map(|message| {
             assert_eq!(message.log_time, message.publish_time);
-            let field = |at| u32::from_le_bytes(message.data[at..at + 4].try_into().unwrap());
+            let field =
+                |offset| u32::from_le_bytes(message.data[offset..offset + 4].try_into().unwrap());
             let stamp = u64::from(field(4)) * 1_000_000_000 + u64::from(field(8));
             assert_eq!(message.log_time, stamp);
             stamp
