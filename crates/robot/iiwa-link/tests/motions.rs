@@ -38,13 +38,13 @@ fn the_keys_of_programs_come_after_the_motions() {
     assert!(places.is_sorted(), "{written}");
     let instruction = Instruction::RunMotions { run: 1, motions };
     let sent: Value = serde_json::from_str(&instruction.to_json(2)).unwrap();
-    let asked: Value = serde_json::from_str(&written).unwrap();
+    let request: Value = serde_json::from_str(&written).unwrap();
     assert_eq!(
         Instruction::from_json(instruction.to_json(2).as_bytes()),
         (Some(2), Ok(instruction.clone()))
     );
     for key in ["motions", "tools", "bases", "frames", "tool", "base", "mode", "mount"] {
-        assert_eq!(sent[key], asked[key], "{key}");
+        assert_eq!(sent[key], request[key], "{key}");
     }
 }
 

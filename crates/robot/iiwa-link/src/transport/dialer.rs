@@ -52,11 +52,11 @@ impl Dialer {
         to: Endpoint,
         take: impl FnMut(Frames) -> Option<Frames> + Send + 'static,
     ) -> Result<Self, LinkError> {
-        let refuse = |source| LinkError::Thread { source };
-        let runtime = runtime().map_err(refuse)?;
+        let to_error = |source| LinkError::Thread { source };
+        let runtime = runtime().map_err(to_error)?;
         let (commands, command_queue) = mpsc::unbounded_channel();
         let run = move || runtime.block_on(maintain(&config, &to, command_queue, take));
-        let thread = thread::Builder::new().name(name.to_owned()).spawn(run).map_err(refuse)?;
+        let thread = thread::Builder::new().name(name.to_owned()).spawn(run).map_err(to_error)?;
         Ok(Self { commands: Some(commands), thread: Some(thread) })
     }
 

@@ -102,8 +102,8 @@ impl Activity {
     /// Compares two connections by the order of eviction within a stage.
     fn eviction_order(&self, other: &Self) -> Ordering {
         let oldest = self.since.cmp(&other.since);
-        let most_pending = Reverse(self.pending).cmp(&Reverse(other.pending));
-        most_pending.then(if self.stage == Stage::Busy { oldest.reverse() } else { oldest })
+        let by_pending = Reverse(self.pending).cmp(&Reverse(other.pending));
+        by_pending.then(if self.stage == Stage::Busy { oldest.reverse() } else { oldest })
     }
 }
 
@@ -141,8 +141,8 @@ impl Places {
         if held[newcomer] > self.per_holder {
             occupants.retain(|(_, it)| it.holder == *newcomer);
         } else if occupants.len() >= self.total {
-            let most = held.values().max().copied().unwrap_or_default();
-            occupants.retain(|(_, it)| held[&it.holder] == most);
+            let max_held = held.values().max().copied().unwrap_or_default();
+            occupants.retain(|(_, it)| held[&it.holder] == max_held);
         } else {
             return None;
         }
@@ -320,13 +320,13 @@ mod tests {
         ) {
             let mut scene = Scene::new(total);
             for (i, (of, stage, pending)) in arrivals.into_iter().enumerate() {
-                let most = (1..6).map(|it| scene.held(it) + usize::from(it == of)).max().unwrap();
-                let own = scene.held(of) + 1;
+                let max_held = (1..6).map(|it| scene.held(it) + usize::from(it == of)).max().unwrap();
+                let after_admission = scene.held(of) + 1;
                 let victim = scene.victim(of).map(|id| scene.occupants[&id].holder.clone());
                 if let Some(victim) = victim {
                     let loses = (1..6).find(|it| holder(*it) == victim).unwrap();
                     let held = scene.held(loses) + usize::from(loses == of);
-                    prop_assert!(held == most || (loses == of && own > scene.places.per_holder));
+                    prop_assert!(held == max_held || (loses == of && after_admission > scene.places.per_holder));
                 }
                 scene.admit(i as u64, Stage::Fresh, of, i as u64);
                 scene.put(i as u64, ESTABLISHED[stage % 5], of, pending, i as u64);
@@ -347,25 +347,25 @@ mod tests {
             let stages: &[Stage] = if is_established { &ESTABLISHED } else { &HANDSHAKE };
             let first = stages[usize::from(is_established)];
             // Stages of a stop: neither `Stalled` nor `Busy`.
-            let own = if is_established { [1, 2, 4][stage % 3] } else { stage % 4 };
+            let newcomer_stage = if is_established { [1, 2, 4][stage % 3] } else { stage % 4 };
             let mut scene = Scene::new(64);
             let put = |scene: &mut Scene, id, stage: usize, pending: usize, second| {
                 let stage = stages[stage % stages.len()];
                 let pending = if stage >= Stage::Busy { pending.max(1) } else { 0 };
                 scene.put(id, stage, 1, pending, second);
-                usize::from(stage == stages[own])
+                usize::from(stage == stages[newcomer_stage])
             };
             for (id, (stage, pending)) in parked.into_iter().enumerate() {
                 put(&mut scene, id as u64, stage, pending, id as u64);
             }
             scene.admit(NEWCOMER, first, 1, 1000);
-            put(&mut scene, NEWCOMER, own, 1, 1000);
+            put(&mut scene, NEWCOMER, newcomer_stage, 1, 1000);
             let mut entered = 0;
             for (i, (index, stage, pending)) in moves.into_iter().enumerate() {
                 let second = 1001 + i as u64;
                 if i % 3 == 0 {
                     scene.admit(NEWCOMER + second, first, 1, second);
-                    entered += usize::from(first == stages[own]);
+                    entered += usize::from(first == stages[newcomer_stage]);
                 }
                 if entered > scene.occupants.len() / SHARES {
                     break;

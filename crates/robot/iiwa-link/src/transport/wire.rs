@@ -182,7 +182,7 @@ pub(crate) struct Wire {
 impl Wire {
     pub(crate) fn new(stream: TcpStream, config: WireConfig) -> Self {
         set_options(&stream);
-        let address = stream.peer_addr().map(|at| at.to_string()).unwrap_or_default();
+        let address = stream.peer_addr().map(|peer| peer.to_string()).unwrap_or_default();
         let codec = Connection::new(
             ConnectionConfig::new(config.role, config.kind)
                 .identity(identity())

@@ -25,14 +25,14 @@ proptest! {
         // The error of a cubic with approximate slopes at a jerk step: half a microradian for the
         // large joints, two for the wrists.
         let jerk = Robot::default().limits().jerk_rad_s3;
-        let most = jerk.map(|jerk| jerk * 0.004_f64.powi(3) / 20.0);
+        let max_error = jerk.map(|jerk| jerk * 0.004_f64.powi(3) / 20.0);
         let steps = (end_s / 0.0005) as u32;
         for i in 0..=steps {
             let t_s = f64::from(i) * 0.0005;
-            let (found, expected) = (trajectory.at(t_s), plan.at(t_s).q);
+            let (actual, expected) = (trajectory.at(t_s), plan.at(t_s).q);
             for j in 0..7 {
-                let off = (found[j] - expected[j]).abs();
-                prop_assert!(off < most[j], "joint {} is off by {} rad at {} s", j + 1, off, t_s);
+                let off = (actual[j] - expected[j]).abs();
+                prop_assert!(off < max_error[j], "joint {} is off by {} rad at {} s", j + 1, off, t_s);
             }
             // The velocity is continuous, up to its change within this short time.
             let dt_s = 1e-6;
@@ -113,9 +113,9 @@ proptest! {
         };
         for i in 0..q.len() - 1 {
             if rests(i) || rests(i + 1) {
-                let found = trajectory.at(t_s[i] + share * (t_s[i + 1] - t_s[i]))[0];
+                let actual = trajectory.at(t_s[i] + share * (t_s[i + 1] - t_s[i]))[0];
                 let (low, high) = (q[i].min(q[i + 1]), q[i].max(q[i + 1]));
-                prop_assert!((low - 1e-12..=high + 1e-12).contains(&found), "{low} {found} {high}");
+                prop_assert!((low - 1e-12..=high + 1e-12).contains(&actual), "{low} {actual} {high}");
             }
         }
     }
