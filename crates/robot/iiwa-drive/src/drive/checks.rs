@@ -87,9 +87,9 @@ fn read(
     let (id, head) = Request::head(body);
     let is_trajectory = head.as_ref().is_ok_and(|head| head.name() == Some("run_trajectory"));
     if body.len() > MAX_MOTIONS_BYTES && !is_trajectory {
-        let (found, most) = (body.len(), MAX_MOTIONS_BYTES);
+        let (found, max_bytes) = (body.len(), MAX_MOTIONS_BYTES);
         let refusal = Refusal::bad(format!(
-            "the request has {found} bytes; at most {most} are allowed, except for a trajectory"
+            "the request has {found} bytes; at most {max_bytes} are allowed, except for a trajectory"
         ));
         return (id, Err(refusal));
     }
@@ -156,7 +156,7 @@ fn check_motions(
 /// Number of motions that a motion counts as: the number of segments for a spline.
 fn segments(motion: &Motion) -> usize {
     match motion {
-        Motion::Cartesian(own) => match &own.course {
+        Motion::Cartesian(cartesian) => match &cartesian.course {
             Course::Spline(segments) => segments.len(),
             _ => 1,
         },

@@ -113,10 +113,10 @@ impl Governor {
         if self.last.as_ref().is_none_or(|last| !last.is_sent) {
             self.last = Some(LastSetpoint::at(*arm_rad, [0.0; 7], step_s));
         }
-        let most = self.limits.velocity_rad_s;
+        let max_speed = self.limits.velocity_rad_s;
         self.arm_speed = match self.arm_rad {
             Some(before) if elapsed_s > 0.0 => std::array::from_fn(|j| {
-                ((arm_rad[j] - before[j]) / elapsed_s).clamp(-most[j], most[j])
+                ((arm_rad[j] - before[j]) / elapsed_s).clamp(-max_speed[j], max_speed[j])
             }),
             _ => [0.0; 7],
         };
@@ -159,21 +159,21 @@ impl Governor {
         let mut moved: Option<(usize, f64)> = None;
         let mut speed = [0.0; 7];
         let joints_rad = std::array::from_fn(|j| {
-            let (at, before) = (last.at_rad[j], last.speed[j]);
-            let most = VELOCITY * limits.velocity_rad_s[j];
+            let (position, before) = (last.at_rad[j], last.speed[j]);
+            let max_speed = VELOCITY * limits.velocity_rad_s[j];
             let (lower, upper) = (limits.lower_rad[j], limits.upper_rad[j]);
             let acceleration = limits.acceleration_rad_s2[j];
             let target_speed = match requested {
-                Some(requested) => (requested[j] - at) / step_s,
+                Some(requested) => (requested[j] - position) / step_s,
                 None => before.signum() * (before.abs() - BRAKING * acceleration * span_s).max(0.0),
             };
             let change = ACCELERATION * acceleration * span_s;
             let stops = |room_rad| fastest(room_rad, RANGE_BRAKING * acceleration, step_s);
             speed[j] = target_speed
                 .clamp(before - change, before + change)
-                .clamp(-most, most)
+                .clamp(-max_speed, max_speed)
                 // The range is applied last, because it has priority over the acceleration.
-                .clamp(-stops(at - lower), stops(upper - at));
+                .clamp(-stops(position - lower), stops(upper - position));
             if let Some(requested) = requested
                 && speed[j] == target_speed
                 && (lower..=upper).contains(&requested[j])
@@ -181,11 +181,11 @@ impl Governor {
                 // Returned exactly: a sum would be rounded.
                 return requested[j];
             }
-            let limited = if speed[j] == 0.0 { at } else { at + speed[j] * step_s };
-            let limited = limited.clamp(lower.min(at), upper.max(at));
+            let limited = if speed[j] == 0.0 { position } else { position + speed[j] * step_s };
+            let limited = limited.clamp(lower.min(position), upper.max(position));
             if let Some(requested) = requested {
                 let by = (limited - requested[j]).abs();
-                if moved.is_none_or(|(_, most)| by > most) {
+                if moved.is_none_or(|(_, max_shift)| by > max_shift) {
                     moved = Some((j, by));
                 }
             }
@@ -220,8 +220,8 @@ mod tests {
         let mut random = Rng::with_seed(5);
         for step_s in [0.001, 0.005, 0.05] {
             let mut governor = Governor::new(&limits);
-            let (mut at, mut speed, mut before_s) = ([0.0; 7], [0.0; 7], step_s);
-            governor.observe(Some(&at), step_s, step_s);
+            let (mut position, mut speed, mut before_s) = ([0.0; 7], [0.0; 7], step_s);
+            governor.observe(Some(&position), step_s, step_s);
             // Target and number of steps: positions, noise, non-finite numbers, no request.
             let (mut target, mut left, mut noise) = (Some([0.0; 7]), 0, 0.0);
             for _ in 0..20_000 {
@@ -241,15 +241,15 @@ mod tests {
                 let requested = target.map(|q| q.map(|q| q + noise * (random.f64() - 0.5)));
                 let sent = governor.command(requested.as_ref()).unwrap().joints_rad;
                 for j in 0..7 {
-                    let now = (sent[j] - at[j]) / step_s;
+                    let now = (sent[j] - position[j]) / step_s;
                     let bend = (now - speed[j]) / (0.5 * (step_s + before_s));
                     assert!((lower_rad[j]..=upper_rad[j]).contains(&sent[j]));
                     assert!(now.abs() <= 1.02 * velocity_rad_s[j], "{now}");
                     assert!(bend.abs() <= 1.3 * acceleration_rad_s2[j] + 1e-6, "{bend}");
                     speed[j] = now;
                 }
-                (at, before_s) = (sent, step_s);
-                governor.observe(Some(&at), step_s, step_s);
+                (position, before_s) = (sent, step_s);
+                governor.observe(Some(&position), step_s, step_s);
             }
         }
     }

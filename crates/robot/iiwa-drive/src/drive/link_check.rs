@@ -64,9 +64,9 @@ impl LinkCheck {
                         scope.spawn(|| (raise_priority(), listen(&udp, config.fri_controller)));
                     check_program(config, cabinet, &mut steps);
                     // The thread does not panic.
-                    let (real_time, found) = listening.join().unwrap_or_default();
-                    check_fri(config, &found, &mut steps);
-                    check_priority(real_time, found.period_ms(), &mut steps);
+                    let (real_time, findings) = listening.join().unwrap_or_default();
+                    check_fri(config, &findings, &mut steps);
+                    check_priority(real_time, findings.period_ms(), &mut steps);
                 });
             }
             Err(fault) => {
@@ -178,18 +178,18 @@ fn check_program<F: FnMut(&CheckStep)>(
     ];
     let mut reached = Vec::new();
     let mut refused = None;
-    for (step, kind, at) in ports {
-        let result = cabinet.probe(kind, at, PROBE_TIMEOUT);
+    for (step, kind, address) in ports {
+        let result = cabinet.probe(kind, address, PROBE_TIMEOUT);
         if let Err(ProbeError::Refused(why)) = result {
             refused = Some(why);
         }
         match result {
             // A later step checks the keys.
             Ok(()) | Err(ProbeError::Refused(_)) => {
-                steps.ok(step, format!("{at} accepts connections"));
+                steps.ok(step, format!("{address} accepts connections"));
                 reached.push(result.is_ok());
             }
-            Err(error) => steps.fails(step, unreachable(at, &error)),
+            Err(error) => steps.fails(step, unreachable(address, &error)),
         }
     }
     let connected = reached == [true, true];
@@ -219,35 +219,35 @@ fn check_program<F: FnMut(&CheckStep)>(
 }
 
 /// Returns the reason why a port is unreachable, with the remedy.
-fn unreachable(at: &str, error: &ProbeError) -> Fault {
+fn unreachable(address: &str, error: &ProbeError) -> Fault {
     const PORTS: &[&str] = &["cabinet-instructions", "cabinet-state"];
     match error {
         ProbeError::NothingListens => {
             let text = format!(
-                "{at}: the host answers, and nothing listens at the port: start the robot program on the smartPAD, and \
+                "{address}: the host answers, and nothing listens at the port: start the robot program on the smartPAD, and \
                  compare the ports in its settings"
             );
             Fault::new(text, PORTS)
         }
         ProbeError::NoAnswer => {
             let text = format!(
-                "{at}: no answer: is the cabinet on, the cable in its KLI port (X66), is this its address, are both in \
+                "{address}: no answer: is the cabinet on, the cable in its KLI port (X66), is this its address, are both in \
                  one network (address and mask), does a firewall block the port?"
             );
             Fault::new(text, &["cabinet"])
         }
         ProbeError::NoHandshake | ProbeError::Protocol { .. } => {
             let text = format!(
-                "{at}: something listens there that does not speak as a robot program does ({error}): compare the \
+                "{address}: something listens there that does not speak as a robot program does ({error}): compare the \
                  ports, and the keys on both sides"
             );
             Fault::new(text, PORTS)
         }
         ProbeError::UnknownHost => {
-            let text = format!("{at}: the name of the host is not known: give its IP address");
+            let text = format!("{address}: the name of the host is not known: give its IP address");
             Fault::new(text, &["cabinet"])
         }
-        _ => Fault::new(format!("{at}: {error}"), &["key", "cabinet-key"]),
+        _ => Fault::new(format!("{address}: {error}"), &["key", "cabinet-key"]),
     }
 }
 
@@ -273,9 +273,9 @@ fn refusal(why: ConnectionRefusal, has_keys: bool) -> Fault {
 }
 
 /// Receives and acknowledges the state of the robot program.
-fn receive_state(cabinet: &Remote, at: &str) -> Option<StateChange> {
+fn receive_state(cabinet: &Remote, address: &str) -> Option<StateChange> {
     let (states, received) = mpsc::channel();
-    let connection = cabinet.dial("check state", Dial::Rep, at, move |frames| {
+    let connection = cabinet.dial("check state", Dial::Rep, address, move |frames| {
         let (state, acknowledgement) = acknowledge(frames);
         if let Some(state) = state {
             // Later states are not needed: the send error is ignored.
@@ -312,9 +312,9 @@ fn program(state: &StateChange, robot: &RobotIdentity) -> Result<String, Fault> 
     ))
 }
 
-fn check_conditions<F: FnMut(&CheckStep)>(told: Option<&Conditions>, steps: &mut Steps<F>) {
-    let text = told.map(Conditions::text).filter(|text| !text.is_empty());
-    let (Some(conditions), Some(text)) = (told, text) else {
+fn check_conditions<F: FnMut(&CheckStep)>(reported: Option<&Conditions>, steps: &mut Steps<F>) {
+    let text = reported.map(Conditions::text).filter(|text| !text.is_empty());
+    let (Some(conditions), Some(text)) = (reported, text) else {
         return steps.skipped(CONDITIONS, "the robot program does not tell them");
     };
     if conditions.safety_stop == Some(true) {
@@ -333,23 +333,23 @@ fn check_conditions<F: FnMut(&CheckStep)>(told: Option<&Conditions>, steps: &mut
 /// Checks the messages received over FRI.
 fn check_fri<F: FnMut(&CheckStep)>(
     config: &DriveConfig,
-    found: &FriFindings,
+    findings: &FriFindings,
     steps: &mut Steps<F>,
 ) {
-    steps.of(MESSAGES, found.messages(config));
+    steps.of(MESSAGES, findings.messages(config));
     let skipped = "no FRI messages arrive";
-    if !found.has_arrived() {
+    if !findings.has_arrived() {
         return [VERSION, PERIOD, SESSION]
             .into_iter()
             .for_each(|step| steps.skipped(step, skipped));
     }
-    steps.of(VERSION, found.version());
-    if found.period_ms().is_none() {
+    steps.of(VERSION, findings.version());
+    if findings.period_ms().is_none() {
         let skipped = "the FRI messages cannot be read";
         return [PERIOD, SESSION].into_iter().for_each(|step| steps.skipped(step, skipped));
     }
-    steps.of(PERIOD, found.period());
-    steps.of(SESSION, found.session());
+    steps.of(PERIOD, findings.period());
+    steps.of(SESSION, findings.session());
 }
 
 /// Maximum send period that requires real-time priority, in ms.

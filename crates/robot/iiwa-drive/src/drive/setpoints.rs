@@ -254,9 +254,9 @@ impl TrajectoryTask {
 /// Returns the joint (0 to 6) furthest from the last set-point and its distance in rad, unless the
 /// robot has arrived.
 fn furthest(message: &Monitoring, setpoint: &Joints) -> Option<(usize, f64)> {
-    let at = message.commanded_rad?;
+    let commanded = message.commanded_rad?;
     (0..7)
-        .map(|j| (j, (at[j] - setpoint[j]).abs()))
+        .map(|j| (j, (commanded[j] - setpoint[j]).abs()))
         .max_by(|a, b| a.1.total_cmp(&b.1))
         .filter(|(_, off_rad)| *off_rad >= ARRIVED_RAD)
 }
@@ -410,8 +410,8 @@ mod tests {
 
     #[test]
     fn a_run_does_not_begin_at_an_unknown_or_wrong_position() {
-        for (commanded_rad, at) in [(None, 0.0), (Some([0.0; 7]), 0.5)] {
-            let trajectory = TimedJoints { t_s: vec![0.0, 1.0], joints_rad: vec![[at; 7]; 2] };
+        for (commanded_rad, angle) in [(None, 0.0), (Some([0.0; 7]), 0.5)] {
+            let trajectory = TimedJoints { t_s: vec![0.0, 1.0], joints_rad: vec![[angle; 7]; 2] };
             let mut task =
                 TrajectoryTask::Pending { run: 7, trajectory: Box::new(trajectory), armed: true };
             let (setpoint, end) =
@@ -430,12 +430,12 @@ mod tests {
             }
             let mut cycle = 10;
             let end = loop {
-                let mut at = [0.0; 7];
+                let mut position = [0.0; 7];
                 if let TrajectoryTask::Running { playback, .. } = &task {
-                    at = playback.position();
+                    position = playback.position();
                 }
-                at[2] += 0.001;
-                let message = Monitoring { commanded_rad: Some(at), ..message(cycle) };
+                position[2] += 0.001;
+                let message = Monitoring { commanded_rad: Some(position), ..message(cycle) };
                 if let (_, Some(end)) = advance(&mut task, &message, f64::from(cycle) * CYCLE_S) {
                     break end;
                 }

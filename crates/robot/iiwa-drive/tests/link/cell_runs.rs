@@ -90,7 +90,7 @@ fn a_request_with_frames_is_replied_to() {
         {"type": "lin_rel", "offset": {"x_mm": 20}, "in": "pick"},
         {"type": "lin_rel", "offset": {"x_mm": -20}, "in": "pick"},
     ]);
-    let answer = socket.ask(&short.to_string());
+    let answer = socket.request(&short.to_string());
     assert_eq!((&answer["ok"], &answer["id"]), (&json!(true), &json!(["mine"])), "{answer}");
     let plan = planned_from(start_rad(), list(&short));
     let late_s = answer["cycle_time_s"].as_f64().unwrap() - plan.cycle_time_s();
@@ -237,12 +237,12 @@ fn what_cannot_be_planned_is_refused() {
             *request.pointer_mut(path).expect(path) = value;
         }
         let request = request.to_string();
-        let answer = socket.ask(&request);
+        let answer = socket.request(&request);
         assert_eq!(answer["ok"], false, "{path}: {answer}");
         assert_error(&answer["error"], code, &[text], &request);
         assert_eq!(rig.cabinet().position().map(f64::to_bits), before.map(f64::to_bits), "{path}");
     }
-    assert_eq!(socket.ask(r#"{"type": "state"}"#)["state"], "idle");
+    assert_eq!(socket.request(r#"{"type": "state"}"#)["state"], "idle");
     // Refused requests do not affect the next run.
     let mut good = request(None);
     good["motions"] = json!([{"type": "lin_rel", "offset": {"z_mm": -10}}]);
@@ -259,7 +259,7 @@ fn requests_that_grow_are_refused() {
     let spline =
         json!({"type": "spline", "segments": vec![json!({"type": "spl", "frame": "pick"}); 20]});
     many["motions"] = json!(vec![spline; 251]);
-    let answer = socket.ask(&many.to_string());
+    let answer = socket.request(&many.to_string());
     assert_error(
         &answer["error"],
         "bad_request",
@@ -272,6 +272,6 @@ fn requests_that_grow_are_refused() {
     large["bases"] = Value::Object(bases.collect());
     let large = large.to_string();
     assert!(large.len() < 1 << 20);
-    let answer = socket.ask(&large);
+    let answer = socket.request(&large);
     assert_error(&answer["error"], "bad_request", &["written out in full"], "bases");
 }

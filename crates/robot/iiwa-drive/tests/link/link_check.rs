@@ -19,11 +19,11 @@ use crate::link::{
 };
 
 fn check(rig: &Rig, remote: &Remote) -> LinkCheck {
-    let mut told = Vec::new();
+    let mut reported = Vec::new();
     // The previous check may have used the same UDP port.
     child_processes::await_all();
-    let check = LinkCheck::run(&rig.drive_config, remote, |step| told.push(step.clone()));
-    assert_eq!(check.steps, told);
+    let check = LinkCheck::run(&rig.drive_config, remote, |step| reported.push(step.clone()));
+    assert_eq!(check.steps, reported);
     assert_eq!(check.steps.len(), 11);
     for step in &check.steps {
         println!("{}", step.line("--"));
@@ -38,9 +38,9 @@ fn step<'a>(check: &'a LinkCheck, name: &str) -> (StepResult, &'a str) {
 }
 
 fn assert_fails(check: &LinkCheck, name: &str, text: &str) {
-    let (result, found) = step(check, name);
-    assert_eq!(result, StepResult::Fails, "{name}: {found}");
-    assert!(found.contains(text), "{name}: {found}");
+    let (result, message) = step(check, name);
+    assert_eq!(result, StepResult::Fails, "{name}: {message}");
+    assert!(message.contains(text), "{name}: {message}");
     assert!(!check.ok);
 }
 
@@ -135,7 +135,7 @@ fn keys_are_checked() {
     let mut rig = Rig::parts(5);
     let [cabinet, drive, other] = [(); 3].map(|()| KeyPair::generate().unwrap());
     let cabinet_key = cabinet.public();
-    let remote = |own: &KeyPair| Remote::with_keys(ClientSecurity::new(own.clone(), cabinet_key));
+    let remote = |keys: &KeyPair| Remote::with_keys(ClientSecurity::new(keys.clone(), cabinet_key));
     let allowed = AllowList::from_iter([("drive".to_owned(), drive.public())]);
     let server = Server::with_keys(ServerSecurity::new(cabinet, allowed));
     let secured = Cabinet::start(rig.cabinet_config.clone(), &server).unwrap();

@@ -189,7 +189,7 @@ fn a_restarted_robot_program_is_instructed_over_a_new_connection() {
         states.receive(LONG).expect("an acknowledgement");
     }
     let mut program = accepted(&listener);
-    let asked = {
+    let request = {
         let mut client = rig.client();
         thread::spawn(move || client.get_io("x"))
     };
@@ -197,5 +197,5 @@ fn a_restarted_robot_program_is_instructed_over_a_new_connection() {
     let body: serde_json::Value = serde_json::from_slice(&instruction[1]).unwrap();
     let answer = format!(r#"{{"seq": {}, "value": 7}}"#, body["seq"]);
     program.send(&[b"", answer.as_bytes()]).unwrap();
-    assert_eq!(asked.join().unwrap().unwrap(), IoValue::Digital(7));
+    assert_eq!(request.join().unwrap().unwrap(), IoValue::Digital(7));
 }

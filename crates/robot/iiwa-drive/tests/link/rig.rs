@@ -149,10 +149,10 @@ impl Rig {
 }
 
 /// Polls a condition.
-pub(crate) fn wait_for(what: &str, mut holds: impl FnMut() -> bool) {
+pub(crate) fn wait_for(event: &str, mut holds: impl FnMut() -> bool) {
     let since = Instant::now();
     while !holds() {
-        assert!(since.elapsed() < LONG, "no {what} within {LONG:?}");
+        assert!(since.elapsed() < LONG, "no {event} within {LONG:?}");
         std::thread::sleep(Duration::from_millis(10));
     }
 }

@@ -102,8 +102,8 @@ impl<C> Dispatcher<C> {
 
     /// Returns true if a run was abandoned and the robot program has not sent its state since.
     fn is_in_doubt(&self) -> bool {
-        let reported = self.program.as_ref().map(|(_, at)| *at);
-        self.abandoned.is_some_and(|abandoned| reported.is_none_or(|at| at <= abandoned))
+        let reported = self.program.as_ref().map(|(_, instant)| *instant);
+        self.abandoned.is_some_and(|abandoned| reported.is_none_or(|instant| instant <= abandoned))
     }
 
     /// Instructs the robot program to end the run, unless it was instructed before.

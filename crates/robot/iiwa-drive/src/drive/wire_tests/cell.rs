@@ -83,7 +83,7 @@ impl Cell {
         period_ms: u32,
         receive_multiplier: u32,
         missing: Missing,
-        at: Joints,
+        start: Joints,
     ) -> Self {
         let config = ControllerConfig { period_ms, receive_multiplier, format: Format::V1 };
         let limits = *Robot::default().limits();
@@ -95,7 +95,7 @@ impl Cell {
             missing,
             cycle: 0,
             begun: Instant::now(),
-            q: at,
+            q: start,
             dq: [0.0; 7],
             target: None,
             down: Network::default(),
@@ -147,8 +147,8 @@ impl Cell {
         }
         let Limits { velocity_rad_s, lower_rad, upper_rad, .. } = self.limits;
         self.q = std::array::from_fn(|j| {
-            let most = 1.1 * velocity_rad_s[j] * period_s;
-            (before[j] + step[j].clamp(-most, most)).clamp(lower_rad[j], upper_rad[j])
+            let max_step = 1.1 * velocity_rad_s[j] * period_s;
+            (before[j] + step[j].clamp(-max_step, max_step)).clamp(lower_rad[j], upper_rad[j])
         });
         self.dq = std::array::from_fn(|j| (self.q[j] - before[j]) / period_s);
     }
@@ -264,14 +264,14 @@ impl Cell {
         self.wire.push(SentSetpoint { t_s, at_rad, arm_rad, restart_speed });
     }
 
-    pub(super) fn until(&mut self, most: u32, holds: impl Fn(&Self) -> bool) {
-        for _ in 0..most {
+    pub(super) fn until(&mut self, max_cycles: u32, holds: impl Fn(&Self) -> bool) {
+        for _ in 0..max_cycles {
             if holds(self) {
                 return;
             }
             self.tick();
         }
-        panic!("not reached within {most} cycles: {:?}", self.controller.state());
+        panic!("not reached within {max_cycles} cycles: {:?}", self.controller.state());
     }
 
     /// Begins the trajectory; the session commands afterwards.
