@@ -98,7 +98,7 @@ impl CommandGate {
     }
 
     /// Refuses a command because of its delivery, and replies, regardless of its content.
-    pub fn refuse(&self, robot: Option<&str>, body: &[u8], refusal: &Refusal, answer: Answer) {
+    pub fn reject(&self, robot: Option<&str>, body: &[u8], refusal: &Refusal, answer: Answer) {
         let named = if body.len() > MAX_COMMAND_BYTES {
             Envelope::default()
         } else {
@@ -130,9 +130,9 @@ impl CommandGate {
         body: &[u8],
     ) -> (Envelope, Result<(&Worker, Request), Refusal>) {
         if body.len() > MAX_COMMAND_BYTES {
-            let found = body.len();
+            let size = body.len();
             let why =
-                format!("the command has {found} bytes; at most {MAX_COMMAND_BYTES} are allowed");
+                format!("the command has {size} bytes; at most {MAX_COMMAND_BYTES} are allowed");
             return (Envelope::default(), Err(Refusal::bad(why)));
         }
         match Envelope::read(body) {
@@ -162,10 +162,10 @@ impl CommandGate {
             return Err(Refusal::bad("`robot` is another one than that of the topic"));
         }
         let request = envelope.request()?;
-        let (id, at) = envelope.identity()?;
-        let most = if request == Request::Stop { MAX_IDS + STOPS } else { MAX_IDS };
+        let (id, time) = envelope.identity()?;
+        let max_ids = if request == Request::Stop { MAX_IDS + STOPS } else { MAX_IDS };
         let mut seen = self.seen.lock().unwrap_or_else(PoisonError::into_inner);
-        seen.admit(id, at, Timestamp::now(), most)?;
+        seen.admit(id, time, Timestamp::now(), max_ids)?;
         drop(seen);
         Ok((worker, request))
     }
@@ -185,11 +185,11 @@ impl SeenIds {
     fn admit(
         &mut self,
         id: &str,
-        at: Timestamp,
+        time: Timestamp,
         now: Timestamp,
-        most: usize,
+        max_ids: usize,
     ) -> Result<(), Refusal> {
-        let age = SystemTime::from(now).duration_since(at.into());
+        let age = SystemTime::from(now).duration_since(time.into());
         let (apart, which) = match age {
             Ok(age) => (age, "ago by the bridge's clock: it is too old"),
             Err(ahead) => (ahead.duration(), "ahead of the bridge's clock: set the clocks"),
@@ -201,7 +201,7 @@ impl SeenIds {
                 format!("the command was sent {seconds:.1} s {which}"),
             ));
         }
-        if at < self.since {
+        if time < self.since {
             let why = "the command was sent before the bridge was started";
             return Err(Refusal::new(Code::Timeout, why));
         }
@@ -213,7 +213,7 @@ impl SeenIds {
         if self.ids.iter().any(|(_, seen)| seen == id) {
             return Err(Refusal::bad("a command with this `id` has been received before"));
         }
-        if self.ids.len() >= most {
+        if self.ids.len() >= max_ids {
             return Err(Refusal::robot("too many commands; wait some seconds"));
         }
         self.ids.push_back((now, id.to_owned()));

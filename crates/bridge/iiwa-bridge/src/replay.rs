@@ -71,13 +71,13 @@ impl ReplayDrive {
     /// Returns the bound address for requests.
     #[must_use]
     pub fn requests(&self) -> &str {
-        self.requests.at()
+        self.requests.address()
     }
 
     /// Returns the bound address of the stream.
     #[must_use]
     pub fn stream(&self) -> &str {
-        self.stream.at()
+        self.stream.address()
     }
 
     fn show(&self, content: Content) {

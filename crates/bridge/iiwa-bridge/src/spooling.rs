@@ -55,17 +55,17 @@ impl SpoolTarget {
     /// Appends an event, which must survive the process.
     pub(crate) fn append_now(&self, record: &[u8]) {
         let appended = self.spool.append(record).and_then(|()| self.spool.flush());
-        self.say(appended);
+        self.report(appended);
     }
 
     /// Appends a record.
     pub(crate) fn append(&self, record: &[u8]) {
         let appended = self.spool.append(record);
-        self.say(appended);
+        self.report(appended);
     }
 
     /// Wakes the reader, and logs failures.
-    fn say(&self, appended: io::Result<()>) {
+    fn report(&self, appended: io::Result<()>) {
         self.appended.notify_one();
         let dropped = self.spool.level().dropped;
         if dropped > self.dropped.swap(dropped, Ordering::Relaxed) {

@@ -165,10 +165,10 @@ impl Rig {
 
 /// Returns a command that moves the robot, if accepted.
 fn command(id: &str) -> String {
-    let at = serde_json::to_string(&Timestamp::now()).unwrap();
+    let time = serde_json::to_string(&Timestamp::now()).unwrap();
     let request =
         r#"{"type":"run_motions","motions":[{"type":"ptp","joints_deg":[60,0,0,0,0,0,0]}]}"#;
-    format!(r#"{{"version":1,"robot":"cell-1","id":"{id}","at":{at},"request":{request}}}"#)
+    format!(r#"{{"version":1,"robot":"cell-1","id":"{id}","at":{time},"request":{request}}}"#)
 }
 
 fn check_refusal((topic, message): &(String, Value), id: &str, why: &str) {

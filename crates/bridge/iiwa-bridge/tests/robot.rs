@@ -161,9 +161,9 @@ fn send(gate: &CommandGate, topic: Option<&str>, body: &str) -> Receiver<Command
     receiver
 }
 
-fn command(id: &str, at: Timestamp, request: &str) -> String {
-    let at = serde_json::to_string(&at).unwrap();
-    format!(r#"{{"version":1,"robot":"cell-1","id":"{id}","at":{at},"request":{request}}}"#)
+fn command(id: &str, time: Timestamp, request: &str) -> String {
+    let time = serde_json::to_string(&time).unwrap();
+    format!(r#"{{"version":1,"robot":"cell-1","id":"{id}","at":{time},"request":{request}}}"#)
 }
 
 fn reply(gate: &CommandGate, body: &str) -> CommandReply {

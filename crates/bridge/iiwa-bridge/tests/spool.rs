@@ -262,9 +262,9 @@ proptest! {
                     spool.append(&record(appended, length)).unwrap();
                     appended += 1;
                 }
-                Step::Read(most) => {
-                    let batch = reader.batch(&spool, most, usize::MAX).unwrap();
-                    let expected: Vec<u64> = (next..appended).take(most).collect();
+                Step::Read(max_count) => {
+                    let batch = reader.batch(&spool, max_count, usize::MAX).unwrap();
+                    let expected: Vec<u64> = (next..appended).take(max_count).collect();
                     prop_assert_eq!(batch.iter().map(|it| number(it)).collect::<Vec<_>>(), expected);
                     next += batch.len() as u64;
                 }

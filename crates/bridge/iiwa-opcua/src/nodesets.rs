@@ -32,7 +32,8 @@ pub(crate) fn all() -> Result<Vec<NodeSet>, OpcUaError> {
 }
 
 fn read(name: &'static str, packed: &[u8]) -> Result<NodeSet, OpcUaError> {
-    let bad = |what: String| OpcUaError::Server { what: format!("{name} is damaged: {what}") };
+    let bad =
+        |message: String| OpcUaError::Server { message: format!("{name} is damaged: {message}") };
     let bytes = zstd::decode_all(packed).map_err(|error| bad(error.to_string()))?;
     let text = String::from_utf8(bytes).map_err(|error| bad(error.to_string()))?;
     let import = NodeSet2Import::new_str("en", &without_breaks(&text), Vec::new());

@@ -39,7 +39,9 @@ impl Users {
             } else {
                 continue;
             };
-            return Err(OpcUaError::Settings { what: format!("the OPC UA user `{user}` {fault}") });
+            return Err(OpcUaError::Settings {
+                message: format!("the OPC UA user `{user}` {fault}"),
+            });
         }
         Ok(Self { users, anonymous })
     }
@@ -58,9 +60,9 @@ impl Users {
 }
 
 /// Returns true if two texts are equal, in a time that depends on their lengths only.
-fn same(expected: &str, found: &str) -> bool {
-    let lengths = u8::from(expected.len() != found.len());
-    let bytes = expected.bytes().zip(found.bytes());
+fn same(expected: &str, given_text: &str) -> bool {
+    let lengths = u8::from(expected.len() != given_text.len());
+    let bytes = expected.bytes().zip(given_text.bytes());
     bytes.fold(lengths, |differences, (a, b)| differences | (a ^ b)) == 0
 }
 

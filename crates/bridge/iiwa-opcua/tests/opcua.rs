@@ -175,17 +175,17 @@ fn now_s() -> f64 {
 
 /// Sends messages like the feeds of two robots.
 fn feed(server: &OpcUa, since: f64, ended: &AtomicBool) {
-    let send = |robot: &str, at: Timestamp, content: Content| {
+    let send = |robot: &str, time: Timestamp, content: Content| {
         let robot = robot.to_owned();
-        server.take(&Message { version: VERSION, robot, session: 1, seq: 0, at, content });
+        server.take(&Message { version: VERSION, robot, session: 1, seq: 0, at: time, content });
     };
-    let told = |robot: &str, content: Value| {
+    let publish = |robot: &str, content: Value| {
         send(robot, Timestamp::now(), serde_json::from_value(content).unwrap());
     };
     for (robot, mode, share, stop, state) in
         [("left", "aut", 1.0, false, "running_motion"), ("right", "t1", 0.5, true, "idle")]
     {
-        told(
+        publish(
             robot,
             json!({
                 "kind": "conditions", "drive": "connected", "state": state, "robot_program": "connected",
@@ -195,13 +195,13 @@ fn feed(server: &OpcUa, since: f64, ended: &AtomicBool) {
             }),
         );
     }
-    told(
+    publish(
         "left",
         json!({
             "kind": "run", "t_s": 1.0, "run": 1, "event": "begin", "what": "motions", "program": "pick and place",
         }),
     );
-    told(
+    publish(
         "left",
         json!({
             "kind": "sensors", "joint_temperature_c": [31.0, 32.0, 33.0, 34.0, 35.0, 36.0, 37.0],
@@ -209,13 +209,13 @@ fn feed(server: &OpcUa, since: f64, ended: &AtomicBool) {
         }),
     );
     while !ended.load(Ordering::Relaxed) {
-        let at = Timestamp::now();
-        let t_s = at.micros() as f64 / 1e6 - since;
+        let time = Timestamp::now();
+        let t_s = time.micros() as f64 / 1e6 - since;
         let joints_rad =
             std::array::from_fn(|joint| AMPLITUDE_RAD * (RAD_PER_S * t_s + joint as f64).sin());
         for robot in ["left", "right"] {
             let sample = JointSample { t_s, joints_rad, measured_nm: None, external_nm: None };
-            send(robot, at, Content::Joints(sample));
+            send(robot, time, Content::Joints(sample));
         }
         thread::sleep(Duration::from_millis(5));
     }
@@ -285,9 +285,9 @@ fn what_cannot_be_served_is_said() {
     assert!(matches!(&twice, OpcUaError::SameName { name } if name == "a"), "{twice}");
 
     let first = OpcUa::serve(&options_in(folder.path()), vec![robot("a")]).unwrap();
-    let at = first.address();
-    let taken = error(&|options| options.listen = at, vec![robot("a")]);
-    assert!(taken.to_string().starts_with(&format!("cannot listen at {at}")), "{taken}");
+    let address = first.address();
+    let taken = error(&|options| options.listen = address, vec![robot("a")]);
+    assert!(taken.to_string().starts_with(&format!("cannot listen at {address}")), "{taken}");
 
     let none = folder.path().join("none.der");
     let missing = error(&|options| options.trusted = vec![none.clone()], vec![robot("a")]);

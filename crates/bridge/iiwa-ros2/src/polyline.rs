@@ -80,8 +80,8 @@ impl Polyline {
         let corners = self.corners(tolerance);
         let mut stops = vec![0];
         for around in corners.windows(3) {
-            let [before, at, after] = [0, 1, 2].map(|k| &self.points[around[k]]);
-            let [into, out] = [vector::sub(at, before), vector::sub(after, at)];
+            let [before, point, after] = [0, 1, 2].map(|k| &self.points[around[k]]);
+            let [into, out] = [vector::sub(point, before), vector::sub(after, point)];
             let cosine = vector::dot(&into, &out) / (vector::norm(&into) * vector::norm(&out));
             if cosine < SHARPEST {
                 stops.push(around[1]);
@@ -107,7 +107,7 @@ impl Polyline {
                 .map(|i| (i, line_distance(&self.points[i], &self.points[from], &self.points[to])))
                 .max_by(|a, b| a.1.total_cmp(&b.1));
             match worst {
-                Some((at, off)) if off > tolerance => open.extend([(at, to), (from, at)]),
+                Some((index, off)) if off > tolerance => open.extend([(index, to), (from, index)]),
                 _ => corners.push(to),
             }
         }

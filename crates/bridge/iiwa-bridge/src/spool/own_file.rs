@@ -52,9 +52,9 @@ fn open_itself(path: &Path, options: &mut OpenOptions) -> io::Result<File> {
 /// devices are errors.
 fn is_there(path: &Path) -> io::Result<bool> {
     match path.symlink_metadata() {
-        Ok(found) if found.is_file() => Ok(true),
-        Ok(found) if found.is_symlink() => Err(foreign(path, "a symbolic link")),
-        Ok(found) if found.is_dir() => Err(foreign(path, "a folder")),
+        Ok(metadata) if metadata.is_file() => Ok(true),
+        Ok(metadata) if metadata.is_symlink() => Err(foreign(path, "a symbolic link")),
+        Ok(metadata) if metadata.is_dir() => Err(foreign(path, "a folder")),
         Ok(_) => Err(foreign(path, "not a regular file")),
         Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(false),
         Err(error) => Err(error),

@@ -74,9 +74,11 @@ impl SpoolReader {
     /// Any error of the file system. In this case the commit is merely repeated after a restart.
     pub fn commit(&mut self, spool: &Spool) -> io::Result<()> {
         self.committed = self.next;
-        let (saved, at) = self.saved;
+        let (saved, saved_at) = self.saved;
         let has_moved = saved != self.committed;
-        if has_moved && (at.elapsed() >= SAVE_EVERY || saved.segment != self.committed.segment) {
+        if has_moved
+            && (saved_at.elapsed() >= SAVE_EVERY || saved.segment != self.committed.segment)
+        {
             self.save(spool)?;
         }
         let mut state = spool.lock();

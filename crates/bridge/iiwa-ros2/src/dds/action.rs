@@ -85,11 +85,11 @@ impl FollowAction {
         while let Some((request, goal)) = received(self.server.receive_goal()) {
             self.answer_goal(request, &goal, retiming);
         }
-        while let Some((request, asked)) = received(self.server.receive_cancel_request()) {
-            self.answer_cancel(request, &asked);
+        while let Some((request, content)) = received(self.server.receive_cancel_request()) {
+            self.answer_cancel(request, &content);
         }
-        while let Some((request, asked)) = received(self.server.receive_result_request()) {
-            if let Some(response) = self.goals.result(asked.goal_id, request) {
+        while let Some((request, content)) = received(self.server.receive_result_request()) {
+            if let Some(response) = self.goals.result(content.goal_id, request) {
                 sent(self.server.send_result(request, response));
             }
         }
@@ -108,11 +108,11 @@ impl FollowAction {
     fn answer_goal(
         &mut self,
         request: RmwRequestId,
-        asked: &SendGoalRequest<FollowGoal>,
+        content: &SendGoalRequest<FollowGoal>,
         retiming: Retiming,
     ) {
         let stamp = builtin_interfaces::Time::now();
-        let accepted = match self.begin(asked.goal_id, &asked.goal, stamp, retiming) {
+        let accepted = match self.begin(content.goal_id, &content.goal, stamp, retiming) {
             Ok(()) => true,
             Err(fault) => {
                 // The response has no field for the reason.
@@ -148,9 +148,9 @@ impl FollowAction {
         Ok(())
     }
 
-    fn answer_cancel(&mut self, request: RmwRequestId, asked: &CancelGoalRequest) {
-        let Some(asked) = goal_info(asked) else { return };
-        let response = self.goals.cancel(&asked);
+    fn answer_cancel(&mut self, request: RmwRequestId, content: &CancelGoalRequest) {
+        let Some(content) = goal_info(content) else { return };
+        let response = self.goals.cancel(&content);
         if !response.goals_canceling.is_empty() {
             self.execution.stop();
             self.send_statuses();

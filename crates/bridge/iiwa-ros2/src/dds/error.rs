@@ -39,20 +39,20 @@ pub enum Ros2Error {
         other: String,
     },
     /// The domain has no valid ports.
-    #[error("domain {found}: ROS has domains from 0 to {most}; their ports follow from it")]
+    #[error("domain {found}: ROS has domains from 0 to {max}; their ports follow from it")]
     Domain {
         /// The configured domain.
         found: u16,
         /// The last valid domain.
-        most: u16,
+        max: u16,
     },
     /// DDS cannot be started.
-    #[error("DDS cannot be started in domain {domain}: {what}")]
+    #[error("DDS cannot be started in domain {domain}: {message}")]
     Dds {
         /// The domain.
         domain: u16,
         /// The fault.
-        what: String,
+        message: String,
     },
     /// A name is invalid in ROS.
     #[error("a name that ROS does not allow: {0}")]

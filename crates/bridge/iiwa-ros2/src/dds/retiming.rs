@@ -111,11 +111,11 @@ pub(super) fn prepare(
     Ok(Prepared { motion: new, remark })
 }
 
-/// Samples a trajectory for the drive, slowed down uniformly if its duration is below `least_s`,
+/// Samples a trajectory for the drive, slowed down uniformly if its duration is below `min_s`,
 /// because a requested slow motion must remain slow.
-fn sampled(trajectory: &Trajectory, least_s: f64) -> TimedJoints {
+fn sampled(trajectory: &Trajectory, min_s: f64) -> TimedJoints {
     let own_s = trajectory.cycle_time_s();
-    let slower = if own_s > 0.0 { (least_s / own_s).max(1.0) } else { 1.0 };
+    let slower = if own_s > 0.0 { (min_s / own_s).max(1.0) } else { 1.0 };
     let mut motion = TimedJoints::default();
     for state in trajectory.samples(RATE_HZ * slower) {
         let t_s = state.t_s * slower;
@@ -128,7 +128,7 @@ fn sampled(trajectory: &Trajectory, least_s: f64) -> TimedJoints {
         motion.joints_rad.push(state.q);
     }
     if let [only] = motion.joints_rad[..] {
-        motion.t_s.push(least_s.max(1.0 / RATE_HZ));
+        motion.t_s.push(min_s.max(1.0 / RATE_HZ));
         motion.joints_rad.push(only);
     }
     motion
@@ -168,8 +168,8 @@ mod tests {
         let limits = *Robot::default().limits();
         for (end_s, slow) in [(0.2, false), (5.0, true)] {
             let linear = goal(&[(0.0, 0.0), (0.5 * end_s, 0.3), (end_s, 0.5)]);
-            let own = prepared(&linear, RetimeGoals::Never).unwrap();
-            assert_eq!(own.motion.check(&limits, &[0.0; 7]).unwrap_err().code, Code::Limit);
+            let original = prepared(&linear, RetimeGoals::Never).unwrap();
+            assert_eq!(original.motion.check(&limits, &[0.0; 7]).unwrap_err().code, Code::Limit);
             let new = prepared(&linear, RetimeGoals::Needed).unwrap();
             assert_eq!(new.motion.check(&limits, &[0.0; 7]), Ok(()));
             assert!(new.remark.contains("instead of"), "{}", new.remark);
@@ -184,9 +184,9 @@ mod tests {
     #[test]
     fn what_keeps_limits_keeps_its_times() {
         let rest = goal(&[(0.0, 0.1), (1.0, 0.1)]);
-        let own = prepared(&rest, RetimeGoals::Needed).unwrap();
-        assert!(own.remark.is_empty());
-        assert_eq!(own.motion.duration_s(), 1.0);
+        let at_rest = prepared(&rest, RetimeGoals::Needed).unwrap();
+        assert!(at_rest.remark.is_empty());
+        assert_eq!(at_rest.motion.duration_s(), 1.0);
         let always = prepared(&rest, RetimeGoals::Always).unwrap();
         assert_eq!(always.motion.duration_s(), 1.0);
     }
