@@ -257,8 +257,8 @@ fn report_gaps(
             places => format!("{places} places"),
         };
         losses.push(format!(
-            "some {missing} samples of the motion are missing in {places}, most of them for {gap_s:.3} s \
-             from {from_s:.3} s on: the path there is not compared"
+            "some {missing} samples of the motion are missing in {places}, most of them for \
+             {gap_s:.3} s from {from_s:.3} s on: the path there is not compared"
         ));
     }
 }
@@ -359,8 +359,8 @@ impl Timing {
         unknown += passes.iter().filter(|pass| pass.1.is_none()).count();
         if unknown > 0 {
             losses.push(format!(
-                "{unknown} of the places where motions start and end are not clear in the recording: \
-                 the times of these motions are left out"
+                "{unknown} of the places where motions start and end are not clear in the \
+                 recording: the times of these motions are left out"
             ));
         }
         Ok(Self { departure, arrival, legs: times, passes })

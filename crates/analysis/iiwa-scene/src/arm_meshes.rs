@@ -58,7 +58,8 @@ pub enum ArmMeshError {
     },
     /// A mesh is so long that its unit must be wrong.
     #[error(
-        "the mesh {file:?} is {longest_m:.3} m long: its numbers are taken for m, and scale=\"0.001 0.001 0.001\" makes them mm, at {place}"
+        "the mesh {file:?} is {longest_m:.3} m long: its numbers are taken for m, and \
+         scale=\"0.001 0.001 0.001\" makes them mm, at {place}"
     )]
     Extent {
         /// Place in the URDF.

@@ -165,7 +165,8 @@ fn collada(bytes: &[u8]) -> io::Result<mesh_loader::Scene> {
         if tag.starts_with("instance_geometry") && !shown.insert(quoted(tag, "url")) {
             let part = quoted(tag, "url").unwrap_or_default();
             return invalid(format!(
-                "it shows its part {part:?} at several places, which cannot be read: write the mesh as STL or OBJ"
+                "it shows its part {part:?} at several places, which cannot be read: write the \
+                 mesh as STL or OBJ"
             ));
         }
         let is_node = tag == "node" || tag.starts_with("node ");
@@ -226,7 +227,8 @@ fn stl(bytes: &[u8]) -> io::Result<mesh_loader::Scene> {
     if !is_whole && !is_text {
         return invalid(match triangles {
             Some(count) => format!(
-                "it is not text that begins with `solid`, and as a binary file of {count} triangles it would have another length"
+                "it is not text that begins with `solid`, and as a binary file of {count} \
+                 triangles it would have another length"
             ),
             None => "it is not text that begins with `solid`, and too short for a binary file"
                 .to_owned(),

@@ -51,7 +51,8 @@ fn extents(meshes: &ArmMeshes, link: usize) -> [[f64; 2]; 3] {
 #[test]
 fn meshes_are_placed_and_painted() {
     let robot = Robot::lbr_iiwa_7_r800();
-    let mesh = "<geometry><mesh filename=\"package://arm/box.obj\" scale=\"0.001 0.001 -0.001\"/></geometry>";
+    let mesh = "<geometry><mesh filename=\"package://arm/box.obj\" scale=\"0.001 0.001 \
+                -0.001\"/></geometry>";
     let origin = "<origin xyz=\"0.1 0 0\" rpy=\"0 0 1.5707963267948966\"/>";
     let read = |name: &str| match name {
         "package://arm/box.obj" => Ok(cuboid([0.0; 3], [10.0, 20.0, 30.0]).into_bytes()),
@@ -96,9 +97,10 @@ fn meshes_are_placed_and_painted() {
 #[test]
 fn fixed_links_are_parts() {
     let robot = Robot::lbr_iiwa_7_r800();
-    let cover = "<link name=\"cover\"><visual><geometry><mesh filename=\"c.obj\"/></geometry></visual></link>\
-        <joint name=\"cover_joint\" type=\"fixed\"><parent link=\"iiwa_link_2\"/><child link=\"cover\"/>\
-        <origin xyz=\"0 0 0.5\"/></joint></robot>";
+    let cover = "<link name=\"cover\"><visual><geometry><mesh \
+                 filename=\"c.obj\"/></geometry></visual></link><joint name=\"cover_joint\" \
+                 type=\"fixed\"><parent link=\"iiwa_link_2\"/><child link=\"cover\"/><origin \
+                 xyz=\"0 0 0.5\"/></joint></robot>";
     let urdf = robot.to_urdf().replace("</robot>", cover);
     let read = |_: &str| Ok(cuboid([0.0; 3], [0.1; 3]).into_bytes());
     let meshes = ArmMeshes::from_urdf(&robot, &urdf, read).unwrap();

@@ -72,8 +72,8 @@ impl SpoolTarget {
             let mut trouble = self.trouble.lock().unwrap_or_else(PoisonError::into_inner);
             match appended {
                 Ok(()) => trouble.warn(format_args!(
-                    "the spool is full: {dropped} of the oldest messages were dropped so far; give it more room, or bring \
-                     the broker back"
+                    "the spool is full: {dropped} of the oldest messages were dropped so far; give \
+                     it more room, or bring the broker back"
                 )),
                 Err(error) => trouble.warn(format_args!(
                     "cannot write to the spool: {error}; {dropped} messages were dropped so far"

@@ -61,7 +61,8 @@ pub enum RetimeError {
     },
     /// The tolerance is out of range.
     #[error(
-        "a tolerance of {found} rad; it has to be from {MIN_TOLERANCE_RAD} to 1 rad, or 0 for {DEFAULT_TOLERANCE_RAD} rad"
+        "a tolerance of {found} rad; it has to be from {MIN_TOLERANCE_RAD} to 1 rad, or 0 for \
+         {DEFAULT_TOLERANCE_RAD} rad"
     )]
     Tolerance {
         /// The given tolerance.

@@ -106,12 +106,14 @@ fn ranges_need_not_be_symmetric() {
     for (keys, message) in [
         (
             range(&symmetric),
-            "position_range_deg: upper limit of joint A3 is -170.0; it must be at least 170.001 and at most 360.0",
+            "position_range_deg: upper limit of joint A3 is -170.0; it must be at least 170.001 \
+             and at most 360.0",
         ),
         (range("[-1, 1]"), "position_range_deg has 1 numbers; write 7, one pair for each joint"),
         (
             range(&ranges.replace("[-360", "[-361")),
-            "position_range_deg: lower limit of joint A7 is -361.0; it must be at least -360.0 and at most 359.999",
+            "position_range_deg: lower limit of joint A7 is -361.0; it must be at least -360.0 and \
+             at most 359.999",
         ),
         (
             format!(r#"{}, "position_limit_deg": [1, 1, 1, 1, 1, 1, 1]"#, range(ranges)),
@@ -162,27 +164,43 @@ fn links_are_bodies() {
         (r#""links": []"#.to_owned(), "links has 0 entries; write 7, links 1 to 7".to_owned()),
         (
             format!(r#""links": {}"#, given.replacen("0.02,", "-0.02,", 1)),
-            "links: the inertia of link 1 is that of no body: about some axis it is negative".to_owned(),
+            "links: the inertia of link 1 is that of no body: about some axis it is negative"
+                .to_owned(),
         ),
         (
             format!(r#""links": {}"#, given.replacen(": 1,", ": 0,", 1)),
-            "links: mass_kg of link 1 is 0.0; it must be above 0 and at most 1000000000.0".to_owned(),
+            "links: mass_kg of link 1 is 0.0; it must be above 0 and at most 1000000000.0"
+                .to_owned(),
         ),
         (
             format!(r#""links": {}"#, given.replacen("270", "27000", 1)),
-            "links: number 3 of center_mm of link 1 is 27000.0; it must be at least -10000.0 and at most 10000.0"
+            "links: number 3 of center_mm of link 1 is 27000.0; it must be at least -10000.0 and \
+             at most 10000.0"
                 .to_owned(),
         ),
-        (r#""flange_mass_kg": -1"#.to_owned(),
-         "flange_mass_kg is -1.0; it must be at least 0.0 and at most 1000000000.0".to_owned()),
-        (r#""friction": { "coulomb_nm": [0, 0, -0.1, 0, 0, 0, 0] }"#.to_owned(),
-         "friction: coulomb_nm of joint A3 is -0.1; it must be at least 0.0 and at most 1000000000.0".to_owned()),
-        (r#""ramps": { "stop_nm_s": [1, 0, 1, 1, 1, 1, 1] }"#.to_owned(),
-         "ramps: stop_nm_s of joint A2 is 0.0; it must be above 0 and at most 1000000000.0".to_owned()),
-        (r#""ramps": { "width_rad_s": -1 }"#.to_owned(),
-         "ramps: width_rad_s is -1.0; it must be above 0 and at most 1000000000.0".to_owned()),
-        (r#""ramps": { "spline_bend_rel": 0 }"#.to_owned(),
-         "ramps: spline_bend_rel is 0.0; it must be above 0 and at most 1000000000.0".to_owned()),
+        (
+            r#""flange_mass_kg": -1"#.to_owned(),
+            "flange_mass_kg is -1.0; it must be at least 0.0 and at most 1000000000.0".to_owned(),
+        ),
+        (
+            r#""friction": { "coulomb_nm": [0, 0, -0.1, 0, 0, 0, 0] }"#.to_owned(),
+            "friction: coulomb_nm of joint A3 is -0.1; it must be at least 0.0 and at most \
+             1000000000.0"
+                .to_owned(),
+        ),
+        (
+            r#""ramps": { "stop_nm_s": [1, 0, 1, 1, 1, 1, 1] }"#.to_owned(),
+            "ramps: stop_nm_s of joint A2 is 0.0; it must be above 0 and at most 1000000000.0"
+                .to_owned(),
+        ),
+        (
+            r#""ramps": { "width_rad_s": -1 }"#.to_owned(),
+            "ramps: width_rad_s is -1.0; it must be above 0 and at most 1000000000.0".to_owned(),
+        ),
+        (
+            r#""ramps": { "spline_bend_rel": 0 }"#.to_owned(),
+            "ramps: spline_bend_rel is 0.0; it must be above 0 and at most 1000000000.0".to_owned(),
+        ),
     ] {
         assert_eq!(refused(&text(&keys)).message(), message);
     }

@@ -258,7 +258,8 @@ fn a_joint_outside_its_limits() {
             assert_eq!(
                 message,
                 format!(
-                    "motion 4: joint A{joint} is at {degrees} deg; its range is -{limit} to {limit} deg"
+                    "motion 4: joint A{joint} is at {degrees} deg; its range is -{limit} to \
+                     {limit} deg"
                 )
             );
             assert_eq!((place.line, place.column), (8, 37 + 3 * (joint - 1)));

@@ -205,7 +205,8 @@ proptest! {
         let end = actual.unwrap_or(0.5);
         for i in 0..SAMPLES {
             let u = end * f64::from(i) / f64::from(SAMPLES);
-            prop_assert!(distance(&robot, &tcp, &point, &other, u) < radius + 1e-12, "already at {u}");
+            prop_assert!(distance(&robot, &tcp, &point, &other, u) < radius + 1e-12, "already at \
+                                                                                      {u}");
         }
 
         // Algorithm 2 is never earlier, and late by at most one step unless the robot returns into

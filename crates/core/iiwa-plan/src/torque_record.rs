@@ -95,7 +95,8 @@ impl TorqueRecord {
         let is_too_heavy = |j: &usize| self.static_nm[*j].abs() > self.limit_nm(*j);
         if let Some(j) = (0..7).find(is_too_heavy) {
             return Some(format!(
-                "{} cannot hold the arm and its payload at rest on this path: holding takes {:.0} Nm of its {:.0}",
+                "{} cannot hold the arm and its payload at rest on this path: holding takes {:.0} \
+                 Nm of its {:.0}",
                 Joint::ALL[j],
                 self.static_nm[j].abs(),
                 self.limit_nm(j)
@@ -105,7 +106,8 @@ impl TorqueRecord {
         let limit_nm = self.limit_nm(joint.index());
         (percent > KEPT_PERCENT).then(|| {
             format!(
-                "{joint} needs {percent:.0} % of its torque ({:.0} Nm of {limit_nm:.0}) at {at_s:.2} s",
+                "{joint} needs {percent:.0} % of its torque ({:.0} Nm of {limit_nm:.0}) at \
+                 {at_s:.2} s",
                 torque_nm.abs()
             )
         })

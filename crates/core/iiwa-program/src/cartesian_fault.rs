@@ -96,8 +96,8 @@ pub enum CartesianFault {
     WristInSpline,
     /// With interpolated wrist joints, the shoulder or the elbow would have to change sides.
     #[error(
-        "with orientation `ori_joint` the arm stays on its side of shoulder and elbow, and at the target it would be on \
-         another; of the status, only bit 4 may change"
+        "with orientation `ori_joint` the arm stays on its side of shoulder and elbow, and at the \
+         target it would be on another; of the status, only bit 4 may change"
     )]
     OtherSide,
     /// A spline segment cannot be planned.
@@ -121,8 +121,8 @@ pub enum CartesianFault {
 pub enum CourseFault {
     /// The orientations differ by half a turn.
     #[error(
-        "the orientation would turn by half a turn: the way round is not defined; add a frame in between, or turn a \
-         little less"
+        "the orientation would turn by half a turn: the way round is not defined; add a frame in \
+         between, or turn a little less"
     )]
     HalfTurn,
     /// Start, auxiliary frame and end are collinear, or two of them coincide.

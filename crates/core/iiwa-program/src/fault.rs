@@ -68,8 +68,8 @@ pub enum Fault {
     },
     /// A wait overlaps more motions than precede it since the last stop.
     #[error(
-        "motion {motion}: the wait is to overlap {}, and {} before it; a plain wait or a change of the load \
-         before it stops the arm", motions(*.found), there_are(*.before)
+        "motion {motion}: the wait is to overlap {}, and {} before it; a plain wait or a change of \
+         the load before it stops the arm", motions(*.found), there_are(*.before)
     )]
     NothingToOverlap {
         /// Motion index of the wait.
@@ -97,7 +97,8 @@ pub enum Fault {
     },
     /// A motion before a payload change has a blend.
     #[error(
-        "motion {motion} is followed by a change of the load, for which the arm stops; remove its blend"
+        "motion {motion} is followed by a change of the load, for which the arm stops; remove its \
+         blend"
     )]
     BlendBeforeLoad {
         /// Motion index.
@@ -105,7 +106,8 @@ pub enum Fault {
     },
     /// The inertia of a payload is not physically possible.
     #[error(
-        "motion {motion}: the load is that of no body; mass and moments of inertia must be 0 or more"
+        "motion {motion}: the load is that of no body; mass and moments of inertia must be 0 or \
+         more"
     )]
     Load {
         /// Motion index.

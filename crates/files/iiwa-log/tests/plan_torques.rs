@@ -191,7 +191,8 @@ fn what_is_too_much_for_a_joint_is_said() {
     let held = outstretched(12.0).torque_warnings();
     assert_eq!(
         held[0],
-        "motion 1: A2 cannot hold the arm and its payload at rest on this path: holding takes 189 Nm of its 176"
+        "motion 1: A2 cannot hold the arm and its payload at rest on this path: holding takes 189 \
+         Nm of its 176"
     );
     assert!(held[1].starts_with("motion 2: A2 cannot hold"), "{held:?}");
 }

@@ -375,7 +375,8 @@ impl Simulation {
                 self.fri.quality().name()
             ))),
             (state, None) if waited_s > COMMANDING_TIMEOUT_S => Some(Refusal::robot(format!(
-                "FRI did not reach active commanding within {COMMANDING_TIMEOUT_S} s: session {}, quality {}",
+                "FRI did not reach active commanding within {COMMANDING_TIMEOUT_S} s: session {}, \
+                 quality {}",
                 state.name(),
                 self.fri.quality().name()
             ))),

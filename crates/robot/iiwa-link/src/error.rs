@@ -26,7 +26,8 @@ pub enum LinkError {
     },
     /// The limit of open files is too low to accept connections.
     #[error(
-        "the process may open {limit} files at a time, but needs at least {needed} to accept connections"
+        "the process may open {limit} files at a time, but needs at least {needed} to accept \
+         connections"
     )]
     OpenFiles {
         /// The limit of open files.

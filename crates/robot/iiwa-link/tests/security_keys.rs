@@ -105,8 +105,8 @@ fn reads_certificates_of_pyzmq() {
     let folder = tempdir().unwrap();
     let path = folder.path().join("x.key_secret");
     let text = format!(
-        "#   ****  Generated on 2024-01-01 by pyzmq  ****\n\nmetadata\n    name = \"x\"\ncurve\n    \
-         public-key = \"{PUBLIC}\"\n    secret-key = \"{SECRET}\"\n"
+        "#   ****  Generated on 2024-01-01 by pyzmq  ****\n\nmetadata\n    name = \
+         \"x\"\ncurve\n    public-key = \"{PUBLIC}\"\n    secret-key = \"{SECRET}\"\n"
     );
     write(&path, &text, 0o600);
     assert_eq!(KeyPair::read(&path).unwrap().public().to_string(), PUBLIC);

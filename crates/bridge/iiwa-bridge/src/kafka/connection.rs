@@ -75,7 +75,8 @@ impl KafkaConnection {
         let is_plain = self.sasl == Sasl::Plain && tls.is_none();
         if let (Some(_), Some(broker), true) = (credentials, far, is_plain) {
             let message = format!(
-                "{broker} is on another machine, and the password would be sent in the clear: use TLS, or SCRAM"
+                "{broker} is on another machine, and the password would be sent in the clear: use \
+                 TLS, or SCRAM"
             );
             return Err(BridgeError::Settings { message });
         }

@@ -73,7 +73,8 @@ impl MqttConnection {
             && !is_this_machine(&address)
         {
             let message = format!(
-                "{address} is on another machine, and the password would be sent in the clear: use TLS"
+                "{address} is on another machine, and the password would be sent in the clear: use \
+                 TLS"
             );
             return Err(BridgeError::Settings { message });
         }

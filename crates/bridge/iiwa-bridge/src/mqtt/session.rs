@@ -274,8 +274,8 @@ fn reply_topic(robot: &str, response_topic: Option<String>) -> (String, Result<(
 
 fn retained() -> Refusal {
     Refusal::bad(
-        "the command is retained, so that the broker would deliver it again and again: publish it without the retain flag; an \
-         empty retained message removes it from the broker",
+        "the command is retained, so that the broker would deliver it again and again: publish it \
+         without the retain flag; an empty retained message removes it from the broker",
     )
 }
 

@@ -64,7 +64,8 @@ fn is_there(path: &Path) -> io::Result<bool> {
 fn foreign(path: &Path, kind: &str) -> io::Error {
     let path = path.display();
     io::Error::other(format!(
-        "{path} is {kind}, which the bridge has not created: remove it, and let only the user of the bridge write to its folder"
+        "{path} is {kind}, which the bridge has not created: remove it, and let only the user of \
+         the bridge write to its folder"
     ))
 }
 

@@ -85,7 +85,8 @@ impl Goal {
             let before = points.last().map_or(-f64::MIN_POSITIVE, |before| before.t_s);
             if t_s <= before || t_s > LONGEST_S {
                 return Err(format!(
-                    "point {}: time_from_start is {t_s} s; it has to rise from 0 to {LONGEST_S} s at most",
+                    "point {}: time_from_start is {t_s} s; it has to rise from 0 to {LONGEST_S} s \
+                     at most",
                     i + 1
                 ));
             }

@@ -77,7 +77,8 @@ pub enum ProfileError {
     },
     /// The inertia tensor of a link is not physically possible.
     #[error(
-        "{LINKS}: the inertia of link {link} is that of no body: about some axis it is negative, at {place}"
+        "{LINKS}: the inertia of link {link} is that of no body: about some axis it is negative, \
+         at {place}"
     )]
     Inertia {
         /// Place in the text.
@@ -87,7 +88,8 @@ pub enum ProfileError {
     },
     /// The masses of a link in two keys differ.
     #[error(
-        "{MASSES}: link {link} is {found:?}, and {of_links:?} in {LINKS}; keep one of the keys, at {place}"
+        "{MASSES}: link {link} is {found:?}, and {of_links:?} in {LINKS}; keep one of the keys, at \
+         {place}"
     )]
     Masses {
         /// Place in the text.

@@ -45,8 +45,8 @@ pub enum JointLogError {
     },
     /// A `DataRecorder` log without the positions that are required.
     #[error(
-        "line {line}: no {} positions (columns `{}_...[0]` to `[6]`) in this DataRecorder log, only {} ones: read those, \
-         or record both",
+        "line {line}: no {} positions (columns `{}_...[0]` to `[6]`) in this DataRecorder log, \
+         only {} ones: read those, or record both",
         .positions.names().0, .positions.names().1, .positions.other().names().0
     )]
     MissingPositions {

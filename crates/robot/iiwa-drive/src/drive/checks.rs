@@ -89,7 +89,8 @@ fn read(
     if body.len() > MAX_MOTIONS_BYTES && !is_trajectory {
         let (found, max_bytes) = (body.len(), MAX_MOTIONS_BYTES);
         let refusal = Refusal::bad(format!(
-            "the request has {found} bytes; at most {max_bytes} are allowed, except for a trajectory"
+            "the request has {found} bytes; at most {max_bytes} are allowed, except for a \
+             trajectory"
         ));
         return (id, Err(refusal));
     }
@@ -132,14 +133,16 @@ fn check_motions(
             format!(" that make {count}, since each segment of a spline counts")
         };
         return Err(Refusal::bad(format!(
-            "the request has {motions} motions{of_splines}; at most {MAX_MOTIONS} are allowed; split it where the arm stops"
+            "the request has {motions} motions{of_splines}; at most {MAX_MOTIONS} are allowed; \
+             split it where the arm stops"
         )));
     }
     // The size as the robot program receives the list: with more digits, and with optional keys.
     let bytes = to_json(list).len();
     if bytes > MAX_MOTIONS_BYTES {
         return Err(Refusal::bad(format!(
-            "written out in full, the request has {bytes} bytes; at most {MAX_MOTIONS_BYTES} are allowed"
+            "written out in full, the request has {bytes} bytes; at most {MAX_MOTIONS_BYTES} are \
+             allowed"
         )));
     }
     let program = list.clone().starting_at(robot.limits().clamp(at_rad));

@@ -138,26 +138,28 @@ fn own_port(config: &DriveConfig) -> Result<UdpSocket, Fault> {
     let (fri, controller) = (config.fri, config.fri_controller);
     if fri.ip().is_loopback() && !controller.is_loopback() {
         let text = format!(
-            "UDP {fri} is reached from this machine only, and FRI comes from {controller}: give the address of the \
-             network card towards the cabinet, with port {}",
+            "UDP {fri} is reached from this machine only, and FRI comes from {controller}: give \
+             the address of the network card towards the cabinet, with port {}",
             fri.port()
         );
         return Err(Fault::new(text, &["fri"]));
     }
     if !fri.ip().is_loopback() && controller.is_loopback() {
         let text = format!(
-            "FRI would be accepted from this machine only ({controller}): give the controller's address"
+            "FRI would be accepted from this machine only ({controller}): give the controller's \
+             address"
         );
         return Err(Fault::new(text, &["cabinet", "fri-cabinet"]));
     }
     UdpSocket::bind(fri).map_err(|error| {
         let text = match error.kind() {
             AddrInUse => format!(
-                "UDP {fri} is in use: another program, as another drive, listens there; end it, or choose another port"
+                "UDP {fri} is in use: another program, as another drive, listens there; end it, or \
+                 choose another port"
             ),
             AddrNotAvailable => format!(
-                "no network card of this machine has the address {}: plug in the cable to the cabinet, set the card's \
-                 address, or give another one",
+                "no network card of this machine has the address {}: plug in the cable to the \
+                 cabinet, set the card's address, or give another one",
                 fri.ip()
             ),
             _ => format!("UDP {fri} cannot be used: {error}"),
@@ -210,8 +212,8 @@ fn check_program<F: FnMut(&CheckStep)>(
         return check_conditions(state.conditions.as_ref(), steps);
     }
     let text = format!(
-        "it accepts connections, but sends no state within {} s: restart it on the smartPAD, and make sure that no \
-         other drive is connected to it",
+        "it accepts connections, but sends no state within {} s: restart it on the smartPAD, and \
+         make sure that no other drive is connected to it",
         STATE_TIMEOUT.as_secs()
     );
     steps.fails(PROGRAM, Fault::new(text, &[]));
@@ -224,22 +226,23 @@ fn unreachable(address: &str, error: &ProbeError) -> Fault {
     match error {
         ProbeError::NothingListens => {
             let text = format!(
-                "{address}: the host answers, and nothing listens at the port: start the robot program on the smartPAD, and \
-                 compare the ports in its settings"
+                "{address}: the host answers, and nothing listens at the port: start the robot \
+                 program on the smartPAD, and compare the ports in its settings"
             );
             Fault::new(text, PORTS)
         }
         ProbeError::NoAnswer => {
             let text = format!(
-                "{address}: no answer: is the cabinet on, the cable in its KLI port (X66), is this its address, are both in \
-                 one network (address and mask), does a firewall block the port?"
+                "{address}: no answer: is the cabinet on, the cable in its KLI port (X66), is this \
+                 its address, are both in one network (address and mask), does a firewall block \
+                 the port?"
             );
             Fault::new(text, &["cabinet"])
         }
         ProbeError::NoHandshake | ProbeError::Protocol { .. } => {
             let text = format!(
-                "{address}: something listens there that does not speak as a robot program does ({error}): compare the \
-                 ports, and the keys on both sides"
+                "{address}: something listens there that does not speak as a robot program does \
+                 ({error}): compare the ports, and the keys on both sides"
             );
             Fault::new(text, PORTS)
         }
@@ -255,18 +258,19 @@ fn unreachable(address: &str, error: &ProbeError) -> Fault {
 fn refusal(why: ConnectionRefusal, has_keys: bool) -> Fault {
     let text = match why {
         ConnectionRefusal::KeysOnOneSide if has_keys => {
-            "this side has keys, the robot program has none: give it keys in its settings, or leave them out here if \
-             both are on one machine"
+            "this side has keys, the robot program has none: give it keys in its settings, or \
+             leave them out here if both are on one machine"
         }
         ConnectionRefusal::KeysOnOneSide => {
             "the robot program has keys, this side has none: give them"
         }
         ConnectionRefusal::NotAllowed => {
-            "the robot program does not know this side's key: give it the .pub file that belongs to that"
+            "the robot program does not know this side's key: give it the .pub file that belongs \
+             to that"
         }
         _ => {
-            "the robot program closes the connection: does this side have its .pub file, and it the .pub file that \
-             belongs to this side's key?"
+            "the robot program closes the connection: does this side have its .pub file, and it \
+             the .pub file that belongs to this side's key?"
         }
     };
     Fault::new(text, &["key", "cabinet-key"])
@@ -321,7 +325,10 @@ fn check_conditions<F: FnMut(&CheckStep)>(reported: Option<&Conditions>, steps: 
         return steps.fails(
             CONDITIONS,
             Fault::new(
-                format!("{text}: no motion begins; release the emergency stop, and acknowledge it on the smartPAD"),
+                format!(
+                    "{text}: no motion begins; release the emergency stop, and acknowledge it on \
+                     the smartPAD"
+                ),
                 &[],
             ),
         );
@@ -360,7 +367,8 @@ fn check_priority<F: FnMut(&CheckStep)>(
     period_ms: Option<u32>,
     steps: &mut Steps<F>,
 ) {
-    let how = "setcap cap_sys_nice=ep for the program, or rtprio for the user in /etc/security/limits.conf";
+    let how = "setcap cap_sys_nice=ep for the program, or rtprio for the user in \
+               /etc/security/limits.conf";
     match period_ms {
         _ if real_time => steps.ok(PRIORITY, "permitted"),
         Some(period_ms) if period_ms <= URGENT_MS => {

@@ -124,8 +124,9 @@ impl Parameters {
         }
         if period_ms.saturating_mul(receive_multiplier) > LONGEST_STEP_MS {
             return Err(Refusal::robot(format!(
-                "the controller expects an answer every {receive_multiplier} messages of {period_ms} ms; \
-                 to command, open FRI so that it is at least every {LONGEST_STEP_MS} ms"
+                "the controller expects an answer every {receive_multiplier} messages of \
+                 {period_ms} ms; to command, open FRI so that it is at least every \
+                 {LONGEST_STEP_MS} ms"
             )));
         }
         Ok(())
@@ -234,7 +235,8 @@ impl TrajectoryTask {
             let error = match furthest(message, &setpoint) {
                 Some(_) if *arriving_s <= ARRIVAL_TIMEOUT_S => return (Some(setpoint), None),
                 Some((j, off_rad)) => Some(Refusal::robot(format!(
-                    "joint A{} is still {} deg from the last set-point, {ARRIVAL_TIMEOUT_S} s after it",
+                    "joint A{} is still {} deg from the last set-point, {ARRIVAL_TIMEOUT_S} s \
+                     after it",
                     j + 1,
                     Figures(off_rad.to_degrees(), 3),
                 ))),
@@ -284,8 +286,8 @@ fn check_continuation(message: &Monitoring, parameters: Parameters) -> Result<()
     }
     if Parameters::of(message) != parameters {
         return Err(Refusal::robot(format!(
-            "FRI's send period changed from {} to {} ms or its receive multiplier from {} to {} during \
-             the run",
+            "FRI's send period changed from {} to {} ms or its receive multiplier from {} to {} \
+             during the run",
             parameters.period_ms,
             message.send_period_ms,
             parameters.receive_multiplier,

@@ -66,8 +66,8 @@ impl RobotIdentity {
             return Ok(());
         }
         Err(Refusal::bad(format!(
-            "the program is for {planned_for}, and the drive controls {self}: plan it for that robot, or start the drive \
-             with the robot that is there"
+            "the program is for {planned_for}, and the drive controls {self}: plan it for that \
+             robot, or start the drive with the robot that is there"
         )))
     }
 
@@ -81,8 +81,8 @@ impl RobotIdentity {
             return Ok(());
         }
         Err(Refusal::robot(format!(
-            "the drive is set up for {self}, and the robot program reports {at_cabinet}: start the drive with that robot, or \
-             correct the robot program's settings"
+            "the drive is set up for {self}, and the robot program reports {at_cabinet}: start the \
+             drive with that robot, or correct the robot program's settings"
         )))
     }
 }

@@ -64,7 +64,8 @@ impl Status {
         if let Some(source) = fri.unexpected_source {
             let _ = writeln!(
                 text,
-                "               messages come from {source}, another address than expected (setting fri-cabinet of the drive)"
+                "               messages come from {source}, another address than expected \
+                 (setting fri-cabinet of the drive)"
             );
         }
         self.write_program(&mut text);

@@ -37,8 +37,8 @@ pub enum SecurityError {
     KeyText(#[from] KeyTextError),
     /// A name that is not allowed for key files.
     #[error(
-        "`{}` is not a valid name of a key: use 1 to 64 letters, digits, -, _ and ., beginning with \
-         a letter or a digit", .name.escape_debug()
+        "`{}` is not a valid name of a key: use 1 to 64 letters, digits, -, _ and ., beginning \
+         with a letter or a digit", .name.escape_debug()
     )]
     Name {
         /// The refused name.
@@ -123,8 +123,8 @@ pub enum SecurityError {
     },
     /// An attempt to connect to another machine, without keys.
     #[error(
-        "{endpoint} may be another machine, so CURVE keys are required; without keys, only loopback \
-         addresses are connected to, such as tcp://127.0.0.1:5560"
+        "{endpoint} may be another machine, so CURVE keys are required; without keys, only \
+         loopback addresses are connected to, such as tcp://127.0.0.1:5560"
     )]
     ConnectNeedsKeys {
         /// The address.

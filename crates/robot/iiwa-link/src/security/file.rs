@@ -92,7 +92,8 @@ impl PublicKey {
             (Some(public), None) => Ok(Self::from(public)),
             (_, Some(_)) => Err(SecurityError::KeyFile {
                 path: path.to_owned(),
-                message: "it contains a secret key, which only its owner should have; the .pub file is required",
+                message: "it contains a secret key, which only its owner should have; the .pub \
+                          file is required",
             }),
             (None, None) => Err(SecurityError::KeyFile {
                 path: path.to_owned(),

@@ -158,8 +158,8 @@ impl Points {
         Refusal::new(
             Code::Limit,
             format!(
-                "point {}, at {:.4} s: the {kind} of joint A{} is {} {unit}, its limit is {:.1} {unit} \
-                 and the margin {} %{hint}",
+                "point {}, at {:.4} s: the {kind} of joint A{} is {} {unit}, its limit is {:.1} \
+                 {unit} and the margin {} %{hint}",
                 place - self.before + 1,
                 self.t_s[place],
                 joint + 1,

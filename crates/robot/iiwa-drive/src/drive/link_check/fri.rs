@@ -101,9 +101,10 @@ impl FriFindings {
             )),
             None => Err(Fault::new(
                 format!(
-                    "none arrives at UDP {fri} within {} s: in the settings of the robot program, the address of FRI's \
-                 client has to be this machine's, and the port {}; a firewall here has to let UDP {} in; the cable of \
-                 FRI may be another one (KONI)",
+                    "none arrives at UDP {fri} within {} s: in the settings of the robot program, \
+                     the address of FRI's client has to be this machine's, and the port {}; a \
+                     firewall here has to let UDP {} in; the cable of FRI may be another one \
+                     (KONI)",
                     FIRST_TIMEOUT.as_secs(),
                     fri.port(),
                     fri.port()
@@ -119,7 +120,8 @@ impl FriFindings {
             (Some(_), _) => Ok("as FRI 1.14 to 1.16".to_owned()),
             (None, why) => Err(Fault::new(
                 format!(
-                    "the messages cannot be read ({}): FRI 1.14 to 1.16 are supported; which one has the cabinet?",
+                    "the messages cannot be read ({}): FRI 1.14 to 1.16 are supported; which one \
+                     has the cabinet?",
                     why.as_deref().unwrap_or_default()
                 ),
                 &[],
@@ -151,8 +153,9 @@ impl FriFindings {
             return Ok(session);
         }
         let text = format!(
-            "{session}, {} s after the first message; monitoring_ready and good are needed: answers do not reach the \
-             controller, or too late. Does a firewall let UDP out? Is the machine busy? Try a longer send period",
+            "{session}, {} s after the first message; monitoring_ready and good are needed: \
+             answers do not reach the controller, or too late. Does a firewall let UDP out? Is the \
+             machine busy? Try a longer send period",
             SESSION_TIMEOUT.as_secs()
         );
         Err(Fault::new(text, &[]))
