@@ -11,7 +11,7 @@ pub fn problem(error: &serde_json::Error) -> String {
     if error.is_eof() {
         return "the text ends too early".to_owned();
     }
-    for (start, said) in [
+    for (start, replacement) in [
         ("invalid type: ", ""),
         ("invalid value: ", ""),
         ("invalid length ", ""),
@@ -23,7 +23,7 @@ pub fn problem(error: &serde_json::Error) -> String {
         else {
             continue;
         };
-        if said.is_empty() {
+        if replacement.is_empty() {
             let expected = match expected {
                 "f64" => "a number",
                 "u64" | "u8" => "a whole number, 0 or more",
@@ -32,10 +32,10 @@ pub fn problem(error: &serde_json::Error) -> String {
             };
             return format!("expected {expected}, found {}", shown(actual));
         }
-        let known = expected.split('`').skip(1).step_by(2);
-        return match meant(actual.trim_matches('`'), known) {
-            Some(word) => format!("{said}{}; did you mean `{word}`?", shown(actual)),
-            None => format!("{said}{}, expected {expected}", shown(actual)),
+        let words = expected.split('`').skip(1).step_by(2);
+        return match meant(actual.trim_matches('`'), words) {
+            Some(word) => format!("{replacement}{}; did you mean `{word}`?", shown(actual)),
+            None => format!("{replacement}{}, expected {expected}", shown(actual)),
         };
     }
     let key = |start: &str| message.strip_prefix(start);

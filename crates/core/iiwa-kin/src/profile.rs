@@ -407,8 +407,9 @@ impl Wire {
     /// Differences of `robot` from `base`, where `differ` reports them for two lists of numbers.
     fn of(robot: &Robot, base: &Robot, differ: fn(&[f64], &[f64]) -> bool) -> Self {
         let deg = |values: &Joints, of_base: &Joints, quantity: &str| {
-            let known = base.assumes(quantity) && !robot.assumes(quantity);
-            (known || differ(values, of_base)).then(|| values.map(|v| unconvert(v, DEG)).to_vec())
+            let becomes_known = base.assumes(quantity) && !robot.assumes(quantity);
+            (becomes_known || differ(values, of_base))
+                .then(|| values.map(|v| unconvert(v, DEG)).to_vec())
         };
         let (limits, of_base) = (robot.limits(), base.limits());
         let is_symmetric = !units::differ(&limits.lower_rad.map(|lower| -lower), &limits.upper_rad);
@@ -489,7 +490,7 @@ impl Wire {
                 self.ramps.is_some(),
             ]
             .into_iter()
-            .filter(|&given| given)
+            .filter(|&is_given| is_given)
             .count()
     }
 }

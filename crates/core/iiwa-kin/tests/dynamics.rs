@@ -290,9 +290,9 @@ proptest! {
 fn a_flange_may_have_a_mass() {
     let robot = Robot::default();
     let aside = [0.0, std::f64::consts::FRAC_PI_2, 0.0, 0.0, 0.0, 0.0, 0.0];
-    let held = |robot: &Robot| robot.dynamics().gravity_torques(&aside)[1];
+    let torque = |robot: &Robot| robot.dynamics().gravity_torques(&aside)[1];
     let heavier = robot.clone().with_flange_mass_kg(0.5);
-    let more = held(&heavier) - held(&robot);
+    let more = torque(&heavier) - torque(&robot);
     assert!((more + 0.5 * 9.81 * (0.8 + 0.152 - 0.013)).abs() < 1e-9, "{more}");
     assert_eq!(heavier.link_mass_kg(), robot.link_mass_kg());
 }

@@ -132,8 +132,8 @@ proptest! {
         prop_assert!(allowed.windows(2).all(|pair| pair[0][1] < pair[1][0]), "{:?}", allowed);
         prop_assert!(allowed.iter().all(|[from, to]| from <= to), "{:?}", allowed);
         for end in allowed.as_flattened() {
-            let there = robot.inverse(&flange, *end, status)?;
-            prop_assert!(robot.limits().check(&there).is_ok(), "{} of {:?}", end, allowed);
+            let at_end = robot.inverse(&flange, *end, status)?;
+            prop_assert!(robot.limits().check(&at_end).is_ok(), "{} of {:?}", end, allowed);
         }
         let fits_at = |e1: f64| {
             let actual = robot.inverse(&flange, e1, status);
@@ -193,14 +193,14 @@ proptest! {
         let near = [at(-2.0 * h)?.1, at(-h)?.1, at(h)?.1, at(2.0 * h)?.1];
         for j in 0..7 {
             let around = near.map(|joints| joints[j].derivatives());
-            let here = actual[j].derivatives();
+            let derivatives = actual[j].derivatives();
             for order in 0..3 {
                 let [a, b, c, d] = around.map(|derivatives| derivatives[order]);
                 let slope = ((a - d) + 8.0 * (c - b)) / (12.0 * h);
-                let error = (slope - here[order + 1]).abs();
+                let error = (slope - derivatives[order + 1]).abs();
                 prop_assert!(
-                    error < 1e-6 * (1.0 + here[order + 1].abs()),
-                    "A{}: derivative {} is {}, and {slope} by differences", j + 1, order + 1, here[order + 1]
+                    error < 1e-6 * (1.0 + derivatives[order + 1].abs()),
+                    "A{}: derivative {} is {}, and {slope} by differences", j + 1, order + 1, derivatives[order + 1]
                 );
             }
         }
@@ -286,14 +286,14 @@ fn says_by_how_much_a_pose_is_out_of_reach() {
 #[test]
 fn status_and_turn_are_signs() {
     let robot = Robot::lbr_iiwa_7_r800();
-    let of = |degrees: Joints| robot.redundancy(&degrees.map(f64::to_radians));
-    assert_eq!(of([0.0; 7]).status.bits(), 0);
-    assert_eq!(of([0.0; 7]).turn.bits(), 0);
-    let overhead = of([0.0, -60.0, 0.0, 0.0, 0.0, 0.0, 0.0]);
+    let redundancy_of = |degrees: Joints| robot.redundancy(&degrees.map(f64::to_radians));
+    assert_eq!(redundancy_of([0.0; 7]).status.bits(), 0);
+    assert_eq!(redundancy_of([0.0; 7]).turn.bits(), 0);
+    let overhead = redundancy_of([0.0, -60.0, 0.0, 0.0, 0.0, 0.0, 0.0]);
     assert_eq!((overhead.status.bits(), overhead.turn.bits()), (1, 2));
     // The upper arm leans back, but the wrist is still ahead.
-    assert_eq!(of([0.0, -10.0, 0.0, -90.0, 0.0, 0.0, 0.0]).status.bits(), 2);
-    let all = of([-1.0, -1.0, -1.0, 1.0, -1.0, -1.0, -1.0]);
+    assert_eq!(redundancy_of([0.0, -10.0, 0.0, -90.0, 0.0, 0.0, 0.0]).status.bits(), 2);
+    let all = redundancy_of([-1.0, -1.0, -1.0, 1.0, -1.0, -1.0, -1.0]);
     assert_eq!((all.status.bits(), all.turn.bits()), (5, 0b111_0111));
     assert_eq!((Status::new(8), Turn::new(128)), (None, None));
 }

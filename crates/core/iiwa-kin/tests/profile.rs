@@ -139,8 +139,8 @@ fn links(first: &str) -> String {
 #[test]
 fn links_are_bodies() {
     let text = |keys: &str| format!(r#"{{ "version": 1, {keys} }}"#);
-    let given = links("");
-    let robot = Robot::from_profile(&text(&format!(r#""links": {given}"#))).unwrap();
+    let complete = links("");
+    let robot = Robot::from_profile(&text(&format!(r#""links": {complete}"#))).unwrap();
     assert_eq!(robot.links()[0].center_m, [0.0, -0.0305, 0.27]);
     assert_eq!(robot.links()[6].inertia_kg_m2, [0.02, 0.0, 0.0, 0.02, 0.004, 0.01]);
     assert_eq!(robot.link_mass_kg(), [4.856, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0]);
@@ -150,7 +150,7 @@ fn links_are_bodies() {
     assert_eq!(Robot::from_profile(&robot.to_full_profile()).unwrap(), robot);
 
     // With the mass of the base.
-    let both = format!(r#""link_mass_kg": [9, 1, 2.001, 3, 4, 5, 6, 7], "links": {given}"#);
+    let both = format!(r#""link_mass_kg": [9, 1, 2.001, 3, 4, 5, 6, 7], "links": {complete}"#);
     let heavy = Robot::from_profile(&text(&both)).unwrap();
     assert_eq!(heavy.link_mass_kg(), [9.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0]);
     assert_eq!(heavy.links(), robot.links());
@@ -163,17 +163,17 @@ fn links_are_bodies() {
         ),
         (r#""links": []"#.to_owned(), "links has 0 entries; write 7, links 1 to 7".to_owned()),
         (
-            format!(r#""links": {}"#, given.replacen("0.02,", "-0.02,", 1)),
+            format!(r#""links": {}"#, complete.replacen("0.02,", "-0.02,", 1)),
             "links: the inertia of link 1 is that of no body: about some axis it is negative"
                 .to_owned(),
         ),
         (
-            format!(r#""links": {}"#, given.replacen(": 1,", ": 0,", 1)),
+            format!(r#""links": {}"#, complete.replacen(": 1,", ": 0,", 1)),
             "links: mass_kg of link 1 is 0.0; it must be above 0 and at most 1000000000.0"
                 .to_owned(),
         ),
         (
-            format!(r#""links": {}"#, given.replacen("270", "27000", 1)),
+            format!(r#""links": {}"#, complete.replacen("270", "27000", 1)),
             "links: number 3 of center_mm of link 1 is 27000.0; it must be at least -10000.0 and \
              at most 10000.0"
                 .to_owned(),

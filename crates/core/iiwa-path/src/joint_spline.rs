@@ -157,16 +157,16 @@ impl JointSpline {
                 // subdivision.
                 let mut parts = vec![(control, ends[0], ends[1])];
                 while let Some((control, from, to)) = parts.pop() {
-                    let known = |worst: &Option<(f64, _, _, _)>| {
+                    let excess_of = |worst: &Option<(f64, _, _, _)>| {
                         worst.as_ref().map_or(ROUNDING_RAD, |(max_excess, ..)| *max_excess)
                     };
                     for (s, q) in [(from, control[0]), (to, control[7])] {
-                        if excess(q) > known(&worst) {
+                        if excess(q) > excess_of(&worst) {
                             worst = Some((excess(q), joint, s, q));
                         }
                     }
                     let max_excess = control.iter().map(|q| excess(*q)).fold(f64::MIN, f64::max);
-                    if max_excess > known(&worst) + ROUNDING_RAD && to - from > f64::EPSILON {
+                    if max_excess > excess_of(&worst) + ROUNDING_RAD && to - from > f64::EPSILON {
                         let half = f64::midpoint(from, to);
                         let [left, right] = split(&control);
                         parts.extend([(left, from, half), (right, half, to)]);

@@ -82,11 +82,13 @@ impl ToolCoordinate {
             let ToolWay { way_m: [way, ..], turn_rad: [turn, ..] } = segment.tool_way(0.0);
             let over =
                 |limit: f64, rate: f64| if rate > 0.0 { limit / rate } else { f64::INFINITY };
-            let of = |kind| [over(limits.way[kind], way), over(limits.turn[kind], turn)];
+            let lengths = |kind| [over(limits.way[kind], way), over(limits.turn[kind], turn)];
             let coordinate = Self {
                 form: Form::Even,
-                limits: ByKind::from_fn(|kind| of(kind).into_iter().fold(f64::INFINITY, f64::min)),
-                of_turn: ByKind::from_fn(|kind| of(kind)[1] < of(kind)[0]),
+                limits: ByKind::from_fn(|kind| {
+                    lengths(kind).into_iter().fold(f64::INFINITY, f64::min)
+                }),
+                of_turn: ByKind::from_fn(|kind| lengths(kind)[1] < lengths(kind)[0]),
             };
             return is_limited(&coordinate.limits).then_some(coordinate);
         }

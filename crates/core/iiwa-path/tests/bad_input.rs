@@ -148,10 +148,10 @@ fn unknown_names() {
 
     let message = "motion 3: unknown type `Wait`; did you mean `wait`?";
     check("\"wait\"", "\"Wait\"", (7, 15), "\"Wait\"", message);
-    let known = "`ptp`, `lin`, `lin_rel`, `circ`, `spline`, `spl`, `wait` and `load` are known";
-    let message = format!("motion 3: unknown type `fly`; {known}");
+    let types = "`ptp`, `lin`, `lin_rel`, `circ`, `spline`, `spl`, `wait` and `load` are known";
+    let message = format!("motion 3: unknown type `fly`; {types}");
     check("\"wait\"", "\"fly\"", (7, 15), "\"fly\"", &message);
-    let message = format!("motion 3: it has no `type`; {known}");
+    let message = format!("motion 3: it has no `type`; {types}");
     check("\"type\": \"wait\", ", "", (7, 5), "{", &message);
     let message = "motion 3: expected a string, found `3`";
     check("\"wait\"", "3", (7, 15), "3", message);
@@ -479,8 +479,8 @@ fn brackets_without_end() {
         let text = format!("{before}{}", bracket.repeat(N / bracket.len()));
         let clock = Instant::now();
         let error = Program::from_json(&text).unwrap_err();
-        let taken = clock.elapsed();
-        assert!(taken < Duration::from_secs(10), "{before}{bracket}: {taken:?}");
+        let duration = clock.elapsed();
+        assert!(duration < Duration::from_secs(10), "{before}{bracket}: {duration:?}");
         assert!(error.message().ends_with(message), "{before}{bracket}: {error}");
         assert!(error.to_string().len() < 200, "{before}{bracket}");
     }

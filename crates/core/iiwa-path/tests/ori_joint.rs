@@ -134,7 +134,7 @@ fn it_reads_back_and_is_refused_where_it_cannot_be() {
 #[test]
 fn blends_by_orientation_are_small() {
     let end = [16.0, 45.0, 20.0, -62.0, 5.0, -25.0, 60.0];
-    let left = |ori_deg: f64| {
+    let remaining = |ori_deg: f64| {
         let motions = json!([
             { "type": "lin", "frame": target(end), "orientation": "ori_joint", "blend": { "ori_deg": ori_deg } },
             { "type": "lin_rel", "offset": { "x_mm": 40 } }
@@ -142,7 +142,7 @@ fn blends_by_orientation_are_small() {
         let path = plan(&program(&motions)).unwrap();
         only_move(&path).at(1.0).q[5].to_degrees() - end[5]
     };
-    let (little, more) = (left(1.0), left(5.0));
+    let (little, more) = (remaining(1.0), remaining(5.0));
     assert!(little > 0.0 && little < 1.0, "{little}");
     assert!((more / little - 5.0).abs() < 1e-6, "{more} {little}");
 }

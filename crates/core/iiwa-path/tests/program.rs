@@ -214,13 +214,13 @@ fn a_change_of_the_load_takes_no_time() {
     let masses = [0, 1, 2].map(|i| picks.load(MotionIndex::new(i)).map(|load| load.mass_kg));
     assert_eq!(masses, [None, Some(2.0), Some(2.0)]);
     assert_eq!(waits.load(MotionIndex::new(2)), None);
-    let held = |motion| {
+    let torques_of = |motion| {
         picks
             .dynamics(MotionIndex::new(motion))
             .gravity_torques(&[0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0])[1]
     };
     let lever_m = (0.8 + 0.152 + 0.05) * 1.0_f64.sin();
-    assert!((held(2) - held(0) + 2.0 * 9.81 * lever_m).abs() < 1e-9);
+    assert!((torques_of(2) - torques_of(0) + 2.0 * 9.81 * lever_m).abs() < 1e-9);
 }
 
 #[test]

@@ -219,7 +219,7 @@ fn it_stops_where_two_lines_meet_at_an_angle() {
 
 #[test]
 fn orientations_are_kept_or_ignored() {
-    let with = |kind: &str, of: &str, frame: Value| json!({ "type": kind, "orientation": of, "frame": frame });
+    let with = |kind: &str, orientation: &str, frame: Value| json!({ "type": kind, "orientation": orientation, "frame": frame });
     let segments = [
         with("spl", "constant", frame(40.0, 30.0, 20.0)),
         with("lin", "constant", frame(80.0, 30.0, 40.0)),
@@ -317,8 +317,8 @@ fn a_spline_can_be_blended() {
     assert!(q < 3e-9 && dq < 1e-6 && ddq < 1e-4, "{q} {dq} {ddq}");
     // The first blend starts at most 15 mm before the end of the first line: both sides have equal
     // length.
-    let left = pose(&moves[1].at(0.0).q).position_m[2] - pose(path.start_rad()).position_m[2];
-    assert!((left - 0.045).abs() < 1e-8, "{left}");
+    let distance_m = pose(&moves[1].at(0.0).q).position_m[2] - pose(path.start_rad()).position_m[2];
+    assert!((distance_m - 0.045).abs() < 1e-8, "{distance_m}");
 }
 
 #[test]

@@ -62,11 +62,11 @@ proptest! {
                     for index in (0..program.motions.len()).map(MotionIndex::new) {
                         prop_assert_eq!(path.load(index), new.load(index));
                     }
-                    let kept = |path: &JointPath, range: &std::ops::Range<usize>| {
+                    let is_shared = |path: &JointPath, range: &std::ops::Range<usize>| {
                         let steps = path.steps();
                         format!("{:?} {:?}", &steps[..range.start], &steps[range.end..])
                     };
-                    prop_assert_eq!(kept(&before, &replaced.before), kept(&path, &replaced.after));
+                    prop_assert_eq!(is_shared(&before, &replaced.before), is_shared(&path, &replaced.after));
                 }
                 (Err(fault), Err(same)) => {
                     prop_assert_eq!(fault, same);

@@ -34,7 +34,7 @@ pub struct MotionLimits {
 struct Supervised {
     speed_m_s: f64,
     /// TCP speed limit in other modes.
-    own_m_s: f64,
+    program_m_s: f64,
 }
 
 impl MotionLimits {
@@ -99,9 +99,9 @@ impl MotionLimits {
         }
         if workcell.mode == OperatingMode::T1 {
             let speed = &mut limits.tool.way[LimitKind::Velocity];
-            let (own_m_s, speed_m_s) = (*speed, robot.t1_speed_m_s());
-            *speed = own_m_s.min(speed_m_s);
-            limits.supervised = Some(Supervised { speed_m_s, own_m_s });
+            let (program_m_s, speed_m_s) = (*speed, robot.t1_speed_m_s());
+            *speed = program_m_s.min(speed_m_s);
+            limits.supervised = Some(Supervised { speed_m_s, program_m_s });
         }
         limits
     }
@@ -134,8 +134,8 @@ impl MotionLimits {
     #[must_use]
     pub fn unsupervised(&self) -> Self {
         let mut limits = Self { supervised: None, ..*self };
-        if let Some(Supervised { own_m_s, .. }) = self.supervised {
-            limits.tool.way[LimitKind::Velocity] = own_m_s;
+        if let Some(Supervised { program_m_s, .. }) = self.supervised {
+            limits.tool.way[LimitKind::Velocity] = program_m_s;
         }
         limits
     }

@@ -234,11 +234,14 @@ impl Program {
     ///
     /// [`Fault::OtherRobot`] and [`Fault::OtherFlange`].
     pub fn check_robot(&self, robot: &Robot) -> Result<(), Fault> {
-        let given = robot.name();
-        if let Some(named) = self.robot.as_deref().filter(|named| *named != given) {
+        let program_robot = robot.name();
+        if let Some(named) = self.robot.as_deref().filter(|named| *named != program_robot) {
             let is_profile = Robot::built_in(named).is_none();
             if !is_profile || is_built_in(robot) {
-                return Err(Fault::OtherRobot { named: named.to_owned(), given: given.to_owned() });
+                return Err(Fault::OtherRobot {
+                    named: named.to_owned(),
+                    given: program_robot.to_owned(),
+                });
             }
         }
         let given_m = robot.lengths().flange_m;
@@ -404,10 +407,10 @@ impl Program {
 /// Checks that all shares of limits are above 0 and at most 1.
 fn check_shares<'a>(
     motion: MotionIndex,
-    of: impl Fn(LimitKind) -> &'a Joints,
+    values_of: impl Fn(LimitKind) -> &'a Joints,
 ) -> Result<(), Fault> {
     for kind in LimitKind::ALL {
-        let values = of(kind);
+        let values = values_of(kind);
         let wrong = |(_, share): &(Joint, &f64)| !is_share(**share);
         if let Some((joint, &found)) = Joint::ALL.into_iter().zip(values).find(wrong) {
             let joint = values.iter().any(|v| v.to_bits() != found.to_bits()).then_some(joint);

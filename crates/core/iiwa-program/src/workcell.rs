@@ -163,8 +163,8 @@ impl Workcell {
                 let tips = entry.tips.keys().map(|tip| format!("{tool}/{tip}")).collect::<Vec<_>>();
                 std::iter::once(tool.clone()).chain(tips)
             };
-            let known = self.tools.iter().flat_map(tips).collect();
-            NameFault::Unknown { kind: "tool", name: name.to_owned(), known }
+            let names = self.tools.iter().flat_map(tips).collect();
+            NameFault::Unknown { kind: "tool", name: name.to_owned(), known: names }
         })
     }
 

@@ -306,12 +306,12 @@ impl Attempt {
                         1.0
                     }
                 };
-                let of = ByKind::from_fn(|kind| {
+                let lowering = ByKind::from_fn(|kind| {
                     let share = shares.of[kind];
                     by_share(share, allowed.of[kind], REFINEMENT.target[kind] / share)
                 });
                 let target = REFINEMENT.rows.target / shares.of_room;
-                let by = Lowering { of, rows: by_share(shares.row, allowed.row, target) };
+                let by = Lowering { of: lowering, rows: by_share(shares.row, allowed.row, target) };
                 if !by.is_none() {
                     lowered.cells.push(cell);
                 }
@@ -355,11 +355,12 @@ impl Attempt {
         if stretches == 1.0 {
             let rates = &self.rates_along(k, [0.0, 1.0]);
             let geometry = &self.mesh.geometry[k];
-            let of = cell.shares(segment.largest_shares(geometry, rates));
-            let finer = of_uneven_curve(&of, &cell.shares(segment.share_errors(geometry, rates)));
+            let shares = cell.shares(segment.largest_shares(geometry, rates));
+            let finer =
+                of_uneven_curve(&shares, &cell.shares(segment.share_errors(geometry, rates)));
             if finer == 1.0 {
                 let [row, of_room] = self.largest_rows(k, [0.0, 1.0], rates);
-                return CellShares { of, row, of_room };
+                return CellShares { of: shares, row, of_room };
             }
             stretches = finer;
         }

@@ -68,8 +68,8 @@ impl CellRows {
 
     /// Marks of the rows that can come near their limit in a cell.
     pub(crate) fn near(&self, cell: usize) -> &[bool] {
-        let of = |cell: &RowsOfCell| &self.near[cell.near..cell.near + cell.count];
-        self.cells.get(cell).map_or(&[], of)
+        let marks = |cell: &RowsOfCell| &self.near[cell.near..cell.near + cell.count];
+        self.cells.get(cell).map_or(&[], marks)
     }
 }
 

@@ -143,8 +143,8 @@ impl JerkRow {
         // The curvature of the Lagrangian in x is (weight - duals) 3/4 x^(-5/2), negative where
         // duals are large. The step needs a convex model, so the curvature enters by its magnitude,
         // bounded from below.
-        let kept = (weight - duals).abs().max(weight * SETTINGS.kept_curvature);
-        let curvature = bound * inverse * inverse * kept * 0.75;
+        let curvature = (weight - duals).abs().max(weight * SETTINGS.kept_curvature);
+        let curvature = bound * inverse * inverse * curvature * 0.75;
         xx = bound_slope.mul_add(bound_slope * weights - ex * 2.0, xx + curvature);
         xw = xw - bound_slope * ew;
         gx = bound_slope.mul_add(weight - slopes, gx);
@@ -211,13 +211,13 @@ mod tests {
                 JerkRow::set(&mut rows, lane, &joints, &curve, length, &INVERSE);
                 let [_, _, jerk] = motion.differences(t_s);
                 for (row, j) in rows.iter_mut().zip(joints) {
-                    let of = |row: &JerkRow| {
+                    let row_value = |row: &JerkRow| {
                         row.value::<false, _>(Scalar::new(), lane, splat(place)).largest() * root
                     };
                     let share = jerk[j] * INVERSE[j];
-                    assert_near(of(row), share, &format!("{t_s} s, {j}"));
+                    assert_near(row_value(row), share, &format!("{t_s} s, {j}"));
                     row.scale(lane, 0.8);
-                    assert_near(of(row), share / 0.8, "lowered");
+                    assert_near(row_value(row), share / 0.8, "lowered");
                 }
                 // On a line with this direction, jerk is proportional to half the second derivative
                 // of x by sigma.

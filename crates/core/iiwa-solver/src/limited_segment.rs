@@ -385,8 +385,8 @@ impl<'a> LimitedSegment<'a> {
     pub(crate) fn even_way(&self, s: f64, share: f64) -> f64 {
         let [_, ddq, dddq] = self.derivatives(s);
         let [_, _, jerk] = self.straight(s);
-        let of = |row| jerk * largest_share(row, &self.inverse[LimitKind::Jerk]);
-        (share / (9.0 * of(&ddq))).min((share / (14.0 * of(&dddq))).sqrt())
+        let jerk_share = |row| jerk * largest_share(row, &self.inverse[LimitKind::Jerk]);
+        (share / (9.0 * jerk_share(&ddq))).min((share / (14.0 * jerk_share(&dddq))).sqrt())
     }
 
     /// Straight stopping distance from the start of the segment, in rad; `before` is the segment
@@ -535,8 +535,8 @@ fn largest_multiple(direction: &Coordinates, limits: &Coordinates) -> f64 {
 }
 
 /// Values of the joints alone.
-fn joints(of: &Coordinates) -> Joints {
-    std::array::from_fn(|j| of[j])
+fn joints(coordinates: &Coordinates) -> Joints {
+    std::array::from_fn(|j| coordinates[j])
 }
 
 /// Values of the joints, followed by that of the tool.

@@ -173,11 +173,11 @@ pub(crate) fn mesh(
         let from_rest = rest(starts_at_rest && index == part.start, 0.0);
         let to_rest = rest(backwards, 1.0);
         let end_size = |neighbour: Option<&LimitedSegment<'_>>| {
-            let of = |segment: &LimitedSegment<'_>| {
+            let end_length = |segment: &LimitedSegment<'_>| {
                 let size = if segment.is_line() { sizes.line } else { sizes.blend_end };
                 (size * segment.length).min(sizes.max_length(segment))
             };
-            of(segment).min(neighbour.map_or(f64::INFINITY, of))
+            end_length(segment).min(neighbour.map_or(f64::INFINITY, end_length))
         };
         let at_start = end_size(index.checked_sub(1).map(|before| &segments[before]));
         let at_end = end_size(segments.get(index + 1));

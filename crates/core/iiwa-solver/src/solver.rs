@@ -366,7 +366,7 @@ impl Solver {
             let sums = self.assemble(simd);
             self.find_state_steps(simd)?;
             let ratios = self.find_slack_steps(simd);
-            let share = |fall: f64, of: f64| if fall > of { of / fall } else { 1.0 };
+            let share = |fall: f64, value: f64| if fall > value { value / fall } else { 1.0 };
             let primal = (primal_beyond * share(ratios.slack, SETTINGS.to_boundary))
                 .min(1.0)
                 .min(share(ratios.x, SETTINGS.largest_decrease));

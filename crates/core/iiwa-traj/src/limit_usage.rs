@@ -182,7 +182,7 @@ impl LimitUsage {
     }
 
     /// Assigns the usage of the limits of the `tool` to its way or to its rotation.
-    pub(crate) fn told_apart(mut self, tool: Option<&ToolCoordinate>) -> Self {
+    pub(crate) fn with_tool_limits(mut self, tool: Option<&ToolCoordinate>) -> Self {
         let Some(tool) = tool else { return self };
         for (_, shares) in self.of.iter_mut().filter(|(kind, _)| tool.is_of_turn(*kind)) {
             shares.turn_peak = std::mem::take(&mut shares.peak[TOOL]);
@@ -253,12 +253,12 @@ impl LimitUsage {
             .iter()
             .flat_map(|(kind, shares)| {
                 // A wait has no active limit and may have no duration.
-                let kept = shares.times_s().filter(|(_, time_s)| *time_s > 0.0);
-                kept.map(move |(of, time_s)| share_of(Limit::Motion { of, kind }, time_s))
+                let nonzero = shares.times_s().filter(|(_, time_s)| *time_s > 0.0);
+                nonzero.map(move |(of, time_s)| share_of(Limit::Motion { of, kind }, time_s))
             })
             .collect();
-        let kept = self.rows.iter().filter(|row| row.time_s > 0.0);
-        shares.extend(kept.filter_map(|row| Some(share_of(row.limit?, row.time_s))));
+        let nonzero = self.rows.iter().filter(|row| row.time_s > 0.0);
+        shares.extend(nonzero.filter_map(|row| Some(share_of(row.limit?, row.time_s))));
         shares.sort_by(|a, b| b.share.total_cmp(&a.share));
         shares
     }
@@ -270,9 +270,9 @@ impl LimitUsage {
         let first = Limited::Joint(Joint::A1);
         let mut best = (Limit::Motion { of: first, kind: LimitKind::Velocity }, 0.0);
         for (kind, shares) in &self.of {
-            for (of, value) in values(shares) {
+            for (limited, value) in values(shares) {
                 if value > best.1 {
-                    best = (Limit::Motion { of, kind }, value);
+                    best = (Limit::Motion { of: limited, kind }, value);
                 }
             }
         }

@@ -102,7 +102,7 @@ fn largest_at<const N: usize>(
         }
         let spans = section.spans_of(piece, shares, MAX_RAD);
         let states: Vec<_> = spans.flat_map(|(_, states)| states).collect();
-        let all = |of: fn(&State) -> Joints| states.iter().map(of).collect::<Vec<_>>();
+        let all = |part: fn(&State) -> Joints| states.iter().map(part).collect::<Vec<_>>();
         let [q, dq, ddq] = [all(|state| state.q), all(|state| state.dq), all(|state| state.ddq)];
         for share in rows.shares(&q, &dq, &ddq) {
             // NaN counts as above any limit.

@@ -279,15 +279,15 @@ impl Replanner {
     /// down for it.
     fn around(&self, moves: &Range<usize>, count: usize) -> Range<usize> {
         let Range { mut start, mut end } = *moves;
-        let mut left = count;
-        while start > 0 && self.moves(start - 1) && (left > 0 || !self.is_straight(start)) {
+        let mut remaining = count;
+        while start > 0 && self.moves(start - 1) && (remaining > 0 || !self.is_straight(start)) {
             start -= 1;
-            left = left.saturating_sub(1);
+            remaining = remaining.saturating_sub(1);
         }
-        let mut left = count;
-        while self.moves(end) && (left > 0 || end == 0 || !self.is_straight(end - 1)) {
+        let mut remaining = count;
+        while self.moves(end) && (remaining > 0 || end == 0 || !self.is_straight(end - 1)) {
             end += 1;
-            left = left.saturating_sub(1);
+            remaining = remaining.saturating_sub(1);
         }
         start..end
     }

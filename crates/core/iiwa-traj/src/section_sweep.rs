@@ -467,7 +467,7 @@ impl<'a, S: Simd, const R: usize> SectionSweep<'a, S, R> {
             return Err(TimingError::Stuck { motion });
         }
         let tool = segment.tool.map(|(tool, _)| tool);
-        let (limit, ratio) = usage.clone().told_apart(tool.as_ref()).worst();
+        let (limit, ratio) = usage.clone().with_tool_limits(tool.as_ref()).worst();
         if ratio > 1.0 + TOLERANCE {
             return Err(TimingError::LimitExceeded { motion, limit, ratio });
         }

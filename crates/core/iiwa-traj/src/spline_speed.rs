@@ -124,9 +124,9 @@ fn model_segments<'a>(
     let mut segments: Vec<_> = pieces.iter().map(segment).collect::<Option<_>>()?;
     place(&mut segments, grid, law.least_cruise_s);
     let speeds = SplineSweep::new(&segments, grid).speeds();
-    let held = Arc::new(HeldSpeed::new(&speeds, law.spline.hold_s));
+    let held_speed = Arc::new(HeldSpeed::new(&speeds, law.spline.hold_s));
     for segment in &mut segments {
-        segment.set_held(Arc::clone(&held));
+        segment.set_held(Arc::clone(&held_speed));
     }
     let sweep = SplineSweep::new(&segments, grid);
     let ramps = RampEnd::BOTH.map(|end| end_ramp(path, pieces, &segments, &sweep, end));

@@ -33,8 +33,8 @@ impl Way<'_> {
     /// Returns the largest dp/dt at `p`.
     fn max_rate(&self, p: f64) -> f64 {
         let derivatives = self.segment.at_share(p.clamp(0.0, 1.0));
-        let of = |tcp| self.robot.tcp_speed_m_s(tcp, &derivatives.q, &derivatives.dq);
-        self.speed_m_s / of(self.tcp).max(of(&Pose::IDENTITY))
+        let speed_of = |tcp| self.robot.tcp_speed_m_s(tcp, &derivatives.q, &derivatives.dq);
+        self.speed_m_s / speed_of(self.tcp).max(speed_of(&Pose::IDENTITY))
     }
 
     /// Returns the largest dp/dt, and d2p/dt2 of a motion that keeps it, by central differences.
@@ -113,11 +113,11 @@ impl Way<'_> {
                 nodes.push(from);
                 continue;
             }
-            let mut left = parts;
-            while left > 1.0 {
-                let [first, rest] = parted(&from, &to, from.dt_s / left);
+            let mut remaining = parts;
+            while remaining > 1.0 {
+                let [first, rest] = parted(&from, &to, from.dt_s / remaining);
                 self.cut(first, &rest, &mut nodes);
-                (from, left) = (rest, left - 1.0);
+                (from, remaining) = (rest, remaining - 1.0);
             }
             self.cut(from, &to, &mut nodes);
         }

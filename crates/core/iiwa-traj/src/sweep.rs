@@ -96,7 +96,7 @@ impl<const R: usize> Interval<'_, R> {
             return x;
         }
         let (mut low, mut spare) = (0.0, room(0.0));
-        let mut kept = false;
+        let mut is_valid = false;
         // Slightly below the root: at the root itself, the width may be negative by rounding.
         let margin = 1e-14 * x;
         for _ in 0..STEPS {
@@ -109,16 +109,16 @@ impl<const R: usize> Interval<'_, R> {
             let middle = low + (chord - margin).max(2.0 * margin);
             let difference = room(middle);
             if difference < 0.0 {
-                (high, lack, kept) = (middle, difference, false);
+                (high, lack, is_valid) = (middle, difference, false);
                 continue;
             }
             // The Illinois method: halving the weight of an end that was kept twice speeds up
             // convergence.
             (low, spare) = (middle, difference);
-            if kept {
+            if is_valid {
                 lack *= 0.5;
             }
-            kept = true;
+            is_valid = true;
         }
         low
     }

@@ -44,8 +44,8 @@ fn peaks_are_those_of_a_dense_sampling() {
             motion.motion
         );
         assert!(nearest.distance <= distance + 1e-6 && steps > 100.0);
-        let there = robot.singularity(&plan.at(nearest.at_s).q).nearest();
-        assert!((there.0 - nearest.distance).abs() < 1e-9 && there.1 == nearest.part);
+        let at_time = robot.singularity(&plan.at(nearest.at_s).q).nearest();
+        assert!((at_time.0 - nearest.distance).abs() < 1e-9 && at_time.1 == nearest.part);
         assert_eq!(Some(figures.status), Status::new(2));
     }
     assert_eq!(cartesian, 7);

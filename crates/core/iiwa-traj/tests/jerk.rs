@@ -172,13 +172,13 @@ fn time_scales() {
 #[test]
 fn the_way_back_takes_as_long() {
     let mut largest = 0.0_f64;
-    for there in programs(40) {
+    for forward in programs(40) {
         // Uniform limits and blends, so that the reversed path equals the path.
-        let there = changed(&there, |_, motion| {
+        let forward = changed(&forward, |_, motion| {
             *motion = ptp(motion.target_rad, [0.8, 0.9, 0.7], 0.3);
         });
-        let targets: Vec<_> = std::iter::once(*there.start.joints_rad().unwrap())
-            .chain(there.motions.iter().filter_map(|motion| match motion {
+        let targets: Vec<_> = std::iter::once(*forward.start.joints_rad().unwrap())
+            .chain(forward.motions.iter().filter_map(|motion| match motion {
                 Motion::Ptp(ptp) => Some(ptp.target_rad),
                 _ => None,
             }))
@@ -187,9 +187,9 @@ fn the_way_back_takes_as_long() {
             let start = *targets.next().unwrap();
             program(start, targets.map(|&q| ptp(q, [0.8, 0.9, 0.7], 0.3)).collect())
         };
-        let (there, back) = (way(&mut targets.iter()), way(&mut targets.iter().rev()));
-        let change = motion_time_s(&back) / motion_time_s(&there) - 1.0;
-        assert!(change.abs() < 1e-3, "{change:e}: {there:?}");
+        let (forward, back) = (way(&mut targets.iter()), way(&mut targets.iter().rev()));
+        let change = motion_time_s(&back) / motion_time_s(&forward) - 1.0;
+        assert!(change.abs() < 1e-3, "{change:e}: {forward:?}");
         largest = largest.max(change.abs());
     }
     println!("largest change {largest:e}");

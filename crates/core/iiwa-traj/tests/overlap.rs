@@ -90,8 +90,8 @@ fn the_arm_stops_where_a_late_blend_begins_and_goes_on_along_it() {
         assert_eq!((standing.kind, standing.motion), (PieceKind::Wait, MotionIndex::new(1)));
         assert!(standing.start_s > in_time_s, "it brakes");
         assert!((trajectory.totals().wait_time_s - standing.duration_s).abs() < 1e-12);
-        let there = trajectory.at(2.9);
-        assert_eq!((there.q, there.dq), (start_rad, [0.0; 7]));
+        let state = trajectory.at(2.9);
+        assert_eq!((state.q, state.dq), (start_rad, [0.0; 7]));
         // The path is the same from there on.
         let steps = |trajectory: &Trajectory| {
             let moves = trajectory.path().steps().iter().filter_map(|step| match step {

@@ -257,14 +257,14 @@ fn a_limit_of_one_motion_is_kept_there() {
         let largest = |trajectory: &Trajectory, is_own: bool| {
             let dt_s = 5e-4;
             let states: Vec<_> = trajectory.samples(1.0 / dt_s).collect();
-            let of = states.windows(3).filter(|three| {
+            let jerks = states.windows(3).filter(|three| {
                 let is_move = |step: usize| matches!(path.steps()[step], Step::Move { .. });
                 let step = three[0].step;
                 is_move(step)
                     && three.iter().all(|state| state.step == step)
                     && (three[0].motion.index() == 1) == is_own
             });
-            let accelerations = of.map(|three| {
+            let accelerations = jerks.map(|three| {
                 let [a, b, c] = [0, 1, 2].map(|i| vertical.height_m(&three[i].q));
                 ((a - 2.0 * b + c) / (dt_s * dt_s)).abs() / vertical.limit_m_s2
             });

@@ -236,8 +236,8 @@ fn starts_are_near_recorded_ones() {
                 counts[index][1] += 1;
             }
         }
-        for ([near, all], [min_count, of]) in counts.into_iter().zip(expected) {
-            assert!(near >= min_count && all == of, "{near} of {all}");
+        for ([near, all], [min_count, count]) in counts.into_iter().zip(expected) {
+            assert!(near >= min_count && all == count, "{near} of {all}");
         }
     }
 }

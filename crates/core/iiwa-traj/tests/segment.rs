@@ -110,17 +110,17 @@ fn steps_have_to_join() {
         limits: None,
     };
     let along = |a: f64, b: f64| [a, b, 0.0, 0.0, 0.0, 0.0, 0.0];
-    let made = |steps: Vec<Step>| {
+    let path_of = |steps: Vec<Step>| {
         let limits = vec![MotionLimits::full(&robot)];
         JointPath::from_steps(&robot, [0.0; 7], steps, limits).err()
     };
     let first = || line(along(0.0, 0.0), along(0.5, 0.0));
-    assert_eq!(made(vec![first(), line(along(0.5, 0.0), along(1.0, 0.0))]), None);
-    let gap = made(vec![first(), line(along(0.6, 0.0), along(1.0, 0.0))]);
+    assert_eq!(path_of(vec![first(), line(along(0.5, 0.0), along(1.0, 0.0))]), None);
+    let gap = path_of(vec![first(), line(along(0.6, 0.0), along(1.0, 0.0))]);
     assert!(matches!(gap, Some(JoinError::Gap { step: 1, .. })));
-    let kink = made(vec![first(), line(along(0.5, 0.0), along(0.5, 0.5))]);
+    let kink = path_of(vec![first(), line(along(0.5, 0.0), along(0.5, 0.5))]);
     assert_eq!(kink, Some(JoinError::Kink { step: 1 }));
-    let stops = made(vec![
+    let stops = path_of(vec![
         first(),
         Step::Corner { motion: MotionIndex::new(0) },
         line(along(0.5, 0.0), along(0.5, 0.5)),
@@ -131,7 +131,7 @@ fn steps_have_to_join() {
         *motion = MotionIndex::new(3);
     }
     assert_eq!(
-        made(vec![other]),
+        path_of(vec![other]),
         Some(JoinError::NoLimits { step: 0, motion: MotionIndex::new(3) })
     );
 }

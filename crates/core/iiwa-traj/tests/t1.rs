@@ -97,7 +97,7 @@ fn ramps_are_not_changed() {
 fn speeds_are_held_along_random_programs() {
     let mut random = Rng::with_seed(36);
     let robot = Robot::lbr_iiwa_7_r800();
-    let (mut planned, mut held) = (0, 0);
+    let (mut planned, mut within_limit) = (0, 0);
     for _ in 0..60 {
         let mut pose =
             || std::array::from_fn(|j| robot.limits().upper_rad[j] * (1.6 * random.f64() - 0.8));
@@ -122,8 +122,8 @@ fn speeds_are_held_along_random_programs() {
         for state in trajectory.samples(1000.0) {
             let speed = robot.tcp_speed_m_s(&Pose::IDENTITY, &state.q, &state.dq);
             assert!(speed < 0.225 * (1.0 + 1e-3), "{speed} m/s at {} s", state.t_s);
-            held += usize::from(speed > 0.225 * (1.0 - 1e-3));
+            within_limit += usize::from(speed > 0.225 * (1.0 - 1e-3));
         }
     }
-    assert!(planned > 40 && held > 10_000, "{planned} {held}");
+    assert!(planned > 40 && within_limit > 10_000, "{planned} {within_limit}");
 }

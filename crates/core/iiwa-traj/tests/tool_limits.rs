@@ -197,7 +197,7 @@ fn without_a_limit_that_binds_nothing_changes() {
 #[test]
 fn an_uneven_way_keeps_its_limits_all_along() {
     let segment = Tool { wave: 1.5, ..Tool::EVEN };
-    for (limits, of) in [
+    for (limits, expected) in [
         (limits([0.2, 0.8, 8.0], NONE), Limited::Way),
         (limits(NONE, [0.3, 0.9, 9.0]), Limited::Turn),
         (limits([0.2, 3.0, 30.0], [0.5, 7.0, 70.0]), Limited::Way),
@@ -210,7 +210,7 @@ fn an_uneven_way_keeps_its_limits_all_along() {
             }
             assert!(all[0][0].max(all[1][0]) > 0.91, "{all:?}");
             assert!(
-                matches!(limited_by(&trajectory), Limit::Motion { of: limited, .. } if limited == of)
+                matches!(limited_by(&trajectory), Limit::Motion { of: limited, .. } if limited == expected)
             );
         }
     }

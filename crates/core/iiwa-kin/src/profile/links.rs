@@ -180,15 +180,15 @@ pub(super) fn written(
         return (Some(masses()), None);
     }
     let numbers = |robot: &Robot| -> Vec<f64> {
-        let of = |link: RigidBody| {
+        let wire_of = |link: RigidBody| {
             let RigidBody { mass_kg, center_m, inertia_kg_m2 } = link;
             [&[mass_kg], &center_m[..], &inertia_kg_m2].concat()
         };
-        robot.links().into_iter().flat_map(of).collect()
+        robot.links().into_iter().flat_map(wire_of).collect()
     };
-    let known = base.assumes("masses") && !robot.assumes("masses");
+    let becomes_known = base.assumes("masses") && !robot.assumes("masses");
     let foot_differs = differ(&[robot.base_mass_kg], &[base.base_mass_kg]);
-    if known || foot_differs || differ(&numbers(robot), &numbers(base)) {
+    if becomes_known || foot_differs || differ(&numbers(robot), &numbers(base)) {
         // Masses without `links` would be read as masses of simple shapes.
         let links = robot.links().iter().map(|link| Object(link.into())).collect();
         (foot_differs.then(masses), Some(links))

@@ -70,7 +70,7 @@ impl Robot {
         }
         let places = self.places(&description, &chain);
         let mut links: [UrdfLink; 8] = Default::default();
-        for Found { link, is_visual, origin, mut mesh } in references(urdf)? {
+        for MeshReference { link, is_visual, origin, mut mesh } in references(urdf)? {
             let Some((number, frame)) = places.get(link.as_str()) else { continue };
             mesh.pose = pose(&(frame * origin));
             let UrdfLink { visual, collision } = &mut links[*number];
@@ -114,7 +114,7 @@ impl Robot {
 }
 
 /// A mesh in the URDF link that it belongs to.
-struct Found {
+struct MeshReference {
     link: String,
     is_visual: bool,
     origin: Isometry3<f64>,
@@ -160,7 +160,7 @@ impl LineCounter {
 const MESH_DEPTH: usize = 4;
 
 /// All meshes of a URDF, in file order. The text is well-formed, as it was read before.
-fn references(text: &str) -> Result<Vec<Found>, UrdfError> {
+fn references(text: &str) -> Result<Vec<MeshReference>, UrdfError> {
     let mut reader = Reader::from_str(text);
     // Names of the open elements, without the outermost, that can contain relevant elements.
     let mut open: Vec<Vec<u8>> = Vec::new();
@@ -171,7 +171,7 @@ fn references(text: &str) -> Result<Vec<Found>, UrdfError> {
     let mut material = None;
     let mut colours: HashMap<String, [f64; 4]> = HashMap::new();
     let mut lines = LineCounter(Place { line: 1, column: 1, span: 0..0 });
-    let mut all: Vec<(Found, Option<Colour>)> = Vec::new();
+    let mut all: Vec<(MeshReference, Option<Colour>)> = Vec::new();
     loop {
         let start = offset(reader.buffer_position());
         let (element, is_open) = match reader.read_event() {
@@ -184,7 +184,10 @@ fn references(text: &str) -> Result<Vec<Found>, UrdfError> {
                     && let Some(MeshDraft { is_visual, origin, colour, mesh: Some(mesh) }) =
                         draft.take()
                 {
-                    all.push((Found { link: link.clone(), is_visual, origin, mesh }, colour));
+                    all.push((
+                        MeshReference { link: link.clone(), is_visual, origin, mesh },
+                        colour,
+                    ));
                 }
                 continue;
             }

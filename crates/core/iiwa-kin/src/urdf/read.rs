@@ -46,9 +46,9 @@ impl<'t> Description<'t> {
                 Ok(Event::End(_)) => {
                     depth = depth.saturating_sub(1);
                     if depth == 1
-                        && let (Some(done), Some(description)) = (draft.take(), &mut description)
+                        && let (Some(joint), Some(description)) = (draft.take(), &mut description)
                     {
-                        description.joints.push(done.finish()?);
+                        description.joints.push(joint.finish()?);
                     }
                     continue;
                 }

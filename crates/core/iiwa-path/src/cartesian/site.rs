@@ -85,7 +85,7 @@ impl<'a> Site<'a> {
     }
 
     /// Returns the limits of a segment of `spline`, or `None` if it has no limits of its own.
-    pub(crate) fn own_limits(
+    pub(crate) fn segment_limits(
         &self,
         spline: &CartesianMotion,
         segment: &SplineSegment,

@@ -69,7 +69,7 @@ pub(crate) fn spline<'a>(
         ranges_m.push(piece.range_m);
         let path = TcpPath::of(site.curve(from_rad, piece.course, piece.e1_rad));
         let path = path.map_err(|fault| in_segment(index, ("frame", fault.without_hint())))?;
-        let limits = site.own_limits(motion, &segments[index]).map(Arc::new);
+        let limits = site.segment_limits(motion, &segments[index]).map(Arc::new);
         paths.push(TcpPath { stops: piece.stops, limits, ..path });
     }
     // One path parameter for all paths, except where the TCP is at rest: there the path stops at
@@ -96,9 +96,9 @@ fn in_segment(
 /// orientation that of the knot before, otherwise an orientation between those of the neighbours,
 /// in proportion to chord length.
 fn turn_knots(knots: &mut [Knot], types: &[OrientationType]) {
-    let is_own = |knot: usize| knot == 0 || types[knot - 1] == OrientationType::Variable;
+    let is_reached = |knot: usize| knot == 0 || types[knot - 1] == OrientationType::Variable;
     let mut before = 0;
-    for next in (1..knots.len()).filter(|knot| is_own(*knot)).chain([knots.len()]) {
+    for next in (1..knots.len()).filter(|knot| is_reached(*knot)).chain([knots.len()]) {
         let from = knots[before].pose.rotation;
         let turn = knots
             .get(next)

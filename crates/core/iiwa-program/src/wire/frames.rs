@@ -166,11 +166,12 @@ fn twice(angles: &[&str]) -> Value {
 
 /// Schemas of objects that give each of some angles in degrees or in rad.
 fn once(angles: &[&str]) -> Value {
-    let of = |angle: &&str| {
-        let given = ["deg", "rad"].map(|unit| json!({ "required": [format!("{angle}_{unit}")] }));
-        json!({ "oneOf": given })
+    let one_unit = |angle: &&str| {
+        let required =
+            ["deg", "rad"].map(|unit| json!({ "required": [format!("{angle}_{unit}")] }));
+        json!({ "oneOf": required })
     };
-    angles.iter().map(of).collect()
+    angles.iter().map(one_unit).collect()
 }
 
 impl PoseWire {
@@ -373,13 +374,13 @@ impl From<&Base> for BaseWire {
 fn check_name(
     list: &'static str,
     name: &str,
-    taken: &str,
+    used_name: &str,
     meaning: &str,
 ) -> Result<(), (&'static str, String, String)> {
     let wrong = |message: String| Err((list, name.to_owned(), message));
     if name.is_empty() {
         wrong("a name has at least one character".to_owned())
-    } else if name == taken {
+    } else if name == used_name {
         wrong(format!("this name is that of {meaning}; choose another"))
     } else if list == "tools" && name.contains('/') {
         wrong("a tool's name has no `/`: it divides tool and tip".to_owned())

@@ -83,9 +83,9 @@ fn the_models_limits_are_kept() {
         let poses: Vec<Joints> = order.iter().map(|i| poses[*i]).collect();
         let shares = largest_shares(&spline(&robot, &poses));
         println!("{order:?}: {shares:.4?}");
-        let kept =
+        let is_kept =
             shares.iter().zip([1.01, 1.002, 1.02]).all(|(share, max_share)| *share <= max_share);
-        assert!(kept, "{order:?}: {shares:?}");
+        assert!(is_kept, "{order:?}: {shares:?}");
         assert!(shares.iter().any(|share| *share > 0.99), "{order:?}: {shares:?}");
     }
 }

@@ -68,13 +68,13 @@ fn top_speed(way: f64, speed: f64, halves: &[Half; 2]) -> [f64; 2] {
             let [way, slope] = half.way(top);
             [ways + way, slopes + slope]
         });
-        let left = way - ways;
+        let remaining = way - ways;
         // Newton's method. The ways are convex functions of the speed, so it converges from above
         // without overshoot.
-        if left >= -ROUNDING * way {
-            return [top, left.max(0.0)];
+        if remaining >= -ROUNDING * way {
+            return [top, remaining.max(0.0)];
         }
-        top += left / slopes;
+        top += remaining / slopes;
     }
     [top, 0.0]
 }
