@@ -342,8 +342,8 @@ impl Timing {
         let mut unknown = 0;
         let mut times = Vec::with_capacity(legs.len());
         for (k, leg) in legs.iter().enumerate() {
-            let mut edge = |side, known: Option<&Edge>| {
-                if let Some(edge) = known {
+            let mut edge = |side, edge_found: Option<&Edge>| {
+                if let Some(edge) = edge_found {
                     return Some(edge.t_s);
                 }
                 let edge = finder.edge(k, side).ok();
@@ -398,9 +398,9 @@ impl Timing {
             let waits = start.kind == PieceKind::Wait;
             // Before the first departure and after the last arrival, rests of the program cannot be
             // distinguished from rests outside the program.
-            let seen = !waits || (planned_start_s >= first && planned_end_s < last);
+            let is_recorded = !waits || (planned_start_s >= first && planned_end_s < last);
             let real = self.at(planned_start_s, true).zip(self.at(planned_end_s, false));
-            let real = real.filter(|_| seen);
+            let real = real.filter(|_| is_recorded);
             let planned_s = planned_end_s - planned_start_s;
             let real_s = real.map(|(from, to)| to - from);
             MotionTime {

@@ -257,10 +257,10 @@ fn random_target(
 /// Returns the centre and the half-width of each joint range, in rad.
 fn ranges(robot: &Robot) -> (Joints, Joints) {
     let limits = robot.limits();
-    let of = |sign: f64| {
+    let step = |sign: f64| {
         std::array::from_fn(|j| 0.5 * (limits.upper_rad[j] + sign * limits.lower_rad[j]))
     };
-    (of(1.0), of(-1.0))
+    (step(1.0), step(-1.0))
 }
 
 /// Draws a number from a uniform distribution between -1 and 1.

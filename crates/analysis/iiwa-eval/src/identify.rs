@@ -6,12 +6,12 @@
 //! | result | source | method |
 //! |---|---|---|
 //! | speed, acceleration, jerk | motions along a line from rest to rest | the seven phases of constant jerk are fitted to all samples of the motion (Larsen 2019, Appendix A differentiates) |
-//! | ramps | the same motions | where constant jerk does not explain a motion, ramps as under Sunrise are fitted; see [`FoundRamps`] |
+//! | ramps | the same motions | where constant jerk does not explain a motion, ramps as under Sunrise are fitted; see [`RampEstimates`] |
 //! | settle time | stops between two such motions | from the end of one to the start of the next, both as fitted (Appendix C) |
 //! | kappa(gamma) | blends | Eq. 39 is fitted to the path around each corner, regardless of time; then a polynomial to kappa over gamma (section 4.3) |
 //! | equal distances | blends between motions of unequal lengths | start and end are fitted as well (Algorithm 3) |
 //! | TCP blends | blends between two LINs | the same fits in the plane of both TCP lines, by forward kinematics |
-//! | payload, friction | torques, of recordings that have them | least squares: torques are linear in the moments of a payload, see [`FoundTorques`] |
+//! | payload, friction | torques, of recordings that have them | least squares: torques are linear in the moments of a payload, see [`TorqueEstimates`] |
 //! | assumptions about orientation, E1 and blends with joint space | TCP paths and the blends at their ends | deviation from the assumed path with the identified kappa |
 //!
 //! A limit is identified only where a recording shows it: a speed or an acceleration that was kept
@@ -21,19 +21,19 @@ mod blends;
 mod courses;
 mod error;
 mod findings;
-mod found_ramps;
-mod found_torques;
 mod identified;
 mod kappa;
 mod limits;
 mod observation;
 mod observer;
+mod ramp_estimates;
 mod ramps;
 mod recording;
 mod soft_ramps;
 mod soft_shape;
 mod stops;
 mod tcp_blends;
+mod torque_estimates;
 mod torque_windows;
 mod torques;
 mod watched;
@@ -50,15 +50,15 @@ use self::{
 };
 pub use self::{
     error::IdentifyError,
-    found_ramps::FoundRamps,
-    found_torques::{FoundLoad, FoundTorques},
     identified::{Identified, Settle},
     kappa::Kappa,
     observation::{
         BlendObservation, CourseObservation, CoursePart, LeftOut, LineLaw, LineObservation,
         TcpBlendObservation, Why,
     },
+    ramp_estimates::RampEstimates,
     recording::Recording,
+    torque_estimates::{LoadEstimate, TorqueEstimates},
 };
 
 /// Identifies the robot in the recordings. `model` is the robot that it is assumed to be: its
@@ -124,8 +124,8 @@ fn observe(watched: &Watched<'_>, findings: &mut Findings) -> Result<Vec<Section
             sections.push(Section { steps, samples });
         }
         if let Some(motion) = *lost_in {
-            let why = Why::NotFollowed;
-            findings.known.left_out.push(LeftOut { recording, motion, why });
+            let reason = Why::NotFollowed;
+            findings.known.left_out.push(LeftOut { recording, motion, why: reason });
             break;
         }
         let from = passages.last().map_or(log.q_rad.len(), |last| last.arrives);

@@ -104,11 +104,11 @@ impl<const N: usize> Sums<N> {
             for i in 0..N {
                 normal[(i, i)] *= 1.0 + damping;
             }
-            let known = || bound.iter().enumerate().filter_map(|(i, step)| Some((i, (*step)?)));
-            for (i, step) in known() {
+            let bounded = || bound.iter().enumerate().filter_map(|(i, step)| Some((i, (*step)?)));
+            for (i, step) in bounded() {
                 gradient.axpy(-step, &normal.column(i), 1.0);
             }
-            for (i, step) in known() {
+            for (i, step) in bounded() {
                 hold(&mut normal, i);
                 gradient[i] = step;
             }

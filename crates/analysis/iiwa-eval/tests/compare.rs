@@ -298,8 +298,9 @@ fn gaps_are_stated_and_never_hide_an_edge() {
     let tape = Tape { before_s: 0.5, after_s: 0.5, ..Tape::default() };
     let whole = tape.record(&real, &mut Rng::with_seed(2));
     let without = |from_s: f64, to_s: f64| {
-        let kept = whole.t_s.iter().zip(&whole.q_rad).filter(|(t, _)| **t < from_s || **t > to_s);
-        let (t_s, q_rad) = kept.map(|(t, q)| (*t, *q)).unzip();
+        let remaining =
+            whole.t_s.iter().zip(&whole.q_rad).filter(|(t, _)| **t < from_s || **t > to_s);
+        let (t_s, q_rad) = remaining.map(|(t, q)| (*t, *q)).unzip();
         JointLog::new(t_s, q_rad)
     };
     let plan = Plan::from_trajectory(&real);

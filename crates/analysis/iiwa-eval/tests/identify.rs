@@ -400,9 +400,9 @@ fn what_goes_astray_is_left_out() {
     let swing = |joint: usize| ptp(std::array::from_fn(|j| if j == joint { 60.0 } else { 0.0 }));
     let home = || ptp([0.0; 7]);
     let ran = program([swing(0), home(), swing(3), home(), swing(1), home()]);
-    let taken_for = program([swing(0), home(), swing(1), home(), swing(3), home()]);
+    let other_program = program([swing(0), home(), swing(1), home(), swing(3), home()]);
     let log = VirtualRobot::new(Robot::default(), 1).run(&ran).unwrap();
-    let recording = Recording { program: &taken_for, log: &log };
+    let recording = Recording { program: &other_program, log: &log };
     let actual = identify(&[recording], &Robot::default()).unwrap();
     let shown = actual.velocity_rad_s.map(|limit| limit.is_some());
     assert_eq!(shown, [true, false, false, false, false, false, false]);
@@ -494,13 +494,13 @@ fn blends_that_begin_and_end_at_other_distances() {
 /// Motions before the start and after the end do not belong to the program.
 #[test]
 fn motions_before_and_after_do_not_blur_the_program() {
-    let there = program([
+    let transfers = program([
         ptp([0.0, 30.0, 0.0, 0.0, 0.0, 0.0, 0.0]),
         ptp([0.0; 7]),
         ptp([60.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]),
         ptp([60.0, 0.0, 0.0, 30.0, 0.0, 0.0, 0.0]),
     ]);
-    let mut log = VirtualRobot::new(Robot::default(), 1).run(&there).unwrap();
+    let mut log = VirtualRobot::new(Robot::default(), 1).run(&transfers).unwrap();
     // The recording begins on the way to the program's start, which resembles one of its motions.
     let from = log.q_rad.iter().position(|q| q[1] > 0.5).unwrap();
     log.t_s.drain(..from);

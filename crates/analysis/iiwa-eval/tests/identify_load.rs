@@ -4,7 +4,7 @@
 
 use iiwa_eval::{
     VirtualRobot, experiment,
-    identify::{FoundTorques, Recording, identify},
+    identify::{Recording, TorqueEstimates, identify},
 };
 use iiwa_kin::{Friction, Load, Mount, Robot};
 use iiwa_log::JointLog;
@@ -30,7 +30,7 @@ fn arm(seed: u64) -> VirtualRobot {
     arm
 }
 
-fn identify_torques(runs: &[(&Program, &JointLog)], model: &Robot) -> FoundTorques {
+fn identify_torques(runs: &[(&Program, &JointLog)], model: &Robot) -> TorqueEstimates {
     let recordings: Vec<_> = runs.iter().map(|(program, log)| Recording { program, log }).collect();
     identify(&recordings, model).unwrap().torques.unwrap()
 }
@@ -86,11 +86,11 @@ fn friction_and_the_loads_of_several_recordings_are_told_apart() {
     assert_eq!((&none.recordings[..], &some.recordings[..]), (&[0][..], &[1][..]));
     assert_eq!(some.stated.unwrap().mass_kg, 4.0);
     assert!((some.load().unwrap().mass_kg - LOAD.mass_kg).abs() < 0.01, "{some:?}");
-    let as_found = torques.friction(&Friction::default());
+    let friction_estimate = torques.friction(&Friction::default());
     for j in 0..7 {
         let [viscous, coulomb] = [
-            as_found.viscous_nm_s_rad[j] - friction.viscous_nm_s_rad[j],
-            as_found.coulomb_nm[j] - friction.coulomb_nm[j],
+            friction_estimate.viscous_nm_s_rad[j] - friction.viscous_nm_s_rad[j],
+            friction_estimate.coulomb_nm[j] - friction.coulomb_nm[j],
         ];
         assert!(viscous.abs() < 0.03 && coulomb.abs() < 0.03, "A{}: {viscous} {coulomb}", j + 1);
     }

@@ -138,9 +138,10 @@ fn a_law_is_found_at_an_override() {
 fn one_half_predicts_the_other() {
     let every_other =
         |from: usize| -> Vec<Joints> { POSES_DEG.iter().skip(from).step_by(2).copied().collect() };
-    let seen = program(&every_other(0));
-    let log = recorded(&seen, 3e-6, 1e-3);
-    let actual = identify(&[Recording { program: &seen, log: &log }], &Robot::default()).unwrap();
+    let observed = program(&every_other(0));
+    let log = recorded(&observed, 3e-6, 1e-3);
+    let actual =
+        identify(&[Recording { program: &observed, log: &log }], &Robot::default()).unwrap();
     let robot = actual.robot(&Robot::default());
     let unseen = program(&every_other(1));
     let durations = |robot: &Robot| -> Vec<f64> {

@@ -160,9 +160,9 @@ fn what_is_no_blend_is_left_out() {
     });
     let actual = identified(&trial, &log, &robot);
     assert!(actual.tcp_blends.is_empty() && actual.tcp_kappa.is_none());
-    let why =
+    let reason =
         |left: &&iiwa_eval::identify::LeftOut| matches!(left.why, Why::NoTcpBlend(mm) if mm > 5e-4);
-    assert_eq!(actual.left_out.iter().filter(why).count(), 17, "{:?}", actual.left_out);
+    assert_eq!(actual.left_out.iter().filter(reason).count(), 17, "{:?}", actual.left_out);
     // The report states the deviation.
     let ([off_mm, ..], _) = worst(&actual, CoursePart::TcpBlend);
     assert!((off_mm - 8.0).abs() < 1.0, "{off_mm}");
@@ -268,13 +268,13 @@ fn sides_of_unequal_length_are_told() {
             let whole = into_mm + out_mm;
             let about = |s: f64| {
                 let way = s * whole;
-                let (into, out) = (into_mm - reach[0], whole - out_mm + reach[1]);
+                let (into, end_mm) = (into_mm - reach[0], whole - out_mm + reach[1]);
                 if way < into {
                     place(into_mm - way, 180.0)
-                } else if way > out {
+                } else if way > end_mm {
                     place(way - into_mm, angle_deg)
                 } else {
-                    let s = (way - into) / (out - into);
+                    let s = (way - into) / (end_mm - into);
                     let alpha = s * s * s * (10.0 - s * (15.0 - 6.0 * s));
                     let beta = -(s * (1.0 - s)).powi(3);
                     let (a, b) = ((1.0 - s) * reach[0], s * reach[1]);

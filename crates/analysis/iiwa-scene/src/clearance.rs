@@ -64,7 +64,7 @@ pub struct ArmInScene {
     /// Flags for all pairs of a part and an obstacle, part by part: `true` if the pair is checked.
     counts: Arc<[bool]>,
     /// Pairs of parts that are checked.
-    own_pairs: Arc<[Pair]>,
+    self_pairs: Arc<[Pair]>,
 }
 
 /// Part of the arm and its possible collision partner.
@@ -125,18 +125,18 @@ impl ArmInScene {
             parts[other].shown + MAY_TOUCH <= parts[part].shown
                 && !is_rigid(robot, &parts[part], &parts[other])
         };
-        let own_pairs = (0..parts.len()).flat_map(|part| {
+        let self_pairs = (0..parts.len()).flat_map(|part| {
             let others = (0..parts.len()).filter(move |other| may_touch(part, *other));
             others.map(move |other| Pair { part, target: Target::Part(other) })
         });
-        let own_pairs = own_pairs.collect();
+        let self_pairs = self_pairs.collect();
         Self {
             robot: robot.clone(),
             scene: Arc::new(scene.clone()),
             parts: parts.into(),
             obstacles,
             counts,
-            own_pairs,
+            self_pairs,
         }
     }
 
@@ -144,7 +144,7 @@ impl ArmInScene {
     pub(crate) fn pairs(&self, among: Among) -> impl Iterator<Item = Pair> {
         let (obstacles, self_pairs) = match among {
             Among::Obstacles => (self.obstacles.len(), &[][..]),
-            Among::OwnParts => (0, &*self.own_pairs),
+            Among::OwnParts => (0, &*self.self_pairs),
         };
         let of_scene = (0..self.parts.len()).flat_map(move |part| {
             let counting = move |o: &usize| self.counts[part * obstacles + o];

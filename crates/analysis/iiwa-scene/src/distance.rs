@@ -89,7 +89,7 @@ fn to_plane(body: &Body<'_>, plane: &PlacedPlane) -> Near {
 }
 
 fn ball_to_box(center: Vector, radius: f64, cuboid: &PlacedBox) -> Near {
-    let on_box = cuboid.in_base_frame(cuboid.nearest(cuboid.in_own_frame(center)));
+    let on_box = cuboid.in_base_frame(cuboid.nearest(cuboid.in_box_frame(center)));
     let way = center - on_box;
     if way.length() <= radius {
         return Near::touching(on_box);
@@ -99,7 +99,7 @@ fn ball_to_box(center: Vector, radius: f64, cuboid: &PlacedBox) -> Near {
 
 /// Returns the nearest points of a body and a box, computed in the box frame.
 fn solid_to_box(body: &Body<'_>, cuboid: &PlacedBox, max_distance: f64) -> Option<Near> {
-    let local = body.map(|point| cuboid.in_own_frame(point), |axis| cuboid.turn_back(axis));
+    let local = body.map(|point| cuboid.in_box_frame(point), |axis| cuboid.turn_back(axis));
     let shape = Cuboid::new(cuboid.half);
     let (on_part, on_box) = nearest_points(&local, local.center, &shape, max_distance)?;
     Some(Near::between(cuboid.in_base_frame(on_part), cuboid.in_base_frame(on_box)))

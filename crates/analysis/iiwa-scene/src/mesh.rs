@@ -98,8 +98,8 @@ impl TriangleMesh {
             }
             let colour = read.materials.get(number).and_then(|material| material.color.diffuse);
             let triangles = mesh.faces.iter().copied();
-            let known = |corners: &[u32; 3]| corners.iter().all(|it| (*it as usize) < points.len());
-            let triangles = triangles.filter(known).collect();
+            let exist = |corners: &[u32; 3]| corners.iter().all(|it| (*it as usize) < points.len());
+            let triangles = triangles.filter(exist).collect();
             let rgb = colour.map(|[red, green, blue, _]| [red, green, blue].map(f64::from));
             patches.push(Patch { points, triangles, rgb });
         }

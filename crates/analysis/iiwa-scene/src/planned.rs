@@ -218,11 +218,11 @@ impl<'a> Search<'a> {
                 self.open.push((pair, lower_bound));
             }
         }
-        let left = first..self.open.len();
-        if !left.is_empty() && half > SHORTEST {
+        let remaining = first..self.open.len();
+        if !remaining.is_empty() && half > SHORTEST {
             let half = 0.5 * half;
-            self.span(place, middle - half, half, left.clone());
-            self.span(place, middle + half, half, left);
+            self.span(place, middle - half, half, remaining.clone());
+            self.span(place, middle + half, half, remaining);
         }
         self.open.truncate(first);
     }

@@ -137,11 +137,11 @@ impl Growing<'_> {
     /// Adds a point that sees `facet` to the hull. Returns the numbers of removed and added facets.
     fn add(&mut self, point: u32, facet: usize) -> (usize, usize) {
         // All visible facets are connected, and their boundary is a single ring.
-        let mut seen = vec![facet];
+        let mut visible = vec![facet];
         self.facets[facet].is_alive = false;
         let mut ring = Vec::new();
         let mut next = 0;
-        while let Some(&facet) = seen.get(next) {
+        while let Some(&facet) = visible.get(next) {
             next += 1;
             for edge in 0..3 {
                 let beyond = self.facets[facet].neighbours[edge] as usize;
@@ -150,7 +150,7 @@ impl Growing<'_> {
                 }
                 if self.sees(point, beyond) {
                     self.facets[beyond].is_alive = false;
-                    seen.push(beyond);
+                    visible.push(beyond);
                 } else {
                     let corners = self.facets[facet].corners;
                     ring.push((corners[edge], corners[(edge + 1) % 3], beyond));
@@ -158,24 +158,24 @@ impl Growing<'_> {
             }
         }
         let first = self.facets.len();
-        let index = |of: usize| u32::try_from(of).unwrap_or(u32::MAX);
+        let index = |value: usize| u32::try_from(value).unwrap_or(u32::MAX);
         let starts = (first..).zip(&ring).map(|(new, edge)| (edge.0, index(new)));
         let starts = starts.collect::<HashMap<_, _>>();
         let ends = (first..).zip(&ring).map(|(new, edge)| (edge.1, index(new)));
         let ends = ends.collect::<HashMap<_, _>>();
         for (new, (start, end, beyond)) in (first..).zip(&ring) {
-            let kept = &mut self.facets[*beyond];
-            if let Some(edge) = (0..3).find(|edge| kept.corners[*edge] == *end) {
-                kept.neighbours[edge] = index(new);
+            let neighbour = &mut self.facets[*beyond];
+            if let Some(edge) = (0..3).find(|edge| neighbour.corners[*edge] == *end) {
+                neighbour.neighbours[edge] = index(new);
             }
             let neighbours = [index(*beyond), starts[end], ends[start]];
             let corners = [*start, *end, point];
             self.facets.push(Facet { corners, neighbours, outside: Vec::new(), is_alive: true });
         }
         let orphans =
-            seen.iter().flat_map(|facet| std::mem::take(&mut self.facets[*facet].outside));
+            visible.iter().flat_map(|facet| std::mem::take(&mut self.facets[*facet].outside));
         let orphans = orphans.filter(|orphan| *orphan != point).collect();
         self.share_out(orphans, first);
-        (seen.len(), ring.len())
+        (visible.len(), ring.len())
     }
 }

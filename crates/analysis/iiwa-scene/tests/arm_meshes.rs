@@ -166,14 +166,14 @@ fn what_is_no_arm_is_refused() {
     assert!(text.contains("package://arm/box.obj") && text.contains("no such package"), "{text}");
     assert!(error.place().is_some_and(|place| urdf[place.span.clone()].contains("box.obj")));
     assert!(!error.message().contains(" at line"), "{}", error.message());
-    for (contents, why) in [
+    for (contents, reason) in [
         (&b"v 0 0 0\nv 1 0 0\n"[..], "it has no triangles"),
         (b"", "no triangles"),
         (b"v 0 0 0\nv 9 0 0\nv 0 9 0\nv 0 0 9\nf 1 2 3\nf 1 2 4\n", "scale=\"0.001 0.001 0.001\""),
         (b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", "no volume"),
     ] {
         let text = refused(&urdf, Ok(contents)).to_string();
-        assert!(text.contains(why), "{text}");
+        assert!(text.contains(reason), "{text}");
     }
     let stl = urdf.replace("box.obj", "box.stl");
     let text = refused(&stl, Ok(&[0; 100])).to_string();

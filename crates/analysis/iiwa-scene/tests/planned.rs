@@ -58,10 +58,10 @@ fn acceleration() -> Timing {
 fn check(arm: &ArmInScene, trajectory: &Trajectory, samples: u32) {
     let actual = arm.clearance_of(trajectory).unwrap();
     let distance_m = actual.clearance.distance_m;
-    let there = arm.clearance(&trajectory.at(actual.at_s).q).unwrap();
+    let at_time = arm.clearance(&trajectory.at(actual.at_s).q).unwrap();
     // Near a rest, the last digit of a time corresponds to a large range of s: the pose is not
     // exactly that of the result.
-    assert!((there.distance_m - distance_m).abs() < 1e-5, "{there:?}, {actual:?}");
+    assert!((at_time.distance_m - distance_m).abs() < 1e-5, "{at_time:?}, {actual:?}");
     let end_s = trajectory.cycle_time_s();
     let at = |i: u32| end_s * f64::from(i) / f64::from(samples);
     for t_s in (0..=samples).map(at) {

@@ -46,8 +46,8 @@ fn distance(form: Form) -> Box<dyn Fn(&Point) -> f64> {
             let axes = axes.map(|axis| turned(rpy_rad, axis));
             Box::new(move |p| {
                 let way = std::array::from_fn(|i| p[i] - center_m[i]);
-                let out = |i: usize| (dot(&way, &axes[i]).abs() - 0.5 * size_m[i]).max(0.0);
-                length(&std::array::from_fn(out))
+                let excess = |i: usize| (dot(&way, &axes[i]).abs() - 0.5 * size_m[i]).max(0.0);
+                length(&std::array::from_fn(excess))
             })
         }
         _ => unreachable!("there are no others"),

@@ -106,8 +106,8 @@ fn by_points(robot: &Robot, q: &Joints) -> f64 {
                 let [to_a, to_b] =
                     [(link, a), (other, b)].map(|(l, it)| isometry(&poses[l]) * frame(it));
                 let a_in_b = to_b.inv_mul(&to_a);
-                let of = |point: &Point3<f64>| distance(b, &(a_in_b * point));
-                min_distance = points(a).iter().map(of).fold(min_distance, f64::min);
+                let distance_to = |point: &Point3<f64>| distance(b, &(a_in_b * point));
+                min_distance = points(a).iter().map(distance_to).fold(min_distance, f64::min);
             }
         }
     }
@@ -193,8 +193,8 @@ fn plans_are_as_near_as_their_samples() {
         let arm = ArmInScene::new(&robot, &scene);
         let actual = arm.self_clearance_of(&plan).unwrap();
         let distance_m = actual.clearance.distance_m;
-        let there = arm.self_clearance(&plan.at(actual.at_s).q).unwrap();
-        assert!((there.distance_m - distance_m).abs() < 1e-5, "{there:?}, {actual:?}");
+        let at_time = arm.self_clearance(&plan.at(actual.at_s).q).unwrap();
+        assert!((at_time.distance_m - distance_m).abs() < 1e-5, "{at_time:?}, {actual:?}");
         for i in 0..=800 {
             let t_s = plan.cycle_time_s() * f64::from(i) / 800.0;
             let sample = arm.self_clearance(&plan.at(t_s).q).unwrap();

@@ -160,14 +160,14 @@ fn follow(plan: &Plan, legs: &[Leg], log: &JointLog, noise: &Noise, first: usize
     let radius = reach(curve, leg, &end);
     let mut follower = Follower::new(curve, noise, legs[0].start_s, log, first);
     let mut place_s = Vec::new();
-    let mut there = false;
+    let mut is_at_end = false;
     let (mut sum, mut way) = (0.0, 0.0);
     for i in first..=last {
         let before = follower.arc_rad;
         let place = follower.step(log.t_s[i], &log.q_rad[i]);
         let off = place.distance_rad;
         let away = distance(&log.q_rad[i], &end);
-        if there && away > 2.0 * radius {
+        if is_at_end && away > 2.0 * radius {
             break;
         }
         if off > STRAYS_RAD {
@@ -178,10 +178,10 @@ fn follow(plan: &Plan, legs: &[Leg], log: &JointLog, noise: &Noise, first: usize
         sum += off * (follower.arc_rad - before);
         way += follower.arc_rad - before;
         place_s.push(place.t_s);
-        there |= follower.arc_rad >= curve.length() - radius && away <= 1.5 * radius;
+        is_at_end |= follower.arc_rad >= curve.length() - radius && away <= 1.5 * radius;
     }
     let arc_rad = follower.arc_rad;
-    if !there {
+    if !is_at_end {
         let motion = plan.motion_at(place_s.last().copied().unwrap_or_default());
         let left_rad = curve.length() - arc_rad;
         let error = CompareError::EndsEarly { t_s: log.t_s[last], motion, left_rad };

@@ -36,9 +36,9 @@ impl<const N: usize> Corner<N> {
     /// Creates the corner at a target between two points; none if it is too straight or too sharp.
     pub(super) fn new(target: &[f64; N], before: &[f64; N], after: &[f64; N]) -> Option<Self> {
         let into = unit(&sub(target, before));
-        let out = unit(&sub(after, target));
-        let along = dot(&into, &out);
-        let beside: [f64; N] = std::array::from_fn(|j| out[j] - along * into[j]);
+        let leaving = unit(&sub(after, target));
+        let along = dot(&into, &leaving);
+        let beside: [f64; N] = std::array::from_fn(|j| leaving[j] - along * into[j]);
         let gamma_rad = dot(&beside, &beside).sqrt().atan2(along);
         GAMMA_DEG.contains(&gamma_rad.to_degrees()).then(|| Self {
             target: *target,

@@ -83,7 +83,7 @@ impl Courses {
             if step.part.is_none() || step.way_m() < MIN_WAY_M {
                 continue;
             }
-            let why = if observed.samples < FEWEST {
+            let reason = if observed.samples < FEWEST {
                 Why::TooFewSamples
             } else if observed.off_m > ASTRAY_M {
                 Why::OffCourse(observed.off_m)
@@ -92,7 +92,7 @@ impl Courses {
                 continue;
             };
             let (recording, motion) = (watched.recording, step.motion);
-            self.left_out.push(LeftOut { recording, motion, why });
+            self.left_out.push(LeftOut { recording, motion, why: reason });
         }
     }
 }

@@ -106,9 +106,9 @@ impl Observer<'_> {
         }
     }
 
-    fn leave_out(&mut self, motion: MotionIndex, why: Why) {
+    fn leave_out(&mut self, motion: MotionIndex, reason: Why) {
         let recording = self.watched.recording;
-        self.found.known.left_out.push(LeftOut { recording, motion, why });
+        self.found.known.left_out.push(LeftOut { recording, motion, why: reason });
     }
 
     fn observe_line(&mut self, motion: MotionIndex, passage: &Passage) -> Option<[Observed; 2]> {
@@ -141,10 +141,10 @@ impl Observer<'_> {
         let line =
             LineSamples { from, direction: &direction, motion, t_s: &t_s, along: &along, length };
         let fitted = self.fit_line(&line);
-        let left = fitted.as_ref().map_or(length, |fitted| fitted.residual).hypot(beside);
-        let fitted = fitted.filter(|_| left <= LEFT_RAD + LEFT_SHARE * length);
+        let residual = fitted.as_ref().map_or(length, |fitted| fitted.residual).hypot(beside);
+        let fitted = fitted.filter(|_| residual <= LEFT_RAD + LEFT_SHARE * length);
         let Some(fitted) = fitted else {
-            self.leave_out(motion, Why::NoLine(left));
+            self.leave_out(motion, Why::NoLine(residual));
             return None;
         };
         let Motion::Ptp(ptp) = &self.watched.program.motions[motion.index()] else { return None };
@@ -233,10 +233,12 @@ impl Observer<'_> {
         let robot = self.watched.path.robot();
         let (limits, law) = (robot.limits(), robot.ramp_law());
         let max_along = |limits| largest_multiple(line.direction, limits);
-        let known = |figure: Option<Observed>, model: f64| figure.map_or(model, |(value, _)| value);
-        let speed = known(fitted.and_then(|ramps| ramps.speed), max_along(&limits.velocity_rad_s));
+        let value_or =
+            |figure: Option<Observed>, model: f64| figure.map_or(model, |(value, _)| value);
+        let speed =
+            value_or(fitted.and_then(|ramps| ramps.speed), max_along(&limits.velocity_rad_s));
         let speed = speed.min(line.length / law.least_cruise_s);
-        let acceleration = known(
+        let acceleration = value_or(
             fitted.and_then(|ramps| ramps.acceleration),
             max_along(&limits.acceleration_rad_s2),
         );
@@ -254,11 +256,11 @@ impl Observer<'_> {
         (SoftLine { way: line.length, speed, acceleration, ends, width }, middle_s)
     }
 
-    fn observe_ramps(&mut self, line: &LineSamples<'_>, seen: &[SoftEnd; 2]) {
+    fn observe_ramps(&mut self, line: &LineSamples<'_>, line_ends: &[SoftEnd; 2]) {
         let path = &self.watched.path;
         let law = path.robot().ramp_law();
-        for ((end, away, torques), seen) in line.ends(path).into_iter().zip(seen) {
-            self.found.ramps.add_end(end, seen, &away, &torques, law);
+        for ((end, away, torques), line_ends) in line.ends(path).into_iter().zip(line_ends) {
+            self.found.ramps.add_end(end, line_ends, &away, &torques, law);
         }
     }
 
@@ -339,17 +341,19 @@ impl Observer<'_> {
         else {
             return;
         };
-        let own_reach = |end: &Joints| {
+        let planned_reach = |end: &Joints| {
             let (robot, search) = (self.watched.path.robot(), BlendSearch::FirstCrossing);
             let tcp_m = &self.watched.path.tcp(motion).position_m;
             Some(search.share(ptp.blend?, robot, tcp_m, target, end)? * distance(target, end))
         };
-        if let (Some(own_before), Some(own_after)) = (own_reach(before), own_reach(after)) {
-            let by = own_after - own_before;
+        if let (Some(planned_before), Some(planned_after)) =
+            (planned_reach(before), planned_reach(after))
+        {
+            let by = planned_after - planned_before;
             // If both are equal, the observation shows nothing.
-            if by.abs() > 0.1 * own_after.max(own_before) {
-                let [found_before, found_after] = free.reach;
-                let share = (found_after.0 - found_before.0) / by;
+            if by.abs() > 0.1 * planned_after.max(planned_before) {
+                let [fitted_before, fitted_after] = free.reach;
+                let share = (fitted_after.0 - fitted_before.0) / by;
                 self.found.unequal.push((share, free.difference_deviation / by.abs()));
             }
         }

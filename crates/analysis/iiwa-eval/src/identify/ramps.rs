@@ -71,9 +71,9 @@ fn shape(t: f64, [jerk_s, push_s, cruise_s]: [f64; 3]) -> f64 {
             let pushed = before - jerk_s;
             acceleration * (jerk_s * jerk_s / 6.0 + pushed * (jerk_s + pushed) / 2.0)
         } else {
-            let left = rise_s - before;
-            let eased = if left > 0.0 { jerk * left.powi(3) / 6.0 } else { 0.0 };
-            speed * (0.5 * rise_s - left) + eased
+            let remaining_s = rise_s - before;
+            let eased = if remaining_s > 0.0 { jerk * remaining_s.powi(3) / 6.0 } else { 0.0 };
+            speed * (0.5 * rise_s - remaining_s) + eased
         }
     };
     if t < 0.0 { way } else { 1.0 - way }
@@ -141,16 +141,16 @@ impl Ramps {
         let speed = |p: &Parameters| p[WAY].abs() / (2.0 * p[JERK] + p[PUSH] + p[CRUISE]);
         let acceleration = |p: &Parameters| speed(p) / (p[JERK] + p[PUSH]);
         let shows = |phase: usize| fit.parameters[phase] >= SHOWN_S;
-        let told_by = |fit: &Fit<COUNT>, figure: &dyn Fn(&Parameters) -> f64| {
+        let estimate_by = |fit: &Fit<COUNT>, figure: &dyn Fn(&Parameters) -> f64| {
             (figure(&fit.parameters), fit.deviation_of(figure))
         };
         let observed = |figure: &dyn Fn(&Parameters) -> f64| {
-            let (value, deviation) = told_by(fit, figure);
+            let (value, deviation) = estimate_by(fit, figure);
             let certain = (figure(&free.parameters) - value).abs() <= deviation;
-            if certain { (value, deviation) } else { told_by(free, figure) }
+            if certain { (value, deviation) } else { estimate_by(free, figure) }
         };
         let time = |figure: &dyn Fn(&Parameters) -> f64| {
-            let (time_s, deviation_s) = told_by(fit, figure);
+            let (time_s, deviation_s) = estimate_by(fit, figure);
             (time_s, deviation_s.hypot(figure(&free.parameters) - time_s))
         };
         Self {

@@ -211,8 +211,9 @@ const STANDING_S: f64 = 0.5;
 /// Returns the first sample of the rest at `from`; other motions before that rest are excluded.
 fn standing_before(log: &JointLog, leaves: usize, from: &Joints) -> usize {
     let from_s = log.t_s[leaves] - STANDING_S;
-    let there = |i: &usize| log.t_s[*i] >= from_s && distance(&log.q_rad[*i], from) < AWAY_RAD;
-    let first = leaves - (0..leaves).rev().take_while(there).count();
+    let is_at_start =
+        |i: &usize| log.t_s[*i] >= from_s && distance(&log.q_rad[*i], from) < AWAY_RAD;
+    let first = leaves - (0..leaves).rev().take_while(is_at_start).count();
     let came = first > 0 && log.t_s[first - 1] >= from_s;
     if came { slowest(log, first..leaves) } else { first }
 }
@@ -220,8 +221,8 @@ fn standing_before(log: &JointLog, leaves: usize, from: &Joints) -> usize {
 /// Returns the end of the samples at rest at `to`; other motions after that rest are excluded.
 fn standing_after(log: &JointLog, arrives: usize, to: &Joints) -> usize {
     let until_s = log.t_s[arrives] + STANDING_S;
-    let there = |i: &usize| log.t_s[*i] <= until_s && distance(&log.q_rad[*i], to) < AWAY_RAD;
-    let end = arrives + (arrives..log.t_s.len()).take_while(there).count();
+    let is_at_end = |i: &usize| log.t_s[*i] <= until_s && distance(&log.q_rad[*i], to) < AWAY_RAD;
+    let end = arrives + (arrives..log.t_s.len()).take_while(is_at_end).count();
     let went = log.t_s.get(end).is_some_and(|t_s| *t_s <= until_s);
     if went { slowest(log, arrives..end) } else { end }
 }

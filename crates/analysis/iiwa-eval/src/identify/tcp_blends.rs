@@ -47,21 +47,21 @@ pub(super) fn observe(watched: &Watched<'_>, passage: &Passage, findings: &mut F
         let Some(corner) = Corner::new(target, before, after) else { continue };
         let [start, middle] = [0.0, 0.5].map(|s| place(&segment.at(s).q));
         let reach_m = distance(target, &start);
-        let own_m = own_reach(watched, motion, &ends);
+        let planned_m = planned_reach(watched, motion, &ends);
         let margins = [before, after].map(|end| {
-            let longest = own_m.into_iter().flatten().fold(reach_m, f64::max);
+            let longest = planned_m.into_iter().flatten().fold(reach_m, f64::max);
             ((1.0 + BEYOND) * longest).min(distance(target, end))
         });
 
         let samples = &watched.log.q_rad[from_sample..passage.samples.end];
         let places: Vec<_> = samples.iter().map(place).collect();
         let Some(about) = about(&places, target, &middle, reach_m, margins) else { continue };
-        let seen = from_sample + about.first..from_sample + about.last;
+        let samples = from_sample + about.first..from_sample + about.last;
         from_sample += about.nearest;
         let places = &places[about.first..about.last];
-        let mut leave_out = |why| {
+        let mut leave_out = |reason| {
             let recording = watched.recording;
-            findings.known.left_out.push(LeftOut { recording, motion, why });
+            findings.known.left_out.push(LeftOut { recording, motion, why: reason });
         };
         if places.len() < FEWEST {
             leave_out(Why::TooFewSamples);
@@ -89,24 +89,24 @@ pub(super) fn observe(watched: &Watched<'_>, passage: &Passage, findings: &mut F
             leave_out(Why::NoTcpBlend(residual_m));
             continue;
         }
-        if let (Some(free), [Some(own_before), Some(own_after)]) = (curve.free, own_m) {
-            let by = own_after - own_before;
-            let [found_before, found_after] = free.reach;
-            if by.abs() > 0.1 * own_after.max(own_before) {
-                let share = (found_after.0 - found_before.0) / by;
+        if let (Some(free), [Some(planned_before), Some(planned_after)]) = (curve.free, planned_m) {
+            let by = planned_after - planned_before;
+            let [fitted_before, fitted_after] = free.reach;
+            if by.abs() > 0.1 * planned_after.max(planned_before) {
+                let share = (fitted_after.0 - fitted_before.0) / by;
                 findings.tcp_unequal.push((share, free.difference_deviation / by.abs()));
-            } else if let Some(asked_m) = asked_m(watched, motion)
-                && (reach_m / asked_m - 1.0).abs() < 1e-6
+            } else if let Some(requested_m) = requested_m(watched, motion)
+                && (reach_m / requested_m - 1.0).abs() < 1e-6
             {
                 for (reach, (value, deviation)) in findings.tcp_reach.iter_mut().zip(free.reach) {
-                    reach.push((value / asked_m, deviation / asked_m));
+                    reach.push((value / requested_m, deviation / requested_m));
                 }
             }
         }
         findings.known.tcp_blends.push(TcpBlendObservation {
             recording: watched.recording,
             motion,
-            time_s: [watched.log.t_s[seen.start], watched.log.t_s[seen.end - 1]],
+            time_s: [watched.log.t_s[samples.start], watched.log.t_s[samples.end - 1]],
             gamma_deg,
             kappa,
             reach_m,
@@ -146,7 +146,7 @@ fn about(
 }
 
 /// Returns the programmed distance, in m, if the program gives only a distance.
-fn asked_m(watched: &Watched<'_>, motion: MotionIndex) -> Option<f64> {
+fn requested_m(watched: &Watched<'_>, motion: MotionIndex) -> Option<f64> {
     let Motion::Cartesian(cartesian) = &watched.program.motions[motion.index()] else {
         return None;
     };
@@ -157,11 +157,12 @@ fn asked_m(watched: &Watched<'_>, motion: MotionIndex) -> Option<f64> {
 
 /// Returns the reach of each side of a blend without the other side, in m: at most half of its
 /// path.
-fn own_reach(
+fn planned_reach(
     watched: &Watched<'_>,
     motion: MotionIndex,
     [before, target, after]: &[Vec3<f64>; 3],
 ) -> [Option<f64>; 2] {
-    let asked_m = asked_m(watched, motion);
-    [before, after].map(|end| asked_m.map(|asked_m| asked_m.min(0.5 * distance(target, end))))
+    let requested_m = requested_m(watched, motion);
+    [before, after]
+        .map(|end| requested_m.map(|requested_m| requested_m.min(0.5 * distance(target, end))))
 }

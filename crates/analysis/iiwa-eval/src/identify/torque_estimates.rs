@@ -7,9 +7,9 @@ use crate::Estimate;
 /// Result of the evaluation of recorded torques.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
-pub struct FoundTorques {
+pub struct TorqueEstimates {
     /// Payloads. Recordings whose programs state the same payload are assumed to have the same one.
-    pub loads: Vec<FoundLoad>,
+    pub loads: Vec<LoadEstimate>,
     /// Viscous friction of each joint, in Nm s/rad; none where the joint hardly moves.
     pub viscous_nm_s_rad: [Option<Estimate>; 7],
     /// Coulomb friction of each joint, in Nm, independent of the speed; none where the joint hardly
@@ -27,7 +27,7 @@ pub struct FoundTorques {
 /// Identified payload.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
-pub struct FoundLoad {
+pub struct LoadEstimate {
     /// Indices of the recordings, from 0.
     pub recordings: Vec<usize>,
     /// Payload stated by their programs.
@@ -39,7 +39,7 @@ pub struct FoundLoad {
     pub center_mm: [Option<Estimate>; 3],
 }
 
-impl FoundLoad {
+impl LoadEstimate {
     /// Returns the payload for programs, without moments of inertia; none if mass or centre of mass
     /// is unknown.
     #[must_use]
@@ -65,7 +65,7 @@ impl FoundLoad {
     }
 }
 
-impl FoundTorques {
+impl TorqueEstimates {
     /// Returns the identified friction, or that of `model` where it was not identified. Negative
     /// values are set to 0.
     #[must_use]

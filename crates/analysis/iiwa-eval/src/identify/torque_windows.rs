@@ -124,8 +124,10 @@ fn window(
     let cubics: [Vector4<f64>; 7] = std::array::from_fn(fitted);
     let does = std::array::from_fn(|j| {
         let (cubic, base) = (&cubics[j], q[0][j]);
-        let left = t_s.iter().zip(q).map(|(t_s, q)| q[j] - base - cubic.dot(&powers(*t_s)));
-        let deviation = (left.map(|left| left * left).sum::<f64>() / (t_s.len() - 4) as f64).sqrt();
+        let residuals = t_s.iter().zip(q).map(|(t_s, q)| q[j] - base - cubic.dot(&powers(*t_s)));
+        let deviation = (residuals.map(|residuals| residuals * residuals).sum::<f64>()
+            / (t_s.len() - 4) as f64)
+            .sqrt();
         let ends = [powers(first_s), powers(middle_s), powers(last_s)]
             .map(|abscissa| cubic.dot(&abscissa));
         let [before, after] = [ends[1] - ends[0], ends[2] - ends[1]];

@@ -23,8 +23,8 @@ use crate::{
     estimate::{Estimate, NORMAL_95},
     exerted::exerted,
     identify::{
-        found_torques::{FoundLoad, FoundTorques},
         recording::Recording,
+        torque_estimates::{LoadEstimate, TorqueEstimates},
         torque_windows::{Instant, JointDoes, TorqueWindow, half_s, windows},
     },
 };
@@ -66,7 +66,7 @@ const FEWEST: usize = 10;
 pub(super) fn find(
     recordings: &[Recording<'_>],
     model: &Robot,
-) -> (Option<FoundTorques>, Vec<(usize, &'static str)>) {
+) -> (Option<TorqueEstimates>, Vec<(usize, &'static str)>) {
     let mut groups: Vec<(Option<Load>, Vec<usize>)> = Vec::new();
     let mut observed = Observations::default();
     let mut unused = Vec::new();
@@ -76,8 +76,8 @@ pub(super) fn find(
         }
         let stated = match stated_load(program) {
             Ok(stated) => stated,
-            Err(why) => {
-                unused.push((recording, why));
+            Err(reason) => {
+                unused.push((recording, reason));
                 continue;
             }
         };
@@ -88,8 +88,8 @@ pub(super) fn find(
             unused.push((recording, "too few samples with torques in a row: they were not used"));
             continue;
         }
-        let known = groups.iter().position(|(load, _)| *load == stated);
-        let group = known.unwrap_or_else(|| {
+        let group = groups.iter().position(|(load, _)| *load == stated);
+        let group = group.unwrap_or_else(|| {
             groups.push((stated, Vec::new()));
             groups.len() - 1
         });
@@ -230,7 +230,7 @@ impl Observations {
         }
     }
 
-    fn fit(&self, groups: Vec<(Option<Load>, Vec<usize>)>) -> Option<FoundTorques> {
+    fn fit(&self, groups: Vec<(Option<Load>, Vec<usize>)>) -> Option<TorqueEstimates> {
         if groups.is_empty() {
             return None;
         }
@@ -255,9 +255,9 @@ impl Observations {
         let loads = groups.into_iter().enumerate();
         let loads = loads.map(|(load, (stated, recordings))| {
             let windows = self.rows.iter().filter(|row| row.load == load).count();
-            found_load(stated, recordings, load, windows, &unknowns, &covariance)
+            load_estimate(stated, recordings, load, windows, &unknowns, &covariance)
         });
-        Some(FoundTorques {
+        Some(TorqueEstimates {
             loads: loads.collect(),
             viscous_nm_s_rad: friction(0),
             coulomb_nm: friction(7),
@@ -300,7 +300,7 @@ impl Observations {
         Some((&covariance * right, covariance))
     }
 
-    fn left<'a>(
+    fn row_residuals<'a>(
         &'a self,
         unknowns: &'a DVector<f64>,
     ) -> impl Iterator<Item = (&'a TorqueRow, f64)> {
@@ -312,9 +312,9 @@ impl Observations {
 
     fn residuals(&self, unknowns: &DVector<f64>) -> Joints {
         let mut sums = [(0.0, 0.0); 7];
-        for (row, left) in self.left(unknowns) {
+        for (row, residual) in self.row_residuals(unknowns) {
             let (squares, count) = &mut sums[row.joint];
-            *squares += left * left;
+            *squares += residual * residual;
             *count += 1.0;
         }
         sums.map(|(squares, count): (f64, f64)| (squares / count.max(1.0)).sqrt())
@@ -324,11 +324,11 @@ impl Observations {
     /// correlated from one window to the next, as in a first-order autoregression.
     fn scatter(&self, unknowns: &DVector<f64>) -> [f64; 14] {
         let mut sums = [(0.0, 0.0, 0.0, 0.0_f64); 14];
-        for (row, left) in self.left(unknowns) {
+        for (row, residual) in self.row_residuals(unknowns) {
             let (squares, products, before, count) = &mut sums[row.sort()];
-            *squares += left * left;
-            *products += left * *before;
-            *before = left;
+            *squares += residual * residual;
+            *products += residual * *before;
+            *before = residual;
             *count += 1.0;
         }
         sums.map(|(squares, products, _, count)| {
@@ -345,14 +345,14 @@ impl Observations {
     }
 }
 
-fn found_load(
+fn load_estimate(
     stated: Option<Load>,
     recordings: Vec<usize>,
     load: usize,
     count: usize,
     unknowns: &DVector<f64>,
     covariance: &DMatrix<f64>,
-) -> FoundLoad {
+) -> LoadEstimate {
     let offset = FRICTION + MOMENTS * load;
     let mass = unknowns[offset];
     let mass_kg = Estimate {
@@ -369,8 +369,9 @@ fn found_load(
             + center_m.powi(2) * covariance[(offset, offset)];
         let uncertainty =
             (1e3 * NORMAL_95 * variance.max(0.0).sqrt() / mass.abs()).hypot(MIN_CENTER_MM);
-        let known = is_known && !mass_kg.holds(0.0) && mass > 0.0 && uncertainty <= TOLD_CENTER_MM;
-        known.then_some(Estimate { value: 1e3 * center_m, uncertainty, count })
+        let is_center_known =
+            is_known && !mass_kg.holds(0.0) && mass > 0.0 && uncertainty <= TOLD_CENTER_MM;
+        is_center_known.then_some(Estimate { value: 1e3 * center_m, uncertainty, count })
     });
-    FoundLoad { recordings, stated, mass_kg: is_known.then_some(mass_kg), center_mm }
+    LoadEstimate { recordings, stated, mass_kg: is_known.then_some(mass_kg), center_mm }
 }

@@ -102,8 +102,8 @@ impl<'a> Watched<'a> {
     /// the corner is.
     pub(super) fn corner(&self, motion: MotionIndex) -> Option<[Joints; 3]> {
         let into = self.motions.get(motion.index())?;
-        let out = self.motions.get(motion.next().index())?;
-        Some([into.first()?.at(0.0).q, into.last()?.at(1.0).q, out.last()?.at(1.0).q])
+        let leaving = self.motions.get(motion.next().index())?;
+        Some([into.first()?.at(0.0).q, into.last()?.at(1.0).q, leaving.last()?.at(1.0).q])
     }
 
     /// Returns the TCP pose of a motion at given joint positions.
