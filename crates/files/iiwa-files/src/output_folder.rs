@@ -57,14 +57,14 @@ fn make(folder: &Path, files: &[(&Path, &[u8])]) -> Result<(), OutputError> {
         .map_err(|error| to_error(io::Error::from(error.kind())))?;
     for (path, content) in files {
         let target = folder.join(path);
-        let here = part.path().join(path);
-        let write = |here: &PathBuf| {
-            if let Some(parent) = here.parent() {
+        let temporary = part.path().join(path);
+        let write = |temporary: &PathBuf| {
+            if let Some(parent) = temporary.parent() {
                 fs::create_dir_all(parent)?;
             }
-            fs::write(here, content)
+            fs::write(temporary, content)
         };
-        write(&here).map_err(|error| OutputError::new(&target, error))?;
+        write(&temporary).map_err(|error| OutputError::new(&target, error))?;
     }
     if interrupt::has_come() {
         return Err(OutputError::Interrupted);

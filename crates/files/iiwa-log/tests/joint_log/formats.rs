@@ -136,9 +136,9 @@ fn a_data_recorder_in_degrees() {
     assert_eq!(log.t_s, [0.0, 0.02]);
     let assumed = Loss::DegreesAssumed { place: Place::Line(3), joint: 7, found_deg: 90.0 };
     assert_eq!(log.losses, [assumed]);
-    let said = "the file states no unit of its positions: read as degrees, as joint A7 is at \
+    let message = "the file states no unit of its positions: read as degrees, as joint A7 is at \
                 90.000 in line 3";
-    assert_eq!(log.losses[0].to_string(), said);
+    assert_eq!(log.losses[0].to_string(), message);
 
     // A stated unit has priority, and small angles in degrees look like rad.
     let with = |text: &str, options| JointLog::read_with(text.as_bytes(), options);

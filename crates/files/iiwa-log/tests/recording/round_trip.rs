@@ -138,7 +138,7 @@ fn schemas_are_ros2msg_text() {
     );
     for topic in Topic::ALL {
         let schema = topic.schema();
-        let given: Vec<_> = schema.lines().filter_map(|line| line.strip_prefix("MSG: ")).collect();
+        let names: Vec<_> = schema.lines().filter_map(|line| line.strip_prefix("MSG: ")).collect();
         let needed = schema
             .lines()
             .filter(|line| !line.starts_with("MSG: "))
@@ -146,9 +146,9 @@ fn schemas_are_ros2msg_text() {
             .map(|(kind, _)| kind.trim_end_matches("[]"))
             .filter(|kind| kind.contains('/'));
         for kind in needed {
-            assert!(given.contains(&kind), "{topic}: {kind} is not defined");
+            assert!(names.contains(&kind), "{topic}: {kind} is not defined");
         }
-        assert_eq!(schema.matches(&separator).count(), given.len());
+        assert_eq!(schema.matches(&separator).count(), names.len());
     }
 }
 
