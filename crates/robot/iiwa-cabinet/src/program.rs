@@ -216,18 +216,18 @@ pub(crate) fn send_states(
     const POLL_INTERVAL: Duration = Duration::from_millis(2);
     let every = Duration::from_millis(STATE_EVERY_MS);
     let again = Duration::from_millis(100);
-    let mut sent: Option<(StateChange, Instant)> = None;
+    let mut last_sent: Option<(StateChange, Instant)> = None;
     while !shutdown.load(Ordering::Relaxed) {
         let change = {
             let mut simulation = lock(&shared.simulation);
             let wait = if acknowledged.load(Ordering::Relaxed) { every } else { again };
-            let due = sent.as_ref().is_none_or(|(_, instant)| instant.elapsed() >= wait);
+            let due = last_sent.as_ref().is_none_or(|(_, instant)| instant.elapsed() >= wait);
             simulation.take_change().or_else(|| due.then(|| simulation.state()))
         };
         if let Some(change) = change {
             acknowledged.store(false, Ordering::Relaxed);
             socket.publish(&vec![Bytes::new(), to_json(&change).into()]);
-            sent = Some((change, Instant::now()));
+            last_sent = Some((change, Instant::now()));
         }
         thread::sleep(POLL_INTERVAL);
     }

@@ -236,9 +236,9 @@ impl Simulation {
         let error = Refusal::robot("the emergency stop was pressed");
         match &mut self.activity {
             Activity::Nothing | Activity::Braking(_) => {}
-            Activity::Motions { playback, error: why, .. } => {
+            Activity::Motions { playback, error: stop_reason, .. } => {
                 playback.stop(EMERGENCY_STOP_S);
-                *why = Some(error);
+                *stop_reason = Some(error);
             }
             Activity::Commanded(_) => self.brake(error),
         }

@@ -70,11 +70,11 @@ impl Drop for Script {
 }
 
 fn read_lines(stdout: ChildStdout) -> Receiver<Value> {
-    let (out, lines) = mpsc::channel();
+    let (sender, lines) = mpsc::channel();
     thread::spawn(move || {
         for line in BufReader::new(stdout).lines() {
             // The receiver may be dropped.
-            let _ = out.send(serde_json::from_str(&line.unwrap()).unwrap());
+            let _ = sender.send(serde_json::from_str(&line.unwrap()).unwrap());
         }
     });
     lines

@@ -453,9 +453,9 @@ async fn connect(
     endpoint: &Endpoint,
     patience: Patience,
 ) -> Result<Wire, ClientError> {
-    let refused = |why: ConnectionRefusal| ClientError::Unauthorized {
+    let refused = |reason: ConnectionRefusal| ClientError::Unauthorized {
         address: endpoint.to_string(),
-        reason: why.reason(),
+        reason: reason.reason(),
     };
     let since = Instant::now();
     let mut total = patience.total.min(CONNECT_TIMEOUT);
@@ -468,14 +468,14 @@ async fn connect(
             Ok(Err(WireError::Io(error))) if is_absent(&error) => {}
             // A drive that is shutting down or under load also closes connections: only repetition
             // is a refusal.
-            Ok(Err(WireError::Refused(why @ ConnectionRefusal::Closed)))
+            Ok(Err(WireError::Refused(reason @ ConnectionRefusal::Closed)))
                 if closed < patience.closed_handshakes =>
             {
                 closed += 1;
                 total = patience.total;
-                failure = refused(why);
+                failure = refused(reason);
             }
-            Ok(Err(WireError::Refused(why))) => return Err(refused(why)),
+            Ok(Err(WireError::Refused(reason))) => return Err(refused(reason)),
             Ok(Err(WireError::Protocol(error))) => {
                 return Err(ClientError::InvalidReply { message: error.to_string() });
             }

@@ -214,9 +214,9 @@ async fn open(source: Source<'_>, connection: &mut Connection) -> Result<(), Lin
                 *connection = Connection::None;
                 match connected {
                     Ok(Ok(wire)) => *connection = Connection::Open(Box::new(wire)),
-                    Ok(Err(why)) => {
+                    Ok(Err(reason)) => {
                         let address = source.0.to_string();
-                        return Err(LinkError::Unauthorized { address, reason: why.reason() });
+                        return Err(LinkError::Unauthorized { address, reason: reason.reason() });
                     }
                     Err(error) => tracing::warn!("the task of the connection failed: {error}"),
                 }
@@ -241,7 +241,7 @@ async fn connect(
             {
                 closed += 1;
             }
-            Ok(Err(WireError::Refused(why))) => return Err(why),
+            Ok(Err(WireError::Refused(reason))) => return Err(reason),
             _ => {}
         }
         sleep(RETRY_INTERVAL).await;

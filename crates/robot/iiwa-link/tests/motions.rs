@@ -101,14 +101,14 @@ fn pose() -> BoxedStrategy<Value> {
 }
 
 fn target() -> BoxedStrategy<Value> {
-    let given = (pose(), number(), 0..8_u8, 0..128_u8).prop_map(|(mut pose, e1, status, turn)| {
+    let frame = (pose(), number(), 0..8_u8, 0..128_u8).prop_map(|(mut pose, e1, status, turn)| {
         pose["e1_deg"] = json!(e1);
         pose["status"] = json!(status);
         pose["turn"] = json!(turn);
         pose["base"] = json!("table");
         pose
     });
-    prop_oneof![Just(json!("pick")), given].boxed()
+    prop_oneof![Just(json!("pick")), frame].boxed()
 }
 
 /// Returns a motion, written as in a program.

@@ -223,10 +223,10 @@ mod tests {
             let (mut position, mut speed, mut before_s) = ([0.0; 7], [0.0; 7], step_s);
             governor.observe(Some(&position), step_s, step_s);
             // Target and number of steps: positions, noise, non-finite numbers, no request.
-            let (mut target, mut left, mut noise) = (Some([0.0; 7]), 0, 0.0);
+            let (mut target, mut remaining, mut noise) = (Some([0.0; 7]), 0, 0.0);
             for _ in 0..20_000 {
-                if left == 0 {
-                    left = random.u32(1..200);
+                if remaining == 0 {
+                    remaining = random.u32(1..200);
                     noise = if random.bool() { 0.0 } else { 10.0_f64.powf(-6.0 * random.f64()) };
                     target = match random.u32(0..8) {
                         0 => None,
@@ -237,18 +237,18 @@ mod tests {
                         _ => Some(upper_rad.map(|q| q * (3.0 * random.f64() - 1.5))),
                     };
                 }
-                left -= 1;
+                remaining -= 1;
                 let requested = target.map(|q| q.map(|q| q + noise * (random.f64() - 0.5)));
-                let sent = governor.command(requested.as_ref()).unwrap().joints_rad;
+                let setpoint = governor.command(requested.as_ref()).unwrap().joints_rad;
                 for j in 0..7 {
-                    let now = (sent[j] - position[j]) / step_s;
+                    let now = (setpoint[j] - position[j]) / step_s;
                     let bend = (now - speed[j]) / (0.5 * (step_s + before_s));
-                    assert!((lower_rad[j]..=upper_rad[j]).contains(&sent[j]));
+                    assert!((lower_rad[j]..=upper_rad[j]).contains(&setpoint[j]));
                     assert!(now.abs() <= 1.02 * velocity_rad_s[j], "{now}");
                     assert!(bend.abs() <= 1.3 * acceleration_rad_s2[j] + 1e-6, "{bend}");
                     speed[j] = now;
                 }
-                (position, before_s) = (sent, step_s);
+                (position, before_s) = (setpoint, step_s);
                 governor.observe(Some(&position), step_s, step_s);
             }
         }
@@ -295,20 +295,20 @@ mod tests {
         for [first_s, second_s] in [[0.001, 0.01], [0.01, 0.001], [0.005, 0.005]] {
             let mut governor = Governor::new(&limits);
             governor.observe(Some(&[0.0; 7]), first_s, first_s);
-            let sent = governor.command(Some(&[0.0; 7])).unwrap().joints_rad;
-            assert_eq!(sent, [0.0; 7]);
+            let setpoint = governor.command(Some(&[0.0; 7])).unwrap().joints_rad;
+            assert_eq!(setpoint, [0.0; 7]);
             governor.observe(None, second_s, first_s);
-            let sent = governor.command(Some(&[2.0; 7])).unwrap().joints_rad;
+            let setpoint = governor.command(Some(&[2.0; 7])).unwrap().joints_rad;
             let mean_s = 0.5 * (first_s + second_s);
-            for (sent, limit) in sent.iter().zip(limits.acceleration_rad_s2) {
-                let share = sent / second_s / mean_s / limit;
+            for (setpoint, limit) in setpoint.iter().zip(limits.acceleration_rad_s2) {
+                let share = setpoint / second_s / mean_s / limit;
                 assert!((share - 1.3).abs() < 1e-6, "{first_s} s, {second_s} s: {share}");
             }
             // Braking, with the two step lengths swapped.
             governor.observe(None, first_s, first_s);
             let braked = governor.command(None).unwrap().joints_rad;
             for j in 0..7 {
-                let change = sent[j] / second_s - (braked[j] - sent[j]) / first_s;
+                let change = setpoint[j] / second_s - (braked[j] - setpoint[j]) / first_s;
                 let share = change / mean_s / limits.acceleration_rad_s2[j];
                 assert!((share - 1.2).abs() < 1e-6, "{first_s} s, {second_s} s: {share}");
             }

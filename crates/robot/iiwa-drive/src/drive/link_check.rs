@@ -55,7 +55,7 @@ impl LinkCheck {
     /// `on_step` after each step. The check takes at most a quarter of a minute.
     pub fn run(config: &DriveConfig, cabinet: &Remote, on_step: impl FnMut(&CheckStep)) -> Self {
         let mut steps = Steps { done: Vec::new(), on_step };
-        match own_port(config) {
+        match bind_fri_port(config) {
             Ok(udp) => {
                 steps.ok(UDP_PORT, format!("UDP {} is free", config.fri));
                 thread::scope(|scope| {
@@ -133,7 +133,7 @@ impl<F: FnMut(&CheckStep)> Steps<F> {
 }
 
 /// Binds the drive's UDP port, if it is free and reachable from the controller.
-fn own_port(config: &DriveConfig) -> Result<UdpSocket, Fault> {
+fn bind_fri_port(config: &DriveConfig) -> Result<UdpSocket, Fault> {
     use std::io::ErrorKind::{AddrInUse, AddrNotAvailable};
     let (fri, controller) = (config.fri, config.fri_controller);
     if fri.ip().is_loopback() && !controller.is_loopback() {
@@ -182,8 +182,8 @@ fn check_program<F: FnMut(&CheckStep)>(
     let mut refused = None;
     for (step, kind, address) in ports {
         let result = cabinet.probe(kind, address, PROBE_TIMEOUT);
-        if let Err(ProbeError::Refused(why)) = result {
-            refused = Some(why);
+        if let Err(ProbeError::Refused(reason)) = result {
+            refused = Some(reason);
         }
         match result {
             // A later step checks the keys.
@@ -196,7 +196,7 @@ fn check_program<F: FnMut(&CheckStep)>(
     }
     let connected = reached == [true, true];
     match refused {
-        Some(why) => steps.fails(KEYS, refusal(why, cabinet.has_keys())),
+        Some(reason) => steps.fails(KEYS, refusal(reason, cabinet.has_keys())),
         None if connected && cabinet.has_keys() => {
             steps.ok(KEYS, "both sides accept each other's key");
         }
@@ -255,8 +255,8 @@ fn unreachable(address: &str, error: &ProbeError) -> Fault {
 }
 
 /// Returns the fault for wrong keys.
-fn refusal(why: ConnectionRefusal, has_keys: bool) -> Fault {
-    let text = match why {
+fn refusal(reason: ConnectionRefusal, has_keys: bool) -> Fault {
+    let text = match reason {
         ConnectionRefusal::KeysOnOneSide if has_keys => {
             "this side has keys, the robot program has none: give it keys in its settings, or \
              leave them out here if both are on one machine"
@@ -367,17 +367,19 @@ fn check_priority<F: FnMut(&CheckStep)>(
     period_ms: Option<u32>,
     steps: &mut Steps<F>,
 ) {
-    let how = "setcap cap_sys_nice=ep for the program, or rtprio for the user in \
+    let remedy = "setcap cap_sys_nice=ep for the program, or rtprio for the user in \
                /etc/security/limits.conf";
     match period_ms {
         _ if real_time => steps.ok(PRIORITY, "permitted"),
         Some(period_ms) if period_ms <= URGENT_MS => {
             let text = format!(
-                "not permitted, and FRI sends every {period_ms} ms: {how}; or a send period of 5 ms"
+                "not permitted, and FRI sends every {period_ms} ms: {remedy}; or a send period of 5 ms"
             );
             steps.fails(PRIORITY, Fault::new(text, &[]));
         }
-        _ => steps
-            .ok(PRIORITY, format!("not permitted; at 5 ms, a quiet machine does without ({how})")),
+        _ => steps.ok(
+            PRIORITY,
+            format!("not permitted; at 5 ms, a quiet machine does without ({remedy})"),
+        ),
     }
 }

@@ -140,7 +140,7 @@ impl Plausibility {
         if from != port {
             return self.ignore("its source port differs");
         }
-        let Err(why) =
+        let Err(reason) =
             self.check_consistency(message, latest, now.duration_since(received), client)
         else {
             return self.accept(message, from, now, client);
@@ -164,7 +164,7 @@ impl Plausibility {
             return if is_successor { Verdict::Accept } else { Verdict::Restart };
         }
         self.suspect = Some((message.clone(), now, row));
-        self.ignore(why)
+        self.ignore(reason)
     }
 
     fn accept(
@@ -182,12 +182,12 @@ impl Plausibility {
         if received == Received::Restarted { Verdict::Restart } else { Verdict::Accept }
     }
 
-    fn ignore(&mut self, why: &str) -> Verdict {
+    fn ignore(&mut self, reason: &str) -> Verdict {
         self.ignored += 1;
         // Not every message is logged, which would flood the log.
         if self.ignored.is_power_of_two() {
             tracing::warn!(
-                "FRI: {} messages were ignored, the last one because {why}",
+                "FRI: {} messages were ignored, the last one because {reason}",
                 self.ignored
             );
         }

@@ -370,13 +370,13 @@ mod tests {
         task
     }
 
-    fn assert_ends(message: &Monitoring, why: &str) {
+    fn assert_ends(message: &Monitoring, reason: &str) {
         let mut task = running(1000);
         let (setpoint, end) = advance(&mut task, message, 10.0 * CYCLE_S);
         assert_eq!(setpoint, None);
         let end = end.unwrap();
         let text = end.error.unwrap().message;
-        assert!(end.run == 7 && text.contains(why), "{text}");
+        assert!(end.run == 7 && text.contains(reason), "{text}");
     }
 
     #[test]
@@ -392,7 +392,7 @@ mod tests {
 
     #[test]
     fn a_run_does_not_begin_with_unsuitable_parameters() {
-        for (period_ms, receive_multiplier, why) in [
+        for (period_ms, receive_multiplier, reason) in [
             (0, 1, "does not state"),
             (11, 1, "every 11 ms"),
             (1_000_000, 1, "every 1000000 ms"),
@@ -406,7 +406,7 @@ mod tests {
             let opened = Monitoring { send_period_ms: period_ms, receive_multiplier, ..message(0) };
             let (setpoint, end) = advance(&mut task, &opened, 0.0);
             let text = end.unwrap().error.unwrap().message;
-            assert!(setpoint.is_none() && text.contains(why), "{text}");
+            assert!(setpoint.is_none() && text.contains(reason), "{text}");
         }
     }
 

@@ -120,8 +120,8 @@ fn run(seed: u64, trajectory: &TimedJoints, tally: &mut Tally) {
     );
     match ended {
         None => tally.successful += 1,
-        Some(why) => {
-            let words = why.chars().filter(|c| !c.is_ascii_digit() && *c != '.').collect();
+        Some(reason) => {
+            let words = reason.chars().filter(|c| !c.is_ascii_digit() && *c != '.').collect();
             *tally.reasons.entry(words).or_default() += 1;
         }
     }

@@ -57,7 +57,7 @@ fn assert_stops(rig: &Rig) {
 }
 
 /// Returns the number of open connections, once no more of them are closed.
-fn left(peers: &mut Vec<Peer>) -> usize {
+fn remaining(peers: &mut Vec<Peer>) -> usize {
     let mut since = Instant::now();
     while since.elapsed() < Duration::from_millis(500) {
         let before = peers.len();
@@ -92,8 +92,8 @@ fn idle_peers_are_evicted() {
     let mut idle: Vec<_> =
         (0..100).map(|_| connected(&rig.drive_config.instructions, "DEALER")).collect();
     assert_stops(&rig);
-    let left = left(&mut idle);
-    assert!((1..=64).contains(&left), "{left} are left");
+    let remaining = remaining(&mut idle);
+    assert!((1..=64).contains(&remaining), "{remaining} are left");
 }
 
 #[test]
@@ -141,14 +141,14 @@ fn unread_replies_are_bounded() {
     // The peer does not read, so the drive stops reading its requests at a limit.
     lazy.stream.set_nonblocking(true).unwrap();
     let since = Instant::now();
-    let (mut rest, mut taken) = (&*request, since);
+    let (mut rest, mut last_sent) = (&*request, since);
     // A drive that is merely slow accepts more bytes within a second.
-    while taken.elapsed() < Duration::from_secs(1) {
+    while last_sent.elapsed() < Duration::from_secs(1) {
         assert!(since.elapsed() < LONG);
         match lazy.stream.write(rest) {
             Ok(bytes) => {
                 rest = &rest[bytes..];
-                taken = Instant::now();
+                last_sent = Instant::now();
             }
             Err(_) => thread::sleep(Duration::from_millis(5)),
         }

@@ -109,10 +109,11 @@ fn fri_from_another_address_is_told() {
     rig.start_drive();
     rig.start_cabinet();
     let mut client = rig.client();
-    let here = IpAddr::V4(Ipv4Addr::LOCALHOST);
+    let localhost = IpAddr::V4(Ipv4Addr::LOCALHOST);
     wait_for("the other address", || {
         let status = client.state().unwrap();
-        status.fri.unexpected_source == Some(here) && status.robot_program == Presence::Connected
+        status.fri.unexpected_source == Some(localhost)
+            && status.robot_program == Presence::Connected
     });
     let status = client.state().unwrap();
     assert!(

@@ -138,8 +138,8 @@ impl Rig {
             let status = client.state().unwrap();
             let ready = status.fri.session == "monitoring_ready"
                 && ["good", "excellent"].contains(&status.fri.quality.as_str());
-            let there = status.robot_program == Presence::Connected;
-            ready && there && status.state == DriveState::Idle
+            let is_connected = status.robot_program == Presence::Connected;
+            ready && is_connected && status.state == DriveState::Idle
         });
     }
 

@@ -66,7 +66,7 @@ fn relay(
     loss: f64,
 ) -> Vec<Answer> {
     let mut random = fastrand::Rng::with_seed(seed);
-    let (mut sent, mut answers) = (HashMap::new(), Vec::new());
+    let (mut messages, mut answers) = (HashMap::new(), Vec::new());
     let mut buffer = [0; 2048];
     // The cabinet, and a message that is delayed until after the next one.
     let (mut cabinet, mut delayed) = (None, None);
@@ -77,7 +77,7 @@ fn relay(
             let message = Format::V1.decode_monitoring(&datagram).unwrap();
             if message.session == SessionState::CommandingActive {
                 let arm_rad = message.commanded_rad.unwrap();
-                sent.insert(message.sequence, (message.time.unwrap().as_secs_f64(), arm_rad));
+                messages.insert(message.sequence, (message.time.unwrap().as_secs_f64(), arm_rad));
             }
             match random.f64() / loss {
                 ..1.0 => {}
@@ -96,7 +96,7 @@ fn relay(
         }
         if let Ok((length, _)) = inner.recv_from(&mut buffer) {
             let answer = Format::V1.decode_command(&buffer[..length]).unwrap();
-            if let Some((t_s, arm_rad)) = sent.get(&answer.reflected).copied() {
+            if let Some((t_s, arm_rad)) = messages.get(&answer.reflected).copied() {
                 let at_rad = answer.joints_rad.unwrap();
                 answers.push(Answer { t_s, at_rad, arm_rad });
             }

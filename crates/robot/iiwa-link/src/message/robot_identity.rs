@@ -156,8 +156,8 @@ mod tests {
         let profile = RobotIdentity::from(&Robot::from_profile(text).unwrap());
         let [model, ..] = robots();
         model.check_run(&profile).unwrap();
-        let said = "cell 3 with a flange of 152 mm (base 340 mm, upper arm 400 mm, forearm 400 mm)";
-        assert_eq!(profile.to_string(), said);
+        let text = "cell 3 with a flange of 152 mm (base 340 mm, upper arm 400 mm, forearm 400 mm)";
+        assert_eq!(profile.to_string(), text);
     }
 
     #[test]

@@ -159,9 +159,9 @@ async fn connect(config: &WireConfig, to: &Endpoint) -> Wire {
         let refused_pause = REFUSED_INTERVAL.min(2 * pause);
         pause = match timeout(TIMEOUT, Wire::connect(to, config)).await {
             Ok(Ok(wire)) => return wire,
-            Ok(Err(WireError::Refused(why))) if logged != Some(why) => {
-                tracing::warn!("{to} refused the connection: {}", why.reason());
-                logged = Some(why);
+            Ok(Err(WireError::Refused(reason))) if logged != Some(reason) => {
+                tracing::warn!("{to} refused the connection: {}", reason.reason());
+                logged = Some(reason);
                 refused_pause
             }
             Ok(Err(error)) => {

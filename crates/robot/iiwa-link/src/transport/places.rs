@@ -134,15 +134,15 @@ impl Places {
         newcomer: &Holder,
     ) -> Option<PeerId> {
         let mut occupants: Vec<_> = occupants.collect();
-        let mut held = BTreeMap::from([(newcomer, 1)]);
+        let mut counts = BTreeMap::from([(newcomer, 1)]);
         for (_, occupant) in &occupants {
-            *held.entry(&occupant.holder).or_default() += 1;
+            *counts.entry(&occupant.holder).or_default() += 1;
         }
-        if held[newcomer] > self.per_holder {
+        if counts[newcomer] > self.per_holder {
             occupants.retain(|(_, it)| it.holder == *newcomer);
         } else if occupants.len() >= self.total {
-            let max_held = held.values().max().copied().unwrap_or_default();
-            occupants.retain(|(_, it)| held[&it.holder] == max_held);
+            let max_held = counts.values().max().copied().unwrap_or_default();
+            occupants.retain(|(_, it)| counts[&it.holder] == max_held);
         } else {
             return None;
         }
@@ -199,10 +199,17 @@ mod tests {
             scene
         }
 
-        fn put(&mut self, id: PeerId, stage: Stage, of: u8, pending: usize, second: u64) {
+        fn put(
+            &mut self,
+            id: PeerId,
+            stage: Stage,
+            holder_number: u8,
+            pending: usize,
+            second: u64,
+        ) {
             let since = self.from + Duration::from_secs(second);
             let activity = Activity { stage, pending, since };
-            self.occupants.insert(id, Occupant { holder: holder(of), activity });
+            self.occupants.insert(id, Occupant { holder: holder(holder_number), activity });
         }
 
         fn victim(&self, newcomer: u8) -> Option<PeerId> {
@@ -210,17 +217,23 @@ mod tests {
             self.places.victim(occupants, &holder(newcomer))
         }
 
-        fn held(&self, of: u8) -> usize {
-            self.occupants.values().filter(|it| it.holder == holder(of)).count()
+        fn held(&self, holder_number: u8) -> usize {
+            self.occupants.values().filter(|it| it.holder == holder(holder_number)).count()
         }
 
         /// Admits a new connection. Returns the victim.
-        fn admit(&mut self, id: PeerId, stage: Stage, of: u8, second: u64) -> Option<PeerId> {
-            let victim = self.victim(of);
+        fn admit(
+            &mut self,
+            id: PeerId,
+            stage: Stage,
+            holder_number: u8,
+            second: u64,
+        ) -> Option<PeerId> {
+            let victim = self.victim(holder_number);
             if let Some(victim) = victim {
                 self.occupants.remove(&victim);
             }
-            self.put(id, stage, of, 0, second);
+            self.put(id, stage, holder_number, 0, second);
             victim
         }
     }
@@ -319,19 +332,19 @@ mod tests {
             arrivals in prop::collection::vec((1..6_u8, any_stage(), 0..9_usize), 1..300),
         ) {
             let mut scene = Scene::new(total);
-            for (i, (of, stage, pending)) in arrivals.into_iter().enumerate() {
-                let max_held = (1..6).map(|it| scene.held(it) + usize::from(it == of)).max().unwrap();
-                let after_admission = scene.held(of) + 1;
-                let victim = scene.victim(of).map(|id| scene.occupants[&id].holder.clone());
+            for (i, (holder_number, stage, pending)) in arrivals.into_iter().enumerate() {
+                let max_held = (1..6).map(|it| scene.held(it) + usize::from(it == holder_number)).max().unwrap();
+                let after_admission = scene.held(holder_number) + 1;
+                let victim = scene.victim(holder_number).map(|id| scene.occupants[&id].holder.clone());
                 if let Some(victim) = victim {
                     let loses = (1..6).find(|it| holder(*it) == victim).unwrap();
-                    let held = scene.held(loses) + usize::from(loses == of);
-                    prop_assert!(held == max_held || (loses == of && after_admission > scene.places.per_holder));
+                    let held = scene.held(loses) + usize::from(loses == holder_number);
+                    prop_assert!(held == max_held || (loses == holder_number && after_admission > scene.places.per_holder));
                 }
-                scene.admit(i as u64, Stage::Fresh, of, i as u64);
-                scene.put(i as u64, ESTABLISHED[stage % 5], of, pending, i as u64);
+                scene.admit(i as u64, Stage::Fresh, holder_number, i as u64);
+                scene.put(i as u64, ESTABLISHED[stage % 5], holder_number, pending, i as u64);
                 prop_assert!(scene.occupants.len() <= total);
-                prop_assert!((1..6).all(|of| scene.held(of) <= scene.places.per_holder));
+                prop_assert!((1..6).all(|holder_number| scene.held(holder_number) <= scene.places.per_holder));
             }
         }
 

@@ -59,7 +59,7 @@ pub(crate) fn probe(to: &Endpoint, config: &WireConfig, limit: Duration) -> Resu
         let mut wire = Wire::new(stream, config.clone());
         match timeout(limit, wire.shake_hands(|_| {})).await {
             Ok(Ok(_)) => Ok(()),
-            Ok(Err(WireError::Refused(why))) => Err(ProbeError::Refused(why)),
+            Ok(Err(WireError::Refused(reason))) => Err(ProbeError::Refused(reason)),
             Ok(Err(error)) => Err(ProbeError::Protocol { message: error.to_string() }),
             Err(_) => Err(ProbeError::NoHandshake),
         }

@@ -471,8 +471,8 @@ impl Wire {
     /// The connection is lost.
     pub(crate) async fn send_some(&mut self) -> Result<(), WireError> {
         self.stream.writable().await?;
-        let sent = self.stream.try_write_vectored(&self.codec.transmit_chunks_capped(64));
-        match sent {
+        let result = self.stream.try_write_vectored(&self.codec.transmit_chunks_capped(64));
+        match result {
             Ok(count) => self.codec.advance_transmit(count),
             Err(error) if error.kind() == io::ErrorKind::WouldBlock => {}
             Err(error) => return Err(error.into()),

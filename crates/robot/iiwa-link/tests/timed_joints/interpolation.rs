@@ -83,8 +83,8 @@ proptest! {
             _ => None,
         });
         let stops: Vec<Joints> = targets.chain([*program.start.joints_rad().unwrap()]).collect();
-        let bound = |j: usize, of: fn(f64, f64) -> f64| {
-            stops.iter().map(|stop| stop[j]).reduce(of).unwrap()
+        let bound = |j: usize, select: fn(f64, f64) -> f64| {
+            stops.iter().map(|stop| stop[j]).reduce(select).unwrap()
         };
         let steps = (trajectory.duration_s() / 0.0003) as u32;
         for q in (0..=steps).map(|i| trajectory.at(f64::from(i) * 0.0003)) {

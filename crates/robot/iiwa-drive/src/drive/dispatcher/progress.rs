@@ -181,7 +181,7 @@ impl<C> Dispatcher<C> {
         }
         self.reply_to_stoppers(now);
         self.send_next(now);
-        self.refuse_overdue(now);
+        self.reject_overdue(now);
     }
 
     /// Fails the pending instruction, because it will not be acknowledged: the robot program is
@@ -205,7 +205,7 @@ impl<C> Dispatcher<C> {
 
     /// Refuses overdue queries: their clients no longer wait for a reply, so these queries must not
     /// be carried out any more.
-    fn refuse_overdue(&mut self, now: Instant) {
+    fn reject_overdue(&mut self, now: Instant) {
         let is_overdue = |purpose: &Purpose<C>, since| {
             matches!(purpose, Purpose::Query(..))
                 && now.saturating_duration_since(since) >= ACKNOWLEDGE_TIMEOUT

@@ -239,9 +239,9 @@ impl<C> Dispatcher<C> {
             }
             _ => {
                 let source = self.unexpected_source(now).map(|it| format!("; they come {it}"));
-                let why = "no FRI messages arrive: the robot's position is unknown";
-                let why = format!("{why}{}", source.unwrap_or_default());
-                Err(Refusal::robot(why))
+                let reason = "no FRI messages arrive: the robot's position is unknown";
+                let reason = format!("{reason}{}", source.unwrap_or_default());
+                Err(Refusal::robot(reason))
             }
         }
     }

@@ -179,12 +179,12 @@ fn stop() -> Value {
 #[test]
 fn a_safety_stop_is_told() {
     let mut scene = DispatcherScene::new();
-    let mut is_told = |safety| {
+    let mut reported = |safety| {
         scene.observe_with(safety);
         scene.dispatcher.status(scene.now).fri.safety_stop
     };
     assert_eq!(
-        [Safety::Normal, Safety::Stop1, Safety::Normal].map(&mut is_told),
+        [Safety::Normal, Safety::Stop1, Safety::Normal].map(&mut reported),
         [false, true, false]
     );
 }

@@ -118,11 +118,11 @@ impl FriFindings {
     pub(super) fn version(&self) -> Result<String, Fault> {
         match (&self.latest, &self.unreadable) {
             (Some(_), _) => Ok("as FRI 1.14 to 1.16".to_owned()),
-            (None, why) => Err(Fault::new(
+            (None, reason) => Err(Fault::new(
                 format!(
                     "the messages cannot be read ({}): FRI 1.14 to 1.16 are supported; which one \
                      has the cabinet?",
-                    why.as_deref().unwrap_or_default()
+                    reason.as_deref().unwrap_or_default()
                 ),
                 &[],
             )),

@@ -132,16 +132,16 @@ impl Cell {
         {
             self.target = Some((setpoint, self.config.receive_multiplier));
         }
-        let Some((target, left)) = &mut self.target else { return };
+        let Some((target, remaining)) = &mut self.target else { return };
         let step: Joints = match (setpoint, self.missing) {
             (Some(_), _) => {
-                let share = 1.0 / f64::from((*left).max(1));
+                let share = 1.0 / f64::from((*remaining).max(1));
                 std::array::from_fn(|j| (target[j] - before[j]) * share)
             }
             (None, Missing::Extrapolate) => self.dq.map(|dq| dq * period_s),
             (None, Missing::Stop) => [0.0; 7],
         };
-        *left = left.saturating_sub(1);
+        *remaining = remaining.saturating_sub(1);
         if setpoint.is_none() {
             self.alone = self.cycle;
         }
