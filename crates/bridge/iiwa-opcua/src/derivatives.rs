@@ -115,8 +115,8 @@ mod tests {
     #[test]
     fn constant_acceleration_is_exact_even_if_messages_are_lost() {
         let q = |t: f64| 0.3 - 0.7 * (t - 20_000.0) + 2.0 * (t - 20_000.0).powi(2);
-        let kept = every(0.005, 40).enumerate().filter(|(i, _)| i % 7 != 3 && i % 5 != 1);
-        let times: Vec<f64> = kept.map(|(_, t)| t).collect();
+        let samples = every(0.005, 40).enumerate().filter(|(i, _)| i % 7 != 3 && i % 5 != 1);
+        let times: Vec<f64> = samples.map(|(_, t)| t).collect();
         let last = times[times.len() - 1] - 20_000.0;
         let actual = of(times, q).unwrap();
         for joint in 0..7 {

@@ -49,8 +49,8 @@ impl Users {
     /// Returns true if the password belongs to the user. All entries are compared completely, so
     /// that the duration reveals neither names nor prefixes of passwords.
     fn knows(&self, name: &str, password: &str) -> bool {
-        self.users.iter().fold(false, |known, user| {
-            known | (same(&user.user, name) & same(&user.password, password))
+        self.users.iter().fold(false, |is_known, user| {
+            is_known | (same(&user.user, name) & same(&user.password, password))
         })
     }
 

@@ -286,8 +286,8 @@ fn what_cannot_be_served_is_said() {
 
     let first = OpcUa::serve(&options_in(folder.path()), vec![robot("a")]).unwrap();
     let address = first.address();
-    let taken = error(&|options| options.listen = address, vec![robot("a")]);
-    assert!(taken.to_string().starts_with(&format!("cannot listen at {address}")), "{taken}");
+    let message = error(&|options| options.listen = address, vec![robot("a")]);
+    assert!(message.to_string().starts_with(&format!("cannot listen at {address}")), "{message}");
 
     let none = folder.path().join("none.der");
     let missing = error(&|options| options.trusted = vec![none.clone()], vec![robot("a")]);

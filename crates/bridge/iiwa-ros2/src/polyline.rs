@@ -26,23 +26,23 @@ impl Polyline {
     /// Creates a polyline through `points`, without repeated points. The first and the last point
     /// are kept.
     pub(super) fn new(points: &[Joints]) -> Self {
-        let mut kept: Vec<Joints> = Vec::with_capacity(points.len());
+        let mut vertices: Vec<Joints> = Vec::with_capacity(points.len());
         for point in points {
-            if kept.last().is_none_or(|last| distance(last, point) > SAME_RAD) {
-                kept.push(*point);
+            if vertices.last().is_none_or(|last| distance(last, point) > SAME_RAD) {
+                vertices.push(*point);
             }
         }
         // The end is exact, regardless of which one of two close points was omitted.
-        if let (Some(kept), Some(last)) = (kept.last_mut(), points.last()) {
-            *kept = *last;
+        if let (Some(vertices), Some(last)) = (vertices.last_mut(), points.last()) {
+            *vertices = *last;
         }
         let mut way = 0.0;
-        let mut ways = vec![0.0; kept.len()];
-        for i in 1..kept.len() {
-            way += distance(&kept[i - 1], &kept[i]);
+        let mut ways = vec![0.0; vertices.len()];
+        for i in 1..vertices.len() {
+            way += distance(&vertices[i - 1], &vertices[i]);
             ways[i] = way;
         }
-        Self { points: kept, ways }
+        Self { points: vertices, ways }
     }
 
     pub(super) fn points(&self) -> &[Joints] {
@@ -81,8 +81,9 @@ impl Polyline {
         let mut stops = vec![0];
         for around in corners.windows(3) {
             let [before, point, after] = [0, 1, 2].map(|k| &self.points[around[k]]);
-            let [into, out] = [vector::sub(point, before), vector::sub(after, point)];
-            let cosine = vector::dot(&into, &out) / (vector::norm(&into) * vector::norm(&out));
+            let [into, leaving] = [vector::sub(point, before), vector::sub(after, point)];
+            let cosine =
+                vector::dot(&into, &leaving) / (vector::norm(&into) * vector::norm(&leaving));
             if cosine < SHARPEST {
                 stops.push(around[1]);
             }

@@ -145,9 +145,9 @@ impl KafkaReader {
                     return Break(());
                 }
             }
-            let taken = take(message);
-            has_ended = taken.is_break();
-            taken
+            let result = take(message);
+            has_ended = result.is_break();
+            result
         })?;
         if !has_ended {
             let _ = events.try_for_each(take);

@@ -288,15 +288,17 @@ fn of_v5(event: v5::Event) -> Incoming {
     match event {
         v5::Event::Incoming(Packet::ConnAck(_)) => Incoming::Connected,
         v5::Event::Incoming(Packet::PubAck(answer)) => {
-            let why = format!("{:?}", answer.reason);
+            let reason = format!("{:?}", answer.reason);
             match answer.reason {
                 PubAckReason::Success | PubAckReason::NoMatchingSubscribers => {
                     Incoming::Acknowledged
                 }
                 PubAckReason::NotAuthorized
                 | PubAckReason::TopicNameInvalid
-                | PubAckReason::PayloadFormatInvalid => Incoming::Refused { why, lasts: true },
-                _ => Incoming::Refused { why, lasts: false },
+                | PubAckReason::PayloadFormatInvalid => {
+                    Incoming::Refused { why: reason, lasts: true }
+                }
+                _ => Incoming::Refused { why: reason, lasts: false },
             }
         }
         v5::Event::Incoming(Packet::Publish(publish)) => {
@@ -420,20 +422,20 @@ impl Connection {
         &self,
         topic: &str,
         payload: Vec<u8>,
-        how: Delivery,
+        delivery: Delivery,
         correlation: Option<Bytes>,
     ) -> Result<(), MqttFailure> {
-        let retain = how == Delivery::Retained;
+        let retain = delivery == Delivery::Retained;
         let is_sent = match &self.client {
             Client::V3(client) => {
-                let qos = match how {
+                let qos = match delivery {
                     Delivery::AtMostOnce => QoS::AtMostOnce,
                     _ => QoS::AtLeastOnce,
                 };
                 client.publish(topic, qos, retain, payload).await.is_ok()
             }
             Client::V5(client) => {
-                let qos = match how {
+                let qos = match delivery {
                     Delivery::AtMostOnce => v5::mqttbytes::QoS::AtMostOnce,
                     _ => v5::mqttbytes::QoS::AtLeastOnce,
                 };

@@ -268,8 +268,8 @@ fn reply_topic(robot: &str, response_topic: Option<String>) -> (String, Result<(
     if topic == reply_topic_name || below.is_some_and(|rest| !rest.is_empty() && is_topic(rest)) {
         return (topic, Ok(()));
     }
-    let why = format!("the response topic has to be `{reply_topic_name}` or a topic below it");
-    (reply_topic_name, Err(Refusal::bad(why)))
+    let reason = format!("the response topic has to be `{reply_topic_name}` or a topic below it");
+    (reply_topic_name, Err(Refusal::bad(reason)))
 }
 
 fn retained() -> Refusal {
@@ -339,8 +339,11 @@ mod tests {
         ] {
             let (topic, accepted) = to(foreign);
             assert_eq!(topic, reply_topic_name, "{foreign}");
-            let why = accepted.unwrap_err().message;
-            assert!(why.contains("`iiwasim/cell-1/reply` or a topic below it"), "{foreign}: {why}");
+            let reason = accepted.unwrap_err().message;
+            assert!(
+                reason.contains("`iiwasim/cell-1/reply` or a topic below it"),
+                "{foreign}: {reason}"
+            );
         }
     }
 }

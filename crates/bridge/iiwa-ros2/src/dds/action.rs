@@ -90,7 +90,7 @@ impl FollowAction {
         }
         while let Some((request, content)) = received(self.server.receive_result_request()) {
             if let Some(response) = self.goals.result(content.goal_id, request) {
-                sent(self.server.send_result(request, response));
+                log_failure(self.server.send_result(request, response));
             }
         }
         while let Ok(progress) = self.progress.try_recv() {
@@ -120,7 +120,7 @@ impl FollowAction {
                 false
             }
         };
-        sent(self.server.send_goal_response(request, SendGoalResponse { accepted, stamp }));
+        log_failure(self.server.send_goal_response(request, SendGoalResponse { accepted, stamp }));
         if accepted {
             self.send_statuses();
         }
@@ -155,7 +155,7 @@ impl FollowAction {
             self.execution.stop();
             self.send_statuses();
         }
-        sent(self.server.send_cancel_response(request, response));
+        log_failure(self.server.send_cancel_response(request, response));
     }
 
     fn end(&mut self, end: End, result: FollowResult) {
@@ -165,7 +165,7 @@ impl FollowAction {
             rosout!(self.log, LogLevel::Warn, "a goal failed: {}", response.result.error_string);
         }
         for request in waiting {
-            sent(self.server.send_result(request, response.clone()));
+            log_failure(self.server.send_result(request, response.clone()));
         }
         self.send_statuses();
     }
@@ -211,7 +211,7 @@ fn goal_info(request: &CancelGoalRequest) -> Option<GoalInfo> {
 }
 
 /// Logs responses that could not be sent.
-fn sent<E: std::fmt::Debug>(written: Result<(), E>) {
+fn log_failure<E: std::fmt::Debug>(written: Result<(), E>) {
     if let Err(error) = written {
         tracing::warn!("an answer was not sent: {error:?}");
     }

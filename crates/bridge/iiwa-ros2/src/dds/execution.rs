@@ -177,8 +177,8 @@ impl Runner {
         let prepared = prepare(&self.robot, &goal, &retiming, from.as_ref())
             .map_err(|fault| FollowResult::new(FollowResult::INVALID_GOAL, fault))?;
         if self.stage.is_at(Stage::STOPPING) {
-            let why = "stopped before it began";
-            return Err(FollowResult::new(FollowResult::PATH_TOLERANCE_VIOLATED, why));
+            let reason = "stopped before it began";
+            return Err(FollowResult::new(FollowResult::PATH_TOLERANCE_VIOLATED, reason));
         }
         let motion = Arc::new(prepared.motion);
         drop(self.progress.send(Progress::Begun(Arc::clone(&motion))));
@@ -215,10 +215,10 @@ fn failed(error: &ClientError) -> FollowResult {
 
 /// Sends stops while a job is to stop.
 fn stop_runs(mut client: Client, stage: &Stage, shutdown: &AtomicBool) {
-    let mut left = LAST_STOPS;
+    let mut remaining = LAST_STOPS;
     loop {
         let is_over = shutdown.load(Ordering::Relaxed);
-        if is_over && (left == 0 || stage.is_at(Stage::IDLE)) {
+        if is_over && (remaining == 0 || stage.is_at(Stage::IDLE)) {
             return;
         }
         if !stage.is_at(Stage::STOPPING) {
@@ -228,7 +228,7 @@ fn stop_runs(mut client: Client, stage: &Stage, shutdown: &AtomicBool) {
         if let Err(error) = client.stop() {
             tracing::warn!("the drive was not stopped: {error}");
         }
-        left -= usize::from(is_over);
+        remaining -= usize::from(is_over);
         thread::sleep(STOP_AGAIN);
     }
 }

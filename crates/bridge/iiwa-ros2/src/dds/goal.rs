@@ -148,9 +148,9 @@ impl Goal {
     }
 }
 
-fn tolerances(arm: &[String; 7], given: &[JointTolerance]) -> Result<[Option<f64>; 7], String> {
+fn tolerances(arm: &[String; 7], requested: &[JointTolerance]) -> Result<[Option<f64>; 7], String> {
     let mut tolerances = [None; 7];
-    for JointTolerance { name, position, .. } in given {
+    for JointTolerance { name, position, .. } in requested {
         let j = arm.iter().position(|joint| joint == name);
         let j = j.ok_or_else(|| format!("goal_tolerance: unknown joint `{name}`"))?;
         // Zero means unspecified, and -1 removes a tolerance.

@@ -97,10 +97,10 @@ pub(super) fn prepare(
     let limits = MotionLimits::full(robot);
     let retimed = retime(robot, limits, &motion.joints_rad, retiming.tolerance_rad)
         .map_err(|error| error.to_string())?;
-    let own_s = motion.duration_s();
-    let new = sampled(&retimed.trajectory, own_s);
+    let planned_s = motion.duration_s();
+    let new = sampled(&retimed.trajectory, planned_s);
     let mut remark = format!(
-        "the trajectory got new times on its path: {:.3} s instead of {own_s:.3} s; the arm passed \
+        "the trajectory got new times on its path: {:.3} s instead of {planned_s:.3} s; the arm passed \
          its points within {:.4} rad",
         new.duration_s(),
         retimed.deviation_rad
@@ -115,8 +115,8 @@ pub(super) fn prepare(
 /// Samples a trajectory for the drive, slowed down uniformly if its duration is below `min_s`,
 /// because a requested slow motion must remain slow.
 fn sampled(trajectory: &Trajectory, min_s: f64) -> TimedJoints {
-    let own_s = trajectory.cycle_time_s();
-    let slower = if own_s > 0.0 { (min_s / own_s).max(1.0) } else { 1.0 };
+    let planned_s = trajectory.cycle_time_s();
+    let slower = if planned_s > 0.0 { (min_s / planned_s).max(1.0) } else { 1.0 };
     let mut motion = TimedJoints::default();
     for state in trajectory.samples(RATE_HZ * slower) {
         let t_s = state.t_s * slower;

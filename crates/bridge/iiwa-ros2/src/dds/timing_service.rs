@@ -158,8 +158,8 @@ fn respond(server: &PathServer, client: RmwRequestId, response: TimeResponse) {
     }
 }
 
-fn refused(why: impl Into<String>) -> TimeResponse {
-    let mut message: String = why.into();
+fn refused(reason: impl Into<String>) -> TimeResponse {
+    let mut message: String = reason.into();
     // The reply must fit into a datagram.
     message.truncate(message.floor_char_boundary(MAX_BYTES));
     TimeResponse { message, ..TimeResponse::default() }
