@@ -184,8 +184,8 @@ pub(crate) fn tool_parts(robot: &Robot, tool: &[ToolShape]) -> Vec<Part> {
 }
 
 /// Returns the largest distance of a part's points from the axis of each joint, given their
-/// distance `way` from the origin of the link frame, and `axis_distance` from the axis of the link's own
-/// joint.
+/// distance `way` from the origin of the link frame, and `axis_distance` from the axis of the
+/// link's own joint.
 fn reaches(d: &Joints, link: usize, mut way: f64, axis_distance: f64) -> Joints {
     let mut reach = [0.0; 7];
     let Some(joint_index) = link.checked_sub(1) else { return reach };

@@ -66,8 +66,8 @@ impl Convex for Cuboid {
     }
 }
 
-/// Returns the nearest points of `body` and `obstacle`; none if they are farther apart than `max_distance`
-/// for certain.
+/// Returns the nearest points of `body` and `obstacle`; none if they are farther apart than
+/// `max_distance` for certain.
 pub(crate) fn near(body: &Body<'_>, obstacle: &Placed, max_distance: f64) -> Option<Near> {
     match obstacle {
         Placed::Plane(plane) => Some(to_plane(body, plane)),
@@ -105,7 +105,8 @@ fn solid_to_box(body: &Body<'_>, cuboid: &PlacedBox, max_distance: f64) -> Optio
     Some(Near::between(cuboid.in_base_frame(on_part), cuboid.in_base_frame(on_box)))
 }
 
-/// Returns the nearest points of two parts; none if they are farther apart than `max_distance` for certain.
+/// Returns the nearest points of two parts; none if they are farther apart than `max_distance` for
+/// certain.
 pub(crate) fn near_part(body: &Body<'_>, other: &Body<'_>, max_distance: f64) -> Option<Near> {
     let (on_part, on_other) = nearest_points(body, body.center, other, max_distance)?;
     Some(Near::between(on_part, on_other))

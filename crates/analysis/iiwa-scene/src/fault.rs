@@ -83,7 +83,12 @@ pub enum Fault {
         max: f64,
     },
     /// Ignored pair with a link or an obstacle that does not exist. Pairs are numbered from 0 here.
-    #[error("ignored pair {}: there is no link {} or no obstacle {}", .pair + 1, .found.link, .found.obstacle + 1)]
+    #[error(
+        "ignored pair {}: there is no link {} or no obstacle {}",
+        .pair + 1,
+        .found.link,
+        .found.obstacle + 1
+    )]
     Ignored {
         /// Index of the pair.
         pair: usize,

@@ -15,7 +15,8 @@ use crate::{
 /// use iiwa_scene::ConvexHull;
 ///
 /// // A pyramid, and a point inside.
-/// let corners = [[0.0, 0.0, 0.1], [0.1, 0.1, 0.0], [-0.1, 0.1, 0.0], [-0.1, -0.1, 0.0], [0.1, -0.1, 0.0]];
+/// let corners =
+///     [[0.0, 0.0, 0.1], [0.1, 0.1, 0.0], [-0.1, 0.1, 0.0], [-0.1, -0.1, 0.0], [0.1, -0.1, 0.0]];
 /// let hull = ConvexHull::new(corners.into_iter().chain([[0.0, 0.0, 0.05]]))?;
 /// assert_eq!((hull.corners_m().len(), hull.triangles().len()), (5, 6));
 /// # Ok::<(), iiwa_scene::NotSolid>(())

@@ -32,7 +32,8 @@ struct Facet {
 
 /// Returns the triangles of the hull, as indices of `points`, counterclockwise from outside.
 ///
-/// The points must be finite, sorted and unique. Points within a thickness of `min_thickness` are flat.
+/// The points must be finite, sorted and unique. Points within a thickness of `min_thickness` are
+/// flat.
 pub(crate) fn hull(
     points: &[Vector],
     min_thickness: f64,

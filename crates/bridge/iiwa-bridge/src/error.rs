@@ -32,7 +32,10 @@ pub enum BridgeError {
         source: io::Error,
     },
     /// Another bridge uses the spool.
-    #[error("another bridge uses the spool in {}; give each a folder of its own", .folder.display())]
+    #[error(
+        "another bridge uses the spool in {}; give each a folder of its own",
+        .folder.display()
+    )]
     SpoolInUse {
         /// The folder.
         folder: PathBuf,

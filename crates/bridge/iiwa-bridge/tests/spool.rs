@@ -265,7 +265,10 @@ proptest! {
                 Step::Read(max_count) => {
                     let batch = reader.batch(&spool, max_count, usize::MAX).unwrap();
                     let expected: Vec<u64> = (next..appended).take(max_count).collect();
-                    prop_assert_eq!(batch.iter().map(|it| number(it)).collect::<Vec<_>>(), expected);
+                    prop_assert_eq!(
+                        batch.iter().map(|it| number(it)).collect::<Vec<_>>(),
+                        expected
+                    );
                     next += batch.len() as u64;
                 }
                 Step::Commit => {

@@ -98,7 +98,11 @@ impl Rig {
                 "since": self.since,
                 "amplitude_rad": AMPLITUDE_RAD,
                 "rad_per_s": RAD_PER_S,
-                "ranges": [positions, both(&limits.velocity_rad_s), both(&limits.acceleration_rad_s2)],
+                "ranges": [
+                    positions,
+                    both(&limits.velocity_rad_s),
+                    both(&limits.acceleration_rad_s2),
+                ],
                 "center_m": [0.001, 0.002, 0.03],
                 "stop": stop,
                 "stop_takes_s": STOP_TAKES.as_secs_f64(),
@@ -144,7 +148,8 @@ fn values(is_left: bool) -> Value {
         format!("{SAFETY}/OperationalMode"): if is_left { 3 } else { 1 },
         format!("{SAFETY}/ProtectiveStop"): !is_left,
         format!("{SAFETY}/EmergencyStop"): !is_left,
-        format!("{TASK}/D:ParameterSet/TaskProgramName"): if is_left { "pick and place" } else { "" },
+        format!("{TASK}/D:ParameterSet/TaskProgramName"):
+            if is_left { "pick and place" } else { "" },
         format!("{TASK}/D:ParameterSet/TaskProgramLoaded"): is_left,
         format!("{machine}/B:CurrentState"): if is_left { "Executing" } else { "Idle" },
         "MotionDevices/I:Arm/D:ParameterSet/SpeedOverride": if is_left { 100.0 } else { 50.0 },
@@ -188,8 +193,12 @@ fn feed(server: &OpcUa, since: f64, ended: &AtomicBool) {
         publish(
             robot,
             json!({
-                "kind": "conditions", "drive": "connected", "state": state, "robot_program": "connected",
-                "fri": {"session": "monitoring_ready", "quality": "good", "lost": 0, "late": 0, "safety_stop": stop},
+                "kind": "conditions", "drive": "connected", "state": state,
+                "robot_program": "connected",
+                "fri": {
+                    "session": "monitoring_ready", "quality": "good", "lost": 0, "late": 0,
+                    "safety_stop": stop,
+                },
                 "hello": {"protocol": 2, "program": "Program 1", "sunrise": "1.16"},
                 "conditions": {"operation_mode": mode, "override": share},
             }),
@@ -198,7 +207,8 @@ fn feed(server: &OpcUa, since: f64, ended: &AtomicBool) {
     publish(
         "left",
         json!({
-            "kind": "run", "t_s": 1.0, "run": 1, "event": "begin", "what": "motions", "program": "pick and place",
+            "kind": "run", "t_s": 1.0, "run": 1, "event": "begin", "what": "motions",
+            "program": "pick and place",
         }),
     );
     publish(

@@ -31,8 +31,8 @@ impl Spacing {
         Self { distances: vec![distance; places.len()], places, points }
     }
 
-    /// Halves the distance at a point, but not below `min_distance`. Returns true if the distance was
-    /// reduced.
+    /// Halves the distance at a point, but not below `min_distance`. Returns true if the distance
+    /// was reduced.
     pub(super) fn halve(&mut self, point: usize, min_distance: f64) -> bool {
         let distance = &mut self.distances[self.points[point]];
         let halved = (0.5 * *distance).max(min_distance);

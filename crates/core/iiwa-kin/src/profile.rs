@@ -119,7 +119,10 @@ struct Wire {
     blocking_pause_s: Option<f64>,
     /// Speed limit of TCP and flange in operating mode T1, in mm/s.
     #[serde(default, deserialize_with = "given", skip_serializing_if = "Option::is_none")]
-    #[schemars(with = "f64", extend("minimum" = T1_SPEED_RANGE_MM_S[0], "maximum" = T1_SPEED_RANGE_MM_S[1]))]
+    #[schemars(
+        with = "f64",
+        extend("minimum" = T1_SPEED_RANGE_MM_S[0], "maximum" = T1_SPEED_RANGE_MM_S[1])
+    )]
     t1_speed_mm_s: Option<f64>,
     /// Ramps at the start and end of PTP motions, and speed along splines, for the timing
     /// `sunrise`.

@@ -148,7 +148,8 @@ prop_compose! {
         flange_mass_kg in prop_oneof![Just(0.0), 0.1..2.0_f64],
     ) -> Dynamics {
         let robot = Robot::built_in(Robot::BUILT_IN[usize::from(big)]).unwrap();
-        let dynamics = robot.with_flange_mass_kg(flange_mass_kg).dynamics().with_mount(&Mount { rpy_rad });
+        let dynamics =
+            robot.with_flange_mass_kg(flange_mass_kg).dynamics().with_mount(&Mount { rpy_rad });
         load.map_or(dynamics, |load| dynamics.with_load(&load))
     }
 }
@@ -190,7 +191,10 @@ proptest! {
     }
 
     #[test]
-    fn gravity_torques_are_the_slope_of_the_potential_energy(dynamics in any_arm(), q in joints(3.0)) {
+    fn gravity_torques_are_the_slope_of_the_potential_energy(
+        dynamics in any_arm(),
+        q in joints(3.0),
+    ) {
         let torques = dynamics.gravity_torques(&q);
         for j in 0..7 {
             let [mut more, mut less] = [q, q];
@@ -266,7 +270,11 @@ proptest! {
 
     #[test]
     fn a_load_is_a_heavier_last_link(
-        load in any_load(), flange_m in 0.05..0.3_f64, q in joints(3.0), qd in joints(2.0), qdd in joints(9.0),
+        load in any_load(),
+        flange_m in 0.05..0.3_f64,
+        q in joints(3.0),
+        qd in joints(2.0),
+        qdd in joints(9.0),
     ) {
         let robot = Robot::lbr_iiwa_14_r820().with_flange_m(flange_m).unwrap();
         let mut links = robot.links();
@@ -277,9 +285,15 @@ proptest! {
         let loaded = robot.dynamics().with_load(&load);
         let [a, b] = [heavier, loaded].map(|arm| arm.torques(&q, &qd, &qdd));
         prop_assert!(largest_difference(&a, &b) < 1e-11);
-        prop_assert!((heavier.kinetic_energy_j(&q, &qd) - loaded.kinetic_energy_j(&q, &qd)).abs() < 1e-11);
+        prop_assert!(
+            (heavier.kinetic_energy_j(&q, &qd) - loaded.kinetic_energy_j(&q, &qd)).abs() < 1e-11
+        );
         // Split payloads give the same torques as the whole payload.
-        let half = Load { mass_kg: 0.5 * load.mass_kg, inertia_kg_m2: load.inertia_kg_m2.map(|i| 0.5 * i), ..load };
+        let half = Load {
+            mass_kg: 0.5 * load.mass_kg,
+            inertia_kg_m2: load.inertia_kg_m2.map(|i| 0.5 * i),
+            ..load
+        };
         let twice = robot.dynamics().with_load(&half).with_load(&half);
         prop_assert!(largest_difference(&twice.torques(&q, &qd, &qdd), &b) < 1e-11);
     }

@@ -93,9 +93,15 @@ proptest! {
         prop_assert!(apart(&robot.flange_pose(&actual), &flange) < 1e-9);
         if robot.singularity(&joints).nearest().0 > 1e-3 {
             for j in 0..7 {
-                prop_assert!((actual[j] - joints[j]).abs() < 1e-9, "{j}: {actual:?} for {joints:?}");
+                prop_assert!(
+                    (actual[j] - joints[j]).abs() < 1e-9,
+                    "{j}: {actual:?} for {joints:?}"
+                );
             }
-            prop_assert_eq!(robot.redundancy(&actual), Redundancy { e1_rad: actual[2], ..redundancy });
+            prop_assert_eq!(
+                robot.redundancy(&actual),
+                Redundancy { e1_rad: actual[2], ..redundancy }
+            );
         }
     }
 }
@@ -117,11 +123,17 @@ proptest! {
     }
 
     #[test]
-    fn within_limits_where_ranges_say_so(robot in any_robot(), joints in any_joints(), e1 in -PI..PI) {
+    fn within_limits_where_ranges_say_so(
+        robot in any_robot(),
+        joints in any_joints(),
+        e1 in -PI..PI,
+    ) {
         let flange = robot.flange_pose(&joints);
         let status = Status::of(&robot, &joints);
-        let inside = |ranges: &[[f64; 2]], e1: f64| ranges.iter().any(|[a, b]| *a <= e1 && e1 <= *b);
-        let far = |ranges: &[[f64; 2]]| ranges.as_flattened().iter().all(|end| (end - e1).abs() > 1e-7);
+        let inside =
+            |ranges: &[[f64; 2]], e1: f64| ranges.iter().any(|[a, b]| *a <= e1 && e1 <= *b);
+        let far =
+            |ranges: &[[f64; 2]]| ranges.as_flattened().iter().all(|end| (end - e1).abs() > 1e-7);
 
         let reachable = robot.reachable_e1(&flange)?;
         let actual = robot.inverse(&flange, e1, status);
@@ -172,7 +184,8 @@ proptest! {
         let at = |s: f64| {
             let s = Taylor::variable(s);
             let flange = swing(&start, &velocity, &bend, &axis, s);
-            let actual = robot.inverse_moving(&flange, s * s * 0.1 + s * e1_rate + joints[2], status);
+            let actual =
+                robot.inverse_moving(&flange, s * s * 0.1 + s * e1_rate + joints[2], status);
             actual.map(|actual| (flange, actual))
         };
         let (flange, actual) = at(0.0)?;
@@ -200,7 +213,10 @@ proptest! {
                 let error = (slope - derivatives[order + 1]).abs();
                 prop_assert!(
                     error < 1e-6 * (1.0 + derivatives[order + 1].abs()),
-                    "A{}: derivative {} is {}, and {slope} by differences", j + 1, order + 1, derivatives[order + 1]
+                    "A{}: derivative {} is {}, and {slope} by differences",
+                    j + 1,
+                    order + 1,
+                    derivatives[order + 1]
                 );
             }
         }
@@ -228,7 +244,9 @@ proptest! {
         let turned = moved.carried_by(&pose).pose();
         prop_assert!(apart(&turned, &pose.then(&pose).then(&other)) < 1e-14);
         let product = pose.to_isometry() * other.to_isometry();
-        prop_assert!((product.translation.vector - Vector3::from(moved.pose().position_m)).norm() < 1e-7);
+        prop_assert!(
+            (product.translation.vector - Vector3::from(moved.pose().position_m)).norm() < 1e-7
+        );
     }
 }
 
@@ -332,7 +350,8 @@ proptest! {
             flange.position_m[i] + (0..3).map(|k| flange.rotation[i][k] * point[k]).sum::<f64>()
         });
         let wrist = [joints[4], joints[5], joints[6]];
-        let actual = FlangePoint::new(&robot, point, &joints).joints_at(&robot, &place, joints[2], wrist)?;
+        let actual =
+            FlangePoint::new(&robot, point, &joints).joints_at(&robot, &place, joints[2], wrist)?;
         let again = robot.flange_pose(&actual);
         for (i, place) in place.iter().enumerate() {
             let turned = (0..3).map(|k| again.rotation[i][k] * point[k]).sum::<f64>();

@@ -480,7 +480,9 @@ prop_compose! {
                 "mass_kg": l[0],
                 "center_mm": [l[1] * 1e3, l[2] * -1e3, l[3] * 1e2],
                 // Off-diagonal moments are at most a third of the diagonal ones.
-                "inertia_kg_m2": [1.0 + l[4], 0.3 * l[5], -0.3 * l[6], 1.0 + l[7], 0.3 * l[8], 1.0 + l[9]],
+                "inertia_kg_m2": [
+                    1.0 + l[4], 0.3 * l[5], -0.3 * l[6], 1.0 + l[7], 0.3 * l[8], 1.0 + l[9]
+                ],
             })).collect::<Vec<_>>()),
             "flange_mass_kg": flange_mass,
             "friction": friction.map(|f| serde_json::json!({

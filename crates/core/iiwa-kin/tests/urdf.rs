@@ -347,7 +347,12 @@ fn meshes_have_their_places() {
 proptest! {
     /// Any change to a valid file is either harmless or an error, never a panic.
     #[test]
-    fn never_panics(from in 0_usize..3000, length in 0_usize..40, with in "[<>/a='\" &;!\\[\\]?\\-0e9]{0,8}", is_model in any::<bool>()) {
+    fn never_panics(
+        from in 0_usize..3000,
+        length in 0_usize..40,
+        with in "[<>/a='\" &;!\\[\\]?\\-0e9]{0,8}",
+        is_model in any::<bool>(),
+    ) {
         let robot = Robot::default();
         let text = if is_model { robot.to_urdf() } else { other_frames() };
         let from = from.min(text.len());

@@ -37,8 +37,8 @@ fn refused(text: &str) -> (String, Place) {
     (message, place)
 }
 
-/// Replaces `old` by `new` in the valid program and expects the error message `expected`, at a place
-/// where the text starts with `found`.
+/// Replaces `old` by `new` in the valid program and expects the error message `expected`, at a
+/// place where the text starts with `found`.
 fn check(old: &str, new: &str, (line, column): (usize, usize), excerpt: &str, expected: &str) {
     assert!(GOOD.contains(old), "{old}");
     let text = GOOD.replacen(old, new, 1);

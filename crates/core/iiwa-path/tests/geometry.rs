@@ -108,7 +108,10 @@ proptest! {
     ) {
         prop_assume!(far_apart(&poses));
         let motions = (1..5)
-            .map(|i| Ptp { blend: fractions.get(i - 1).copied().map(Blend::Fraction), ..Ptp::to(poses[i]) })
+            .map(|i| {
+                let blend = fractions.get(i - 1).copied().map(Blend::Fraction);
+                Ptp { blend, ..Ptp::to(poses[i]) }
+            })
             .collect();
         let path = path(shape, poses[0], motions);
         let pieces: Vec<_> = segments(&path).collect();
@@ -160,7 +163,10 @@ proptest! {
         // One of the two ends is on the sphere, unless half of a segment is reached first.
         let robot = path.robot();
         let crossing = |other: &Joints, length: f64| {
-            BlendSearch::FirstCrossing.crossing(robot, &[0.0; 3], &b, other, size * 1e-3).unwrap_or(0.5) * length
+            BlendSearch::FirstCrossing
+                .crossing(robot, &[0.0; 3], &b, other, size * 1e-3)
+                .unwrap_or(0.5)
+                * length
         };
         let expected = crossing(&a, lengths[0]).min(crossing(&c, lengths[1]));
         prop_assert!((reach[0] - expected).abs() < 1e-12);
@@ -192,7 +198,9 @@ proptest! {
     /// Comparison with a brute-force search.
     #[test]
     fn the_first_crossing_is_the_first(
-        point in anywhere(), other in anywhere(), radius in prop_oneof![1e-3..0.1_f64, 0.1..1.5_f64],
+        point in anywhere(),
+        other in anywhere(),
+        radius in prop_oneof![1e-3..0.1_f64, 0.1..1.5_f64],
         tcp in any_tcp(),
     ) {
         const SAMPLES: u32 = 1000;
@@ -233,11 +241,16 @@ proptest! {
     /// All three searches terminate if the sphere is out of reach, and without motion.
     #[test]
     fn no_search_hangs(
-        point in anywhere(), other in anywhere(), still in any::<bool>(), radius in prop_oneof![3.0..10.0_f64, 3.0..1e100_f64],
+        point in anywhere(),
+        other in anywhere(),
+        still in any::<bool>(),
+        radius in prop_oneof![3.0..10.0_f64, 3.0..1e100_f64],
     ) {
         let robot = Robot::lbr_iiwa_7_r800();
         let other = if still { point } else { other };
-        for search in [BlendSearch::FirstCrossing, BlendSearch::Algorithm1, BlendSearch::Algorithm2] {
+        for search in
+            [BlendSearch::FirstCrossing, BlendSearch::Algorithm1, BlendSearch::Algorithm2]
+        {
             prop_assert_eq!(search.crossing(&robot, &[0.0; 3], &point, &other, radius), None);
         }
     }

@@ -27,7 +27,10 @@ fn frame(y: f64, z: f64, turn_deg: f64) -> Value {
     let start = Robot::default().flange_pose(&START_DEG.map(f64::to_radians));
     let [x_mm, y_mm, z_mm] = start.position_m.map(|m| 1e3 * m);
     let [a, b, c] = start.abc_rad().map(f64::to_degrees);
-    json!({ "x_mm": x_mm, "y_mm": y_mm + y, "z_mm": z_mm + z, "a_deg": a + turn_deg, "b_deg": b, "c_deg": c })
+    json!({
+        "x_mm": x_mm, "y_mm": y_mm + y, "z_mm": z_mm + z,
+        "a_deg": a + turn_deg, "b_deg": b, "c_deg": c
+    })
 }
 
 #[expect(clippy::needless_pass_by_value, reason = "frames are made where they are used")]

@@ -40,7 +40,10 @@ pub enum CartesianFault {
     },
     /// The path comes too close to a singular pose.
     #[error(
-        "at {:.1} % of the way, the arm is singular: {}{}", 100.0 * .s, description(*.part), hint(*.other_e1_deg)
+        "at {:.1} % of the way, the arm is singular: {}{}",
+        100.0 * .s,
+        description(*.part),
+        hint(*.other_e1_deg)
     )]
     Singular {
         /// Position of the fault, as a share of the path length.

@@ -31,7 +31,11 @@ pub enum Fault {
         "motion {motion}: {}{} is {found}; it must be {} and at most 1{}",
         .kind.share_key(),
         .joint.map(|joint| format!(" of joint {joint}")).unwrap_or_default(),
-        if *.found > 0.0 && *.found < *.min { format!("at least {min}") } else { "above 0".to_owned() },
+        if *.found > 0.0 && *.found < *.min {
+            format!("at least {min}")
+        } else {
+            "above 0".to_owned()
+        },
         percent(*.found)
     )]
     Share {
@@ -129,7 +133,11 @@ pub enum Fault {
         found: f64,
     },
     /// The flange length is out of range.
-    #[error("a flange of {} mm; it must be above 0 and at most {} mm", 1e3 * .found_m, 1e3 * MAX_FLANGE_M)]
+    #[error(
+        "a flange of {} mm; it must be above 0 and at most {} mm",
+        1e3 * .found_m,
+        1e3 * MAX_FLANGE_M
+    )]
     Flange {
         /// Length found, in m.
         found_m: f64,
@@ -143,7 +151,11 @@ pub enum Fault {
         given: String,
     },
     /// The program states a flange length other than that of the given robot.
-    #[error("the program is for a flange of {} mm; a robot with one of {} mm was given", 1e3 * .stated_m, 1e3 * .given_m)]
+    #[error(
+        "the program is for a flange of {} mm; a robot with one of {} mm was given",
+        1e3 * .stated_m,
+        1e3 * .given_m
+    )]
     OtherFlange {
         /// Length stated in the program, in m.
         stated_m: f64,

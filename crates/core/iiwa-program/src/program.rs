@@ -186,10 +186,14 @@ impl Program {
     /// use iiwa_kin::Robot;
     /// use iiwa_program::{Fault, Program};
     ///
-    /// let program = Program::from_deg([0.0; 7]).ptp_deg([0.0, 0.0, 0.0, -130.0, 0.0, 0.0, 0.0]).build();
+    /// let program =
+    ///     Program::from_deg([0.0; 7]).ptp_deg([0.0, 0.0, 0.0, -130.0, 0.0, 0.0, 0.0]).build();
     /// let fault = program.check(Robot::default().limits()).unwrap_err();
     /// assert!(matches!(fault, Fault::JointOutside { motion: Some(_), .. }));
-    /// assert_eq!(fault.to_string(), "motion 1: joint A4 is at -130 deg; its range is -120 to 120 deg");
+    /// assert_eq!(
+    ///     fault.to_string(),
+    ///     "motion 1: joint A4 is at -130 deg; its range is -120 to 120 deg"
+    /// );
     /// ```
     ///
     /// # Errors

@@ -218,8 +218,8 @@ impl Workcell {
         Ok((target, base.then(&target.frame.pose())))
     }
 
-    /// Merges `overrides` into these tools, bases and frames. Names of `overrides` take precedence; tool and
-    /// base in use, mode, mounting and the other settings are those of `overrides`.
+    /// Merges `overrides` into these tools, bases and frames. Names of `overrides` take precedence;
+    /// tool and base in use, mode, mounting and the other settings are those of `overrides`.
     #[must_use]
     pub fn updated_with(mut self, overrides: Self) -> Self {
         self.tools.extend(overrides.tools);

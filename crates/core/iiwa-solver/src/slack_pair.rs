@@ -120,8 +120,8 @@ impl Sides {
     /// Number of sides of a row.
     pub(crate) const COUNT: usize = 2;
 
-    /// Sets the slacks to the distances from the bounds `[lower, upper]`, but at least to `min_slack`;
-    /// in that array, the upper side comes first.
+    /// Sets the slacks to the distances from the bounds `[lower, upper]`, but at least to
+    /// `min_slack`; in that array, the upper side comes first.
     #[inline(always)]
     pub(crate) fn start<S: Simd>(
         &mut self,

@@ -150,7 +150,8 @@ mod tests {
             prop_assert!((t / integral - 1.0).abs() < 1e-8, "{t} {integral}");
 
             // Between the nodes, the polynomial of time is close to the exact motion.
-            let node = |x: f64| Node { dt_s: t, dp: ds, rate: x.sqrt(), u: [u0, u1], ..Node::default() };
+            let node =
+                |x: f64| Node { dt_s: t, dp: ds, rate: x.sqrt(), u: [u0, u1], ..Node::default() };
             let (from, to) = (node(x0), node(x1));
             let half = progress(0.5 * t, &from, &to);
             let expected = x(half.dp, ds, x0, [u0, u1]).sqrt();

@@ -130,7 +130,11 @@ pub enum TimingError {
          stand still{}, of the {:.1} Nm that it may exert{}; raise the limit of torques, or choose \
          a lighter load or poses nearer to the base",
         .holding_nm.abs(),
-        if *.friction_nm > 0.0 { format!(", and {friction_nm:.1} Nm of friction") } else { String::new() },
+        if *.friction_nm > 0.0 {
+            format!(", and {friction_nm:.1} Nm of friction")
+        } else {
+            String::new()
+        },
         .limit_nm,
         if .holding_nm.abs() + .friction_nm < *.limit_nm { ", which leaves less than a hundredth \
                                                             to move it" } else { "" }

@@ -268,6 +268,9 @@ proptest! {
         let parts = [wait(share * seconds, 1), wait(seconds - share * seconds, 1)];
         let split = plan(&bend(&parts), acceleration());
         prop_assert!((split.cycle_time_s() - cycle_time_s(seconds)).abs() < 1e-9);
-        prop_assert_eq!(split.late_blends().count(), bent_for(seconds, acceleration()).late_blends().count());
+        prop_assert_eq!(
+            split.late_blends().count(),
+            bent_for(seconds, acceleration()).late_blends().count()
+        );
     }
 }

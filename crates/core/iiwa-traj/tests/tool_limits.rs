@@ -209,9 +209,10 @@ fn an_uneven_way_keeps_its_limits_all_along() {
                 assert!(v < 1.001 && a < 1.005 && j < max_jerk, "{all:?}");
             }
             assert!(all[0][0].max(all[1][0]) > 0.91, "{all:?}");
-            assert!(
-                matches!(limited_by(&trajectory), Limit::Motion { of: limited, .. } if limited == expected)
-            );
+            assert!(matches!(
+                limited_by(&trajectory),
+                Limit::Motion { of: limited, .. } if limited == expected
+            ));
         }
     }
 }

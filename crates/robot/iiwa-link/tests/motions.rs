@@ -163,7 +163,8 @@ fn request() -> impl Strategy<Value = Value> {
                 "type": "run_motions", "motions": motions,
                 "tools": {"gripper": {"tcp": tcp, "tips": {"finger": tip},
                     "load": {"mass_kg": mass, "abc_deg": abc}}},
-                "bases": {"table": base}, "frames": {"pick": pick}, "tool": "gripper", "base": "table",
+                "bases": {"table": base}, "frames": {"pick": pick},
+                "tool": "gripper", "base": "table",
             });
             if slow {
                 request["mode"] = json!("t1");

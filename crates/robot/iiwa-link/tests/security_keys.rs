@@ -36,7 +36,9 @@ proptest! {
     }
 
     #[test]
-    fn any_file_is_a_key_or_an_error(text in "(?s)(public-key|secret-key|curve|[ =\"#\n]|.){0,40}") {
+    fn any_file_is_a_key_or_an_error(
+        text in "(?s)(public-key|secret-key|curve|[ =\"#\n]|.){0,40}",
+    ) {
         let folder = tempdir().unwrap();
         let path = folder.path().join("x.pub");
         fs::write(&path, text).unwrap();

@@ -77,7 +77,10 @@ impl<'a> Watched<'a> {
         let next = motion.next();
         let by_wrist = |motion: MotionIndex| {
             let entry = &self.program.motions[motion.index()];
-            matches!(entry, Motion::Cartesian(cartesian) if cartesian.orientation == OrientationType::Joints)
+            matches!(
+                entry,
+                Motion::Cartesian(cartesian) if cartesian.orientation == OrientationType::Joints
+            )
         };
         let is_straight =
             |course: &Course| matches!(course, Course::Lin { .. } | Course::LinRel { .. });

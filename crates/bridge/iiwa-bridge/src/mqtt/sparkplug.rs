@@ -179,7 +179,8 @@ impl Node {
                 _ = turn.tick() => {
                     if shutdown.load(Ordering::Relaxed) {
                         // The same message as after a lost connection.
-                        let death = encode(None, &[("bdSeq".to_owned(), Value::Int64(self.births.into()))]);
+                        let death =
+                            encode(None, &[("bdSeq".to_owned(), Value::Int64(self.births.into()))]);
                         let topic = self.topic("NDEATH", None);
                         return connection.publish(&topic, death, Delivery::AtMostOnce, None).await;
                     }

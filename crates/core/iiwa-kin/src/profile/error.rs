@@ -34,7 +34,10 @@ pub enum ProfileError {
         found: u64,
     },
     /// The base model is not a built-in model.
-    #[error("no built-in model is called {found:?}; choose one of {}, at {place}", Robot::BUILT_IN.join(", "))]
+    #[error(
+        "no built-in model is called {found:?}; choose one of {}, at {place}",
+        Robot::BUILT_IN.join(", ")
+    )]
     UnknownBase {
         /// Place in the text.
         place: Place,

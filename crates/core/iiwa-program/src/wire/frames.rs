@@ -133,7 +133,11 @@ pose_wire! {
     /// A target frame: all of x, y, z, a, b and c.
     #[schemars(
         rename = "Target",
-        extend("required" = ["x_mm", "y_mm", "z_mm"], "allOf" = once(&["a", "b", "c"]), "not" = twice(&["e1"]))
+        extend(
+            "required" = ["x_mm", "y_mm", "z_mm"],
+            "allOf" = once(&["a", "b", "c"]),
+            "not" = twice(&["e1"])
+        )
     )]
     TargetWire {
         /// Base in which the frame is given.

@@ -68,7 +68,11 @@ limited_wire! {
         /// Target frame.
         frame: TargetRefWire,
         /// Orientation interpolation; the spline's by default.
-        #[serde(default, deserialize_with = "word_or_null", skip_serializing_if = "Option::is_none")]
+        #[serde(
+            default,
+            deserialize_with = "word_or_null",
+            skip_serializing_if = "Option::is_none"
+        )]
         orientation: Option<OrientationWire>,
         /// Auxiliary frame of a circle.
         #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -85,7 +89,11 @@ limited_wire! {
         aux_orientation: AuxWire,
         /// Place where the orientation of a circle's end frame is reached, for an arc with an
         /// angle.
-        #[serde(default, deserialize_with = "word", skip_serializing_if = "EndWire::is_interpolate")]
+        #[serde(
+            default,
+            deserialize_with = "word",
+            skip_serializing_if = "EndWire::is_interpolate"
+        )]
         end_orientation: EndWire,
     } {
         /// Key of whole splines only, read here to give a specific error.

@@ -146,7 +146,10 @@ mod tests {
         /// keep the limits of speed and acceleration.
         #[test]
         fn phases_lead_to_the_end(
-            ends in [limits(), limits()], speed in 0.01..3.0_f64, acceleration in 1.0..30.0_f64, power in -9.0..1.5_f64,
+            ends in [limits(), limits()],
+            speed in 0.01..3.0_f64,
+            acceleration in 1.0..30.0_f64,
+            power in -9.0..1.5_f64,
         ) {
             let way = 10.0_f64.powf(power);
             let instants = instants_of(way, speed, acceleration, ends);
@@ -164,11 +167,16 @@ mod tests {
         /// A slightly longer way takes slightly longer.
         #[test]
         fn longer_takes_longer(
-            ends in [limits(), limits()], speed in 0.01..3.0_f64, acceleration in 1.0..30.0_f64, power in -6.0..1.0_f64, more in -7.0..1.0_f64,
+            ends in [limits(), limits()],
+            speed in 0.01..3.0_f64,
+            acceleration in 1.0..30.0_f64,
+            power in -6.0..1.0_f64,
+            more in -7.0..1.0_f64,
         ) {
             let way = 10.0_f64.powf(power);
             let ratio = 1.0 + 10.0_f64.powf(more);
-            let [short, long] = [way, way * ratio].map(|way| seconds(&instants_of(way, speed, acceleration, ends)));
+            let [short, long] =
+                [way, way * ratio].map(|way| seconds(&instants_of(way, speed, acceleration, ends)));
             prop_assert!(long > short && long < short * ratio * (1.0 + 1e-9), "{short} {long}");
         }
     }

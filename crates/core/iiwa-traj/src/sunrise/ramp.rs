@@ -211,14 +211,21 @@ pub(super) mod tests {
             prop_assert!((a / acceleration - 1.0).abs() < 1e-9, "{ramp:?}");
             prop_assert!(v >= width * (1.0 - 1e-9));
             prop_assert!(jerk <= limits.jerk * (1.0 + 1e-9));
-            prop_assert!(ramp.phases[0].snap <= limits.snap * (1.0 + 1e-9) || ramp.phases[0].snap * 1.5 * width * width * width <= jerk * jerk * jerk);
+            prop_assert!(
+                ramp.phases[0].snap <= limits.snap * (1.0 + 1e-9)
+                    || ramp.phases[0].snap * 1.5 * width * width * width <= jerk * jerk * jerk
+            );
             prop_assert!(ramp.phases.iter().all(|it| it.seconds >= 0.0 && it.jerk >= 0.0));
         }
 
         /// Both ramps together stay below any speed and exceed no quantity of the whole ramp, and
         /// small changes have small effects.
         #[test]
-        fn it_fits_below_any_speed(limits in limits(), acceleration in 0.1..100.0_f64, speed in 1e-4..4.0_f64) {
+        fn it_fits_below_any_speed(
+            limits in limits(),
+            acceleration in 0.1..100.0_f64,
+            speed in 1e-4..4.0_f64,
+        ) {
             let whole = Ramp::to(acceleration, &limits, 0.3);
             let ramp = whole.below(speed);
             let [v, a, jerk] = run(&ramp);
@@ -226,7 +233,9 @@ pub(super) mod tests {
             prop_assert!(a * ramp.seconds <= speed * (1.0 + 1e-9));
             prop_assert!(jerk <= run(&whole)[2] * (1.0 + 1e-9));
             let more = whole.below(speed * (1.0 + 1e-6));
-            prop_assert!((more.seconds / ramp.seconds - 1.0).abs() < 1e-6 && more.seconds >= ramp.seconds);
+            prop_assert!(
+                (more.seconds / ramp.seconds - 1.0).abs() < 1e-6 && more.seconds >= ramp.seconds
+            );
             prop_assert!(ramp.lost_s() > 0.0 && ramp.lost_s() < ramp.seconds);
         }
     }

@@ -18,14 +18,21 @@ const START_DEG: Joints = [0.0, 30.0, 0.0, -60.0, 0.0, 90.0, 0.0];
 
 /// Returns a request with all kinds of motions and blends between them.
 fn request(mode: Option<&str>) -> Value {
-    let down = |x: f64, y: f64, z: f64| json!({"base": "table", "x_mm": x, "y_mm": y, "z_mm": z, "a_deg": 0, "b_deg": 180, "c_deg": 0});
+    let down = |x: f64, y: f64, z: f64| {
+        json!({
+            "base": "table", "x_mm": x, "y_mm": y, "z_mm": z, "a_deg": 0, "b_deg": 180, "c_deg": 0
+        })
+    };
     let near = json!({"cart_mm": 20});
     let mut request = json!({
         "type": "run_motions",
         "tools": {"gripper": {"tcp": {"z_mm": 120}, "tips": {"finger": {"z_mm": 140, "y_mm": 20}},
             "load": {"mass_kg": 1.5, "abc_deg": [10, 20, 30]}}},
         "bases": {"table": {"x_mm": 500, "y_mm": -150, "z_mm": 100}},
-        "frames": {"pick": down(0.0, 0.0, 150.0), "via": down(60.0, 150.0, 150.0), "place": down(0.0, 300.0, 150.0)},
+        "frames": {
+            "pick": down(0.0, 0.0, 150.0), "via": down(60.0, 150.0, 150.0),
+            "place": down(0.0, 300.0, 150.0)
+        },
         "tool": "gripper",
         "base": "table",
         "motions": [
@@ -103,7 +110,9 @@ fn a_request_with_frames_is_replied_to() {
 fn a_stopped_line_stays_a_line() {
     let rig = bent_rig();
     let mut long = request(None);
-    long["motions"] = json!([{"type": "lin_rel", "offset": {"y_mm": 160, "z_mm": -50}, "cart_velocity_mm_s": 60}]);
+    long["motions"] = json!([{
+        "type": "lin_rel", "offset": {"y_mm": 160, "z_mm": -50}, "cart_velocity_mm_s": 60
+    }]);
     let motions = list(&long);
     let running = {
         let mut client = rig.client();

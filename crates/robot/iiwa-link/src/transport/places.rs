@@ -333,18 +333,29 @@ mod tests {
         ) {
             let mut scene = Scene::new(total);
             for (i, (holder_number, stage, pending)) in arrivals.into_iter().enumerate() {
-                let max_held = (1..6).map(|it| scene.held(it) + usize::from(it == holder_number)).max().unwrap();
+                let max_held = (1..6)
+                    .map(|it| scene.held(it) + usize::from(it == holder_number))
+                    .max()
+                    .unwrap();
                 let after_admission = scene.held(holder_number) + 1;
-                let victim = scene.victim(holder_number).map(|id| scene.occupants[&id].holder.clone());
+                let victim =
+                    scene.victim(holder_number).map(|id| scene.occupants[&id].holder.clone());
                 if let Some(victim) = victim {
                     let loses = (1..6).find(|it| holder(*it) == victim).unwrap();
                     let held = scene.held(loses) + usize::from(loses == holder_number);
-                    prop_assert!(held == max_held || (loses == holder_number && after_admission > scene.places.per_holder));
+                    prop_assert!(
+                        held == max_held
+                            || (loses == holder_number
+                                && after_admission > scene.places.per_holder)
+                    );
                 }
                 scene.admit(i as u64, Stage::Fresh, holder_number, i as u64);
                 scene.put(i as u64, ESTABLISHED[stage % 5], holder_number, pending, i as u64);
                 prop_assert!(scene.occupants.len() <= total);
-                prop_assert!((1..6).all(|holder_number| scene.held(holder_number) <= scene.places.per_holder));
+                prop_assert!(
+                    (1..6)
+                        .all(|holder_number| scene.held(holder_number) <= scene.places.per_holder)
+                );
             }
         }
 
@@ -384,7 +395,8 @@ mod tests {
                     break;
                 }
                 prop_assert!(scene.occupants.contains_key(&NEWCOMER), "{entered} after move {i}");
-                let ids: Vec<_> = scene.occupants.keys().copied().filter(|id| *id != NEWCOMER).collect();
+                let ids: Vec<_> =
+                    scene.occupants.keys().copied().filter(|id| *id != NEWCOMER).collect();
                 entered += put(&mut scene, *index.get(&ids), stage, pending, second);
             }
         }

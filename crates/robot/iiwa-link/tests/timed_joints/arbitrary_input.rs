@@ -85,7 +85,10 @@ proptest! {
     }
 
     #[test]
-    fn arbitrary_json_causes_no_panic(value in json(), name in prop::sample::select(Request::TYPES.to_vec())) {
+    fn arbitrary_json_causes_no_panic(
+        value in json(),
+        name in prop::sample::select(Request::TYPES.to_vec()),
+    ) {
         for with_type in [false, true] {
             let mut value = value.clone();
             if with_type && let Some(object) = value.as_object_mut() {

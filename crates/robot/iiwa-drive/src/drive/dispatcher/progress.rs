@@ -112,7 +112,10 @@ impl<C> Dispatcher<C> {
     fn infer_acknowledgement(&mut self, change: &StateChange, now: Instant) {
         let ended = change.outcome.as_ref().map(|outcome| outcome.run);
         let is_known = |run: &RunId| change.run == Some(*run) || ended == Some(*run);
-        let begins = |purpose: &Purpose<C>| matches!(purpose, Purpose::Plan(run) | Purpose::Begin(run) if is_known(run));
+        let begins = |purpose: &Purpose<C>| match purpose {
+            Purpose::Plan(run) | Purpose::Begin(run) => is_known(run),
+            _ => false,
+        };
         if let Some(Purpose::Plan(run) | Purpose::Begin(run)) = self.instructions.resolve(begins)
             && let RunStage::Running(running) = &mut self.stage
             && running.run == run

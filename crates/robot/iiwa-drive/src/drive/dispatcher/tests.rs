@@ -418,7 +418,10 @@ fn a_restarted_robot_program_gets_a_new_connection_and_no_old_instruction() {
     scene.dispatcher.state_changed(restarted.clone(), scene.now);
     let out = scene.out();
     assert_eq!(out[0], TestOutput::Reconnect);
-    let ended = |out: &TestOutput| matches!(out, TestOutput::Reply("runner", it) if it["error"]["message"].to_string().contains("restarted"));
+    let ended = |out: &TestOutput| match out {
+        TestOutput::Reply("runner", it) => it["error"]["message"].to_string().contains("restarted"),
+        _ => false,
+    };
     assert!(out.iter().any(ended), "{out:?}");
     // An instruction that the previous program has not acknowledged does not block the next one.
     scene.send("asker", &json!({"type": "list_io"}));
