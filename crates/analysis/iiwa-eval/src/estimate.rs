@@ -167,7 +167,7 @@ mod tests {
     }
 
     #[test]
-    fn observations_that_agree_are_as_good_as_they_say() {
+    fn consistent_observations_keep_their_uncertainty() {
         let mean = Estimate::mean(&[(1.0, 0.1), (1.0, 0.1), (1.0, 0.1), (1.0, 0.1)]).unwrap();
         assert_eq!(mean.count, 4);
         assert!((mean.value - 1.0).abs() < 1e-12);
@@ -185,7 +185,7 @@ mod tests {
     }
 
     #[test]
-    fn figures_are_told_to_two_digits_of_their_uncertainty() {
+    fn figures_have_two_digits_of_their_uncertainty() {
         let estimate = Estimate { value: 98.123_456, uncertainty: 0.0123, count: 3 };
         assert_eq!(estimate.to_string(), "98.123 +- 0.012");
     }

@@ -299,7 +299,7 @@ mod tests {
     }
 
     #[test]
-    fn lengths_are_as_asked_for() {
+    fn lengths_are_as_requested() {
         let case = CycleTimeCase { path: 3, velocity_rel: 0.4, blend: 0.25, length_deg: 200.0 };
         let Trial { name, program } = case.trial(&Robot::default(), 1);
         assert_eq!(name, "path-4-velocity-040-blend-25-length-200");

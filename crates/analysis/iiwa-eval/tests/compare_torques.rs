@@ -17,7 +17,7 @@ const PROGRAM: &str = r#"{ "version": 1,
         { "type": "ptp", "joints_deg": [0, 30, 0, -60, 0, 90, 0] }] }"#;
 
 #[test]
-fn torques_differ_by_noise_and_by_what_the_program_does_not_know() {
+fn torques_differ_by_noise_and_by_unknown_loads() {
     let program = Program::from_json(PROGRAM).unwrap();
     let mut robot = VirtualRobot::new(Robot::default(), 5);
     robot.torque_noise_nm = Some(0.05);

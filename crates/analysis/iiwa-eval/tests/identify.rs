@@ -274,7 +274,7 @@ fn program(motions: impl IntoIterator<Item = Ptp>) -> Program {
     }
 }
 
-fn what_one_shows(program: &Program) -> Identified {
+fn identified_from(program: &Program) -> Identified {
     let log = VirtualRobot::new(Robot::default(), 1).run(program).unwrap();
     identify(&[Recording { program, log: &log }], &Robot::default()).unwrap()
 }
@@ -286,7 +286,7 @@ fn nothing_is_identified_that_is_not_shown() {
         ptp([60.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]),
         ptp([60.0, 0.0, 0.0, 0.0, 0.0, 20.0, 0.0]),
     ]);
-    let actual = what_one_shows(&swing);
+    let actual = identified_from(&swing);
     let shown = |list: &[Option<Estimate>; 7]| list.map(|actual| actual.is_some());
     assert_eq!(shown(&actual.velocity_rad_s), [true, false, false, false, false, false, false]);
     for limits in [&actual.acceleration_rad_s2, &actual.jerk_rad_s3] {
@@ -303,7 +303,7 @@ fn nothing_is_identified_that_is_not_shown() {
     // One corner has one angle, which does not determine a polynomial.
     let mut corner = ptp([60.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]);
     corner.blend = Some(iiwa_program::Blend::Fraction(0.25));
-    let actual = what_one_shows(&program([corner, ptp([60.0, 40.0, 0.0, 0.0, 0.0, 0.0, 0.0])]));
+    let actual = identified_from(&program([corner, ptp([60.0, 40.0, 0.0, 0.0, 0.0, 0.0, 0.0])]));
     assert_eq!(actual.blends.len(), 1);
     assert!((actual.blends[0].kappa.0 - model.kappa(90.0)).abs() < 1e-3);
     assert!(actual.kappa.is_none());
@@ -366,7 +366,7 @@ fn another_program_is_refused() {
 
 /// A spline that ends at its start leads away in between.
 #[test]
-fn what_ends_where_it_began_is_followed() {
+fn closed_programs_are_followed() {
     let robot = Robot::default();
     let start = [0.0_f64, 30.0, 0.0, -60.0, 0.0, 90.0, 0.0];
     let pose = robot.flange_pose(&start.map(f64::to_radians));
@@ -387,7 +387,7 @@ fn what_ends_where_it_began_is_followed() {
         at(80.0, -40.0),
         at(0.0, 0.0)
     );
-    let actual = what_one_shows(&Program::from_json(&text).unwrap());
+    let actual = identified_from(&Program::from_json(&text).unwrap());
     let lost = actual.left_out.iter().filter(|it| it.why == Why::NotFollowed).count();
     assert_eq!(lost, 0, "{:?}", actual.left_out);
     assert!(actual.velocity_rad_s[0].is_some());
@@ -396,7 +396,7 @@ fn what_ends_where_it_began_is_followed() {
 /// Joint 2 of the recording is the program's joint 4: nothing is identified beyond the point where
 /// they differ.
 #[test]
-fn what_goes_astray_is_left_out() {
+fn motions_off_the_path_are_left_out() {
     let swing = |joint: usize| ptp(std::array::from_fn(|j| if j == joint { 60.0 } else { 0.0 }));
     let home = || ptp([0.0; 7]);
     let ran = program([swing(0), home(), swing(3), home(), swing(1), home()]);
@@ -412,7 +412,7 @@ fn what_goes_astray_is_left_out() {
 
 /// Noise may hide a phase of a motion. The results then have a large uncertainty.
 #[test]
-fn what_noise_hides_is_no_certainty() {
+fn figures_hidden_by_noise_are_uncertain() {
     let swing = |by_deg: f64| ptp([0.0, by_deg, 0.0, 0.0, 0.0, 0.0, 0.0]);
     let swings = program((0..10).flat_map(|_| [swing(40.0), swing(0.0)]));
     let limits = *Robot::default().limits();

@@ -65,7 +65,7 @@ fn a_load_is_found_and_its_uncertainty_holds() {
 
 /// Alternating payloads, the stated one and another one, with friction and position noise.
 #[test]
-fn friction_and_the_loads_of_several_recordings_are_told_apart() {
+fn friction_and_loads_of_several_recordings_are_separated() {
     let friction = Friction {
         viscous_nm_s_rad: [0.24, 0.37, 0.11, 0.1, 0.1, 0.12, 0.1],
         coulomb_nm: [0.32, 0.18, 0.07, 0.18, 0.03, 0.13, 0.09],
@@ -99,7 +99,7 @@ fn friction_and_the_loads_of_several_recordings_are_told_apart() {
 
 /// Other recorders may invert the torque sign of KUKA's controller.
 #[test]
-fn the_sign_of_torques_is_told_by_the_weight() {
+fn the_sign_of_torques_is_detected_by_the_weight() {
     let (program, mut log) = (program(), arm(1).run(&program()).unwrap());
     for torque in log.torques_nm.iter_mut().flatten().flatten() {
         *torque = -*torque;
@@ -119,7 +119,7 @@ fn the_sign_of_torques_is_told_by_the_weight() {
 /// Only A1 rotates, with the arm pointing straight up: gravity acts along all axes, and nothing is
 /// lifted.
 #[test]
-fn what_a_motion_does_not_show_is_not_told() {
+fn figures_without_evidence_are_not_reported() {
     let still = Program::from_deg([0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0])
         .ptp_deg([60.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0])
         .ptp_deg([0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0])

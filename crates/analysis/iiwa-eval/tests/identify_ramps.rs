@@ -158,7 +158,7 @@ fn one_half_predicts_the_other() {
 
 /// A motion that follows neither law is detected, such as one during which the override changes.
 #[test]
-fn what_no_law_explains_is_said() {
+fn unexplained_motions_are_reported() {
     let program = program(&POSES_DEG[..2]);
     let mut log = recorded(&program, 1e-8, 1e-3);
     // The clock is stretched and compressed in turn, as if the override varied within each motion.

@@ -48,7 +48,7 @@ fn worst(identified: &Identified, part: CoursePart) -> ([f64; 3], usize) {
 
 /// Without noise, all results are exact for any kappa of the TCP.
 #[test]
-fn what_was_built_is_found() {
+fn simulated_blends_are_identified() {
     let mut random = Rng::with_seed(1);
     let trial = tcp_blends(&TcpSeries::ALL);
     for model in models() {
@@ -150,7 +150,7 @@ fn from_corner(pose: &Pose) -> f64 {
 
 /// A hump over the corner, some mm high: not a blend in the plane of the LINs.
 #[test]
-fn what_is_no_blend_is_left_out() {
+fn corners_without_blend_are_left_out() {
     let robot = Robot::default();
     let trial = tcp_blends(&[TcpSeries::Angles]);
     let log = moved(&trial, &robot, |_, pose| {
@@ -170,7 +170,7 @@ fn what_is_no_blend_is_left_out() {
 
 /// The orientation leads the position by 2 deg half-way along LINs.
 #[test]
-fn another_law_of_orientation_is_told() {
+fn another_orientation_law_is_reported() {
     let robot = Robot::default();
     let trial = tcp_blends(&[TcpSeries::Angles]);
     let ahead_rad = 2_f64.to_radians();
@@ -194,7 +194,7 @@ fn another_law_of_orientation_is_told() {
 /// A robot whose joint blends have another kappa deviates from the assumed blends of PTP and LIN,
 /// and from these only.
 #[test]
-fn blends_with_joint_space_are_told_apart() {
+fn blends_with_joint_space_are_distinguished() {
     let model = Robot::default();
     let truth = model.clone().with_blend_kappa([-1.0, 0.0, 0.0]);
     let truth = truth.with_tcp_blend_kappa(*model.blend_kappa());
@@ -235,7 +235,7 @@ fn blends_with_joint_space_are_told_apart() {
 /// A robot that blends the programmed distance on each side, or half of the line: the sides are not
 /// equalised.
 #[test]
-fn sides_of_unequal_length_are_told() {
+fn unequal_blend_lengths_are_reported() {
     let robot = Robot::default();
     let trial = tcp_blends(&[TcpSeries::Shares]);
     let path = JointPath::new(&trial.program, &robot).unwrap();

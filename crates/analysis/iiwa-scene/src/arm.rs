@@ -260,9 +260,9 @@ impl Body<'_> {
                 let across = (direction - along * self.axis).length();
                 half * along.abs() + radius * across
             }
-            Volume::Box { half, .. } => half.dot(self.to_part_axes(direction).abs()),
+            Volume::Box { half, .. } => half.dot(self.in_part_axes(direction).abs()),
             Volume::Hull { hull, .. } => {
-                let local = self.to_part_axes(-direction);
+                let local = self.in_part_axes(-direction);
                 hull.support(local).dot(local)
             }
         };
@@ -289,11 +289,11 @@ impl Body<'_> {
         }
     }
 
-    fn to_part_axes(&self, direction: Vector) -> Vector {
+    fn in_part_axes(&self, direction: Vector) -> Vector {
         Vector::from(self.axes().map(|axis| axis.dot(direction)))
     }
 
-    fn to_base_axes(&self, local: Vector) -> Vector {
+    fn in_base_axes(&self, local: Vector) -> Vector {
         let [x, y, z] = self.axes();
         local.x * x + local.y * y + local.z * z
     }
@@ -304,10 +304,10 @@ impl Body<'_> {
         match self.form {
             Volume::Ball { radius } => self.center + away.clamp_length_max(radius),
             Volume::Box { half, .. } => {
-                self.center + self.to_base_axes(self.to_part_axes(away).clamp(-half, half))
+                self.center + self.in_base_axes(self.in_part_axes(away).clamp(-half, half))
             }
             Volume::Hull { hull, .. } => {
-                self.center + self.to_base_axes(hull.nearest(self.to_part_axes(away)))
+                self.center + self.in_base_axes(hull.nearest(self.in_part_axes(away)))
             }
             Volume::Cylinder { radius, half } => {
                 let along = self.axis.dot(away);
@@ -324,12 +324,12 @@ impl SupportMap for Body<'_> {
         match self.form {
             Volume::Ball { radius } => self.center + radius * direction.normalize_or_zero(),
             Volume::Box { half, .. } => {
-                let local = self.to_part_axes(direction);
-                self.center + self.to_base_axes(half.copysign(local))
+                let local = self.in_part_axes(direction);
+                self.center + self.in_base_axes(half.copysign(local))
             }
             Volume::Hull { hull, .. } => {
-                let local = self.to_part_axes(direction);
-                self.center + self.to_base_axes(hull.support(local))
+                let local = self.in_part_axes(direction);
+                self.center + self.in_base_axes(hull.support(local))
             }
             Volume::Cylinder { radius, half } => {
                 let along = self.axis.dot(direction);

@@ -181,7 +181,7 @@ mod tests {
     }
 
     #[test]
-    fn what_has_no_volume_is_no_solid() {
+    fn points_without_volume_are_refused() {
         let plane = (0..30).map(|i| [f64::from(i % 5), f64::from(i / 5), 0.0]).collect::<Vec<_>>();
         for rpy in [[0.0; 3], [0.3, 0.4, 0.5]] {
             assert_eq!(ConvexHull::new(turned(&plane, rpy)), Err(NotSolid::Flat));

@@ -110,7 +110,7 @@ fn fixed_links_are_parts() {
 
 /// A box that contains all of link 7 has the same clearance as the same box as a tool.
 #[test]
-fn hulls_are_what_clearances_are_taken_of() {
+fn clearances_are_those_of_the_hulls() {
     let robot = Robot::lbr_iiwa_7_r800();
     let cage = r#"{ "version": 1, "obstacles": [
         { "name": "post", "type": "box", "center_mm": [600, 200, 400], "size_mm": [80, 80, 900] },
@@ -153,7 +153,7 @@ fn hulls_are_what_clearances_are_taken_of() {
 }
 
 #[test]
-fn what_is_no_arm_is_refused() {
+fn invalid_arms_are_refused() {
     let robot = Robot::lbr_iiwa_7_r800();
     let mesh = visual("<geometry><mesh filename=\"package://arm/box.obj\"/></geometry>");
     let urdf = urdf_with(&robot, 5, &mesh);

@@ -179,7 +179,7 @@ fn travel_bounds_clearances() {
 }
 
 #[test]
-fn what_is_no_mesh_is_refused_at_its_key() {
+fn invalid_meshes_are_refused_at_their_key() {
     let refused = |shape: &str, bytes: Result<Vec<u8>, &str>| {
         let text = format!("{{\n\"version\": 1, \"obstacles\": [],\n\"tool\": [\n{shape}] }}");
         let error =
@@ -244,7 +244,7 @@ fn what_is_no_mesh_is_refused_at_its_key() {
 }
 
 #[test]
-fn what_is_as_fine_as_a_scan_is_refused() {
+fn meshes_with_too_many_triangles_are_refused() {
     let triangle = &binary_stl()[84..134];
     let mut file = [0; 80].to_vec();
     file.extend(2_000_001_u32.to_le_bytes());

@@ -168,7 +168,7 @@ fn an_arm_that_turns_over_a_table_keeps_its_distance() {
 }
 
 #[test]
-fn the_first_touch_is_told() {
+fn the_first_contact_is_reported() {
     let program = Program {
         robot: None,
         start: Start::Joints([0.0, 0.5, 0.0, -1.0, 0.0, 0.5, 0.0]),
@@ -193,7 +193,7 @@ fn the_first_touch_is_told() {
 /// The arm is nearest at its final rest: the reported time is that of the arrival, for any rounding
 /// of later samples.
 #[test]
-fn the_first_of_equal_instants_is_told() {
+fn the_first_of_equal_instants_is_reported() {
     let wall = Form::Plane { point_m: [1.2, 0.3, 0.0], normal: [-1.0, -0.1, 0.02] };
     let scene = Scene::new(vec![Obstacle { name: "wall".to_owned(), form: wall }]).unwrap();
     let arm = ArmInScene::new(&Robot::default(), &scene);

@@ -197,7 +197,7 @@ fn known_distances() {
 }
 
 #[test]
-fn what_cannot_come_nearer_does_not_count() {
+fn shapes_at_constant_distance_do_not_count() {
     let robot = Robot::lbr_iiwa_7_r800();
     let size_m = [0.14, 0.14, 0.3];
     let column = |z| Form::Box { center_m: [0.0, 0.0, z], size_m, rpy_rad: [0.0; 3] };

@@ -56,7 +56,7 @@ fn refused(from: &str, to: &str) -> (String, usize, String) {
 }
 
 #[test]
-fn says_what_is_wrong_and_where() {
+fn invalid_scenes_are_reported_with_their_place() {
     let long = format!("\"{}\"", "x".repeat(101));
     let huge = format!("[{}, 0, 0]", "1e400");
     for (from, to, message, line, span) in [
@@ -194,14 +194,14 @@ fn scenes_made_in_code_are_checked() {
 }
 
 #[test]
-fn what_the_schema_takes_is_read() {
+fn documents_valid_by_the_schema_are_read() {
     for scene in good_scenes() {
         Scene::from_json(&scene.to_string()).unwrap();
     }
 }
 
 #[test]
-fn what_the_schema_refuses_is_refused() {
+fn documents_invalid_by_the_schema_are_refused() {
     for wrong in wrong_scenes() {
         let error = Scene::from_json(&wrong.to_string()).unwrap_err();
         let is_version = matches!(error, SceneError::Version { .. });

@@ -179,7 +179,7 @@ fn it_counts_in_plans() {
 }
 
 #[test]
-fn what_cannot_be_is_refused_with_its_place() {
+fn invalid_tools_are_refused_with_their_place() {
     let refused = |shape: &str| {
         let text = format!("{{\n \"version\": 1,\n \"obstacles\": [],\n \"tool\": [{shape}]\n}}");
         Scene::from_json(&text).unwrap_err().to_string()

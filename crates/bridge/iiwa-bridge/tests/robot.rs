@@ -204,7 +204,7 @@ fn commands_are_carried_out_once_and_replied_to() {
 }
 
 #[test]
-fn what_must_not_pass_moves_nothing() {
+fn rejected_commands_move_nothing() {
     let rig = Rig::new();
     let gate = CommandGate::new(&[rig.robot()], true).unwrap();
     let before = rig.client().state().unwrap().joints_rad;

@@ -39,7 +39,7 @@ fn segments(folder: &Path) -> Vec<std::path::PathBuf> {
 }
 
 #[test]
-fn what_is_committed_is_not_read_again_after_a_restart() {
+fn committed_records_are_not_read_again_after_a_restart() {
     let folder = tempfile::tempdir().unwrap();
     {
         let (spool, mut reader) = spool::open(folder.path(), 64 * MB).unwrap();
@@ -74,7 +74,7 @@ fn a_rewound_reader_begins_behind_the_last_commit() {
 }
 
 #[test]
-fn a_full_spool_drops_the_oldest_and_says_how_many() {
+fn a_full_spool_drops_and_counts_the_oldest() {
     let folder = tempfile::tempdir().unwrap();
     let (spool, mut reader) = spool::open(folder.path(), 16 * MB).unwrap();
     let count = 40_000;

@@ -219,7 +219,7 @@ mod tests {
     }
 
     #[test]
-    fn a_safety_stop_is_one_whoever_tells_it() {
+    fn a_safety_stop_may_be_reported_by_either_source() {
         let fri = |session: &str, safety_stop| {
             let mut fri = FriStatus::new(session, "good");
             fri.safety_stop = safety_stop;

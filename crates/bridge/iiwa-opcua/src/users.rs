@@ -141,7 +141,7 @@ mod tests {
     }
 
     #[test]
-    fn users_that_could_not_be_told_apart_are_refused() {
+    fn indistinguishable_users_are_refused() {
         let refused = |users: &[Credentials]| Users::new(users.to_vec(), false).is_err();
         assert!(refused(&[user("anna", "a"), user("anna", "b")]));
         assert!(refused(&[user("", "secret")]) && refused(&[user("anna", "")]));

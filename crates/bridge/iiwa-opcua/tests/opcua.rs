@@ -280,7 +280,7 @@ fn without_security_clients_read_and_nobody_stops() {
 }
 
 #[test]
-fn what_cannot_be_served_is_said() {
+fn invalid_settings_are_reported() {
     let folder = tempfile::tempdir().unwrap();
     let robot =
         |name: &str| ServedRobot { name: name.to_owned(), arm: BridgedArm::default(), stop: None };

@@ -137,7 +137,7 @@ mod tests {
     }
 
     #[test]
-    fn points_that_stand_still_are_left_out() {
+    fn repeated_points_are_left_out() {
         let line =
             plane(&[[0.0, 0.0], [0.0, 0.0], [1.0, 0.0], [1.0, 0.0], [1.0, 1.0 + 1e-9], [1.0, 1.0]]);
         assert_eq!(line.points().len(), 3);

@@ -277,14 +277,14 @@ mod tests {
     }
 
     #[test]
-    fn standing_takes_no_time() {
+    fn rest_has_no_duration() {
         let retimed = full(&[[0.1; 7]; 3], 0.0).unwrap();
         assert_eq!(retimed.trajectory.cycle_time_s(), 0.0);
         assert_eq!(retimed.trajectory.at(0.0).q, [0.1; 7]);
     }
 
     #[test]
-    fn what_is_no_path_is_refused() {
+    fn invalid_paths_are_refused() {
         assert_eq!(full(&[], 0.0).err(), Some(RetimeError::Empty));
         let nan = [[0.0; 7], [f64::NAN; 7]];
         assert_eq!(full(&nan, 0.0).err(), Some(RetimeError::NotFinite { point: 1 }));

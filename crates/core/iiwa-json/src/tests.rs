@@ -35,7 +35,7 @@ struct Point {
 }
 
 #[test]
-fn shows_keys_without_what_would_steer_a_terminal() {
+fn shows_keys_without_terminal_control_codes() {
     let (.., message) = error::<Point>("{\"\\u001b[2J\\n\": 1}");
     assert_eq!(message, "unknown key `\\u{1b}[2J\\n`, expected `x`");
     let long = format!("{{\"{}\": 1}}", "ü".repeat(100));
@@ -45,7 +45,7 @@ fn shows_keys_without_what_would_steer_a_terminal() {
 
 /// The place is the first letter of the wrong part, regardless of how far `serde_json` had read.
 #[test]
-fn places_the_first_letter_of_what_is_wrong() {
+fn the_place_is_the_first_letter_of_the_error() {
     type Points = Vec<Object<Point>>;
     for (text, line, column, span, message) in [
         ("{}", 1, 1, "{", "expected a list, found an object"),
@@ -86,7 +86,7 @@ fn a_message_repeats_no_novel() {
 }
 
 #[test]
-fn tells_the_element_of_a_list() {
+fn names_the_element_of_a_list() {
     let text = "{ \"a\": [[1, 2], 3], \"m\": [{ \"x\": [1, 2] }, [\"],\", 7], 8";
     let at = |word: &str| element_at(text, "m", text.find(word).unwrap());
     assert_eq!(at("1, 2], 3"), None);

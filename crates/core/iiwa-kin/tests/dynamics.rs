@@ -106,7 +106,7 @@ fn built_in_links_are_those_of_lbr_description() {
 
 /// Holding torques of A2 and A4, in Nm, of a table of poses and published models.
 #[test]
-fn holds_what_it_weighs() {
+fn torques_at_rest_hold_the_weight() {
     let at = |name: &str, degrees: Joints| {
         Robot::built_in(name).unwrap().dynamics().gravity_torques(&degrees.map(f64::to_radians))
     };
@@ -323,7 +323,7 @@ fn friction_is_apart() {
 }
 
 #[test]
-fn bodies_are_told_from_numbers() {
+fn impossible_inertias_are_refused() {
     let body = |inertia_kg_m2| RigidBody { mass_kg: 1.0, center_m: [0.0; 3], inertia_kg_m2 };
     assert!(RigidBody::point(1.0, [0.1; 3]).is_possible());
     assert!(body([1.0, 0.0, 0.0, 1.0, 0.0, 1.0]).is_possible());

@@ -123,7 +123,7 @@ proptest! {
     }
 
     #[test]
-    fn within_limits_where_ranges_say_so(
+    fn e1_ranges_are_where_joints_are_within_limits(
         robot in any_robot(),
         joints in any_joints(),
         e1 in -PI..PI,
@@ -276,7 +276,7 @@ fn singular_poses_are_reached() {
 }
 
 #[test]
-fn says_by_how_much_a_pose_is_out_of_reach() {
+fn reports_the_distance_out_of_reach() {
     let robot = Robot::lbr_iiwa_7_r800();
     let status = Status::new(0).unwrap();
     let upright = |x, z| Pose { position_m: [x, 0.0, z], ..Pose::IDENTITY };

@@ -63,7 +63,7 @@ fn every_part_can_be_overridden() {
 
 /// kappa of TCP blends equals kappa of joint blends unless given.
 #[test]
-fn blends_of_the_tcp_may_have_a_kappa_of_their_own() {
+fn tcp_blends_may_have_a_separate_kappa() {
     let read = |keys: &str| {
         let text = format!("{{ \"version\": 1, \"blend_kappa\": [-3, 0.01, 0.0002]{keys} }}");
         Robot::from_profile(&text).unwrap()
@@ -222,7 +222,7 @@ fn masses_alone_are_those_of_shapes() {
 }
 
 #[test]
-fn what_is_given_is_no_assumption() {
+fn given_values_are_not_assumptions() {
     let read = |key: &str, numbers: &str| {
         let text =
             format!(r#"{{ "version": 1, "base": "lbr_iiwa_14_r820", "{key}": [{numbers}] }}"#);
@@ -261,7 +261,7 @@ fn assert_refused(cases: &[Refused]) {
 }
 
 #[test]
-fn says_what_is_wrong_with_blends_and_where() {
+fn invalid_blends_are_reported_with_their_place() {
     assert_refused(&[
         ("{ \"version\": 1, \"settle_time_s\": 0 }", 1, 34, "0", "at least 0.001"),
         ("{ \"version\": 1, \"blend_kappa\": [1, 2] }", 1, 32, "[1, 2]", "has 2 numbers; write 3"),
@@ -283,7 +283,7 @@ fn says_what_is_wrong_with_blends_and_where() {
 }
 
 #[test]
-fn says_what_is_wrong_and_where() {
+fn invalid_profiles_are_reported_with_their_place() {
     assert_refused(&[
         ("", 1, 1, "", "ends too early"),
         ("plan", 1, 1, "plan", "not JSON"),

@@ -37,7 +37,7 @@ fn other_names_change_nothing_else() {
 }
 
 #[test]
-fn a_prefix_is_what_ros_takes() {
+fn a_prefix_is_a_valid_ros_name() {
     let long = "a".repeat(50);
     for good in ["a", "iiwa", "Left_2", &long] {
         assert_eq!(good.parse::<iiwa_kin::RosPrefix>().unwrap().to_string(), good);
@@ -56,7 +56,7 @@ fn a_name_cannot_break_the_xml() {
 }
 
 #[test]
-fn the_own_urdf_is_the_model() {
+fn the_exported_urdf_is_the_model() {
     for robot in robots() {
         let report = robot.check_urdf(&robot.to_urdf(), None).unwrap();
         assert!(report.position_deviation_m < 1e-12 && report.rotation_deviation_rad < 1e-12);
@@ -128,7 +128,7 @@ fn rounded_quarter_turns_pass() {
 }
 
 #[test]
-fn another_model_is_told_by_its_first_joint() {
+fn another_model_is_detected_at_its_first_joint() {
     let big = Robot::lbr_iiwa_14_r820();
     match big.check_urdf(&other_frames(), None).unwrap_err() {
         UrdfError::Axis { number: 2, joint, position_m, rotation_rad, .. } => {
@@ -140,7 +140,7 @@ fn another_model_is_told_by_its_first_joint() {
 }
 
 #[test]
-fn a_millimetre_is_told_by_its_joint() {
+fn a_millimetre_is_detected_at_its_joint() {
     let robot = Robot::default();
     let urdf = robot.to_urdf();
     // The upper arm ends at joint 4.
@@ -170,7 +170,7 @@ fn a_millimetre_is_told_by_its_joint() {
 }
 
 #[test]
-fn a_flange_that_differs_is_told() {
+fn a_different_flange_is_detected() {
     let short = Robot::default().with_flange_m(0.126).unwrap();
     let error = short.check_urdf(&other_frames(), None).unwrap_err();
     assert!(error.to_string().contains("26.000 mm"), "{error}");
@@ -203,7 +203,7 @@ fn the_tip_can_be_named() {
 }
 
 #[test]
-fn says_what_is_wrong() {
+fn invalid_files_are_reported() {
     let robot = Robot::default();
     let good = other_frames();
     let a4 = good.lines().position(|line| line.contains("'A4'")).unwrap() + 1;
@@ -261,7 +261,7 @@ fn says_what_is_wrong() {
 }
 
 #[test]
-fn a_circle_is_told() {
+fn a_cycle_of_joints_is_detected() {
     let text = "<robot><link name='a'/><link name='b'/>\
         <joint name='j' type='revolute'><parent link='a'/><child link='b'/></joint>\
         <joint name='k' type='revolute'><parent link='b'/><child link='a'/></joint></robot>";

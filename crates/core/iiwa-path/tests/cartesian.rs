@@ -44,7 +44,7 @@ fn it_reads_back_as_it_is() {
 }
 
 #[test]
-fn what_cannot_be_is_refused_with_its_place() {
+fn invalid_motions_are_refused_with_their_place() {
     plan(&good()).unwrap();
     let to = |x: f64, z: f64, more: &Value| {
         let mut frame = json!({

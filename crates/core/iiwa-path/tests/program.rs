@@ -73,7 +73,7 @@ fn degrees_and_radians_are_the_same_joints() {
 }
 
 #[test]
-fn what_is_left_out_is_full_speed_to_a_stop() {
+fn defaults_are_full_speed_and_no_blend() {
     let program = read(r#"{ "type": "ptp", "joints_rad": [1, 1, 1, 1, 1, 1, 1] }"#);
     assert_eq!(program.motions, [Motion::Ptp(Ptp::to([1.0; 7]))]);
     assert_eq!(program.robot, None);
@@ -173,7 +173,7 @@ fn a_repeated_target_only_settles() {
 }
 
 #[test]
-fn a_wait_stands_after_settling() {
+fn a_wait_follows_settling() {
     let program = read(
         r#"{ "type": "wait", "seconds": 1 },
            { "type": "ptp", "joints_rad": [1, 0, 0, 0, 0, 0, 0] },
@@ -224,7 +224,7 @@ fn a_change_of_the_load_takes_no_time() {
 }
 
 #[test]
-fn a_list_of_motions_stands_alone_and_reads_back() {
+fn a_list_of_motions_round_trips() {
     let text = r#"{ "type": "anything", "motions": [
         { "type": "ptp", "joints_deg": [0, 30, 0, -60, 0, 90, 0], "blend": { "fraction": 0.25 } },
         { "type": "ptp", "joints_rad": [0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7], "velocity_rel": 0.5 },

@@ -346,7 +346,7 @@ fn it_reads_back_as_it_is() {
 }
 
 #[test]
-fn what_cannot_be_is_refused_with_its_place() {
+fn invalid_splines_are_refused_with_their_place() {
     let to = || frame(40.0, 30.0, 0.0);
     let far = json!({ "x_mm": 3000, "y_mm": 0, "z_mm": 300, "a_deg": 0, "b_deg": 0, "c_deg": 180 });
     let with = |mut segment: Value, key: &str, value: Value| {
@@ -419,7 +419,7 @@ fn a_single_spl_is_refused_at_its_frame() {
 
 /// A segment has its own limits if they are given, otherwise those of the spline.
 #[test]
-fn segments_have_limits_of_their_own() {
+fn segments_have_separate_limits() {
     let with = |mut segment: Value, limits: &Value| {
         segment.as_object_mut().unwrap().extend(limits.as_object().unwrap().clone());
         segment

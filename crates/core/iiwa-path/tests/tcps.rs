@@ -89,7 +89,7 @@ fn a_tool_that_is_not_there_is_a_fault() {
 
 /// A blend radius is a distance of the TCP, also between point-to-point motions.
 #[test]
-fn blends_are_as_large_as_the_tcp_says() {
+fn blend_size_is_measured_at_the_tcp() {
     const RADIUS_MM: f64 = 60.0;
     let program = Program::from_json(
         r#"{ "version": 1, "tools": { "long": { "tcp": { "x_mm": 80, "z_mm": 250 } } }, "tool": "long",

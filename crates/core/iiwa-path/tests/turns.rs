@@ -73,7 +73,7 @@ fn signs_of_joints_at_zero_do_not_count() {
 }
 
 #[test]
-fn what_cannot_be_done_is_a_fault() {
+fn impossible_turns_are_faults() {
     let far = json!({
         "version": 1, "start": { "joints_deg": [0, 30, 0, -60, 0, 90, 0] },
         "motions": [{ "type": "ptp", "frame": { "x_mm": 5000, "y_mm": 0, "z_mm": 0, "a_deg": 0,

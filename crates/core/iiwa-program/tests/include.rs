@@ -12,7 +12,7 @@ fn read(text: &str, file: &str) -> Result<Program, ProgramError> {
 }
 
 #[test]
-fn the_names_of_the_file_are_the_programs_and_its_own_win() {
+fn the_program_overrides_names_of_the_included_file() {
     let program = read(PROGRAM, CELL).unwrap();
     let cell = Workcell::from_json(CELL).unwrap();
     let workcell = &program.workcell;
@@ -97,7 +97,7 @@ fn one_text_of_both_needs_no_file() {
 }
 
 #[test]
-fn what_is_written_is_read() {
+fn written_files_are_read_back() {
     let cell = Workcell::from_json(CELL).unwrap();
     let text = cell.to_json();
     assert_eq!(Workcell::from_json(&text).unwrap(), cell);

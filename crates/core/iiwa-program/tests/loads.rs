@@ -52,7 +52,7 @@ fn loads_and_mounts_read_back() {
 }
 
 #[test]
-fn what_is_no_load_is_refused() {
+fn invalid_loads_are_refused() {
     for (motions, expected) in [
         (r#"{ "type": "load" }"#.to_owned(), "motion 1: the key `load` is missing"),
         (

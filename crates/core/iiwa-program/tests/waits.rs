@@ -33,7 +33,7 @@ fn error(motions: &[&str]) -> (String, usize, String) {
 }
 
 #[test]
-fn a_wait_says_how_many_motions_it_overlaps() {
+fn a_wait_counts_the_motions_that_it_overlaps() {
     assert_eq!(overlap_of(r#"{ "type": "wait", "seconds": 1, "overlap": true }"#), 1);
     assert_eq!(overlap_of(r#"{ "type": "wait", "seconds": 1, "overlap_motions": 1 }"#), 1);
     assert_eq!(overlap_of(r#"{ "type": "wait", "seconds": 1, "overlap_motions": 2 }"#), 2);

@@ -116,7 +116,7 @@ mod tests {
     /// Six joints on one ray, in a short blend: the direction across the path is a thousand million
     /// times as long as the other one.
     #[test]
-    fn rounding_takes_no_corner_away() {
+    fn rounding_removes_no_corner() {
         let points = [
             [0.000_130_960_940_367_212_9, -109_595.371_571_696_3],
             [0.003_370_867_573_191_455_7, -65_406.913_920_018_56],

@@ -329,7 +329,7 @@ mod tests {
     /// Next to a stop at the end of a segment of length 1, cells are as small as next to a stop at
     /// its start: far below the rounding error of the distance from the start.
     #[test]
-    fn both_ends_have_digits_of_their_own() {
+    fn both_ends_keep_full_precision() {
         let size = |place: Place| 1e-20 + 0.25 * place.start.min(place.end);
         let nodes = march(1.0, Some(1e-20), size).unwrap();
         let lengths = lengths(&nodes);

@@ -133,7 +133,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn takes_as_long_as_the_integral_says(
+        fn duration_equals_the_integral(
             ds in 1e-3..1.0_f64, x0 in 0.0..4.0_f64, u0 in -2.0..2.0_f64, u1 in -2.0..2.0_f64,
         ) {
             let x1 = x0 + ds * (u0 + u1);

@@ -67,7 +67,7 @@ fn a_limit_of_the_tcp_is_its_top_speed() {
 }
 
 #[test]
-fn pieces_tell_which_path_the_tcp_takes() {
+fn pieces_have_the_kind_of_the_tcp_path() {
     use PieceKind::{Blend, Circ, Lin, Line};
     let plan = plan(TEXT);
     let pieces = plan.sections().iter().flat_map(iiwa_traj::Section::pieces);
@@ -78,7 +78,7 @@ fn pieces_tell_which_path_the_tcp_takes() {
 /// A TCP that only rotates is at rest, at any distance from the flange that moves around it, and
 /// also where the arm swings about a fixed TCP.
 #[test]
-fn a_tcp_that_stands_has_no_speed() {
+fn a_tcp_at_rest_has_no_speed() {
     let text = r#"{
         "version": 1,
         "tools": { "gripper": { "tcp": { "x_mm": 80, "z_mm": 200 } } },

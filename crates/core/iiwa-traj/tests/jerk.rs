@@ -197,7 +197,7 @@ fn the_way_back_takes_as_long() {
 
 /// Memory that is reused from program to program must not affect results.
 #[test]
-fn what_came_before_does_not_matter() {
+fn earlier_motions_do_not_matter() {
     let programs = programs(30);
     let states = |program: &Program| -> Vec<State> {
         trajectory(program, &Robot::default(), Timing::jerk_limited()).states().collect()

@@ -119,7 +119,7 @@ fn the_last_instant_is_that_of_braking() {
 }
 
 #[test]
-fn a_stop_without_standing_is_still_a_stop() {
+fn a_stop_without_rest_is_still_a_stop() {
     for timing in [acceleration(), Timing::jerk_limited()] {
         let trajectory = bent_for(needed_s(timing) + 0.001, timing);
         assert_eq!(trajectory.late_blends().count(), 1);
@@ -183,7 +183,7 @@ fn a_wait_may_count_from_motions_before() {
 }
 
 #[test]
-fn a_late_blend_delays_what_is_counted_from_the_motion_after_it() {
+fn a_late_blend_delays_instants_after_its_next_motion() {
     let mut program = bend(&[wait(2.0, 1)]);
     program.motions.push(wait(4.0, 1));
     let trajectory = plan(&program, acceleration());

@@ -65,7 +65,7 @@ fn path() -> JointPath {
 }
 
 #[test]
-fn a_shape_of_ones_own_is_planned_within_the_limits() {
+fn a_custom_segment_is_planned_within_the_limits() {
     let path = path();
     let limits = *path.robot().limits();
     for (timing, jerk) in [

@@ -90,7 +90,7 @@ mod tests {
     const NAME: Name = Name { prefix: ".part-of-a-test-", suffix: ".part", is_folder: false };
 
     #[test]
-    fn what_is_in_use_stays() {
+    fn files_in_use_are_kept() {
         let folder = tempfile::tempdir().unwrap();
         let at = |name: &str| folder.path().join(name);
         let (used, abandoned, other) =

@@ -181,7 +181,7 @@ mod tests {
     }
 
     #[test]
-    fn errors_name_the_path_that_was_asked_for() {
+    fn errors_name_the_requested_path() {
         let folder = tempfile::tempdir().unwrap();
         let missing = folder.path().join("none/plan.csv");
         for path in [folder.path(), &missing] {

@@ -98,7 +98,7 @@ fn months_have_a_size_too() {
 }
 
 #[test]
-fn what_is_written_fast_is_hardly_larger() {
+fn fast_compression_is_hardly_larger() {
     let fixture =
         FilePath::new(env!("CARGO_MANIFEST_DIR")).join("../../../fixtures/ten-motions.json");
     let plan = planned(&Program::from_json(&fs::read_to_string(fixture).unwrap()).unwrap());

@@ -181,7 +181,7 @@ fn outstretched(mass_kg: f64) -> PlanFigures {
 }
 
 #[test]
-fn what_is_too_much_for_a_joint_is_said() {
+fn overloaded_joints_are_reported() {
     assert!(outstretched(2.0).torque_warnings().is_empty());
     // 65 Nm for the arm, and a lever of 1.05 m for the load.
     let lifted = outstretched(9.0).torque_warnings();

@@ -403,7 +403,7 @@ mod tests {
     }
 
     #[test]
-    fn the_least_message_is_a_header_and_a_connection() {
+    fn the_smallest_message_is_a_header_and_a_connection() {
         let smallest = [0x0a, 9, 0x08, 0xc2, 0xa2, 0x91, 0x01, 0x10, 0, 0x18, 0];
         let connection = [0x22, 4, 0x08, 0, 0x10, 0];
         let message = decode_monitoring(&bytes(&[&smallest, &connection])).unwrap();

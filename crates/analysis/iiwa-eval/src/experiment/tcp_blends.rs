@@ -263,7 +263,7 @@ mod tests {
 
     /// Every corner is blended, except where a LIN returns.
     #[test]
-    fn corners_are_as_said() {
+    fn corners_are_as_documented() {
         let trial = tcp_blends(&TcpSeries::ALL);
         let path = JointPath::new(&trial.program, &Robot::default()).unwrap();
         let gammas: Vec<_> = path.blends().map(|(corner, _)| corner.gamma_deg).collect();

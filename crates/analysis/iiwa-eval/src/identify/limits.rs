@@ -118,7 +118,7 @@ mod tests {
 
     /// One motion of two joints may be limited by either of them; a second motion decides.
     #[test]
-    fn what_several_motions_show_together() {
+    fn several_motions_determine_a_limit() {
         let limits = [3.0, 5.0];
         let first = bound([1.0, 1.0], limits);
         assert_eq!(estimate(&[first], 0.01), [None; 7]);

@@ -196,7 +196,7 @@ mod tests {
 
     /// Joint 1 by 40 deg at the limits of Larsen 2019, in degrees, with known durations.
     #[test]
-    fn finds_what_was_put_in() {
+    fn identifies_the_simulated_values() {
         let (v, a, j) = (98.0, 490.0, 10384.86);
         let durations = [a / j, v / a - a / j, 40.0 / v - v / a - a / j];
         let t_s: Vec<f64> = (0..900).map(|i| f64::from(i) * 1e-3).collect();
@@ -211,7 +211,7 @@ mod tests {
 
     /// A phase that does not exist is not found.
     #[test]
-    fn what_is_not_shown_is_not_found() {
+    fn figures_without_evidence_are_unknown() {
         let t_s: Vec<f64> = (0..600).map(|i| f64::from(i) * 1e-3).collect();
         for (push, cruise) in [(0.1, 0.0), (0.0, 0.1), (0.0, 0.0)] {
             let way: Vec<f64> = t_s.iter().map(|t| shape(t - 0.3, [0.04, push, cruise])).collect();

@@ -120,7 +120,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_file_is_named_and_kept() {
+    fn entries_that_are_not_files_are_named_and_kept() {
         let folder = tempfile::tempdir().unwrap();
         let socket = folder.path().join("socket");
         let _listener = UnixListener::bind(&socket).unwrap();

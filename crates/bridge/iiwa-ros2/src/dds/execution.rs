@@ -252,7 +252,7 @@ mod tests {
     }
 
     #[test]
-    fn refusals_are_told_apart_from_aborted_runs() {
+    fn refusals_differ_from_aborted_runs() {
         let refused = |code, samples: &[f64]| {
             let joints = vec![[0.0; 7]; samples.len()];
             let run = Run::new(Samples::new(samples.to_vec(), joints));

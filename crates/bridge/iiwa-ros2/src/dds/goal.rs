@@ -226,7 +226,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_not_well_formed_is_refused() {
+    fn malformed_goals_are_refused() {
         let good = message(&[(0.0, 0.1), (1.0, 0.2)]);
         let fault = |change: &dyn Fn(&mut FollowGoal)| {
             let mut goal = good.clone();

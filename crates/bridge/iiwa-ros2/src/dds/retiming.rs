@@ -165,7 +165,7 @@ mod tests {
     }
 
     #[test]
-    fn what_breaks_limits_gets_new_times_and_keeps_them() {
+    fn trajectories_beyond_limits_are_retimed_within_them() {
         let limits = *Robot::default().limits();
         for (end_s, slow) in [(0.2, false), (5.0, true)] {
             let linear = goal(&[(0.0, 0.0), (0.5 * end_s, 0.3), (end_s, 0.5)]);
@@ -183,7 +183,7 @@ mod tests {
     }
 
     #[test]
-    fn what_keeps_limits_keeps_its_times() {
+    fn trajectories_within_limits_keep_their_times() {
         let rest = goal(&[(0.0, 0.1), (1.0, 0.1)]);
         let at_rest = prepared(&rest, RetimeGoals::Needed).unwrap();
         assert!(at_rest.remark.is_empty());
@@ -193,7 +193,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_out_of_reach_is_refused() {
+    fn unreachable_points_are_refused() {
         let fault = prepared(&goal(&[(0.0, 0.0), (1.0, 3.1)]), RetimeGoals::Needed).unwrap_err();
         assert!(fault.starts_with("point 2: "), "{fault}");
     }

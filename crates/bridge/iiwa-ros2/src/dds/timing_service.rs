@@ -277,7 +277,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_wrong_is_named() {
+    fn faults_are_named() {
         let mut other = request();
         other.path.joint_names[2] = "elbow".to_owned();
         assert!(timed(&other).unwrap_err().contains("elbow"));

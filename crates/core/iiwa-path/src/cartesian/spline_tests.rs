@@ -406,7 +406,7 @@ fn a_repeated_point_parts_the_spline() {
 
 /// The TCP stops before and after a change of orientation or E1 alone.
 #[test]
-fn a_turn_in_place_is_a_piece_of_its_own() {
+fn a_turn_in_place_is_a_separate_piece() {
     let knots = [
         knot([0.0, 0.0, 0.0], [0.0; 3], 0.0),
         knot([0.1, 0.0, 0.0], [0.0; 3], 0.0),

@@ -64,7 +64,7 @@ fn largest_possible_x() {
 }
 
 #[test]
-fn what_is_reached_in_an_interval() {
+fn reachable_speeds_of_an_interval() {
     let mut random = fastrand::Rng::with_seed(2);
     let (mut asymmetric, mut slower) = (0, 0);
     for round in 0..60 {

@@ -181,7 +181,7 @@ fn names_of_columns_win_over_options() {
 }
 
 #[test]
-fn what_a_file_is_does_not_depend_on_how_it_comes() {
+fn the_format_does_not_depend_on_the_reader() {
     /// Stream that returns one byte at a time, and is interrupted every other time.
     struct Slow<'a>(&'a [u8], bool);
 

@@ -149,7 +149,7 @@ fn velocities_are_those_of_the_motion() {
 }
 
 #[test]
-fn a_single_sample_stands_still() {
+fn a_single_sample_is_at_rest() {
     let mut recorder = recorder(memory(), Duration::from_secs(1));
     recorder.sample(MS, &[0.5; 7]).unwrap();
     recorder.flush().unwrap();

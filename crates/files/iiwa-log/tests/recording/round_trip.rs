@@ -208,7 +208,7 @@ fn time_does_not_run_backwards() {
 }
 
 #[test]
-fn what_does_not_fit_is_refused() {
+fn mismatched_samples_are_refused() {
     let late = Duration::from_secs(1 << 31);
     let config = Config { epoch: late, ..Config::default() };
     let error = Writer::new(Cursor::new(Vec::new()), config).unwrap_err();

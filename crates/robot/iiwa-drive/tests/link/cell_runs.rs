@@ -151,7 +151,7 @@ fn a_stopped_line_stays_a_line() {
 /// Refused requests without motion: the change, the code, and a text in the message.
 #[test]
 #[expect(clippy::too_many_lines, reason = "a table of cases")]
-fn what_cannot_be_planned_is_refused() {
+fn impossible_programs_are_refused() {
     let rig = bent_rig();
     let socket = RequestSocket::new(&rig.drive_config.instructions);
     let before = rig.cabinet().position();

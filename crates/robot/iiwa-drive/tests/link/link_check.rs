@@ -61,7 +61,7 @@ fn a_good_connection_passes() {
 }
 
 #[test]
-fn without_a_cabinet_each_step_says_what_to_do() {
+fn without_a_cabinet_each_step_has_a_remedy() {
     let rig = Rig::parts(5);
     let since = Instant::now();
     let check = check(&rig, &Remote::open());
@@ -76,7 +76,7 @@ fn without_a_cabinet_each_step_says_what_to_do() {
 
 /// Another program listens at the port, and sends nothing.
 #[test]
-fn a_port_of_another_program_is_told() {
+fn a_port_of_another_program_is_reported() {
     let mut rig = Rig::parts(5);
     let other = TcpListener::bind("127.0.0.1:0").unwrap();
     rig.drive_config.cabinet_instructions = format!("tcp://{}", other.local_addr().unwrap());
@@ -104,7 +104,7 @@ fn another_source_of_fri_is_named() {
 }
 
 #[test]
-fn a_send_period_that_is_too_long_is_told() {
+fn too_long_a_send_period_is_reported() {
     let mut rig = Rig::parts(20);
     rig.start_cabinet();
     let check = check(&rig, &Remote::open());
@@ -113,7 +113,7 @@ fn a_send_period_that_is_too_long_is_told() {
 }
 
 #[test]
-fn another_version_of_fri_is_told() {
+fn another_version_of_fri_is_reported() {
     let rig = Rig::parts(5);
     let to = rig.drive_config.fri;
     let sender = std::thread::spawn(move || {
@@ -152,7 +152,7 @@ fn keys_are_checked() {
 }
 
 #[test]
-fn a_safety_stop_is_told() {
+fn a_safety_stop_is_reported() {
     let mut rig = Rig::parts(5);
     rig.start_cabinet();
     wait_for("the emergency stop", || {

@@ -32,7 +32,7 @@ fn untimed_rig(period_ms: u32) -> Rig {
 }
 
 #[test]
-fn commanded_positions_tell_the_time_of_motions() {
+fn commanded_positions_determine_the_time_of_motions() {
     for period_ms in [5, 1] {
         let rig = untimed_rig(period_ms);
         let mut motions = motions();
@@ -103,7 +103,7 @@ fn sensors_may_have_no_temperatures() {
 }
 
 #[test]
-fn fri_from_another_address_is_told() {
+fn fri_from_another_address_is_reported() {
     let mut rig = Rig::parts(5);
     rig.drive_config.fri_controller = IpAddr::V4(Ipv4Addr::new(127, 0, 0, 2));
     rig.start_drive();
@@ -129,7 +129,7 @@ fn fri_from_another_address_is_told() {
 }
 
 #[test]
-fn the_robot_program_tells_of_itself_and_of_safety_stops() {
+fn the_robot_program_reports_itself_and_safety_stops() {
     let rig = Rig::new(5);
     let status = rig.client().state().unwrap();
     assert!(status.hello.unwrap().program.starts_with("iiwasim "));

@@ -368,7 +368,7 @@ fn a_robot_program_with_another_protocol_is_not_instructed() {
 }
 
 #[test]
-fn conditions_are_told_and_a_safety_stop_refuses_runs() {
+fn conditions_are_reported_and_a_safety_stop_refuses_runs() {
     let (rig, program) = ScriptedProgram::new();
     program.send(
         br#"{"boot": 1, "state": "idle", "conditions": {"operation_mode": "krf", "override": 0.3,

@@ -155,7 +155,7 @@ mod tests {
     }
 
     #[test]
-    fn only_what_slows_the_robot_is_cautioned() {
+    fn only_conditions_that_slow_the_robot_are_cautioned() {
         let caution = |text: &str| serde_json::from_str::<Conditions>(text).unwrap().caution();
         assert_eq!(caution("{}"), None);
         assert_eq!(caution(r#"{"operation_mode": "aut", "override": 1.0, "tool": "x"}"#), None);

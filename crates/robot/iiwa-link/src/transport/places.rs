@@ -239,7 +239,7 @@ mod tests {
     }
 
     #[test]
-    fn the_least_progress_is_evicted_first() {
+    fn the_smallest_progress_is_evicted_first() {
         let mut scene = Scene::of(Stage::Introduced, 40, 64);
         for (i, stage) in [Stage::Silent, Stage::Greeting, Stage::Greeted].into_iter().enumerate() {
             (0..13).for_each(|j| scene.put(100 * (i as u64 + 1) + j, stage, 1, 0, 900 + j));

@@ -177,7 +177,7 @@ fn stop() -> Value {
 }
 
 #[test]
-fn a_safety_stop_is_told() {
+fn a_safety_stop_is_reported() {
     let mut scene = DispatcherScene::new();
     let mut reported = |safety| {
         scene.observe_with(safety);

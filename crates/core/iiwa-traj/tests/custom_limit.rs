@@ -159,7 +159,7 @@ fn is_named(trajectory: &Trajectory, name: &str) -> bool {
 }
 
 #[test]
-fn a_limit_of_ones_own_is_kept() {
+fn a_custom_limit_is_kept() {
     let path = JointPath::new(&program(), &Robot::default()).unwrap();
     let sum = [1.0, 0.5, 0.0, -1.0, 0.0, 0.3, 0.2];
     let both = Combination::symmetric(sum, 3.0);
@@ -213,7 +213,7 @@ fn a_limit_that_binds_nothing_changes_nothing() {
 
 /// Limits beside torques, whose seven rows leave room for one of eight: one row more, and nine.
 #[test]
-fn limits_of_ones_own_are_kept_beside_torques() {
+fn custom_limits_are_kept_beside_torques() {
     let mut program = program();
     let load = Load { mass_kg: 7.0, center_mm: [0.0, 0.0, 80.0], ..Load::default() };
     program.motions.insert(0, Motion::Load(Some(load)));
