@@ -53,7 +53,7 @@ impl ArmFiles {
     pub(crate) fn failure(&self, error: &ArmMeshError) -> Failure {
         let Text { name, text } = &self.0.text;
         match error.place() {
-            Some(place) => Failure::in_text(&error.what(), place, name, text),
+            Some(place) => Failure::in_text(&error.message(), place, name, text),
             None => Failure::input(format!("{name}: {error}")),
         }
     }

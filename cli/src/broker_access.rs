@@ -44,9 +44,10 @@ pub(crate) fn mqtt_connection(mqtt: &args::Mqtt) -> Result<Option<MqttConnection
 }
 
 fn broker_access(options: &args::BrokerAccess<'_>) -> Result<BrokerAccess, Failure> {
-    let own = options.own.map(|(certificate, key)| (certificate.clone(), key.clone()));
-    let tls = (options.tls || options.authority.is_some() || own.is_some())
-        .then(|| TlsFiles { authority: options.authority.cloned(), own });
+    let client_certificate =
+        options.own.map(|(certificate, key)| (certificate.clone(), key.clone()));
+    let tls = (options.tls || options.authority.is_some() || client_certificate.is_some())
+        .then(|| TlsFiles { authority: options.authority.cloned(), client_certificate });
     let credentials = options.user.map(|(user, file)| credentials(user, file)).transpose()?;
     Ok(BrokerAccess { tls, credentials })
 }

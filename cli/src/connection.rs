@@ -98,7 +98,7 @@ pub(crate) fn failed(what: &str, error: &ClientError) -> Failure {
 pub(crate) fn explained(error: &ClientError) -> String {
     match error {
         ClientError::Unreachable { .. } => format!("{error}; is `iiwasim drive` running there?"),
-        ClientError::Unauthorized { what, .. } => format!("{error}{}", one_side(what)),
+        ClientError::Unauthorized { reason, .. } => format!("{error}{}", one_side(reason)),
         error => error.to_string(),
     }
 }
@@ -126,7 +126,7 @@ fn hint(error: &LinkError) -> &'static str {
         LinkError::Security(SecurityError::NoClientKeys { .. }) => {
             ". Put the clients' .pub files there, which `iiwasim keygen` makes"
         }
-        LinkError::Unauthorized { what, .. } => one_side(what),
+        LinkError::Unauthorized { reason, .. } => one_side(reason),
         LinkError::ControllerAddress { .. } => {
             "; give the controller's address with --cabinet or --fri-cabinet"
         }

@@ -51,16 +51,16 @@ impl Failure {
         match error {
             Error::Program(ProgramError::Included { name: included, text, error, .. }) => {
                 let file = folder_of(Path::new(name)).join(included).display().to_string();
-                Self::in_text(&error.what(), error.place(), &file, text)
+                Self::in_text(&error.message(), error.place(), &file, text)
             }
             Error::Profile { file, text, error } => {
                 other_kind(file, text, JsonKind::Profile, "robot profile").map_or_else(
-                    || Self::in_text(&error.what(), error.place(), file, text),
+                    || Self::in_text(&error.message(), error.place(), file, text),
                     Self::input,
                 )
             }
             Error::UnknownRobot { place, .. } => {
-                let what = format!("{}; --robot takes any other", error.what());
+                let what = format!("{}; --robot takes any other", error.message());
                 Self::in_text(&what, place, name, text)
             }
             Error::Plan { error: plan, .. } => match &**plan {
@@ -80,7 +80,7 @@ impl Failure {
     /// Converts an error in the text of a program, with its place if known.
     fn at_place(error: &iiwa_plan::Error, name: &str, text: &str) -> Self {
         match error.place() {
-            Some(place) => Self::in_text(&error.what(), place, name, text),
+            Some(place) => Self::in_text(&error.message(), place, name, text),
             None => Self::input(error.to_string()),
         }
     }

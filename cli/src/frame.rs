@@ -54,9 +54,9 @@ impl Workplace {
     /// Parses `--frame`: JSON or the name of a frame in the program.
     pub(crate) fn frame_named(&self, text: &str) -> Result<TargetRef, Failure> {
         if text.trim_start().starts_with('{') {
-            return Target::from_json(text)
-                .map(TargetRef::Given)
-                .map_err(|error| Failure::in_text(&error.what(), error.place(), "--frame", text));
+            return Target::from_json(text).map(TargetRef::Given).map_err(|error| {
+                Failure::in_text(&error.message(), error.place(), "--frame", text)
+            });
         }
         if self.place.program.is_none() {
             return Err(Failure::input(format!(

@@ -116,7 +116,7 @@ pub(crate) fn workcell(path: &Path, robot: Option<&str>) -> Result<(Workcell, Ro
             return Ok((workcell, robot.map_or_else(default_robot, find_robot)?));
         }
         Err(error) if JsonKind::of(&text.text) != Some(JsonKind::Program) => {
-            return Err(Failure::in_text(&error.what(), error.place(), &text.name, &text.text));
+            return Err(Failure::in_text(&error.message(), error.place(), &text.name, &text.text));
         }
         Err(_) => {}
     }
@@ -155,7 +155,7 @@ pub(crate) fn scene(path: &Path) -> Result<Scene, Failure> {
     let Text { name, text } = Text::read(path)?;
     Scene::from_json_with(&text, |name| mesh(path, name)).map_err(|error| {
         other_kind(&name, &text, JsonKind::Scene, "scene").map_or_else(
-            || Failure::in_text(&error.what(), error.place(), &name, &text),
+            || Failure::in_text(&error.message(), error.place(), &name, &text),
             Failure::input,
         )
     })
@@ -213,7 +213,7 @@ pub(crate) fn find_robot(name: &str) -> Result<Robot, Failure> {
 fn robot_of(Text { name, text }: &Text) -> Result<Robot, Failure> {
     Robot::from_profile(text).map_err(|error| {
         other_kind(name, text, JsonKind::Profile, "robot profile").map_or_else(
-            || Failure::in_text(&error.what(), error.place(), name, text),
+            || Failure::in_text(&error.message(), error.place(), name, text),
             Failure::input,
         )
     })

@@ -24,7 +24,7 @@ impl From<&TwinError> for Failure {
         match error {
             TwinError::Link(error) => connection::refused(error),
             TwinError::Page(error) => error.into(),
-            TwinError::Viewers(error) => Self::run(error.what.clone(), &*error.cause),
+            TwinError::Viewers(error) => Self::run(error.operation.clone(), &*error.cause),
             TwinError::Output(error) => error.into(),
             TwinError::Program { name, text, error } => Self::program(error, name, text),
             TwinError::PositionsText { file, text, place, what } => {

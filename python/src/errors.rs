@@ -104,10 +104,10 @@ pub(crate) fn plan_error(py: Python<'_>, error: &Error) -> PyErr {
 
 /// A `ProfileError` for an invalid robot profile.
 pub(crate) fn profile_error(py: Python<'_>, error: &ProfileError) -> PyErr {
-    in_text(py, "ProfileError", &error.what(), error.place())
+    in_text(py, "ProfileError", &error.message(), error.place())
 }
 
 /// A `SceneError` for an invalid scene.
 pub(crate) fn scene_error(py: Python<'_>, error: &SceneError) -> PyErr {
-    in_text(py, "SceneError", &error.what(), error.place())
+    in_text(py, "SceneError", &error.message(), error.place())
 }

@@ -198,7 +198,7 @@ impl Robot {
     /// True
     #[getter]
     fn assumptions(&self) -> Vec<String> {
-        let text = |it: &iiwa_kin::Assumption| format!("{}: {}", it.what, it.basis);
+        let text = |it: &iiwa_kin::Assumption| format!("{}: {}", it.quantity, it.basis);
         self.model.assumptions().iter().map(text).collect()
     }
 

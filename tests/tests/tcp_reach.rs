@@ -105,7 +105,7 @@ impl Along<'_> {
     /// Returns the distance to a singularity near `s`, for causes that refer to some `s`.
     fn singularity(&self, s: f64) -> f64 {
         let joints = self.joints(s.clamp(0.0, 1.0));
-        joints.map_or(0.0, |joints| self.robot.singularity(&joints).least().0)
+        joints.map_or(0.0, |joints| self.robot.singularity(&joints).nearest().0)
     }
 }
 

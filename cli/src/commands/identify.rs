@@ -55,7 +55,7 @@ pub(crate) fn run(options: &Identify) -> Result<(), Failure> {
         let profile = format!("{}\n", robot.to_profile());
         // A given name may be invalid in profiles.
         Robot::from_profile(&profile)
-            .map_err(|error| Failure::input(format!("--name: {}", error.what())))?;
+            .map_err(|error| Failure::input(format!("--name: {}", error.message())))?;
         output::write(target, profile.as_bytes())?;
     }
     if options.json { output::print_json(&report) } else { output::print(&report.text(&model)) }

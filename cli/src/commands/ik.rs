@@ -132,7 +132,7 @@ fn frame_of(mut object: Map<String, Value>) -> Result<TargetRef, Failure> {
     let frame = object.remove("frame").filter(Value::is_object);
     let text = frame.unwrap_or(Value::Object(object)).to_string();
     // The line is the only place information.
-    let frame = Target::from_json(&text).map_err(|error| Failure::input(error.what()))?;
+    let frame = Target::from_json(&text).map_err(|error| Failure::input(error.message()))?;
     Ok(TargetRef::Given(frame))
 }
 
@@ -191,7 +191,7 @@ fn print(
     let joints_deg = joints_rad.map(f64::to_degrees);
     let robot = &place.robot;
     let singularity = robot.singularity(joints_rad);
-    let (least, part) = singularity.least();
+    let (least, part) = singularity.nearest();
     let frame = place.frame(joints_rad);
     if json {
         let Singularity { shoulder, elbow, wrist } = singularity;

@@ -34,7 +34,7 @@ fn check(robot: &Robot, path: &Path, tip: Option<&str>) -> Result<(), Failure> {
     let Text { name, text } = Text::read(path)?;
     let report = robot
         .check_urdf(&text, tip)
-        .map_err(|error| Failure::in_text(&error.what(), error.place(), &name, &text))?;
+        .map_err(|error| Failure::in_text(&error.message(), error.place(), &name, &text))?;
     let mut out = format!(
         "The axes and the flange of {name} agree with {}: {} to {}, joints {}\n\
          Largest deviation over {} poses: {:.6} mm, {:.6} deg\n",

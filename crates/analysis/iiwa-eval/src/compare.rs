@@ -224,7 +224,7 @@ fn check(plan: &Plan, log: &JointLog) -> Result<(), CompareError> {
     }
     let mut before = f64::NEG_INFINITY;
     for (i, (t_s, q)) in log.t_s.iter().zip(&log.q_rad).enumerate() {
-        let bad = |what| CompareError::BadSample { index: i + 1, what };
+        let bad = |fault| CompareError::BadSample { index: i + 1, fault };
         if !t_s.is_finite() || q.iter().any(|v| !v.is_finite()) {
             return Err(bad("contains a value that is not finite"));
         }
@@ -257,8 +257,8 @@ fn report_gaps(
             places => format!("{places} places"),
         };
         losses.push(format!(
-            "some {missing} samples of the motion are missing in {places}, most of them for {gap_s:.3} s \
-             from {from_s:.3} s on: the path there is not compared"
+            "some {missing} samples of the motion are missing in {places}, most of them for \
+             {gap_s:.3} s from {from_s:.3} s on: the path there is not compared"
         ));
     }
 }
@@ -342,8 +342,8 @@ impl Timing {
         let mut unknown = 0;
         let mut times = Vec::with_capacity(legs.len());
         for (k, leg) in legs.iter().enumerate() {
-            let mut edge = |side, known: Option<&Edge>| {
-                if let Some(edge) = known {
+            let mut edge = |side, edge_found: Option<&Edge>| {
+                if let Some(edge) = edge_found {
                     return Some(edge.t_s);
                 }
                 let edge = finder.edge(k, side).ok();
@@ -359,8 +359,8 @@ impl Timing {
         unknown += passes.iter().filter(|pass| pass.1.is_none()).count();
         if unknown > 0 {
             losses.push(format!(
-                "{unknown} of the places where motions start and end are not clear in the recording: \
-                 the times of these motions are left out"
+                "{unknown} of the places where motions start and end are not clear in the \
+                 recording: the times of these motions are left out"
             ));
         }
         Ok(Self { departure, arrival, legs: times, passes })
@@ -398,9 +398,9 @@ impl Timing {
             let waits = start.kind == PieceKind::Wait;
             // Before the first departure and after the last arrival, rests of the program cannot be
             // distinguished from rests outside the program.
-            let seen = !waits || (planned_start_s >= first && planned_end_s < last);
+            let is_recorded = !waits || (planned_start_s >= first && planned_end_s < last);
             let real = self.at(planned_start_s, true).zip(self.at(planned_end_s, false));
-            let real = real.filter(|_| seen);
+            let real = real.filter(|_| is_recorded);
             let planned_s = planned_end_s - planned_start_s;
             let real_s = real.map(|(from, to)| to - from);
             MotionTime {
@@ -542,19 +542,24 @@ impl<'a> Finder<'a> {
         const AROUND: usize = 3;
         let log = self.log;
         let (first, places) = (self.followed.first, &self.followed.place_s);
-        let at = self.sample_at(plan_s);
-        let before = at.checked_sub(1).filter(|before| *before >= first)?;
-        if at >= first + places.len() || log.t_s[at] - log.t_s[before] > self.noise.gap_s() {
+        let sample = self.sample_at(plan_s);
+        let before = sample.checked_sub(1).filter(|before| *before >= first)?;
+        if sample >= first + places.len() || log.t_s[sample] - log.t_s[before] > self.noise.gap_s()
+        {
             return None;
         }
         let leg = self.legs.iter().find(|leg| leg.start_s <= plan_s && plan_s <= leg.end_s)?;
         let near = |i: usize| {
             let place_s = places[i - first];
-            let close = (log.t_s[i] - log.t_s[at]).abs() <= AROUND_S || i.abs_diff(at) <= AROUND;
+            let close =
+                (log.t_s[i] - log.t_s[sample]).abs() <= AROUND_S || i.abs_diff(sample) <= AROUND;
             close && leg.start_s < place_s && place_s < leg.end_s
         };
-        let from = (first..at).rev().take_while(|i| near(*i)).last().unwrap_or(at);
-        let to = (at..first + places.len()).take_while(|i| near(*i)).last().map_or(at, |i| i + 1);
+        let from = (first..sample).rev().take_while(|i| near(*i)).last().unwrap_or(sample);
+        let to = (sample..first + places.len())
+            .take_while(|i| near(*i))
+            .last()
+            .map_or(sample, |i| i + 1);
         let points = (from..to).map(|i| {
             let place_s = places[i - first];
             let speed = norm(&self.plan.curve.at(place_s).1);
@@ -562,6 +567,6 @@ impl<'a> Finder<'a> {
         });
         let line = Line::fit(points)?;
         // Two motions may meet at a reversal; the time is then between the two samples.
-        Some(line.zero.clamp(log.t_s[before], log.t_s[at]))
+        Some(line.zero.clamp(log.t_s[before], log.t_s[sample]))
     }
 }

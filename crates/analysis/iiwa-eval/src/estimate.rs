@@ -99,8 +99,9 @@ impl<const N: usize> Linear<N> {
         let scatters = degrees > 0 && too_much(best.2);
         if scatters {
             // The total scatter of all observations is an upper bound.
-            let most = best.2 * rows.iter().map(|row| row.deviation.powi(2)).fold(0.0, f64::max);
-            let mut range = [0.0, most];
+            let max_variance =
+                best.2 * rows.iter().map(|row| row.deviation.powi(2)).fold(0.0, f64::max);
+            let mut range = [0.0, max_variance];
             for _ in 0..100 {
                 excess = 0.5 * (range[0] + range[1]);
                 best = solve(excess)?;
@@ -166,7 +167,7 @@ mod tests {
     }
 
     #[test]
-    fn observations_that_agree_are_as_good_as_they_say() {
+    fn consistent_observations_keep_their_uncertainty() {
         let mean = Estimate::mean(&[(1.0, 0.1), (1.0, 0.1), (1.0, 0.1), (1.0, 0.1)]).unwrap();
         assert_eq!(mean.count, 4);
         assert!((mean.value - 1.0).abs() < 1e-12);
@@ -184,7 +185,7 @@ mod tests {
     }
 
     #[test]
-    fn figures_are_told_to_two_digits_of_their_uncertainty() {
+    fn figures_have_two_digits_of_their_uncertainty() {
         let estimate = Estimate { value: 98.123_456, uncertainty: 0.0123, count: 3 };
         assert_eq!(estimate.to_string(), "98.123 +- 0.012");
     }

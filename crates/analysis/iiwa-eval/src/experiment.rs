@@ -124,14 +124,14 @@ pub fn zone_velocity() -> Trial {
 #[must_use]
 pub fn settle(robot: &Robot, count: usize, seed: u64) -> Trial {
     let mut random = Rng::with_seed(seed);
-    let mut at = HOME_RAD;
+    let mut pose_rad = HOME_RAD;
     let motions: Vec<_> = (0..count)
         .map(|_| {
-            at = random_target(robot, &mut random, &at, |random| {
+            pose_rad = random_target(robot, &mut random, &pose_rad, |random| {
                 let (middle, half) = ranges(robot);
                 std::array::from_fn(|j| middle[j] + 0.6 * half[j] * symmetric(random))
             });
-            Ptp::to(at).velocity(0.1 + 0.9 * random.f64())
+            Ptp::to(pose_rad).velocity(0.1 + 0.9 * random.f64())
         })
         .collect();
     Trial { name: "settle".to_owned(), program: program(HOME_RAD, motions) }
@@ -195,17 +195,17 @@ impl CycleTimeCase {
     pub fn trial(&self, robot: &Robot, seed: u64) -> Trial {
         let Self { path, velocity_rel, blend, length_deg } = *self;
         let mut random = Rng::with_seed(seed.wrapping_mul(1000).wrapping_add(path));
-        let mut at = HOME_RAD;
+        let mut pose_rad = HOME_RAD;
         let mut motions: Vec<_> = (0..10)
             .map(|_| {
-                let from = at;
-                at = random_target(robot, &mut random, &from, |random| {
+                let from = pose_rad;
+                pose_rad = random_target(robot, &mut random, &from, |random| {
                     // Uniform distribution over all directions.
                     let way: Joints = std::array::from_fn(|_| normal(random));
                     let scale = length_deg.to_radians() / norm(&way);
                     std::array::from_fn(|j| from[j] + scale * way[j])
                 });
-                let motion = Ptp::to(at).velocity(velocity_rel);
+                let motion = Ptp::to(pose_rad).velocity(velocity_rel);
                 if blend > 0.0 { motion.blend(Blend::Fraction(blend)) } else { motion }
             })
             .collect();
@@ -257,10 +257,10 @@ fn random_target(
 /// Returns the centre and the half-width of each joint range, in rad.
 fn ranges(robot: &Robot) -> (Joints, Joints) {
     let limits = robot.limits();
-    let of = |sign: f64| {
+    let step = |sign: f64| {
         std::array::from_fn(|j| 0.5 * (limits.upper_rad[j] + sign * limits.lower_rad[j]))
     };
-    (of(1.0), of(-1.0))
+    (step(1.0), step(-1.0))
 }
 
 /// Draws a number from a uniform distribution between -1 and 1.
@@ -299,15 +299,15 @@ mod tests {
     }
 
     #[test]
-    fn lengths_are_as_asked_for() {
+    fn lengths_are_as_requested() {
         let case = CycleTimeCase { path: 3, velocity_rel: 0.4, blend: 0.25, length_deg: 200.0 };
         let Trial { name, program } = case.trial(&Robot::default(), 1);
         assert_eq!(name, "path-4-velocity-040-blend-25-length-200");
-        let mut at = *program.start.joints_rad().unwrap();
+        let mut pose_rad = *program.start.joints_rad().unwrap();
         for motion in &program.motions {
             let Motion::Ptp(ptp) = motion else { panic!("a wait") };
-            assert!((norm(&sub(&ptp.target_rad, &at)).to_degrees() - 200.0).abs() < 1e-9);
-            at = ptp.target_rad;
+            assert!((norm(&sub(&ptp.target_rad, &pose_rad)).to_degrees() - 200.0).abs() < 1e-9);
+            pose_rad = ptp.target_rad;
         }
     }
 }

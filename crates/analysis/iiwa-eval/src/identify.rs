@@ -6,12 +6,12 @@
 //! | result | source | method |
 //! |---|---|---|
 //! | speed, acceleration, jerk | motions along a line from rest to rest | the seven phases of constant jerk are fitted to all samples of the motion (Larsen 2019, Appendix A differentiates) |
-//! | ramps | the same motions | where constant jerk does not explain a motion, ramps as under Sunrise are fitted; see [`FoundRamps`] |
+//! | ramps | the same motions | where constant jerk does not explain a motion, ramps as under Sunrise are fitted; see [`RampEstimates`] |
 //! | settle time | stops between two such motions | from the end of one to the start of the next, both as fitted (Appendix C) |
 //! | kappa(gamma) | blends | Eq. 39 is fitted to the path around each corner, regardless of time; then a polynomial to kappa over gamma (section 4.3) |
 //! | equal distances | blends between motions of unequal lengths | start and end are fitted as well (Algorithm 3) |
 //! | TCP blends | blends between two LINs | the same fits in the plane of both TCP lines, by forward kinematics |
-//! | payload, friction | torques, of recordings that have them | least squares: torques are linear in the moments of a payload, see [`FoundTorques`] |
+//! | payload, friction | torques, of recordings that have them | least squares: torques are linear in the moments of a payload, see [`TorqueEstimates`] |
 //! | assumptions about orientation, E1 and blends with joint space | TCP paths and the blends at their ends | deviation from the assumed path with the identified kappa |
 //!
 //! A limit is identified only where a recording shows it: a speed or an acceleration that was kept
@@ -21,19 +21,19 @@ mod blends;
 mod courses;
 mod error;
 mod findings;
-mod found_ramps;
-mod found_torques;
 mod identified;
 mod kappa;
 mod limits;
 mod observation;
 mod observer;
+mod ramp_estimates;
 mod ramps;
 mod recording;
 mod soft_ramps;
 mod soft_shape;
 mod stops;
 mod tcp_blends;
+mod torque_estimates;
 mod torque_windows;
 mod torques;
 mod watched;
@@ -50,15 +50,15 @@ use self::{
 };
 pub use self::{
     error::IdentifyError,
-    found_ramps::FoundRamps,
-    found_torques::{FoundLoad, FoundTorques},
     identified::{Identified, Settle},
     kappa::Kappa,
     observation::{
         BlendObservation, CourseObservation, CoursePart, LeftOut, LineLaw, LineObservation,
         TcpBlendObservation, Why,
     },
+    ramp_estimates::RampEstimates,
     recording::Recording,
+    torque_estimates::{LoadEstimate, TorqueEstimates},
 };
 
 /// Identifies the robot in the recordings. `model` is the robot that it is assumed to be: its
@@ -72,17 +72,17 @@ pub use self::{
 ///
 /// If a program cannot be planned for `model`, or a recording shows nothing of its program.
 pub fn identify(recordings: &[Recording<'_>], model: &Robot) -> Result<Identified, IdentifyError> {
-    let mut found = Findings::default();
+    let mut findings = Findings::default();
     let mut followed_courses = Vec::new();
     for (recording, Recording { program, log }) in recordings.iter().enumerate() {
         let watched = Watched::new(recording, program, log, model)
             .map_err(|fault| IdentifyError::Program { recording, fault })?;
-        let sections = observe(&watched, &mut found)?;
+        let sections = observe(&watched, &mut findings)?;
         if program.has_frames() {
             followed_courses.push((watched, sections));
         }
     }
-    let mut known = found.conclude(model);
+    let mut known = findings.conclude(model);
     // The identified kappa is required first: only then does a blend show other deviations from the
     // assumptions.
     let robot = known.robot(model);
@@ -101,7 +101,7 @@ pub fn identify(recordings: &[Recording<'_>], model: &Robot) -> Result<Identifie
 }
 
 /// Evaluates one recording and returns the sections in which it follows its program.
-fn observe(watched: &Watched<'_>, found: &mut Findings) -> Result<Vec<Section>, IdentifyError> {
+fn observe(watched: &Watched<'_>, findings: &mut Findings) -> Result<Vec<Section>, IdentifyError> {
     let Watched { recording, log, path, .. } = watched;
     let recording = *recording;
     let Some(mut followed) = stops::follow(path, log, 0) else {
@@ -112,20 +112,20 @@ fn observe(watched: &Watched<'_>, found: &mut Findings) -> Result<Vec<Section>, 
     if followed.passages.is_empty() {
         return Err(IdentifyError::NoMotion { recording });
     }
-    found.period_s = found.period_s.max(log.period_s().unwrap_or_default());
+    findings.period_s = findings.period_s.max(log.period_s().unwrap_or_default());
     let mut sections = Vec::new();
     // The program may have been run several times.
     loop {
         let FollowedStops { passages, lost_in } = &followed;
-        Observer { watched, found }.observe(passages);
+        Observer { watched, found: findings }.observe(passages);
         for passage in passages {
-            tcp_blends::observe(watched, passage, found);
+            tcp_blends::observe(watched, passage, findings);
             let (steps, samples) = (passage.steps.clone(), passage.samples.clone());
             sections.push(Section { steps, samples });
         }
         if let Some(motion) = *lost_in {
-            let why = Why::NotFollowed;
-            found.known.left_out.push(LeftOut { recording, motion, why });
+            let reason = Why::NotFollowed;
+            findings.known.left_out.push(LeftOut { recording, motion, why: reason });
             break;
         }
         let from = passages.last().map_or(log.q_rad.len(), |last| last.arrives);

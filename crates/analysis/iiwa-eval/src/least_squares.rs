@@ -9,7 +9,7 @@ pub(crate) trait Model<const N: usize> {
     fn samples(&self, parameters: &[f64; N], each: impl FnMut(f64, [f64; N]));
 
     /// Returns the lower bound of each parameter.
-    fn least(&self) -> [f64; N] {
+    fn lower_bounds(&self) -> [f64; N] {
         [f64::NEG_INFINITY; N]
     }
 }
@@ -91,7 +91,12 @@ impl<const N: usize> Sums<N> {
 
     /// Returns the damped Gauss-Newton step. Parameters that would exceed their bounds are set to
     /// the bounds, and the step of the others is optimal for these values.
-    fn step(&self, at: &[f64; N], least: &[f64; N], damping: f64) -> Option<SVector<f64, N>> {
+    fn step(
+        &self,
+        parameters: &[f64; N],
+        lower_bounds: &[f64; N],
+        damping: f64,
+    ) -> Option<SVector<f64, N>> {
         let mut bound: [Option<f64>; N] = [None; N];
         loop {
             let mut normal = self.normal;
@@ -99,18 +104,19 @@ impl<const N: usize> Sums<N> {
             for i in 0..N {
                 normal[(i, i)] *= 1.0 + damping;
             }
-            let known = || bound.iter().enumerate().filter_map(|(i, step)| Some((i, (*step)?)));
-            for (i, step) in known() {
+            let bounded = || bound.iter().enumerate().filter_map(|(i, step)| Some((i, (*step)?)));
+            for (i, step) in bounded() {
                 gradient.axpy(-step, &normal.column(i), 1.0);
             }
-            for (i, step) in known() {
+            for (i, step) in bounded() {
                 hold(&mut normal, i);
                 gradient[i] = step;
             }
             let step = normal.cholesky()?.solve(&gradient);
-            let beyond = (0..N).find(|&i| bound[i].is_none() && at[i] + step[i] < least[i]);
+            let beyond =
+                (0..N).find(|&i| bound[i].is_none() && parameters[i] + step[i] < lower_bounds[i]);
             match beyond {
-                Some(i) => bound[i] = Some(least[i] - at[i]),
+                Some(i) => bound[i] = Some(lower_bounds[i] - parameters[i]),
                 None => return Some(step),
             }
         }
@@ -142,10 +148,10 @@ fn dependence<const N: usize>(
     (1.0 + correlation) / (1.0 - correlation)
 }
 
-const MOST_STEPS: usize = 60;
+const MAX_STEPS: usize = 60;
 
 /// Lower bound of the residual, in rad: some recorders store positions as 32-bit numbers.
-const LEAST_RESIDUAL: f64 = 1e-9;
+const MIN_RESIDUAL: f64 = 1e-9;
 
 /// Fits by least squares with the method of Levenberg and Marquardt, with some parameters fixed;
 /// none with too few samples, or if the samples do not determine the parameters.
@@ -157,10 +163,11 @@ pub(crate) fn fit<const N: usize>(
     let mut parameters = start;
     let mut damping = 1e-4;
     let mut sums = Sums::of(model, &parameters).hold(&held);
-    let least = model.least();
-    for _ in 0..MOST_STEPS {
-        let next = sums.step(&parameters, &least, damping).map(|step| {
-            let next: [f64; N] = std::array::from_fn(|i| (parameters[i] + step[i]).max(least[i]));
+    let lower_bounds = model.lower_bounds();
+    for _ in 0..MAX_STEPS {
+        let next = sums.step(&parameters, &lower_bounds, damping).map(|step| {
+            let next: [f64; N] =
+                std::array::from_fn(|i| (parameters[i] + step[i]).max(lower_bounds[i]));
             (next, Sums::of(model, &next).hold(&held))
         });
         match next {
@@ -170,7 +177,7 @@ pub(crate) fn fit<const N: usize>(
                 sums = candidate;
                 damping = (damping * 0.1).max(1e-12);
                 // The gain is far below the parameter changes within the residuals' scatter.
-                let variance = (sums.squares / sums.count as f64).max(LEAST_RESIDUAL.powi(2));
+                let variance = (sums.squares / sums.count as f64).max(MIN_RESIDUAL.powi(2));
                 if damping < 1e-3 && gain <= 1e-6 * variance {
                     break;
                 }
@@ -180,11 +187,11 @@ pub(crate) fn fit<const N: usize>(
         }
     }
     // Parameters at their bounds have no variance.
-    let held: [bool; N] = std::array::from_fn(|i| held[i] || parameters[i] <= least[i]);
+    let held: [bool; N] = std::array::from_fn(|i| held[i] || parameters[i] <= lower_bounds[i]);
     let sums = sums.hold(&held);
     let free = held.iter().filter(|held| !**held).count();
     let degrees = sums.count.checked_sub(free).filter(|&degrees| degrees > 0)?;
-    let variance = (sums.squares / degrees as f64).max(LEAST_RESIDUAL.powi(2));
+    let variance = (sums.squares / degrees as f64).max(MIN_RESIDUAL.powi(2));
     let dependence = dependence(model, &parameters, sums.squares, sums.count);
     let mut covariance = sums.normal.cholesky()?.inverse() * (variance * dependence);
     for i in (0..N).filter(|&i| held[i]) {

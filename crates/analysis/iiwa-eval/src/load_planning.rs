@@ -40,7 +40,7 @@ impl FromStr for LoadPlanning {
 const SHARE_STEPS: i32 = 20;
 
 /// Minimum share of the acceleration.
-const LEAST_SHARE: f64 = 0.05;
+const MIN_SHARE: f64 = 0.05;
 
 impl LoadPlanning {
     /// Returns the program with the accelerations that such a planner uses, for each PTP motion
@@ -65,7 +65,7 @@ impl LoadPlanning {
                 Self::Ignored => 1.0,
                 Self::FactorPerKg(per_kg) => {
                     let mass_kg = load.map_or(0.0, |load| load.mass_kg);
-                    (1.0 - per_kg * mass_kg).max(LEAST_SHARE)
+                    (1.0 - per_kg * mass_kg).max(MIN_SHARE)
                 }
                 Self::Torque(limit_rel) => {
                     let mut alone = program.clone();
@@ -98,7 +98,7 @@ fn share_within(
     if needs(1.0)? <= limit {
         return Ok(1.0);
     }
-    let (mut within, mut beyond) = (LEAST_SHARE, 1.0);
+    let (mut within, mut beyond) = (MIN_SHARE, 1.0);
     for _ in 0..SHARE_STEPS {
         let share = f64::midpoint(within, beyond);
         if needs(share)? <= limit {

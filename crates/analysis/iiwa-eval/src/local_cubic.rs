@@ -41,8 +41,8 @@ mod tests {
         let values: Vec<f64> = t_s.iter().map(|t| cubic(*t)).collect();
         let [q, dq, ddq, dddq] = local_cubic(&t_s, &values, 0.2, 0.05).unwrap();
         let expected = [cubic(0.2), 2.0 - 1.2 + 12.0 * 0.04, -6.0 + 24.0 * 0.2, 24.0];
-        for (found, expected) in [q, dq, ddq, dddq].iter().zip(expected) {
-            assert!((found - expected).abs() < 1e-6, "{found} {expected}");
+        for (actual, expected) in [q, dq, ddq, dddq].iter().zip(expected) {
+            assert!((actual - expected).abs() < 1e-6, "{actual} {expected}");
         }
         assert_eq!(local_cubic(&t_s, &values, 5.0, 0.05), None);
     }

@@ -9,15 +9,15 @@ use crate::quantile::{median, quantile};
 const SAMPLES: usize = 20_000;
 
 /// Step in rad below which differences are rounding of the last digits.
-const LEAST_STEP_RAD: f64 = 1e-9;
+const MIN_STEP_RAD: f64 = 1e-9;
 
 /// Returns the standard deviation of rounded positions, in rad. At rest such positions seem to have
 /// no noise; in motion they change in steps, the smallest of which is the resolution.
 fn rounding_rad(log: &JointLog, joint: usize, stride: usize) -> f64 {
     let steps =
         log.q_rad.windows(2).step_by(stride).map(|pair| (pair[1][joint] - pair[0][joint]).abs());
-    let least = steps.filter(|step| *step > LEAST_STEP_RAD).fold(f64::INFINITY, f64::min);
-    if least.is_finite() { least / 12.0_f64.sqrt() } else { 0.0 }
+    let min_step = steps.filter(|step| *step > MIN_STEP_RAD).fold(f64::INFINITY, f64::min);
+    if min_step.is_finite() { min_step / 12.0_f64.sqrt() } else { 0.0 }
 }
 
 /// Properties of a recording that are known before it is compared.
@@ -42,17 +42,18 @@ impl Noise {
         let even = |i: &usize| {
             (1..4).all(|k| (log.t_s[i + k] - log.t_s[i + k - 1] - step_s).abs() < 0.2 * step_s)
         };
-        let at: Vec<usize> = (0..count.saturating_sub(3)).step_by(stride).filter(even).collect();
+        let starts: Vec<usize> =
+            (0..count.saturating_sub(3)).step_by(stride).filter(even).collect();
         let joints_rad = std::array::from_fn(|j| {
             let difference = |i: &usize| {
                 let q = |k: usize| log.q_rad[i + k][j];
                 (q(3) - 3.0 * q(2) + 3.0 * q(1) - q(0)).abs()
             };
-            let mut differences: Vec<f64> = at.iter().map(difference).collect();
+            let mut differences: Vec<f64> = starts.iter().map(difference).collect();
             // A quarter of a normal distribution is within 0.3186 standard deviations; the standard
             // deviation of third differences is sqrt(1 + 9 + 9 + 1) times that of the samples.
             let noise_rad = quantile(&mut differences, 0.25) / (0.3186 * 20.0_f64.sqrt());
-            if noise_rad > LEAST_STEP_RAD { noise_rad } else { rounding_rad(log, j, stride) }
+            if noise_rad > MIN_STEP_RAD { noise_rad } else { rounding_rad(log, j, stride) }
         });
         Self { joints_rad, step_s }
     }

@@ -43,8 +43,8 @@ pub enum VirtualRobotError {
     Plan(#[from] PlanError),
     /// The program has too many samples.
     #[error(
-        "it takes {seconds:.0} s, which is {samples:.0} samples, and {MAX_SAMPLES:.0} are kept: sample more \
-         slowly, or raise the robot's limits"
+        "it takes {seconds:.0} s, which is {samples:.0} samples, and {MAX_SAMPLES:.0} are kept: \
+         sample more slowly, or raise the robot's limits"
     )]
     TooLong {
         /// Duration, in s.

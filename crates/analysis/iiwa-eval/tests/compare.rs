@@ -171,7 +171,7 @@ fn a_path_that_goes_back_on_itself_is_not_mixed_up() {
 }
 
 #[test]
-fn slow_motions_are_not_taken_for_standing() {
+fn slow_motions_are_not_mistaken_for_rest() {
     for (velocity_rel, within_s) in [(0.01, 2e-3), (0.001, 0.02), (0.0001, 0.3)] {
         let program = format!(
             r#"{{ "version": 1, "start": {{ "joints_deg": [0, 0, 0, -60, 0, 90, 0] }}, "motions": [
@@ -227,7 +227,7 @@ fn refused(plan: &str, log: &JointLog) -> CompareError {
 }
 
 #[test]
-fn what_is_not_the_program_is_refused() {
+fn recordings_of_other_programs_are_refused() {
     let mut rng = Rng::with_seed(5);
     let tape = Tape { before_s: 0.5, after_s: 0.5, ..Tape::default() };
     let whole = tape.record(&trajectory(FIXTURES[1], jerk()), &mut rng);
@@ -298,8 +298,9 @@ fn gaps_are_stated_and_never_hide_an_edge() {
     let tape = Tape { before_s: 0.5, after_s: 0.5, ..Tape::default() };
     let whole = tape.record(&real, &mut Rng::with_seed(2));
     let without = |from_s: f64, to_s: f64| {
-        let kept = whole.t_s.iter().zip(&whole.q_rad).filter(|(t, _)| **t < from_s || **t > to_s);
-        let (t_s, q_rad) = kept.map(|(t, q)| (*t, *q)).unzip();
+        let remaining =
+            whole.t_s.iter().zip(&whole.q_rad).filter(|(t, _)| **t < from_s || **t > to_s);
+        let (t_s, q_rad) = remaining.map(|(t, q)| (*t, *q)).unzip();
         JointLog::new(t_s, q_rad)
     };
     let plan = Plan::from_trajectory(&real);
@@ -316,7 +317,7 @@ fn gaps_are_stated_and_never_hide_an_edge() {
 
 /// A joint with an offset of one degree passes the plan's start in motion.
 #[test]
-fn an_arm_that_stands_elsewhere_is_refused() {
+fn an_arm_at_rest_elsewhere_is_refused() {
     const BEND: &str = r#"{ "version": 1, "start": { "joints_deg": [-20, 0, 0, -60, 0, 90, 0] },
         "motions": [{ "type": "ptp", "joints_deg": [20, 0, 0, -60, 0, 90, 0] },
             { "type": "ptp", "joints_deg": [20, 0, 0, -30, 0, 90, 0] }] }"#;
@@ -332,6 +333,6 @@ fn an_arm_that_stands_elsewhere_is_refused() {
     shift_rad[0] = 1_f64.to_radians();
     let tape = Tape { shift_rad, ..tape };
     let log = tape.record(&trajectory, &mut Rng::with_seed(1));
-    let found = compare(&plan, &log).unwrap();
-    assert!(found.cycle_time.error_s.abs() < 1e-3, "{:?}", found.cycle_time);
+    let actual = compare(&plan, &log).unwrap();
+    assert!(actual.cycle_time.error_s.abs() < 1e-3, "{:?}", actual.cycle_time);
 }

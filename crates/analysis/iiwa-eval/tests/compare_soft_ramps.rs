@@ -36,11 +36,11 @@ fn worst_s(planned: Timing, noise_rad: f64, override_share: f64) -> f64 {
         let tape =
             Tape { noise_rad, section, phase, clock_s, before_s, after_s: 0.4, ..Tape::default() };
         let log = tape.record(&real, &mut Rng::with_seed(seed));
-        let found = compare(&plan, &log).unwrap();
-        worst = worst.max((found.departure_s - clock_s - before_s).abs());
+        let actual = compare(&plan, &log).unwrap();
+        worst = worst.max((actual.departure_s - clock_s - before_s).abs());
         let moving_s = real.motions().last().unwrap().end_s;
-        worst = worst.max((found.arrival_s - clock_s - before_s - section * moving_s).abs());
-        for (motion, real) in found.motions.iter().zip(real.motions()) {
+        worst = worst.max((actual.arrival_s - clock_s - before_s - section * moving_s).abs());
+        for (motion, real) in actual.motions.iter().zip(real.motions()) {
             let seconds = section * (real.end_s - real.start_s);
             worst = worst.max((motion.real_s.unwrap() - seconds).abs());
         }
@@ -67,8 +67,8 @@ fn soft_ramps_are_found_with_a_plan_of_another_law() {
         for noise_rad in [0.0, 3e-6, 1e-5] {
             let worst_s = worst_s(jerk(), noise_rad, override_share);
             println!("jerk, override {override_share}, noise {noise_rad:.0e}: {worst_s:.1e}");
-            let most_s = if noise_rad > 5e-6 { 3e-3 } else { 1e-3 };
-            assert!(worst_s < most_s, "override {override_share}, noise {noise_rad}: {worst_s}");
+            let max_s = if noise_rad > 5e-6 { 3e-3 } else { 1e-3 };
+            assert!(worst_s < max_s, "override {override_share}, noise {noise_rad}: {worst_s}");
         }
     }
 }

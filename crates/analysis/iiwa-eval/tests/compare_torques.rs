@@ -17,7 +17,7 @@ const PROGRAM: &str = r#"{ "version": 1,
         { "type": "ptp", "joints_deg": [0, 30, 0, -60, 0, 90, 0] }] }"#;
 
 #[test]
-fn torques_differ_by_noise_and_by_what_the_program_does_not_know() {
+fn torques_differ_by_noise_and_by_unknown_loads() {
     let program = Program::from_json(PROGRAM).unwrap();
     let mut robot = VirtualRobot::new(Robot::default(), 5);
     robot.torque_noise_nm = Some(0.05);
@@ -25,14 +25,14 @@ fn torques_differ_by_noise_and_by_what_the_program_does_not_know() {
         PlanOptions::with_timing(Timing::jerk_limited()).plan(&program, &robot.robot).unwrap();
     let plan = Plan::from_trajectory(&plan);
     let log = robot.run(&program).unwrap();
-    let found = compare(&plan, &log).unwrap().torques.unwrap();
-    println!("{found:#?}");
-    assert!(!found.turned && found.samples > 1000);
+    let actual = compare(&plan, &log).unwrap().torques.unwrap();
+    println!("{actual:#?}");
+    assert!(!actual.turned && actual.samples > 1000);
     for j in 0..7 {
-        assert!((found.rms_nm[j] - 0.05).abs() < 0.01, "A{}: {}", j + 1, found.rms_nm[j]);
-        assert!(found.largest_nm[j].abs() < 0.4, "A{}: {}", j + 1, found.largest_nm[j]);
+        assert!((actual.rms_nm[j] - 0.05).abs() < 0.01, "A{}: {}", j + 1, actual.rms_nm[j]);
+        assert!(actual.largest_nm[j].abs() < 0.4, "A{}: {}", j + 1, actual.largest_nm[j]);
     }
-    assert!(found.planned_peak_nm[1].abs() > 30.0);
+    assert!(actual.planned_peak_nm[1].abs() > 30.0);
 
     // Half a kg more than the program states, the opposite sign, and a file without torques.
     robot.load = Some(Load { mass_kg: 5.5, center_mm: [0.0, 20.0, 90.0], ..Load::default() });
@@ -40,8 +40,8 @@ fn torques_differ_by_noise_and_by_what_the_program_does_not_know() {
     for nm in heavier.torques_nm.iter_mut().flatten().flatten() {
         *nm = -*nm;
     }
-    let found = compare(&plan, &heavier).unwrap().torques.unwrap();
-    assert!(found.turned && found.rms_nm[1] > 1.0, "{found:?}");
+    let actual = compare(&plan, &heavier).unwrap().torques.unwrap();
+    assert!(actual.turned && actual.rms_nm[1] > 1.0, "{actual:?}");
     heavier.torques_nm.clear();
     assert_eq!(compare(&plan, &heavier).unwrap().torques, None);
 }

@@ -70,13 +70,13 @@ struct Errors {
 
 impl Errors {
     /// Adds an estimate with its error in units of `unit`.
-    fn add(&mut self, found: Estimate, truth: f64, unit: f64) {
-        if found.uncertainty < unit {
-            self.worst = self.worst.max(((found.value - truth) / unit).abs());
+    fn add(&mut self, estimate: Estimate, truth: f64, unit: f64) {
+        if estimate.uncertainty < unit {
+            self.worst = self.worst.max(((estimate.value - truth) / unit).abs());
         } else {
             self.vague += 1;
         }
-        self.inside += usize::from(found.holds(truth));
+        self.inside += usize::from(estimate.holds(truth));
         self.count += 1;
     }
 
@@ -87,20 +87,20 @@ impl Errors {
 
 /// Adds the errors of speed, acceleration and jerk as shares, of the settle time in s, and of
 /// kappa.
-fn errors(found: &Identified, truth: &Robot, errors: &mut [Errors; 5]) {
+fn errors(identified: &Identified, truth: &Robot, errors: &mut [Errors; 5]) {
     let limits = truth.limits();
     let kinds = [
-        (&found.velocity_rad_s, &limits.velocity_rad_s),
-        (&found.acceleration_rad_s2, &limits.acceleration_rad_s2),
-        (&found.jerk_rad_s3, &limits.jerk_rad_s3),
+        (&identified.velocity_rad_s, &limits.velocity_rad_s),
+        (&identified.acceleration_rad_s2, &limits.acceleration_rad_s2),
+        (&identified.jerk_rad_s3, &limits.jerk_rad_s3),
     ];
-    for (errors, (found, truth)) in errors.iter_mut().zip(kinds) {
-        for (found, truth) in found.iter().zip(truth) {
-            errors.add(found.expect("a joint's limit is shown"), *truth, *truth);
+    for (errors, (identified, truth)) in errors.iter_mut().zip(kinds) {
+        for (identified, truth) in identified.iter().zip(truth) {
+            errors.add(identified.expect("a joint's limit is shown"), *truth, *truth);
         }
     }
-    errors[3].add(found.settle.unwrap().mean_s, truth.settle_time_s(), 1.0);
-    let kappa = found.kappa.unwrap();
+    errors[3].add(identified.settle.unwrap().mean_s, truth.settle_time_s(), 1.0);
+    let kappa = identified.kappa.unwrap();
     for i in 1..=17 {
         let gamma_deg = f64::from(i) * 10.0;
         errors[4].add(kappa.at(gamma_deg), truth.kappa(gamma_deg), 1.0);
@@ -122,15 +122,15 @@ fn random_robots_are_found() {
         robot.noise_rad = 1e-5;
         let trials = trials(seed);
         let logs = run(&mut robot, &trials);
-        let found = identified(&trials, &logs);
-        assert_eq!(found.left_out, []);
+        let actual = identified(&trials, &logs);
+        assert_eq!(actual.left_out, []);
         // Algorithm 3: blends begin and end at equal distances.
-        let unequal = found.unequal_share.unwrap();
+        let unequal = actual.unequal_share.unwrap();
         assert!(unequal.value.abs() < 1e-3 && unequal.count > 30, "{unequal:?}");
-        errors(&found, &truth, &mut all);
+        errors(&actual, &truth, &mut all);
     }
     println!("| figure | required | worst error | inside the uncertainty |\n|---|---|---|---|");
-    for ((what, most), errors) in [
+    for ((quantity, max_error), errors) in [
         ("velocity", 0.005),
         ("acceleration", 0.02),
         ("jerk", 0.1),
@@ -141,10 +141,10 @@ fn random_robots_are_found() {
     .zip(all)
     {
         let Errors { worst, inside, count, vague } = errors;
-        println!("| {what} | {most} | {worst:.2e} | {inside} of {count} |");
-        assert_eq!(vague, 0, "{what}");
-        assert!(worst <= most, "{what}: {worst}");
-        assert!(errors.share() >= 0.9, "{what}: {inside} of {count}");
+        println!("| {quantity} | {max_error} | {worst:.2e} | {inside} of {count} |");
+        assert_eq!(vague, 0, "{quantity}");
+        assert!(worst <= max_error, "{quantity}: {worst}");
+        assert!(errors.share() >= 0.9, "{quantity}: {inside} of {count}");
     }
 }
 
@@ -163,9 +163,9 @@ fn noise_and_few_samples() {
             let logs = run(&mut robot, &trials);
             errors(&identified(&trials, &logs), &truth, &mut all);
         }
-        for (errors, most) in all.iter().zip([0.005, 0.02, 0.1, 0.002, 0.15]) {
+        for (errors, max_error) in all.iter().zip([0.005, 0.02, 0.1, 0.002, 0.15]) {
             println!("{noise_rad} {period_s}: {:.2e}, {:.2}", errors.worst, errors.share());
-            assert!(errors.worst <= most && errors.share() >= 0.85 && errors.vague == 0);
+            assert!(errors.worst <= max_error && errors.share() >= 0.85 && errors.vague == 0);
         }
     }
 }
@@ -197,11 +197,11 @@ fn recordings_that_are_not_ideal() {
             }
             errors(&identified(&trials, &logs), &truth, &mut all);
         }
-        for (errors, most) in all.iter().zip([0.1, 0.1, 0.3, 0.002, 0.15]) {
+        for (errors, max_error) in all.iter().zip([0.1, 0.1, 0.3, 0.002, 0.15]) {
             println!("{name}: {:.2e}, {:.2}", errors.worst, errors.share());
             // Barely visible limits have large uncertainties, such as that of a speed that was kept
             // for some ms.
-            assert!(errors.worst <= most && errors.vague <= 1, "{name}: {}", errors.vague);
+            assert!(errors.worst <= max_error && errors.vague <= 1, "{name}: {}", errors.vague);
         }
         let inside: usize = all.iter().map(|errors| errors.inside).sum();
         let count: usize = all.iter().map(|errors| errors.count).sum();
@@ -223,7 +223,7 @@ fn unseen_programs_take_the_predicted_time() {
         robot.noise_rad = 1e-5;
         let trials = trials(seed);
         let logs = run(&mut robot, &trials);
-        let found = identified(&trials, &logs).robot(&Robot::default());
+        let actual = identified(&trials, &logs).robot(&Robot::default());
         let cases = [
             (1.0, 0.25, 100.0),
             (0.3, 0.5, 50.0),
@@ -235,7 +235,7 @@ fn unseen_programs_take_the_predicted_time() {
             let case = CycleTimeCase { path, velocity_rel, blend, length_deg };
             let program = case.trial(&Robot::default(), 100 + seed).program;
             let [predicted, happened] =
-                [&found, &truth].map(|robot| JointPath::new(&program, robot).unwrap());
+                [&actual, &truth].map(|robot| JointPath::new(&program, robot).unwrap());
             for (predicted, happened) in predicted.steps().iter().zip(happened.steps()) {
                 let (Step::Move { segment: a, .. }, Step::Move { segment: b, .. }) =
                     (predicted, happened)
@@ -274,7 +274,7 @@ fn program(motions: impl IntoIterator<Item = Ptp>) -> Program {
     }
 }
 
-fn what_one_shows(program: &Program) -> Identified {
+fn identified_from(program: &Program) -> Identified {
     let log = VirtualRobot::new(Robot::default(), 1).run(program).unwrap();
     identify(&[Recording { program, log: &log }], &Robot::default()).unwrap()
 }
@@ -286,16 +286,16 @@ fn nothing_is_identified_that_is_not_shown() {
         ptp([60.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]),
         ptp([60.0, 0.0, 0.0, 0.0, 0.0, 20.0, 0.0]),
     ]);
-    let found = what_one_shows(&swing);
-    let shown = |list: &[Option<Estimate>; 7]| list.map(|found| found.is_some());
-    assert_eq!(shown(&found.velocity_rad_s), [true, false, false, false, false, false, false]);
-    for limits in [&found.acceleration_rad_s2, &found.jerk_rad_s3] {
+    let actual = identified_from(&swing);
+    let shown = |list: &[Option<Estimate>; 7]| list.map(|actual| actual.is_some());
+    assert_eq!(shown(&actual.velocity_rad_s), [true, false, false, false, false, false, false]);
+    for limits in [&actual.acceleration_rad_s2, &actual.jerk_rad_s3] {
         assert_eq!(shown(limits), [true, false, false, false, false, true, false]);
     }
-    assert_eq!(found.settle.unwrap().mean_s.count, 1);
-    assert!(found.kappa.is_none() && found.unequal_share.is_none());
+    assert_eq!(actual.settle.unwrap().mean_s.count, 1);
+    assert!(actual.kappa.is_none() && actual.unequal_share.is_none());
     // Values that were not identified remain those of the model.
-    let robot = found.robot(&Robot::default());
+    let robot = actual.robot(&Robot::default());
     let model = Robot::default();
     assert_eq!(robot.blend_kappa(), model.blend_kappa());
     assert_eq!(robot.limits().velocity_rad_s[1..], model.limits().velocity_rad_s[1..]);
@@ -303,10 +303,10 @@ fn nothing_is_identified_that_is_not_shown() {
     // One corner has one angle, which does not determine a polynomial.
     let mut corner = ptp([60.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]);
     corner.blend = Some(iiwa_program::Blend::Fraction(0.25));
-    let found = what_one_shows(&program([corner, ptp([60.0, 40.0, 0.0, 0.0, 0.0, 0.0, 0.0])]));
-    assert_eq!(found.blends.len(), 1);
-    assert!((found.blends[0].kappa.0 - model.kappa(90.0)).abs() < 1e-3);
-    assert!(found.kappa.is_none());
+    let actual = identified_from(&program([corner, ptp([60.0, 40.0, 0.0, 0.0, 0.0, 0.0, 0.0])]));
+    assert_eq!(actual.blends.len(), 1);
+    assert!((actual.blends[0].kappa.0 - model.kappa(90.0)).abs() < 1e-3);
+    assert!(actual.kappa.is_none());
 }
 
 /// A robot without jerk limits shows none.
@@ -319,9 +319,9 @@ fn jerk_that_does_not_show() {
     let q_rad = t_s.iter().map(|t_s| plan.at(t_s - 0.2).q).collect();
     let log = JointLog::new(t_s, q_rad);
     let recording = Recording { program: &swing, log: &log };
-    let found = identify(&[recording], &Robot::default()).unwrap();
-    assert_eq!(found.jerk_rad_s3, [None; 7]);
-    let acceleration = found.acceleration_rad_s2[0].unwrap().value.to_degrees();
+    let actual = identify(&[recording], &Robot::default()).unwrap();
+    assert_eq!(actual.jerk_rad_s3, [None; 7]);
+    let acceleration = actual.acceleration_rad_s2[0].unwrap().value.to_degrees();
     assert!((acceleration / 490.0 - 1.0).abs() < 1e-3, "{acceleration}");
 }
 
@@ -335,9 +335,9 @@ fn every_run_counts() {
     let q_rad = once.q_rad.repeat(3);
     let log = JointLog::new(t_s.collect(), q_rad);
     let recording = Recording { program: &swing, log: &log };
-    let found = identify(&[recording], &Robot::default()).unwrap();
-    assert_eq!(found.velocity_rad_s[0].unwrap().count, 6);
-    assert_eq!(found.settle.unwrap().mean_s.count, 3);
+    let actual = identify(&[recording], &Robot::default()).unwrap();
+    assert_eq!(actual.velocity_rad_s[0].unwrap().count, 6);
+    assert_eq!(actual.settle.unwrap().mean_s.count, 3);
 }
 
 #[test]
@@ -359,14 +359,14 @@ fn another_program_is_refused() {
     let mut longer = far.clone();
     longer.motions.push(Motion::Ptp(ptp([60.0, 60.0, 0.0, 0.0, 0.0, 0.0, 0.0])));
     let recording = Recording { program: &longer, log: &log };
-    let found = identify(&[recording], &Robot::default()).unwrap();
-    assert!(found.velocity_rad_s[0].is_some());
-    assert_eq!((found.left_out[0].motion.index(), found.left_out[0].why), (1, Why::NotFollowed));
+    let actual = identify(&[recording], &Robot::default()).unwrap();
+    assert!(actual.velocity_rad_s[0].is_some());
+    assert_eq!((actual.left_out[0].motion.index(), actual.left_out[0].why), (1, Why::NotFollowed));
 }
 
 /// A spline that ends at its start leads away in between.
 #[test]
-fn what_ends_where_it_began_is_followed() {
+fn closed_programs_are_followed() {
     let robot = Robot::default();
     let start = [0.0_f64, 30.0, 0.0, -60.0, 0.0, 90.0, 0.0];
     let pose = robot.flange_pose(&start.map(f64::to_radians));
@@ -387,32 +387,32 @@ fn what_ends_where_it_began_is_followed() {
         at(80.0, -40.0),
         at(0.0, 0.0)
     );
-    let found = what_one_shows(&Program::from_json(&text).unwrap());
-    let lost = found.left_out.iter().filter(|it| it.why == Why::NotFollowed).count();
-    assert_eq!(lost, 0, "{:?}", found.left_out);
-    assert!(found.velocity_rad_s[0].is_some());
+    let actual = identified_from(&Program::from_json(&text).unwrap());
+    let lost = actual.left_out.iter().filter(|it| it.why == Why::NotFollowed).count();
+    assert_eq!(lost, 0, "{:?}", actual.left_out);
+    assert!(actual.velocity_rad_s[0].is_some());
 }
 
 /// Joint 2 of the recording is the program's joint 4: nothing is identified beyond the point where
 /// they differ.
 #[test]
-fn what_goes_astray_is_left_out() {
+fn motions_off_the_path_are_left_out() {
     let swing = |joint: usize| ptp(std::array::from_fn(|j| if j == joint { 60.0 } else { 0.0 }));
     let home = || ptp([0.0; 7]);
     let ran = program([swing(0), home(), swing(3), home(), swing(1), home()]);
-    let taken_for = program([swing(0), home(), swing(1), home(), swing(3), home()]);
+    let other_program = program([swing(0), home(), swing(1), home(), swing(3), home()]);
     let log = VirtualRobot::new(Robot::default(), 1).run(&ran).unwrap();
-    let recording = Recording { program: &taken_for, log: &log };
-    let found = identify(&[recording], &Robot::default()).unwrap();
-    let shown = found.velocity_rad_s.map(|limit| limit.is_some());
+    let recording = Recording { program: &other_program, log: &log };
+    let actual = identify(&[recording], &Robot::default()).unwrap();
+    let shown = actual.velocity_rad_s.map(|limit| limit.is_some());
     assert_eq!(shown, [true, false, false, false, false, false, false]);
-    let last = found.left_out.last().unwrap();
+    let last = actual.left_out.last().unwrap();
     assert_eq!((last.motion.index(), last.why), (2, Why::NotFollowed));
 }
 
 /// Noise may hide a phase of a motion. The results then have a large uncertainty.
 #[test]
-fn what_noise_hides_is_no_certainty() {
+fn figures_hidden_by_noise_are_uncertain() {
     let swing = |by_deg: f64| ptp([0.0, by_deg, 0.0, 0.0, 0.0, 0.0, 0.0]);
     let swings = program((0..10).flat_map(|_| [swing(40.0), swing(0.0)]));
     let limits = *Robot::default().limits();
@@ -420,17 +420,17 @@ fn what_noise_hides_is_no_certainty() {
         let mut robot = VirtualRobot::new(Robot::default(), 1);
         robot.noise_rad = noise_rad;
         let log = robot.run(&swings).unwrap();
-        let found =
+        let actual =
             identify(&[Recording { program: &swings, log: &log }], &Robot::default()).unwrap();
-        for (found, truth) in [
-            (found.velocity_rad_s[1], limits.velocity_rad_s[1]),
-            (found.acceleration_rad_s2[1], limits.acceleration_rad_s2[1]),
-            (found.jerk_rad_s3[1], limits.jerk_rad_s3[1]),
+        for (actual, truth) in [
+            (actual.velocity_rad_s[1], limits.velocity_rad_s[1]),
+            (actual.acceleration_rad_s2[1], limits.acceleration_rad_s2[1]),
+            (actual.jerk_rad_s3[1], limits.jerk_rad_s3[1]),
         ] {
             // Twice the half-width of the 95 % confidence interval.
             assert!(
-                found.is_none_or(|found| (found.value - truth).abs() < 2.0 * found.uncertainty),
-                "{noise_rad}: {found:?}, {truth}"
+                actual.is_none_or(|actual| (actual.value - truth).abs() < 2.0 * actual.uncertainty),
+                "{noise_rad}: {actual:?}, {truth}"
             );
         }
     }
@@ -451,9 +451,9 @@ fn other_motions_are_left_out() {
         .collect();
     let log = JointLog::new(t_s, q_rad);
     let recording = Recording { program: &swing, log: &log };
-    let found = identify(&[recording], &Robot::default()).unwrap();
-    assert_eq!(found.velocity_rad_s, [None; 7]);
-    assert!(matches!(found.left_out[0].why, Why::NoLine(_)), "{:?}", found.left_out);
+    let actual = identify(&[recording], &Robot::default()).unwrap();
+    assert_eq!(actual.velocity_rad_s, [None; 7]);
+    assert!(matches!(actual.left_out[0].why, Why::NoLine(_)), "{:?}", actual.left_out);
 }
 
 /// A robot that blends a quarter of each motion, of any length: without Algorithm 3.
@@ -484,33 +484,33 @@ fn blends_that_begin_and_end_at_other_distances() {
     let q_rad = t_s.iter().map(|t_s| at(*t_s)).collect();
     let log = JointLog::new(t_s, q_rad);
     let recording = Recording { program: &turn, log: &log };
-    let found = identify(&[recording], &Robot::default()).unwrap();
-    let unequal = found.unequal_share.unwrap();
-    assert!((unequal.value - 1.0).abs() < 1e-3, "{unequal:?} {:?}", found.blends);
-    let [before, after] = found.blends[0].found_reach_rad.unwrap();
+    let actual = identify(&[recording], &Robot::default()).unwrap();
+    let unequal = actual.unequal_share.unwrap();
+    assert!((unequal.value - 1.0).abs() < 1e-3, "{unequal:?} {:?}", actual.blends);
+    let [before, after] = actual.blends[0].found_reach_rad.unwrap();
     assert!((before - 0.125).abs() < 1e-4 && (after - 0.25).abs() < 1e-4);
 }
 
 /// Motions before the start and after the end do not belong to the program.
 #[test]
 fn motions_before_and_after_do_not_blur_the_program() {
-    let there = program([
+    let transfers = program([
         ptp([0.0, 30.0, 0.0, 0.0, 0.0, 0.0, 0.0]),
         ptp([0.0; 7]),
         ptp([60.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]),
         ptp([60.0, 0.0, 0.0, 30.0, 0.0, 0.0, 0.0]),
     ]);
-    let mut log = VirtualRobot::new(Robot::default(), 1).run(&there).unwrap();
+    let mut log = VirtualRobot::new(Robot::default(), 1).run(&transfers).unwrap();
     // The recording begins on the way to the program's start, which resembles one of its motions.
     let from = log.q_rad.iter().position(|q| q[1] > 0.5).unwrap();
     log.t_s.drain(..from);
     log.q_rad.drain(..from);
     let swing = program([ptp([60.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0])]);
     let recording = Recording { program: &swing, log: &log };
-    let found = identify(&[recording], &Robot::default()).unwrap();
-    assert_eq!(found.left_out, []);
-    let velocity = found.velocity_rad_s[0].unwrap().value.to_degrees();
-    let acceleration = found.acceleration_rad_s2[0].unwrap().value.to_degrees();
+    let actual = identify(&[recording], &Robot::default()).unwrap();
+    assert_eq!(actual.left_out, []);
+    let velocity = actual.velocity_rad_s[0].unwrap().value.to_degrees();
+    let acceleration = actual.acceleration_rad_s2[0].unwrap().value.to_degrees();
     assert!((velocity / 98.0 - 1.0).abs() < 1e-6, "{velocity}");
     assert!((acceleration / 490.0 - 1.0).abs() < 1e-5, "{acceleration}");
 }

@@ -4,7 +4,7 @@
 
 use iiwa_eval::{
     VirtualRobot, experiment,
-    identify::{FoundTorques, Recording, identify},
+    identify::{Recording, TorqueEstimates, identify},
 };
 use iiwa_kin::{Friction, Load, Mount, Robot};
 use iiwa_log::JointLog;
@@ -30,7 +30,7 @@ fn arm(seed: u64) -> VirtualRobot {
     arm
 }
 
-fn found(runs: &[(&Program, &JointLog)], model: &Robot) -> FoundTorques {
+fn identify_torques(runs: &[(&Program, &JointLog)], model: &Robot) -> TorqueEstimates {
     let recordings: Vec<_> = runs.iter().map(|(program, log)| Recording { program, log }).collect();
     identify(&recordings, model).unwrap().torques.unwrap()
 }
@@ -46,7 +46,7 @@ fn a_load_is_found_and_its_uncertainty_holds() {
     let mut stated = [0.0_f64; 4];
     for seed in 0..RECORDINGS {
         let log = arm(seed).run(&program).unwrap();
-        let torques = found(&[(&program, &log)], &model);
+        let torques = identify_torques(&[(&program, &log)], &model);
         let load = &torques.loads[0];
         let [x, y, z] = load.center_mm;
         let truth = [LOAD.mass_kg, LOAD.center_mm[0], LOAD.center_mm[1], LOAD.center_mm[2]];
@@ -65,7 +65,7 @@ fn a_load_is_found_and_its_uncertainty_holds() {
 
 /// Alternating payloads, the stated one and another one, with friction and position noise.
 #[test]
-fn friction_and_the_loads_of_several_recordings_are_told_apart() {
+fn friction_and_loads_of_several_recordings_are_separated() {
     let friction = Friction {
         viscous_nm_s_rad: [0.24, 0.37, 0.11, 0.1, 0.1, 0.12, 0.1],
         coulomb_nm: [0.32, 0.18, 0.07, 0.18, 0.03, 0.13, 0.09],
@@ -80,37 +80,38 @@ fn friction_and_the_loads_of_several_recordings_are_told_apart() {
         empty.load = Some(LOAD);
         empty.run(&stating).unwrap()
     }];
-    let found = found(&[(&plain, &logs[0]), (&stating, &logs[1])], &Robot::default());
-    let [none, some] = &found.loads[..] else { panic!("{} loads", found.loads.len()) };
+    let torques = identify_torques(&[(&plain, &logs[0]), (&stating, &logs[1])], &Robot::default());
+    let [none, some] = &torques.loads[..] else { panic!("{} loads", torques.loads.len()) };
     assert!(none.is_nothing() && none.load().is_none(), "{none:?}");
     assert_eq!((&none.recordings[..], &some.recordings[..]), (&[0][..], &[1][..]));
     assert_eq!(some.stated.unwrap().mass_kg, 4.0);
     assert!((some.load().unwrap().mass_kg - LOAD.mass_kg).abs() < 0.01, "{some:?}");
-    let as_found = found.friction(&Friction::default());
+    let friction_estimate = torques.friction(&Friction::default());
     for j in 0..7 {
         let [viscous, coulomb] = [
-            as_found.viscous_nm_s_rad[j] - friction.viscous_nm_s_rad[j],
-            as_found.coulomb_nm[j] - friction.coulomb_nm[j],
+            friction_estimate.viscous_nm_s_rad[j] - friction.viscous_nm_s_rad[j],
+            friction_estimate.coulomb_nm[j] - friction.coulomb_nm[j],
         ];
         assert!(viscous.abs() < 0.03 && coulomb.abs() < 0.03, "A{}: {viscous} {coulomb}", j + 1);
     }
-    println!("{found:#?}");
+    println!("{torques:#?}");
 }
 
 /// Other recorders may invert the torque sign of KUKA's controller.
 #[test]
-fn the_sign_of_torques_is_told_by_the_weight() {
+fn the_sign_of_torques_is_detected_by_the_weight() {
     let (program, mut log) = (program(), arm(1).run(&program()).unwrap());
     for torque in log.torques_nm.iter_mut().flatten().flatten() {
         *torque = -*torque;
     }
-    let torques = found(&[(&program, &log)], &Robot::default());
+    let torques = identify_torques(&[(&program, &log)], &Robot::default());
     assert!(torques.turned);
     assert!((torques.loads[0].load().unwrap().mass_kg - LOAD.mass_kg).abs() < 0.01);
     // On the ceiling, the torques have the sign of the model.
     let mut hanging = program.clone();
     hanging.workcell.mount = Mount::from_rpy_deg([180.0, 0.0, 0.0]);
-    let torques = found(&[(&hanging, &arm(1).run(&hanging).unwrap())], &Robot::default());
+    let torques =
+        identify_torques(&[(&hanging, &arm(1).run(&hanging).unwrap())], &Robot::default());
     assert!(!torques.turned);
     assert!((torques.loads[0].load().unwrap().mass_kg - LOAD.mass_kg).abs() < 0.01);
 }
@@ -118,12 +119,12 @@ fn the_sign_of_torques_is_told_by_the_weight() {
 /// Only A1 rotates, with the arm pointing straight up: gravity acts along all axes, and nothing is
 /// lifted.
 #[test]
-fn what_a_motion_does_not_show_is_not_told() {
+fn figures_without_evidence_are_not_reported() {
     let still = Program::from_deg([0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0])
         .ptp_deg([60.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0])
         .ptp_deg([0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0])
         .build();
-    let torques = found(&[(&still, &arm(2).run(&still).unwrap())], &Robot::default());
+    let torques = identify_torques(&[(&still, &arm(2).run(&still).unwrap())], &Robot::default());
     let load = &torques.loads[0];
     assert_eq!((load.mass_kg, load.center_mm[2], load.load()), (None, None, None));
     assert!(load.untold().contains(&"the mass"), "{:?}", load.untold());

@@ -62,31 +62,39 @@ fn recorded(program: &Program, noise_rad: f64, period_s: f64) -> JointLog {
 }
 
 /// Returns the largest relative error of the estimates of the joints, and their number.
-fn worst(found: &[Option<Estimate>; 7], truth: &Joints) -> (f64, usize) {
-    let off = found.iter().zip(truth).filter_map(|(found, truth)| {
-        let found = (*found)?;
-        let off = (found.value - truth).abs();
-        assert!(off < (2.0 * found.uncertainty).max(1e-5 * truth), "{found} {truth}");
-        Some((found.value / truth - 1.0).abs())
+fn worst(estimates: &[Option<Estimate>; 7], truth: &Joints) -> (f64, usize) {
+    let off = estimates.iter().zip(truth).filter_map(|(estimates, truth)| {
+        let estimates = (*estimates)?;
+        let off = (estimates.value - truth).abs();
+        assert!(off < (2.0 * estimates.uncertainty).max(1e-5 * truth), "{estimates} {truth}");
+        Some((estimates.value / truth - 1.0).abs())
     });
     off.fold((0.0, 0), |(worst, count), off| (f64::max(worst, off), count + 1))
 }
 
 /// Checks limits and law, each within a share.
-fn check(found: &Identified, shares: [f64; 3]) {
+fn check(identified: &Identified, shares: [f64; 3]) {
     let robot = other_robot();
     let (limits, law) = (robot.limits(), robot.ramp_law());
-    assert!(found.lines.iter().all(|line| line.law == LineLaw::Snap && !line.is_unexplained()));
-    let ramps = found.ramps.as_ref().unwrap();
-    for (what, figures, truth, share, least) in [
-        ("velocity", &found.velocity_rad_s, &limits.velocity_rad_s, shares[0], 2),
-        ("acceleration", &found.acceleration_rad_s2, &limits.acceleration_rad_s2, shares[0], 2),
+    assert!(
+        identified.lines.iter().all(|line| line.law == LineLaw::Snap && !line.is_unexplained())
+    );
+    let ramps = identified.ramps.as_ref().unwrap();
+    for (quantity, figures, truth, share, min_count) in [
+        ("velocity", &identified.velocity_rad_s, &limits.velocity_rad_s, shares[0], 2),
+        (
+            "acceleration",
+            &identified.acceleration_rad_s2,
+            &limits.acceleration_rad_s2,
+            shares[0],
+            2,
+        ),
         ("S", &ramps.torque_snap_nm_s2, &law.torque_snap_nm_s2, shares[1], 1),
         ("R at starts", &ramps.start_nm_s, &law.start_nm_s, shares[2], 2),
         ("R at stops", &ramps.stop_nm_s, &law.stop_nm_s, shares[2], 2),
     ] {
         let (off, count) = worst(figures, truth);
-        assert!(off < share && count >= least, "{what}: {count} joints within {off}");
+        assert!(off < share && count >= min_count, "{quantity}: {count} joints within {off}");
     }
 }
 
@@ -112,14 +120,16 @@ fn a_law_is_found_at_an_override() {
     let mut program = program(&POSES_DEG);
     program.workcell.speed_override = Some(0.3);
     let log = recorded(&program, 1e-9, 0.05);
-    let found = identify(&[Recording { program: &program, log: &log }], &Robot::default()).unwrap();
-    check(&found, [1e-6, 1e-3, 1e-3]);
+    let actual =
+        identify(&[Recording { program: &program, log: &log }], &Robot::default()).unwrap();
+    check(&actual, [1e-6, 1e-3, 1e-3]);
     // Pauses are not scaled.
-    assert!(found.settle.unwrap().mean_s.holds(0.05));
+    assert!(actual.settle.unwrap().mean_s.holds(0.05));
     // At another override than stated, the limits differ.
     program.workcell.speed_override = None;
-    let found = identify(&[Recording { program: &program, log: &log }], &Robot::default()).unwrap();
-    let velocity = found.velocity_rad_s[0].unwrap().value;
+    let actual =
+        identify(&[Recording { program: &program, log: &log }], &Robot::default()).unwrap();
+    let velocity = actual.velocity_rad_s[0].unwrap().value;
     assert!((velocity / (0.3 * 1.0003 * 98_f64.to_radians()) - 1.0).abs() < 0.01, "{velocity}");
 }
 
@@ -128,10 +138,11 @@ fn a_law_is_found_at_an_override() {
 fn one_half_predicts_the_other() {
     let every_other =
         |from: usize| -> Vec<Joints> { POSES_DEG.iter().skip(from).step_by(2).copied().collect() };
-    let seen = program(&every_other(0));
-    let log = recorded(&seen, 3e-6, 1e-3);
-    let found = identify(&[Recording { program: &seen, log: &log }], &Robot::default()).unwrap();
-    let robot = found.robot(&Robot::default());
+    let observed = program(&every_other(0));
+    let log = recorded(&observed, 3e-6, 1e-3);
+    let actual =
+        identify(&[Recording { program: &observed, log: &log }], &Robot::default()).unwrap();
+    let robot = actual.robot(&Robot::default());
     let unseen = program(&every_other(1));
     let durations = |robot: &Robot| -> Vec<f64> {
         let plan: Trajectory = sunrise().plan(&unseen, robot).unwrap();
@@ -147,7 +158,7 @@ fn one_half_predicts_the_other() {
 
 /// A motion that follows neither law is detected, such as one during which the override changes.
 #[test]
-fn what_no_law_explains_is_said() {
+fn unexplained_motions_are_reported() {
     let program = program(&POSES_DEG[..2]);
     let mut log = recorded(&program, 1e-8, 1e-3);
     // The clock is stretched and compressed in turn, as if the override varied within each motion.
@@ -155,6 +166,7 @@ fn what_no_law_explains_is_said() {
     for t_s in &mut log.t_s {
         *t_s = slow(*t_s);
     }
-    let found = identify(&[Recording { program: &program, log: &log }], &Robot::default()).unwrap();
-    assert!(found.lines.iter().any(LineObservation::is_unexplained), "{:?}", found.lines);
+    let actual =
+        identify(&[Recording { program: &program, log: &log }], &Robot::default()).unwrap();
+    assert!(actual.lines.iter().any(LineObservation::is_unexplained), "{:?}", actual.lines);
 }

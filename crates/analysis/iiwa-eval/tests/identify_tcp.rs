@@ -37,8 +37,8 @@ fn angles() -> impl Iterator<Item = f64> {
 }
 
 /// Returns the largest deviations of a part, in mm, deg and deg, and the number of observations.
-fn worst(found: &Identified, part: CoursePart) -> ([f64; 3], usize) {
-    let of_part = found.courses.iter().filter(|course| course.part == part);
+fn worst(identified: &Identified, part: CoursePart) -> ([f64; 3], usize) {
+    let of_part = identified.courses.iter().filter(|course| course.part == part);
     of_part.fold(([0.0; 3], 0), |([off, turn, e1], count), course| {
         let off = off.max(1e3 * course.off_m);
         let turn = turn.max(course.turn_off_rad.to_degrees());
@@ -48,36 +48,36 @@ fn worst(found: &Identified, part: CoursePart) -> ([f64; 3], usize) {
 
 /// Without noise, all results are exact for any kappa of the TCP.
 #[test]
-fn what_was_built_is_found() {
+fn simulated_blends_are_identified() {
     let mut random = Rng::with_seed(1);
     let trial = tcp_blends(&TcpSeries::ALL);
     for model in models() {
         let truth = any_robot(&model, &mut random);
         let log = VirtualRobot::new(truth.clone(), 1).run(&trial.program).unwrap();
-        let found = identified(&trial, &log, &model);
-        assert_eq!(found.left_out, []);
-        let kappa = found.tcp_kappa.unwrap();
+        let actual = identified(&trial, &log, &model);
+        assert_eq!(actual.left_out, []);
+        let kappa = actual.tcp_kappa.unwrap();
         for gamma in angles() {
-            let (found, truth) = (kappa.at(gamma).value, truth.tcp_kappa(gamma));
-            let error = (found - truth).abs() / truth.abs().max(1.0);
-            assert!(error < 1e-3, "{} at {gamma} deg: {found}, {truth}", model.name());
+            let (actual, truth) = (kappa.at(gamma).value, truth.tcp_kappa(gamma));
+            let error = (actual - truth).abs() / truth.abs().max(1.0);
+            assert!(error < 1e-3, "{} at {gamma} deg: {actual}, {truth}", model.name());
         }
         assert!(kappa.residual_of_model > 0.1 && kappa.residual < 1e-3);
-        let reach = found.tcp_reach.unwrap();
+        let reach = actual.tcp_reach.unwrap();
         for reach in reach {
             assert!((reach.value - 1.0).abs() < 1e-3 && reach.count > 15, "{reach:?}");
         }
-        let share = found.tcp_unequal_share.unwrap();
+        let share = actual.tcp_unequal_share.unwrap();
         assert!(share.value.abs() < 1e-3 && share.count == 10, "{share:?}");
         // The assumptions about orientation, E1 and blends with joint space hold.
-        for (part, least) in CoursePart::ALL.into_iter().zip([40, 20, 8]) {
-            let (worst, count) = worst(&found, part);
+        for (part, min_count) in CoursePart::ALL.into_iter().zip([40, 20, 8]) {
+            let (worst, count) = worst(&actual, part);
             println!("{} {part:?}: {worst:?} in {count}", model.name());
-            assert!(count >= least, "{part:?}: {count}");
+            assert!(count >= min_count, "{part:?}: {count}");
             assert!(worst.iter().all(|worst| *worst < 2e-3), "{part:?}: {worst:?}");
         }
         // All results are in the profile.
-        let robot = found.robot(&model);
+        let robot = actual.robot(&model);
         assert_eq!(robot.tcp_blend_kappa(), kappa.coefficients());
         assert_eq!(robot.blend_kappa(), model.blend_kappa());
     }
@@ -96,22 +96,25 @@ fn random_robots_with_noise() {
             let mut robot = VirtualRobot::new(truth.clone(), seed);
             robot.noise_rad = 1e-5;
             let log = robot.run(&trial.program).unwrap();
-            let found = identified(&trial, &log, &model);
-            assert_eq!(found.left_out, []);
-            let kappa = found.tcp_kappa.unwrap();
+            let actual = identified(&trial, &log, &model);
+            assert_eq!(actual.left_out, []);
+            let kappa = actual.tcp_kappa.unwrap();
             for gamma in angles() {
-                let (found, truth) = (kappa.at(gamma), truth.tcp_kappa(gamma));
-                worst = worst.max((found.value - truth).abs());
-                inside += usize::from(found.holds(truth));
+                let (actual, truth) = (kappa.at(gamma), truth.tcp_kappa(gamma));
+                worst = worst.max((actual.value - truth).abs());
+                inside += usize::from(actual.holds(truth));
                 count += 1;
-                assert!((found.value - truth).abs() < 3.0 * found.uncertainty, "{found:?} {truth}");
+                assert!(
+                    (actual.value - truth).abs() < 3.0 * actual.uncertainty,
+                    "{actual:?} {truth}"
+                );
             }
-            let [before, after] = found.tcp_reach.unwrap();
+            let [before, after] = actual.tcp_reach.unwrap();
             let truths: [(Estimate, f64); 3] =
-                [(before, 1.0), (after, 1.0), (found.tcp_unequal_share.unwrap(), 0.0)];
-            for (found, truth) in truths {
-                assert!(found.uncertainty < 5e-3 && (found.value - truth).abs() < 5e-3);
-                inside_reach += usize::from(found.holds(truth));
+                [(before, 1.0), (after, 1.0), (actual.tcp_unequal_share.unwrap(), 0.0)];
+            for (actual, truth) in truths {
+                assert!(actual.uncertainty < 5e-3 && (actual.value - truth).abs() < 5e-3);
+                inside_reach += usize::from(actual.holds(truth));
                 count_reach += 1;
             }
         }
@@ -147,7 +150,7 @@ fn from_corner(pose: &Pose) -> f64 {
 
 /// A hump over the corner, some mm high: not a blend in the plane of the LINs.
 #[test]
-fn what_is_no_blend_is_left_out() {
+fn corners_without_blend_are_left_out() {
     let robot = Robot::default();
     let trial = tcp_blends(&[TcpSeries::Angles]);
     let log = moved(&trial, &robot, |_, pose| {
@@ -155,19 +158,19 @@ fn what_is_no_blend_is_left_out() {
         pose.position_m[2] += 0.008 * (-(from_corner(&pose) / 0.03).powi(2)).exp();
         pose
     });
-    let found = identified(&trial, &log, &robot);
-    assert!(found.tcp_blends.is_empty() && found.tcp_kappa.is_none());
-    let why =
+    let actual = identified(&trial, &log, &robot);
+    assert!(actual.tcp_blends.is_empty() && actual.tcp_kappa.is_none());
+    let reason =
         |left: &&iiwa_eval::identify::LeftOut| matches!(left.why, Why::NoTcpBlend(mm) if mm > 5e-4);
-    assert_eq!(found.left_out.iter().filter(why).count(), 17, "{:?}", found.left_out);
+    assert_eq!(actual.left_out.iter().filter(reason).count(), 17, "{:?}", actual.left_out);
     // The report states the deviation.
-    let ([off_mm, ..], _) = worst(&found, CoursePart::TcpBlend);
+    let ([off_mm, ..], _) = worst(&actual, CoursePart::TcpBlend);
     assert!((off_mm - 8.0).abs() < 1.0, "{off_mm}");
 }
 
 /// The orientation leads the position by 2 deg half-way along LINs.
 #[test]
-fn another_law_of_orientation_is_told() {
+fn another_orientation_law_is_reported() {
     let robot = Robot::default();
     let trial = tcp_blends(&[TcpSeries::Angles]);
     let ahead_rad = 2_f64.to_radians();
@@ -178,27 +181,27 @@ fn another_law_of_orientation_is_told() {
         pose.rotation = product(&turn, &pose.rotation);
         pose
     });
-    let found = identified(&trial, &log, &robot);
-    let ([off_mm, turn_deg, e1_deg], count) = worst(&found, CoursePart::Path);
+    let actual = identified(&trial, &log, &robot);
+    let ([off_mm, turn_deg, e1_deg], count) = worst(&actual, CoursePart::Path);
     assert!(count > 40 && off_mm < 1e-3 && e1_deg < 1e-6, "{off_mm} {e1_deg} {count}");
     assert!((turn_deg - 2.0).abs() < 0.01, "{turn_deg}");
     // Within blends the orientation is as assumed, and kappa is identified as well.
-    let ([_, turn_deg, _], _) = worst(&found, CoursePart::TcpBlend);
+    let ([_, turn_deg, _], _) = worst(&actual, CoursePart::TcpBlend);
     assert!(turn_deg < 0.01, "{turn_deg}");
-    assert!((found.tcp_kappa.unwrap().at(90.0).value - robot.kappa(90.0)).abs() < 1e-3);
+    assert!((actual.tcp_kappa.unwrap().at(90.0).value - robot.kappa(90.0)).abs() < 1e-3);
 }
 
 /// A robot whose joint blends have another kappa deviates from the assumed blends of PTP and LIN,
 /// and from these only.
 #[test]
-fn blends_with_joint_space_are_told_apart() {
+fn blends_with_joint_space_are_distinguished() {
     let model = Robot::default();
     let truth = model.clone().with_blend_kappa([-1.0, 0.0, 0.0]);
     let truth = truth.with_tcp_blend_kappa(*model.blend_kappa());
     let trial = tcp_blends(&[TcpSeries::Angles, TcpSeries::Joints]);
     let log = VirtualRobot::new(truth.clone(), 1).run(&trial.program).unwrap();
-    let found = identified(&trial, &log, &model);
-    let ([off_mm, ..], count) = worst(&found, CoursePart::JointBlend);
+    let actual = identified(&trial, &log, &model);
+    let ([off_mm, ..], count) = worst(&actual, CoursePart::JointBlend);
     assert_eq!(count, 8);
     // The deviation equals the distance between the two paths.
     let [assumed, real] =
@@ -225,19 +228,19 @@ fn blends_with_joint_space_are_told_apart() {
         expected_mm > 0.3 && (off_mm / expected_mm - 1.0).abs() < 0.05,
         "{off_mm} {expected_mm}"
     );
-    let ([off_mm, ..], _) = worst(&found, CoursePart::TcpBlend);
+    let ([off_mm, ..], _) = worst(&actual, CoursePart::TcpBlend);
     assert!(off_mm < 2e-3, "{off_mm}");
 }
 
 /// A robot that blends the programmed distance on each side, or half of the line: the sides are not
 /// equalised.
 #[test]
-fn sides_of_unequal_length_are_told() {
+fn unequal_blend_lengths_are_reported() {
     let robot = Robot::default();
     let trial = tcp_blends(&[TcpSeries::Shares]);
     let path = JointPath::new(&trial.program, &robot).unwrap();
     let mut q_rad = vec![*path.start_rad(); 200];
-    let mut at = robot.flange_pose(path.start_rad());
+    let mut pose = robot.flange_pose(path.start_rad());
     let place = |mm: f64, angle_deg: f64| {
         let (sin, cos) = angle_deg.to_radians().sin_cos();
         [CORNER_M[0] + 1e-3 * mm * sin, CORNER_M[1] + 1e-3 * mm * cos, CORNER_M[2]]
@@ -245,11 +248,11 @@ fn sides_of_unequal_length_are_told() {
     let mut go = |to: [f64; 3], by: &dyn Fn(f64) -> [f64; 3], q_rad: &mut Vec<Joints>| {
         for i in 1..=600 {
             let t = f64::from(i) / 600.0;
-            at.position_m = by(t * t * t * (10.0 - t * (15.0 - 6.0 * t)));
-            q_rad.push(joints(&robot, &at));
+            pose.position_m = by(t * t * t * (10.0 - t * (15.0 - 6.0 * t)));
+            q_rad.push(joints(&robot, &pose));
         }
-        at.position_m = to;
-        q_rad.extend(vec![joints(&robot, &at); 100]);
+        pose.position_m = to;
+        q_rad.extend(vec![joints(&robot, &pose); 100]);
     };
     let mut from = place(120.0, 180.0);
     for i in 1..=5 {
@@ -265,13 +268,13 @@ fn sides_of_unequal_length_are_told() {
             let whole = into_mm + out_mm;
             let about = |s: f64| {
                 let way = s * whole;
-                let (into, out) = (into_mm - reach[0], whole - out_mm + reach[1]);
+                let (into, end_mm) = (into_mm - reach[0], whole - out_mm + reach[1]);
                 if way < into {
                     place(into_mm - way, 180.0)
-                } else if way > out {
+                } else if way > end_mm {
                     place(way - into_mm, angle_deg)
                 } else {
-                    let s = (way - into) / (out - into);
+                    let s = (way - into) / (end_mm - into);
                     let alpha = s * s * s * (10.0 - s * (15.0 - 6.0 * s));
                     let beta = -(s * (1.0 - s)).powi(3);
                     let (a, b) = ((1.0 - s) * reach[0], s * reach[1]);
@@ -288,16 +291,16 @@ fn sides_of_unequal_length_are_told() {
         }
     }
     let t_s = (0..q_rad.len()).map(|i| i as f64 * 1e-3).collect();
-    let found = identified(&trial, &JointLog::new(t_s, q_rad), &robot);
-    let share = found.tcp_unequal_share.unwrap();
+    let actual = identified(&trial, &JointLog::new(t_s, q_rad), &robot);
+    let share = actual.tcp_unequal_share.unwrap();
     assert!((share.value - 1.0).abs() < 1e-3 && share.count == 10, "{share:?}");
-    for blend in &found.tcp_blends {
+    for blend in &actual.tcp_blends {
         // kappa belongs to the observed reach, not to the assumed one.
         let (kappa, _) = blend.kappa;
         assert!((kappa - robot.tcp_kappa(blend.gamma_deg)).abs() < 1e-2, "{blend:?}");
         let [before, after] = blend.found_reach_m.unwrap();
-        let [least, most] = [before.min(after), before.max(after)];
-        assert!((least - 0.035).abs() < 1e-5 && (most - 0.06).abs() < 1e-5, "{blend:?}");
+        let [min_reach, max_reach] = [before.min(after), before.max(after)];
+        assert!((min_reach - 0.035).abs() < 1e-5 && (max_reach - 0.06).abs() < 1e-5, "{blend:?}");
     }
 }
 

@@ -23,7 +23,7 @@ fn effect(planning: LoadPlanning, mass_kg: f64, noise_rad: f64, seed: u64) -> Lo
 }
 
 #[test]
-fn three_planners_are_told_apart() {
+fn three_planners_are_distinguished() {
     for noise_rad in [0.0, 1e-5, 5e-5] {
         for mass_kg in [5.0, 7.0] {
             let of = |planning| {
@@ -62,6 +62,6 @@ fn three_planners_are_told_apart() {
 
 /// A payload that requires no planner to slow down shows nothing.
 #[test]
-fn a_light_load_tells_nothing() {
+fn a_light_load_is_inconclusive() {
     assert_eq!(effect(LoadPlanning::Torque(1.0), 1.0, 1e-5, 3).verdict, LoadVerdict::TooLight);
 }

@@ -103,8 +103,8 @@ pub(crate) fn parts(robot: &Robot) -> Vec<Part> {
                 }
                 Solid::Sphere { radius_m } => (Volume::Ball { radius: radius_m }, Along::Z),
             };
-            let own = from_own_axis(center, along, &form);
-            let reach = reaches(&d, link, from_origin(center, &form), own);
+            let axis_distance = distance_from_axis(center, along, &form);
+            let reach = reaches(&d, link, from_origin(center, &form), axis_distance);
             let axis = match along {
                 Along::Y => Vector::Y,
                 Along::Z => Vector::Z,
@@ -126,10 +126,10 @@ pub(crate) fn mesh_parts(robot: &Robot, hulls: &[Vec<ConvexHull>; 8]) -> Vec<Par
             let (hull, center) = Polyhedron::new(hull);
             // A corner of a hull has the largest distance from any point or axis.
             let way = hull.bound(|corner| (center + corner).length());
-            let own = hull.bound(|corner| (center + corner).truncate().length());
+            let axis_distance = hull.bound(|corner| (center + corner).truncate().length());
             let bound = hull.bound(Vector::length);
             let form = Volume::Hull { sides: [Vector::X, Vector::Y], hull: Arc::new(hull) };
-            let reach = reaches(&d, link, way, own);
+            let reach = reaches(&d, link, way, axis_distance);
             Part { link, shown: link, center, axis: Vector::Z, form, bound, reach }
         })
     });
@@ -164,7 +164,7 @@ pub(crate) fn tool_parts(robot: &Robot, tool: &[ToolShape]) -> Vec<Part> {
         // The origin of the last link's frame is at the wrist, with the orientation of the flange.
         let center = Vector::from(center_m) + d[LAST_LINK - 1] * Vector::Z;
         let bound = form.bound();
-        let (way, own) = match &form {
+        let (way, axis_distance) = match &form {
             // A corner of a hull has the largest distance from any point or axis.
             Volume::Hull { hull, .. } => (
                 hull.bound(|corner| (center + turn(corner)).length()),
@@ -177,26 +177,26 @@ pub(crate) fn tool_parts(robot: &Robot, tool: &[ToolShape]) -> Vec<Part> {
             Volume::Hull { sides, hull } => Volume::Hull { sides: sides.map(turn), hull },
             round => round,
         };
-        let reach = reaches(&d, LAST_LINK, way, own);
+        let reach = reaches(&d, LAST_LINK, way, axis_distance);
         Part { link: LAST_LINK, shown: TOOL, center, axis: turn(Vector::Z), form, bound, reach }
     };
     tool.iter().map(part).collect()
 }
 
 /// Returns the largest distance of a part's points from the axis of each joint, given their
-/// distance `way` from the origin of the link frame, and `own` from the axis of the link's own
-/// joint.
-fn reaches(d: &Joints, link: usize, mut way: f64, own: f64) -> Joints {
+/// distance `way` from the origin of the link frame, and `axis_distance` from the axis of the
+/// link's own joint.
+fn reaches(d: &Joints, link: usize, mut way: f64, axis_distance: f64) -> Joints {
     let mut reach = [0.0; 7];
-    let Some(own_joint) = link.checked_sub(1) else { return reach };
+    let Some(joint_index) = link.checked_sub(1) else { return reach };
     // The shift d_j is along the axis of joint j, so that the axis passes through the origin of the
     // next link's frame. Beyond that origin, the distance is bounded by the sum of the shifts in
     // between.
-    for joint in (0..own_joint).rev() {
+    for joint in (0..joint_index).rev() {
         reach[joint] = way;
         way += d[joint];
     }
-    reach[own_joint] = own;
+    reach[joint_index] = axis_distance;
     reach
 }
 
@@ -210,7 +210,7 @@ fn from_origin(center: Vector, form: &Volume<Arc<Polyhedron>>) -> f64 {
 
 /// Returns the largest distance of a part's points from the axis of the link's own joint: the
 /// link's z axis, on which or perpendicular to which all centres are.
-fn from_own_axis(center: Vector, along: Along, form: &Volume<Arc<Polyhedron>>) -> f64 {
+fn distance_from_axis(center: Vector, along: Along, form: &Volume<Arc<Polyhedron>>) -> f64 {
     match (form, along) {
         (Volume::Cylinder { radius, .. }, Along::Z) => center.truncate().length() + radius,
         (Volume::Cylinder { radius, half }, Along::Y) => {
@@ -260,9 +260,9 @@ impl Body<'_> {
                 let across = (direction - along * self.axis).length();
                 half * along.abs() + radius * across
             }
-            Volume::Box { half, .. } => half.dot(self.in_own_axes(direction).abs()),
+            Volume::Box { half, .. } => half.dot(self.in_part_axes(direction).abs()),
             Volume::Hull { hull, .. } => {
-                let local = self.in_own_axes(-direction);
+                let local = self.in_part_axes(-direction);
                 hull.support(local).dot(local)
             }
         };
@@ -289,11 +289,11 @@ impl Body<'_> {
         }
     }
 
-    fn in_own_axes(&self, direction: Vector) -> Vector {
+    fn in_part_axes(&self, direction: Vector) -> Vector {
         Vector::from(self.axes().map(|axis| axis.dot(direction)))
     }
 
-    fn along_own_axes(&self, local: Vector) -> Vector {
+    fn in_base_axes(&self, local: Vector) -> Vector {
         let [x, y, z] = self.axes();
         local.x * x + local.y * y + local.z * z
     }
@@ -304,10 +304,10 @@ impl Body<'_> {
         match self.form {
             Volume::Ball { radius } => self.center + away.clamp_length_max(radius),
             Volume::Box { half, .. } => {
-                self.center + self.along_own_axes(self.in_own_axes(away).clamp(-half, half))
+                self.center + self.in_base_axes(self.in_part_axes(away).clamp(-half, half))
             }
             Volume::Hull { hull, .. } => {
-                self.center + self.along_own_axes(hull.nearest(self.in_own_axes(away)))
+                self.center + self.in_base_axes(hull.nearest(self.in_part_axes(away)))
             }
             Volume::Cylinder { radius, half } => {
                 let along = self.axis.dot(away);
@@ -324,12 +324,12 @@ impl SupportMap for Body<'_> {
         match self.form {
             Volume::Ball { radius } => self.center + radius * direction.normalize_or_zero(),
             Volume::Box { half, .. } => {
-                let local = self.in_own_axes(direction);
-                self.center + self.along_own_axes(half.copysign(local))
+                let local = self.in_part_axes(direction);
+                self.center + self.in_base_axes(half.copysign(local))
             }
             Volume::Hull { hull, .. } => {
-                let local = self.in_own_axes(direction);
-                self.center + self.along_own_axes(hull.support(local))
+                let local = self.in_part_axes(direction);
+                self.center + self.in_base_axes(hull.support(local))
             }
             Volume::Cylinder { radius, half } => {
                 let along = self.axis.dot(direction);

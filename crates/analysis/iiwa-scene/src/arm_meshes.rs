@@ -37,20 +37,20 @@ pub enum ArmMeshError {
     )]
     None,
     /// A file is not available.
-    #[error("the mesh {file:?}: {reason}, at {at}")]
+    #[error("the mesh {file:?}: {reason}, at {place}")]
     File {
         /// Place in the URDF.
-        at: Place,
+        place: Place,
         /// File name in the URDF.
         file: String,
         /// Reason.
         reason: String,
     },
     /// A file is not a valid mesh.
-    #[error("the mesh {file:?}: {error}, at {at}")]
+    #[error("the mesh {file:?}: {error}, at {place}")]
     Mesh {
         /// Place in the URDF.
-        at: Place,
+        place: Place,
         /// File name in the URDF.
         file: String,
         /// Error of reading the mesh.
@@ -58,21 +58,22 @@ pub enum ArmMeshError {
     },
     /// A mesh is so long that its unit must be wrong.
     #[error(
-        "the mesh {file:?} is {longest_m:.3} m long: its numbers are taken for m, and scale=\"0.001 0.001 0.001\" makes them mm, at {at}"
+        "the mesh {file:?} is {longest_m:.3} m long: its numbers are taken for m, and \
+         scale=\"0.001 0.001 0.001\" makes them mm, at {place}"
     )]
     Extent {
         /// Place in the URDF.
-        at: Place,
+        place: Place,
         /// File name in the URDF.
         file: String,
         /// Largest extent, in m.
         longest_m: f64,
     },
     /// A mesh has no convex hull.
-    #[error("the mesh {file:?}: {error}, at {at}")]
+    #[error("the mesh {file:?}: {error}, at {place}")]
     NotSolid {
         /// Place in the URDF.
-        at: Place,
+        place: Place,
         /// File name in the URDF.
         file: String,
         /// Reason.
@@ -87,16 +88,16 @@ impl ArmMeshError {
         match self {
             Self::None => None,
             Self::Urdf(error) => Some(error.place()),
-            Self::File { at, .. }
-            | Self::Mesh { at, .. }
-            | Self::Extent { at, .. }
-            | Self::NotSolid { at, .. } => Some(at),
+            Self::File { place, .. }
+            | Self::Mesh { place, .. }
+            | Self::Extent { place, .. }
+            | Self::NotSolid { place, .. } => Some(place),
         }
     }
 
     /// Returns the message without the place.
     #[must_use]
-    pub fn what(&self) -> String {
+    pub fn message(&self) -> String {
         let text = self.to_string();
         self.place().map_or_else(|| text.clone(), |place| place.cut_from(&text))
     }
@@ -141,8 +142,8 @@ impl ArmMeshes {
 fn hull(mesh: &UrdfMesh, patches: &[Patch]) -> Result<ConvexHull, ArmMeshError> {
     let points = patches.iter().flat_map(|patch| patch.points.iter().copied());
     ConvexHull::new(points).map_err(|error| {
-        let UrdfMesh { at, file, .. } = mesh.clone();
-        ArmMeshError::NotSolid { at, file, error }
+        let UrdfMesh { place, file, .. } = mesh.clone();
+        ArmMeshError::NotSolid { place, file, error }
     })
 }
 
@@ -151,18 +152,21 @@ fn patches(
     mesh: &UrdfMesh,
     read: &mut impl FnMut(&str) -> Result<Vec<u8>, String>,
 ) -> Result<Vec<Patch>, ArmMeshError> {
-    let UrdfMesh { at, file, scale, pose, rgba, .. } = mesh;
-    let (at, file) = (|| at.clone(), || file.clone());
-    let bytes =
-        read(&mesh.file).map_err(|reason| ArmMeshError::File { at: at(), file: file(), reason })?;
+    let UrdfMesh { place, file, scale, pose, rgba, .. } = mesh;
+    let (place, file) = (|| place.clone(), || file.clone());
+    let bytes = read(&mesh.file).map_err(|reason| ArmMeshError::File {
+        place: place(),
+        file: file(),
+        reason,
+    })?;
     let beside = |name: &Path| {
         let folder = mesh.file.rsplit_once('/').map_or("", |(folder, _)| folder);
         let name = name.to_str()?;
         read(&if folder.is_empty() { name.to_owned() } else { format!("{folder}/{name}") }).ok()
     };
-    let found = TriangleMesh::read(&mesh.file, &bytes, beside)
-        .map_err(|error| ArmMeshError::Mesh { at: at(), file: file(), error })?;
-    let mut patches = found.patches;
+    let mesh_data = TriangleMesh::read(&mesh.file, &bytes, beside)
+        .map_err(|error| ArmMeshError::Mesh { place: place(), file: file(), error })?;
+    let mut patches = mesh_data.patches;
     // Mirroring inverts the orientation of triangles.
     let is_mirrored = scale.iter().product::<f64>() < 0.0;
     for patch in &mut patches {
@@ -181,7 +185,7 @@ fn patches(
     let longest_m = (0..3).map(|i| extent(&patches, i)).fold(0.0, f64::max);
     let longest_m = if is_finite { longest_m } else { f64::INFINITY };
     if longest_m > MAX_EXTENT_M {
-        return Err(ArmMeshError::Extent { at: at(), file: file(), longest_m });
+        return Err(ArmMeshError::Extent { place: place(), file: file(), longest_m });
     }
     Ok(patches)
 }

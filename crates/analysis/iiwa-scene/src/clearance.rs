@@ -64,7 +64,7 @@ pub struct ArmInScene {
     /// Flags for all pairs of a part and an obstacle, part by part: `true` if the pair is checked.
     counts: Arc<[bool]>,
     /// Pairs of parts that are checked.
-    own_pairs: Arc<[Pair]>,
+    self_pairs: Arc<[Pair]>,
 }
 
 /// Part of the arm and its possible collision partner.
@@ -113,45 +113,45 @@ impl ArmInScene {
         let ignored: HashSet<(usize, usize)> =
             scene.ignored().iter().map(|it| (it.link, it.obstacle)).collect();
         let counts = parts.iter().flat_map(|part| {
-            let own = |o: usize| {
+            let is_self_pair = |o: usize| {
                 part.shown >= FIRST_LINK
                     && !ignored.contains(&(part.shown, o))
                     && !is_constant(robot, part, &obstacles[o])
             };
-            (0..obstacles.len()).map(own).collect::<Vec<_>>()
+            (0..obstacles.len()).map(is_self_pair).collect::<Vec<_>>()
         });
         let counts = counts.collect();
         let may_touch = |part: usize, other: usize| {
             parts[other].shown + MAY_TOUCH <= parts[part].shown
                 && !is_rigid(robot, &parts[part], &parts[other])
         };
-        let own_pairs = (0..parts.len()).flat_map(|part| {
+        let self_pairs = (0..parts.len()).flat_map(|part| {
             let others = (0..parts.len()).filter(move |other| may_touch(part, *other));
             others.map(move |other| Pair { part, target: Target::Part(other) })
         });
-        let own_pairs = own_pairs.collect();
+        let self_pairs = self_pairs.collect();
         Self {
             robot: robot.clone(),
             scene: Arc::new(scene.clone()),
             parts: parts.into(),
             obstacles,
             counts,
-            own_pairs,
+            self_pairs,
         }
     }
 
     /// Returns the checked pairs, part by part.
     pub(crate) fn pairs(&self, among: Among) -> impl Iterator<Item = Pair> {
-        let (obstacles, own) = match among {
+        let (obstacles, self_pairs) = match among {
             Among::Obstacles => (self.obstacles.len(), &[][..]),
-            Among::OwnParts => (0, &*self.own_pairs),
+            Among::OwnParts => (0, &*self.self_pairs),
         };
         let of_scene = (0..self.parts.len()).flat_map(move |part| {
             let counting = move |o: &usize| self.counts[part * obstacles + o];
             let pair = move |o| Pair { part, target: Target::Obstacle(o) };
             (0..obstacles).filter(counting).map(pair)
         });
-        of_scene.chain(own.iter().copied())
+        of_scene.chain(self_pairs.iter().copied())
     }
 
     /// Returns the scene.
@@ -179,7 +179,7 @@ impl ArmInScene {
             return None;
         }
         let bodies = self.bodies(joints_rad);
-        self.nearest(among, &bodies, f64::MAX).map(|(pair, near)| self.told(pair, &near))
+        self.nearest(among, &bodies, f64::MAX).map(|(pair, near)| self.to_clearance(pair, &near))
     }
 
     /// Returns the name of an obstacle or a link.
@@ -210,37 +210,37 @@ impl ArmInScene {
         self.parts.iter().map(|part| part.at(&poses[part.link])).collect()
     }
 
-    /// Returns the nearest pair, if it is nearer than `most`.
+    /// Returns the nearest pair, if it is nearer than `max_distance`.
     pub(crate) fn nearest(
         &self,
         among: Among,
         bodies: &[Body<'_>],
-        most: f64,
+        max_distance: f64,
     ) -> Option<(Pair, Near)> {
         let body = |part: usize| bodies[part];
-        let least = |pair| (self.least(pair, &body(pair.part), body), pair);
-        let mut pairs: Vec<_> = self.pairs(among).map(least).collect();
+        let lower_bound = |pair| (self.lower_bound(pair, &body(pair.part), body), pair);
+        let mut pairs: Vec<_> = self.pairs(among).map(lower_bound).collect();
         // The pair with the smallest bound first: it excludes most of the others.
         let first = (0..pairs.len()).min_by(|a, b| pairs[*a].0.total_cmp(&pairs[*b].0))?;
         pairs.swap(0, first);
         let mut best: Option<(Pair, Near)> = None;
-        for (least, pair) in pairs {
-            let most = best.map_or(most, |(_, near)| near.distance);
-            if least >= most {
+        for (lower_bound, pair) in pairs {
+            let max_distance = best.map_or(max_distance, |(_, near)| near.distance);
+            if lower_bound >= max_distance {
                 continue;
             }
-            let found = self.near(pair, &body(pair.part), body, most);
-            if let Some(found) = found
-                && found.distance < most
+            let near = self.near(pair, &body(pair.part), body, max_distance);
+            if let Some(near) = near
+                && near.distance < max_distance
             {
-                best = Some((pair, found));
+                best = Some((pair, near));
             }
         }
         best
     }
 
     /// Returns a lower bound of a pair's distance, from the bounding spheres of the parts.
-    pub(crate) fn least<'b>(
+    pub(crate) fn lower_bound<'b>(
         &self,
         Pair { part, target }: Pair,
         body: &Body<'_>,
@@ -255,22 +255,22 @@ impl ArmInScene {
         of_center - self.parts[part].bound
     }
 
-    /// Returns the nearest points of a pair; none if they are farther apart than `most` for
+    /// Returns the nearest points of a pair; none if they are farther apart than `max_distance` for
     /// certain.
     pub(crate) fn near<'b>(
         &self,
         pair: Pair,
         body: &Body<'_>,
         bodies: impl Fn(usize) -> Body<'b>,
-        most: f64,
+        max_distance: f64,
     ) -> Option<Near> {
         match pair.target {
-            Target::Obstacle(o) => near(body, &self.obstacles[o], most),
-            Target::Part(other) => near_part(body, &bodies(other), most),
+            Target::Obstacle(o) => near(body, &self.obstacles[o], max_distance),
+            Target::Part(other) => near_part(body, &bodies(other), max_distance),
         }
     }
 
-    pub(crate) fn told(&self, Pair { part, target }: Pair, near: &Near) -> Clearance {
+    pub(crate) fn to_clearance(&self, Pair { part, target }: Pair, near: &Near) -> Clearance {
         Clearance {
             distance_m: near.distance,
             link: self.parts[part].shown,

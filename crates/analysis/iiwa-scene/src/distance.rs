@@ -66,14 +66,14 @@ impl Convex for Cuboid {
     }
 }
 
-/// Returns the nearest points of `body` and `obstacle`; none if they are farther apart than `most`
-/// for certain.
-pub(crate) fn near(body: &Body<'_>, obstacle: &Placed, most: f64) -> Option<Near> {
+/// Returns the nearest points of `body` and `obstacle`; none if they are farther apart than
+/// `max_distance` for certain.
+pub(crate) fn near(body: &Body<'_>, obstacle: &Placed, max_distance: f64) -> Option<Near> {
     match obstacle {
         Placed::Plane(plane) => Some(to_plane(body, plane)),
         Placed::Box(cuboid) => match body.form {
             Volume::Ball { radius } => Some(ball_to_box(body.center, radius, cuboid)),
-            _ => solid_to_box(body, cuboid, most),
+            _ => solid_to_box(body, cuboid, max_distance),
         },
     }
 }
@@ -89,7 +89,7 @@ fn to_plane(body: &Body<'_>, plane: &PlacedPlane) -> Near {
 }
 
 fn ball_to_box(center: Vector, radius: f64, cuboid: &PlacedBox) -> Near {
-    let on_box = cuboid.in_base_frame(cuboid.nearest(cuboid.in_own_frame(center)));
+    let on_box = cuboid.in_base_frame(cuboid.nearest(cuboid.in_box_frame(center)));
     let way = center - on_box;
     if way.length() <= radius {
         return Near::touching(on_box);
@@ -98,16 +98,17 @@ fn ball_to_box(center: Vector, radius: f64, cuboid: &PlacedBox) -> Near {
 }
 
 /// Returns the nearest points of a body and a box, computed in the box frame.
-fn solid_to_box(body: &Body<'_>, cuboid: &PlacedBox, most: f64) -> Option<Near> {
-    let local = body.map(|point| cuboid.in_own_frame(point), |axis| cuboid.turn_back(axis));
+fn solid_to_box(body: &Body<'_>, cuboid: &PlacedBox, max_distance: f64) -> Option<Near> {
+    let local = body.map(|point| cuboid.in_box_frame(point), |axis| cuboid.turn_back(axis));
     let shape = Cuboid::new(cuboid.half);
-    let (on_part, on_box) = nearest_points(&local, local.center, &shape, most)?;
+    let (on_part, on_box) = nearest_points(&local, local.center, &shape, max_distance)?;
     Some(Near::between(cuboid.in_base_frame(on_part), cuboid.in_base_frame(on_box)))
 }
 
-/// Returns the nearest points of two parts; none if they are farther apart than `most` for certain.
-pub(crate) fn near_part(body: &Body<'_>, other: &Body<'_>, most: f64) -> Option<Near> {
-    let (on_part, on_other) = nearest_points(body, body.center, other, most)?;
+/// Returns the nearest points of two parts; none if they are farther apart than `max_distance` for
+/// certain.
+pub(crate) fn near_part(body: &Body<'_>, other: &Body<'_>, max_distance: f64) -> Option<Near> {
+    let (on_part, on_other) = nearest_points(body, body.center, other, max_distance)?;
     Some(Near::between(on_part, on_other))
 }
 
@@ -121,15 +122,16 @@ fn nearest_points<A: Convex, B: Convex>(
     body: &A,
     center: Vector,
     other: &B,
-    most: f64,
+    max_distance: f64,
 ) -> Option<(Vector, Vector)> {
     let nearest = other.nearest(center);
     let start = (center - nearest).try_normalize().unwrap_or(Vector::X);
     let mut simplex = VoronoiSimplex::new();
     simplex.reset(CsoPoint::from_shapes(&Pose::IDENTITY, other, body, start));
-    let found = gjk::closest_points(&Pose::IDENTITY, other, body, most, true, &mut simplex);
-    let on_other = match found {
-        GJKResult::NoIntersection(way) if apart(body, other, way) >= most => return None,
+    let result =
+        gjk::closest_points(&Pose::IDENTITY, other, body, max_distance, true, &mut simplex);
+    let on_other = match result {
+        GJKResult::NoIntersection(way) if apart(body, other, way) >= max_distance => return None,
         GJKResult::ClosestPoints(on_other, ..) => other.nearest(on_other),
         _ => nearest,
     };
@@ -153,7 +155,7 @@ fn refined(body: &impl Convex, other: &impl Convex, start: Vector) -> (Vector, V
     let (mut on_other, mut ahead) = (start, start);
     let mut momentum = 1.0_f64;
     let mut last = f64::MAX;
-    for _ in 0..MOST_ROUNDS {
+    for _ in 0..MAX_ROUNDS {
         let on_body = body.nearest(on_other);
         let way = on_body - on_other;
         let length = way.length();
@@ -178,7 +180,7 @@ fn refined(body: &impl Convex, other: &impl Convex, start: Vector) -> (Vector, V
 
 /// Maximum number of rounds. Two of a hundred thousand random pairs need more than a hundred. Pairs
 /// that are neither proven to be apart nor found to touch in all rounds touch to within 0.1 mm.
-const MOST_ROUNDS: u32 = 1000;
+const MAX_ROUNDS: u32 = 1000;
 
 /// Distance in m below which solids touch.
 const TOUCHING_M: f64 = 1e-9;
@@ -247,7 +249,7 @@ mod tests {
             };
             let center = [(); 3].map(|()| between(-1.0, 1.0)).into();
             let body = Body { center, axis, form };
-            let size_m = [1.0, 1.5, 2.0].map(|most| between(0.005, most));
+            let size_m = [1.0, 1.5, 2.0].map(|max_size| between(0.005, max_size));
             let form = Form::Box { center_m: [0.0; 3], size_m, rpy_rad: turns[1] };
             let obstacle = Placed::new(&form);
             let near = near(&body, &obstacle, f64::MAX).unwrap();
@@ -255,9 +257,9 @@ mod tests {
             assert!(obstacle.distance(near.on_other) < 1e-8, "{near:?}");
             if near.distance > 0.0 {
                 apart += 1;
-                let least = body.nearest_along(near.away) - obstacle.farthest_along(near.away);
+                let expected = body.nearest_along(near.away) - obstacle.farthest_along(near.away);
                 assert!(
-                    off_arm < 1e-8 && (near.distance - least).abs() < 1.1 * EXACT_M,
+                    off_arm < 1e-8 && (near.distance - expected).abs() < 1.1 * EXACT_M,
                     "{near:?}"
                 );
             } else {

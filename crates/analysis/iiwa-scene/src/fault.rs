@@ -83,7 +83,12 @@ pub enum Fault {
         max: f64,
     },
     /// Ignored pair with a link or an obstacle that does not exist. Pairs are numbered from 0 here.
-    #[error("ignored pair {}: there is no link {} or no obstacle {}", .pair + 1, .found.link, .found.obstacle + 1)]
+    #[error(
+        "ignored pair {}: there is no link {} or no obstacle {}",
+        .pair + 1,
+        .found.link,
+        .found.obstacle + 1
+    )]
     Ignored {
         /// Index of the pair.
         pair: usize,
@@ -146,8 +151,8 @@ fn tool_range(key: &'static str, axis: Option<usize>, numbers: [f64; 3]) -> Stri
         return range(key, axis, numbers);
     }
     let (name, factor) = in_file(key);
-    let [found, min, max] = numbers.map(|value| value * factor);
-    format!("{name} is {found}; it must be from {min} to {max}")
+    let [value, min, max] = numbers.map(|value| value * factor);
+    format!("{name} is {value}; it must be from {min} to {max}")
 }
 
 /// Describes a number that is out of range, in the units of a file.
@@ -159,9 +164,9 @@ fn range(key: &'static str, axis: usize, numbers: [f64; 3]) -> String {
         let rounded = (value * 1e6).round() / 1e6;
         if rounded.is_finite() { rounded } else { value }
     };
-    let [found, min, max] = numbers.map(shown);
-    let mut text = format!("number {} of {name} is {found}", axis + 1);
-    if key == "size" && found <= 0.0 {
+    let [value, min, max] = numbers.map(shown);
+    let mut text = format!("number {} of {name} is {value}", axis + 1);
+    if key == "size" && value <= 0.0 {
         text.push_str("; a size is above 0");
     } else if key != "normal" {
         let _ = write!(text, "; it must be from {min} to {max}");

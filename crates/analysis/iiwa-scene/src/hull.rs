@@ -15,7 +15,8 @@ use crate::{
 /// use iiwa_scene::ConvexHull;
 ///
 /// // A pyramid, and a point inside.
-/// let corners = [[0.0, 0.0, 0.1], [0.1, 0.1, 0.0], [-0.1, 0.1, 0.0], [-0.1, -0.1, 0.0], [0.1, -0.1, 0.0]];
+/// let corners =
+///     [[0.0, 0.0, 0.1], [0.1, 0.1, 0.0], [-0.1, 0.1, 0.0], [-0.1, -0.1, 0.0], [0.1, -0.1, 0.0]];
 /// let hull = ConvexHull::new(corners.into_iter().chain([[0.0, 0.0, 0.05]]))?;
 /// assert_eq!((hull.corners_m().len(), hull.triangles().len()), (5, 6));
 /// # Ok::<(), iiwa_scene::NotSolid>(())
@@ -180,7 +181,7 @@ mod tests {
     }
 
     #[test]
-    fn what_has_no_volume_is_no_solid() {
+    fn points_without_volume_are_refused() {
         let plane = (0..30).map(|i| [f64::from(i % 5), f64::from(i / 5), 0.0]).collect::<Vec<_>>();
         for rpy in [[0.0; 3], [0.3, 0.4, 0.5]] {
             assert_eq!(ConvexHull::new(turned(&plane, rpy)), Err(NotSolid::Flat));

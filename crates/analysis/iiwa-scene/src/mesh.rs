@@ -98,8 +98,8 @@ impl TriangleMesh {
             }
             let colour = read.materials.get(number).and_then(|material| material.color.diffuse);
             let triangles = mesh.faces.iter().copied();
-            let known = |corners: &[u32; 3]| corners.iter().all(|it| (*it as usize) < points.len());
-            let triangles = triangles.filter(known).collect();
+            let exist = |corners: &[u32; 3]| corners.iter().all(|it| (*it as usize) < points.len());
+            let triangles = triangles.filter(exist).collect();
             let rgb = colour.map(|[red, green, blue, _]| [red, green, blue].map(f64::from));
             patches.push(Patch { points, triangles, rgb });
         }
@@ -164,14 +164,15 @@ fn collada(bytes: &[u8]) -> io::Result<mesh_loader::Scene> {
         let tag = tag.split('>').next().unwrap_or_default();
         if tag.starts_with("instance_geometry") && !shown.insert(quoted(tag, "url")) {
             let part = quoted(tag, "url").unwrap_or_default();
-            return refuse(format!(
-                "it shows its part {part:?} at several places, which cannot be read: write the mesh as STL or OBJ"
+            return invalid(format!(
+                "it shows its part {part:?} at several places, which cannot be read: write the \
+                 mesh as STL or OBJ"
             ));
         }
         let is_node = tag == "node" || tag.starts_with("node ");
         depth += i32::from(is_node && !tag.ends_with('/')) - i32::from(tag.starts_with("/node"));
         if is_node && depth > 1 {
-            return refuse(
+            return invalid(
                 "it has nodes within nodes, which cannot be read: write the mesh as STL or OBJ",
             );
         }
@@ -182,17 +183,17 @@ fn collada(bytes: &[u8]) -> io::Result<mesh_loader::Scene> {
     {
         let tag = &text[start..start + length];
         if let Some(meter) = quoted(tag, "meter") {
-            let Some(found) = meter.trim().parse().ok().filter(|unit: &f32| *unit > 0.0) else {
-                return refuse(format!("its unit is {meter:?} m"));
+            let Some(unit) = meter.trim().parse().ok().filter(|unit: &f32| *unit > 0.0) else {
+                return invalid(format!("its unit is {meter:?} m"));
             };
-            unit_m = found;
+            unit_m = unit;
         }
         let end = if tag.ends_with('/') { "/" } else { "" };
         text.replace_range(start..start + length, &format!("{UNIT}{end}"));
     }
     // `mesh_loader` panics on indices that are out of range.
     let mut scene = panic::catch_unwind(|| mesh_loader::collada::from_str(&text))
-        .unwrap_or_else(|_| refuse("its numbers lead to corners that it does not have"))?;
+        .unwrap_or_else(|_| invalid("its numbers lead to corners that it does not have"))?;
     for value in scene.meshes.iter_mut().flat_map(|mesh| mesh.vertices.as_flattened_mut()) {
         *value *= unit_m;
     }
@@ -205,8 +206,8 @@ fn quoted<'a>(tag: &'a str, name: &str) -> Option<&'a str> {
     rest.split(['"', '\'']).nth(1)
 }
 
-fn refuse<T>(what: impl Into<String>) -> io::Result<T> {
-    Err(io::Error::new(io::ErrorKind::InvalidData, what.into()))
+fn invalid<T>(message: impl Into<String>) -> io::Result<T> {
+    Err(io::Error::new(io::ErrorKind::InvalidData, message.into()))
 }
 
 /// Reads ASCII or binary STL. The length of a binary file has to match its number of triangles:
@@ -215,7 +216,7 @@ fn stl(bytes: &[u8]) -> io::Result<mesh_loader::Scene> {
     const HEADER: usize = 84;
     const TRIANGLE: usize = 50;
     if bytes.is_empty() {
-        return refuse("it is empty");
+        return invalid("it is empty");
     }
     let count = bytes.get(80..HEADER).and_then(|count| count.try_into().ok());
     let triangles = count.map(u32::from_le_bytes);
@@ -224,9 +225,10 @@ fn stl(bytes: &[u8]) -> io::Result<mesh_loader::Scene> {
     let is_text =
         bytes.starts_with(b"solid") && !bytes.contains(&0) && str::from_utf8(bytes).is_ok();
     if !is_whole && !is_text {
-        return refuse(match triangles {
+        return invalid(match triangles {
             Some(count) => format!(
-                "it is not text that begins with `solid`, and as a binary file of {count} triangles it would have another length"
+                "it is not text that begins with `solid`, and as a binary file of {count} \
+                 triangles it would have another length"
             ),
             None => "it is not text that begins with `solid`, and too short for a binary file"
                 .to_owned(),
@@ -236,7 +238,7 @@ fn stl(bytes: &[u8]) -> io::Result<mesh_loader::Scene> {
     let found: usize = read.meshes.iter().map(|mesh| mesh.faces.len()).sum();
     match triangles.filter(|_| is_whole) {
         Some(count) if found != count as usize => {
-            refuse(format!("{found} of its {count} triangles could be read"))
+            invalid(format!("{found} of its {count} triangles could be read"))
         }
         _ => Ok(read),
     }

@@ -58,8 +58,8 @@ fn extent(longest_m: f64, mm_per_unit: f64) -> String {
     // Rounded to three digits, which show by how much.
     let rounded = format!("{:.2e}", 1e3 * longest_m).parse().unwrap_or(1e3 * longest_m);
     format!(
-        "it is {rounded} mm long, {bound}: a number of the file was taken for {mm_per_unit} mm; \"scale\" says how many mm \
-         it is"
+        "it is {rounded} mm long, {bound}: a number of the file was taken for {mm_per_unit} mm; \
+         \"scale\" says how many mm it is"
     )
 }
 

@@ -48,7 +48,7 @@ impl Placed {
     pub(crate) fn distance(&self, point: Vector) -> f64 {
         match self {
             Self::Box(cuboid) => {
-                let local = cuboid.in_own_frame(point);
+                let local = cuboid.in_box_frame(point);
                 (local - cuboid.nearest(local)).length()
             }
             Self::Plane(plane) => (plane.normal.dot(point) - plane.offset).max(0.0),
@@ -68,7 +68,7 @@ impl Placed {
 
 impl PlacedBox {
     /// Transforms a point from the base frame to the box frame.
-    pub(crate) fn in_own_frame(&self, point: Vector) -> Vector {
+    pub(crate) fn in_box_frame(&self, point: Vector) -> Vector {
         self.turn_back(point - self.center)
     }
 

@@ -43,30 +43,30 @@ impl ArmInScene {
     /// joint motion in a span exclude a smaller clearance.
     #[must_use]
     pub fn clearance_of(&self, trajectory: &Trajectory) -> Option<PlannedClearance> {
-        self.least_of(Among::Obstacles, trajectory.sections())
+        self.nearest_of(Among::Obstacles, trajectory.sections())
     }
 
     /// Returns the smallest clearance of `section`, a part of a trajectory; none if the scene has
     /// no obstacles.
     #[must_use]
     pub fn clearance_of_section(&self, section: &Section) -> Option<PlannedClearance> {
-        self.least_of(Among::Obstacles, [section])
+        self.nearest_of(Among::Obstacles, [section])
     }
 
     /// Returns the smallest distance of two parts of the arm in `trajectory`; none if it has no
     /// sections.
     #[must_use]
     pub fn self_clearance_of(&self, trajectory: &Trajectory) -> Option<PlannedClearance> {
-        self.least_of(Among::OwnParts, trajectory.sections())
+        self.nearest_of(Among::OwnParts, trajectory.sections())
     }
 
     /// Returns the smallest distance of two parts of the arm in `section`, a part of a trajectory.
     #[must_use]
     pub fn self_clearance_of_section(&self, section: &Section) -> Option<PlannedClearance> {
-        self.least_of(Among::OwnParts, [section])
+        self.nearest_of(Among::OwnParts, [section])
     }
 
-    fn least_of<'a>(
+    fn nearest_of<'a>(
         &self,
         among: Among,
         sections: impl IntoIterator<Item = &'a Section>,
@@ -97,7 +97,7 @@ struct Search<'a> {
     best: Option<PlannedClearance>,
     /// Smallest distance so far, in m: that of the best result, up to the difference that counts as
     /// equal.
-    least_m: f64,
+    nearest_m: f64,
     /// Stack of the pairs that may be nearer in a span, with their lower bound of the distance in
     /// it: those of the current span, on top of those of the spans that contain it.
     open: Vec<(Pair, f64)>,
@@ -113,7 +113,7 @@ struct Place<'a> {
 
 impl<'a> Search<'a> {
     fn new(arm: &'a ArmInScene, among: Among) -> Self {
-        Self { arm, among, best: None, least_m: f64::MAX, open: Vec::new() }
+        Self { arm, among, best: None, nearest_m: f64::MAX, open: Vec::new() }
     }
 
     /// Searches `pieces` of `section` for a smaller clearance than the best so far.
@@ -149,20 +149,20 @@ impl<'a> Search<'a> {
     fn sample(&mut self, piece: &Piece, joints_rad: &[f64; 7], at_s: impl FnOnce() -> f64) {
         let bodies = self.arm.bodies(joints_rad);
         if let Some((pair, near)) = self.arm.nearest(self.among, &bodies, self.best_m() + SAME_M) {
-            self.found(piece, pair, &near, at_s);
+            self.add(piece, pair, &near, at_s);
         }
     }
 
     /// Records a result if it is nearer than the best so far, or equally near and earlier.
-    fn found(&mut self, piece: &Piece, pair: Pair, near: &Near, at_s: impl FnOnce() -> f64) {
-        if near.distance > self.least_m + SAME_M {
+    fn add(&mut self, piece: &Piece, pair: Pair, near: &Near, at_s: impl FnOnce() -> f64) {
+        if near.distance > self.nearest_m + SAME_M {
             return;
         }
-        self.least_m = self.least_m.min(near.distance);
+        self.nearest_m = self.nearest_m.min(near.distance);
         let at_s = at_s();
         let earlier = self.best.is_none_or(|best| at_s < best.at_s);
         if near.distance < self.best_m() - SAME_M || earlier {
-            let clearance = self.arm.told(pair, near);
+            let clearance = self.arm.to_clearance(pair, near);
             self.best = Some(PlannedClearance { clearance, at_s, motion: piece.motion });
         }
     }
@@ -186,8 +186,8 @@ impl<'a> Search<'a> {
         };
         let mut last = None;
         for index in pairs {
-            let (pair, least) = self.open[index];
-            if least >= self.best_m() - TOLERANCE_M {
+            let (pair, lower_bound) = self.open[index];
+            if lower_bound >= self.best_m() - TOLERANCE_M {
                 continue;
             }
             let part = &arm.parts[pair.part];
@@ -202,27 +202,27 @@ impl<'a> Search<'a> {
                 _ => (at(pair.part), span.moves(part, from)),
             };
             last = Some(((pair.part, from), body, moves));
-            if arm.least(pair, &body, at) - moves.most >= self.best_m() - TOLERANCE_M {
+            if arm.lower_bound(pair, &body, at) - moves.max_m >= self.best_m() - TOLERANCE_M {
                 continue;
             }
-            let Some(found) = arm.near(pair, &body, at, self.best_m() + moves.most) else {
+            let Some(near) = arm.near(pair, &body, at, self.best_m() + moves.max_m) else {
                 continue;
             };
-            self.found(piece, pair, &found, || section.time_at(piece, middle));
+            self.add(piece, pair, &near, || section.time_at(piece, middle));
             let beyond = match pair.target {
-                Target::Obstacle(o) => arm.obstacles[o].farthest_along(found.away),
-                Target::Part(other) => at(other).farthest_along(found.away),
+                Target::Obstacle(o) => arm.obstacles[o].farthest_along(near.away),
+                Target::Part(other) => at(other).farthest_along(near.away),
             };
-            let least = span.least((part, &body), (from, moves), &found, beyond);
-            if least < self.best_m() - TOLERANCE_M {
-                self.open.push((pair, least));
+            let lower_bound = span.lower_bound((part, &body), (from, moves), &near, beyond);
+            if lower_bound < self.best_m() - TOLERANCE_M {
+                self.open.push((pair, lower_bound));
             }
         }
-        let left = first..self.open.len();
-        if !left.is_empty() && half > SHORTEST {
+        let remaining = first..self.open.len();
+        if !remaining.is_empty() && half > SHORTEST {
             let half = 0.5 * half;
-            self.span(place, middle - half, half, left.clone());
-            self.span(place, middle + half, half, left);
+            self.span(place, middle - half, half, remaining.clone());
+            self.span(place, middle + half, half, remaining);
         }
         self.open.truncate(first);
     }

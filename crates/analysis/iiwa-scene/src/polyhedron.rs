@@ -62,8 +62,8 @@ impl Polyhedron {
         let mut best = (f64::MAX, point);
         // From outside, the nearest point is on a visible face. With a margin, since among coplanar
         // triangles rounding may make another one visible than that with the nearest point.
-        let seen = |face: &&Face| face.normal.dot(point) > face.offset - SLIVER_M;
-        for face in self.faces.iter().filter(seen) {
+        let is_visible = |face: &&Face| face.normal.dot(point) > face.offset - SLIVER_M;
+        for face in self.faces.iter().filter(is_visible) {
             let on_face = face.nearest(point);
             let square = on_face.distance_squared(point);
             if square < best.0 {

@@ -32,13 +32,14 @@ struct Facet {
 
 /// Returns the triangles of the hull, as indices of `points`, counterclockwise from outside.
 ///
-/// The points must be finite, sorted and unique. Points within a thickness of `least` are flat.
+/// The points must be finite, sorted and unique. Points within a thickness of `min_thickness` are
+/// flat.
 pub(crate) fn hull(
     points: &[Vector],
-    least: f64,
+    min_thickness: f64,
     max_facets: usize,
 ) -> Result<Vec<[u32; 3]>, NoHull> {
-    let first = tetrahedron(points, least).ok_or(NoHull::Flat)?;
+    let first = tetrahedron(points, min_thickness).ok_or(NoHull::Flat)?;
     let [a, b, c, d] = first;
     let mut hull = Growing { points, facets: Vec::new() };
     for (corners, neighbours) in [
@@ -56,8 +57,8 @@ pub(crate) fn hull(
         if hull.facets[next].is_alive
             && let Some(point) = hull.farthest(next)
         {
-            let (gone, new) = hull.add(point, next);
-            alive = alive - gone + new;
+            let (removed, new) = hull.add(point, next);
+            alive = alive - removed + new;
             if alive > max_facets {
                 return Err(NoHull::TooMany);
             }
@@ -68,7 +69,7 @@ pub(crate) fn hull(
 }
 
 /// Returns four points with a volume; the last one is below the plane of the others.
-fn tetrahedron(points: &[Vector], least: f64) -> Option<[u32; 4]> {
+fn tetrahedron(points: &[Vector], min_thickness: f64) -> Option<[u32; 4]> {
     // Any four points are valid: the farther apart they are, the fewer points remain outside.
     let best = |measure: &dyn Fn(Vector) -> f64| {
         let measured = (0..).zip(points).map(|(index, point)| (index, measure(*point)));
@@ -81,7 +82,7 @@ fn tetrahedron(points: &[Vector], least: f64) -> Option<[u32; 4]> {
     let c = best(&|p| (p - at(a)).cross(along).length_squared())?;
     let normal = (at(b) - at(a)).cross(at(c) - at(a)).try_normalize()?;
     let d = best(&|p| normal.dot(p - at(a)).abs())?;
-    if normal.dot(at(d) - at(a)).abs() < least {
+    if normal.dot(at(d) - at(a)).abs() < min_thickness {
         return None;
     }
     let side = side(points, [a, b, c], d);
@@ -137,11 +138,11 @@ impl Growing<'_> {
     /// Adds a point that sees `facet` to the hull. Returns the numbers of removed and added facets.
     fn add(&mut self, point: u32, facet: usize) -> (usize, usize) {
         // All visible facets are connected, and their boundary is a single ring.
-        let mut seen = vec![facet];
+        let mut visible = vec![facet];
         self.facets[facet].is_alive = false;
         let mut ring = Vec::new();
         let mut next = 0;
-        while let Some(&facet) = seen.get(next) {
+        while let Some(&facet) = visible.get(next) {
             next += 1;
             for edge in 0..3 {
                 let beyond = self.facets[facet].neighbours[edge] as usize;
@@ -150,7 +151,7 @@ impl Growing<'_> {
                 }
                 if self.sees(point, beyond) {
                     self.facets[beyond].is_alive = false;
-                    seen.push(beyond);
+                    visible.push(beyond);
                 } else {
                     let corners = self.facets[facet].corners;
                     ring.push((corners[edge], corners[(edge + 1) % 3], beyond));
@@ -158,24 +159,24 @@ impl Growing<'_> {
             }
         }
         let first = self.facets.len();
-        let index = |of: usize| u32::try_from(of).unwrap_or(u32::MAX);
+        let index = |value: usize| u32::try_from(value).unwrap_or(u32::MAX);
         let starts = (first..).zip(&ring).map(|(new, edge)| (edge.0, index(new)));
         let starts = starts.collect::<HashMap<_, _>>();
         let ends = (first..).zip(&ring).map(|(new, edge)| (edge.1, index(new)));
         let ends = ends.collect::<HashMap<_, _>>();
         for (new, (start, end, beyond)) in (first..).zip(&ring) {
-            let kept = &mut self.facets[*beyond];
-            if let Some(edge) = (0..3).find(|edge| kept.corners[*edge] == *end) {
-                kept.neighbours[edge] = index(new);
+            let neighbour = &mut self.facets[*beyond];
+            if let Some(edge) = (0..3).find(|edge| neighbour.corners[*edge] == *end) {
+                neighbour.neighbours[edge] = index(new);
             }
             let neighbours = [index(*beyond), starts[end], ends[start]];
             let corners = [*start, *end, point];
             self.facets.push(Facet { corners, neighbours, outside: Vec::new(), is_alive: true });
         }
         let orphans =
-            seen.iter().flat_map(|facet| std::mem::take(&mut self.facets[*facet].outside));
+            visible.iter().flat_map(|facet| std::mem::take(&mut self.facets[*facet].outside));
         let orphans = orphans.filter(|orphan| *orphan != point).collect();
         self.share_out(orphans, first);
-        (seen.len(), ring.len())
+        (visible.len(), ring.len())
     }
 }

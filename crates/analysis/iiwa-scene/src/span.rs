@@ -62,7 +62,7 @@ impl Sub for Twist {
 #[derive(Clone, Copy)]
 pub(crate) struct Moves {
     /// Bound from the middle of the span to any point in it.
-    pub(crate) most: f64,
+    pub(crate) max_m: f64,
     /// Bound of the part that is not along the tangent.
     off_tangent: f64,
 }
@@ -70,10 +70,10 @@ pub(crate) struct Moves {
 impl Span {
     /// Creates the span from `middle - half` to `middle + half`.
     pub(crate) fn new(robot: &Robot, segment: &dyn Segment, middle: f64, half: f64) -> Self {
-        let at = segment.at(middle);
+        let state = segment.at(middle);
         let bend = segment.bend_bound_rad().map(|bound| 0.5 * half * half * bound);
-        let tangent = at.dq.map(|dq| half * dq);
-        let poses = robot.link_poses(&at.q);
+        let tangent = state.dq.map(|dq| half * dq);
+        let poses = robot.link_poses(&state.q);
         let mut twists = [Twist::default(); 8];
         for j in 0..7 {
             let pose = &poses[j + 1];
@@ -88,31 +88,31 @@ impl Span {
 
     /// Returns the bounds of the motion of `part` in the frame of the link `from`.
     pub(crate) fn moves(&self, part: &Part, from: usize) -> Moves {
-        let (mut most, mut off_tangent) = (0.0, 0.0);
+        let (mut max_m, mut off_tangent) = (0.0, 0.0);
         let mut inner = 0.0;
         for j in from..7 {
             let motion = self.motion[j];
-            most += motion * part.reach[j];
+            max_m += motion * part.reach[j];
             // Half of the squared motion of this joint plus its product with each inner one (twice
             // a half).
             let arcs = 0.5 * motion * motion + motion * inner;
             off_tangent += (self.bend[j] + arcs) * part.reach[j];
             inner += motion;
         }
-        Moves { most, off_tangent }
+        Moves { max_m, off_tangent }
     }
 
     /// Returns a lower bound of the distance of a part with the bounds `moves` in the frame of the
     /// link `from` from a shape in that frame. `near` holds their nearest points in the middle, and
     /// `beyond` the extent of that shape in the direction of [`Near::away`].
-    pub(crate) fn least(
+    pub(crate) fn lower_bound(
         &self,
         (part, body): (&Part, &Body<'_>),
         (from, moves): (usize, Moves),
         near: &Near,
         beyond: f64,
     ) -> f64 {
-        let by_reach = near.distance - moves.most;
+        let by_reach = near.distance - moves.max_m;
         if near.distance == 0.0 {
             return by_reach;
         }

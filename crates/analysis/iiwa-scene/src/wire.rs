@@ -88,10 +88,10 @@ impl Scene {
 
 fn obstacle(text: &str, index: usize, raw: &str) -> Result<Obstacle, SceneError> {
     let fail = |error: serde_json::Error| json_error(text, raw, Some(index), &error);
-    let wrong = |what: String, key: Option<&str>| {
+    let wrong = |message: String, key: Option<&str>| {
         let path = [Step::Key("obstacles"), Step::Index(index)];
         let path = path.into_iter().chain(key.map(Step::Key)).collect::<Vec<_>>();
-        SceneError::Json { what, obstacle: Some(index), place: locate(text, &path) }
+        SceneError::Json { message, obstacle: Some(index), place: locate(text, &path) }
     };
     match tag(raw).map_err(fail)?.as_deref() {
         Some("box") => {

@@ -25,11 +25,11 @@ fn cuboid(low: [f64; 3], high: [f64; 3]) -> String {
 }
 
 /// Returns the robot's own URDF with an addition to the link of this number.
-fn urdf_with(robot: &Robot, link: usize, what: &str) -> String {
+fn urdf_with(robot: &Robot, link: usize, element: &str) -> String {
     let name = format!("<link name=\"iiwa_link_{link}\">");
     let urdf = robot.to_urdf();
     assert!(urdf.contains(&name), "{urdf}");
-    urdf.replace(&name, &format!("{name}{what}"))
+    urdf.replace(&name, &format!("{name}{element}"))
 }
 
 fn visual(rest: &str) -> String {
@@ -51,7 +51,8 @@ fn extents(meshes: &ArmMeshes, link: usize) -> [[f64; 2]; 3] {
 #[test]
 fn meshes_are_placed_and_painted() {
     let robot = Robot::lbr_iiwa_7_r800();
-    let mesh = "<geometry><mesh filename=\"package://arm/box.obj\" scale=\"0.001 0.001 -0.001\"/></geometry>";
+    let mesh = "<geometry><mesh filename=\"package://arm/box.obj\" scale=\"0.001 0.001 \
+                -0.001\"/></geometry>";
     let origin = "<origin xyz=\"0.1 0 0\" rpy=\"0 0 1.5707963267948966\"/>";
     let read = |name: &str| match name {
         "package://arm/box.obj" => Ok(cuboid([0.0; 3], [10.0, 20.0, 30.0]).into_bytes()),
@@ -60,11 +61,11 @@ fn meshes_are_placed_and_painted() {
     };
     let urdf = urdf_with(&robot, 3, &visual(&format!("{origin}{mesh}")));
     let meshes = ArmMeshes::from_urdf(&robot, &urdf, read).unwrap();
-    for (found, expected) in
+    for (actual, expected) in
         extents(&meshes, 3).iter().zip([[0.08, 0.1], [0.0, 0.01], [-0.03, 0.0]])
     {
-        assert!((found[0] - expected[0]).abs() < 1e-7, "{found:?}");
-        assert!((found[1] - expected[1]).abs() < 1e-7, "{found:?}");
+        assert!((actual[0] - expected[0]).abs() < 1e-7, "{actual:?}");
+        assert!((actual[1] - expected[1]).abs() < 1e-7, "{actual:?}");
     }
     // Triangles are oriented outwards although the mesh is mirrored.
     let patch = &meshes.visual[3][0];
@@ -96,9 +97,10 @@ fn meshes_are_placed_and_painted() {
 #[test]
 fn fixed_links_are_parts() {
     let robot = Robot::lbr_iiwa_7_r800();
-    let cover = "<link name=\"cover\"><visual><geometry><mesh filename=\"c.obj\"/></geometry></visual></link>\
-        <joint name=\"cover_joint\" type=\"fixed\"><parent link=\"iiwa_link_2\"/><child link=\"cover\"/>\
-        <origin xyz=\"0 0 0.5\"/></joint></robot>";
+    let cover = "<link name=\"cover\"><visual><geometry><mesh \
+                 filename=\"c.obj\"/></geometry></visual></link><joint name=\"cover_joint\" \
+                 type=\"fixed\"><parent link=\"iiwa_link_2\"/><child link=\"cover\"/><origin \
+                 xyz=\"0 0 0.5\"/></joint></robot>";
     let urdf = robot.to_urdf().replace("</robot>", cover);
     let read = |_: &str| Ok(cuboid([0.0; 3], [0.1; 3]).into_bytes());
     let meshes = ArmMeshes::from_urdf(&robot, &urdf, read).unwrap();
@@ -108,7 +110,7 @@ fn fixed_links_are_parts() {
 
 /// A box that contains all of link 7 has the same clearance as the same box as a tool.
 #[test]
-fn hulls_are_what_clearances_are_taken_of() {
+fn clearances_are_those_of_the_hulls() {
     let robot = Robot::lbr_iiwa_7_r800();
     let cage = r#"{ "version": 1, "obstacles": [
         { "name": "post", "type": "box", "center_mm": [600, 200, 400], "size_mm": [80, 80, 900] },
@@ -129,10 +131,10 @@ fn hulls_are_what_clearances_are_taken_of() {
     for i in 0..40 {
         let q =
             [0.1, 0.4, -0.2, -1.1, 0.3, 0.7, 0.2].map(|v| v * (f64::from(i) * 0.37).sin() * 2.0);
-        let (found, expected) = (meshed.clearance(&q).unwrap(), tooled.clearance(&q).unwrap());
-        assert!((found.distance_m - expected.distance_m).abs() < 1e-6, "{found:?} {expected:?}");
+        let (actual, expected) = (meshed.clearance(&q).unwrap(), tooled.clearance(&q).unwrap());
+        assert!((actual.distance_m - expected.distance_m).abs() < 1e-6, "{actual:?} {expected:?}");
         if expected.link == 8 {
-            assert_eq!(found.link, 7);
+            assert_eq!(actual.link, 7);
             nearest += 1;
         }
     }
@@ -151,7 +153,7 @@ fn hulls_are_what_clearances_are_taken_of() {
 }
 
 #[test]
-fn what_is_no_arm_is_refused() {
+fn invalid_arms_are_refused() {
     let robot = Robot::lbr_iiwa_7_r800();
     let mesh = visual("<geometry><mesh filename=\"package://arm/box.obj\"/></geometry>");
     let urdf = urdf_with(&robot, 5, &mesh);
@@ -163,15 +165,15 @@ fn what_is_no_arm_is_refused() {
     let text = error.to_string();
     assert!(text.contains("package://arm/box.obj") && text.contains("no such package"), "{text}");
     assert!(error.place().is_some_and(|place| urdf[place.span.clone()].contains("box.obj")));
-    assert!(!error.what().contains(" at line"), "{}", error.what());
-    for (contents, why) in [
+    assert!(!error.message().contains(" at line"), "{}", error.message());
+    for (contents, reason) in [
         (&b"v 0 0 0\nv 1 0 0\n"[..], "it has no triangles"),
         (b"", "no triangles"),
         (b"v 0 0 0\nv 9 0 0\nv 0 9 0\nv 0 0 9\nf 1 2 3\nf 1 2 4\n", "scale=\"0.001 0.001 0.001\""),
         (b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", "no volume"),
     ] {
         let text = refused(&urdf, Ok(contents)).to_string();
-        assert!(text.contains(why), "{text}");
+        assert!(text.contains(reason), "{text}");
     }
     let stl = urdf.replace("box.obj", "box.stl");
     let text = refused(&stl, Ok(&[0; 100])).to_string();
@@ -210,9 +212,9 @@ fn collada_is_read_in_its_unit() {
     let mut points = mesh.patches[0].points.clone();
     points.sort_by(|a, b| a.partial_cmp(b).unwrap());
     let expected = [[0.0, 0.0, 0.05], [0.0, 0.2, 0.05], [0.1, 0.0, 0.05]];
-    for (found, expected) in points.iter().zip(expected) {
-        for (found, expected) in found.iter().zip(expected) {
-            assert!((found - expected).abs() < 1e-6, "{points:?}");
+    for (actual, expected) in points.iter().zip(expected) {
+        for (actual, expected) in actual.iter().zip(expected) {
+            assert!((actual - expected).abs() < 1e-6, "{points:?}");
         }
     }
     // Contents that the library would omit, or on which it would panic.

@@ -129,10 +129,10 @@ fn a_box_is_as_near_as_its_mesh() {
         by_tool += u32::from(expected.link == 8);
         // A file has numbers with six digits.
         for (arm, error) in arms.iter().zip([1e-9, 1e-9, 1e-8]) {
-            let found = arm.clearance(&q).unwrap();
+            let actual = arm.clearance(&q).unwrap();
             assert!(
-                (found.distance_m - expected.distance_m).abs() < error,
-                "{expected:?} {found:?}"
+                (actual.distance_m - expected.distance_m).abs() < error,
+                "{expected:?} {actual:?}"
             );
         }
     }
@@ -144,14 +144,14 @@ fn a_box_is_as_near_as_its_mesh() {
     let expected = box_arm.clearance_of(&trajectory).unwrap().clearance.distance_m;
     assert!(expected > 0.0);
     for arm in &arms {
-        let found = arm.clearance_of(&trajectory).unwrap().clearance.distance_m;
+        let actual = arm.clearance_of(&trajectory).unwrap().clearance.distance_m;
         // The bounds of a box and of a hull exclude different spans: both results are within 0.1
         // mm.
-        assert!((found - expected).abs() < 1e-4, "{found} {expected}");
+        assert!((actual - expected).abs() < 1e-4, "{actual} {expected}");
         let sampled =
             trajectory.samples(300.0).map(|state| arm.clearance(&state.q).unwrap().distance_m);
-        let least = sampled.fold(f64::MAX, f64::min);
-        assert!(found <= least + 1e-9 && found > least - 1e-3, "{found} {least}");
+        let min_m = sampled.fold(f64::MAX, f64::min);
+        assert!(actual <= min_m + 1e-9 && actual > min_m - 1e-3, "{actual} {min_m}");
     }
 }
 
@@ -179,13 +179,13 @@ fn travel_bounds_clearances() {
 }
 
 #[test]
-fn what_is_no_mesh_is_refused_at_its_key() {
+fn invalid_meshes_are_refused_at_their_key() {
     let refused = |shape: &str, bytes: Result<Vec<u8>, &str>| {
         let text = format!("{{\n\"version\": 1, \"obstacles\": [],\n\"tool\": [\n{shape}] }}");
         let error =
             Scene::from_json_with(&text, |_| bytes.clone().map_err(str::to_owned)).unwrap_err();
         assert_eq!(error.place().line, 4, "{error}");
-        (error.what(), text[error.place().span.clone()].to_owned())
+        (error.message(), text[error.place().span.clone()].to_owned())
     };
     let stl = r#"{ "type": "mesh", "file": "a.stl" }"#;
     let obj = |text: &str| refused(r#"{ "type": "mesh", "file": "a.obj" }"#, Ok(text.into()));
@@ -217,9 +217,12 @@ fn what_is_no_mesh_is_refused_at_its_key() {
         ),
         (refused(r#"{ "type": "mesh", "file": "a.dae" }"#, Ok(Vec::new())), "*.stl or *.obj"),
     ];
-    for ((what, span), words) in cases {
-        assert!(what.starts_with("tool, shape 1: `a.") && what.contains(words), "{what}: {words}");
-        assert!(span.starts_with("\"a."), "{what}: {span}");
+    for ((message, span), words) in cases {
+        assert!(
+            message.starts_with("tool, shape 1: `a.") && message.contains(words),
+            "{message}: {words}"
+        );
+        assert!(span.starts_with("\"a."), "{message}: {span}");
     }
     for (keys, words, span) in [
         (r#""scale": 0"#, "scale is 0; it must be from 0.000001 to 1000000", "0"),
@@ -229,19 +232,19 @@ fn what_is_no_mesh_is_refused_at_its_key() {
     ] {
         let shape = format!(r#"{{ "type": "mesh", "file": "a.obj", {keys} }}"#);
         let faces = "f 1 2 3\nf 2 3 4\n";
-        let (what, at) = refused(&shape, Ok(format!("{solid}\n{faces}").into()));
-        assert!(what.contains(words) && at == span, "{what}: {at}");
+        let (message, place) = refused(&shape, Ok(format!("{solid}\n{faces}").into()));
+        assert!(message.contains(words) && place == span, "{message}: {place}");
     }
-    let (what, _) = refused(r#"{ "type": "mesh" }"#, Ok(Vec::new()));
-    assert!(what.contains("the key `file` is missing"), "{what}");
+    let (message, _) = refused(r#"{ "type": "mesh" }"#, Ok(Vec::new()));
+    assert!(message.contains("the key `file` is missing"), "{message}");
     let text =
         r#"{ "version": 1, "obstacles": [], "tool": [{ "type": "mesh", "file": "a.stl" }] }"#;
     let error = Scene::from_json(text).unwrap_err();
-    assert!(error.what().contains("only the text of the scene is at hand"), "{error}");
+    assert!(error.message().contains("only the text of the scene is at hand"), "{error}");
 }
 
 #[test]
-fn what_is_as_fine_as_a_scan_is_refused() {
+fn meshes_with_too_many_triangles_are_refused() {
     let triangle = &binary_stl()[84..134];
     let mut file = [0; 80].to_vec();
     file.extend(2_000_001_u32.to_le_bytes());

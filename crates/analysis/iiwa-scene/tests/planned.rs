@@ -39,12 +39,12 @@ fn a_line_of_the_tcp_passes_an_obstacle() {
             let post = Obstacle { name: "post".to_owned(), form };
             let arm = ArmInScene::new(&Robot::default(), &Scene::new(vec![post]).unwrap());
             check(&arm, &plan, 2000);
-            let found = arm.clearance_of(&plan).unwrap();
+            let actual = arm.clearance_of(&plan).unwrap();
             let ends_m = [0.0, plan.cycle_time_s()]
                 .map(|t_s| arm.clearance(&plan.at(t_s).q).unwrap().distance_m);
             // The arm is nearest during the motion.
-            assert!(ends_m.iter().all(|end_m| *end_m > found.clearance.distance_m + 0.05));
-            assert!(found.at_s > 0.0 && found.at_s < plan.cycle_time_s());
+            assert!(ends_m.iter().all(|end_m| *end_m > actual.clearance.distance_m + 0.05));
+            assert!(actual.at_s > 0.0 && actual.at_s < plan.cycle_time_s());
         }
     }
 }
@@ -56,29 +56,29 @@ fn acceleration() -> Timing {
 /// Checks that the result is that of a pose, and that no sample is nearer by more than the
 /// tolerance.
 fn check(arm: &ArmInScene, trajectory: &Trajectory, samples: u32) {
-    let found = arm.clearance_of(trajectory).unwrap();
-    let distance_m = found.clearance.distance_m;
-    let there = arm.clearance(&trajectory.at(found.at_s).q).unwrap();
+    let actual = arm.clearance_of(trajectory).unwrap();
+    let distance_m = actual.clearance.distance_m;
+    let at_time = arm.clearance(&trajectory.at(actual.at_s).q).unwrap();
     // Near a rest, the last digit of a time corresponds to a large range of s: the pose is not
     // exactly that of the result.
-    assert!((there.distance_m - distance_m).abs() < 1e-5, "{there:?}, {found:?}");
+    assert!((at_time.distance_m - distance_m).abs() < 1e-5, "{at_time:?}, {actual:?}");
     let end_s = trajectory.cycle_time_s();
     let at = |i: u32| end_s * f64::from(i) / f64::from(samples);
     for t_s in (0..=samples).map(at) {
         let sample = arm.clearance(&trajectory.at(t_s).q).unwrap();
-        assert!(sample.distance_m > distance_m - TOLERANCE_M, "{t_s} s: {sample:?}, {found:?}");
-        if distance_m == 0.0 && t_s < found.at_s - 1e-3 {
+        assert!(sample.distance_m > distance_m - TOLERANCE_M, "{t_s} s: {sample:?}, {actual:?}");
+        if distance_m == 0.0 && t_s < actual.at_s - 1e-3 {
             assert!(
                 sample.distance_m > 0.0 || touches_by_less(arm, trajectory, t_s),
-                "{t_s} s, {found:?}"
+                "{t_s} s, {actual:?}"
             );
         }
     }
     // Results of the individual motions.
     let each: Vec<_> = trajectory.sections().iter().flat_map(|s| arm.clearances(s)).collect();
     assert_eq!(each.len(), trajectory.motions().len());
-    let least = each.iter().map(|c| c.clearance.distance_m).fold(f64::MAX, f64::min);
-    assert!((least - distance_m).abs() < TOLERANCE_M);
+    let min_m = each.iter().map(|c| c.clearance.distance_m).fold(f64::MAX, f64::min);
+    assert!((min_m - distance_m).abs() < TOLERANCE_M);
     for (motion, figures) in each.iter().zip(trajectory.motions()) {
         assert_eq!(motion.motion, figures.motion);
         let standing_s = 1e-9 + if figures.end_s < end_s { end_s } else { 1.0 };
@@ -142,9 +142,9 @@ fn ten_motions_in_the_cage() {
     let arm = ArmInScene::new(&Robot::default(), &scene);
     let trajectory = plan(&program, PathOptions::default(), Timing::default());
     check(&arm, &trajectory, 100_000);
-    let found = arm.clearance_of(&trajectory).unwrap();
-    println!("{found:?}");
-    assert!(found.clearance.distance_m > 0.01);
+    let actual = arm.clearance_of(&trajectory).unwrap();
+    println!("{actual:?}");
+    assert!(actual.clearance.distance_m > 0.01);
 }
 
 /// The arm keeps a constant distance: no span is nearer than any other.
@@ -162,13 +162,13 @@ fn an_arm_that_turns_over_a_table_keeps_its_distance() {
     let scene = Scene::new(vec![Obstacle { name: "table".to_owned(), form: table }]).unwrap();
     let arm = ArmInScene::new(&Robot::default(), &scene);
     let trajectory = plan(&program, PathOptions::default(), Timing::default());
-    let found = arm.clearance_of(&trajectory).unwrap();
+    let actual = arm.clearance_of(&trajectory).unwrap();
     let at_start = arm.clearance(program.start.joints_rad().unwrap()).unwrap();
-    assert!((found.clearance.distance_m - at_start.distance_m).abs() < 1e-12);
+    assert!((actual.clearance.distance_m - at_start.distance_m).abs() < 1e-12);
 }
 
 #[test]
-fn the_first_touch_is_told() {
+fn the_first_contact_is_reported() {
     let program = Program {
         robot: None,
         start: Start::Joints([0.0, 0.5, 0.0, -1.0, 0.0, 0.5, 0.0]),
@@ -184,16 +184,16 @@ fn the_first_touch_is_told() {
     let scene = Scene::new(vec![Obstacle { name: "table".to_owned(), form: table }]).unwrap();
     let arm = ArmInScene::new(&Robot::default(), &scene);
     let trajectory = plan(&program, PathOptions::default(), Timing::default());
-    let found = arm.clearance_of(&trajectory).unwrap();
-    assert_eq!((found.clearance.distance_m, found.motion.index()), (0.0, 0));
-    let just_before = arm.clearance(&trajectory.at(found.at_s - 1e-3).q).unwrap();
+    let actual = arm.clearance_of(&trajectory).unwrap();
+    assert_eq!((actual.clearance.distance_m, actual.motion.index()), (0.0, 0));
+    let just_before = arm.clearance(&trajectory.at(actual.at_s - 1e-3).q).unwrap();
     assert!(just_before.distance_m > 0.0 && just_before.distance_m < 5e-3);
 }
 
 /// The arm is nearest at its final rest: the reported time is that of the arrival, for any rounding
 /// of later samples.
 #[test]
-fn the_first_of_equal_instants_is_told() {
+fn the_first_of_equal_instants_is_reported() {
     let wall = Form::Plane { point_m: [1.2, 0.3, 0.0], normal: [-1.0, -0.1, 0.02] };
     let scene = Scene::new(vec![Obstacle { name: "wall".to_owned(), form: wall }]).unwrap();
     let arm = ArmInScene::new(&Robot::default(), &scene);
@@ -206,12 +206,12 @@ fn the_first_of_equal_instants_is_told() {
     let program = Program::from_json(text).unwrap();
     let trajectory = plan(&program, PathOptions::default(), Timing::default());
     let arrival_s = trajectory.sections()[0].pieces()[0].end_s;
-    let found = arm.clearance_of(&trajectory).unwrap();
-    assert!(found.clearance.distance_m > 0.0);
+    let actual = arm.clearance_of(&trajectory).unwrap();
+    assert!(actual.clearance.distance_m > 0.0);
     assert!(
-        (arrival_s - 0.01..=arrival_s + 1e-6).contains(&found.at_s),
+        (arrival_s - 0.01..=arrival_s + 1e-6).contains(&actual.at_s),
         "{arrival_s} {}",
-        found.at_s
+        actual.at_s
     );
 }
 
@@ -233,7 +233,7 @@ fn nothing_to_touch_is_no_clearance() {
     let floor = Form::Plane { point_m: [0.0; 3], normal: [0.0, 0.0, 1.0] };
     let scene = Scene::new(vec![Obstacle { name: "floor".to_owned(), form: floor }]).unwrap();
     let arm = ArmInScene::new(&Robot::default(), &scene);
-    let found = arm.clearance_of(&waiting).unwrap();
-    assert_eq!(Some(found.clearance), arm.clearance(&[0.0; 7]));
+    let actual = arm.clearance_of(&waiting).unwrap();
+    assert_eq!(Some(actual.clearance), arm.clearance(&[0.0; 7]));
     assert_eq!(arm.clearance(&[f64::NAN; 7]), None);
 }

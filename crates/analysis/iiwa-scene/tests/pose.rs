@@ -46,8 +46,8 @@ fn distance(form: Form) -> Box<dyn Fn(&Point) -> f64> {
             let axes = axes.map(|axis| turned(rpy_rad, axis));
             Box::new(move |p| {
                 let way = std::array::from_fn(|i| p[i] - center_m[i]);
-                let out = |i: usize| (dot(&way, &axes[i]).abs() - 0.5 * size_m[i]).max(0.0);
-                length(&std::array::from_fn(out))
+                let excess = |i: usize| (dot(&way, &axes[i]).abs() - 0.5 * size_m[i]).max(0.0);
+                length(&std::array::from_fn(excess))
             })
         }
         _ => unreachable!("there are no others"),
@@ -93,9 +93,9 @@ fn nearest(surface: &dyn Fn(f64, f64) -> Point, distance: &dyn Fn(&Point) -> f64
                     center + half * (2.0 * f64::from(k) / f64::from(n) - 1.0)
                 };
                 let (a, b) = (at(around.0, i, 24), at(around.1, j, 12).clamp(0.0, 1.0));
-                let found = distance(&surface(a, b));
-                if found < best {
-                    (best, u, v) = (found, a, b);
+                let actual = distance(&surface(a, b));
+                if actual < best {
+                    (best, u, v) = (actual, a, b);
                 }
             }
         }
@@ -118,16 +118,16 @@ fn by_points(robot: &Robot, scene: &Scene, q: &Joints, found_m: f64) -> f64 {
             each.fold(f64::MAX, f64::min)
         };
         for (link, shape) in (2..8).flat_map(|link| shapes[link].iter().map(move |it| (link, it))) {
-            let at = of(link, shape, q);
+            let distance_m = of(link, shape, q);
             // The shoulder is symmetric about A2: only A1 moves it.
             let is_shoulder =
                 link == 2 && matches!(shape.solid, Solid::Cylinder { along: Along::Z, .. });
             let turned = |a1| of(link, shape, &[a1, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]);
             let is_constant = is_shoulder
-                && at < found_m - 1e-3
-                && (0..24).all(|k| (turned(TAU * f64::from(k) / 24.0) - at).abs() < 1e-3);
+                && distance_m < found_m - 1e-3
+                && (0..24).all(|k| (turned(TAU * f64::from(k) / 24.0) - distance_m).abs() < 1e-3);
             if !is_constant {
-                best = best.min(at);
+                best = best.min(distance_m);
             }
         }
     }
@@ -148,22 +148,22 @@ fn a_thousand_poses_are_as_near_as_their_points() {
             // Quarter turns, as is common in practice.
             q = q.map(|q| (q / (0.5 * PI)).trunc() * 0.5 * PI);
         }
-        let found = ArmInScene::new(&robot, &scene).clearance(&q).unwrap();
-        if found.distance_m == 0.0 {
+        let actual = ArmInScene::new(&robot, &scene).clearance(&q).unwrap();
+        if actual.distance_m == 0.0 {
             touching += 1;
-            assert_eq!(found.on_link_m, found.on_other_m);
-            let Other::Obstacle(place) = found.other else { panic!("{found:?}") };
+            assert_eq!(actual.on_link_m, actual.on_other_m);
+            let Other::Obstacle(place) = actual.other else { panic!("{actual:?}") };
             let obstacle = distance(scene.obstacles()[place].form);
-            assert!(obstacle(&found.on_other_m) < 1e-8);
+            assert!(obstacle(&actual.on_other_m) < 1e-8);
             // A box may be completely inside a link, where the surface has no points.
             continue;
         }
-        let points_m = by_points(&robot, &scene, &q, found.distance_m);
-        assert!((found.distance_m - points_m).abs() < 1e-3, "{q:?}: {points_m} m, {found:?}");
-        worst_m = worst_m.max((found.distance_m - points_m).abs());
-        let way = std::array::from_fn(|i| found.on_link_m[i] - found.on_other_m[i]);
-        assert!((length(&way) - found.distance_m).abs() < 1e-9);
-        assert!((2..=7).contains(&found.link));
+        let points_m = by_points(&robot, &scene, &q, actual.distance_m);
+        assert!((actual.distance_m - points_m).abs() < 1e-3, "{q:?}: {points_m} m, {actual:?}");
+        worst_m = worst_m.max((actual.distance_m - points_m).abs());
+        let way = std::array::from_fn(|i| actual.on_link_m[i] - actual.on_other_m[i]);
+        assert!((length(&way) - actual.distance_m).abs() < 1e-9);
+        assert!((2..=7).contains(&actual.link));
     }
     println!("worst difference {worst_m} m, {touching} of 1000 touch");
     assert!((50..500).contains(&touching));
@@ -197,7 +197,7 @@ fn known_distances() {
 }
 
 #[test]
-fn what_cannot_come_nearer_does_not_count() {
+fn shapes_at_constant_distance_do_not_count() {
     let robot = Robot::lbr_iiwa_7_r800();
     let size_m = [0.14, 0.14, 0.3];
     let column = |z| Form::Box { center_m: [0.0, 0.0, z], size_m, rpy_rad: [0.0; 3] };

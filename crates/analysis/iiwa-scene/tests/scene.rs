@@ -51,15 +51,15 @@ fn refused(from: &str, to: &str) -> (String, usize, String) {
     assert_ne!(text, GOOD, "nothing is changed");
     let error = Scene::from_json(&text).unwrap_err();
     let place = error.place().clone();
-    assert_eq!(error.to_string(), format!("{}, at {place}", error.what()));
-    (error.what(), place.line, text[place.span].to_owned())
+    assert_eq!(error.to_string(), format!("{}, at {place}", error.message()));
+    (error.message(), place.line, text[place.span].to_owned())
 }
 
 #[test]
-fn says_what_is_wrong_and_where() {
+fn invalid_scenes_are_reported_with_their_place() {
     let long = format!("\"{}\"", "x".repeat(101));
     let huge = format!("[{}, 0, 0]", "1e400");
-    for (from, to, what, line, span) in [
+    for (from, to, message, line, span) in [
         ("\"version\": 1", "\"version\": 2", "version 2; version 1 is understood", 1, "2"),
         ("\"version\": 1", "\"version\": 1, \"a\": 1", "unknown key `a`", 1, "\"a\""),
         (
@@ -131,12 +131,12 @@ fn says_what_is_wrong_and_where() {
         ),
         ("[0, 0, -700]", "[0, -1e9, 0]", "number 2 of point_mm is -1000000000", 3, "-1e9"),
     ] {
-        let (found, at, text) = refused(from, to);
-        assert!(found.contains(what), "{to}: {found}");
-        assert_eq!(at, line, "{to}: {found}");
+        let (actual, place, text) = refused(from, to);
+        assert!(actual.contains(message), "{to}: {actual}");
+        assert_eq!(place, line, "{to}: {actual}");
         let shown =
             if span.len() == 1 && !span.contains(char::is_numeric) { &text[..1] } else { &text };
-        assert_eq!(shown, span, "{to}: {found}");
+        assert_eq!(shown, span, "{to}: {actual}");
     }
 }
 
@@ -146,7 +146,7 @@ fn pairs_are_ignored_by_name() {
     let pairs = Scene::from_json(&text).unwrap().ignored().to_vec();
     let pair = |link, obstacle| IgnoredPair { link, obstacle };
     assert_eq!(pairs, [pair(2, 0), pair(8, 1)]);
-    for (pair, what, span) in [
+    for (pair, message, span) in [
         (
             r#"["link 2", "tablet"]"#,
             "unknown obstacle `tablet`; did you mean `table`?",
@@ -160,15 +160,15 @@ fn pairs_are_ignored_by_name() {
     ] {
         let text = ignoring(&format!("[\"link 3\", \"floor\"], {pair}"));
         let error = Scene::from_json(&text).unwrap_err();
-        let found = error.what();
-        assert!(found.starts_with("ignored pair 2: ") && found.contains(what), "{found}");
-        assert!(text[error.place().span.clone()].starts_with(span), "{found}: {}", error.place());
-        assert_eq!(error.place().line, 4, "{found}");
+        let actual = error.message();
+        assert!(actual.starts_with("ignored pair 2: ") && actual.contains(message), "{actual}");
+        assert!(text[error.place().span.clone()].starts_with(span), "{actual}: {}", error.place());
+        assert_eq!(error.place().line, 4, "{actual}");
     }
     let scene = Scene::from_json(GOOD).unwrap();
-    for found in [pair(1, 0), pair(9, 0), pair(2, 2)] {
-        let error = scene.clone().with_ignored(vec![pair(3, 1), found]);
-        assert_eq!(error, Err(Fault::Ignored { pair: 1, found }));
+    for actual in [pair(1, 0), pair(9, 0), pair(2, 2)] {
+        let error = scene.clone().with_ignored(vec![pair(3, 1), actual]);
+        assert_eq!(error, Err(Fault::Ignored { pair: 1, found: actual }));
     }
 }
 
@@ -194,14 +194,14 @@ fn scenes_made_in_code_are_checked() {
 }
 
 #[test]
-fn what_the_schema_takes_is_read() {
+fn documents_valid_by_the_schema_are_read() {
     for scene in good_scenes() {
         Scene::from_json(&scene.to_string()).unwrap();
     }
 }
 
 #[test]
-fn what_the_schema_refuses_is_refused() {
+fn documents_invalid_by_the_schema_are_refused() {
     for wrong in wrong_scenes() {
         let error = Scene::from_json(&wrong.to_string()).unwrap_err();
         let is_version = matches!(error, SceneError::Version { .. });

@@ -94,7 +94,7 @@ fn is_rigid(robot: &Robot, [(link, a), (other, b)]: [(usize, &Shape); 2]) -> boo
 fn by_points(robot: &Robot, q: &Joints) -> f64 {
     let shapes = robot.link_shapes();
     let poses = robot.link_poses(q);
-    let mut least = f64::MAX;
+    let mut min_distance = f64::MAX;
     for link in 3..8 {
         for other in 0..=link - 3 {
             for (a, b) in
@@ -106,12 +106,12 @@ fn by_points(robot: &Robot, q: &Joints) -> f64 {
                 let [to_a, to_b] =
                     [(link, a), (other, b)].map(|(l, it)| isometry(&poses[l]) * frame(it));
                 let a_in_b = to_b.inv_mul(&to_a);
-                let of = |point: &Point3<f64>| distance(b, &(a_in_b * point));
-                least = points(a).iter().map(of).fold(least, f64::min);
+                let distance_to = |point: &Point3<f64>| distance(b, &(a_in_b * point));
+                min_distance = points(a).iter().map(distance_to).fold(min_distance, f64::min);
             }
         }
     }
-    least
+    min_distance
 }
 
 #[test]
@@ -130,16 +130,16 @@ fn poses_are_as_near_as_their_points() {
         }
         let arm = ArmInScene::new(&robot, &Scene::default());
         assert_eq!(arm.clearance(&q), None);
-        let found = arm.self_clearance(&q).unwrap();
-        let Other::Link(other) = found.other else { panic!("{found:?}") };
-        assert!(found.link >= other + 3);
+        let actual = arm.self_clearance(&q).unwrap();
+        let Other::Link(other) = actual.other else { panic!("{actual:?}") };
+        assert!(actual.link >= other + 3);
         let points_m = by_points(&robot, &q);
-        assert!(found.distance_m <= points_m + 1e-6, "{q:?}: {points_m} m, {found:?}");
-        assert!(found.distance_m > points_m - 0.012, "{q:?}: {points_m} m, {found:?}");
-        touching += u32::from(found.distance_m == 0.0);
+        assert!(actual.distance_m <= points_m + 1e-6, "{q:?}: {points_m} m, {actual:?}");
+        assert!(actual.distance_m > points_m - 0.012, "{q:?}: {points_m} m, {actual:?}");
+        touching += u32::from(actual.distance_m == 0.0);
         let way: f64 =
-            std::iter::zip(found.on_link_m, found.on_other_m).map(|(a, b)| (a - b).powi(2)).sum();
-        assert!((way.sqrt() - found.distance_m).abs() < 1e-9);
+            std::iter::zip(actual.on_link_m, actual.on_other_m).map(|(a, b)| (a - b).powi(2)).sum();
+        assert!((way.sqrt() - actual.distance_m).abs() < 1e-9);
     }
     assert!(touching > 5, "{touching}");
 }
@@ -191,22 +191,25 @@ fn plans_are_as_near_as_their_samples() {
         let tool = vec![ToolShape { form: hook.clone() }];
         let scene = if round % 2 == 0 { scene.with_tool(tool).unwrap() } else { scene };
         let arm = ArmInScene::new(&robot, &scene);
-        let found = arm.self_clearance_of(&plan).unwrap();
-        let distance_m = found.clearance.distance_m;
-        let there = arm.self_clearance(&plan.at(found.at_s).q).unwrap();
-        assert!((there.distance_m - distance_m).abs() < 1e-5, "{there:?}, {found:?}");
+        let actual = arm.self_clearance_of(&plan).unwrap();
+        let distance_m = actual.clearance.distance_m;
+        let at_time = arm.self_clearance(&plan.at(actual.at_s).q).unwrap();
+        assert!((at_time.distance_m - distance_m).abs() < 1e-5, "{at_time:?}, {actual:?}");
         for i in 0..=800 {
             let t_s = plan.cycle_time_s() * f64::from(i) / 800.0;
             let sample = arm.self_clearance(&plan.at(t_s).q).unwrap();
-            assert!(sample.distance_m > distance_m - TOLERANCE_M, "{t_s} s: {sample:?}, {found:?}");
-            if distance_m == 0.0 && t_s < found.at_s - 1e-3 {
-                assert!(sample.distance_m > 0.0, "{t_s} s, {found:?}");
+            assert!(
+                sample.distance_m > distance_m - TOLERANCE_M,
+                "{t_s} s: {sample:?}, {actual:?}"
+            );
+            if distance_m == 0.0 && t_s < actual.at_s - 1e-3 {
+                assert!(sample.distance_m > 0.0, "{t_s} s, {actual:?}");
             }
         }
         let sections = plan.sections().iter().filter_map(|it| arm.self_clearance_of_section(it));
-        let least = sections.map(|it| it.clearance.distance_m).fold(f64::MAX, f64::min);
-        assert!((least - distance_m).abs() < TOLERANCE_M);
-        by_tool += u32::from(found.clearance.link == 8);
+        let min_m = sections.map(|it| it.clearance.distance_m).fold(f64::MAX, f64::min);
+        assert!((min_m - distance_m).abs() < TOLERANCE_M);
+        by_tool += u32::from(actual.clearance.link == 8);
         touching += u32::from(distance_m == 0.0);
     }
     assert!(by_tool > 10 && touching > 1, "{by_tool} {touching}");

@@ -122,21 +122,21 @@ fn it_is_as_near_as_its_points() {
         let scene = Scene::new(named(&obstacles)).unwrap();
         let bare = ArmInScene::new(&robot, &scene).clearance(&q).unwrap();
         let scene = scene.with_tool(vec![ToolShape { form: form.clone() }]).unwrap();
-        let found = ArmInScene::new(&robot, &scene).clearance(&q).unwrap();
-        assert!(found.distance_m <= bare.distance_m + 1e-9);
+        let actual = ArmInScene::new(&robot, &scene).clearance(&q).unwrap();
+        assert!(actual.distance_m <= bare.distance_m + 1e-9);
         let flange = robot.flange_pose(&q).to_isometry();
         let nearest = points(&form)
             .into_iter()
             .map(|point| flange * nalgebra::Point3::from(point))
             .flat_map(|point| obstacles.map(|obstacle| distance(&obstacle, &point.coords)))
             .fold(f64::MAX, f64::min);
-        let least = nearest.min(bare.distance_m);
-        assert!(found.distance_m <= least + 1e-6, "{round}: {found:?}, {least}");
-        assert!(found.distance_m > least - 0.02, "{round}: {found:?}, {least}");
-        if found.link == 8 {
+        let min_m = nearest.min(bare.distance_m);
+        assert!(actual.distance_m <= min_m + 1e-6, "{round}: {actual:?}, {min_m}");
+        assert!(actual.distance_m > min_m - 0.02, "{round}: {actual:?}, {min_m}");
+        if actual.link == 8 {
             tool_counts += 1;
         } else {
-            assert!((found.distance_m - bare.distance_m).abs() < 1e-9);
+            assert!((actual.distance_m - bare.distance_m).abs() < 1e-9);
         }
     }
     assert!(tool_counts > 50, "{tool_counts}");
@@ -162,14 +162,14 @@ fn it_counts_in_plans() {
     )
     .unwrap();
     let arm = ArmInScene::new(&robot, &scene);
-    let found = arm.clearance_of(&trajectory).unwrap();
-    assert_eq!(found.clearance.link, 8);
-    let mut least = f64::MAX;
+    let actual = arm.clearance_of(&trajectory).unwrap();
+    assert_eq!(actual.clearance.link, 8);
+    let mut min_m = f64::MAX;
     for state in trajectory.samples(500.0) {
-        least = least.min(arm.clearance(&state.q).unwrap().distance_m);
+        min_m = min_m.min(arm.clearance(&state.q).unwrap().distance_m);
     }
-    let distance_m = found.clearance.distance_m;
-    assert!(distance_m <= least + 1e-9 && distance_m > least - TOLERANCE_M, "{found:?} {least}");
+    let distance_m = actual.clearance.distance_m;
+    assert!(distance_m <= min_m + 1e-9 && distance_m > min_m - TOLERANCE_M, "{actual:?} {min_m}");
     // The tool points down: its sphere reaches 130 mm below the flange.
     let lowest = trajectory
         .samples(500.0)
@@ -179,7 +179,7 @@ fn it_counts_in_plans() {
 }
 
 #[test]
-fn what_cannot_be_is_refused_with_its_place() {
+fn invalid_tools_are_refused_with_their_place() {
     let refused = |shape: &str| {
         let text = format!("{{\n \"version\": 1,\n \"obstacles\": [],\n \"tool\": [{shape}]\n}}");
         Scene::from_json(&text).unwrap_err().to_string()

@@ -97,7 +97,7 @@ impl Bridge {
         let mut status = ThreadGroup::default();
         let (to, from, counted) = (Arc::clone(&feeds), Arc::clone(&sinks), Arc::clone(&gate));
         status.spawn("bridge status", move |shutdown| {
-            say_status(&to, &from, &counted, shutdown);
+            publish_status(&to, &from, &counted, shutdown);
         })?;
         Ok(Self { _status: status, feeds, gate, sinks })
     }
@@ -168,15 +168,15 @@ impl Sinks {
     }
 }
 
-fn say_status(feeds: &[Feed], sinks: &Sinks, gate: &CommandGate, shutdown: &AtomicBool) {
-    let say = |online| {
+fn publish_status(feeds: &[Feed], sinks: &Sinks, gate: &CommandGate, shutdown: &AtomicBool) {
+    let publish = |online| {
         for feed in feeds {
             feed.send(BridgeStatus { online, commands: gate.counts(), spools: sinks.spools() });
         }
     };
     while !shutdown.load(std::sync::atomic::Ordering::Relaxed) {
-        say(true);
+        publish(true);
         pause(STATUS_EVERY, shutdown);
     }
-    say(false);
+    publish(false);
 }

@@ -98,7 +98,7 @@ impl CommandGate {
     }
 
     /// Refuses a command because of its delivery, and replies, regardless of its content.
-    pub fn refuse(&self, robot: Option<&str>, body: &[u8], refusal: &Refusal, answer: Answer) {
+    pub fn reject(&self, robot: Option<&str>, body: &[u8], refusal: &Refusal, answer: Answer) {
         let named = if body.len() > MAX_COMMAND_BYTES {
             Envelope::default()
         } else {
@@ -130,10 +130,10 @@ impl CommandGate {
         body: &[u8],
     ) -> (Envelope, Result<(&Worker, Request), Refusal>) {
         if body.len() > MAX_COMMAND_BYTES {
-            let found = body.len();
-            let why =
-                format!("the command has {found} bytes; at most {MAX_COMMAND_BYTES} are allowed");
-            return (Envelope::default(), Err(Refusal::bad(why)));
+            let size = body.len();
+            let reason =
+                format!("the command has {size} bytes; at most {MAX_COMMAND_BYTES} are allowed");
+            return (Envelope::default(), Err(Refusal::bad(reason)));
         }
         match Envelope::read(body) {
             Err((envelope, refusal)) => (envelope, Err(refusal)),
@@ -150,23 +150,23 @@ impl CommandGate {
         envelope: &Envelope,
     ) -> Result<(&Worker, Request), Refusal> {
         if !self.allowed {
-            let why = "this bridge takes no commands: they are not allowed";
-            return Err(Refusal::new(Code::Unauthorized, why));
+            let reason = "this bridge takes no commands: they are not allowed";
+            return Err(Refusal::new(Code::Unauthorized, reason));
         }
         let robot = envelope.robot.as_deref().or(topic);
         let worker = robot.and_then(|robot| self.workers.get(robot)).ok_or_else(|| {
-            let known: Vec<_> = self.workers.keys().map(String::as_str).collect();
-            Refusal::bad(format!("`robot` has to be one of: {}", known.join(", ")))
+            let names: Vec<_> = self.workers.keys().map(String::as_str).collect();
+            Refusal::bad(format!("`robot` has to be one of: {}", names.join(", ")))
         })?;
         if topic.is_some_and(|topic| Some(topic) != robot) {
             return Err(Refusal::bad("`robot` is another one than that of the topic"));
         }
         let request = envelope.request()?;
-        let (id, at) = envelope.identity()?;
-        let most = if request == Request::Stop { MAX_IDS + STOPS } else { MAX_IDS };
-        let mut seen = self.seen.lock().unwrap_or_else(PoisonError::into_inner);
-        seen.admit(id, at, Timestamp::now(), most)?;
-        drop(seen);
+        let (id, time) = envelope.identity()?;
+        let max_ids = if request == Request::Stop { MAX_IDS + STOPS } else { MAX_IDS };
+        let mut seen_ids = self.seen.lock().unwrap_or_else(PoisonError::into_inner);
+        seen_ids.admit(id, time, Timestamp::now(), max_ids)?;
+        drop(seen_ids);
         Ok((worker, request))
     }
 }
@@ -185,11 +185,11 @@ impl SeenIds {
     fn admit(
         &mut self,
         id: &str,
-        at: Timestamp,
+        time: Timestamp,
         now: Timestamp,
-        most: usize,
+        max_ids: usize,
     ) -> Result<(), Refusal> {
-        let age = SystemTime::from(now).duration_since(at.into());
+        let age = SystemTime::from(now).duration_since(time.into());
         let (apart, which) = match age {
             Ok(age) => (age, "ago by the bridge's clock: it is too old"),
             Err(ahead) => (ahead.duration(), "ahead of the bridge's clock: set the clocks"),
@@ -201,19 +201,19 @@ impl SeenIds {
                 format!("the command was sent {seconds:.1} s {which}"),
             ));
         }
-        if at < self.since {
-            let why = "the command was sent before the bridge was started";
-            return Err(Refusal::new(Code::Timeout, why));
+        if time < self.since {
+            let reason = "the command was sent before the bridge was started";
+            return Err(Refusal::new(Code::Timeout, reason));
         }
         // Commands with forgotten ids are refused because of their age.
         let forgotten = now.micros().saturating_sub(2_000_000 * MAX_AGE.as_secs());
         while self.ids.front().is_some_and(|(since, _)| since.micros() < forgotten) {
             self.ids.pop_front();
         }
-        if self.ids.iter().any(|(_, seen)| seen == id) {
+        if self.ids.iter().any(|(_, earlier)| earlier == id) {
             return Err(Refusal::bad("a command with this `id` has been received before"));
         }
-        if self.ids.len() >= most {
+        if self.ids.len() >= max_ids {
             return Err(Refusal::robot("too many commands; wait some seconds"));
         }
         self.ids.push_back((now, id.to_owned()));
@@ -227,24 +227,24 @@ mod tests {
 
     #[test]
     fn a_command_passes_once_and_only_in_time() {
-        let mut seen = SeenIds { since: Timestamp::from_micros(0), ids: VecDeque::new() };
+        let mut seen_ids = SeenIds { since: Timestamp::from_micros(0), ids: VecDeque::new() };
         let s = |s: u64| Timestamp::from_micros(s * 1_000_000);
-        assert!(seen.admit("a", s(100), s(105), MAX_IDS).is_ok());
-        assert!(seen.admit("a", s(105), s(105), MAX_IDS).is_err());
-        assert!(seen.admit("b", s(116), s(105), MAX_IDS).is_err());
-        assert!(seen.admit("c", s(94), s(105), MAX_IDS).is_err());
-        assert!(seen.admit("c", s(115), s(105), MAX_IDS).is_ok());
+        assert!(seen_ids.admit("a", s(100), s(105), MAX_IDS).is_ok());
+        assert!(seen_ids.admit("a", s(105), s(105), MAX_IDS).is_err());
+        assert!(seen_ids.admit("b", s(116), s(105), MAX_IDS).is_err());
+        assert!(seen_ids.admit("c", s(94), s(105), MAX_IDS).is_err());
+        assert!(seen_ids.admit("c", s(115), s(105), MAX_IDS).is_ok());
         // The id is still remembered at the maximum age that passes the check.
-        assert!(seen.admit("c", s(115), s(125), MAX_IDS).is_err());
-        assert!(seen.admit("a", s(126), s(126), MAX_IDS).is_ok());
+        assert!(seen_ids.admit("c", s(115), s(125), MAX_IDS).is_err());
+        assert!(seen_ids.admit("a", s(126), s(126), MAX_IDS).is_ok());
     }
 
     #[test]
     fn a_flood_of_ids_is_bounded() {
-        let mut seen = SeenIds { since: Timestamp::from_micros(0), ids: VecDeque::new() };
+        let mut seen_ids = SeenIds { since: Timestamp::from_micros(0), ids: VecDeque::new() };
         let now = Timestamp::from_micros(1_000_000_000);
         let admitted =
-            (0..MAX_IDS + 5).filter(|i| seen.admit(&i.to_string(), now, now, MAX_IDS).is_ok());
+            (0..MAX_IDS + 5).filter(|i| seen_ids.admit(&i.to_string(), now, now, MAX_IDS).is_ok());
         assert_eq!(admitted.count(), MAX_IDS);
     }
 }

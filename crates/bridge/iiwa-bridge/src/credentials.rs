@@ -48,8 +48,8 @@ mod tests {
 
     #[test]
     fn only_loopback_addresses_are_this_machine() {
-        for here in ["localhost:9092", "127.0.0.1:1", "127.9.9.9", "[::1]:9092"] {
-            assert!(is_this_machine(here), "{here}");
+        for host in ["localhost:9092", "127.0.0.1:1", "127.9.9.9", "[::1]:9092"] {
+            assert!(is_this_machine(host), "{host}");
         }
         for elsewhere in ["192.0.2.1:9092", "broker:9092", "localhost.example.org:1", ""] {
             assert!(!is_this_machine(elsewhere), "{elsewhere}");

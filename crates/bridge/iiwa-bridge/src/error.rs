@@ -32,34 +32,37 @@ pub enum BridgeError {
         source: io::Error,
     },
     /// Another bridge uses the spool.
-    #[error("another bridge uses the spool in {}; give each a folder of its own", .folder.display())]
+    #[error(
+        "another bridge uses the spool in {}; give each a folder of its own",
+        .folder.display()
+    )]
     SpoolInUse {
         /// The folder.
         folder: PathBuf,
     },
     /// A certificate or key cannot be used.
-    #[error("cannot use {}: {what}", .file.display())]
+    #[error("cannot use {}: {message}", .file.display())]
     Certificate {
         /// The file.
         file: PathBuf,
         /// The fault.
-        what: String,
+        message: String,
     },
     /// The settings of a broker contradict each other.
-    #[error("{what}")]
+    #[error("{message}")]
     Settings {
         /// The fault and its remedy.
-        what: String,
+        message: String,
     },
     /// A broker refuses the connection or is unreachable.
-    #[error("{broker} at {at}: {what}")]
+    #[error("{broker} at {address}: {message}")]
     Broker {
         /// `Kafka` or `MQTT`.
         broker: &'static str,
         /// The address.
-        at: String,
+        address: String,
         /// The fault.
-        what: String,
+        message: String,
     },
     /// The runtime cannot be started.
     #[error("cannot start the network's runtime")]

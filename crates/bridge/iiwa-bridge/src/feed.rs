@@ -65,7 +65,7 @@ impl Feed {
         let to = Arc::clone(&numbered);
         threads.spawn("bridge stream", move |shutdown| follow(stream, &to, shutdown))?;
         let to = Arc::clone(&numbered);
-        threads.spawn("bridge poll", move |shutdown| ask(client, &to, shutdown))?;
+        threads.spawn("bridge poll", move |shutdown| poll(client, &to, shutdown))?;
         Ok(Self { numbered, _threads: threads })
     }
 
@@ -141,7 +141,7 @@ fn follow(mut stream: Stream, to: &Numbered, shutdown: &AtomicBool) {
 }
 
 /// Polls data that the stream does not contain.
-fn ask(mut client: Client, to: &Numbered, shutdown: &AtomicBool) {
+fn poll(mut client: Client, to: &Numbered, shutdown: &AtomicBool) {
     let mut conditions = Repeated::default();
     let mut io: Repeated<Vec<Signal>> = Repeated::default();
     let mut trouble = Trouble::default();
@@ -226,7 +226,7 @@ impl<T: Clone + PartialEq> Repeated<T> {
         let is_known = self
             .last
             .as_ref()
-            .is_some_and(|(last, at)| *last == value && at.elapsed() < REPEAT_AFTER);
+            .is_some_and(|(last, sent_at)| *last == value && sent_at.elapsed() < REPEAT_AFTER);
         if is_known {
             return None;
         }

@@ -197,7 +197,7 @@ mod tests {
     }
 
     #[test]
-    fn programs_are_told_apart_and_failures_do_not_count() {
+    fn programs_are_separated_and_failures_do_not_count() {
         let mut failed = run(3, Some("a"), None, 9.0);
         if let Content::Run(RunMessage { result: Some(result), .. }) = &mut failed.content {
             result.error = Some(iiwa_link::message::Refusal::robot("stopped"));

@@ -70,7 +70,8 @@ impl Message {
         } else {
             let version = message.version;
             Err(de::Error::custom(format!(
-                "the message has version {version} of the schema; this program reads version {VERSION}"
+                "the message has version {version} of the schema; this program reads version \
+                 {VERSION}"
             )))
         }
     }

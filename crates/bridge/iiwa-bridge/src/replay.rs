@@ -46,7 +46,7 @@ impl ReplayDrive {
     pub fn start(clients: &Server, requests: &str, stream: &str) -> Result<Self, LinkError> {
         let fri = FriStatus::new(FriStatus::SILENT, "poor");
         let status = Arc::new(Mutex::new(Status::new(DriveState::Idle, fri)));
-        let known = Arc::clone(&status);
+        let shared_status = Arc::clone(&status);
         // Replies are sent over the socket that received the request.
         let socket: Arc<Mutex<Weak<Listener>>> = Arc::default();
         let back = Arc::clone(&socket);
@@ -54,7 +54,7 @@ impl ReplayDrive {
             ListenerConfig::new("replay requests", SocketKind::Router, SHORT_MESSAGE_BYTES);
         let listener = clients.listen(requests, config, move |event| {
             let Event::Message(peer, received) = event else { return };
-            let status = known.lock().unwrap_or_else(PoisonError::into_inner).clone();
+            let status = shared_status.lock().unwrap_or_else(PoisonError::into_inner).clone();
             let socket = back.lock().unwrap_or_else(PoisonError::into_inner).upgrade();
             if let Some(socket) = socket {
                 answer(&socket, peer, received, status);
@@ -71,13 +71,13 @@ impl ReplayDrive {
     /// Returns the bound address for requests.
     #[must_use]
     pub fn requests(&self) -> &str {
-        self.requests.at()
+        self.requests.address()
     }
 
     /// Returns the bound address of the stream.
     #[must_use]
     pub fn stream(&self) -> &str {
-        self.stream.at()
+        self.stream.address()
     }
 
     fn show(&self, content: Content) {

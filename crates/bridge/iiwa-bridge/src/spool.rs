@@ -13,10 +13,10 @@
 //! numbers are little-endian.
 
 mod cursor;
-mod own_file;
 mod queue;
 mod reader;
 mod segment;
+mod spool_file;
 
 use std::{io, path::Path};
 

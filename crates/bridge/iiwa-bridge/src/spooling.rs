@@ -55,25 +55,25 @@ impl SpoolTarget {
     /// Appends an event, which must survive the process.
     pub(crate) fn append_now(&self, record: &[u8]) {
         let appended = self.spool.append(record).and_then(|()| self.spool.flush());
-        self.say(appended);
+        self.report(appended);
     }
 
     /// Appends a record.
     pub(crate) fn append(&self, record: &[u8]) {
         let appended = self.spool.append(record);
-        self.say(appended);
+        self.report(appended);
     }
 
     /// Wakes the reader, and logs failures.
-    fn say(&self, appended: io::Result<()>) {
+    fn report(&self, appended: io::Result<()>) {
         self.appended.notify_one();
         let dropped = self.spool.level().dropped;
         if dropped > self.dropped.swap(dropped, Ordering::Relaxed) {
             let mut trouble = self.trouble.lock().unwrap_or_else(PoisonError::into_inner);
             match appended {
                 Ok(()) => trouble.warn(format_args!(
-                    "the spool is full: {dropped} of the oldest messages were dropped so far; give it more room, or bring \
-                     the broker back"
+                    "the spool is full: {dropped} of the oldest messages were dropped so far; give \
+                     it more room, or bring the broker back"
                 )),
                 Err(error) => trouble.warn(format_args!(
                     "cannot write to the spool: {error}; {dropped} messages were dropped so far"

@@ -19,7 +19,7 @@ pub struct TlsFiles {
     /// default.
     pub authority: Option<PathBuf>,
     /// Client certificate and key, for brokers that require them.
-    pub own: Option<(PathBuf, PathBuf)>,
+    pub client_certificate: Option<(PathBuf, PathBuf)>,
 }
 
 impl TlsFiles {
@@ -32,9 +32,9 @@ impl TlsFiles {
         let provider = Arc::new(rustls::crypto::ring::default_provider());
         let versions = ClientConfig::builder_with_provider(provider)
             .with_safe_default_protocol_versions()
-            .map_err(|error| BridgeError::Settings { what: format!("TLS: {error}") })?;
+            .map_err(|error| BridgeError::Settings { message: format!("TLS: {error}") })?;
         let builder = versions.with_root_certificates(self.roots()?);
-        let config = match &self.own {
+        let config = match &self.client_certificate {
             None => builder.with_no_client_auth(),
             Some((certificate, key)) => {
                 let parsed = PrivateKeyDer::from_pem_file(key);
@@ -65,12 +65,12 @@ fn certificates(file: &Path) -> Result<Vec<CertificateDer<'static>>, BridgeError
     let all = CertificateDer::pem_file_iter(file).and_then(Iterator::collect::<Result<Vec<_>, _>>);
     let all = all.map_err(|error| unusable(file, &error))?;
     if all.is_empty() {
-        let what = "it contains no certificate in PEM".to_owned();
-        return Err(BridgeError::Certificate { file: file.to_owned(), what });
+        let message = "it contains no certificate in PEM".to_owned();
+        return Err(BridgeError::Certificate { file: file.to_owned(), message });
     }
     Ok(all)
 }
 
 fn unusable(file: &Path, error: &dyn std::fmt::Display) -> BridgeError {
-    BridgeError::Certificate { file: file.to_owned(), what: error.to_string() }
+    BridgeError::Certificate { file: file.to_owned(), message: error.to_string() }
 }

@@ -18,10 +18,10 @@ pub(crate) struct Trouble {
 
 impl Trouble {
     /// Logs a warning, unless a warning about the same problem is recent.
-    pub(crate) fn warn(&mut self, what: fmt::Arguments<'_>) {
-        if self.warned.is_none_or(|at| at.elapsed() >= EVERY) {
+    pub(crate) fn warn(&mut self, message: fmt::Arguments<'_>) {
+        if self.warned.is_none_or(|instant| instant.elapsed() >= EVERY) {
             self.warned = Some(Instant::now());
-            tracing::warn!("{what}");
+            tracing::warn!("{message}");
         }
     }
 

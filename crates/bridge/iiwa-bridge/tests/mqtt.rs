@@ -165,18 +165,18 @@ impl Rig {
 
 /// Returns a command that moves the robot, if accepted.
 fn command(id: &str) -> String {
-    let at = serde_json::to_string(&Timestamp::now()).unwrap();
+    let time = serde_json::to_string(&Timestamp::now()).unwrap();
     let request =
         r#"{"type":"run_motions","motions":[{"type":"ptp","joints_deg":[60,0,0,0,0,0,0]}]}"#;
-    format!(r#"{{"version":1,"robot":"cell-1","id":"{id}","at":{at},"request":{request}}}"#)
+    format!(r#"{{"version":1,"robot":"cell-1","id":"{id}","at":{time},"request":{request}}}"#)
 }
 
-fn check_refusal((topic, message): &(String, Value), id: &str, why: &str) {
+fn check_refusal((topic, message): &(String, Value), id: &str, reason: &str) {
     assert_eq!(topic, "plant/cell-1/reply");
     assert_eq!((&message["robot"], &message["id"]), (&"cell-1".into(), &id.into()));
     assert_eq!(message["reply"]["ok"], false);
     let error = message["reply"]["error"]["message"].as_str().unwrap();
-    assert!(error.contains(why), "{error}");
+    assert!(error.contains(reason), "{error}");
 }
 
 #[test]
@@ -222,8 +222,8 @@ fn commands_with_a_foreign_response_topic_are_refused() {
     for (i, topic) in foreign.iter().enumerate() {
         let id = i.to_string();
         rig.peer.deliver(&command(&id), false, Some(topic));
-        let why = "the response topic has to be `plant/cell-1/reply` or a topic below it";
-        check_refusal(&rig.peer.published(), &id, why);
+        let reason = "the response topic has to be `plant/cell-1/reply` or a topic below it";
+        check_refusal(&rig.peer.published(), &id, reason);
     }
     assert_eq!(rig.counts(), (0, foreign.len() as u64));
     // Replies are published below the robot's topic, here for a command that the gate refuses.

@@ -161,9 +161,9 @@ fn send(gate: &CommandGate, topic: Option<&str>, body: &str) -> Receiver<Command
     receiver
 }
 
-fn command(id: &str, at: Timestamp, request: &str) -> String {
-    let at = serde_json::to_string(&at).unwrap();
-    format!(r#"{{"version":1,"robot":"cell-1","id":"{id}","at":{at},"request":{request}}}"#)
+fn command(id: &str, time: Timestamp, request: &str) -> String {
+    let time = serde_json::to_string(&time).unwrap();
+    format!(r#"{{"version":1,"robot":"cell-1","id":"{id}","at":{time},"request":{request}}}"#)
 }
 
 fn reply(gate: &CommandGate, body: &str) -> CommandReply {
@@ -181,10 +181,10 @@ fn commands_are_carried_out_once_and_replied_to() {
     let gate = CommandGate::new(&[rig.robot()], true).unwrap();
     let now = Timestamp::now;
     let set = r#"{"type": "set_io", "name": "MediaFlange.LEDBlue", "value": true}"#;
-    let done = reply(&gate, &command("a", now(), set));
-    assert!(done.is_ok(), "{}", done.to_json());
+    let result = reply(&gate, &command("a", now(), set));
+    assert!(result.is_ok(), "{}", result.to_json());
     assert_eq!(rig.client().get_io("MediaFlange.LEDBlue").unwrap(), IoValue::Boolean(true));
-    assert_eq!((done.id.as_deref(), done.robot.as_deref()), (Some("a"), Some("cell-1")));
+    assert_eq!((result.id.as_deref(), result.robot.as_deref()), (Some("a"), Some("cell-1")));
 
     let turn = r#"{"type": "run_motions", "motions": [{"type": "ptp", "joints_deg": [60, 0, 0, 0, 0, 0, 0], "velocity_rel": 0.2}]}"#;
     let run = send(&gate, None, &command("b", now(), turn));
@@ -204,7 +204,7 @@ fn commands_are_carried_out_once_and_replied_to() {
 }
 
 #[test]
-fn what_must_not_pass_moves_nothing() {
+fn rejected_commands_move_nothing() {
     let rig = Rig::new();
     let gate = CommandGate::new(&[rig.robot()], true).unwrap();
     let before = rig.client().state().unwrap().joints_rad;
@@ -228,10 +228,10 @@ fn what_must_not_pass_moves_nothing() {
         (&early, "s ahead of the bridge's clock"),
         (&long, "at most 4194304 are allowed"),
     ];
-    for (body, why) in &bad {
+    for (body, reason) in &bad {
         let text = reply(&gate, body).to_json();
         let shown = &text[..text.len().min(300)];
-        assert!(text.contains(r#""ok":false"#) && text.contains(why), "{why}: {shown}");
+        assert!(text.contains(r#""ok":false"#) && text.contains(reason), "{reason}: {shown}");
     }
     // The topic of another robot; a repeated command.
     let state = r#"{"type": "state"}"#;

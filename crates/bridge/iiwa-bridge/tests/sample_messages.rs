@@ -59,9 +59,9 @@ pub(crate) fn all() -> Vec<Message> {
     let limit = BindingLimit { motion: 1, joint: None, kind: "cart_velocity".into(), share: 0.5 };
     let plan = RunPlan { cycle_time_s: 2.0, limited_by: vec![limit] };
     let label = RunLabel { program: Some("pick".to_owned()), plan: Some(plan), planned_for: None };
-    let mut done = RunEnd::default();
-    done.cycle_time_s = Some(2.01);
-    done.start_s = Some(1.0);
+    let mut end = RunEnd::default();
+    end.cycle_time_s = Some(2.01);
+    end.start_s = Some(1.0);
     let mut failed = RunEnd::default();
     failed.error = Some(Refusal::robot("the emergency stop is pressed"));
     let signal =
@@ -90,7 +90,7 @@ pub(crate) fn all() -> Vec<Message> {
         Content::Joints(full),
         Content::State { t_s: 1.0, state: DriveState::RunningTrajectory },
         run(None, RunLabel::default()),
-        run(Some(done), label),
+        run(Some(end), label),
         run(Some(failed), RunLabel::default()),
         Content::Io { io },
         Content::Sensors(Sensors::new(None, [0.0; 7])),

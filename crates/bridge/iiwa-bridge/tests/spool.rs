@@ -39,7 +39,7 @@ fn segments(folder: &Path) -> Vec<std::path::PathBuf> {
 }
 
 #[test]
-fn what_is_committed_is_not_read_again_after_a_restart() {
+fn committed_records_are_not_read_again_after_a_restart() {
     let folder = tempfile::tempdir().unwrap();
     {
         let (spool, mut reader) = spool::open(folder.path(), 64 * MB).unwrap();
@@ -74,7 +74,7 @@ fn a_rewound_reader_begins_behind_the_last_commit() {
 }
 
 #[test]
-fn a_full_spool_drops_the_oldest_and_says_how_many() {
+fn a_full_spool_drops_and_counts_the_oldest() {
     let folder = tempfile::tempdir().unwrap();
     let (spool, mut reader) = spool::open(folder.path(), 16 * MB).unwrap();
     let count = 40_000;
@@ -84,8 +84,8 @@ fn a_full_spool_drops_the_oldest_and_says_how_many() {
     let level = spool.level();
     assert!(level.bytes <= 16 * MB + 1000, "{level:?}");
     assert!(level.dropped > 0);
-    let left = rest(&spool, &mut reader);
-    assert_eq!(left, (level.dropped..count).collect::<Vec<_>>());
+    let remaining = rest(&spool, &mut reader);
+    assert_eq!(remaining, (level.dropped..count).collect::<Vec<_>>());
 }
 
 #[test]
@@ -118,12 +118,12 @@ fn damage_costs_a_segment_and_no_more() {
     bytes[middle] ^= 1;
     fs::write(damaged, bytes).unwrap();
     let (spool, mut reader) = spool::open(folder.path(), 1024 * MB).unwrap();
-    let left = rest(&spool, &mut reader);
-    assert!(left.is_sorted_by(|a, b| a < b));
-    assert_eq!(left[0], 0);
+    let remaining = rest(&spool, &mut reader);
+    assert!(remaining.is_sorted_by(|a, b| a < b));
+    assert_eq!(remaining[0], 0);
     // Half of a segment is lost, and the records that had not been written to the system.
-    assert!(left.len() > 8000, "{}", left.len());
-    let gaps = left.windows(2).filter(|pair| pair[1] != pair[0] + 1).count();
+    assert!(remaining.len() > 8000, "{}", remaining.len());
+    let gaps = remaining.windows(2).filter(|pair| pair[1] != pair[0] + 1).count();
     assert_eq!(gaps, 1);
 }
 
@@ -262,10 +262,13 @@ proptest! {
                     spool.append(&record(appended, length)).unwrap();
                     appended += 1;
                 }
-                Step::Read(most) => {
-                    let batch = reader.batch(&spool, most, usize::MAX).unwrap();
-                    let expected: Vec<u64> = (next..appended).take(most).collect();
-                    prop_assert_eq!(batch.iter().map(|it| number(it)).collect::<Vec<_>>(), expected);
+                Step::Read(max_count) => {
+                    let batch = reader.batch(&spool, max_count, usize::MAX).unwrap();
+                    let expected: Vec<u64> = (next..appended).take(max_count).collect();
+                    prop_assert_eq!(
+                        batch.iter().map(|it| number(it)).collect::<Vec<_>>(),
+                        expected
+                    );
                     next += batch.len() as u64;
                 }
                 Step::Commit => {

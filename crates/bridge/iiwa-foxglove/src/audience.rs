@@ -52,7 +52,7 @@ impl Viewer {
         self.wake.notify_one();
     }
 
-    fn tell(&mut self, level: Level, message: &str) {
+    fn status(&mut self, level: Level, message: &str) {
         self.queue(Message::text(ServerMessage::Status { level, message }.text()));
     }
 }
@@ -133,9 +133,9 @@ impl Audience {
                 viewer.subscriptions.retain(|_, id| !subscription_ids.contains(id));
             }
             Ok(ViewerMessage::Other) => {
-                viewer.tell(Level::Error, "this server does not support that: viewers only read");
+                viewer.status(Level::Error, "this server does not support that: viewers only read");
             }
-            Err(error) => viewer.tell(Level::Error, &format!("invalid message: {error}")),
+            Err(error) => viewer.status(Level::Error, &format!("invalid message: {error}")),
         }
     }
 
@@ -146,11 +146,11 @@ impl Audience {
         Subscription { id, channel_id }: Subscription,
     ) {
         if !self.channels.iter().any(|channel| channel.id == channel_id) {
-            viewer.tell(Level::Error, &format!("unknown channel {channel_id}"));
+            viewer.status(Level::Error, &format!("unknown channel {channel_id}"));
         } else if viewer.subscriptions.contains_key(&channel_id) {
-            viewer.tell(Level::Warning, &format!("already subscribed to channel {channel_id}"));
+            viewer.status(Level::Warning, &format!("already subscribed to channel {channel_id}"));
         } else if viewer.subscriptions.values().any(|other| *other == id) {
-            viewer.tell(Level::Error, &format!("subscription {id} is in use"));
+            viewer.status(Level::Error, &format!("subscription {id} is in use"));
         } else {
             viewer.subscriptions.insert(channel_id, id);
             if let Some(data) = last.get(&channel_id) {

@@ -43,17 +43,17 @@ const INPUTS_OUTPUTS: u64 = 7;
 
 /// Error of serving viewers.
 #[derive(Debug, thiserror::Error)]
-#[error("{what}: {cause}")]
+#[error("{operation}: {cause}")]
 pub struct ViewersError {
     /// The failed operation.
-    pub what: String,
+    pub operation: String,
     /// The cause.
     pub cause: Box<dyn Error + Send + Sync>,
 }
 
 impl ViewersError {
-    fn new(what: impl Into<String>, cause: impl Error + Send + Sync + 'static) -> Self {
-        Self { what: what.into(), cause: Box::new(cause) }
+    fn new(operation: impl Into<String>, cause: impl Error + Send + Sync + 'static) -> Self {
+        Self { operation: operation.into(), cause: Box::new(cause) }
     }
 }
 
@@ -77,13 +77,17 @@ struct Sample {
 }
 
 impl Viewers {
-    /// Listens at `at` for viewers of `robot`, whose joints and links have these names; port 0
+    /// Listens at `address` for viewers of `robot`, whose joints and links have these names; port 0
     /// selects a free port.
     ///
     /// # Errors
     ///
     /// [`ViewersError`] if the address is in use, or does not belong to this machine.
-    pub fn listen(robot: &Robot, names: &RosNames, at: SocketAddr) -> Result<Self, ViewersError> {
+    pub fn listen(
+        robot: &Robot,
+        names: &RosNames,
+        address: SocketAddr,
+    ) -> Result<Self, ViewersError> {
         let mut encoder = Encoder::with_names(Duration::ZERO, names).map_err(unencoded)?;
         let arm = Arm::with_names(robot, names);
         let channels = vec![
@@ -100,8 +104,8 @@ impl Viewers {
                 &schema::inputs_outputs(),
             ),
         ];
-        let server = Server::listen(at, channels).map_err(|error| {
-            ViewersError::new(format!("cannot listen for viewers at {at}"), error)
+        let server = Server::listen(address, channels).map_err(|error| {
+            ViewersError::new(format!("cannot listen for viewers at {address}"), error)
         })?;
         let description = encoder.robot_description(arm.urdf()).map_err(unencoded)?.to_vec();
         let now_ns = nanoseconds(since_1970(SystemTime::now()));
@@ -123,8 +127,8 @@ impl Viewers {
     ///
     /// [`ViewersError`] if a message cannot be encoded, such as for a time that its format cannot
     /// represent.
-    pub fn joints(&mut self, at: SystemTime, joints_rad: &Joints) -> Result<(), ViewersError> {
-        let t = since_1970(at);
+    pub fn joints(&mut self, time: SystemTime, joints_rad: &Joints) -> Result<(), ViewersError> {
+        let t = since_1970(time);
         let slot = |t: Duration| t.as_nanos() * u128::from(RATE_HZ) / 1_000_000_000;
         if self.last.is_some_and(|last| slot(last.t) == slot(t)) {
             return Ok(());
@@ -142,36 +146,36 @@ impl Viewers {
     ) -> Result<(), WriteError> {
         let Self { encoder, arm, server, .. } = self;
         let audience = server.audience();
-        let at = nanoseconds(t);
+        let stamp_ns = nanoseconds(t);
         // Encoded only for topics that have subscribers.
         if audience.has_viewers(JOINT_STATES) {
             let state = encoder.joint_state(t, joints_rad, velocities, None)?;
-            audience.publish(JOINT_STATES, at, state);
+            audience.publish(JOINT_STATES, stamp_ns, state);
         }
         if audience.has_viewers(TF) {
-            audience.publish(TF, at, encoder.transforms(t, &arm.links(joints_rad))?);
+            audience.publish(TF, stamp_ns, encoder.transforms(t, &arm.links(joints_rad))?);
         }
         if audience.has_viewers(TCP_POSE) {
             let Frame { parent, translation_m, rotation_xyzw, .. } = arm.flange(joints_rad);
             let pose = encoder.tcp_pose(t, parent, translation_m, rotation_xyzw)?;
-            audience.publish(TCP_POSE, at, pose);
+            audience.publish(TCP_POSE, stamp_ns, pose);
         }
         Ok(())
     }
 
     /// Publishes the drive and robot status on `/drive_state`.
-    pub fn drive_state(&self, at: SystemTime, status: &Status) {
-        self.publish_json(DRIVE_STATE, at, status);
+    pub fn drive_state(&self, time: SystemTime, status: &Status) {
+        self.publish_json(DRIVE_STATE, time, status);
     }
 
     /// Publishes the sensor values on `/sensors`.
-    pub fn sensors(&self, at: SystemTime, sensors: &Sensors) {
-        self.publish_json(SENSORS, at, sensors);
+    pub fn sensors(&self, time: SystemTime, sensors: &Sensors) {
+        self.publish_json(SENSORS, time, sensors);
     }
 
     /// Publishes the values of inputs and outputs, by name, on `/inputs_outputs`. Booleans become 0
     /// or 1, which viewers can plot.
-    pub fn inputs_outputs(&self, at: SystemTime, values: &[(&str, IoValue)]) {
+    pub fn inputs_outputs(&self, time: SystemTime, values: &[(&str, IoValue)]) {
         let number = |value: IoValue| match value {
             IoValue::Boolean(value) => u8::from(value).into(),
             IoValue::Digital(value) => value.into(),
@@ -179,18 +183,18 @@ impl Viewers {
         };
         let entries =
             values.iter().map(|(name, value)| json!({ "name": name, "value": number(*value) }));
-        self.publish_json(INPUTS_OUTPUTS, at, &json!({ "values": entries.collect::<Value>() }));
+        self.publish_json(INPUTS_OUTPUTS, time, &json!({ "values": entries.collect::<Value>() }));
     }
 
     /// Publishes a message as JSON, without unknown values: in viewers, each field has one type,
     /// and null would be another.
-    fn publish_json(&self, channel: u64, at: SystemTime, message: &impl Serialize) {
+    fn publish_json(&self, channel: u64, time: SystemTime, message: &impl Serialize) {
         let Ok(mut message) = serde_json::to_value(message) else { return };
         if let Value::Object(fields) = &mut message {
             fields.retain(|_, value| !value.is_null());
         }
         let text = message.to_string().into_bytes();
-        self.server.audience().latch(channel, nanoseconds(since_1970(at)), text);
+        self.server.audience().latch(channel, nanoseconds(since_1970(time)), text);
     }
 }
 
@@ -229,8 +233,8 @@ fn mean_velocities(before: Option<&Sample>, t: Duration, joints_rad: &Joints) ->
     std::array::from_fn(|joint| (joints_rad[joint] - before.joints_rad[joint]) / span_s)
 }
 
-fn since_1970(at: SystemTime) -> Duration {
-    at.duration_since(UNIX_EPOCH).unwrap_or_default()
+fn since_1970(time: SystemTime) -> Duration {
+    time.duration_since(UNIX_EPOCH).unwrap_or_default()
 }
 
 fn nanoseconds(t: Duration) -> u64 {

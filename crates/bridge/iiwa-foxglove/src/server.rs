@@ -62,9 +62,9 @@ pub(super) struct Server {
 }
 
 impl Server {
-    /// Listens at `at`; port 0 selects a free port.
-    pub(super) fn listen(at: SocketAddr, channels: Vec<Channel>) -> io::Result<Self> {
-        let listener = Listener::bind(at)?;
+    /// Listens at `address`; port 0 selects a free port.
+    pub(super) fn listen(address: SocketAddr, channels: Vec<Channel>) -> io::Result<Self> {
+        let listener = Listener::bind(address)?;
         listener.set_nonblocking(true)?;
         let address = listener.local_addr()?;
         let runtime = runtime::Builder::new_multi_thread()
@@ -94,13 +94,13 @@ impl Drop for Server {
     fn drop(&mut self) {
         let Some(runtime) = self.runtime.take() else { return };
         self.audience.end();
-        let gone = async {
+        let all_closed = async {
             while !self.audience.is_empty() {
                 sleep(Duration::from_millis(1)).await;
             }
         };
         // Viewers that are still connected afterwards are cut off.
-        let _ = runtime.block_on(async { timeout(SHUTDOWN_TIMEOUT, gone).await });
+        let _ = runtime.block_on(async { timeout(SHUTDOWN_TIMEOUT, all_closed).await });
         runtime.shutdown_timeout(SHUTDOWN_TIMEOUT);
     }
 }

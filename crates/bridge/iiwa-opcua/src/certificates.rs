@@ -25,7 +25,7 @@ const KEY_BITS: u32 = 2048;
 /// certificate has to be trusted again.
 const VALID_DAYS: u32 = 3650;
 /// Maximum number of stored rejected certificates: anyone who can reach the port can add to them.
-const MOST_REJECTED: usize = 50;
+const MAX_REJECTED: usize = 50;
 
 /// A certificate folder.
 #[derive(Debug)]
@@ -45,8 +45,8 @@ impl Certificates {
     ) -> Result<Self, OpcUaError> {
         let these = Self { folder: folder.to_owned(), rejected: HashSet::new() };
         for part in ["own", "private", "trusted", "rejected"] {
-            let at = folder.join(part);
-            create_folder(&at, part == "private").map_err(|error| bad(&at, &error))?;
+            let path = folder.join(part);
+            create_folder(&path, part == "private").map_err(|error| bad(&path, &error))?;
         }
         let (certificate, key) = (these.certificate(), these.key());
         match (certificate.exists(), key.exists()) {
@@ -72,10 +72,10 @@ impl Certificates {
                 );
             }
             (has_certificate, _) => {
-                let (found, missing) =
+                let (present, missing) =
                     if has_certificate { (&certificate, &key) } else { (&key, &certificate) };
-                let what = format!("it is missing, but {} is there", found.display());
-                return Err(bad(missing, &what));
+                let message = format!("it is missing, but {} is there", present.display());
+                return Err(bad(missing, &message));
             }
         }
         CertificateStore::read_cert(&certificate).map_err(|error| bad(&certificate, &error))?;
@@ -123,7 +123,7 @@ impl Certificates {
         });
         let mut dated: Vec<_> = dated.collect();
         dated.sort();
-        let kept = dated.split_off(dated.len().saturating_sub(MOST_REJECTED));
+        let kept = dated.split_off(dated.len().saturating_sub(MAX_REJECTED));
         for (_, path) in &dated {
             if let Err(error) = fs::remove_file(path) {
                 tracing::debug!("{}: {error}", path.display());
@@ -149,12 +149,12 @@ fn remove(path: &Path) -> io::Result<()> {
     }
 }
 
-fn bad(file: &Path, what: &impl ToString) -> OpcUaError {
-    OpcUaError::Certificate { file: file.to_owned(), what: what.to_string() }
+fn bad(file: &Path, message: &impl ToString) -> OpcUaError {
+    OpcUaError::Certificate { file: file.to_owned(), message: message.to_string() }
 }
 
 /// Creates a folder; if `private`, accessible to its owner only.
-fn create_folder(at: &Path, private: bool) -> io::Result<()> {
+fn create_folder(path: &Path, private: bool) -> io::Result<()> {
     let mut builder = fs::DirBuilder::new();
     builder.recursive(true);
     #[cfg(unix)]
@@ -163,7 +163,7 @@ fn create_folder(at: &Path, private: bool) -> io::Result<()> {
     }
     #[cfg(not(unix))]
     let _ = private;
-    builder.create(at)
+    builder.create(path)
 }
 
 #[cfg(test)]
@@ -175,14 +175,14 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let rejected = folder.path().join("rejected");
         fs::create_dir(&rejected).unwrap();
-        for i in 0..MOST_REJECTED + 7 {
+        for i in 0..MAX_REJECTED + 7 {
             fs::write(rejected.join(format!("{i}.der")), "").unwrap();
         }
         let folder = folder.path().to_owned();
         let mut certificates = Certificates { folder, rejected: HashSet::new() };
         certificates.look_at_rejected();
-        assert_eq!(certificates.rejected.len(), MOST_REJECTED);
-        assert_eq!(fs::read_dir(&rejected).unwrap().count(), MOST_REJECTED);
+        assert_eq!(certificates.rejected.len(), MAX_REJECTED);
+        assert_eq!(fs::read_dir(&rejected).unwrap().count(), MAX_REJECTED);
     }
 
     #[cfg(unix)]
@@ -190,15 +190,15 @@ mod tests {
     fn a_link_in_place_of_a_certificate_is_not_followed() {
         let folder = tempfile::tempdir().unwrap();
         let certificates = Certificates::open(folder.path(), "urn:x", &[]).unwrap();
-        let own = CertificateStore::read_cert(&certificates.certificate()).unwrap();
+        let certificate = CertificateStore::read_cert(&certificates.certificate()).unwrap();
         let victim = folder.path().join("victim");
         fs::write(&victim, "precious").unwrap();
-        let name = CertificateStore::cert_file_name(&own);
+        let name = CertificateStore::cert_file_name(&certificate);
         let trusted = folder.path().join("trusted").join(name);
         std::os::unix::fs::symlink(&victim, &trusted).unwrap();
         certificates.trust(&certificates.certificate()).unwrap();
         assert_eq!(fs::read_to_string(victim).unwrap(), "precious");
-        assert_eq!(fs::read(trusted).unwrap(), own.to_der().unwrap());
+        assert_eq!(fs::read(trusted).unwrap(), certificate.to_der().unwrap());
     }
 
     #[test]

@@ -115,14 +115,14 @@ mod tests {
     #[test]
     fn constant_acceleration_is_exact_even_if_messages_are_lost() {
         let q = |t: f64| 0.3 - 0.7 * (t - 20_000.0) + 2.0 * (t - 20_000.0).powi(2);
-        let kept = every(0.005, 40).enumerate().filter(|(i, _)| i % 7 != 3 && i % 5 != 1);
-        let times: Vec<f64> = kept.map(|(_, t)| t).collect();
+        let samples = every(0.005, 40).enumerate().filter(|(i, _)| i % 7 != 3 && i % 5 != 1);
+        let times: Vec<f64> = samples.map(|(_, t)| t).collect();
         let last = times[times.len() - 1] - 20_000.0;
-        let found = of(times, q).unwrap();
+        let actual = of(times, q).unwrap();
         for joint in 0..7 {
             let times = (joint + 1) as f64;
-            assert!((found.speed[joint] - times * (4.0 * last - 0.7)).abs() < 1e-6);
-            assert!((found.acceleration[joint] - times * 4.0).abs() < 1e-4);
+            assert!((actual.speed[joint] - times * (4.0 * last - 0.7)).abs() < 1e-6);
+            assert!((actual.acceleration[joint] - times * 4.0).abs() < 1e-4);
         }
     }
 
@@ -132,12 +132,12 @@ mod tests {
         let w = 5.0;
         for step in [0.001, 0.005, 0.01] {
             let end = every(step, 400).last().unwrap() - 20_000.0;
-            let found = of(every(step, 400), |t| 0.34 * (w * (t - 20_000.0)).sin()).unwrap();
+            let actual = of(every(step, 400), |t| 0.34 * (w * (t - 20_000.0)).sin()).unwrap();
             let speed = 0.34 * w * (w * end).cos();
             let acceleration = -0.34 * w * w * (w * end).sin();
-            assert!((found.speed[0] - speed).abs() < 0.03, "{} {speed}", found.speed[0]);
+            assert!((actual.speed[0] - speed).abs() < 0.03, "{} {speed}", actual.speed[0]);
             // Half of a 60 ms window at a jerk of up to 43 rad/s³.
-            assert!((found.acceleration[0] - acceleration).abs() < 1.4);
+            assert!((actual.acceleration[0] - acceleration).abs() < 1.4);
         }
     }
 
@@ -153,9 +153,9 @@ mod tests {
         let (mut speeds, mut accelerations, mut count) = (0.0, 0.0, 0.0);
         for t in every(0.005, 4000) {
             window.push(t, std::array::from_fn(|_| noise()));
-            if let Some(found) = window.derivatives() {
-                speeds += found.speed[0].powi(2);
-                accelerations += found.acceleration[0].powi(2);
+            if let Some(actual) = window.derivatives() {
+                speeds += actual.speed[0].powi(2);
+                accelerations += actual.acceleration[0].powi(2);
                 count += 1.0;
             }
         }

@@ -9,26 +9,26 @@ use iiwa_link::LinkError;
 #[non_exhaustive]
 pub enum OpcUaError {
     /// The server cannot listen at an address.
-    #[error("cannot listen at {at}")]
+    #[error("cannot listen at {address}")]
     Listen {
         /// The address.
-        at: SocketAddr,
+        address: SocketAddr,
         /// The system's error.
         source: io::Error,
     },
     /// A certificate or key cannot be used.
-    #[error("cannot use {}: {what}", .file.display())]
+    #[error("cannot use {}: {message}", .file.display())]
     Certificate {
         /// The file.
         file: PathBuf,
         /// The fault.
-        what: String,
+        message: String,
     },
     /// The settings contradict each other.
-    #[error("{what}")]
+    #[error("{message}")]
     Settings {
         /// The fault and its remedy.
-        what: String,
+        message: String,
     },
     /// Two robots have the same name.
     #[error("two robots are called `{name}`")]
@@ -37,10 +37,10 @@ pub enum OpcUaError {
         name: String,
     },
     /// The server was not set up.
-    #[error("the OPC UA server was not set up: {what}")]
+    #[error("the OPC UA server was not set up: {message}")]
     Server {
         /// The fault.
-        what: String,
+        message: String,
     },
     /// The runtime cannot be started.
     #[error("cannot start the network's runtime")]

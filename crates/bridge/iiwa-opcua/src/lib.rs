@@ -93,8 +93,8 @@ impl OpcUa {
     ) -> Result<Self, OpcUaError> {
         let is_known = |name: &String| robots.iter().any(|robot| robot.name() == name);
         if let Some(name) = options.arms.keys().find(|name| !is_known(name)) {
-            let what = format!("there is an arm of `{name}`, but no robot of this name");
-            return Err(OpcUaError::Settings { what });
+            let message = format!("there is an arm of `{name}`, but no robot of this name");
+            return Err(OpcUaError::Settings { message });
         }
         let served = robots.iter().map(|robot| ServedRobot {
             name: robot.name().to_owned(),

@@ -35,7 +35,8 @@ pub(crate) fn all() -> Result<Vec<NodeSet>, OpcUaError> {
 }
 
 fn read(name: &'static str, packed: &[u8]) -> Result<NodeSet, OpcUaError> {
-    let bad = |what: String| OpcUaError::Server { what: format!("{name} is damaged: {what}") };
+    let bad =
+        |message: String| OpcUaError::Server { message: format!("{name} is damaged: {message}") };
     let mut text = String::new();
     StreamingDecoder::new(packed)
         .map_err(|error| bad(error.to_string()))?
@@ -48,19 +49,19 @@ fn read(name: &'static str, packed: &[u8]) -> Result<NodeSet, OpcUaError> {
 /// Returns the text without white space in its byte strings: files contain it there, and the
 /// importer omits such values.
 fn without_breaks(text: &str) -> String {
-    let mut out = String::with_capacity(text.len());
+    let mut shortened = String::with_capacity(text.len());
     let mut is_byte_string = false;
     for piece in text.split_inclusive('>') {
         let (content, tag) = piece.split_at(piece.find('<').unwrap_or(piece.len()));
         if is_byte_string {
-            out.extend(content.split_ascii_whitespace());
+            shortened.extend(content.split_ascii_whitespace());
         } else {
-            out.push_str(content);
+            shortened.push_str(content);
         }
-        out.push_str(tag);
+        shortened.push_str(tag);
         is_byte_string = tag.contains("ByteString");
     }
-    out
+    shortened
 }
 
 impl NodeSetImport for NodeSet {

@@ -48,14 +48,14 @@ impl Running {
         robots: Vec<RobotPlan>,
     ) -> Result<Self, OpcUaError> {
         if options.users.is_empty() && !options.anonymous && !options.unsecured {
-            let what = "nobody could log in: name users, or allow anonymous ones".to_owned();
-            return Err(OpcUaError::Server { what });
+            let message = "nobody could log in: name users, or allow anonymous ones".to_owned();
+            return Err(OpcUaError::Server { message });
         }
         let users = Users::new(options.users.clone(), options.anonymous)?;
         let node_sets = nodesets::all()?;
-        let at = options.listen;
-        let listen = |source| OpcUaError::Listen { at, source };
-        let listener = TcpListener::bind(at).map_err(listen)?;
+        let address = options.listen;
+        let listen = |source| OpcUaError::Listen { address, source };
+        let listener = TcpListener::bind(address).map_err(listen)?;
         listener.set_nonblocking(true).map_err(listen)?;
         let address = listener.local_addr().map_err(listen)?;
 
@@ -92,7 +92,7 @@ impl Running {
         for (name, endpoint) in endpoints(options.unsecured) {
             builder = builder.add_endpoint(name, endpoint);
         }
-        let failed = |what: String| OpcUaError::Server { what };
+        let failed = |message: String| OpcUaError::Server { message };
         let runtime = tokio::runtime::Builder::new_multi_thread()
             .worker_threads(2)
             .thread_name("opcua")

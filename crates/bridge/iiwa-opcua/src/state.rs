@@ -79,12 +79,12 @@ impl RobotState {
 
     /// Updates the state from a message.
     pub(crate) fn take(&mut self, message: &Message) {
-        let at = DateTime::from(chrono::DateTime::from(SystemTime::from(message.at)));
-        self.at = at;
+        let time = DateTime::from(chrono::DateTime::from(SystemTime::from(message.at)));
+        self.at = time;
         match &message.content {
             Content::Joints(sample) => {
                 let JointSample { t_s, joints_rad, .. } = *sample;
-                self.motion = Some(Motion { joints_rad, at, came: Instant::now() });
+                self.motion = Some(Motion { joints_rad, at: time, came: Instant::now() });
                 self.window.push(t_s, joints_rad);
             }
             Content::State { state, .. } => self.drive = Some(*state),
@@ -151,8 +151,8 @@ impl RobotState {
             (false, Some(_)) => StatusCode::UncertainNoCommunicationLastUsableValue,
             (false, None) => StatusCode::BadNoCommunication,
         };
-        let at = self.motion.map_or(self.at, |motion| motion.at);
-        DataValue::new_at_status(value.map_or(Variant::Empty, Variant::from), at, status)
+        let time = self.motion.map_or(self.at, |motion| motion.at);
+        DataValue::new_at_status(value.map_or(Variant::Empty, Variant::from), time, status)
     }
 
     /// Returns the positions, in rad.
@@ -167,9 +167,9 @@ impl RobotState {
 }
 
 /// Returns true if the safety controller demands a stop, as reported by FRI or the robot program.
-fn safety_stop(fri: Option<&FriStatus>, told: Option<bool>) -> Option<bool> {
+fn safety_stop(fri: Option<&FriStatus>, by_program: Option<bool>) -> Option<bool> {
     let heard = fri.filter(|fri| !fri.session.is_empty() && fri.session != FriStatus::SILENT);
-    match (heard.map(|fri| fri.safety_stop), told) {
+    match (heard.map(|fri| fri.safety_stop), by_program) {
         (None, None) => None,
         (by_fri, by_program) => Some(by_fri == Some(true) || by_program == Some(true)),
     }
@@ -219,7 +219,7 @@ mod tests {
     }
 
     #[test]
-    fn a_safety_stop_is_one_whoever_tells_it() {
+    fn a_safety_stop_may_be_reported_by_either_source() {
         let fri = |session: &str, safety_stop| {
             let mut fri = FriStatus::new(session, "good");
             fri.safety_stop = safety_stop;

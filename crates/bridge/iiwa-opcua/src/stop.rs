@@ -47,7 +47,7 @@ mod tests {
 
     // A client has its own runtime, which may not be entered from tasks of another one.
     #[test]
-    fn a_drive_that_is_not_there_is_said_to_be_unreachable() {
+    fn a_missing_drive_is_reported_as_unreachable() {
         let [drive, stream] = ["tcp://127.0.0.1:9", "tcp://127.0.0.1:10"];
         let robot = BridgedRobot::new("cell-1", Remote::open(), drive, stream).unwrap();
         let runtime = tokio::runtime::Builder::new_multi_thread().enable_all().build().unwrap();

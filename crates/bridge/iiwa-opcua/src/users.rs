@@ -39,7 +39,9 @@ impl Users {
             } else {
                 continue;
             };
-            return Err(OpcUaError::Settings { what: format!("the OPC UA user `{user}` {fault}") });
+            return Err(OpcUaError::Settings {
+                message: format!("the OPC UA user `{user}` {fault}"),
+            });
         }
         Ok(Self { users, anonymous })
     }
@@ -47,8 +49,8 @@ impl Users {
     /// Returns true if the password belongs to the user. All entries are compared completely, so
     /// that the duration reveals neither names nor prefixes of passwords.
     fn knows(&self, name: &str, password: &str) -> bool {
-        self.users.iter().fold(false, |known, user| {
-            known | (same(&user.user, name) & same(&user.password, password))
+        self.users.iter().fold(false, |is_known, user| {
+            is_known | (same(&user.user, name) & same(&user.password, password))
         })
     }
 
@@ -58,9 +60,9 @@ impl Users {
 }
 
 /// Returns true if two texts are equal, in a time that depends on their lengths only.
-fn same(expected: &str, found: &str) -> bool {
-    let lengths = u8::from(expected.len() != found.len());
-    let bytes = expected.bytes().zip(found.bytes());
+fn same(expected: &str, given_text: &str) -> bool {
+    let lengths = u8::from(expected.len() != given_text.len());
+    let bytes = expected.bytes().zip(given_text.bytes());
     bytes.fold(lengths, |differences, (a, b)| differences | (a ^ b)) == 0
 }
 
@@ -139,7 +141,7 @@ mod tests {
     }
 
     #[test]
-    fn users_that_could_not_be_told_apart_are_refused() {
+    fn indistinguishable_users_are_refused() {
         let refused = |users: &[Credentials]| Users::new(users.to_vec(), false).is_err();
         assert!(refused(&[user("anna", "a"), user("anna", "b")]));
         assert!(refused(&[user("", "secret")]) && refused(&[user("anna", "")]));

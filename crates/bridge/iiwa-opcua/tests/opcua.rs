@@ -98,7 +98,11 @@ impl Rig {
                 "since": self.since,
                 "amplitude_rad": AMPLITUDE_RAD,
                 "rad_per_s": RAD_PER_S,
-                "ranges": [positions, both(&limits.velocity_rad_s), both(&limits.acceleration_rad_s2)],
+                "ranges": [
+                    positions,
+                    both(&limits.velocity_rad_s),
+                    both(&limits.acceleration_rad_s2),
+                ],
                 "center_m": [0.001, 0.002, 0.03],
                 "stop": stop,
                 "stop_takes_s": STOP_TAKES.as_secs_f64(),
@@ -144,7 +148,8 @@ fn values(is_left: bool) -> Value {
         format!("{SAFETY}/OperationalMode"): if is_left { 3 } else { 1 },
         format!("{SAFETY}/ProtectiveStop"): !is_left,
         format!("{SAFETY}/EmergencyStop"): !is_left,
-        format!("{TASK}/D:ParameterSet/TaskProgramName"): if is_left { "pick and place" } else { "" },
+        format!("{TASK}/D:ParameterSet/TaskProgramName"):
+            if is_left { "pick and place" } else { "" },
         format!("{TASK}/D:ParameterSet/TaskProgramLoaded"): is_left,
         format!("{machine}/B:CurrentState"): if is_left { "Executing" } else { "Idle" },
         "MotionDevices/I:Arm/D:ParameterSet/SpeedOverride": if is_left { 100.0 } else { 50.0 },
@@ -175,33 +180,38 @@ fn now_s() -> f64 {
 
 /// Sends messages like the feeds of two robots.
 fn feed(server: &OpcUa, since: f64, ended: &AtomicBool) {
-    let send = |robot: &str, at: Timestamp, content: Content| {
+    let send = |robot: &str, time: Timestamp, content: Content| {
         let robot = robot.to_owned();
-        server.take(&Message { version: VERSION, robot, session: 1, seq: 0, at, content });
+        server.take(&Message { version: VERSION, robot, session: 1, seq: 0, at: time, content });
     };
-    let told = |robot: &str, content: Value| {
+    let publish = |robot: &str, content: Value| {
         send(robot, Timestamp::now(), serde_json::from_value(content).unwrap());
     };
     for (robot, mode, share, stop, state) in
         [("left", "aut", 1.0, false, "running_motion"), ("right", "t1", 0.5, true, "idle")]
     {
-        told(
+        publish(
             robot,
             json!({
-                "kind": "conditions", "drive": "connected", "state": state, "robot_program": "connected",
-                "fri": {"session": "monitoring_ready", "quality": "good", "lost": 0, "late": 0, "safety_stop": stop},
+                "kind": "conditions", "drive": "connected", "state": state,
+                "robot_program": "connected",
+                "fri": {
+                    "session": "monitoring_ready", "quality": "good", "lost": 0, "late": 0,
+                    "safety_stop": stop,
+                },
                 "hello": {"protocol": 2, "program": "Program 1", "sunrise": "1.16"},
                 "conditions": {"operation_mode": mode, "override": share},
             }),
         );
     }
-    told(
+    publish(
         "left",
         json!({
-            "kind": "run", "t_s": 1.0, "run": 1, "event": "begin", "what": "motions", "program": "pick and place",
+            "kind": "run", "t_s": 1.0, "run": 1, "event": "begin", "what": "motions",
+            "program": "pick and place",
         }),
     );
-    told(
+    publish(
         "left",
         json!({
             "kind": "sensors", "joint_temperature_c": [31.0, 32.0, 33.0, 34.0, 35.0, 36.0, 37.0],
@@ -209,13 +219,13 @@ fn feed(server: &OpcUa, since: f64, ended: &AtomicBool) {
         }),
     );
     while !ended.load(Ordering::Relaxed) {
-        let at = Timestamp::now();
-        let t_s = at.micros() as f64 / 1e6 - since;
+        let time = Timestamp::now();
+        let t_s = time.micros() as f64 / 1e6 - since;
         let joints_rad =
             std::array::from_fn(|joint| AMPLITUDE_RAD * (RAD_PER_S * t_s + joint as f64).sin());
         for robot in ["left", "right"] {
             let sample = JointSample { t_s, joints_rad, measured_nm: None, external_nm: None };
-            send(robot, at, Content::Joints(sample));
+            send(robot, time, Content::Joints(sample));
         }
         thread::sleep(Duration::from_millis(5));
     }
@@ -270,7 +280,7 @@ fn without_security_clients_read_and_nobody_stops() {
 }
 
 #[test]
-fn what_cannot_be_served_is_said() {
+fn invalid_settings_are_reported() {
     let folder = tempfile::tempdir().unwrap();
     let robot =
         |name: &str| ServedRobot { name: name.to_owned(), arm: BridgedArm::default(), stop: None };
@@ -285,9 +295,9 @@ fn what_cannot_be_served_is_said() {
     assert!(matches!(&twice, OpcUaError::SameName { name } if name == "a"), "{twice}");
 
     let first = OpcUa::serve(&options_in(folder.path()), vec![robot("a")]).unwrap();
-    let at = first.address();
-    let taken = error(&|options| options.listen = at, vec![robot("a")]);
-    assert!(taken.to_string().starts_with(&format!("cannot listen at {at}")), "{taken}");
+    let address = first.address();
+    let message = error(&|options| options.listen = address, vec![robot("a")]);
+    assert!(message.to_string().starts_with(&format!("cannot listen at {address}")), "{message}");
 
     let none = folder.path().join("none.der");
     let missing = error(&|options| options.trusted = vec![none.clone()], vec![robot("a")]);

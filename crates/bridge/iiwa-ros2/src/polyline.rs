@@ -26,23 +26,23 @@ impl Polyline {
     /// Creates a polyline through `points`, without repeated points. The first and the last point
     /// are kept.
     pub(super) fn new(points: &[Joints]) -> Self {
-        let mut kept: Vec<Joints> = Vec::with_capacity(points.len());
+        let mut vertices: Vec<Joints> = Vec::with_capacity(points.len());
         for point in points {
-            if kept.last().is_none_or(|last| distance(last, point) > SAME_RAD) {
-                kept.push(*point);
+            if vertices.last().is_none_or(|last| distance(last, point) > SAME_RAD) {
+                vertices.push(*point);
             }
         }
         // The end is exact, regardless of which one of two close points was omitted.
-        if let (Some(kept), Some(last)) = (kept.last_mut(), points.last()) {
-            *kept = *last;
+        if let (Some(vertices), Some(last)) = (vertices.last_mut(), points.last()) {
+            *vertices = *last;
         }
         let mut way = 0.0;
-        let mut ways = vec![0.0; kept.len()];
-        for i in 1..kept.len() {
-            way += distance(&kept[i - 1], &kept[i]);
+        let mut ways = vec![0.0; vertices.len()];
+        for i in 1..vertices.len() {
+            way += distance(&vertices[i - 1], &vertices[i]);
             ways[i] = way;
         }
-        Self { points: kept, ways }
+        Self { points: vertices, ways }
     }
 
     pub(super) fn points(&self) -> &[Joints] {
@@ -80,9 +80,10 @@ impl Polyline {
         let corners = self.corners(tolerance);
         let mut stops = vec![0];
         for around in corners.windows(3) {
-            let [before, at, after] = [0, 1, 2].map(|k| &self.points[around[k]]);
-            let [into, out] = [vector::sub(at, before), vector::sub(after, at)];
-            let cosine = vector::dot(&into, &out) / (vector::norm(&into) * vector::norm(&out));
+            let [before, point, after] = [0, 1, 2].map(|k| &self.points[around[k]]);
+            let [into, leaving] = [vector::sub(point, before), vector::sub(after, point)];
+            let cosine =
+                vector::dot(&into, &leaving) / (vector::norm(&into) * vector::norm(&leaving));
             if cosine < SHARPEST {
                 stops.push(around[1]);
             }
@@ -107,7 +108,7 @@ impl Polyline {
                 .map(|i| (i, line_distance(&self.points[i], &self.points[from], &self.points[to])))
                 .max_by(|a, b| a.1.total_cmp(&b.1));
             match worst {
-                Some((at, off)) if off > tolerance => open.extend([(at, to), (from, at)]),
+                Some((index, off)) if off > tolerance => open.extend([(index, to), (from, index)]),
                 _ => corners.push(to),
             }
         }
@@ -136,7 +137,7 @@ mod tests {
     }
 
     #[test]
-    fn points_that_stand_still_are_left_out() {
+    fn repeated_points_are_left_out() {
         let line =
             plane(&[[0.0, 0.0], [0.0, 0.0], [1.0, 0.0], [1.0, 0.0], [1.0, 1.0 + 1e-9], [1.0, 1.0]]);
         assert_eq!(line.points().len(), 3);

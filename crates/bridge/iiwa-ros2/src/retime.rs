@@ -13,10 +13,10 @@ use super::{polyline::Polyline, rounded::Rounded};
 pub const DEFAULT_TOLERANCE_RAD: f64 = 0.01;
 
 /// Minimum tolerance: below it, the robot practically stops at corners.
-pub const LEAST_TOLERANCE_RAD: f64 = 1e-4;
+pub const MIN_TOLERANCE_RAD: f64 = 1e-4;
 
 /// Maximum number of points of a path.
-pub const MOST_PATH_POINTS: usize = 20_000;
+pub const MAX_PATH_POINTS: usize = 20_000;
 
 /// Maximum distance of points from a line that counts as straight, as a share of the tolerance.
 const STRAIGHT: f64 = 1e-3;
@@ -40,7 +40,7 @@ pub enum RetimeError {
     #[error("the path has no points")]
     Empty,
     /// The path has too many points.
-    #[error("the path has {found} points, at most {MOST_PATH_POINTS} are allowed")]
+    #[error("the path has {found} points, at most {MAX_PATH_POINTS} are allowed")]
     TooLong {
         /// Number of points.
         found: usize,
@@ -52,16 +52,17 @@ pub enum RetimeError {
         point: usize,
     },
     /// A point is outside the joint ranges.
-    #[error("point {} of the path: {what}", .point + 1)]
+    #[error("point {} of the path: {message}", .point + 1)]
     Outside {
         /// Index of the point, from 0.
         point: usize,
         /// The joint, and its excess.
-        what: String,
+        message: String,
     },
     /// The tolerance is out of range.
     #[error(
-        "a tolerance of {found} rad; it has to be from {LEAST_TOLERANCE_RAD} to 1 rad, or 0 for {DEFAULT_TOLERANCE_RAD} rad"
+        "a tolerance of {found} rad; it has to be from {MIN_TOLERANCE_RAD} to 1 rad, or 0 for \
+         {DEFAULT_TOLERANCE_RAD} rad"
     )]
     Tolerance {
         /// The given tolerance.
@@ -91,7 +92,7 @@ pub fn retime(
     tolerance_rad: f64,
 ) -> Result<Retimed, RetimeError> {
     let tolerance = if tolerance_rad == 0.0 { DEFAULT_TOLERANCE_RAD } else { tolerance_rad };
-    if !(LEAST_TOLERANCE_RAD..=1.0).contains(&tolerance) {
+    if !(MIN_TOLERANCE_RAD..=1.0).contains(&tolerance) {
         return Err(RetimeError::Tolerance { found: tolerance_rad });
     }
     check(robot, points)?;
@@ -126,7 +127,7 @@ fn check(robot: &Robot, points: &[Joints]) -> Result<(), RetimeError> {
     if points.is_empty() {
         return Err(RetimeError::Empty);
     }
-    if points.len() > MOST_PATH_POINTS {
+    if points.len() > MAX_PATH_POINTS {
         return Err(RetimeError::TooLong { found: points.len() });
     }
     for (point, q) in points.iter().enumerate() {
@@ -136,7 +137,7 @@ fn check(robot: &Robot, points: &[Joints]) -> Result<(), RetimeError> {
         robot
             .limits()
             .check(q)
-            .map_err(|outside| RetimeError::Outside { point, what: outside.to_string() })?;
+            .map_err(|outside| RetimeError::Outside { point, message: outside.to_string() })?;
     }
     Ok(())
 }
@@ -276,14 +277,14 @@ mod tests {
     }
 
     #[test]
-    fn standing_takes_no_time() {
+    fn rest_has_no_duration() {
         let retimed = full(&[[0.1; 7]; 3], 0.0).unwrap();
         assert_eq!(retimed.trajectory.cycle_time_s(), 0.0);
         assert_eq!(retimed.trajectory.at(0.0).q, [0.1; 7]);
     }
 
     #[test]
-    fn what_is_no_path_is_refused() {
+    fn invalid_paths_are_refused() {
         assert_eq!(full(&[], 0.0).err(), Some(RetimeError::Empty));
         let nan = [[0.0; 7], [f64::NAN; 7]];
         assert_eq!(full(&nan, 0.0).err(), Some(RetimeError::NotFinite { point: 1 }));

@@ -28,15 +28,15 @@ const BASIS: [[f64; 6]; ORDER] = [
 const SPANS_A_SEGMENT: usize = 4;
 
 /// Minimum number of spans of a curve.
-const LEAST_SPANS: usize = 8;
+const MIN_SPANS: usize = 8;
 
 /// Maximum distance of the control points, in rad, and as a share of the length.
-const MOST_RAD: f64 = 0.2;
-const MOST_SHARE: f64 = 0.1;
+const MAX_RAD: f64 = 0.2;
+const MAX_SHARE: f64 = 0.1;
 
 /// Minimum distance of the control points, as a share of the tolerance. The curve is closer to a
 /// corner than this distance.
-const LEAST_SHARE: f64 = 0.25;
+const MIN_SHARE: f64 = 0.25;
 
 /// A curve along a polyline from its start to its end.
 #[derive(Clone, Debug)]
@@ -50,12 +50,12 @@ impl Rounded {
     /// Returns the smoothest curve that passes all points within `tolerance`, in rad, and through
     /// the first and the last one, and its maximum distance from a point.
     pub(super) fn along(polyline: &Polyline, tolerance: f64) -> (Self, f64) {
-        let most = MOST_RAD.min(MOST_SHARE * polyline.length());
-        let least = LEAST_SHARE * tolerance;
-        let mut spacing = Spacing::even(polyline.ways(), most.max(least));
+        let max_distance = MAX_RAD.min(MAX_SHARE * polyline.length());
+        let min_distance = MIN_SHARE * tolerance;
+        let mut spacing = Spacing::even(polyline.ways(), max_distance.max(min_distance));
         loop {
             spacing.grade();
-            let places = spacing.samples(LEAST_SPANS);
+            let places = spacing.samples(MIN_SPANS);
             let curve = Self::with_control(&polyline.at(&places), polyline.length());
             let off = curve.distances(polyline, &places);
             // Each halving reduces the distance from a point; the minimum spacing terminates the
@@ -63,7 +63,7 @@ impl Rounded {
             let mut changed = false;
             for (i, off) in off.iter().enumerate() {
                 if *off > tolerance {
-                    changed |= spacing.halve(i, least);
+                    changed |= spacing.halve(i, min_distance);
                 }
             }
             if !changed {
@@ -77,8 +77,8 @@ impl Rounded {
     /// one.
     fn with_control(points: &[Joints], length: f64) -> Self {
         let count = points.len();
-        let mirror = |i: usize, at: usize| -> Joints {
-            std::array::from_fn(|j| 2.0 * points[at][j] - points[i][j])
+        let mirror = |i: usize, center: usize| -> Joints {
+            std::array::from_fn(|j| 2.0 * points[center][j] - points[i][j])
         };
         let mut control = Vec::with_capacity(count + 4);
         control.extend([mirror(2, 0), mirror(1, 0)]);
@@ -129,8 +129,8 @@ impl Rounded {
                 // One further step along the tangent.
                 let off = vector::sub(point, &near.q);
                 let square = vector::dot(&near.dq, &near.dq).max(f64::MIN_POSITIVE);
-                let most = 1.0 / STEPS_A_SPAN as f64;
-                let step = (vector::dot(&off, &near.dq) / square).clamp(-most, most);
+                let max_step = 1.0 / STEPS_A_SPAN as f64;
+                let step = (vector::dot(&off, &near.dq) / square).clamp(-max_step, max_step);
                 vector::norm(&vector::sub(&off, &vector::scale(step, &near.dq)))
             })
             .collect()
@@ -266,14 +266,14 @@ mod tests {
         let part = &curve.segments()[1];
         let h = 1e-4;
         for s in [0.1, 0.25, 0.6, 0.9] {
-            let [before, at, after] = [-h, 0.0, h].map(|d| part.at(s + d));
+            let [before, middle, after] = [-h, 0.0, h].map(|d| part.at(s + d));
             for j in 0..2 {
                 let rate =
                     |of: fn(&Derivatives) -> &Joints| (of(&after)[j] - of(&before)[j]) / (2.0 * h);
-                assert!((rate(|at| &at.q) - at.dq[j]).abs() < 1e-5);
-                assert!((rate(|at| &at.dq) - at.ddq[j]).abs() < 1e-4);
-                assert!((rate(|at| &at.ddq) - at.dddq[j]).abs() < 1e-3);
-                assert!(at.ddq[j].abs() <= part.bend_bound_rad()[j] + 1e-12);
+                assert!((rate(|middle| &middle.q) - middle.dq[j]).abs() < 1e-5);
+                assert!((rate(|middle| &middle.dq) - middle.ddq[j]).abs() < 1e-4);
+                assert!((rate(|middle| &middle.ddq) - middle.dddq[j]).abs() < 1e-3);
+                assert!(middle.ddq[j].abs() <= part.bend_bound_rad()[j] + 1e-12);
             }
         }
     }

@@ -31,11 +31,11 @@ impl Spacing {
         Self { distances: vec![distance; places.len()], places, points }
     }
 
-    /// Halves the distance at a point, but not below `least`. Returns true if the distance was
-    /// reduced.
-    pub(super) fn halve(&mut self, point: usize, least: f64) -> bool {
+    /// Halves the distance at a point, but not below `min_distance`. Returns true if the distance
+    /// was reduced.
+    pub(super) fn halve(&mut self, point: usize, min_distance: f64) -> bool {
         let distance = &mut self.distances[self.points[point]];
-        let halved = (0.5 * *distance).max(least);
+        let halved = (0.5 * *distance).max(min_distance);
         let smaller = halved < *distance;
         *distance = halved;
         smaller
@@ -55,8 +55,8 @@ impl Spacing {
     }
 
     /// Returns samples from the first place to the last, with approximately the desired distances;
-    /// at least `least` steps.
-    pub(super) fn samples(&self, least: usize) -> Vec<f64> {
+    /// at least `min_count` steps.
+    pub(super) fn samples(&self, min_count: usize) -> Vec<f64> {
         // Steps up to each place: the integral of 1 over the distance, which is linear in between.
         let mut steps = vec![0.0];
         for i in 1..self.places.len() {
@@ -73,7 +73,7 @@ impl Spacing {
             clippy::cast_sign_loss,
             reason = "a number of samples"
         )]
-        let count = (all.ceil() as usize).max(least);
+        let count = (all.ceil() as usize).max(min_count);
         let mut i = 1;
         (0..=count)
             .map(|k| {
@@ -95,11 +95,11 @@ impl Spacing {
         let way = self.places[i] - self.places[i - 1];
         let (a, b) = self.distances_between(i);
         let slope = (b - a) / way;
-        let gone = if (slope * steps).abs() < 1e-9 {
+        let distance = if (slope * steps).abs() < 1e-9 {
             a * steps
         } else {
             a * (slope * steps).exp_m1() / slope
         };
-        self.places[i - 1] + gone.clamp(0.0, way)
+        self.places[i - 1] + distance.clamp(0.0, way)
     }
 }

@@ -14,19 +14,19 @@ use crate::excerpt::excerpt;
 /// assert_eq!(iiwa_json::meant("colour", keys), None);
 /// ```
 #[must_use]
-pub fn meant<'a>(found: &str, known: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
+pub fn meant<'a>(text: &str, known: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     // A text longer than any word is not a word, and takes long to compare.
-    if found.len() > MAX_WORD {
+    if text.len() > MAX_WORD {
         return None;
     }
-    let found = found.to_lowercase();
+    let text = text.to_lowercase();
     let known: Vec<&str> = known.into_iter().collect();
-    let off = |word: &&str| damerau_levenshtein(&found, &word.to_lowercase());
+    let off = |word: &&str| damerau_levenshtein(&text, &word.to_lowercase());
     let near = known.iter().map(|word| (off(word), *word));
-    let nearest = near.filter(|(off, word)| 3 * off < word.len().min(found.len())).min();
+    let nearest = near.filter(|(off, word)| 3 * off < word.len().min(text.len())).min();
     let begun = || {
-        let mut begun = known.iter().filter(|word| word.starts_with(&found));
-        begun.next().filter(|_| found.len() >= MIN_BEGINNING && begun.next().is_none()).copied()
+        let mut begun = known.iter().filter(|word| word.starts_with(&text));
+        begun.next().filter(|_| text.len() >= MIN_BEGINNING && begun.next().is_none()).copied()
     };
     nearest.map(|(_, word)| word).or_else(begun)
 }
@@ -45,11 +45,11 @@ const MIN_BEGINNING: usize = 4;
 /// assert_eq!(message, "unknown type `fly`; `ptp`, `lin` and `wait` are known");
 /// ```
 #[must_use]
-pub fn unknown(what: &str, found: &str, known: &[&str]) -> String {
-    let shown = excerpt(found);
-    match meant(found, known.iter().copied()) {
-        Some(word) => format!("unknown {what} `{shown}`; did you mean `{word}`?"),
-        None => format!("unknown {what} `{shown}`; {}", are_known(known)),
+pub fn unknown(kind: &str, text: &str, known: &[&str]) -> String {
+    let shown = excerpt(text);
+    match meant(text, known.iter().copied()) {
+        Some(word) => format!("unknown {kind} `{shown}`; did you mean `{word}`?"),
+        None => format!("unknown {kind} `{shown}`; {}", are_known(known)),
     }
 }
 

@@ -65,11 +65,11 @@ impl Place {
             Category::Syntax => {
                 // A word such as `tru` is only found to be wrong at the character after it.
                 let behind = if error.to_string().starts_with("expected ident") { 2 } else { 1 };
-                let at = read.saturating_sub(behind);
-                match token_at(part, at) {
+                let offset = read.saturating_sub(behind);
+                match token_at(part, offset) {
                     // Within a string, a single character is wrong.
                     Some(token) if !part[token.clone()].starts_with('"') => token,
-                    _ => at..read,
+                    _ => offset..read,
                 }
             }
             Category::Data => wrong_value(part, read),

@@ -11,31 +11,31 @@ pub fn problem(error: &serde_json::Error) -> String {
     if error.is_eof() {
         return "the text ends too early".to_owned();
     }
-    for (start, said) in [
+    for (start, replacement) in [
         ("invalid type: ", ""),
         ("invalid value: ", ""),
         ("invalid length ", ""),
         ("unknown field ", "unknown key "),
         ("unknown variant ", "unknown value "),
     ] {
-        let Some((found, expected)) =
+        let Some((actual, expected)) =
             message.strip_prefix(start).and_then(|rest| rest.rsplit_once(", expected "))
         else {
             continue;
         };
-        if said.is_empty() {
+        if replacement.is_empty() {
             let expected = match expected {
                 "f64" => "a number",
                 "u64" | "u8" => "a whole number, 0 or more",
                 "a sequence" => "a list",
                 other => other,
             };
-            return format!("expected {expected}, found {}", shown(found));
+            return format!("expected {expected}, found {}", shown(actual));
         }
-        let known = expected.split('`').skip(1).step_by(2);
-        return match meant(found.trim_matches('`'), known) {
-            Some(word) => format!("{said}{}; did you mean `{word}`?", shown(found)),
-            None => format!("{said}{}, expected {expected}", shown(found)),
+        let words = expected.split('`').skip(1).step_by(2);
+        return match meant(actual.trim_matches('`'), words) {
+            Some(word) => format!("{replacement}{}; did you mean `{word}`?", shown(actual)),
+            None => format!("{replacement}{}, expected {expected}", shown(actual)),
         };
     }
     let key = |start: &str| message.strip_prefix(start);
@@ -57,8 +57,8 @@ pub fn problem(error: &serde_json::Error) -> String {
 }
 
 /// A value as named by serde, in plainer words and shortened.
-fn shown(found: &str) -> String {
-    let plain = match found {
+fn shown(text: &str) -> String {
+    let plain = match text {
         "sequence" => "a list",
         "map" => "an object",
         other => other.strip_prefix("integer ").unwrap_or(other),

@@ -30,8 +30,8 @@ impl<R: BufRead> Records<R> {
             return Ok(None);
         };
         if fields.len() != header.len() {
-            let (found, expected) = (fields.len(), header.len());
-            return Err(format!("{found} fields, and {expected} columns"));
+            let (count, expected) = (fields.len(), header.len());
+            return Err(format!("{count} fields, and {expected} columns"));
         }
         let value = |(name, field): (&String, &str)| match field {
             // Empty fields are left out.
@@ -70,7 +70,7 @@ impl<R: BufRead> Iterator for Records<R> {
             match self.object(line) {
                 Ok(None) => {}
                 Ok(Some(object)) => return Some(Ok((self.number, Ok(object)))),
-                Err(what) => return Some(Ok((self.number, Err(what)))),
+                Err(error) => return Some(Ok((self.number, Err(error)))),
             }
         }
     }

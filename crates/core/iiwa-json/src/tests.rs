@@ -35,19 +35,19 @@ struct Point {
 }
 
 #[test]
-fn shows_keys_without_what_would_steer_a_terminal() {
-    let (.., what) = error::<Point>("{\"\\u001b[2J\\n\": 1}");
-    assert_eq!(what, "unknown key `\\u{1b}[2J\\n`, expected `x`");
+fn shows_keys_without_terminal_control_codes() {
+    let (.., message) = error::<Point>("{\"\\u001b[2J\\n\": 1}");
+    assert_eq!(message, "unknown key `\\u{1b}[2J\\n`, expected `x`");
     let long = format!("{{\"{}\": 1}}", "ü".repeat(100));
-    let (.., what) = error::<Point>(&long);
-    assert_eq!(what, format!("unknown key `{}..., expected `x`", "ü".repeat(59)));
+    let (.., message) = error::<Point>(&long);
+    assert_eq!(message, format!("unknown key `{}..., expected `x`", "ü".repeat(59)));
 }
 
 /// The place is the first letter of the wrong part, regardless of how far `serde_json` had read.
 #[test]
-fn places_the_first_letter_of_what_is_wrong() {
+fn the_place_is_the_first_letter_of_the_error() {
     type Points = Vec<Object<Point>>;
-    for (text, line, column, span, what) in [
+    for (text, line, column, span, message) in [
         ("{}", 1, 1, "{", "expected a list, found an object"),
         ("[\n  [1]]", 2, 3, "[", "expected an object, found a list"),
         ("[[1]]", 1, 2, "[", "expected an object, found a list"),
@@ -72,21 +72,21 @@ fn places_the_first_letter_of_what_is_wrong() {
         ("[{\"x\": [1, 2\n\n", 1, 13, "", "the text ends too early"),
         ("", 1, 1, "", "the text ends too early"),
     ] {
-        let found = error::<Points>(text);
-        assert_eq!(found, (line, column, span, what.to_owned()), "{text}");
+        let actual = error::<Points>(text);
+        assert_eq!(actual, (line, column, span, message.to_owned()), "{text}");
     }
 }
 
 #[test]
 fn a_message_repeats_no_novel() {
     let text = format!("[{{\"{}\": 1}}]", "ü".repeat(10_000));
-    let (_, column, span, what) = error::<Vec<Object<Point>>>(&text);
+    let (_, column, span, message) = error::<Vec<Object<Point>>>(&text);
     assert_eq!((column, span.chars().count()), (3, 10_002));
-    assert!(what.chars().count() < 100, "{what}");
+    assert!(message.chars().count() < 100, "{message}");
 }
 
 #[test]
-fn tells_the_element_of_a_list() {
+fn names_the_element_of_a_list() {
     let text = "{ \"a\": [[1, 2], 3], \"m\": [{ \"x\": [1, 2] }, [\"],\", 7], 8";
     let at = |word: &str| element_at(text, "m", text.find(word).unwrap());
     assert_eq!(at("1, 2], 3"), None);

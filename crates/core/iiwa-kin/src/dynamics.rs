@@ -148,7 +148,8 @@ impl Dynamics {
     /// // At s' = 2 and s'' = 5.
     /// let velocity = dq.map(|v| 2.0 * v);
     /// let acceleration = std::array::from_fn(|j| 5.0 * dq[j] + 4.0 * ddq[j]);
-    /// let (found, expected) = (parts.at(2.0, 5.0), dynamics.torques(&q, &velocity, &acceleration));
+    /// let (found, expected) =
+    ///     (parts.at(2.0, 5.0), dynamics.torques(&q, &velocity, &acceleration));
     /// assert!((0..7).all(|j| (found[j] - expected[j]).abs() < 1e-12));
     /// ```
     #[must_use]

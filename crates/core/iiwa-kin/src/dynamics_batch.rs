@@ -117,14 +117,14 @@ impl Block {
 
     /// Computes the inverse dynamics of the block, lane by lane; with gravity if `RISES`.
     #[inline(always)]
-    fn torques<const RISES: bool>(&self, arm: &Linkage, out: &mut JointLanes) {
+    fn torques<const RISES: bool>(&self, arm: &Linkage, lanes: &mut JointLanes) {
         for l in 0..LANES {
-            let lane = |of: &JointLanes| -> Joints { from_fn(|j| of[j][l]) };
+            let lane = |values: &JointLanes| -> Joints { from_fn(|j| values[j][l]) };
             let (s, c) = (lane(&self.sin), lane(&self.cos));
             let torques =
                 inverse_dynamics::<RISES>(arm, [&s, &c], &lane(&self.first), &lane(&self.second));
             for j in 0..7 {
-                out[j][l] = torques[j];
+                lanes[j][l] = torques[j];
             }
         }
     }
@@ -191,7 +191,7 @@ impl pulp::NullaryFnOnce for Parts<'_> {
             }
             block.torques::<false>(arm, &mut speed);
             for l in 0..LANES {
-                let lane = |of: &JointLanes| -> Joints { from_fn(|j| of[j][l]) };
+                let lane = |values: &JointLanes| -> Joints { from_fn(|j| values[j][l]) };
                 let torques = holding(arm, [&lane(&block.sin), &lane(&block.cos)]);
                 for j in 0..7 {
                     gravity[j][l] = torques[j];
@@ -200,7 +200,7 @@ impl pulp::NullaryFnOnce for Parts<'_> {
             block.second = std::mem::replace(&mut block.first, zeros);
             block.torques::<false>(arm, &mut acceleration);
             for (l, parts) in parts.iter_mut().enumerate() {
-                let lane = |of: &JointLanes| -> Joints { from_fn(|j| of[j][l]) };
+                let lane = |values: &JointLanes| -> Joints { from_fn(|j| values[j][l]) };
                 *parts = PathTorques {
                     acceleration: lane(&acceleration),
                     speed: lane(&speed),

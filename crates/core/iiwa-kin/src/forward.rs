@@ -164,7 +164,8 @@ impl Robot {
     /// let robot = iiwa_kin::Robot::lbr_iiwa_7_r800();
     /// // Stretched sideways: joint 1 at 1 rad/s moves the flange at its distance from the axis.
     /// let q = [0.0, std::f64::consts::FRAC_PI_2, 0.0, 0.0, 0.0, 0.0, 0.0];
-    /// let (position_m, velocity_m_s) = robot.flange_motion(&q, &[1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]);
+    /// let (position_m, velocity_m_s) =
+    ///     robot.flange_motion(&q, &[1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]);
     /// assert!((velocity_m_s[1] - position_m[0]).abs() < 1e-12);
     /// ```
     #[must_use]

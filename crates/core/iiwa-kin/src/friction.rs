@@ -19,7 +19,11 @@ impl Friction {
     ///
     /// let friction = Friction { viscous_nm_s_rad: [0.2; 7], coulomb_nm: [0.1; 7] };
     /// let torques = friction.torques_nm(&[1.0, -1.0, 0.0, 0.0, 0.0, 0.0, 0.0]);
-    /// assert!((torques[0] - 0.3).abs() < 1e-15 && (torques[1] + 0.3).abs() < 1e-15 && torques[2] == 0.0);
+    /// assert!(
+    ///     (torques[0] - 0.3).abs() < 1e-15
+    ///         && (torques[1] + 0.3).abs() < 1e-15
+    ///         && torques[2] == 0.0
+    /// );
     /// ```
     #[must_use]
     pub fn torques_nm(&self, velocity_rad_s: &Joints) -> Joints {

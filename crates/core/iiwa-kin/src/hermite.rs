@@ -85,8 +85,8 @@ mod tests {
         let c = [0.5, -1.0, 2.0, 3.0, -4.0, 1.5];
         let bend = |x: f64| 4.0 + 18.0 * x - 48.0 * x * x + 30.0 * x * x * x;
         let at = |x: f64| [value(&c, x), slope(&c, x), bend(x)];
-        for (found, expected) in quintic(at(0.0), at(1.0)).iter().zip(c) {
-            assert!((found - expected).abs() < 1e-12);
+        for (actual, expected) in quintic(at(0.0), at(1.0)).iter().zip(c) {
+            assert!((actual - expected).abs() < 1e-12);
         }
     }
 }

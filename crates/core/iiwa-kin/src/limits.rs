@@ -58,7 +58,8 @@ impl Limits {
     /// use iiwa_kin::{Joint, Robot};
     ///
     /// let degrees = [0.0, 0.0, 0.0, -130.0, 0.0, 0.0, 0.0];
-    /// let outside = Robot::lbr_iiwa_7_r800().limits().check(&degrees.map(f64::to_radians)).unwrap_err();
+    /// let outside =
+    ///     Robot::lbr_iiwa_7_r800().limits().check(&degrees.map(f64::to_radians)).unwrap_err();
     /// assert_eq!(outside.joint, Joint::A4);
     /// assert_eq!(outside.to_string(), "joint A4 is at -130 deg; its range is -120 to 120 deg");
     /// ```

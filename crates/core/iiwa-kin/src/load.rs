@@ -57,7 +57,12 @@ impl Load {
     /// use iiwa_kin::Load;
     ///
     /// let quarter_turn = [std::f64::consts::FRAC_PI_2, 0.0, 0.0];
-    /// let load = Load { mass_kg: 2.0, inertia_kg_m2: [0.1, 0.2, 0.3], abc_rad: quarter_turn, ..Load::default() };
+    /// let load = Load {
+    ///     mass_kg: 2.0,
+    ///     inertia_kg_m2: [0.1, 0.2, 0.3],
+    ///     abc_rad: quarter_turn,
+    ///     ..Load::default()
+    /// };
     /// let [xx, _, _, yy, _, zz] = load.body().inertia_kg_m2;
     /// assert!((xx - 0.2).abs() < 1e-15 && (yy - 0.1).abs() < 1e-15 && (zz - 0.3).abs() < 1e-15);
     /// ```

@@ -15,9 +15,9 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Deserializer, Serialize};
 
 use self::bounds::{
-    ACCELERATIONS, BLOCKING_PAUSE, JERKS, KAPPA, KAPPA_RANGE, LEAST_RANGE_DEG, MASSES, MAX_BYTES,
-    MAX_NAME, MAX_NUMBER, MAX_POSITION_DEG, POSITIONS, RANGES, SETTLE, SETTLE_RANGE_S, T1_SPEED,
-    T1_SPEED_RANGE_MM_S, TCP_KAPPA, TORQUES, VELOCITIES, VERSION,
+    ACCELERATIONS, BLOCKING_PAUSE, JERKS, KAPPA, KAPPA_RANGE, MASSES, MAX_BYTES, MAX_NAME,
+    MAX_NUMBER, MAX_POSITION_DEG, MIN_RANGE_DEG, POSITIONS, RANGES, SETTLE, SETTLE_RANGE_S,
+    T1_SPEED, T1_SPEED_RANGE_MM_S, TCP_KAPPA, TORQUES, VELOCITIES, VERSION,
 };
 pub use self::error::ProfileError;
 use self::{
@@ -119,7 +119,10 @@ struct Wire {
     blocking_pause_s: Option<f64>,
     /// Speed limit of TCP and flange in operating mode T1, in mm/s.
     #[serde(default, deserialize_with = "given", skip_serializing_if = "Option::is_none")]
-    #[schemars(with = "f64", extend("minimum" = T1_SPEED_RANGE_MM_S[0], "maximum" = T1_SPEED_RANGE_MM_S[1]))]
+    #[schemars(
+        with = "f64",
+        extend("minimum" = T1_SPEED_RANGE_MM_S[0], "maximum" = T1_SPEED_RANGE_MM_S[1])
+    )]
     t1_speed_mm_s: Option<f64>,
     /// Ramps at the start and end of PTP motions, and speed along splines, for the timing
     /// `sunrise`.
@@ -197,16 +200,16 @@ impl Robot {
     /// place in the text.
     pub fn from_profile(text: &str) -> Result<Self, ProfileError> {
         if text.len() > MAX_BYTES {
-            let at = Place::of_span(text, 0..0);
-            return Err(ProfileError::TooLong { at, found: text.len() });
+            let place = Place::of_span(text, 0..0);
+            return Err(ProfileError::TooLong { place, found: text.len() });
         }
         let wire =
             read_version(text, VERSION, |wire: &Wire| wire.version).map_err(
                 |error| match error {
-                    Unread::Version { found, place: at } => ProfileError::Version { at, found },
+                    Unread::Version { found, place } => ProfileError::Version { place, found },
                     Unread::Json(error) => {
-                        let at = Place::of_error(text, text, &error);
-                        ProfileError::Json { at, problem: problem(&error) }
+                        let place = Place::of_error(text, text, &error);
+                        ProfileError::Json { place, problem: problem(&error) }
                     }
                 },
             )?;
@@ -269,7 +272,7 @@ impl Wire {
         let mut robot = match &self.base {
             None => Robot::default(),
             Some(name) => Robot::built_in(name).ok_or_else(|| ProfileError::UnknownBase {
-                at: locate(text, &[Key("base")]),
+                place: locate(text, &[Key("base")]),
                 found: name.clone(),
             })?,
         };
@@ -277,17 +280,18 @@ impl Wire {
             // Names are also written to XML, which cannot represent control characters.
             let printable = |c: char| !c.is_control() && !matches!(c, '\u{fffe}' | '\u{ffff}');
             if name.is_empty() || name.chars().count() > MAX_NAME || !name.chars().all(printable) {
-                let at = locate(text, &[Key("name")]);
-                return Err(ProfileError::Name { at, found: name.clone() });
+                let place = locate(text, &[Key("name")]);
+                return Err(ProfileError::Name { place, found: name.clone() });
             }
             robot.name.clone_from(name);
         }
         if let Some(lengths) = &self.lengths_mm {
-            for ((key, found), length) in lengths.entries().into_iter().zip(robot.lengths.all()) {
-                if let Some(mm) = found {
+            for ((key, length_mm), length) in lengths.entries().into_iter().zip(robot.lengths.all())
+            {
+                if let Some(mm) = length_mm {
                     let path = [Key("lengths_mm"), Key(key)];
-                    let what = || format!("lengths_mm: {key}");
-                    *length = checked(text, &path, mm, MAX_LENGTH_M * 1e3, what, from_mm)?;
+                    let quantity = || format!("lengths_mm: {key}");
+                    *length = checked(text, &path, mm, MAX_LENGTH_M * 1e3, quantity, from_mm)?;
                 }
             }
         }
@@ -322,19 +326,19 @@ impl Wire {
         if let Some(numbers) = &self.tcp_blend_kappa {
             robot = robot.with_tcp_blend_kappa(kappa(text, TCP_KAPPA, numbers)?);
         }
-        if let Some(found) = self.settle_time_s {
-            within(text, &[Key(SETTLE)], found, SETTLE_RANGE_S, || SETTLE.to_owned())?;
-            robot.settle_time_s = found;
+        if let Some(length_mm) = self.settle_time_s {
+            within(text, &[Key(SETTLE)], length_mm, SETTLE_RANGE_S, || SETTLE.to_owned())?;
+            robot.settle_time_s = length_mm;
         }
-        if let Some(found) = self.blocking_pause_s {
+        if let Some(length_mm) = self.blocking_pause_s {
             let name = || BLOCKING_PAUSE.to_owned();
-            within(text, &[Key(BLOCKING_PAUSE)], found, SETTLE_RANGE_S, name)?;
-            robot.blocking_pause_s = found;
+            within(text, &[Key(BLOCKING_PAUSE)], length_mm, SETTLE_RANGE_S, name)?;
+            robot.blocking_pause_s = length_mm;
         }
-        if let Some(found) = self.t1_speed_mm_s {
+        if let Some(length_mm) = self.t1_speed_mm_s {
             let name = || T1_SPEED.to_owned();
-            within(text, &[Key(T1_SPEED)], found, T1_SPEED_RANGE_MM_S, name)?;
-            robot.t1_speed_m_s = 1e-3 * found;
+            within(text, &[Key(T1_SPEED)], length_mm, T1_SPEED_RANGE_MM_S, name)?;
+            robot.t1_speed_m_s = 1e-3 * length_mm;
         }
         if let Some(ramps) = &self.ramps {
             let law = ramps.law(text, &robot.ramp_law)?;
@@ -362,8 +366,8 @@ impl Wire {
             masses.map_or(Ok(()), |masses| check_masses(text, &masses, &links))?;
             robot = robot.with_links(links);
         }
-        if let Some(found) = self.flange_mass_kg {
-            robot.flange_mass_kg = check_flange_mass(text, found)?;
+        if let Some(mass_kg) = self.flange_mass_kg {
+            robot.flange_mass_kg = check_flange_mass(text, mass_kg)?;
         }
         if let Some(friction) = &self.friction {
             robot.friction = friction.friction(text)?;
@@ -378,13 +382,13 @@ impl Wire {
         ranges: &[[f64; 2]],
         limits: &mut Limits,
     ) -> Result<(), ProfileError> {
-        let at = || locate(text, &[Key(RANGES)]);
+        let place = || locate(text, &[Key(RANGES)]);
         if self.position_limit_deg.is_some() {
-            return Err(ProfileError::Both { at: at(), keys: [POSITIONS, RANGES] });
+            return Err(ProfileError::Both { place: place(), keys: [POSITIONS, RANGES] });
         }
         if ranges.len() != 7 {
             return Err(ProfileError::Count {
-                at: at(),
+                place: place(),
                 key: RANGES,
                 found: ranges.len(),
                 expected: 7,
@@ -392,11 +396,11 @@ impl Wire {
         }
         for (joint, &[lower, upper]) in Joint::ALL.into_iter().zip(ranges) {
             let path = |side| [Key(RANGES), Index(joint.index()), Index(side)];
-            let what = |side| move || format!("{RANGES}: {side} limit of joint {joint}");
-            let greatest = MAX_POSITION_DEG - LEAST_RANGE_DEG;
-            within(text, &path(0), lower, [-MAX_POSITION_DEG, greatest], what("lower"))?;
-            let least = lower + LEAST_RANGE_DEG;
-            within(text, &path(1), upper, [least, MAX_POSITION_DEG], what("upper"))?;
+            let quantity = |side| move || format!("{RANGES}: {side} limit of joint {joint}");
+            let greatest = MAX_POSITION_DEG - MIN_RANGE_DEG;
+            within(text, &path(0), lower, [-MAX_POSITION_DEG, greatest], quantity("lower"))?;
+            let min_upper = lower + MIN_RANGE_DEG;
+            within(text, &path(1), upper, [min_upper, MAX_POSITION_DEG], quantity("upper"))?;
             limits.lower_rad[joint.index()] = lower.to_radians();
             limits.upper_rad[joint.index()] = upper.to_radians();
         }
@@ -405,9 +409,10 @@ impl Wire {
 
     /// Differences of `robot` from `base`, where `differ` reports them for two lists of numbers.
     fn of(robot: &Robot, base: &Robot, differ: fn(&[f64], &[f64]) -> bool) -> Self {
-        let deg = |values: &Joints, of_base: &Joints, what: &str| {
-            let known = base.assumes(what) && !robot.assumes(what);
-            (known || differ(values, of_base)).then(|| values.map(|v| unconvert(v, DEG)).to_vec())
+        let deg = |values: &Joints, of_base: &Joints, quantity: &str| {
+            let becomes_known = base.assumes(quantity) && !robot.assumes(quantity);
+            (becomes_known || differ(values, of_base))
+                .then(|| values.map(|v| unconvert(v, DEG)).to_vec())
         };
         let (limits, of_base) = (robot.limits(), base.limits());
         let is_symmetric = !units::differ(&limits.lower_rad.map(|lower| -lower), &limits.upper_rad);
@@ -488,7 +493,7 @@ impl Wire {
                 self.ramps.is_some(),
             ]
             .into_iter()
-            .filter(|&given| given)
+            .filter(|&is_given| is_given)
             .count()
     }
 }

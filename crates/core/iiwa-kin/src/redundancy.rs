@@ -20,7 +20,10 @@ impl Robot {
     /// ```
     /// let robot = iiwa_kin::Robot::lbr_iiwa_7_r800();
     /// let redundancy = robot.redundancy(&[0.0, 0.5, 0.2, -1.0, 0.0, 0.7, 0.0]);
-    /// assert_eq!((redundancy.e1_rad, redundancy.status.bits(), redundancy.turn.bits()), (0.2, 2, 8));
+    /// assert_eq!(
+    ///     (redundancy.e1_rad, redundancy.status.bits(), redundancy.turn.bits()),
+    ///     (0.2, 2, 8)
+    /// );
     /// ```
     #[must_use]
     pub fn redundancy(&self, joints_rad: &Joints) -> Redundancy {

@@ -24,7 +24,8 @@ impl RigidBody {
     /// ```
     /// use iiwa_kin::RigidBody;
     ///
-    /// let bar = RigidBody::point(1.0, [-0.5, 0.0, 0.0]).with(&RigidBody::point(1.0, [0.5, 0.0, 0.0]));
+    /// let bar =
+    ///     RigidBody::point(1.0, [-0.5, 0.0, 0.0]).with(&RigidBody::point(1.0, [0.5, 0.0, 0.0]));
     /// assert_eq!((bar.mass_kg, bar.center_m), (2.0, [0.0; 3]));
     /// assert_eq!(bar.inertia_kg_m2, [0.0, 0.0, 0.0, 0.5, 0.0, 0.5]);
     /// ```

@@ -31,7 +31,7 @@ pub struct Lengths {
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Assumption {
     /// Name of the assumed quantity: `acceleration`, `jerk`, `masses`, `ramps`.
-    pub what: String,
+    pub quantity: String,
     /// Basis of the assumption.
     pub basis: String,
 }
@@ -120,7 +120,7 @@ impl Robot {
             t1_speed_m_s: T1_SPEED_M_S,
             ramp_law: RampLaw::iiwa_7(&IIWA_7_TORQUE_NM),
             assumptions: vec![Assumption {
-                what: "masses".to_owned(),
+                quantity: "masses".to_owned(),
                 basis: MASSES_BASIS.to_owned(),
             }],
         }
@@ -163,16 +163,16 @@ impl Robot {
             ramp_law: small.ramp_law.scaled(&IIWA_7_TORQUE_NM, &torque_nm),
             assumptions: vec![
                 Assumption {
-                    what: "acceleration".to_owned(),
+                    quantity: "acceleration".to_owned(),
                     basis: "5/s times the speed limit, as measured on the LBR iiwa 7".to_owned(),
                 },
                 Assumption {
-                    what: "jerk".to_owned(),
+                    quantity: "jerk".to_owned(),
                     basis: "the LBR iiwa 7's ratio of jerk to acceleration".to_owned(),
                 },
-                Assumption { what: "masses".to_owned(), basis: MASSES_BASIS.to_owned() },
+                Assumption { quantity: "masses".to_owned(), basis: MASSES_BASIS.to_owned() },
                 Assumption {
-                    what: "ramps".to_owned(),
+                    quantity: "ramps".to_owned(),
                     basis: "the LBR iiwa 7's, as measured, by the ratio of the torque limits"
                         .to_owned(),
                 },
@@ -406,14 +406,14 @@ impl Robot {
     }
 
     /// Removes an assumption, once the quantity has a source.
-    pub(crate) fn drop_assumption(&mut self, what: &str) {
-        self.assumptions.retain(|assumption| assumption.what != what);
+    pub(crate) fn drop_assumption(&mut self, quantity: &str) {
+        self.assumptions.retain(|assumption| assumption.quantity != quantity);
     }
 
-    /// Returns true if the quantity `what` (for example `acceleration`) is an assumption.
+    /// Returns true if the quantity `quantity` (for example `acceleration`) is an assumption.
     #[must_use]
-    pub fn assumes(&self, what: &str) -> bool {
-        self.assumptions.iter().any(|a| a.what == what)
+    pub fn assumes(&self, quantity: &str) -> bool {
+        self.assumptions.iter().any(|a| a.quantity == quantity)
     }
 
     /// Denavit-Hartenberg table (Larsen 2019, Table 1).
@@ -518,11 +518,15 @@ mod tests {
         for (robot, velocity_deg_s, torque_nm) in cases {
             let limits = robot.limits();
             for j in 0..7 {
-                let found = limits.velocity_rad_s[j].to_degrees();
-                assert!((found - velocity_deg_s[j]).abs() < 1e-9, "{} {j}: {found}", robot.name());
+                let actual = limits.velocity_rad_s[j].to_degrees();
+                assert!(
+                    (actual - velocity_deg_s[j]).abs() < 1e-9,
+                    "{} {j}: {actual}",
+                    robot.name()
+                );
                 let range = [170.0, 120.0, 170.0, 120.0, 170.0, 120.0, 175.0][j];
-                let found = [limits.lower_rad[j], limits.upper_rad[j]].map(f64::to_degrees);
-                assert!((found[0] + range).abs() + (found[1] - range).abs() < 1e-9, "{found:?}");
+                let actual = [limits.lower_rad[j], limits.upper_rad[j]].map(f64::to_degrees);
+                assert!((actual[0] + range).abs() + (actual[1] - range).abs() < 1e-9, "{actual:?}");
             }
             assert_eq!(limits.torque_nm, torque_nm, "{}", robot.name());
         }

@@ -208,8 +208,8 @@ mod tests {
             });
             let back = log(&exp(&r));
             for i in 0..3 {
-                for (found, expected) in std::iter::zip(back[i].0, r[i].0) {
-                    prop_assert!((found - expected).abs() < 1e-11, "{found} {expected}");
+                for (actual, expected) in std::iter::zip(back[i].0, r[i].0) {
+                    prop_assert!((actual - expected).abs() < 1e-11, "{actual} {expected}");
                 }
             }
         }

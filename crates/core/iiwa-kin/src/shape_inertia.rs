@@ -42,8 +42,8 @@ pub(crate) fn body(shapes: &[Shape], mass_kg: f64) -> RigidBody {
     for shape in shapes {
         let arm = Vector3::from(shape.center_m) - center;
         let steiner = Matrix3::from_diagonal_element(arm.norm_squared()) - arm * arm.transpose();
-        let own = Matrix3::from_diagonal(&Vector3::from(shape.inertia_per_kg()));
-        inertia += (own + steiner) * (share(shape) * mass_kg);
+        let about_center = Matrix3::from_diagonal(&Vector3::from(shape.inertia_per_kg()));
+        inertia += (about_center + steiner) * (share(shape) * mass_kg);
     }
     let inertia_kg_m2 =
         [(0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2)].map(|place| inertia[place]);

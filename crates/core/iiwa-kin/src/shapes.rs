@@ -31,13 +31,13 @@ fn of_links([base, upper_arm, forearm, flange]: [f64; 4]) -> [Vec<Shape>; 8] {
     let (fore_cut, flange_cut) = (0.5 * forearm, 0.55 * flange);
     let limb = |radius, from, to| Shape::cylinder(Along::Z, radius, from, to, SILVER);
     let half_limb = |radius, to| Shape::cylinder(Along::Y, radius, 0.0, to, SILVER);
-    let ring = |radius, at: f64, width| {
-        Shape::cylinder(Along::Z, radius, at - width / 2.0, at + width / 2.0, ORANGE)
+    let ring = |radius, offset: f64, width| {
+        Shape::cylinder(Along::Z, radius, offset - width / 2.0, offset + width / 2.0, ORANGE)
     };
     let hub = |radius, half_width: f64| {
         Shape::cylinder(Along::Z, radius, -half_width, half_width, ORANGE)
     };
-    let ball = |radius, at| Shape::sphere(radius, at, SILVER);
+    let ball = |radius, offset| Shape::sphere(radius, offset, SILVER);
     [
         vec![
             Shape::cylinder(Along::Z, 0.115, 0.0, 0.2 * base, GRAPHITE),

@@ -32,14 +32,14 @@ pub enum SingularPart {
 impl Singularity {
     /// Smallest of the three distances, and the part that it belongs to.
     #[must_use]
-    pub fn least(&self) -> (f64, SingularPart) {
-        let mut least = (self.shoulder, SingularPart::Shoulder);
+    pub fn nearest(&self) -> (f64, SingularPart) {
+        let mut nearest = (self.shoulder, SingularPart::Shoulder);
         for other in [(self.elbow, SingularPart::Elbow), (self.wrist, SingularPart::Wrist)] {
-            if other.0 < least.0 {
-                least = other;
+            if other.0 < nearest.0 {
+                nearest = other;
             }
         }
-        least
+        nearest
     }
 }
 
@@ -60,8 +60,8 @@ impl Robot {
     /// use iiwa_kin::{Robot, SingularPart};
     ///
     /// let near = Robot::lbr_iiwa_7_r800().singularity(&[0.0, 0.5, 0.0, -1.0, 0.0, 0.02, 0.0]);
-    /// let (least, part) = near.least();
-    /// assert!((least - 0.02).abs() < 1e-5);
+    /// let (distance, part) = near.nearest();
+    /// assert!((distance - 0.02).abs() < 1e-5);
     /// assert_eq!(part, SingularPart::Wrist);
     /// ```
     #[must_use]

@@ -30,8 +30,8 @@ impl Taylor {
     /// The parameter itself, at this value.
     #[must_use]
     #[inline]
-    pub const fn variable(at: f64) -> Self {
-        Self([at, 1.0, 0.0, 0.0])
+    pub const fn variable(value: f64) -> Self {
+        Self([value, 1.0, 0.0, 0.0])
     }
 
     /// The value and the first, second and third derivatives.

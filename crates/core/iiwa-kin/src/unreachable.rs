@@ -20,7 +20,8 @@ pub enum Unreachable {
     },
     /// A point is reachable, but not with this position of joint A3.
     #[error(
-        "out of reach with E1 at {:.3} deg: it is {by_mm:.3} mm too near to the axis of A1", .e1_rad.to_degrees()
+        "out of reach with E1 at {:.3} deg: it is {by_mm:.3} mm too near to the axis of A1",
+        .e1_rad.to_degrees()
     )]
     NearAxis {
         /// Requested E1, in rad.

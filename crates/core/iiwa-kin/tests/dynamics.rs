@@ -68,8 +68,8 @@ fn agrees_with_pinocchio() {
             (dynamics.kinetic_energy_j(&q, &qd), "kinetic_energy_j"),
             (dynamics.potential_energy_j(&q), "potential_energy_j"),
         ];
-        for (found, key) in energies {
-            worst = worst.max((found - case[key].as_f64().unwrap()).abs());
+        for (actual, key) in energies {
+            worst = worst.max((actual - case[key].as_f64().unwrap()).abs());
         }
         let matrix = dynamics.mass_matrix(&q);
         let diagonal = std::array::from_fn(|j| matrix[j][j]);
@@ -87,14 +87,14 @@ fn built_in_links_are_those_of_lbr_description() {
         if case["inertials"].as_str().unwrap().starts_with("lbr_description") {
             let robot = Robot::built_in(case["robot"].as_str().unwrap()).unwrap();
             let robot = robot.with_flange_m(case["flange_m"].as_f64().unwrap()).unwrap();
-            let own = robot.dynamics().with_gravity_m_s2(read(&case["gravity_m_s2"]));
+            let dynamics = robot.dynamics().with_gravity_m_s2(read(&case["gravity_m_s2"]));
             let q = read(&case["q_rad"]);
             let without_load = arm(&{
                 let mut case = case.clone();
                 case["load"] = Value::Null;
                 case
             });
-            assert_eq!(own.gravity_torques(&q), without_load.gravity_torques(&q));
+            assert_eq!(dynamics.gravity_torques(&q), without_load.gravity_torques(&q));
             compared += 1;
         }
     }
@@ -106,7 +106,7 @@ fn built_in_links_are_those_of_lbr_description() {
 
 /// Holding torques of A2 and A4, in Nm, of a table of poses and published models.
 #[test]
-fn holds_what_it_weighs() {
+fn torques_at_rest_hold_the_weight() {
     let at = |name: &str, degrees: Joints| {
         Robot::built_in(name).unwrap().dynamics().gravity_torques(&degrees.map(f64::to_radians))
     };
@@ -124,8 +124,8 @@ fn holds_what_it_weighs() {
     }
 }
 
-fn joints(most: f64) -> impl Strategy<Value = Joints> {
-    prop::array::uniform7(-most..most)
+fn joints(limit: f64) -> impl Strategy<Value = Joints> {
+    prop::array::uniform7(-limit..limit)
 }
 
 prop_compose! {
@@ -148,7 +148,8 @@ prop_compose! {
         flange_mass_kg in prop_oneof![Just(0.0), 0.1..2.0_f64],
     ) -> Dynamics {
         let robot = Robot::built_in(Robot::BUILT_IN[usize::from(big)]).unwrap();
-        let dynamics = robot.with_flange_mass_kg(flange_mass_kg).dynamics().with_mount(&Mount { rpy_rad });
+        let dynamics =
+            robot.with_flange_mass_kg(flange_mass_kg).dynamics().with_mount(&Mount { rpy_rad });
         load.map_or(dynamics, |load| dynamics.with_load(&load))
     }
 }
@@ -190,7 +191,10 @@ proptest! {
     }
 
     #[test]
-    fn gravity_torques_are_the_slope_of_the_potential_energy(dynamics in any_arm(), q in joints(3.0)) {
+    fn gravity_torques_are_the_slope_of_the_potential_energy(
+        dynamics in any_arm(),
+        q in joints(3.0),
+    ) {
         let torques = dynamics.gravity_torques(&q);
         for j in 0..7 {
             let [mut more, mut less] = [q, q];
@@ -266,7 +270,11 @@ proptest! {
 
     #[test]
     fn a_load_is_a_heavier_last_link(
-        load in any_load(), flange_m in 0.05..0.3_f64, q in joints(3.0), qd in joints(2.0), qdd in joints(9.0),
+        load in any_load(),
+        flange_m in 0.05..0.3_f64,
+        q in joints(3.0),
+        qd in joints(2.0),
+        qdd in joints(9.0),
     ) {
         let robot = Robot::lbr_iiwa_14_r820().with_flange_m(flange_m).unwrap();
         let mut links = robot.links();
@@ -277,9 +285,15 @@ proptest! {
         let loaded = robot.dynamics().with_load(&load);
         let [a, b] = [heavier, loaded].map(|arm| arm.torques(&q, &qd, &qdd));
         prop_assert!(largest_difference(&a, &b) < 1e-11);
-        prop_assert!((heavier.kinetic_energy_j(&q, &qd) - loaded.kinetic_energy_j(&q, &qd)).abs() < 1e-11);
+        prop_assert!(
+            (heavier.kinetic_energy_j(&q, &qd) - loaded.kinetic_energy_j(&q, &qd)).abs() < 1e-11
+        );
         // Split payloads give the same torques as the whole payload.
-        let half = Load { mass_kg: 0.5 * load.mass_kg, inertia_kg_m2: load.inertia_kg_m2.map(|i| 0.5 * i), ..load };
+        let half = Load {
+            mass_kg: 0.5 * load.mass_kg,
+            inertia_kg_m2: load.inertia_kg_m2.map(|i| 0.5 * i),
+            ..load
+        };
         let twice = robot.dynamics().with_load(&half).with_load(&half);
         prop_assert!(largest_difference(&twice.torques(&q, &qd, &qdd), &b) < 1e-11);
     }
@@ -290,9 +304,9 @@ proptest! {
 fn a_flange_may_have_a_mass() {
     let robot = Robot::default();
     let aside = [0.0, std::f64::consts::FRAC_PI_2, 0.0, 0.0, 0.0, 0.0, 0.0];
-    let held = |robot: &Robot| robot.dynamics().gravity_torques(&aside)[1];
+    let torque = |robot: &Robot| robot.dynamics().gravity_torques(&aside)[1];
     let heavier = robot.clone().with_flange_mass_kg(0.5);
-    let more = held(&heavier) - held(&robot);
+    let more = torque(&heavier) - torque(&robot);
     assert!((more + 0.5 * 9.81 * (0.8 + 0.152 - 0.013)).abs() < 1e-9, "{more}");
     assert_eq!(heavier.link_mass_kg(), robot.link_mass_kg());
 }
@@ -309,7 +323,7 @@ fn friction_is_apart() {
 }
 
 #[test]
-fn bodies_are_told_from_numbers() {
+fn impossible_inertias_are_refused() {
     let body = |inertia_kg_m2| RigidBody { mass_kg: 1.0, center_m: [0.0; 3], inertia_kg_m2 };
     assert!(RigidBody::point(1.0, [0.1; 3]).is_possible());
     assert!(body([1.0, 0.0, 0.0, 1.0, 0.0, 1.0]).is_possible());

@@ -79,7 +79,7 @@ fn swing(
 /// True if the joint positions are far enough from singularities that rounding and
 /// finite-difference steps do not matter.
 fn regular(robot: &Robot, joints: &Joints) -> bool {
-    robot.singularity(joints).least().0 > 0.2
+    robot.singularity(joints).nearest().0 > 0.2
 }
 
 proptest! {
@@ -89,13 +89,19 @@ proptest! {
     fn joints_come_back(robot in any_robot(), joints in any_joints()) {
         let flange = robot.flange_pose(&joints);
         let redundancy = robot.redundancy(&joints);
-        let found = robot.inverse(&flange, redundancy.e1_rad, redundancy.status)?;
-        prop_assert!(apart(&robot.flange_pose(&found), &flange) < 1e-9);
-        if robot.singularity(&joints).least().0 > 1e-3 {
+        let actual = robot.inverse(&flange, redundancy.e1_rad, redundancy.status)?;
+        prop_assert!(apart(&robot.flange_pose(&actual), &flange) < 1e-9);
+        if robot.singularity(&joints).nearest().0 > 1e-3 {
             for j in 0..7 {
-                prop_assert!((found[j] - joints[j]).abs() < 1e-9, "{j}: {found:?} for {joints:?}");
+                prop_assert!(
+                    (actual[j] - joints[j]).abs() < 1e-9,
+                    "{j}: {actual:?} for {joints:?}"
+                );
             }
-            prop_assert_eq!(robot.redundancy(&found), Redundancy { e1_rad: found[2], ..redundancy });
+            prop_assert_eq!(
+                robot.redundancy(&actual),
+                Redundancy { e1_rad: actual[2], ..redundancy }
+            );
         }
     }
 }
@@ -107,37 +113,43 @@ proptest! {
     fn every_status_reaches_the_pose(robot in any_robot(), joints in any_joints()) {
         let flange = robot.flange_pose(&joints);
         for status in Status::all() {
-            let found = robot.inverse(&flange, joints[2], status)?;
-            prop_assert!(apart(&robot.flange_pose(&found), &flange) < 1e-9);
-            prop_assert_eq!(found[2], joints[2]);
-            if robot.singularity(&joints).least().0 > 1e-6 {
-                prop_assert_eq!(Status::of(&robot, &found), status);
+            let actual = robot.inverse(&flange, joints[2], status)?;
+            prop_assert!(apart(&robot.flange_pose(&actual), &flange) < 1e-9);
+            prop_assert_eq!(actual[2], joints[2]);
+            if robot.singularity(&joints).nearest().0 > 1e-6 {
+                prop_assert_eq!(Status::of(&robot, &actual), status);
             }
         }
     }
 
     #[test]
-    fn within_limits_where_ranges_say_so(robot in any_robot(), joints in any_joints(), e1 in -PI..PI) {
+    fn e1_ranges_are_where_joints_are_within_limits(
+        robot in any_robot(),
+        joints in any_joints(),
+        e1 in -PI..PI,
+    ) {
         let flange = robot.flange_pose(&joints);
         let status = Status::of(&robot, &joints);
-        let inside = |ranges: &[[f64; 2]], e1: f64| ranges.iter().any(|[a, b]| *a <= e1 && e1 <= *b);
-        let far = |ranges: &[[f64; 2]]| ranges.as_flattened().iter().all(|end| (end - e1).abs() > 1e-7);
+        let inside =
+            |ranges: &[[f64; 2]], e1: f64| ranges.iter().any(|[a, b]| *a <= e1 && e1 <= *b);
+        let far =
+            |ranges: &[[f64; 2]]| ranges.as_flattened().iter().all(|end| (end - e1).abs() > 1e-7);
 
         let reachable = robot.reachable_e1(&flange)?;
-        let found = robot.inverse(&flange, e1, status);
+        let actual = robot.inverse(&flange, e1, status);
         if far(&reachable) {
-            prop_assert_eq!(found.is_ok(), inside(&reachable, e1), "{:?} {}", reachable, e1);
+            prop_assert_eq!(actual.is_ok(), inside(&reachable, e1), "{:?} {}", reachable, e1);
         }
         let allowed = robot.allowed_e1(&flange, status)?;
         prop_assert!(allowed.windows(2).all(|pair| pair[0][1] < pair[1][0]), "{:?}", allowed);
         prop_assert!(allowed.iter().all(|[from, to]| from <= to), "{:?}", allowed);
         for end in allowed.as_flattened() {
-            let there = robot.inverse(&flange, *end, status)?;
-            prop_assert!(robot.limits().check(&there).is_ok(), "{} of {:?}", end, allowed);
+            let at_end = robot.inverse(&flange, *end, status)?;
+            prop_assert!(robot.limits().check(&at_end).is_ok(), "{} of {:?}", end, allowed);
         }
         let fits_at = |e1: f64| {
-            let found = robot.inverse(&flange, e1, status);
-            found.is_ok_and(|found| robot.limits().check(&found).is_ok())
+            let actual = robot.inverse(&flange, e1, status);
+            actual.is_ok_and(|actual| robot.limits().check(&actual).is_ok())
         };
         // A joint that barely touches or leaves its limit may do so between the sampled values.
         let narrow = |e1: f64| {
@@ -172,17 +184,18 @@ proptest! {
         let at = |s: f64| {
             let s = Taylor::variable(s);
             let flange = swing(&start, &velocity, &bend, &axis, s);
-            let found = robot.inverse_moving(&flange, s * s * 0.1 + s * e1_rate + joints[2], status);
-            found.map(|found| (flange, found))
+            let actual =
+                robot.inverse_moving(&flange, s * s * 0.1 + s * e1_rate + joints[2], status);
+            actual.map(|actual| (flange, actual))
         };
-        let (flange, found) = at(0.0)?;
+        let (flange, actual) = at(0.0)?;
         let plain = robot.inverse(&flange.pose(), joints[2], status)?;
         for j in 0..7 {
-            prop_assert!((found[j].0[0] - plain[j]).abs() < 1e-15);
+            prop_assert!((actual[j].0[0] - plain[j]).abs() < 1e-15);
         }
 
         // The twist.
-        let rate = SVector::<f64, 7>::from_fn(|j, _| found[j].derivatives()[1]);
+        let rate = SVector::<f64, 7>::from_fn(|j, _| actual[j].derivatives()[1]);
         let twist = robot.jacobian(&joints) * rate;
         prop_assert!((twist.fixed_rows::<3>(0) - Vector3::from(velocity)).norm() < 1e-10);
         prop_assert!((twist.fixed_rows::<3>(3) - Vector3::from(axis) * 0.7).norm() < 1e-10);
@@ -193,14 +206,17 @@ proptest! {
         let near = [at(-2.0 * h)?.1, at(-h)?.1, at(h)?.1, at(2.0 * h)?.1];
         for j in 0..7 {
             let around = near.map(|joints| joints[j].derivatives());
-            let here = found[j].derivatives();
+            let derivatives = actual[j].derivatives();
             for order in 0..3 {
                 let [a, b, c, d] = around.map(|derivatives| derivatives[order]);
                 let slope = ((a - d) + 8.0 * (c - b)) / (12.0 * h);
-                let error = (slope - here[order + 1]).abs();
+                let error = (slope - derivatives[order + 1]).abs();
                 prop_assert!(
-                    error < 1e-6 * (1.0 + here[order + 1].abs()),
-                    "A{}: derivative {} is {}, and {slope} by differences", j + 1, order + 1, here[order + 1]
+                    error < 1e-6 * (1.0 + derivatives[order + 1].abs()),
+                    "A{}: derivative {} is {}, and {slope} by differences",
+                    j + 1,
+                    order + 1,
+                    derivatives[order + 1]
                 );
             }
         }
@@ -228,7 +244,9 @@ proptest! {
         let turned = moved.carried_by(&pose).pose();
         prop_assert!(apart(&turned, &pose.then(&pose).then(&other)) < 1e-14);
         let product = pose.to_isometry() * other.to_isometry();
-        prop_assert!((product.translation.vector - Vector3::from(moved.pose().position_m)).norm() < 1e-7);
+        prop_assert!(
+            (product.translation.vector - Vector3::from(moved.pose().position_m)).norm() < 1e-7
+        );
     }
 }
 
@@ -248,9 +266,9 @@ fn singular_poses_are_reached() {
             let joints = degrees.map(f64::to_radians);
             let flange = robot.flange_pose(&joints);
             for status in Status::all() {
-                let found = robot.inverse(&flange, joints[2], status).unwrap();
-                assert!(found.iter().all(|q| q.is_finite()), "{degrees:?}: {found:?}");
-                let off = apart(&robot.flange_pose(&found), &flange);
+                let actual = robot.inverse(&flange, joints[2], status).unwrap();
+                assert!(actual.iter().all(|q| q.is_finite()), "{degrees:?}: {actual:?}");
+                let off = apart(&robot.flange_pose(&actual), &flange);
                 assert!(off < 2e-9, "{degrees:?} with {status}: off by {off:e}");
             }
         }
@@ -258,7 +276,7 @@ fn singular_poses_are_reached() {
 }
 
 #[test]
-fn says_by_how_much_a_pose_is_out_of_reach() {
+fn reports_the_distance_out_of_reach() {
     let robot = Robot::lbr_iiwa_7_r800();
     let status = Status::new(0).unwrap();
     let upright = |x, z| Pose { position_m: [x, 0.0, z], ..Pose::IDENTITY };
@@ -286,14 +304,14 @@ fn says_by_how_much_a_pose_is_out_of_reach() {
 #[test]
 fn status_and_turn_are_signs() {
     let robot = Robot::lbr_iiwa_7_r800();
-    let of = |degrees: Joints| robot.redundancy(&degrees.map(f64::to_radians));
-    assert_eq!(of([0.0; 7]).status.bits(), 0);
-    assert_eq!(of([0.0; 7]).turn.bits(), 0);
-    let overhead = of([0.0, -60.0, 0.0, 0.0, 0.0, 0.0, 0.0]);
+    let redundancy_of = |degrees: Joints| robot.redundancy(&degrees.map(f64::to_radians));
+    assert_eq!(redundancy_of([0.0; 7]).status.bits(), 0);
+    assert_eq!(redundancy_of([0.0; 7]).turn.bits(), 0);
+    let overhead = redundancy_of([0.0, -60.0, 0.0, 0.0, 0.0, 0.0, 0.0]);
     assert_eq!((overhead.status.bits(), overhead.turn.bits()), (1, 2));
     // The upper arm leans back, but the wrist is still ahead.
-    assert_eq!(of([0.0, -10.0, 0.0, -90.0, 0.0, 0.0, 0.0]).status.bits(), 2);
-    let all = of([-1.0, -1.0, -1.0, 1.0, -1.0, -1.0, -1.0]);
+    assert_eq!(redundancy_of([0.0, -10.0, 0.0, -90.0, 0.0, 0.0, 0.0]).status.bits(), 2);
+    let all = redundancy_of([-1.0, -1.0, -1.0, 1.0, -1.0, -1.0, -1.0]);
     assert_eq!((all.status.bits(), all.turn.bits()), (5, 0b111_0111));
     assert_eq!((Status::new(8), Turn::new(128)), (None, None));
 }
@@ -316,7 +334,7 @@ fn singularity_is_the_determinant() {
         }
     }
     let stretched = Robot::default().singularity(&[0.0, 0.5, 0.0, 0.01, 0.0, 0.5, 0.0]);
-    assert_eq!(stretched.least().1, SingularPart::Elbow);
+    assert_eq!(stretched.nearest().1, SingularPart::Elbow);
 }
 
 proptest! {
@@ -332,14 +350,15 @@ proptest! {
             flange.position_m[i] + (0..3).map(|k| flange.rotation[i][k] * point[k]).sum::<f64>()
         });
         let wrist = [joints[4], joints[5], joints[6]];
-        let found = FlangePoint::new(&robot, point, &joints).joints_at(&robot, &place, joints[2], wrist)?;
-        let again = robot.flange_pose(&found);
+        let actual =
+            FlangePoint::new(&robot, point, &joints).joints_at(&robot, &place, joints[2], wrist)?;
+        let again = robot.flange_pose(&actual);
         for (i, place) in place.iter().enumerate() {
             let turned = (0..3).map(|k| again.rotation[i][k] * point[k]).sum::<f64>();
             let off = again.position_m[i] + turned - place;
-            prop_assert!(off.abs() < 1e-7, "{off:e}: {found:?} for {joints:?}");
+            prop_assert!(off.abs() < 1e-7, "{off:e}: {actual:?} for {joints:?}");
         }
-        let [a4, others] = [found[3] - joints[3], found[0] - joints[0]].map(f64::abs);
-        prop_assert!(a4 < 1e-3 && others < 1e-3, "{found:?} for {joints:?}");
+        let [a4, others] = [actual[3] - joints[3], actual[0] - joints[0]].map(f64::abs);
+        prop_assert!(a4 < 1e-3 && others < 1e-3, "{actual:?} for {joints:?}");
     }
 }

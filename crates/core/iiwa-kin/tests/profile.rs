@@ -63,7 +63,7 @@ fn every_part_can_be_overridden() {
 
 /// kappa of TCP blends equals kappa of joint blends unless given.
 #[test]
-fn blends_of_the_tcp_may_have_a_kappa_of_their_own() {
+fn tcp_blends_may_have_a_separate_kappa() {
     let read = |keys: &str| {
         let text = format!("{{ \"version\": 1, \"blend_kappa\": [-3, 0.01, 0.0002]{keys} }}");
         Robot::from_profile(&text).unwrap()
@@ -73,11 +73,11 @@ fn blends_of_the_tcp_may_have_a_kappa_of_their_own() {
     let same = read(", \"tcp_blend_kappa\": [-3, 0.01, 0.0002]");
     assert_eq!(same, plain);
     assert!(!same.to_profile().contains("tcp_blend_kappa"));
-    let own = read(", \"tcp_blend_kappa\": [-1, 0, 0]");
-    assert_eq!((own.kappa(0.0), own.tcp_kappa(0.0)), (-3.0, -1.0));
-    assert!(own.to_profile().contains("tcp_blend_kappa"));
+    let changed = read(", \"tcp_blend_kappa\": [-1, 0, 0]");
+    assert_eq!((changed.kappa(0.0), changed.tcp_kappa(0.0)), (-3.0, -1.0));
+    assert!(changed.to_profile().contains("tcp_blend_kappa"));
     // Changing kappa of joint blends does not change the measured kappa of TCP blends.
-    let again = own.with_blend_kappa([1.0, 0.0, 0.0]);
+    let again = changed.with_blend_kappa([1.0, 0.0, 0.0]);
     assert_eq!((again.kappa(0.0), again.tcp_kappa(0.0)), (1.0, -1.0));
 }
 
@@ -96,29 +96,31 @@ fn ranges_need_not_be_symmetric() {
     assert_eq!(outside.to_string(), "joint A5 is at 0 deg; its range is 10 to 20 deg");
     assert!(limits.check(&limits.clamp(&[0.0; 7])).is_ok());
     for (share, expected) in [(-1.0, limits.lower_rad), (1.0, limits.upper_rad)] {
-        let found = limits.at_shares(&[share; 7]);
-        assert!((0..7).all(|j| (found[j] - expected[j]).abs() < 1e-15), "{found:?}");
+        let actual = limits.at_shares(&[share; 7]);
+        assert!((0..7).all(|j| (actual[j] - expected[j]).abs() < 1e-15), "{actual:?}");
     }
     // The URDF has the limits, too.
     assert!(robot.to_urdf().contains(&format!("lower=\"{}\"", 10_f64.to_radians())));
 
     let symmetric = ranges.replace("[-170, 170]", "[170, -170]");
-    for (keys, what) in [
+    for (keys, message) in [
         (
             range(&symmetric),
-            "position_range_deg: upper limit of joint A3 is -170.0; it must be at least 170.001 and at most 360.0",
+            "position_range_deg: upper limit of joint A3 is -170.0; it must be at least 170.001 \
+             and at most 360.0",
         ),
         (range("[-1, 1]"), "position_range_deg has 1 numbers; write 7, one pair for each joint"),
         (
             range(&ranges.replace("[-360", "[-361")),
-            "position_range_deg: lower limit of joint A7 is -361.0; it must be at least -360.0 and at most 359.999",
+            "position_range_deg: lower limit of joint A7 is -361.0; it must be at least -360.0 and \
+             at most 359.999",
         ),
         (
             format!(r#"{}, "position_limit_deg": [1, 1, 1, 1, 1, 1, 1]"#, range(ranges)),
             "both position_limit_deg and position_range_deg are given; keep one of them",
         ),
     ] {
-        assert_eq!(refused(&text(&keys)).what(), what);
+        assert_eq!(refused(&text(&keys)).message(), message);
     }
 }
 
@@ -137,8 +139,8 @@ fn links(first: &str) -> String {
 #[test]
 fn links_are_bodies() {
     let text = |keys: &str| format!(r#"{{ "version": 1, {keys} }}"#);
-    let given = links("");
-    let robot = Robot::from_profile(&text(&format!(r#""links": {given}"#))).unwrap();
+    let complete = links("");
+    let robot = Robot::from_profile(&text(&format!(r#""links": {complete}"#))).unwrap();
     assert_eq!(robot.links()[0].center_m, [0.0, -0.0305, 0.27]);
     assert_eq!(robot.links()[6].inertia_kg_m2, [0.02, 0.0, 0.0, 0.02, 0.004, 0.01]);
     assert_eq!(robot.link_mass_kg(), [4.856, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0]);
@@ -148,43 +150,59 @@ fn links_are_bodies() {
     assert_eq!(Robot::from_profile(&robot.to_full_profile()).unwrap(), robot);
 
     // With the mass of the base.
-    let both = format!(r#""link_mass_kg": [9, 1, 2.001, 3, 4, 5, 6, 7], "links": {given}"#);
+    let both = format!(r#""link_mass_kg": [9, 1, 2.001, 3, 4, 5, 6, 7], "links": {complete}"#);
     let heavy = Robot::from_profile(&text(&both)).unwrap();
     assert_eq!(heavy.link_mass_kg(), [9.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0]);
     assert_eq!(heavy.links(), robot.links());
     assert_eq!(Robot::from_profile(&heavy.to_profile()).unwrap(), heavy);
 
-    for (keys, what) in [
+    for (keys, message) in [
         (
             both.replace("2.001", "2.01"),
             "link_mass_kg: link 2 is 2.01, and 2.0 in links; keep one of the keys".to_owned(),
         ),
         (r#""links": []"#.to_owned(), "links has 0 entries; write 7, links 1 to 7".to_owned()),
         (
-            format!(r#""links": {}"#, given.replacen("0.02,", "-0.02,", 1)),
-            "links: the inertia of link 1 is that of no body: about some axis it is negative".to_owned(),
-        ),
-        (
-            format!(r#""links": {}"#, given.replacen(": 1,", ": 0,", 1)),
-            "links: mass_kg of link 1 is 0.0; it must be above 0 and at most 1000000000.0".to_owned(),
-        ),
-        (
-            format!(r#""links": {}"#, given.replacen("270", "27000", 1)),
-            "links: number 3 of center_mm of link 1 is 27000.0; it must be at least -10000.0 and at most 10000.0"
+            format!(r#""links": {}"#, complete.replacen("0.02,", "-0.02,", 1)),
+            "links: the inertia of link 1 is that of no body: about some axis it is negative"
                 .to_owned(),
         ),
-        (r#""flange_mass_kg": -1"#.to_owned(),
-         "flange_mass_kg is -1.0; it must be at least 0.0 and at most 1000000000.0".to_owned()),
-        (r#""friction": { "coulomb_nm": [0, 0, -0.1, 0, 0, 0, 0] }"#.to_owned(),
-         "friction: coulomb_nm of joint A3 is -0.1; it must be at least 0.0 and at most 1000000000.0".to_owned()),
-        (r#""ramps": { "stop_nm_s": [1, 0, 1, 1, 1, 1, 1] }"#.to_owned(),
-         "ramps: stop_nm_s of joint A2 is 0.0; it must be above 0 and at most 1000000000.0".to_owned()),
-        (r#""ramps": { "width_rad_s": -1 }"#.to_owned(),
-         "ramps: width_rad_s is -1.0; it must be above 0 and at most 1000000000.0".to_owned()),
-        (r#""ramps": { "spline_bend_rel": 0 }"#.to_owned(),
-         "ramps: spline_bend_rel is 0.0; it must be above 0 and at most 1000000000.0".to_owned()),
+        (
+            format!(r#""links": {}"#, complete.replacen(": 1,", ": 0,", 1)),
+            "links: mass_kg of link 1 is 0.0; it must be above 0 and at most 1000000000.0"
+                .to_owned(),
+        ),
+        (
+            format!(r#""links": {}"#, complete.replacen("270", "27000", 1)),
+            "links: number 3 of center_mm of link 1 is 27000.0; it must be at least -10000.0 and \
+             at most 10000.0"
+                .to_owned(),
+        ),
+        (
+            r#""flange_mass_kg": -1"#.to_owned(),
+            "flange_mass_kg is -1.0; it must be at least 0.0 and at most 1000000000.0".to_owned(),
+        ),
+        (
+            r#""friction": { "coulomb_nm": [0, 0, -0.1, 0, 0, 0, 0] }"#.to_owned(),
+            "friction: coulomb_nm of joint A3 is -0.1; it must be at least 0.0 and at most \
+             1000000000.0"
+                .to_owned(),
+        ),
+        (
+            r#""ramps": { "stop_nm_s": [1, 0, 1, 1, 1, 1, 1] }"#.to_owned(),
+            "ramps: stop_nm_s of joint A2 is 0.0; it must be above 0 and at most 1000000000.0"
+                .to_owned(),
+        ),
+        (
+            r#""ramps": { "width_rad_s": -1 }"#.to_owned(),
+            "ramps: width_rad_s is -1.0; it must be above 0 and at most 1000000000.0".to_owned(),
+        ),
+        (
+            r#""ramps": { "spline_bend_rel": 0 }"#.to_owned(),
+            "ramps: spline_bend_rel is 0.0; it must be above 0 and at most 1000000000.0".to_owned(),
+        ),
     ] {
-        assert_eq!(refused(&text(&keys)).what(), what);
+        assert_eq!(refused(&text(&keys)).message(), message);
     }
 }
 
@@ -204,13 +222,13 @@ fn masses_alone_are_those_of_shapes() {
 }
 
 #[test]
-fn what_is_given_is_no_assumption() {
+fn given_values_are_not_assumptions() {
     let read = |key: &str, numbers: &str| {
         let text =
             format!(r#"{{ "version": 1, "base": "lbr_iiwa_14_r820", "{key}": [{numbers}] }}"#);
         Robot::from_profile(&text).unwrap()
     };
-    for (what, key, numbers) in [
+    for (quantity, key, numbers) in [
         ("acceleration", "acceleration_limit_deg_s2", "1, 2, 3, 4, 5, 6, 7"),
         ("jerk", "jerk_limit_deg_s3", "1, 2, 3, 4, 5, 6, 7"),
         ("masses", "link_mass_kg", "1, 2, 3, 4, 5, 6, 7, 8"),
@@ -218,7 +236,7 @@ fn what_is_given_is_no_assumption() {
         ("acceleration", "acceleration_limit_deg_s2", "425, 425, 500, 375, 650, 675, 675"),
     ] {
         let robot = read(key, numbers);
-        assert!(!robot.assumes(what), "{what}");
+        assert!(!robot.assumes(quantity), "{quantity}");
         assert_eq!(robot.assumptions().len(), 3);
         assert_eq!(Robot::from_profile(&robot.to_profile()).unwrap(), robot);
     }
@@ -234,13 +252,16 @@ fn assert_refused(cases: &[Refused]) {
         let place = error.place();
         assert_eq!((place.line, place.column), (line, column), "{text}: {error}");
         assert_eq!(&text[place.span.clone()], span, "{text}: {error}");
-        assert!(error.what().contains(message), "{text}: {error}");
-        assert_eq!(error.to_string(), format!("{}, at line {line}, column {column}", error.what()));
+        assert!(error.message().contains(message), "{text}: {error}");
+        assert_eq!(
+            error.to_string(),
+            format!("{}, at line {line}, column {column}", error.message())
+        );
     }
 }
 
 #[test]
-fn says_what_is_wrong_with_blends_and_where() {
+fn invalid_blends_are_reported_with_their_place() {
     assert_refused(&[
         ("{ \"version\": 1, \"settle_time_s\": 0 }", 1, 34, "0", "at least 0.001"),
         ("{ \"version\": 1, \"blend_kappa\": [1, 2] }", 1, 32, "[1, 2]", "has 2 numbers; write 3"),
@@ -262,7 +283,7 @@ fn says_what_is_wrong_with_blends_and_where() {
 }
 
 #[test]
-fn says_what_is_wrong_and_where() {
+fn invalid_profiles_are_reported_with_their_place() {
     assert_refused(&[
         ("", 1, 1, "", "ends too early"),
         ("plan", 1, 1, "plan", "not JSON"),
@@ -459,7 +480,9 @@ prop_compose! {
                 "mass_kg": l[0],
                 "center_mm": [l[1] * 1e3, l[2] * -1e3, l[3] * 1e2],
                 // Off-diagonal moments are at most a third of the diagonal ones.
-                "inertia_kg_m2": [1.0 + l[4], 0.3 * l[5], -0.3 * l[6], 1.0 + l[7], 0.3 * l[8], 1.0 + l[9]],
+                "inertia_kg_m2": [
+                    1.0 + l[4], 0.3 * l[5], -0.3 * l[6], 1.0 + l[7], 0.3 * l[8], 1.0 + l[9]
+                ],
             })).collect::<Vec<_>>()),
             "flange_mass_kg": flange_mass,
             "friction": friction.map(|f| serde_json::json!({

@@ -37,7 +37,7 @@ fn other_names_change_nothing_else() {
 }
 
 #[test]
-fn a_prefix_is_what_ros_takes() {
+fn a_prefix_is_a_valid_ros_name() {
     let long = "a".repeat(50);
     for good in ["a", "iiwa", "Left_2", &long] {
         assert_eq!(good.parse::<iiwa_kin::RosPrefix>().unwrap().to_string(), good);
@@ -56,7 +56,7 @@ fn a_name_cannot_break_the_xml() {
 }
 
 #[test]
-fn the_own_urdf_is_the_model() {
+fn the_exported_urdf_is_the_model() {
     for robot in robots() {
         let report = robot.check_urdf(&robot.to_urdf(), None).unwrap();
         assert!(report.position_deviation_m < 1e-12 && report.rotation_deviation_rad < 1e-12);
@@ -128,7 +128,7 @@ fn rounded_quarter_turns_pass() {
 }
 
 #[test]
-fn another_model_is_told_by_its_first_joint() {
+fn another_model_is_detected_at_its_first_joint() {
     let big = Robot::lbr_iiwa_14_r820();
     match big.check_urdf(&other_frames(), None).unwrap_err() {
         UrdfError::Axis { number: 2, joint, position_m, rotation_rad, .. } => {
@@ -140,17 +140,17 @@ fn another_model_is_told_by_its_first_joint() {
 }
 
 #[test]
-fn a_millimetre_is_told_by_its_joint() {
+fn a_millimetre_is_detected_at_its_joint() {
     let robot = Robot::default();
-    let own = robot.to_urdf();
+    let urdf = robot.to_urdf();
     // The upper arm ends at joint 4.
-    let error = robot.check_urdf(&own.replace("0 0 0.4\"", "0 0 0.401\""), None).unwrap_err();
+    let error = robot.check_urdf(&urdf.replace("0 0 0.4\"", "0 0 0.401\""), None).unwrap_err();
     let message = error.to_string();
     assert!(message.contains("axis of joint 4 (\"iiwa_joint_4\") is 1.000 mm"), "{message}");
-    let line = own.lines().position(|line| line.contains("\"iiwa_joint_4\"")).unwrap() + 1;
+    let line = urdf.lines().position(|line| line.contains("\"iiwa_joint_4\"")).unwrap() + 1;
     assert_eq!(error.place().line, line);
     assert!(message.ends_with(&format!("at line {line}, column 3")), "{message}");
-    assert!(message.starts_with(&error.what()) && !error.what().contains("line"));
+    assert!(message.starts_with(&error.message()) && !error.message().contains("line"));
     // A wrong direction of rotation.
     let text = other_frames().replace("0 1 0", "0 -1 0");
     let error = robot.check_urdf(&text, None).unwrap_err();
@@ -170,7 +170,7 @@ fn a_millimetre_is_told_by_its_joint() {
 }
 
 #[test]
-fn a_flange_that_differs_is_told() {
+fn a_different_flange_is_detected() {
     let short = Robot::default().with_flange_m(0.126).unwrap();
     let error = short.check_urdf(&other_frames(), None).unwrap_err();
     assert!(error.to_string().contains("26.000 mm"), "{error}");
@@ -203,7 +203,7 @@ fn the_tip_can_be_named() {
 }
 
 #[test]
-fn says_what_is_wrong() {
+fn invalid_files_are_reported() {
     let robot = Robot::default();
     let good = other_frames();
     let a4 = good.lines().position(|line| line.contains("'A4'")).unwrap() + 1;
@@ -261,7 +261,7 @@ fn says_what_is_wrong() {
 }
 
 #[test]
-fn a_circle_is_told() {
+fn a_cycle_of_joints_is_detected() {
     let text = "<robot><link name='a'/><link name='b'/>\
         <joint name='j' type='revolute'><parent link='a'/><child link='b'/></joint>\
         <joint name='k' type='revolute'><parent link='b'/><child link='a'/></joint></robot>";
@@ -337,8 +337,8 @@ fn meshes_have_their_places() {
         assert_eq!(shapes.len(), count);
         for (k, mesh) in shapes.iter().enumerate() {
             let shift = if k == 0 { head.len() } else { 0 };
-            assert_eq!((mesh.at.line, mesh.at.column), (first + 2 * k, column + shift));
-            let tag = &text[mesh.at.span.clone()];
+            assert_eq!((mesh.place.line, mesh.place.column), (first + 2 * k, column + shift));
+            let tag = &text[mesh.place.span.clone()];
             assert!(tag.starts_with("<mesh") && tag.ends_with("/>"), "{tag}");
         }
     }
@@ -347,9 +347,14 @@ fn meshes_have_their_places() {
 proptest! {
     /// Any change to a valid file is either harmless or an error, never a panic.
     #[test]
-    fn never_panics(from in 0_usize..3000, length in 0_usize..40, with in "[<>/a='\" &;!\\[\\]?\\-0e9]{0,8}", own in any::<bool>()) {
+    fn never_panics(
+        from in 0_usize..3000,
+        length in 0_usize..40,
+        with in "[<>/a='\" &;!\\[\\]?\\-0e9]{0,8}",
+        is_model in any::<bool>(),
+    ) {
         let robot = Robot::default();
-        let text = if own { robot.to_urdf() } else { other_frames() };
+        let text = if is_model { robot.to_urdf() } else { other_frames() };
         let from = from.min(text.len());
         let to = (from + length).min(text.len());
         let text = format!("{}{with}{}", &text[..from], &text[to..]);

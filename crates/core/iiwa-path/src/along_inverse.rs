@@ -92,8 +92,8 @@ mod tests {
         for continuity in [Continuity::First, Continuity::Second, Continuity::Third] {
             for i in 0..=10_000 {
                 let sigma = 2.0 * f64::from(i) / 10_000.0;
-                let [found, slope, ..] = evaluate(&continuity.along(), s_at(continuity, sigma));
-                assert!((found - sigma).abs() <= 3e-14 * slope, "{continuity:?} {sigma}");
+                let [value, slope, ..] = evaluate(&continuity.along(), s_at(continuity, sigma));
+                assert!((value - sigma).abs() <= 3e-14 * slope, "{continuity:?} {sigma}");
             }
             assert_eq!([s_at(continuity, 0.0), s_at(continuity, 2.0)], [0.0, 1.0]);
             assert_eq!([s_at(continuity, -1.0), s_at(continuity, 3.0)], [0.0, 1.0]);

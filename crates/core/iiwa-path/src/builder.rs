@@ -177,7 +177,7 @@ impl Corners<'_> {
         let Some(leg) = self.legs.get(index) else { return Ok(None) };
         let size = match &self.program.motions[index] {
             Motion::Ptp(ptp) => ptp.blend.map(PathBlend::from),
-            Motion::Cartesian(own) => own.blend,
+            Motion::Cartesian(cartesian) => cartesian.blend,
             Motion::Wait { .. } | Motion::Load(_) => None,
         };
         let (Some(size), Some(next)) = (size, self.legs.get(self.next(motion).index())) else {
@@ -201,10 +201,10 @@ impl Corners<'_> {
             return Ok(None);
         }
         let corner = CurvedCorner::new(self.robot, self.options, &tcp_m, [&leg, &next], &size);
-        let corner = corner.map_err(|found| Fault::Cartesian {
+        let corner = corner.map_err(|error| Fault::Cartesian {
             motion: Some(motion),
             key: "blend",
-            fault: Box::new(found.in_blend()),
+            fault: Box::new(error.in_blend()),
         })?;
         Ok(corner.map(|corner| {
             let share = corner.shares[1];
@@ -306,10 +306,10 @@ impl Builder<'_> {
             JointSpline::clone(&path.image)
         } else {
             let curve = Part { range, curve: Arc::clone(&path.curve) };
-            JointSpline::of(Arc::new(curve)).map_err(|found| Fault::Cartesian {
+            JointSpline::of(Arc::new(curve)).map_err(|error| Fault::Cartesian {
                 motion: Some(motion),
                 key: "frame",
-                fault: Box::new(path.curve.fault(found)),
+                fault: Box::new(path.curve.fault(error)),
             })?
         };
         let segment = Arc::new(image.with_sigma(sigma));
@@ -383,12 +383,12 @@ impl Builder<'_> {
         // A bound first: samples are necessary only near an end of a joint range.
         let at_risk = Joint::ALL.into_iter().any(|joint| {
             let j = joint.index();
-            let [least, greatest] =
-                corners.iter().fold([f64::MAX, f64::MIN], |[least, greatest], q| {
-                    [least.min(q[j]), greatest.max(q[j])]
+            let [min_rad, max_rad] =
+                corners.iter().fold([f64::MAX, f64::MIN], |[min_rad, max_rad], q| {
+                    [min_rad.min(q[j]), max_rad.max(q[j])]
                 });
             let bound = blend.overshoot_bound(j);
-            least - bound < limits.lower_rad[j] || greatest + bound > limits.upper_rad[j]
+            min_rad - bound < limits.lower_rad[j] || max_rad + bound > limits.upper_rad[j]
         });
         if !at_risk {
             return Ok(());

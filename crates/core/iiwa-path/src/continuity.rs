@@ -137,9 +137,9 @@ mod tests {
                 let bends = [basis.along[2], basis.across[2], basis.bulge[2]];
                 largest = std::array::from_fn(|k| largest[k].max(bends[k].abs()));
             }
-            for (found, bound) in largest.into_iter().zip(continuity.bend_peaks()) {
+            for (actual, bound) in largest.into_iter().zip(continuity.bend_peaks()) {
                 let close = 0.999 * bound..=bound * (1.0 + 1e-14);
-                assert!(close.contains(&found), "{continuity:?}: {found}, {bound}");
+                assert!(close.contains(&actual), "{continuity:?}: {actual}, {bound}");
             }
         }
     }

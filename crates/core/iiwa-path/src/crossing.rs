@@ -198,8 +198,8 @@ impl Walk<'_> {
             s += if distance >= radius { step } else { -step };
             distance = self.distance(1.0 - s);
         }
-        let found = (distance - radius).abs() <= ALGORITHM_1_TOLERANCE_M;
-        (found && 1.0 - s <= HALF).then_some(1.0 - s)
+        let is_close = (distance - radius).abs() <= ALGORITHM_1_TOLERANCE_M;
+        (is_close && 1.0 - s <= HALF).then_some(1.0 - s)
     }
 
     fn algorithm_2(&self, radius: f64) -> Option<f64> {

@@ -47,7 +47,7 @@ pub(crate) fn check_joins(
     steps: &[Step],
     motions: usize,
 ) -> Result<(), JoinError> {
-    let mut at = *start_rad;
+    let mut pose_rad = *start_rad;
     // Direction of motion; `None` at rest.
     let mut direction: Option<Joints> = None;
     for (step, entry) in steps.iter().enumerate() {
@@ -59,7 +59,7 @@ pub(crate) fn check_joins(
             return Err(JoinError::NoLimits { step, motion: *motion });
         }
         let [from, to] = [segment.at(0.0), segment.at(1.0)];
-        let gap_rad = vector::norm(&vector::sub(&from.q, &at));
+        let gap_rad = vector::norm(&vector::sub(&from.q, &pose_rad));
         // NaN joins nothing, and fails all comparisons.
         if gap_rad.is_nan() || gap_rad > GAP_RAD {
             return Err(JoinError::Gap { step, gap_rad });
@@ -71,7 +71,7 @@ pub(crate) fn check_joins(
         {
             return Err(JoinError::Kink { step });
         }
-        (at, direction) = (to.q, Some(unit(&to.dq)));
+        (pose_rad, direction) = (to.q, Some(unit(&to.dq)));
     }
     Ok(())
 }

@@ -30,10 +30,10 @@ const TOLERANCE_RAD: f64 = 1e-9;
 
 /// Maximum number of halvings of a piece. Near a singular pose, joints vary with the square root of
 /// the distance from it: the length of pieces decreases in proportion to that distance.
-const MOST_HALVINGS: u32 = 32;
+const MAX_HALVINGS: u32 = 32;
 
 /// Maximum number of pieces.
-const MOST_PIECES: usize = 1 << 12;
+const MAX_PIECES: usize = 1 << 12;
 
 /// A place at which the curve cannot be followed, and the cause.
 #[derive(Clone, Debug, PartialEq)]
@@ -126,7 +126,7 @@ impl JointSpline {
             return Ok(());
         }
         let half = f64::midpoint(from, to);
-        if halvings == MOST_HALVINGS || self.pieces.len() >= MOST_PIECES {
+        if halvings == MAX_HALVINGS || self.pieces.len() >= MAX_PIECES {
             return Err(CurveFaultAt { s: half, fault: CurveFault::Abrupt });
         }
         // The quarters are the middles of the halves: two evaluations per halving suffice.
@@ -158,17 +158,17 @@ impl JointSpline {
                 // subdivision.
                 let mut parts = vec![(control, ends[0], ends[1])];
                 while let Some((control, from, to)) = parts.pop() {
-                    let known = |worst: &Option<(f64, _, _, _)>| {
-                        worst.as_ref().map_or(ROUNDING_RAD, |(most, ..)| *most)
+                    let excess_of = |worst: &Option<(f64, _, _, _)>| {
+                        worst.as_ref().map_or(ROUNDING_RAD, |(max_excess, ..)| *max_excess)
                     };
                     for (s, q) in [(from, control[0]), (to, control[7])] {
-                        if excess(q) > known(&worst) {
+                        if excess(q) > excess_of(&worst) {
                             worst = Some((excess(q), joint, s, q));
                         }
                     }
-                    let most = control.iter().map(|q| excess(*q)).fold(f64::MIN, f64::max);
+                    let max_excess = control.iter().map(|q| excess(*q)).fold(f64::MIN, f64::max);
                     // Only parts that may exceed the worst place so far are divided further.
-                    if most > known(&worst) + ROUNDING_RAD && to - from > f64::EPSILON {
+                    if max_excess > excess_of(&worst) + ROUNDING_RAD && to - from > f64::EPSILON {
                         let half = f64::midpoint(from, to);
                         let [left, right] = split(&control);
                         parts.extend([(left, from, half), (right, half, to)]);
@@ -233,8 +233,8 @@ impl Segment for JointSpline {
                     second[k - 2] = (k * (k - 1)) as f64 * piece[k][j];
                 }
                 // The control points of the second derivative bound it.
-                let most = bernstein(&second).into_iter().map(f64::abs).fold(0.0, f64::max);
-                *bound = bound.max(most * per * per);
+                let max_second = bernstein(&second).into_iter().map(f64::abs).fold(0.0, f64::max);
+                *bound = bound.max(max_second * per * per);
             }
         }
         bound

@@ -34,7 +34,9 @@ pub use update::ReplacedSteps;
 /// let program = Program {
 ///     robot: None,
 ///     start: Start::Joints([0.0; 7]),
-///     motions: vec![Motion::Ptp(corner), Motion::Ptp(end)], workcell: Workcell::default(), sources: Sources::default(),
+///     motions: vec![Motion::Ptp(corner), Motion::Ptp(end)],
+///     workcell: Workcell::default(),
+///     sources: Sources::default(),
 /// };
 /// let path = JointPath::new(&program, &Robot::lbr_iiwa_7_r800())?;
 /// assert_eq!(path.blends().count(), 1);
@@ -138,7 +140,12 @@ impl JointPath {
     ///
     /// let robot = Robot::default();
     /// let line = Line::new([0.0; 7], [0.5, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]);
-    /// let steps = vec![Step::Move { motion: MotionIndex::new(0), segment: Arc::new(line), blend: None, limits: None }];
+    /// let steps = vec![Step::Move {
+    ///     motion: MotionIndex::new(0),
+    ///     segment: Arc::new(line),
+    ///     blend: None,
+    ///     limits: None,
+    /// }];
     /// let limits = vec![MotionLimits::full(&robot)];
     /// let path = JointPath::from_steps(&robot, [0.0; 7], steps, limits)?;
     /// assert_eq!(path.steps().len(), 1);
@@ -187,7 +194,8 @@ impl JointPath {
     ///
     /// let program = Program::from_deg([0.0; 7]).ptp_deg([30.0; 7]).wait_s(1.0).build();
     /// let path = JointPath::new(&program, &Robot::default())?;
-    /// let [Step::Move { segment, .. }, Step::Settle { .. }, Step::Wait { .. }] = path.steps() else {
+    /// let [Step::Move { segment, .. }, Step::Settle { .. }, Step::Wait { .. }] = path.steps()
+    /// else {
     ///     panic!("a motion, its settling and a wait")
     /// };
     /// assert!(segment.is_straight());
@@ -212,7 +220,7 @@ impl JointPath {
     #[must_use]
     pub fn limits_of(&self, step: usize) -> &MotionLimits {
         match &self.steps[step] {
-            Step::Move { limits: Some(own), .. } => own,
+            Step::Move { limits: Some(limits), .. } => limits,
             Step::Move { motion, .. }
             | Step::Corner { motion }
             | Step::Settle { motion, .. }
@@ -275,7 +283,8 @@ impl JointPath {
     /// }"#)?;
     /// let path = JointPath::new(&program, &Robot::default())?;
     /// let q = path.start_rad();
-    /// let [empty, loaded] = [0, 1].map(|motion| path.dynamics(MotionIndex::new(motion)).gravity_torques(q)[1]);
+    /// let [empty, loaded] =
+    ///     [0, 1].map(|motion| path.dynamics(MotionIndex::new(motion)).gravity_torques(q)[1]);
     /// assert!(empty > 0.0 && loaded > empty);
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
@@ -335,7 +344,7 @@ impl JointPath {
                 motion: *motion,
                 segment: segment.unsupervised().unwrap_or_else(|| Arc::clone(segment)),
                 blend: *blend,
-                limits: limits.as_ref().map(|own| Arc::new(own.unsupervised())),
+                limits: limits.as_ref().map(|limits| Arc::new(limits.unsupervised())),
             },
             rest => rest.clone(),
         });

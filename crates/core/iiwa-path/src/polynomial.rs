@@ -143,12 +143,12 @@ impl pulp::WithSimd for DerivativesAcross<'_> {
         let Self { blend, sigma_rad } = self;
         let per_rad = 1.0 / blend.reach;
         let s = along_inverse::each_s_at(blend.continuity, sigma_rad.map(|sigma| sigma * per_rad));
-        let mut found = [[0.0; PLACES]; 3];
+        let mut derivatives = [[0.0; PLACES]; 3];
         for i in 0..PLACES {
             let [_, first, second, third] = blend.across(s[i], blend.reach);
-            (found[0][i], found[1][i], found[2][i]) = (first, second, third);
+            (derivatives[0][i], derivatives[1][i], derivatives[2][i]) = (first, second, third);
         }
-        found
+        derivatives
     }
 }
 

@@ -17,13 +17,13 @@ pub(crate) fn by_sigma([_, p, r, w]: [f64; 4], unit_rad: f64) -> [f64; 3] {
 pub(crate) fn newton(sigma: impl Fn(f64) -> [f64; 4], value: f64, mut s: f64) -> f64 {
     let [mut low, mut high] = [0.0, 1.0];
     for _ in 0..NEWTON_STEPS {
-        let [at, slope, ..] = sigma(s);
-        if at < value {
+        let [current, slope, ..] = sigma(s);
+        if current < value {
             low = s;
         } else {
             high = s;
         }
-        let next = s - (at - value) / slope;
+        let next = s - (current - value) / slope;
         let next = if (low..=high).contains(&next) { next } else { f64::midpoint(low, high) };
         let step = next - s;
         s = next;
@@ -54,8 +54,8 @@ mod tests {
             for i in 0..=1_000 {
                 let value = end * f64::from(i) / 1_000.0;
                 let s = newton(sigma, value, (value / end).clamp(0.0, 1.0));
-                let [found, ..] = sigma(s);
-                assert!((found - value).abs() < 1e-14 * end, "{ratio} {i}: {found} {value}");
+                let [actual, ..] = sigma(s);
+                assert!((actual - value).abs() < 1e-14 * end, "{ratio} {i}: {actual} {value}");
             }
         }
     }

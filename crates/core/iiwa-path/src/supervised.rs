@@ -90,22 +90,25 @@ mod tests {
             for s in [0.15, 0.3, 0.55, 0.8] {
                 const STEP: f64 = 1e-4;
                 let way = |s: f64| supervised.tool_way(s);
-                let [before, here, after] = [s - STEP, s, s + STEP].map(way);
-                let at = supervised.at(s);
+                let [before, middle, after] = [s - STEP, s, s + STEP].map(way);
+                let derivatives = supervised.at(s);
                 let speed = [tcp, Pose::IDENTITY]
                     .iter()
-                    .map(|tcp| robot.tcp_speed_m_s(tcp, &at.q, &at.dq))
+                    .map(|tcp| robot.tcp_speed_m_s(tcp, &derivatives.q, &derivatives.dq))
                     .fold(0.0, f64::max);
-                assert!((here.way_m[0] - speed).abs() < 1e-12, "{here:?} {speed}");
+                assert!((middle.way_m[0] - speed).abs() < 1e-12, "{middle:?} {speed}");
                 for k in 0..2 {
                     let cases = [
-                        (before.way_m[k], after.way_m[k], here.way_m[k + 1]),
-                        (before.turn_rad[k], after.turn_rad[k], here.turn_rad[k + 1]),
+                        (before.way_m[k], after.way_m[k], middle.way_m[k + 1]),
+                        (before.turn_rad[k], after.turn_rad[k], middle.turn_rad[k + 1]),
                     ];
-                    for (before, after, found) in cases {
+                    for (before, after, derivative) in cases {
                         let expected = (after - before) / (2.0 * STEP);
-                        let error = (found - expected).abs();
-                        assert!(error < 1e-4 * (1.0 + expected.abs()), "{s}: {found} {expected}");
+                        let error = (derivative - expected).abs();
+                        assert!(
+                            error < 1e-4 * (1.0 + expected.abs()),
+                            "{s}: {derivative} {expected}"
+                        );
                     }
                 }
             }

@@ -83,11 +83,13 @@ impl ToolCoordinate {
             // Without motion, a limit is never active.
             let over =
                 |limit: f64, rate: f64| if rate > 0.0 { limit / rate } else { f64::INFINITY };
-            let of = |kind| [over(limits.way[kind], way), over(limits.turn[kind], turn)];
+            let lengths = |kind| [over(limits.way[kind], way), over(limits.turn[kind], turn)];
             let coordinate = Self {
                 form: Form::Even,
-                limits: ByKind::from_fn(|kind| of(kind).into_iter().fold(f64::INFINITY, f64::min)),
-                of_turn: ByKind::from_fn(|kind| of(kind)[1] < of(kind)[0]),
+                limits: ByKind::from_fn(|kind| {
+                    lengths(kind).into_iter().fold(f64::INFINITY, f64::min)
+                }),
+                of_turn: ByKind::from_fn(|kind| lengths(kind)[1] < lengths(kind)[0]),
             };
             return is_limited(&coordinate.limits).then_some(coordinate);
         }
@@ -96,7 +98,7 @@ impl ToolCoordinate {
         for ToolWay { way_m, turn_rad } in rates {
             (way, turn) = (way.max(way_m[0]), turn.max(turn_rad[0]));
         }
-        let (form, own) =
+        let (form, combined) =
             match (way > 0.0 && is_limited(&limits.way), turn > 0.0 && is_limited(&limits.turn)) {
                 (false, false) => return None,
                 (true, false) => (Form::Way, limits.way),
@@ -109,9 +111,9 @@ impl ToolCoordinate {
                         .into_iter()
                         .find(|ratio| *ratio > 0.0 && ratio.is_finite())
                         .unwrap_or(way / turn);
-                    let own =
+                    let combined =
                         ByKind::from_fn(|kind| limits.way[kind].min(ratio * limits.turn[kind]));
-                    (Form::Both(ratio), own)
+                    (Form::Both(ratio), combined)
                 }
             };
         let of_turn = match form {
@@ -122,7 +124,7 @@ impl ToolCoordinate {
                 turn_limit / (ratio * turn) < way_limit / way
             }),
         };
-        Some(Self { form, limits: own, of_turn })
+        Some(Self { form, limits: combined, of_turn })
     }
 
     /// Limits, in the unit of the coordinate over s to the power of the [order](LimitKind::order)
@@ -259,11 +261,14 @@ mod tests {
             let w = ToolCoordinate::new(&Uneven, &limits).unwrap();
             for i in 1..20 {
                 let s = f64::from(i) / 20.0;
-                let at = [-h, 0.0, h].map(|ds| w.derivatives(&Uneven, s + ds));
+                let values = [-h, 0.0, h].map(|ds| w.derivatives(&Uneven, s + ds));
                 let by_sigma = [-h, 0.0, h].map(|ds| w.sigma_derivatives(&Uneven, s + ds));
                 let [_, slope, ..] = Uneven.sigma(s);
                 for k in 0..2 {
-                    assert!(near((at[2][k] - at[0][k]) / (2.0 * h), at[1][k + 1]), "{at:?}");
+                    assert!(
+                        near((values[2][k] - values[0][k]) / (2.0 * h), values[1][k + 1]),
+                        "{values:?}"
+                    );
                     let rate = (by_sigma[2][k] - by_sigma[0][k]) / (2.0 * h * slope);
                     assert!(near(rate, by_sigma[1][k + 1]), "{by_sigma:?}");
                 }

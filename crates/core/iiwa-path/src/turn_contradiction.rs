@@ -50,7 +50,10 @@ impl TurnContradiction {
     ///         "a_deg": 0, "b_deg": 180, "c_deg": 0, "e1_deg": 0, "status": 2, "turn": 0 } }]
     /// }"#)?;
     /// let found = TurnContradiction::all(&program, &Robot::default())?;
-    /// assert_eq!(found[0].to_string(), "motion 1: the frame states turn 0, and the joints there have turn 8");
+    /// assert_eq!(
+    ///     found[0].to_string(),
+    ///     "motion 1: the frame states turn 0, and the joints there have turn 8"
+    /// );
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     ///
@@ -99,7 +102,7 @@ fn stated_turn(program: &Program, target: &TargetRef) -> Option<Turn> {
 
 fn cartesian(motion: &Motion) -> Option<&CartesianMotion> {
     match motion {
-        Motion::Cartesian(own) => Some(own),
+        Motion::Cartesian(cartesian) => Some(cartesian),
         _ => None,
     }
 }

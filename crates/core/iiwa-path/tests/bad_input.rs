@@ -24,8 +24,8 @@ const GOOD: &str = r#"{
 
 /// Returns the error message of `text`, without the place, and the place.
 fn refused(text: &str) -> (String, Place) {
-    let (what, place, whole) = match Program::from_json(text) {
-        Err(error) => (error.what(), error.place().clone(), error.to_string()),
+    let (message, place, whole) = match Program::from_json(text) {
+        Err(error) => (error.message(), error.place().clone(), error.to_string()),
         Ok(program) => {
             let fault = JointPath::new(&program, &Robot::lbr_iiwa_7_r800()).unwrap_err();
             let place = fault.place_in(text);
@@ -33,19 +33,19 @@ fn refused(text: &str) -> (String, Place) {
         }
     };
     let Place { line, column, .. } = place;
-    assert_eq!(whole, format!("{what}, at line {line}, column {column}"));
-    (what, place)
+    assert_eq!(whole, format!("{message}, at line {line}, column {column}"));
+    (message, place)
 }
 
-/// Replaces `old` by `new` in the valid program and expects the error message `what`, at a place
-/// where the text starts with `found`.
-fn check(old: &str, new: &str, (line, column): (usize, usize), found: &str, what: &str) {
+/// Replaces `old` by `new` in the valid program and expects the error message `expected`, at a
+/// place where the text starts with `found`.
+fn check(old: &str, new: &str, (line, column): (usize, usize), excerpt: &str, expected: &str) {
     assert!(GOOD.contains(old), "{old}");
     let text = GOOD.replacen(old, new, 1);
     let (message, place) = refused(&text);
-    assert_eq!(message, what, "{new}");
+    assert_eq!(message, expected, "{new}");
     assert_eq!((place.line, place.column), (line, column), "{new}: {message}");
-    assert!(text[place.span.clone()].starts_with(found), "{new}: {}", &text[place.span]);
+    assert!(text[place.span.clone()].starts_with(excerpt), "{new}: {}", &text[place.span]);
 }
 
 #[test]
@@ -55,7 +55,7 @@ fn the_good_program_is_good() {
 
 #[test]
 fn not_json() {
-    for (text, line, column, what) in [
+    for (text, line, column, expected) in [
         ("", 1, 1, "the text ends too early"),
         ("\n\n", 1, 1, "the text ends too early"),
         ("plan.json", 1, 1, "this is not JSON: a value is expected"),
@@ -67,7 +67,11 @@ fn not_json() {
         ("{}", 1, 1, "the key `version` is missing"),
     ] {
         let (message, place) = refused(text);
-        assert_eq!((message.as_str(), place.line, place.column), (what, line, column), "{text}");
+        assert_eq!(
+            (message.as_str(), place.line, place.column),
+            (expected, line, column),
+            "{text}"
+        );
     }
     let value = "this is not JSON: a value is expected";
     check("[0, 30,", "[NaN, 30,", (5, 37), "NaN", &format!("motion 1: {value}"));
@@ -93,11 +97,11 @@ fn cut_off_anywhere() {
         assert_eq!(place.line, text.trim_end().split('\n').count(), "{text}: {error}");
         if text.ends_with(['-', '.']) {
             assert_eq!(place.span.end, text.len(), "{text}: {error}");
-            assert!(error.what().ends_with("invalid number"), "{text}: {error}");
+            assert!(error.message().ends_with("invalid number"), "{text}: {error}");
             continue;
         }
         assert_eq!(place.span.start, text.trim_end().len(), "{text}: {error}");
-        assert!(error.what().ends_with("the text ends too early"), "{text}: {error}");
+        assert!(error.message().ends_with("the text ends too early"), "{text}: {error}");
     }
     let error = Program::from_json(&GOOD[..GOOD.find("0.75").unwrap()]).unwrap_err();
     assert_eq!(error.to_string(), "motion 2: the text ends too early, at line 6, column 79");
@@ -107,11 +111,11 @@ fn cut_off_anywhere() {
 #[test]
 fn a_byte_too_many_or_too_few() {
     let text = GOOD.replace("wait", "wäit");
-    for at in (0..text.len()).filter(|&at| text.is_char_boundary(at)) {
-        let next = at + text[at..].chars().next().unwrap().len_utf8();
-        let less = [&text[..at], &text[next..]].concat();
+    for offset in (0..text.len()).filter(|&offset| text.is_char_boundary(offset)) {
+        let next = offset + text[offset..].chars().next().unwrap().len_utf8();
+        let less = [&text[..offset], &text[next..]].concat();
         for text in ["\"", "{", "]", ",", "\\", "-", "9", "é"]
-            .map(|more| [&text[..at], more, &text[at..]].concat())
+            .map(|more| [&text[..offset], more, &text[offset..]].concat())
             .into_iter()
             .chain([less])
         {
@@ -126,40 +130,40 @@ fn a_byte_too_many_or_too_few() {
 fn unknown_names() {
     let ptp = "one of `type`, `joints_rad`, `joints_deg`, `frame`, `tool`, `base`, `velocity_rel`, \
                `acceleration_rel`, `jerk_rel`, `blend`, `blocking`, `source`";
-    let what = format!("motion 2: unknown key `speed`, expected {ptp}");
-    check("\"velocity_rel\"", "\"speed\"", (6, 64), "\"speed\"", &what);
-    let what = "motion 2: unknown key `velocity`; did you mean `velocity_rel`?";
-    check("\"velocity_rel\"", "\"velocity\"", (6, 64), "\"velocity\"", what);
-    let what = "unknown key `robots`; did you mean `robot`?";
-    check("\"start\"", "\"robots\": [], \"start\"", (3, 3), "\"robots\"", what);
-    let what = "expected a string, found `1`";
-    check("\"version\"", "\"$schema\": 1, \"version\"", (2, 14), "1", what);
-    let what = "unknown key `joints`, expected one of `joints_rad`, `joints_deg`, `frame`";
-    check("\"joints_deg\"", "\"joints\"", (3, 14), "\"joints\"", what);
-    let what = "motion 3: unknown key `second`; did you mean `seconds`?";
-    check("\"seconds\"", "\"second\"", (7, 23), "\"second\"", what);
-    let what = "motion 1: unknown key `radius`, expected one of `fraction`, `sunrise_rel`, \
+    let message = format!("motion 2: unknown key `speed`, expected {ptp}");
+    check("\"velocity_rel\"", "\"speed\"", (6, 64), "\"speed\"", &message);
+    let message = "motion 2: unknown key `velocity`; did you mean `velocity_rel`?";
+    check("\"velocity_rel\"", "\"velocity\"", (6, 64), "\"velocity\"", message);
+    let message = "unknown key `robots`; did you mean `robot`?";
+    check("\"start\"", "\"robots\": [], \"start\"", (3, 3), "\"robots\"", message);
+    let message = "expected a string, found `1`";
+    check("\"version\"", "\"$schema\": 1, \"version\"", (2, 14), "1", message);
+    let message = "unknown key `joints`, expected one of `joints_rad`, `joints_deg`, `frame`";
+    check("\"joints_deg\"", "\"joints\"", (3, 14), "\"joints\"", message);
+    let message = "motion 3: unknown key `second`; did you mean `seconds`?";
+    check("\"seconds\"", "\"second\"", (7, 23), "\"second\"", message);
+    let message = "motion 1: unknown key `radius`, expected one of `fraction`, `sunrise_rel`, \
                 `cart_mm`";
-    check("\"cart_mm\"", "\"radius\"", (5, 74), "\"radius\"", what);
+    check("\"cart_mm\"", "\"radius\"", (5, 74), "\"radius\"", message);
 
-    let what = "motion 3: unknown type `Wait`; did you mean `wait`?";
-    check("\"wait\"", "\"Wait\"", (7, 15), "\"Wait\"", what);
-    let known = "`ptp`, `lin`, `lin_rel`, `circ`, `spline`, `spl`, `wait` and `load` are known";
-    let what = format!("motion 3: unknown type `fly`; {known}");
-    check("\"wait\"", "\"fly\"", (7, 15), "\"fly\"", &what);
-    let what = format!("motion 3: it has no `type`; {known}");
-    check("\"type\": \"wait\", ", "", (7, 5), "{", &what);
-    let what = "motion 3: expected a string, found `3`";
-    check("\"wait\"", "3", (7, 15), "3", what);
-    let what = "motion 3: the key `type` is there twice";
-    check("\"wait\"", "\"wait\", \"type\": \"ptp\"", (7, 23), "\"type\"", what);
+    let message = "motion 3: unknown type `Wait`; did you mean `wait`?";
+    check("\"wait\"", "\"Wait\"", (7, 15), "\"Wait\"", message);
+    let types = "`ptp`, `lin`, `lin_rel`, `circ`, `spline`, `spl`, `wait` and `load` are known";
+    let message = format!("motion 3: unknown type `fly`; {types}");
+    check("\"wait\"", "\"fly\"", (7, 15), "\"fly\"", &message);
+    let message = format!("motion 3: it has no `type`; {types}");
+    check("\"type\": \"wait\", ", "", (7, 5), "{", &message);
+    let message = "motion 3: expected a string, found `3`";
+    check("\"wait\"", "3", (7, 15), "3", message);
+    let message = "motion 3: the key `type` is there twice";
+    check("\"wait\"", "\"wait\", \"type\": \"ptp\"", (7, 23), "\"type\"", message);
 }
 
 #[test]
 fn another_version() {
-    let what = "this is a program of version 2; version 1 is understood";
-    check("1,", "2,", (2, 14), "2", what);
-    check("1,", "2, \"cell\": {},", (2, 14), "2", what);
+    let message = "this is a program of version 2; version 1 is understood";
+    check("1,", "2,", (2, 14), "2", message);
+    check("1,", "2, \"cell\": {},", (2, 14), "2", message);
     check("1,", "0,", (2, 14), "0", "this is a program of version 0; version 1 is understood");
     check(
         "1,",
@@ -176,12 +180,12 @@ fn another_version() {
 #[test]
 fn joints_that_are_not_seven_numbers() {
     let seven = "expected seven joint angles, A1 to A7, found";
-    let at = (5, 36);
-    check("[0, 30, 0,", "[30, 0,", at, "[", &format!("motion 1: {seven} 6"));
-    check("[0, 30, 0,", "[0, 30, 0, 0,", at, "[", &format!("motion 1: {seven} 8"));
-    check("[0, 30, 0, -60, 0, 90, 0]", "[]", at, "[", &format!("motion 1: {seven} 0"));
-    check("[0, 30, 0, -60, 0, 90, 0]", "3", at, "3", &format!("motion 1: {seven} `3`"));
-    check("[0, 30, 0, -60, 0, 90, 0]", "null", at, "null", &format!("motion 1: {seven} null"));
+    let place = (5, 36);
+    check("[0, 30, 0,", "[30, 0,", place, "[", &format!("motion 1: {seven} 6"));
+    check("[0, 30, 0,", "[0, 30, 0, 0,", place, "[", &format!("motion 1: {seven} 8"));
+    check("[0, 30, 0, -60, 0, 90, 0]", "[]", place, "[", &format!("motion 1: {seven} 0"));
+    check("[0, 30, 0, -60, 0, 90, 0]", "3", place, "3", &format!("motion 1: {seven} `3`"));
+    check("[0, 30, 0, -60, 0, 90, 0]", "null", place, "null", &format!("motion 1: {seven} null"));
     check("[0, 0, 0, 0, 0, 0, 0]", "[0, 0]", (3, 28), "[", &format!("{seven} 2"));
     let number = "motion 1: expected a number, found";
     check("[0, 30,", "[0, \"30\",", (5, 40), "\"30\"", &format!("{number} string \"30\""));
@@ -215,23 +219,23 @@ fn joints_that_are_not_seven_numbers() {
 /// The serde derive would also accept a list of the values of an object.
 #[test]
 fn lists_for_objects() {
-    let what = "expected an object, found a list";
+    let message = "expected an object, found a list";
     let wait = "{ \"type\": \"wait\", \"seconds\": 0.5 }";
-    check(wait, "[\"wait\", 0.5]", (7, 5), "[", &format!("motion 3: {what}"));
+    check(wait, "[\"wait\", 0.5]", (7, 5), "[", &format!("motion 3: {message}"));
     check(wait, "7", (7, 5), "7", "motion 3: expected an object, found `7`");
     check(wait, "null", (7, 5), "null", "motion 3: expected an object, found null");
     let start = "{ \"joints_deg\": [0, 0, 0, 0, 0, 0, 0] }";
-    check(start, "[[0, 0, 0, 0, 0, 0, 0]]", (3, 12), "[", what);
+    check(start, "[[0, 0, 0, 0, 0, 0, 0]]", (3, 12), "[", message);
     let blend =
         "expected an object such as { \"fraction\": 0.25 } or { \"cart_mm\": 30 }, found a list";
     check("{ \"cart_mm\": 50 }", "[50]", (5, 72), "[", &format!("motion 1: {blend}"));
     let text = "[1, null, { \"joints_deg\": [0, 0, 0, 0, 0, 0, 0] }, [{ \"type\": \"wait\", \
                 \"seconds\": 1 }]]";
-    assert_eq!(refused(text).0, what);
+    assert_eq!(refused(text).0, message);
     let text = "{ \"version\": 1, \"start\": { \"joints_deg\": [0, 0, 0, 0, 0, 0, 0] }, \
                 \"motions\": { \"type\": \"wait\" } }";
-    let (what, place) = refused(text);
-    assert_eq!(what, "expected a list, found an object");
+    let (message, place) = refused(text);
+    assert_eq!(message, "expected a list, found an object");
     assert_eq!(place.span.start, text.rfind('{').unwrap());
 }
 
@@ -249,25 +253,27 @@ fn a_joint_outside_its_limits() {
             JointPath::new(&at_the_limit, &Robot::lbr_iiwa_7_r800()).unwrap();
 
             let text = text(".001");
-            let (what, place) = refused(&text);
-            let found = format!("{}.001", sign * limit);
+            let (message, place) = refused(&text);
+            let degrees = format!("{}.001", sign * limit);
             assert_eq!(
-                what,
+                message,
                 format!(
-                    "motion 4: joint A{joint} is at {found} deg; its range is -{limit} to {limit} deg"
+                    "motion 4: joint A{joint} is at {degrees} deg; its range is -{limit} to \
+                     {limit} deg"
                 )
             );
             assert_eq!((place.line, place.column), (8, 37 + 3 * (joint - 1)));
-            assert_eq!(&text[place.span], found);
+            assert_eq!(&text[place.span], degrees);
         }
     }
-    let what = "the start pose: joint A2 is at -120.001 deg; its range is -120 to 120 deg";
-    check("[0, 0,", "[0, -120.001,", (3, 32), "-120.001", what);
-    let what = "motion 2: joint A4 is at -171.8873385 deg; its range is -120 to 120 deg";
-    check("0.5, 0, -1,", "0.5, 0, -3,", (6, 48), "-3", what);
+    let message = "the start pose: joint A2 is at -120.001 deg; its range is -120 to 120 deg";
+    check("[0, 0,", "[0, -120.001,", (3, 32), "-120.001", message);
+    let message = "motion 2: joint A4 is at -171.8873385 deg; its range is -120 to 120 deg";
+    check("0.5, 0, -1,", "0.5, 0, -3,", (6, 48), "-3", message);
     // A message prints a large number correctly as well.
-    let what = "motion 1: joint A1 is at 100000000000000000000 deg; its range is -170 to 170 deg";
-    check("[0, 30,", "[1e20, 30,", (5, 37), "1e20", what);
+    let message =
+        "motion 1: joint A1 is at 100000000000000000000 deg; its range is -170 to 170 deg";
+    check("[0, 30,", "[1e20, 30,", (5, 37), "1e20", message);
 }
 
 #[test]
@@ -279,8 +285,8 @@ fn a_limit_typed_in_rad() {
         JointPath::new(&program, &Robot::lbr_iiwa_7_r800()).unwrap();
     }
     // The message for a joint barely outside its range does not round to the limit.
-    let (what, _) = refused(&text(limit + 6e-9));
-    assert_eq!(what, "motion 2: joint A1 is at 170.0000003 deg; its range is -170 to 170 deg");
+    let (message, _) = refused(&text(limit + 6e-9));
+    assert_eq!(message, "motion 2: joint A1 is at 170.0000003 deg; its range is -170 to 170 deg");
 }
 
 #[test]
@@ -319,12 +325,12 @@ fn a_blend_that_swings_out_of_the_limits() {
     { "type": "ptp", "joints_deg": [120, 100, 0, 0, 0, 0, 0] }
   ]
 }"#;
-    let (what, place) = refused(text);
+    let (message, place) = refused(text);
     let start = "motion 2: on its blend, joint A2 is at ";
     let end = " deg; its range is -120 to 120 deg; choose a smaller blend or move the target";
-    let found = what.strip_prefix(start).and_then(|what| what.strip_suffix(end));
-    let found: f64 = found.unwrap_or_else(|| panic!("{what}")).parse().unwrap();
-    assert!(found > 120.001 && found < 121.0, "{what}");
+    let number = message.strip_prefix(start).and_then(|message| message.strip_suffix(end));
+    let number: f64 = number.unwrap_or_else(|| panic!("{message}")).parse().unwrap();
+    assert!(number > 120.001 && number < 121.0, "{message}");
     assert_eq!((place.line, place.column, &text[place.span]), (6, 71, "{ \"fraction\": 0.5 }"));
 
     // A blend inside the limits is accepted, although the overshoot bound leaves them.
@@ -334,27 +340,29 @@ fn a_blend_that_swings_out_of_the_limits() {
 
 #[test]
 fn shares_out_of_range() {
-    for (share, found) in [("0", "0"), ("-0.5", "-0.5"), ("1.001", "1.001"), ("1e308", "1e308")] {
+    for (share, number_text) in
+        [("0", "0"), ("-0.5", "-0.5"), ("1.001", "1.001"), ("1e308", "1e308")]
+    {
         let number = share.parse::<f64>().unwrap();
         for key in ["velocity_rel", "acceleration_rel", "jerk_rel"] {
-            let what = format!("motion 2: {key} is {number}; it must be above 0 and at most 1");
+            let message = format!("motion 2: {key} is {number}; it must be above 0 and at most 1");
             let column = 66 + key.len();
             check(
                 "\"velocity_rel\": 0.75",
                 &format!("\"{key}\": {share}"),
                 (6, column + 2),
-                found,
-                &what,
+                number_text,
+                &message,
             );
         }
     }
-    let what =
+    let message =
         "motion 2: velocity_rel of joint A7 is 2; it must be above 0 and at most 1 (2 % is 0.02)";
-    check("0.75", "[1, 1, 1, 1, 1, 1, 2]", (6, 99), "2", what);
-    let what = "motion 2: velocity_rel is 50; it must be above 0 and at most 1 (50 % is 0.5)";
-    check("0.75", "50", (6, 80), "50", what);
-    let what = "motion 2: velocity_rel is 0.0000005; it must be at least 0.000001 and at most 1";
-    check("0.75", "5e-7", (6, 80), "5e-7", what);
+    check("0.75", "[1, 1, 1, 1, 1, 1, 2]", (6, 99), "2", message);
+    let message = "motion 2: velocity_rel is 50; it must be above 0 and at most 1 (50 % is 0.5)";
+    check("0.75", "50", (6, 80), "50", message);
+    let message = "motion 2: velocity_rel is 0.0000005; it must be at least 0.000001 and at most 1";
+    check("0.75", "5e-7", (6, 80), "5e-7", message);
     let seven = "motion 2: expected seven shares, for joints A1 to A7, found 3";
     check("0.75", "[1, 1, 1]", (6, 80), "[", seven);
     let share = "motion 2: expected a number above 0 and at most 1, or seven of them, found";
@@ -366,9 +374,9 @@ fn shares_out_of_range() {
 
 #[test]
 fn waits_out_of_range() {
-    for (seconds, found) in [("-0.001", "-0.001"), ("1e9", "1000000000")] {
-        let what = format!("motion 3: a wait of {found} s; it must be from 0 to 86400 s");
-        check("0.5 }", &format!("{seconds} }}"), (7, 34), seconds, &what);
+    for (seconds, shown) in [("-0.001", "-0.001"), ("1e9", "1000000000")] {
+        let message = format!("motion 3: a wait of {shown} s; it must be from 0 to 86400 s");
+        check("0.5 }", &format!("{seconds} }}"), (7, 34), seconds, &message);
     }
     check(
         "0.5 }",
@@ -382,28 +390,28 @@ fn waits_out_of_range() {
 
 #[test]
 fn blends_out_of_range() {
-    let at = (5, 72);
-    for (blend, what) in [
+    let place = (5, 72);
+    for (blend, message) in [
         ("\"fraction\": 0.5001", "fraction is 0.5001; it must be from 0 to 0.5"),
         ("\"fraction\": -0.1", "fraction is -0.1; it must be from 0 to 0.5"),
         ("\"sunrise_rel\": 1.01", "sunrise_rel is 1.01; it must be from 0 to 1"),
         ("\"sunrise_rel\": -1", "sunrise_rel is -1; it must be from 0 to 1"),
         ("\"cart_mm\": -50", "cart_mm is -50; it must be 0 or more"),
     ] {
-        check("\"cart_mm\": 50", blend, at, "{", &format!("motion 1: the blend's {what}"));
+        check("\"cart_mm\": 50", blend, place, "{", &format!("motion 1: the blend's {message}"));
     }
     let one = "motion 1: a blend has exactly one of `fraction`, `sunrise_rel` and `cart_mm`";
-    check("{ \"cart_mm\": 50 }", "{}", at, "{", one);
-    check("\"cart_mm\": 50", "\"cart_mm\": 50, \"fraction\": 0.1", at, "{", one);
+    check("{ \"cart_mm\": 50 }", "{}", place, "{", one);
+    check("\"cart_mm\": 50", "\"cart_mm\": 50, \"fraction\": 0.1", place, "{", one);
     let null = "motion 1: expected a number, found null";
-    check("\"cart_mm\": 50", "\"cart_mm\": null", (at.0, at.1 + 13), "null", null);
+    check("\"cart_mm\": 50", "\"cart_mm\": null", (place.0, place.1 + 13), "null", null);
     let object =
         "motion 1: expected an object such as { \"fraction\": 0.25 } or { \"cart_mm\": 30 }, found";
-    check("{ \"cart_mm\": 50 }", "50", at, "50", &format!("{object} `50`"));
+    check("{ \"cart_mm\": 50 }", "50", place, "50", &format!("{object} `50`"));
     check(
         "{ \"cart_mm\": 50 }",
         "\"fraction\"",
-        at,
+        place,
         "\"",
         &format!("{object} string \"fraction\""),
     );
@@ -420,8 +428,8 @@ fn blends_out_of_range() {
 fn a_blend_into_nothing() {
     let remove = "has nothing to blend into; remove its blend";
     let blend = "0.75, \"blend\": { \"fraction\": 0.25 }";
-    let what = format!("motion 2 is followed by a wait and {remove}");
-    check("0.75", blend, (6, 95), "{", &what);
+    let message = format!("motion 2 is followed by a wait and {remove}");
+    check("0.75", blend, (6, 95), "{", &message);
     // A program may be continued, so a blend at its last target is accepted.
     for blend in ["\"sunrise_rel\": 0.05", "\"cart_mm\": 4", "\"fraction\": 0.5"] {
         let text = GOOD.replace("90, 0] }\n", &format!("90, 0], \"blend\": {{ {blend} }} }}\n"));
@@ -446,8 +454,8 @@ fn nothing_to_start_from_and_nothing_to_do() {
     check(start, "", (1, 1), "{", "the key `start` is missing");
     check(start, "  \"start\": null,\n", (3, 12), "null", "expected an object, found null");
     let motions = &GOOD[GOOD.find("[\n").unwrap()..=GOOD.rfind(']').unwrap()];
-    let what = "the program has no motions; add at least one";
-    check(motions, "[]", (4, 14), "[]", what);
+    let message = "the program has no motions; add at least one";
+    check(motions, "[]", (4, 14), "[]", message);
     check(&format!(",\n  \"motions\": {motions}"), "", (1, 1), "{", "the key `motions` is missing");
 }
 
@@ -456,7 +464,7 @@ fn brackets_without_end() {
     const N: usize = 20_000_000;
     let start = r#"{ "version": 1, "start": { "joints_deg": [0, 0, 0, 0, 0, 0, 0] }, "motions": "#;
     let far = "the text ends too early";
-    for (before, bracket, what) in [
+    for (before, bracket, message) in [
         ("", "[", "expected an object, found a list"),
         ("", "{", "a key is expected, in double quotes"),
         ("{\"motions\":", "[", far),
@@ -471,9 +479,9 @@ fn brackets_without_end() {
         let text = format!("{before}{}", bracket.repeat(N / bracket.len()));
         let clock = Instant::now();
         let error = Program::from_json(&text).unwrap_err();
-        let taken = clock.elapsed();
-        assert!(taken < Duration::from_secs(10), "{before}{bracket}: {taken:?}");
-        assert!(error.what().ends_with(what), "{before}{bracket}: {error}");
+        let duration = clock.elapsed();
+        assert!(duration < Duration::from_secs(10), "{before}{bracket}: {duration:?}");
+        assert!(error.message().ends_with(message), "{before}{bracket}: {error}");
         assert!(error.to_string().len() < 200, "{before}{bracket}");
     }
     // Balanced brackets.
@@ -481,7 +489,7 @@ fn brackets_without_end() {
         let deep = open.repeat(N / 20) + "1" + &close.repeat(N / 20);
         let text = format!("{start}[{deep}] }}");
         let error = Program::from_json(&text).unwrap_err();
-        assert!(error.what().starts_with("motion 1: expected "), "{error}");
+        assert!(error.message().starts_with("motion 1: expected "), "{error}");
     }
 }
 

@@ -44,7 +44,7 @@ fn it_reads_back_as_it_is() {
 }
 
 #[test]
-fn what_cannot_be_is_refused_with_its_place() {
+fn invalid_motions_are_refused_with_their_place() {
     plan(&good()).unwrap();
     let to = |x: f64, z: f64, more: &Value| {
         let mut frame = json!({
@@ -172,10 +172,10 @@ fn auxiliary_orientations_at_an_end_do_not_turn_the_path() {
         all.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
     };
     for at_deg in [13.0, 53.0] {
-        let there = turns(at_deg);
+        let turn_there = turns(at_deg);
         for beside in [1e-12, -1e-9, 1e-6] {
-            assert!(off(&there, &turns(at_deg + beside)) < 1e-6, "{at_deg} {beside}");
+            assert!(off(&turn_there, &turns(at_deg + beside)) < 1e-6, "{at_deg} {beside}");
         }
-        assert!(off(&there, &turns(33.0)) < 0.3, "{}", off(&there, &turns(33.0)));
+        assert!(off(&turn_there, &turns(33.0)) < 0.3, "{}", off(&turn_there, &turns(33.0)));
     }
 }

@@ -93,7 +93,7 @@ proptest! {
                 })
             };
             let at = segment.at(s);
-            let close = |found: Joints, expected: Joints| norm(&minus(&found, &expected)) < 2e-7;
+            let close = |actual: Joints, expected: Joints| norm(&minus(&actual, &expected)) < 2e-7;
             prop_assert!(close(at.dq, difference(|segment, s| segment.at(s).q)));
             prop_assert!(close(at.ddq, difference(|segment, s| segment.at(s).dq)));
             prop_assert!(close(at.dddq, difference(|segment, s| segment.at(s).ddq)));
@@ -108,7 +108,10 @@ proptest! {
     ) {
         prop_assume!(far_apart(&poses));
         let motions = (1..5)
-            .map(|i| Ptp { blend: fractions.get(i - 1).copied().map(Blend::Fraction), ..Ptp::to(poses[i]) })
+            .map(|i| {
+                let blend = fractions.get(i - 1).copied().map(Blend::Fraction);
+                Ptp { blend, ..Ptp::to(poses[i]) }
+            })
             .collect();
         let path = path(shape, poses[0], motions);
         let pieces: Vec<_> = segments(&path).collect();
@@ -160,7 +163,10 @@ proptest! {
         // One of the two ends is on the sphere, unless half of a segment is reached first.
         let robot = path.robot();
         let crossing = |other: &Joints, length: f64| {
-            BlendSearch::FirstCrossing.crossing(robot, &[0.0; 3], &b, other, size * 1e-3).unwrap_or(0.5) * length
+            BlendSearch::FirstCrossing
+                .crossing(robot, &[0.0; 3], &b, other, size * 1e-3)
+                .unwrap_or(0.5)
+                * length
         };
         let expected = crossing(&a, lengths[0]).min(crossing(&c, lengths[1]));
         prop_assert!((reach[0] - expected).abs() < 1e-12);
@@ -192,26 +198,29 @@ proptest! {
     /// Comparison with a brute-force search.
     #[test]
     fn the_first_crossing_is_the_first(
-        point in anywhere(), other in anywhere(), radius in prop_oneof![1e-3..0.1_f64, 0.1..1.5_f64],
+        point in anywhere(),
+        other in anywhere(),
+        radius in prop_oneof![1e-3..0.1_f64, 0.1..1.5_f64],
         tcp in any_tcp(),
     ) {
         const SAMPLES: u32 = 1000;
         let robot = Robot::lbr_iiwa_7_r800();
-        let found = BlendSearch::FirstCrossing.crossing(&robot, &tcp, &point, &other, radius);
-        if let Some(u) = found {
+        let actual = BlendSearch::FirstCrossing.crossing(&robot, &tcp, &point, &other, radius);
+        if let Some(u) = actual {
             prop_assert!((0.0..=0.5).contains(&u));
             prop_assert!((distance(&robot, &tcp, &point, &other, u) - radius).abs() < 1e-9);
         }
-        let end = found.unwrap_or(0.5);
+        let end = actual.unwrap_or(0.5);
         for i in 0..SAMPLES {
             let u = end * f64::from(i) / f64::from(SAMPLES);
-            prop_assert!(distance(&robot, &tcp, &point, &other, u) < radius + 1e-12, "already at {u}");
+            prop_assert!(distance(&robot, &tcp, &point, &other, u) < radius + 1e-12, "already at \
+                                                                                      {u}");
         }
 
         // Algorithm 2 is never earlier, and late by at most one step unless the robot returns into
         // the sphere.
         let late = BlendSearch::Algorithm2.crossing(&robot, &tcp, &point, &other, radius);
-        let Some(u) = found else {
+        let Some(u) = actual else {
             prop_assert!(late.is_none_or(|late| late == 0.5));
             return Ok(());
         };
@@ -232,11 +241,16 @@ proptest! {
     /// All three searches terminate if the sphere is out of reach, and without motion.
     #[test]
     fn no_search_hangs(
-        point in anywhere(), other in anywhere(), still in any::<bool>(), radius in prop_oneof![3.0..10.0_f64, 3.0..1e100_f64],
+        point in anywhere(),
+        other in anywhere(),
+        still in any::<bool>(),
+        radius in prop_oneof![3.0..10.0_f64, 3.0..1e100_f64],
     ) {
         let robot = Robot::lbr_iiwa_7_r800();
         let other = if still { point } else { other };
-        for search in [BlendSearch::FirstCrossing, BlendSearch::Algorithm1, BlendSearch::Algorithm2] {
+        for search in
+            [BlendSearch::FirstCrossing, BlendSearch::Algorithm1, BlendSearch::Algorithm2]
+        {
             prop_assert_eq!(search.crossing(&robot, &[0.0; 3], &point, &other, radius), None);
         }
     }
@@ -271,9 +285,9 @@ fn shorter_ways_lead_to_the_same_derivatives() {
         for segment in segments(&path) {
             let plain = Plain(segment);
             for s in (0..=20).map(|i| f64::from(i) / 20.0) {
-                let [found, expected] = [segment.sigma_derivatives(s), plain.sigma_derivatives(s)];
-                for (found, expected) in found.iter().zip(&expected) {
-                    let error = norm(&minus(found, expected));
+                let [actual, expected] = [segment.sigma_derivatives(s), plain.sigma_derivatives(s)];
+                for (actual, expected) in actual.iter().zip(&expected) {
+                    let error = norm(&minus(actual, expected));
                     assert!(error <= 1e-12 * (1.0 + norm(expected)), "{segment:?} at {s}: {error}");
                 }
                 let sigma = segment.sigma(s)[0];
@@ -346,6 +360,6 @@ fn algorithm_1_may_find_another_crossing() {
     let radius = 0.332_563_5;
     let first =
         BlendSearch::FirstCrossing.crossing(&robot, &[0.0; 3], &point, &other, radius).unwrap();
-    let found = BlendSearch::Algorithm1.crossing(&robot, &[0.0; 3], &point, &other, radius);
-    assert!(found.is_none_or(|found| found > first + 1e-4), "{found:?}");
+    let actual = BlendSearch::Algorithm1.crossing(&robot, &[0.0; 3], &point, &other, radius);
+    assert!(actual.is_none_or(|actual| actual > first + 1e-4), "{actual:?}");
 }

@@ -61,7 +61,7 @@ fn a_line_passes_the_wrist_singularity() {
     let at = |s: f64| Robot::default().flange_pose(&way.at(s).q).then(&tcp()).position_m;
     let (from, to) = (at(0.0), at(1.0));
     let start_rad = path.start_rad();
-    let mut least = f64::MAX;
+    let mut min_singularity = f64::MAX;
     for i in 0..=100 {
         let s = f64::from(i) / 100.0;
         let place = at(s);
@@ -73,9 +73,9 @@ fn a_line_passes_the_wrist_singularity() {
             let expected = start_rad[j] + s * (end[j].to_radians() - start_rad[j]);
             assert!((q[j] - expected).abs() < 3e-9, "{s}: A{}", j + 1);
         }
-        least = least.min(Robot::default().singularity(&q).least().0);
+        min_singularity = min_singularity.min(Robot::default().singularity(&q).nearest().0);
     }
-    assert!(least < 0.01, "{least}");
+    assert!(min_singularity < 0.01, "{min_singularity}");
     let off = (0..7).map(|j| (way.at(1.0).q[j] - end[j].to_radians()).abs()).fold(0.0, f64::max);
     assert!(off < 1e-9, "{off}");
     // The default law keeps the status of the start, and does not end in that of the target.
@@ -134,7 +134,7 @@ fn it_reads_back_and_is_refused_where_it_cannot_be() {
 #[test]
 fn blends_by_orientation_are_small() {
     let end = [16.0, 45.0, 20.0, -62.0, 5.0, -25.0, 60.0];
-    let left = |ori_deg: f64| {
+    let remaining = |ori_deg: f64| {
         let motions = json!([
             { "type": "lin", "frame": target(end), "orientation": "ori_joint", "blend": { "ori_deg": ori_deg } },
             { "type": "lin_rel", "offset": { "x_mm": 40 } }
@@ -142,7 +142,7 @@ fn blends_by_orientation_are_small() {
         let path = plan(&program(&motions)).unwrap();
         only_move(&path).at(1.0).q[5].to_degrees() - end[5]
     };
-    let (little, more) = (left(1.0), left(5.0));
+    let (little, more) = (remaining(1.0), remaining(5.0));
     assert!(little > 0.0 && little < 1.0, "{little}");
     assert!((more / little - 5.0).abs() < 1e-6, "{more} {little}");
 }

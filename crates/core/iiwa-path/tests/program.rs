@@ -66,14 +66,14 @@ fn degrees_and_radians_are_the_same_joints() {
         panic!("two motions")
     };
     let expected = [PI / 2.0, -PI / 4.0, PI / 6.0, PI / 3.0, PI, 0.0, PI / 180.0];
-    for (found, expected) in deg.target_rad.iter().zip(expected) {
-        assert!((found - expected).abs() < 1e-15);
+    for (actual, expected) in deg.target_rad.iter().zip(expected) {
+        assert!((actual - expected).abs() < 1e-15);
     }
     assert_eq!(rad.target_rad, [1.0, 2.0, 3.0, -1.0, -2.0, -3.0, 0.5]);
 }
 
 #[test]
-fn what_is_left_out_is_full_speed_to_a_stop() {
+fn defaults_are_full_speed_and_no_blend() {
     let program = read(r#"{ "type": "ptp", "joints_rad": [1, 1, 1, 1, 1, 1, 1] }"#);
     assert_eq!(program.motions, [Motion::Ptp(Ptp::to([1.0; 7]))]);
     assert_eq!(program.robot, None);
@@ -173,7 +173,7 @@ fn a_repeated_target_only_settles() {
 }
 
 #[test]
-fn a_wait_stands_after_settling() {
+fn a_wait_follows_settling() {
     let program = read(
         r#"{ "type": "wait", "seconds": 1 },
            { "type": "ptp", "joints_rad": [1, 0, 0, 0, 0, 0, 0] },
@@ -214,17 +214,17 @@ fn a_change_of_the_load_takes_no_time() {
     let masses = [0, 1, 2].map(|i| picks.load(MotionIndex::new(i)).map(|load| load.mass_kg));
     assert_eq!(masses, [None, Some(2.0), Some(2.0)]);
     assert_eq!(waits.load(MotionIndex::new(2)), None);
-    let held = |motion| {
+    let torques_of = |motion| {
         picks
             .dynamics(MotionIndex::new(motion))
             .gravity_torques(&[0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0])[1]
     };
     let lever_m = (0.8 + 0.152 + 0.05) * 1.0_f64.sin();
-    assert!((held(2) - held(0) + 2.0 * 9.81 * lever_m).abs() < 1e-9);
+    assert!((torques_of(2) - torques_of(0) + 2.0 * 9.81 * lever_m).abs() < 1e-9);
 }
 
 #[test]
-fn a_list_of_motions_stands_alone_and_reads_back() {
+fn a_list_of_motions_round_trips() {
     let text = r#"{ "type": "anything", "motions": [
         { "type": "ptp", "joints_deg": [0, 30, 0, -60, 0, 90, 0], "blend": { "fraction": 0.25 } },
         { "type": "ptp", "joints_rad": [0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7], "velocity_rel": 0.5 },

@@ -27,7 +27,10 @@ fn frame(y: f64, z: f64, turn_deg: f64) -> Value {
     let start = Robot::default().flange_pose(&START_DEG.map(f64::to_radians));
     let [x_mm, y_mm, z_mm] = start.position_m.map(|m| 1e3 * m);
     let [a, b, c] = start.abc_rad().map(f64::to_degrees);
-    json!({ "x_mm": x_mm, "y_mm": y_mm + y, "z_mm": z_mm + z, "a_deg": a + turn_deg, "b_deg": b, "c_deg": c })
+    json!({
+        "x_mm": x_mm, "y_mm": y_mm + y, "z_mm": z_mm + z,
+        "a_deg": a + turn_deg, "b_deg": b, "c_deg": c
+    })
 }
 
 #[expect(clippy::needless_pass_by_value, reason = "frames are made where they are used")]
@@ -88,8 +91,8 @@ fn it_goes_through_its_frames_without_a_stop() {
     for (way, segment) in moves.iter().zip(&segments) {
         let pose = pose(&way.at(1.0).q);
         let number = |key: &str| segment["frame"][key].as_f64().unwrap();
-        let found = pose.position_m.map(|m| 1e3 * m);
-        assert!(off(&found, &["x_mm", "y_mm", "z_mm"].map(number)) < 1e-6, "{found:?}");
+        let actual = pose.position_m.map(|m| 1e3 * m);
+        assert!(off(&actual, &["x_mm", "y_mm", "z_mm"].map(number)) < 1e-6, "{actual:?}");
         let angles = pose.abc_rad().map(f64::to_degrees);
         assert!(off(&angles, &["a_deg", "b_deg", "c_deg"].map(number)) < 1e-6, "{angles:?}");
     }
@@ -104,8 +107,8 @@ fn it_stays_in_the_plane_of_its_frames() {
     let x = pose(path.start_rad()).position_m[0];
     for way in moves(&path) {
         for i in 0..=20 {
-            let at = pose(&way.at(f64::from(i) / 20.0).q).position_m[0];
-            assert!((at - x).abs() < 2e-9, "{at} {x}");
+            let x_m = pose(&way.at(f64::from(i) / 20.0).q).position_m[0];
+            assert!((x_m - x).abs() < 2e-9, "{x_m} {x}");
         }
     }
 }
@@ -172,15 +175,15 @@ fn its_neighbours_bend_to_lines_and_circles() {
     assert!(q < 2e-9 && dq < 1e-7 && ddq < 1e-5, "{q} {dq} {ddq}");
     let height = pose(path.start_rad()).position_m[2] + 0.03;
     for i in 0..=20 {
-        let at = pose(&moves[1].at(f64::from(i) / 20.0).q).position_m[2];
-        assert!((at - height).abs() < 2e-9);
+        let z_m = pose(&moves[1].at(f64::from(i) / 20.0).q).position_m[2];
+        assert!((z_m - height).abs() < 2e-9);
     }
     let centre =
         circle([frame(-60.0, -40.0, 0.0), frame(-60.0, 40.0, 0.0), frame(-100.0, 0.0, 0.0)]);
     let radius = distance(&pose(&moves[4].at(0.0).q), centre);
     for i in 0..=20 {
-        let found = distance(&pose(&moves[4].at(f64::from(i) / 20.0).q), centre);
-        assert!((found - radius).abs() < 2e-9, "{found} {radius}");
+        let actual = distance(&pose(&moves[4].at(f64::from(i) / 20.0).q), centre);
+        assert!((actual - radius).abs() < 2e-9, "{actual} {radius}");
     }
 }
 
@@ -219,7 +222,7 @@ fn it_stops_where_two_lines_meet_at_an_angle() {
 
 #[test]
 fn orientations_are_kept_or_ignored() {
-    let with = |kind: &str, of: &str, frame: Value| json!({ "type": kind, "orientation": of, "frame": frame });
+    let with = |kind: &str, orientation: &str, frame: Value| json!({ "type": kind, "orientation": orientation, "frame": frame });
     let segments = [
         with("spl", "constant", frame(40.0, 30.0, 20.0)),
         with("lin", "constant", frame(80.0, 30.0, 40.0)),
@@ -317,8 +320,8 @@ fn a_spline_can_be_blended() {
     assert!(q < 3e-9 && dq < 1e-6 && ddq < 1e-4, "{q} {dq} {ddq}");
     // The first blend starts at most 15 mm before the end of the first line: both sides have equal
     // length.
-    let left = pose(&moves[1].at(0.0).q).position_m[2] - pose(path.start_rad()).position_m[2];
-    assert!((left - 0.045).abs() < 1e-8, "{left}");
+    let distance_m = pose(&moves[1].at(0.0).q).position_m[2] - pose(path.start_rad()).position_m[2];
+    assert!((distance_m - 0.045).abs() < 1e-8, "{distance_m}");
 }
 
 #[test]
@@ -343,7 +346,7 @@ fn it_reads_back_as_it_is() {
 }
 
 #[test]
-fn what_cannot_be_is_refused_with_its_place() {
+fn invalid_splines_are_refused_with_their_place() {
     let to = || frame(40.0, 30.0, 0.0);
     let far = json!({ "x_mm": 3000, "y_mm": 0, "z_mm": 300, "a_deg": 0, "b_deg": 0, "c_deg": 180 });
     let with = |mut segment: Value, key: &str, value: Value| {
@@ -396,8 +399,8 @@ fn turns_in_place_may_be_a_little_off() {
             segment("spl", frame(100.0, 20.0, 35.0)),
         ];
         let path = plan(&program(&json!([spline(&segments)]))).unwrap();
-        let found: usize = path.stops_in_splines().iter().map(|(_, count)| count).sum();
-        assert_eq!(found, stops, "{off_mm} mm");
+        let actual: usize = path.stops_in_splines().iter().map(|(_, count)| count).sum();
+        assert_eq!(actual, stops, "{off_mm} mm");
         let end = path.steps().iter().rev().find_map(|step| match step {
             Step::Move { segment, .. } => Some(pose(&segment.at(1.0).q)),
             _ => None,
@@ -416,7 +419,7 @@ fn a_single_spl_is_refused_at_its_frame() {
 
 /// A segment has its own limits if they are given, otherwise those of the spline.
 #[test]
-fn segments_have_limits_of_their_own() {
+fn segments_have_separate_limits() {
     let with = |mut segment: Value, limits: &Value| {
         segment.as_object_mut().unwrap().extend(limits.as_object().unwrap().clone());
         segment

@@ -42,9 +42,9 @@ fn types_are_those_of_the_program() {
     use MotionType::{Circ, Lin, LinRel, Ptp, PtpToFrame, Wait};
     let program = Program::from_json(TEXT).unwrap();
     let path = path(&program);
-    let found: Vec<_> =
+    let actual: Vec<_> =
         (0..8).map(|index| path.motion_type(MotionIndex::new(index)).unwrap()).collect();
-    assert_eq!(found, [PtpToFrame, LinRel, Wait, LinRel, Lin, Circ, LinRel, Ptp]);
+    assert_eq!(actual, [PtpToFrame, LinRel, Wait, LinRel, Lin, Circ, LinRel, Ptp]);
 }
 
 #[test]
@@ -69,8 +69,10 @@ fn without_a_tool_the_flange_is_the_tcp() {
 fn another_tool_of_a_motion_is_another_tcp_of_the_path() {
     let mut program = Program::from_json(TEXT).unwrap();
     let mut path = path(&program);
-    let Motion::Cartesian(own) = &mut program.motions[6] else { panic!("a motion to a frame") };
-    own.tool = Some("flange".to_owned());
+    let Motion::Cartesian(cartesian) = &mut program.motions[6] else {
+        panic!("a motion to a frame")
+    };
+    cartesian.tool = Some("flange".to_owned());
     path.update(&program, PathOptions::default(), MotionIndex::new(6)).unwrap();
     assert_eq!(*path.tcp(MotionIndex::new(6)), Pose::IDENTITY);
     assert!(path.has_tools());
@@ -87,7 +89,7 @@ fn a_tool_that_is_not_there_is_a_fault() {
 
 /// A blend radius is a distance of the TCP, also between point-to-point motions.
 #[test]
-fn blends_are_as_large_as_the_tcp_says() {
+fn blend_size_is_measured_at_the_tcp() {
     const RADIUS_MM: f64 = 60.0;
     let program = Program::from_json(
         r#"{ "version": 1, "tools": { "long": { "tcp": { "x_mm": 80, "z_mm": 250 } } }, "tool": "long",

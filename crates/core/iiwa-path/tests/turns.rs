@@ -21,7 +21,7 @@ fn taught(joints_deg: [f64; 7], turn: u8) -> Value {
     })
 }
 
-fn found(program: &Value) -> Vec<TurnContradiction> {
+fn contradictions_of(program: &Value) -> Vec<TurnContradiction> {
     let program = Program::from_json(&program.to_string()).unwrap();
     TurnContradiction::all(&program, &Robot::default()).unwrap()
 }
@@ -43,13 +43,13 @@ fn they_are_found_wherever_a_motion_ends() {
             ]
         })
     };
-    assert_eq!(found(&program(right)), []);
-    let contradictions = found(&program(wrong));
+    assert_eq!(contradictions_of(&program(right)), []);
+    let contradictions = contradictions_of(&program(wrong));
     let motions: Vec<_> =
         contradictions.iter().map(|found| found.motion.map(MotionIndex::index)).collect();
     assert_eq!(motions, [None, Some(1), Some(3)]);
-    let [stated, is] = [wrong, right].map(|bits| Turn::new(bits).unwrap());
-    assert!(contradictions.iter().all(|found| (found.stated, found.found) == (stated, is)));
+    let [stated, actual] = [wrong, right].map(|bits| Turn::new(bits).unwrap());
+    assert!(contradictions.iter().all(|found| (found.stated, found.found) == (stated, actual)));
     let texts: Vec<_> = contradictions.iter().map(ToString::to_string).collect();
     assert!(texts[0].starts_with("the start pose: the frame states turn"), "{texts:?}");
     assert!(texts[1].starts_with("motion 2: the frame states turn"), "{texts:?}");
@@ -66,14 +66,14 @@ fn signs_of_joints_at_zero_do_not_count() {
     };
     // Bits of A1, A3, A5 and A7.
     for bits in [0b000_1000, 0b000_1001, 0b000_1100, 0b001_1000, 0b101_1101] {
-        assert_eq!(found(&to(bits)), [], "{bits}");
+        assert_eq!(contradictions_of(&to(bits)), [], "{bits}");
     }
-    assert_eq!(found(&to(0b000_0000)).len(), 1);
-    assert_eq!(found(&to(0b010_1000)).len(), 1);
+    assert_eq!(contradictions_of(&to(0b000_0000)).len(), 1);
+    assert_eq!(contradictions_of(&to(0b010_1000)).len(), 1);
 }
 
 #[test]
-fn what_cannot_be_done_is_a_fault() {
+fn impossible_turns_are_faults() {
     let far = json!({
         "version": 1, "start": { "joints_deg": [0, 30, 0, -60, 0, 90, 0] },
         "motions": [{ "type": "ptp", "frame": { "x_mm": 5000, "y_mm": 0, "z_mm": 0, "a_deg": 0,

@@ -49,24 +49,34 @@ proptest! {
     ) {
         let robot = Robot::default();
         let options = PathOptions::default();
-        let mut program = Program { robot: None, start: Start::Joints([0.0; 7]), motions: cleaned(motions), workcell: Workcell::default(), sources: Sources::default() };
+        let mut program = Program {
+            robot: None,
+            start: Start::Joints([0.0; 7]),
+            motions: cleaned(motions),
+            workcell: Workcell::default(),
+            sources: Sources::default(),
+        };
         let mut path = JointPath::new(&program, &robot).unwrap();
         for (index, motion) in changes {
             let index = index % program.motions.len();
             let old = std::mem::replace(&mut program.motions[index], motion);
             let before = path.clone();
-            match (JointPath::new(&program, &robot), path.update(&program, options, MotionIndex::new(index))) {
+            let updated = path.update(&program, options, MotionIndex::new(index));
+            match (JointPath::new(&program, &robot), updated) {
                 (Ok(new), Ok(replaced)) => {
                     prop_assert_eq!(format!("{:?}", path.steps()), format!("{:?}", new.steps()));
                     prop_assert_eq!(path.limits(), new.limits());
                     for index in (0..program.motions.len()).map(MotionIndex::new) {
                         prop_assert_eq!(path.load(index), new.load(index));
                     }
-                    let kept = |path: &JointPath, range: &std::ops::Range<usize>| {
+                    let is_shared = |path: &JointPath, range: &std::ops::Range<usize>| {
                         let steps = path.steps();
                         format!("{:?} {:?}", &steps[..range.start], &steps[range.end..])
                     };
-                    prop_assert_eq!(kept(&before, &replaced.before), kept(&path, &replaced.after));
+                    prop_assert_eq!(
+                        is_shared(&before, &replaced.before),
+                        is_shared(&path, &replaced.after)
+                    );
                 }
                 (Err(fault), Err(same)) => {
                     prop_assert_eq!(fault, same);

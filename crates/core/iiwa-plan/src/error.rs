@@ -77,10 +77,10 @@ impl Error {
 
     /// Error message without the place.
     #[must_use]
-    pub fn what(&self) -> String {
+    pub fn message(&self) -> String {
         match self {
             Self::File { .. } | Self::Profile { .. } => self.to_string(),
-            Self::Program(error) => error.what(),
+            Self::Program(error) => error.message(),
             Self::UnknownRobot { name, reason, .. } => unknown_robot(name, reason),
             Self::Plan { message, .. } => message.clone(),
         }

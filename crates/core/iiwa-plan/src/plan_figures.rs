@@ -232,8 +232,8 @@ impl MotionRecord {
         }
         for LimitShareRecord { limit, share } in next.limits {
             let share = of_all(share, 1);
-            match self.limits.iter_mut().find(|own| own.limit == limit) {
-                Some(own) => own.share += share,
+            match self.limits.iter_mut().find(|record| record.limit == limit) {
+                Some(record) => record.share += share,
                 None => self.limits.push(LimitShareRecord { limit, share }),
             }
         }
@@ -242,21 +242,21 @@ impl MotionRecord {
         self.end_s = next.end_s;
         self.peak_velocity_rel = self.peak_velocity_rel.max(next.peak_velocity_rel);
         self.cartesian = match (self.cartesian.take(), next.cartesian) {
-            (Some(own), Some(next)) => Some(CartesianRecord {
-                tcp_speed_peak_mm_s: own.tcp_speed_peak_mm_s.max(next.tcp_speed_peak_mm_s),
-                singularity: if next.singularity.least < own.singularity.least {
+            (Some(first), Some(next)) => Some(CartesianRecord {
+                tcp_speed_peak_mm_s: first.tcp_speed_peak_mm_s.max(next.tcp_speed_peak_mm_s),
+                singularity: if next.singularity.least < first.singularity.least {
                     next.singularity
                 } else {
-                    own.singularity
+                    first.singularity
                 },
                 status: next.status,
-                e1_deg: [own.e1_deg[0], next.e1_deg[1]],
+                e1_deg: [first.e1_deg[0], next.e1_deg[1]],
             }),
-            (own, next) => own.or(next),
+            (first, next) => first.or(next),
         };
         match (&mut self.torque, next.torque) {
-            (Some(own), Some(next)) => own.go_on(&next),
-            (own, next) => *own = own.take().or(next),
+            (Some(first), Some(next)) => first.go_on(&next),
+            (first, next) => *first = first.take().or(next),
         }
     }
 }
@@ -266,10 +266,10 @@ impl PlanFigures {
     /// in the sweep.
     #[must_use]
     pub fn new(timing: Timing, robot: &Robot, samples: u32) -> Self {
-        let used = |what: &str| match timing {
-            Timing::Jerk(_) => what == "acceleration" || what == "jerk",
-            Timing::Sunrise(_) => ["acceleration", "jerk", "ramps"].contains(&what),
-            _ => what == "acceleration",
+        let used = |quantity: &str| match timing {
+            Timing::Jerk(_) => quantity == "acceleration" || quantity == "jerk",
+            Timing::Sunrise(_) => ["acceleration", "jerk", "ramps"].contains(&quantity),
+            _ => quantity == "acceleration",
         };
         Self {
             cycle_time_s: 0.0,
@@ -284,8 +284,8 @@ impl PlanFigures {
             assumptions: robot
                 .assumptions()
                 .iter()
-                .filter(|assumption| used(&assumption.what))
-                .map(|assumption| format!("{}: {}", assumption.what, assumption.basis))
+                .filter(|assumption| used(&assumption.quantity))
+                .map(|assumption| format!("{}: {}", assumption.quantity, assumption.basis))
                 .collect(),
             rests_on: Vec::new(),
             clearance: None,
@@ -380,7 +380,7 @@ impl PlanFigures {
         let torques =
             self.motions.iter().filter_map(|it| Some(it.torque.as_ref()?.largest(it.index)));
         // Of equal shares, the first one is kept.
-        torques.reduce(|most, next| if next.percent > most.percent { next } else { most })
+        torques.reduce(|largest, next| if next.percent > largest.percent { next } else { largest })
     }
 
     /// Warnings about torques above their limits: one line per motion, for its worst joint.
@@ -389,8 +389,8 @@ impl PlanFigures {
         /// Largest number of motions that are named.
         const NAMED: usize = 10;
         let warning = |motion: &MotionRecord| {
-            let what = motion.torque.as_ref()?.warning()?;
-            Some(format!("motion {}: {what}", motion.index))
+            let message = motion.torque.as_ref()?.warning()?;
+            Some(format!("motion {}: {message}", motion.index))
         };
         let mut all = self.motions.iter().filter_map(warning);
         let mut warnings: Vec<_> = all.by_ref().take(NAMED).collect();
@@ -445,7 +445,7 @@ impl From<&CartesianFigures> for CartesianRecord {
         Self {
             tcp_speed_peak_mm_s: 1000.0 * figures.tcp_speed_peak_m_s,
             singularity: SingularityRecord {
-                least: nearest.least,
+                least: nearest.distance,
                 at_s: nearest.at_s,
                 axis: nearest.part.to_string().into(),
             },

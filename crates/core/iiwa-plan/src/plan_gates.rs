@@ -46,7 +46,8 @@ impl PlanGates {
             let LargestTorque { motion, joint, percent, at_s, .. } = figures.largest_torque()?;
             (rounded(percent, 1) > limit).then(|| {
                 format!(
-                    "needs {percent:.1} % of {joint}'s torque, more than {limit} %: motion {motion} at {at_s:.3} s"
+                    "needs {percent:.1} % of {joint}'s torque, more than {limit} %: motion \
+                     {motion} at {at_s:.3} s"
                 )
             })
         });

@@ -16,11 +16,14 @@ pub struct AssumptionRecord {
     pub first: usize,
 }
 
-const BLEND: &str = "blends: within limits of jerk, with ramps next to rest as soft as recorded ones; no blend has been recorded";
-const PATH: &str = "LIN and CIRC: within limits of jerk, with ramps next to rest as soft as those of recorded SPL; neither has been recorded";
+const BLEND: &str = "blends: within limits of jerk, with ramps next to rest as soft as recorded \
+                     ones; no blend has been recorded";
+const PATH: &str = "LIN and CIRC: within limits of jerk, with ramps next to rest as soft as those \
+                    of recorded SPL; neither has been recorded";
 const SPLINE: &str =
     "splines: the speed along them by a model, which meets recorded durations within 3 %";
-const CRUISE: &str = "PTP without a cruise or without a plateau of acceleration: the law of ramps is continued to where nothing was recorded";
+const CRUISE: &str = "PTP without a cruise or without a plateau of acceleration: the law of ramps \
+                      is continued to where nothing was recorded";
 const LOAD: &str = "load: ramps take it for a part of the arm; no recording has one";
 const JERK_REL: &str = "jerk_rel: scales jerk and snap of ramps; no recording has one";
 const PAUSE: &str =
@@ -32,25 +35,25 @@ const OVERRIDE: &str =
 
 /// Assumptions that the motions of a section depend on, for the timing method `timing`.
 fn of_section(section: &Section, timing: &str) -> Vec<(&'static str, MotionIndex)> {
-    let mut found = Vec::new();
+    let mut assumptions = Vec::new();
     if timing != "sunrise" {
         let stops = section.pieces().iter().find(|piece| piece.kind == PieceKind::Settle);
-        found.extend(stops.map(|piece| (JERK, piece.motion)));
-        return found;
+        assumptions.extend(stops.map(|piece| (JERK, piece.motion)));
+        return assumptions;
     }
     let path = section.path();
     let moving = section.pieces().iter().filter(|piece| piece.kind.moves());
     let alone = moving.clone().count() == 1;
     for piece in moving {
         let limits = path.limits_of(piece.step);
-        let mut add = |what| found.push((what, piece.motion));
+        let mut add = |text| assumptions.push((text, piece.motion));
         match piece.kind {
             PieceKind::Lin | PieceKind::Circ => add(PATH),
             PieceKind::Spline if alone || !has_blends(section) => add(SPLINE),
             PieceKind::Blend | PieceKind::Spline => add(BLEND),
             PieceKind::Line if alone => {
                 let kinds = [LimitKind::Velocity, LimitKind::Acceleration];
-                let reached = |kind| piece.limits().iter().any(|at| is_of(at.limit, kind));
+                let reached = |kind| piece.limits().iter().any(|active| is_of(active.limit, kind));
                 if !kinds.into_iter().all(reached) && limits.supervised_m_s().is_none() {
                     add(CRUISE);
                 }
@@ -73,8 +76,8 @@ fn of_section(section: &Section, timing: &str) -> Vec<(&'static str, MotionIndex
         }
     }
     let blocks = section.pieces().iter().find(|piece| section.is_blocking(piece));
-    found.extend(blocks.map(|piece| (PAUSE, piece.motion)));
-    found
+    assumptions.extend(blocks.map(|piece| (PAUSE, piece.motion)));
+    assumptions
 }
 
 fn has_blends(section: &Section) -> bool {
@@ -89,13 +92,13 @@ fn is_of(limit: Limit, wanted: LimitKind) -> bool {
 pub(crate) fn add(records: &mut Vec<AssumptionRecord>, section: &Section, timing: &str) {
     let mut last = None;
     for now in of_section(section, timing) {
-        let (what, motion) = now;
-        match records.iter_mut().find(|record| record.what == what) {
+        let (text, motion) = now;
+        match records.iter_mut().find(|record| record.what == text) {
             // A motion with several pieces counts once.
             Some(record) if last != Some(now) => record.motions += 1,
             Some(_) => {}
             None => records.push(AssumptionRecord {
-                what: what.to_owned(),
+                what: text.to_owned(),
                 motions: 1,
                 first: motion.index() + 1,
             }),

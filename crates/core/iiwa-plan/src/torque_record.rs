@@ -78,11 +78,11 @@ impl TorqueRecord {
     /// Largest share of all joints; the first joint's for equal shares. `motion` is only stored in
     /// the result.
     pub(crate) fn largest(&self, motion: usize) -> LargestTorque {
-        let most = |a: Joint, b: Joint| {
+        let larger = |a: Joint, b: Joint| {
             let is_larger = self.peak_percent[b.index()] > self.peak_percent[a.index()];
             if is_larger { b } else { a }
         };
-        let joint = Joint::ALL.into_iter().fold(Joint::A1, most);
+        let joint = Joint::ALL.into_iter().fold(Joint::A1, larger);
         let j = joint.index();
         LargestTorque {
             motion,
@@ -98,7 +98,8 @@ impl TorqueRecord {
         let is_too_heavy = |j: &usize| self.static_nm[*j].abs() > self.limit_nm(*j);
         if let Some(j) = (0..7).find(is_too_heavy) {
             return Some(format!(
-                "{} cannot hold the arm and its payload at rest on this path: holding takes {:.0} Nm of its {:.0}",
+                "{} cannot hold the arm and its payload at rest on this path: holding takes {:.0} \
+                 Nm of its {:.0}",
                 Joint::ALL[j],
                 self.static_nm[j].abs(),
                 self.limit_nm(j)
@@ -108,7 +109,8 @@ impl TorqueRecord {
         let limit_nm = self.limit_nm(joint.index());
         (percent > KEPT_PERCENT).then(|| {
             format!(
-                "{joint} needs {percent:.0} % of its torque ({:.0} Nm of {limit_nm:.0}) at {at_s:.2} s",
+                "{joint} needs {percent:.0} % of its torque ({:.0} Nm of {limit_nm:.0}) at \
+                 {at_s:.2} s",
                 torque_nm.abs()
             )
         })

@@ -12,12 +12,16 @@ pub fn warnings(program: &Program, path: &JointPath) -> Vec<String> {
     let stops = path.stops_in_splines().into_iter().map(|(motion, count)| {
         let often = if count == 1 { "once".to_owned() } else { format!("{count} times") };
         format!(
-            "motion {motion}: the TCP stops {often} within the spline: where it turns back, at a repeated point, or where \
-             direction, curvature, turn or E1 rates of two lines or circles differ (a segment `spl` between them avoids that)"
+            "motion {motion}: the TCP stops {often} within the spline: where it turns back, at a \
+             repeated point, or where direction, curvature, turn or E1 rates of two lines or \
+             circles differ (a segment `spl` between them avoids that)"
         )
     });
     let end = program.blend_at_the_end().map(|motion| {
-        format!("motion {motion} is the last one: its blend has nothing to blend into, and the arm stops")
+        format!(
+            "motion {motion} is the last one: its blend has nothing to blend into, and the arm \
+             stops"
+        )
     });
     let into_standstill = path.steps().iter().filter_map(|step| {
         let Step::Settle { motion, still: true, .. } = step else { return None };
@@ -45,7 +49,8 @@ fn open_start(program: &Program) -> Option<String> {
         open.iter().filter(|(_, is_open)| *is_open).map(|(key, _)| format!("`{key}`")).collect();
     (!open.is_empty()).then(|| {
         format!(
-            "the start is a frame without {}: E1 is taken as 0, the status as 2; the robot may be in another configuration",
+            "the start is a frame without {}: E1 is taken as 0, the status as 2; the robot may be \
+             in another configuration",
             open.join(" and ")
         )
     })

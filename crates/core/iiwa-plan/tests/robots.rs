@@ -38,7 +38,7 @@ fn a_program_is_planned_for_the_robot_that_it_names() {
 }
 
 #[test]
-fn a_path_of_another_robot_says_which_two_disagree() {
+fn a_path_of_another_robot_names_both_robots() {
     let program = Program::from_json(&text(R820)).unwrap();
     let fault = JointPath::new(&program, &Robot::lbr_iiwa_7_r800()).unwrap_err();
     let expected = "the program is for the robot `lbr_iiwa_14_r820`; `lbr_iiwa_7_r800` was given";

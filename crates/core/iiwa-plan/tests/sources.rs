@@ -12,7 +12,7 @@ const TEXT: &str = r#"{ "version": 1, "include": "cell.json", "tool": "gripper",
 const CELL: &str = r#"{ "version": 1, "tools": { "gripper": { "tcp": { "z_mm": 120 } } } }"#;
 
 #[test]
-fn a_program_is_read_with_what_it_includes() {
+fn a_program_is_read_with_its_includes() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("program.json");
     fs::write(&file, format!("\u{feff}{TEXT}")).unwrap();
@@ -70,7 +70,7 @@ fn sections_add_up_to_the_plan() {
 }
 
 #[test]
-fn an_interrupt_is_told_from_failures() {
+fn an_interrupt_differs_from_failures() {
     let stop = Arc::new(AtomicBool::new(true));
     let mut planning = PlanRequest::default().begin(&swing()).unwrap().interrupted_by(stop);
     let error = planning.next().unwrap().unwrap_err();

@@ -40,7 +40,10 @@ pub enum CartesianFault {
     },
     /// The path comes too close to a singular pose.
     #[error(
-        "at {:.1} % of the way, the arm is singular: {}{}", 100.0 * .s, what(*.part), hint(*.other_e1_deg)
+        "at {:.1} % of the way, the arm is singular: {}{}",
+        100.0 * .s,
+        description(*.part),
+        hint(*.other_e1_deg)
     )]
     Singular {
         /// Position of the fault, as a share of the path length.
@@ -96,8 +99,8 @@ pub enum CartesianFault {
     WristInSpline,
     /// With interpolated wrist joints, the shoulder or the elbow would have to change sides.
     #[error(
-        "with orientation `ori_joint` the arm stays on its side of shoulder and elbow, and at the target it would be on \
-         another; of the status, only bit 4 may change"
+        "with orientation `ori_joint` the arm stays on its side of shoulder and elbow, and at the \
+         target it would be on another; of the status, only bit 4 may change"
     )]
     OtherSide,
     /// A spline segment cannot be planned.
@@ -121,8 +124,8 @@ pub enum CartesianFault {
 pub enum CourseFault {
     /// The orientations differ by half a turn.
     #[error(
-        "the orientation would turn by half a turn: the way round is not defined; add a frame in between, or turn a \
-         little less"
+        "the orientation would turn by half a turn: the way round is not defined; add a frame in \
+         between, or turn a little less"
     )]
     HalfTurn,
     /// Start, auxiliary frame and end are collinear, or two of them coincide.
@@ -168,7 +171,7 @@ impl CartesianFault {
     }
 }
 
-fn what(part: Option<SingularPart>) -> &'static str {
+fn description(part: Option<SingularPart>) -> &'static str {
     match part {
         Some(SingularPart::Shoulder) => "the wrist passes over joint A1, and E1 cannot be kept",
         Some(SingularPart::Elbow) => "A4 is at 0 and the arm stretched",

@@ -195,8 +195,9 @@ impl CartesianMotion {
                 CartesianFault::Segments { found: segments.len(), max: MAX_SEGMENTS },
             )),
             Course::Spline(segments) => {
-                let own = segments.iter().filter_map(|segment| segment.orientation);
-                if own.chain([self.orientation]).any(|law| law == OrientationType::Joints) {
+                let segment_laws = segments.iter().filter_map(|segment| segment.orientation);
+                if segment_laws.chain([self.orientation]).any(|law| law == OrientationType::Joints)
+                {
                     return Err(("orientation", CartesianFault::WristInSpline));
                 }
                 segments.iter().enumerate().try_for_each(|(index, segment)| {
@@ -272,7 +273,7 @@ impl PathBlend {
 
     /// Checks that the sizes are allowed for a point-to-point motion, or for a TCP path.
     pub(crate) fn check(&self, is_ptp: bool) -> Result<(), CartesianFault> {
-        let wrong = |what| Err(CartesianFault::Blend(what));
+        let wrong = |message| Err(CartesianFault::Blend(message));
         if is_ptp {
             if self.orientation_rad.is_some() {
                 return wrong(

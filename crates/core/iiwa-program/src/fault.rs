@@ -31,7 +31,11 @@ pub enum Fault {
         "motion {motion}: {}{} is {found}; it must be {} and at most 1{}",
         .kind.share_key(),
         .joint.map(|joint| format!(" of joint {joint}")).unwrap_or_default(),
-        if *.found > 0.0 && *.found < *.min { format!("at least {min}") } else { "above 0".to_owned() },
+        if *.found > 0.0 && *.found < *.min {
+            format!("at least {min}")
+        } else {
+            "above 0".to_owned()
+        },
         percent(*.found)
     )]
     Share {
@@ -68,8 +72,8 @@ pub enum Fault {
     },
     /// A wait overlaps more motions than precede it since the last stop.
     #[error(
-        "motion {motion}: the wait is to overlap {}, and {} before it; a plain wait or a change of the load \
-         before it stops the arm", motions(*.found), there_are(*.before)
+        "motion {motion}: the wait is to overlap {}, and {} before it; a plain wait or a change of \
+         the load before it stops the arm", motions(*.found), there_are(*.before)
     )]
     NothingToOverlap {
         /// Motion index of the wait.
@@ -97,7 +101,8 @@ pub enum Fault {
     },
     /// A motion before a payload change has a blend.
     #[error(
-        "motion {motion} is followed by a change of the load, for which the arm stops; remove its blend"
+        "motion {motion} is followed by a change of the load, for which the arm stops; remove its \
+         blend"
     )]
     BlendBeforeLoad {
         /// Motion index.
@@ -105,7 +110,8 @@ pub enum Fault {
     },
     /// The inertia of a payload is not physically possible.
     #[error(
-        "motion {motion}: the load is that of no body; mass and moments of inertia must be 0 or more"
+        "motion {motion}: the load is that of no body; mass and moments of inertia must be 0 or \
+         more"
     )]
     Load {
         /// Motion index.
@@ -127,7 +133,11 @@ pub enum Fault {
         found: f64,
     },
     /// The flange length is out of range.
-    #[error("a flange of {} mm; it must be above 0 and at most {} mm", 1e3 * .found_m, 1e3 * MAX_FLANGE_M)]
+    #[error(
+        "a flange of {} mm; it must be above 0 and at most {} mm",
+        1e3 * .found_m,
+        1e3 * MAX_FLANGE_M
+    )]
     Flange {
         /// Length found, in m.
         found_m: f64,
@@ -141,7 +151,11 @@ pub enum Fault {
         given: String,
     },
     /// The program states a flange length other than that of the given robot.
-    #[error("the program is for a flange of {} mm; a robot with one of {} mm was given", 1e3 * .stated_m, 1e3 * .given_m)]
+    #[error(
+        "the program is for a flange of {} mm; a robot with one of {} mm was given",
+        1e3 * .stated_m,
+        1e3 * .given_m
+    )]
     OtherFlange {
         /// Length stated in the program, in m.
         stated_m: f64,

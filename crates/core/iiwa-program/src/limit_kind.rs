@@ -13,9 +13,9 @@ pub(crate) fn is_share(number: f64) -> bool {
 }
 
 /// Hint for a share that was probably given in per cent.
-pub(crate) fn percent(found: f64) -> String {
-    if (2.0..=100.0).contains(&found) {
-        format!(" ({found} % is {})", (1e4 * found).round() / 1e6)
+pub(crate) fn percent(share: f64) -> String {
+    if (2.0..=100.0).contains(&share) {
+        format!(" ({share} % is {})", (1e4 * share).round() / 1e6)
     } else {
         String::new()
     }

@@ -58,7 +58,7 @@ impl Program {
                     None
                 }
                 Motion::Ptp(_) => None,
-                Motion::Cartesian(own) => own.tool.as_deref(),
+                Motion::Cartesian(cartesian) => cartesian.tool.as_deref(),
             };
             carried = picked_up.or_else(|| of_tool(tool));
             carried

@@ -34,7 +34,7 @@ pub struct MotionLimits {
 struct Supervised {
     speed_m_s: f64,
     /// TCP speed limit in other modes.
-    own_m_s: f64,
+    program_m_s: f64,
 }
 
 impl MotionLimits {
@@ -57,9 +57,12 @@ impl MotionLimits {
             Motion::Ptp(ptp) => {
                 Self::of_shares(robot, |kind| ptp.share(kind), ToolLimits::NONE, workcell)
             }
-            Motion::Cartesian(own) => {
-                Self::of_shares(robot, |kind| &own.shares[kind], own.tool_limits, workcell)
-            }
+            Motion::Cartesian(cartesian) => Self::of_shares(
+                robot,
+                |kind| &cartesian.shares[kind],
+                cartesian.tool_limits,
+                workcell,
+            ),
             Motion::Wait { .. } | Motion::Load(_) => {
                 Self::of_shares(robot, |_| &[1.0; 7], ToolLimits::NONE, workcell)
             }
@@ -72,11 +75,11 @@ impl MotionLimits {
     pub fn of_segment(
         robot: &Robot,
         spline: &CartesianMotion,
-        own: &SegmentLimits,
+        segment: &SegmentLimits,
         workcell: &Workcell,
     ) -> Self {
-        let shares = |kind| own.shares[kind].as_ref().unwrap_or(&spline.shares[kind]);
-        Self::of_shares(robot, shares, own.tool.or(&spline.tool_limits), workcell)
+        let shares = |kind| segment.shares[kind].as_ref().unwrap_or(&spline.shares[kind]);
+        Self::of_shares(robot, shares, segment.tool.or(&spline.tool_limits), workcell)
     }
 
     fn of_shares<'a>(
@@ -96,9 +99,9 @@ impl MotionLimits {
         }
         if workcell.mode == OperatingMode::T1 {
             let speed = &mut limits.tool.way[LimitKind::Velocity];
-            let (own_m_s, speed_m_s) = (*speed, robot.t1_speed_m_s());
-            *speed = own_m_s.min(speed_m_s);
-            limits.supervised = Some(Supervised { speed_m_s, own_m_s });
+            let (program_m_s, speed_m_s) = (*speed, robot.t1_speed_m_s());
+            *speed = program_m_s.min(speed_m_s);
+            limits.supervised = Some(Supervised { speed_m_s, program_m_s });
         }
         limits
     }
@@ -131,8 +134,8 @@ impl MotionLimits {
     #[must_use]
     pub fn unsupervised(&self) -> Self {
         let mut limits = Self { supervised: None, ..*self };
-        if let Some(Supervised { own_m_s, .. }) = self.supervised {
-            limits.tool.way[LimitKind::Velocity] = own_m_s;
+        if let Some(Supervised { program_m_s, .. }) = self.supervised {
+            limits.tool.way[LimitKind::Velocity] = program_m_s;
         }
         limits
     }

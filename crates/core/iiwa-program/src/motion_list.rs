@@ -15,7 +15,10 @@ use crate::{
 /// use iiwa_program::{Motion, MotionList, Program, Ptp};
 ///
 /// let list = MotionList::from(vec![Motion::Ptp(Ptp::to([0.3; 7]))]);
-/// assert_eq!(list.clone().starting_at([0.0; 7]), Program::from_deg([0.0; 7]).ptp_rad([0.3; 7]).build());
+/// assert_eq!(
+///     list.clone().starting_at([0.0; 7]),
+///     Program::from_deg([0.0; 7]).ptp_rad([0.3; 7]).build()
+/// );
 /// assert_eq!(MotionList::from_json(r#"{"motions": [{"type": "ptp", "joints_rad": [0.3, 0.3, 0.3, 0.3, 0.3, 0.3, 0.3]}]}"#)?, list);
 /// # Ok::<(), iiwa_program::ProgramError>(())
 /// ```

@@ -66,12 +66,12 @@ impl Motion {
             Self::Ptp(_) => MotionType::Ptp,
             Self::Wait { .. } => MotionType::Wait,
             Self::Load(_) => MotionType::Load,
-            Self::Cartesian(own) => match own.course {
+            Self::Cartesian(cartesian) => match cartesian.course {
                 Course::Ptp { .. } => MotionType::PtpToFrame,
                 Course::Lin { .. } => MotionType::Lin,
                 Course::LinRel { .. } => MotionType::LinRel,
                 Course::Circ(_) => MotionType::Circ,
-                Course::Spline(_) if own.is_single_spl() => MotionType::Spl,
+                Course::Spline(_) if cartesian.is_single_spl() => MotionType::Spl,
                 Course::Spline(_) => MotionType::Spline,
             },
         }

@@ -22,7 +22,8 @@ impl Program {
     /// ```
     /// use iiwa_program::{Blend, Motion, MotionIndex, Program};
     ///
-    /// let mut program = Program::from_deg([0.0; 7]).ptp_deg([30.0; 7]).blend(Blend::Fraction(0.2)).build();
+    /// let mut program =
+    ///     Program::from_deg([0.0; 7]).ptp_deg([30.0; 7]).blend(Blend::Fraction(0.2)).build();
     /// program.motions.push(Motion::Wait { seconds: 0.5, overlap: 1 });
     /// let [wait] = program.overlapping_waits().try_into().expect("there is one");
     /// assert_eq!((wait.motion, wait.since), (MotionIndex::new(1), MotionIndex::new(0)));

@@ -61,9 +61,9 @@ impl Program {
             add(target, None)?;
         }
         for motion in &self.motions {
-            let Motion::Cartesian(own) = motion else { continue };
-            let base = own.base.as_deref();
-            match &own.course {
+            let Motion::Cartesian(cartesian) = motion else { continue };
+            let base = cartesian.base.as_deref();
+            match &cartesian.course {
                 Course::Ptp { to } | Course::Lin { to } => add(to, base)?,
                 Course::Circ(circ) => {
                     add(&circ.aux, base)?;

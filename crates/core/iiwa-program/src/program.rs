@@ -97,7 +97,7 @@ impl Motion {
     pub fn is_blocking(&self) -> bool {
         match self {
             Self::Ptp(ptp) => ptp.blocking,
-            Self::Cartesian(own) => own.blocking,
+            Self::Cartesian(cartesian) => cartesian.blocking,
             Self::Wait { .. } | Self::Load(_) => false,
         }
     }
@@ -106,7 +106,7 @@ impl Motion {
     fn has_blend(&self) -> bool {
         match self {
             Self::Ptp(ptp) => ptp.blend.is_some_and(Blend::has_effect),
-            Self::Cartesian(own) => own.blend.is_some(),
+            Self::Cartesian(cartesian) => cartesian.blend.is_some(),
             Self::Wait { .. } | Self::Load(_) => false,
         }
     }
@@ -195,10 +195,14 @@ impl Program {
     /// use iiwa_kin::Robot;
     /// use iiwa_program::{Fault, Program};
     ///
-    /// let program = Program::from_deg([0.0; 7]).ptp_deg([0.0, 0.0, 0.0, -130.0, 0.0, 0.0, 0.0]).build();
+    /// let program =
+    ///     Program::from_deg([0.0; 7]).ptp_deg([0.0, 0.0, 0.0, -130.0, 0.0, 0.0, 0.0]).build();
     /// let fault = program.check(Robot::default().limits()).unwrap_err();
     /// assert!(matches!(fault, Fault::JointOutside { motion: Some(_), .. }));
-    /// assert_eq!(fault.to_string(), "motion 1: joint A4 is at -130 deg; its range is -120 to 120 deg");
+    /// assert_eq!(
+    ///     fault.to_string(),
+    ///     "motion 1: joint A4 is at -130 deg; its range is -120 to 120 deg"
+    /// );
     /// ```
     ///
     /// # Errors
@@ -243,11 +247,14 @@ impl Program {
     ///
     /// [`Fault::OtherRobot`] and [`Fault::OtherFlange`].
     pub fn check_robot(&self, robot: &Robot) -> Result<(), Fault> {
-        let given = robot.name();
-        if let Some(named) = self.robot.as_deref().filter(|named| *named != given) {
+        let program_robot = robot.name();
+        if let Some(named) = self.robot.as_deref().filter(|named| *named != program_robot) {
             let is_profile = Robot::built_in(named).is_none();
             if !is_profile || is_built_in(robot) {
-                return Err(Fault::OtherRobot { named: named.to_owned(), given: given.to_owned() });
+                return Err(Fault::OtherRobot {
+                    named: named.to_owned(),
+                    given: program_robot.to_owned(),
+                });
             }
         }
         let given_m = robot.lengths().flange_m;
@@ -289,7 +296,7 @@ impl Program {
     fn check_entry(&self, motion: MotionIndex, entry: &Motion) -> Result<(), Fault> {
         match entry {
             Motion::Ptp(ptp) => self.check_ptp(motion, ptp),
-            Motion::Cartesian(own) => self.check_cartesian(motion, own),
+            Motion::Cartesian(cartesian) => self.check_cartesian(motion, cartesian),
             Motion::Wait { seconds, .. } if !(0.0..=MAX_WAIT_S).contains(seconds) => {
                 Err(Fault::Wait { motion, found: *seconds, max_s: MAX_WAIT_S })
             }
@@ -351,17 +358,21 @@ impl Program {
         ptp.blend.map_or(Ok(()), |blend| self.check_blend(motion, blend))
     }
 
-    fn check_cartesian(&self, motion: MotionIndex, own: &CartesianMotion) -> Result<(), Fault> {
-        check_shares(motion, |kind| &own.shares[kind])?;
+    fn check_cartesian(
+        &self,
+        motion: MotionIndex,
+        cartesian: &CartesianMotion,
+    ) -> Result<(), Fault> {
+        check_shares(motion, |kind| &cartesian.shares[kind])?;
         let fault =
             |key, fault| Fault::Cartesian { motion: Some(motion), key, fault: Box::new(fault) };
-        own.tool_limits.check().map_err(|(key, problem)| fault(key, problem))?;
-        own.check_segments().map_err(|(key, problem)| fault(key, problem))?;
-        let Some(blend) = own.blend else { return Ok(()) };
-        if own.blocking {
+        cartesian.tool_limits.check().map_err(|(key, problem)| fault(key, problem))?;
+        cartesian.check_segments().map_err(|(key, problem)| fault(key, problem))?;
+        let Some(blend) = cartesian.blend else { return Ok(()) };
+        if cartesian.blocking {
             return Err(Fault::BlockingBlend { motion });
         }
-        blend.check(own.is_ptp()).map_err(|problem| fault("blend", problem))?;
+        blend.check(cartesian.is_ptp()).map_err(|problem| fault("blend", problem))?;
         match blend.in_joints() {
             Some(size) => self.check_blend(motion, size),
             // A blend given by orientation alone has no size to check.
@@ -370,12 +381,12 @@ impl Program {
     }
 
     fn check_blend(&self, motion: MotionIndex, blend: Blend) -> Result<(), Fault> {
-        let (found, max) = match blend {
+        let (size, max) = match blend {
             Blend::Fraction(b) => (b, 0.5),
             Blend::SunriseRel(x) => (x, 1.0),
             Blend::CartMm(r) => (r, f64::MAX),
         };
-        if !(0.0..=max).contains(&found) {
+        if !(0.0..=max).contains(&size) {
             return Err(Fault::Blend { motion, blend });
         }
         if blend.has_effect() { self.check_what_follows(motion) } else { Ok(()) }
@@ -412,10 +423,10 @@ impl Program {
 /// Checks that all shares of limits are above 0 and at most 1.
 fn check_shares<'a>(
     motion: MotionIndex,
-    of: impl Fn(LimitKind) -> &'a Joints,
+    values_of: impl Fn(LimitKind) -> &'a Joints,
 ) -> Result<(), Fault> {
     for kind in LimitKind::ALL {
-        let values = of(kind);
+        let values = values_of(kind);
         let wrong = |(_, share): &(Joint, &f64)| !is_share(**share);
         if let Some((joint, &found)) = Joint::ALL.into_iter().zip(values).find(wrong) {
             let joint = values.iter().any(|v| v.to_bits() != found.to_bits()).then_some(joint);

@@ -67,23 +67,23 @@ impl Sources {
     #[must_use]
     pub fn in_message(&self, message: &str) -> String {
         const WORD: &str = "motion ";
-        let mut told = String::with_capacity(message.len());
+        let mut text = String::with_capacity(message.len());
         let mut rest = message;
-        while let Some(at) = rest.find(WORD) {
-            let number = &rest[at + WORD.len()..];
+        while let Some(offset) = rest.find(WORD) {
+            let number = &rest[offset + WORD.len()..];
             let digits =
                 number.len() - number.trim_start_matches(|c: char| c.is_ascii_digit()).len();
-            let (before, after) = rest.split_at(at + WORD.len() + digits);
-            told.push_str(before);
+            let (before, after) = rest.split_at(offset + WORD.len() + digits);
+            text.push_str(before);
             let motion = number[..digits].parse().ok().and_then(MotionIndex::from_number);
             if let Some(source) = motion.and_then(|motion| self.of(motion)) {
                 // Writing to a string does not fail.
-                let _ = write!(told, " ({source})");
+                let _ = write!(text, " ({source})");
             }
             rest = after;
         }
-        told.push_str(rest);
-        told
+        text.push_str(rest);
+        text
     }
 }
 

@@ -19,7 +19,7 @@ impl Program {
         let mut before = None;
         let tcps = self.entries().map(|(motion, entry)| {
             let tool = match entry {
-                Motion::Cartesian(own) => own.tool.as_deref(),
+                Motion::Cartesian(cartesian) => cartesian.tool.as_deref(),
                 Motion::Ptp(_) | Motion::Wait { .. } | Motion::Load(_) => None,
             };
             let tcp = match (entry, before) {

@@ -54,8 +54,8 @@ impl ToolLimits {
 
     /// These limits; limits of `other` for those that are infinite.
     pub(crate) fn or(&self, other: &Self) -> Self {
-        let or = |own: &ByKind<f64>, other: &ByKind<f64>| {
-            ByKind::from_fn(|kind| if own[kind].is_finite() { own[kind] } else { other[kind] })
+        let or = |first: &ByKind<f64>, other: &ByKind<f64>| {
+            ByKind::from_fn(|kind| if first[kind].is_finite() { first[kind] } else { other[kind] })
         };
         Self { way: or(&self.way, &other.way), turn: or(&self.turn, &other.turn) }
     }

@@ -89,8 +89,8 @@ impl Program {
     ) -> Result<Self, ProgramError> {
         let wire = read_version(text, VERSION, |wire: &ProgramWire<'_>| wire.version)
             .map_err(|error| ProgramError::unread(text, error))?;
-        let start = wire.start.start().map_err(|what| ProgramError::Json {
-            what: format!("the start pose: {what}"),
+        let start = wire.start.start().map_err(|message| ProgramError::Json {
+            message: format!("the start pose: {message}"),
             motion: None,
             made_from: None,
             place: locate(text, &[Step::Key("start")]),
@@ -101,10 +101,10 @@ impl Program {
         let torque_limit_rel = wire.limit_torque_percent.map(|percent| percent / 100.0);
         let speed_override = wire.override_percent.map(|percent| percent / 100.0);
         let flange_m = wire.flange_mm.map(|mm| mm / 1e3);
-        let own = Workcell { flange_m, torque_limit_rel, speed_override, ..named };
+        let program_cell = Workcell { flange_m, torque_limit_rel, speed_override, ..named };
         let workcell = match wire.include {
-            Some(name) => included(text, &name, read)?.updated_with(own),
-            None => own,
+            Some(name) => included(text, &name, read)?.updated_with(program_cell),
+            None => program_cell,
         };
         let program = Program {
             robot: wire.robot,

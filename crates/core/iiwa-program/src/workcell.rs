@@ -86,7 +86,7 @@ pub struct Base {
 #[non_exhaustive]
 pub enum NameFault {
     /// The tool, TCP, base or frame is unknown.
-    #[error("unknown {kind} `{}`{}", excerpt(.name), instead(.name, .known))]
+    #[error("unknown {kind} `{}`{}", excerpt(.name), suggestion(.name, .known))]
     Unknown {
         /// Kind of the name: `tool`, `base` or `frame`.
         kind: &'static str,
@@ -104,10 +104,10 @@ pub enum NameFault {
 }
 
 /// Suggestion for `name`: the most similar name, or all names.
-fn instead(name: &str, names: &[String]) -> String {
+fn suggestion(name: &str, names: &[String]) -> String {
     /// Longest name compared: a typing error does not lengthen a name by more.
-    const MOST_LETTERS: usize = 100;
-    let short = names.iter().map(String::as_str).filter(|name| name.len() <= MOST_LETTERS);
+    const MAX_LETTERS: usize = 100;
+    let short = names.iter().map(String::as_str).filter(|name| name.len() <= MAX_LETTERS);
     match meant(name, short) {
         Some(meant) => format!("; did you mean `{}`?", excerpt(meant)),
         None => listed(names),
@@ -117,7 +117,7 @@ fn instead(name: &str, names: &[String]) -> String {
 fn listed(names: &[String]) -> String {
     /// Largest number of listed names; more, or longer ones, would hide the message.
     const MOST: usize = 8;
-    const MOST_BYTES: usize = 200;
+    const MAX_BYTES: usize = 200;
     if names.is_empty() {
         return "; the program names none".to_owned();
     }
@@ -125,7 +125,7 @@ fn listed(names: &[String]) -> String {
     let quoted = names.iter().take(MOST).map(|name| format!("`{}`", excerpt(name)));
     let shown = quoted.take_while(|name| {
         bytes += name.len();
-        bytes <= MOST_BYTES
+        bytes <= MAX_BYTES
     });
     let shown = shown.collect::<Vec<_>>();
     let more = match shown.len() {
@@ -154,17 +154,17 @@ impl Workcell {
         if name == FLANGE {
             return Ok(Pose::IDENTITY);
         }
-        let found = match name.split_once('/') {
+        let frame = match name.split_once('/') {
             Some((tool, tip)) => self.tools.get(tool).and_then(|tool| tool.tips.get(tip)),
             None => self.tools.get(name).map(|tool| &tool.tcp),
         };
-        found.map(Frame::pose).ok_or_else(|| {
+        frame.map(Frame::pose).ok_or_else(|| {
             let tips = |(tool, entry): (&String, &Tool)| {
                 let tips = entry.tips.keys().map(|tip| format!("{tool}/{tip}")).collect::<Vec<_>>();
                 std::iter::once(tool.clone()).chain(tips)
             };
-            let known = self.tools.iter().flat_map(tips).collect();
-            NameFault::Unknown { kind: "tool", name: name.to_owned(), known }
+            let names = self.tools.iter().flat_map(tips).collect();
+            NameFault::Unknown { kind: "tool", name: name.to_owned(), known: names }
         })
     }
 
@@ -218,21 +218,21 @@ impl Workcell {
         Ok((target, base.then(&target.frame.pose())))
     }
 
-    /// Merges `own` into these tools, bases and frames. Names of `own` take precedence; tool and
-    /// base in use, mode, mounting and the other settings are those of `own`.
+    /// Merges `overrides` into these tools, bases and frames. Names of `overrides` take precedence;
+    /// tool and base in use, mode, mounting and the other settings are those of `overrides`.
     #[must_use]
-    pub fn updated_with(mut self, own: Self) -> Self {
-        self.tools.extend(own.tools);
-        self.bases.extend(own.bases);
-        self.frames.extend(own.frames);
+    pub fn updated_with(mut self, overrides: Self) -> Self {
+        self.tools.extend(overrides.tools);
+        self.bases.extend(overrides.bases);
+        self.frames.extend(overrides.frames);
         Self {
-            tool: own.tool,
-            base: own.base,
-            mode: own.mode,
-            mount: own.mount,
-            flange_m: own.flange_m,
-            torque_limit_rel: own.torque_limit_rel,
-            speed_override: own.speed_override,
+            tool: overrides.tool,
+            base: overrides.base,
+            mode: overrides.mode,
+            mount: overrides.mount,
+            flange_m: overrides.flange_m,
+            torque_limit_rel: overrides.torque_limit_rel,
+            speed_override: overrides.speed_override,
             ..self
         }
     }

@@ -74,7 +74,8 @@ pub(crate) fn fixtures() -> Vec<Value> {
 /// A program and a file of frames that name their schema for editors.
 pub(crate) fn with_schema_key() -> [Value; 2] {
     let program = json!({ "$schema": "program.schema.json", "version": 1,
-        "start": { "joints_deg": [0, 0, 0, 0, 0, 0, 0] }, "motions": [{ "type": "wait", "seconds": 1 }] });
+        "start": { "joints_deg": [0, 0, 0, 0, 0, 0, 0] },
+        "motions": [{ "type": "wait", "seconds": 1 }] });
     [program, json!({ "$schema": "frames.schema.json", "version": 1 })]
 }
 

@@ -12,19 +12,22 @@ fn read(text: &str, file: &str) -> Result<Program, ProgramError> {
 }
 
 #[test]
-fn the_names_of_the_file_are_the_programs_and_its_own_win() {
+fn the_program_overrides_names_of_the_included_file() {
     let program = read(PROGRAM, CELL).unwrap();
     let cell = Workcell::from_json(CELL).unwrap();
-    let own = &program.workcell;
-    assert_eq!(own.tools["gripper"].tcp.xyz_mm[2], 130.0);
+    let workcell = &program.workcell;
+    assert_eq!(workcell.tools["gripper"].tcp.xyz_mm[2], 130.0);
     // A tool is replaced as a whole, payload included.
-    assert_eq!(own.tools["gripper"].load, None);
-    assert_eq!(own.tools["probe"], cell.tools["probe"]);
-    assert_eq!((own.tool.as_deref(), own.base.as_deref()), (Some("gripper"), Some("tray")));
-    assert_eq!(own.frames, cell.frames);
+    assert_eq!(workcell.tools["gripper"].load, None);
+    assert_eq!(workcell.tools["probe"], cell.tools["probe"]);
+    assert_eq!(
+        (workcell.tool.as_deref(), workcell.base.as_deref()),
+        (Some("gripper"), Some("tray"))
+    );
+    assert_eq!(workcell.frames, cell.frames);
     // Included frames follow the program's base of the same name.
-    let table = own.base(Some("table")).unwrap();
-    let tray = own.base(None).unwrap();
+    let table = workcell.base(Some("table")).unwrap();
+    let tray = workcell.base(None).unwrap();
     assert_eq!(table.position_m, [0.48, 0.0, 0.0]);
     assert_eq!(tray.position_m, [0.48, 0.04, 0.0]);
 }
@@ -46,12 +49,12 @@ fn a_file_that_cannot_be_read_is_refused_where_it_is_named() {
         error.to_string(),
         "cannot include `cell.json`: there is none, at line 3, column 14"
     );
-    assert_eq!(error.what(), "cannot include `cell.json`: there is none");
+    assert_eq!(error.message(), "cannot include `cell.json`: there is none");
 }
 
 #[test]
 fn errors_within_the_file_have_their_places_there() {
-    for (from, to, place, what) in [
+    for (from, to, place, message) in [
         ("\"z_mm\": 300", "\"z_mm\": \"300\"", (3, 109), "expected a number"),
         ("\"version\": 1", "\"version\": 2", (2, 14), "these are frames of version 2; version 1"),
         ("\"e1_deg\": 5", "\"e1_rad\": 5, \"e1_deg\": 5", (6, 13), "`pick`: give either `e1_deg`"),
@@ -64,16 +67,16 @@ fn errors_within_the_file_have_their_places_there() {
         let file = CELL.replacen(from, to, 1);
         assert_ne!(file, CELL);
         match read(PROGRAM, &file) {
-            Err(ProgramError::Included { name, text, error, place: at }) => {
-                let found = (error.place().line, error.place().column);
+            Err(ProgramError::Included { name, text, error, place: include_place }) => {
+                let actual = (error.place().line, error.place().column);
                 assert_eq!((name.as_str(), &text), ("cell.json", &file));
-                assert_eq!((at.line, at.column), (3, 14));
-                assert!(error.what().contains(what), "{what}: {error}");
-                if what != "the text ends too early" {
-                    assert_eq!(found, place, "{what}: {error}");
+                assert_eq!((include_place.line, include_place.column), (3, 14));
+                assert!(error.message().contains(message), "{message}: {error}");
+                if message != "the text ends too early" {
+                    assert_eq!(actual, place, "{message}: {error}");
                 }
             }
-            other => unreachable!("{what}: {other:?}"),
+            other => unreachable!("{message}: {other:?}"),
         }
     }
 }
@@ -94,7 +97,7 @@ fn one_text_of_both_needs_no_file() {
 }
 
 #[test]
-fn what_is_written_is_read() {
+fn written_files_are_read_back() {
     let cell = Workcell::from_json(CELL).unwrap();
     let text = cell.to_json();
     assert_eq!(Workcell::from_json(&text).unwrap(), cell);

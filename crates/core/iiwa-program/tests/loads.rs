@@ -16,7 +16,7 @@ fn program(keys: &str, motions: &str) -> String {
 fn refused(text: &str) -> String {
     let error = Program::from_json(text).unwrap_err();
     let span = error.place().span.clone();
-    format!("{} | {}", error.what(), &text[span])
+    format!("{} | {}", error.message(), &text[span])
 }
 
 const LOAD: &str = r#"{ "type": "load", "load": { "mass_kg": 3.5, "center_mm": [1, -2, 60.5],
@@ -52,8 +52,8 @@ fn loads_and_mounts_read_back() {
 }
 
 #[test]
-fn what_is_no_load_is_refused() {
-    for (motions, what) in [
+fn invalid_loads_are_refused() {
+    for (motions, expected) in [
         (r#"{ "type": "load" }"#.to_owned(), "motion 1: the key `load` is missing"),
         (
             r#"{ "type": "load", "load": { "center_mm": [0, 0, 0] } }"#.to_owned(),
@@ -67,18 +67,18 @@ fn what_is_no_load_is_refused() {
         ),
         (LOAD.replace("0.02", "-0.02"), "that of no body"),
     ] {
-        let found = refused(&program("", &motions));
-        assert!(found.contains(what), "{found}");
+        let message = refused(&program("", &motions));
+        assert!(message.contains(expected), "{message}");
     }
-    let found = refused(&program("", &LOAD.replace("3.5", "-3.5")));
-    assert!(found.ends_with("\"abc_deg\": [10, 20, 30] }"), "{found}");
-    for (mount, what) in [
+    let message = refused(&program("", &LOAD.replace("3.5", "-3.5")));
+    assert!(message.ends_with("\"abc_deg\": [10, 20, 30] }"), "{message}");
+    for (mount, expected) in [
         (r#"{ "rpy_deg": [0, 0] }"#, "three angles"),
         ("{}", "the key `rpy_deg` is missing"),
         (r#""ceiling""#, "expected"),
     ] {
-        let found = refused(&program(&format!("\"mount\": {mount},"), PTP));
-        assert!(found.contains(what), "{found}");
+        let message = refused(&program(&format!("\"mount\": {mount},"), PTP));
+        assert!(message.contains(expected), "{message}");
     }
 }
 
@@ -86,9 +86,9 @@ fn what_is_no_load_is_refused() {
 #[test]
 fn nothing_is_blended_into_a_change_of_the_load() {
     let blended = PTP.replace(" }", r#", "blend": { "cart_mm": 30 } }"#);
-    let found = refused(&program("", &[&blended, LOAD, PTP].join(", ")));
+    let message = refused(&program("", &[&blended, LOAD, PTP].join(", ")));
     assert_eq!(
-        found,
+        message,
         r#"motion 1 is followed by a change of the load, for which the arm stops; remove its blend | { "cart_mm": 30 }"#
     );
     let none = PTP.replace(" }", r#", "blend": { "cart_mm": 0 } }"#);

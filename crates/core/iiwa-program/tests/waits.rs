@@ -29,11 +29,11 @@ fn error(motions: &[&str]) -> (String, usize, String) {
     let text = text(motions);
     let error = Program::from_json(&text).unwrap_err();
     let place = error.place();
-    (error.what(), place.line - 1, text[place.span.clone()].to_owned())
+    (error.message(), place.line - 1, text[place.span.clone()].to_owned())
 }
 
 #[test]
-fn a_wait_says_how_many_motions_it_overlaps() {
+fn a_wait_counts_the_motions_that_it_overlaps() {
     assert_eq!(overlap_of(r#"{ "type": "wait", "seconds": 1, "overlap": true }"#), 1);
     assert_eq!(overlap_of(r#"{ "type": "wait", "seconds": 1, "overlap_motions": 1 }"#), 1);
     assert_eq!(overlap_of(r#"{ "type": "wait", "seconds": 1, "overlap_motions": 2 }"#), 2);
@@ -56,13 +56,13 @@ fn waits_and_sources_are_written_as_they_were_read() {
     let overlapping = r#"{ "type": "wait", "seconds": 0.25, "overlap": true }"#;
     let program =
         Program::from_json(&text(&[FIRST, FIRST, sourced, ptp, overlapping, load, lin])).unwrap();
-    let found: Vec<_> = program
+    let sources: Vec<_> = program
         .sources
         .iter()
         .map(|(motion, source)| (motion.index(), source.to_string()))
         .collect();
     let expected = [(2, "A.java:7"), (3, "A.java:1"), (5, "B.java:8"), (6, "A.java:9")];
-    assert_eq!(found, expected.map(|(motion, source)| (motion, source.to_owned())));
+    assert_eq!(sources, expected.map(|(motion, source)| (motion, source.to_owned())));
 
     let json = program.to_json();
     assert_eq!(Program::from_json(&json).unwrap(), program);
@@ -79,29 +79,29 @@ fn waits_and_sources_are_written_as_they_were_read() {
 #[test]
 fn both_keys_are_refused() {
     let wait = r#"{ "type": "wait", "seconds": 1, "overlap": true, "overlap_motions": 2 }"#;
-    let (what, line, at) = error(&[FIRST, FIRST, wait, NEXT]);
-    assert_eq!(what, "motion 3: give either `overlap` or `overlap_motions`");
-    assert_eq!((line, at.as_str()), (3, "2"));
+    let (message, line, place) = error(&[FIRST, FIRST, wait, NEXT]);
+    assert_eq!(message, "motion 3: give either `overlap` or `overlap_motions`");
+    assert_eq!((line, place.as_str()), (3, "2"));
 }
 
 #[test]
 fn a_wait_that_overlaps_nothing_is_refused() {
     let wait = r#"{ "type": "wait", "seconds": 1, "overlap": true }"#;
-    let (what, line, at) = error(&[wait, NEXT]);
+    let (message, line, place) = error(&[wait, NEXT]);
     assert!(
-        what.starts_with("motion 1: the wait is to overlap a motion, and there is none"),
-        "{what}"
+        message.starts_with("motion 1: the wait is to overlap a motion, and there is none"),
+        "{message}"
     );
-    assert_eq!((line, at.as_str()), (1, "true"));
+    assert_eq!((line, place.as_str()), (1, "true"));
     // A plain wait and a payload change stop the robot.
     let plain = r#"{ "type": "wait", "seconds": 1 }"#;
     let load = r#"{ "type": "load", "load": null }"#;
     assert!(error(&[NEXT, plain, wait]).0.starts_with("motion 3: the wait is to overlap a motion"));
     assert!(error(&[NEXT, load, wait]).0.starts_with("motion 3: the wait is to overlap a motion"));
     let two = r#"{ "type": "wait", "seconds": 1, "overlap_motions": 2 }"#;
-    let (what, line, at) = error(&[NEXT, wait, two]);
-    assert!(what.contains("overlap 2 motions, and there is one before it"), "{what}");
-    assert_eq!((line, at.as_str()), (3, "2"));
+    let (message, line, place) = error(&[NEXT, wait, two]);
+    assert!(message.contains("overlap 2 motions, and there is one before it"), "{message}");
+    assert_eq!((line, place.as_str()), (3, "2"));
     let none = r#"{ "type": "wait", "seconds": 1, "overlap_motions": 0 }"#;
     assert_eq!(error(&[NEXT, none]).0, "motion 2: overlap_motions must be at least 1");
     let many =
@@ -125,24 +125,24 @@ fn a_blend_looks_through_overlapping_waits() {
 #[test]
 fn errors_name_the_source() {
     let far = r#"{ "type": "ptp", "joints_deg": [20, 0, 0, 9, 0, 0, 0], "velocity_rel": 2, "source": { "file": "Weld.java", "line": 84 } }"#;
-    let (what, line, at) = error(&[FIRST, far]);
-    assert!(what.starts_with("motion 2 (Weld.java:84): velocity_rel is 2"), "{what}");
-    assert_eq!((line, at.as_str()), (2, "2"));
+    let (message, line, place) = error(&[FIRST, far]);
+    assert!(message.starts_with("motion 2 (Weld.java:84): velocity_rel is 2"), "{message}");
+    assert_eq!((line, place.as_str()), (2, "2"));
     let unread = far.replace("joints_deg", "joints_degrees");
     assert!(error(&[FIRST, &unread]).0.starts_with("motion 2 (Weld.java:84): "));
     let zero = far.replace("84", "0");
-    let (what, line, _) = error(&[FIRST, &zero]);
-    assert_eq!((what.as_str(), line), ("motion 2: the first line of a source is line 1", 2));
+    let (message, line, _) = error(&[FIRST, &zero]);
+    assert_eq!((message.as_str(), line), ("motion 2: the first line of a source is line 1", 2));
 }
 
 #[test]
 fn messages_name_each_motion_with_its_source() {
     let mut program = Program::from_deg([0.0; 7]).ptp_deg([1.0; 7]).ptp_deg([2.0; 7]).build();
     program.sources.insert(MotionIndex::new(1), Source { file: "Weld.java".to_owned(), line: 12 });
-    let told =
+    let text =
         program.sources.in_message("motion 1 and motion 2, not motion 20; a motion, motion 2");
     assert_eq!(
-        told,
+        text,
         "motion 1 and motion 2 (Weld.java:12), not motion 20; a motion, motion 2 (Weld.java:12)"
     );
 }

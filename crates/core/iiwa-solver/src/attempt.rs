@@ -115,7 +115,7 @@ impl Attempt {
     /// check.
     pub(crate) fn slowness(&self, segment: &LimitedSegment<'_>, cell: usize) -> f64 {
         let duration_s = mean(|f| 1.0 / self.solver.at(cell, f)[0].sqrt());
-        duration_s * self.mesh.cells[cell].length / (REFINEMENT.slow * segment.least_build_up_s)
+        duration_s * self.mesh.cells[cell].length / (REFINEMENT.slow * segment.min_build_up_s)
     }
 
     /// Time from the share `from` to the share `to` of an inner cell, in s, without the time scale.
@@ -295,8 +295,8 @@ impl Attempt {
     ) -> Lowered {
         let first = window.start;
         let mut lowered = Lowered::default();
-        let found = self.largest_shares(segments, window);
-        let mut by: Vec<_> = found
+        let largest = self.largest_shares(segments, window);
+        let mut by: Vec<_> = largest
             .into_iter()
             .zip(first..)
             .map(|(shares, cell)| {
@@ -309,12 +309,12 @@ impl Attempt {
                         1.0
                     }
                 };
-                let of = ByKind::from_fn(|kind| {
+                let lowering = ByKind::from_fn(|kind| {
                     let share = shares.of[kind];
                     by_share(share, allowed.of[kind], REFINEMENT.target[kind] / share)
                 });
                 let target = REFINEMENT.rows.target / shares.of_room;
-                let by = Lowering { of, rows: by_share(shares.row, allowed.row, target) };
+                let by = Lowering { of: lowering, rows: by_share(shares.row, allowed.row, target) };
                 if !by.is_none() {
                     lowered.cells.push(cell);
                 }
@@ -322,11 +322,11 @@ impl Attempt {
             })
             .collect();
         for cell in lowered.cells.iter().filter(|cell| before.binary_search(cell).is_ok()) {
-            if let [own, next, ..] = &mut by[cell - first..] {
+            if let [current, next, ..] = &mut by[cell - first..] {
                 for (kind, next) in next.of.iter_mut().filter(|(kind, _)| !has_row_at_end(*kind)) {
-                    *next = next.min(own.of[kind]);
+                    *next = next.min(current.of[kind]);
                 }
-                next.rows = next.rows.min(own.rows);
+                next.rows = next.rows.min(current.rows);
             }
         }
         if !lowered.cells.is_empty() {
@@ -358,11 +358,12 @@ impl Attempt {
         if stretches == 1.0 {
             let rates = &self.rates_along(k, [0.0, 1.0]);
             let geometry = &self.mesh.geometry[k];
-            let of = cell.shares(segment.largest_shares(geometry, rates));
-            let finer = of_uneven_curve(&of, &cell.shares(segment.share_errors(geometry, rates)));
+            let shares = cell.shares(segment.largest_shares(geometry, rates));
+            let finer =
+                of_uneven_curve(&shares, &cell.shares(segment.share_errors(geometry, rates)));
             if finer == 1.0 {
                 let [row, of_room] = self.largest_rows(k, [0.0, 1.0], rates);
-                return CellShares { of, row, of_room };
+                return CellShares { of: shares, row, of_room };
             }
             stretches = finer;
         }
@@ -443,9 +444,9 @@ impl Attempt {
 /// Number of stretches in which to check a cell on a curve, from the largest shares of the limits
 /// `found` and their `errors`: 1 if no limit is exceeded either way. Errors are proportional to the
 /// third power of the stretch length.
-fn of_uneven_curve(found: &ByKind<f64>, errors: &ByKind<f64>) -> f64 {
+fn of_uneven_curve(shares: &ByKind<f64>, errors: &ByKind<f64>) -> f64 {
     let stretches = LimitKind::ALL.map(|kind| {
-        let is_near = found[kind] + errors[kind] > REFINEMENT.early[kind];
+        let is_near = shares[kind] + errors[kind] > REFINEMENT.early[kind];
         if is_near { (errors[kind] / REFINEMENT.missed).cbrt().ceil() } else { 1.0 }
     });
     stretches.into_iter().fold(1.0, f64::max).min(REFINEMENT.stretches)
@@ -461,9 +462,9 @@ fn raise(largest: &mut ByKind<f64>, shares: &ByKind<f64>) {
 
 /// Mean of a function over [0, 1], by three-point Gauss quadrature.
 #[inline(always)]
-fn mean(at: impl Fn(f64) -> f64) -> f64 {
+fn mean(value_at: impl Fn(f64) -> f64) -> f64 {
     const HALF_WIDTH: f64 = 0.387_298_334_620_741_7;
-    (5.0 * (at(0.5 - HALF_WIDTH) + at(0.5 + HALF_WIDTH)) + 8.0 * at(0.5)) / 18.0
+    (5.0 * (value_at(0.5 - HALF_WIDTH) + value_at(0.5 + HALF_WIDTH)) + 8.0 * value_at(0.5)) / 18.0
 }
 
 /// Check of the cells of a window, run with the widest vector instructions of the machine.

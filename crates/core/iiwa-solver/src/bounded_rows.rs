@@ -104,8 +104,8 @@ impl BoundedRow {
             let (simd, r) = (start.simd, start.register);
             let value = row.value::<LINE, S>(simd, r, place);
             let [lower, upper] = row.bounds(simd, r);
-            let least = [start.least * upper, -(start.least * lower)];
-            row.sides.start(start, value, [lower, upper], least);
+            let min_slack = [start.min_slack * upper, -(start.min_slack * lower)];
+            row.sides.start(start, value, [lower, upper], min_slack);
         }
     }
 
@@ -220,14 +220,14 @@ mod tests {
             let share =
                 inverse * (inertia * acceleration + product * velocity * velocity + gravity);
             let place = motion.place(t_s, length);
-            let found = value::<false>(&bounded, lane, place);
-            assert_near(found + row.offset, share, &format!("{t_s} s"));
+            let actual = value::<false>(&bounded, lane, place);
+            assert_near(actual + row.offset, share, &format!("{t_s} s"));
             let u = 0.5 * place[1] / length;
             assert_near(row.at(place[0].sqrt(), u), share, "share");
             // The distances from both bounds equal those of the torque.
             let [lower, upper] = bounded.bounds(Scalar::new(), lane).map(Vector::largest);
-            assert_near(upper - found, 1.0 - share, "upper");
-            assert_near(found - lower, 1.0 + share, "lower");
+            assert_near(upper - actual, 1.0 - share, "upper");
+            assert_near(actual - lower, 1.0 + share, "lower");
         }
     }
 }

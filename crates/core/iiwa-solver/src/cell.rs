@@ -23,9 +23,9 @@ pub struct Cell {
 impl Cell {
     /// Converts shares of the limits of the segment into shares of those of the cell.
     #[inline(always)]
-    pub(crate) fn shares(&self, mut of: ByKind<f64>) -> ByKind<f64> {
-        of[LimitKind::Jerk] /= self.jerk_rel;
-        of
+    pub(crate) fn shares(&self, mut shares: ByKind<f64>) -> ByKind<f64> {
+        shares[LimitKind::Jerk] /= self.jerk_rel;
+        shares
     }
 
     /// The curve at [`SHARES`] of the stretch between two shares of the cell.

@@ -32,33 +32,33 @@ impl CellRows {
         cells: &[Cell],
         geometry: &[Geometry],
     ) -> Self {
-        let mut found = Self::default();
+        let mut all = Self::default();
         if segments.iter().all(|segment| !segment.has_rows()) {
-            return found;
+            return all;
         }
         for cells in cells.chunk_by(|a, b| a.segment == b.segment) {
             let segment = &segments[cells[0].segment];
-            let geometry = &geometry[found.cells.len()..];
+            let geometry = &geometry[all.cells.len()..];
             // The end of a cell is the start of the next one.
             let sigma = |cell: &Cell| [cell.from, cell.from + 0.5 * cell.length];
             let last = cells.last().map(|cell| cell.from + cell.length);
             let sigma: Vec<_> = cells.iter().flat_map(sigma).chain(last).collect();
-            let (before, count) = (found.rows.len(), segment.row_count());
-            found.rows.extend(segment.rows(&sigma));
+            let (before, count) = (all.rows.len(), segment.row_count());
+            all.rows.extend(segment.rows(&sigma));
             for (k, geometry) in (0..cells.len()).zip(geometry) {
                 let cell =
-                    RowsOfCell { count, first: before + 2 * k * count, near: found.near.len() };
-                found.near.resize(cell.near + count, false);
+                    RowsOfCell { count, first: before + 2 * k * count, near: all.near.len() };
+                all.near.resize(cell.near + count, false);
                 // Indices of the start, the middle and the end among the places of a geometry.
-                for (rows, place) in cell.places(&found.rows).into_iter().zip([0, 3, 6]) {
+                for (rows, place) in cell.places(&all.rows).into_iter().zip([0, 3, 6]) {
                     let derivatives = segment.derivatives_at(geometry, place);
-                    let near = &mut found.near[cell.near..];
+                    let near = &mut all.near[cell.near..];
                     segment.mark_near(&derivatives, rows, near);
                 }
-                found.cells.push(cell);
+                all.cells.push(cell);
             }
         }
-        found
+        all
     }
 
     /// Rows at the start, in the middle and at the end of a cell.
@@ -68,8 +68,8 @@ impl CellRows {
 
     /// Marks of the rows that can come near their limit in a cell.
     pub(crate) fn near(&self, cell: usize) -> &[bool] {
-        let of = |cell: &RowsOfCell| &self.near[cell.near..cell.near + cell.count];
-        self.cells.get(cell).map_or(&[], of)
+        let marks = |cell: &RowsOfCell| &self.near[cell.near..cell.near + cell.count];
+        self.cells.get(cell).map_or(&[], marks)
     }
 }
 

@@ -137,10 +137,10 @@ impl<'a, 'b> LimitedCell<'a, 'b> {
     /// segments. Also returns the derivatives by sigma to which they apply, if these differ from
     /// those of the segment alone.
     fn at_start(&self) -> ([Coordinates; 2], Option<SigmaDerivatives>) {
-        let own = AT_STARTS.map(|kind| self.segment.inverse[kind]);
-        let Some(before) = self.before else { return (own, None) };
+        let current = AT_STARTS.map(|kind| self.segment.inverse[kind]);
+        let Some(before) = self.before else { return (current, None) };
         let other = AT_STARTS.map(|kind| before.inverse[kind]);
-        let lower = |k: usize| std::array::from_fn(|j| own[k][j].max(other[k][j]));
+        let lower = |k: usize| std::array::from_fn(|j| current[k][j].max(other[k][j]));
         let mut lower: [Coordinates; 2] = [lower(0), lower(1)];
         if !before.has_tool() {
             return (lower, None);
@@ -157,7 +157,7 @@ impl<'a, 'b> LimitedCell<'a, 'b> {
             1.0
         };
         for k in 0..2 {
-            lower[k][TOOL] = own[k][TOOL].max(ratio * other[k][TOOL]);
+            lower[k][TOOL] = current[k][TOOL].max(ratio * other[k][TOOL]);
         }
         (lower, Some(derivatives))
     }
@@ -167,9 +167,9 @@ impl<'a, 'b> LimitedCell<'a, 'b> {
     fn limiting(&self) -> [LimitingJoints; 3] {
         let [acceleration, jerk] =
             [LimitKind::Acceleration, LimitKind::Jerk].map(|kind| self.segment.limiting[kind]);
-        let own = self.segment.inverse[LimitKind::Acceleration];
+        let current = self.segment.inverse[LimitKind::Acceleration];
         let ([_, at_start], _) = self.at_start();
-        let at_start = if at_start == own {
+        let at_start = if at_start == current {
             acceleration
         } else if at_start[TOOL] > 0.0 {
             LimitingJoints::ALL
@@ -350,11 +350,11 @@ impl AnyBlock<'_> {
     /// Sets the rows of further limits. Cells in which no row can be active keep rows with zero
     /// coefficients, which are always feasible.
     fn set_others(&mut self, mesh: &Mesh) {
-        let most = self.cells.iter().map(|k| mesh.rows.near(*k).len()).max().unwrap_or(0);
+        let max_count = self.cells.iter().map(|k| mesh.rows.near(*k).len()).max().unwrap_or(0);
         let is_near = |j: &usize| {
             self.cells.iter().any(|k| mesh.rows.near(*k).get(*j).is_some_and(|near| *near))
         };
-        let near: Vec<usize> = (0..most).filter(is_near).collect();
+        let near: Vec<usize> = (0..max_count).filter(is_near).collect();
         for (place, others) in self.others.iter_mut().enumerate() {
             others.resize(near.len(), BoundedRow::default());
             BoundedRow::set_bounds(others);

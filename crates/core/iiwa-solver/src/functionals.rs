@@ -87,7 +87,7 @@ mod tests {
                 w0 + f * slope,
             ]
         };
-        let of = |row: CellState| -> f64 { (0..4).map(|a| row[a] * y[a]).sum() };
+        let product = |row: CellState| -> f64 { (0..4).map(|a| row[a] * y[a]).sum() };
         let [[x0, v0, w0], [xm, vm, wm], [x1, v1, w1]] = [0.0, 0.5, 1.0].map(at);
         let cases = [
             ("StartX", StartX::ROW, x0),
@@ -104,7 +104,7 @@ mod tests {
             ("ControlV", ControlV::ROW, v0 + w0 / 2.0),
         ];
         for (name, row, expected) in cases {
-            assert!((of(row) - expected).abs() < 1e-15, "{name}: {} {expected}", of(row));
+            assert!((product(row) - expected).abs() < 1e-15, "{name}: {} {expected}", product(row));
         }
     }
 }

@@ -87,8 +87,8 @@ impl JerkRow {
         let bound = place[0].sqrt().inverse();
         for row in rows {
             let value = row.value::<LINE, S>(start.simd, start.register, place);
-            let least = [start.least * bound; 2];
-            row.sides.start(start, value, [-bound, bound], least);
+            let min_slack = [start.min_slack * bound; 2];
+            row.sides.start(start, value, [-bound, bound], min_slack);
         }
     }
 
@@ -116,7 +116,7 @@ impl JerkRow {
             let (jx, jv, jw) = (row.x.load(simd, r), row.v.load(simd, r), row.w.load(simd, r));
             let value = row.value::<LINE, S>(simd, r, place);
             // Jerk relative to its limit is root times the value of the row.
-            let Contribution { weights: [a, b], slopes: [up, down], duals: own } =
+            let Contribution { weights: [a, b], slopes: [up, down], duals: row_duals } =
                 row.sides.advance(steps, value, [-bound, bound], root, sum);
             let (both, apart) = (a + b, a - b);
             let apart_slope = up - down;
@@ -138,13 +138,13 @@ impl JerkRow {
             }
             weights = weights + both;
             slopes = slopes + up + down;
-            duals = duals + own;
+            duals = duals + row_duals;
         }
         // The curvature of the Lagrangian in x is (weight - duals) 3/4 x^(-5/2), negative where
         // duals are large. The step needs a convex model, so the curvature enters by its magnitude,
         // bounded from below.
-        let kept = (weight - duals).abs().max(weight * SETTINGS.kept_curvature);
-        let curvature = bound * inverse * inverse * kept * 0.75;
+        let curvature = (weight - duals).abs().max(weight * SETTINGS.kept_curvature);
+        let curvature = bound * inverse * inverse * curvature * 0.75;
         xx = bound_slope.mul_add(bound_slope * weights - ex * 2.0, xx + curvature);
         xw = xw - bound_slope * ew;
         gx = bound_slope.mul_add(weight - slopes, gx);
@@ -211,13 +211,13 @@ mod tests {
                 JerkRow::set(&mut rows, lane, &joints, &curve, length, &INVERSE);
                 let [_, _, jerk] = motion.differences(t_s);
                 for (row, j) in rows.iter_mut().zip(joints) {
-                    let of = |row: &JerkRow| {
+                    let row_value = |row: &JerkRow| {
                         row.value::<false, _>(Scalar::new(), lane, splat(place)).largest() * root
                     };
                     let share = jerk[j] * INVERSE[j];
-                    assert_near(of(row), share, &format!("{t_s} s, {j}"));
+                    assert_near(row_value(row), share, &format!("{t_s} s, {j}"));
                     row.scale(lane, 0.8);
-                    assert_near(of(row), share / 0.8, "lowered");
+                    assert_near(row_value(row), share / 0.8, "lowered");
                 }
                 // On a line with this direction, jerk is proportional to half the second derivative
                 // of x by sigma.
@@ -225,8 +225,8 @@ mod tests {
                 let rate = 0.5 * place[2] / length.powi(2);
                 let share =
                     (0..8).map(|j| (curve[0][j] * rate * INVERSE[j]).abs()).fold(0.0, f64::max);
-                let found = line[0].value::<true, _>(Scalar::new(), lane, splat(place));
-                assert_near(found.largest().abs(), share, "line");
+                let actual = line[0].value::<true, _>(Scalar::new(), lane, splat(place));
+                assert_near(actual.largest().abs(), share, "line");
             }
         }
     }

@@ -88,6 +88,9 @@ pub(crate) fn splat<const N: usize>(numbers: [f64; N]) -> [Vector<Scalar>; N] {
 }
 
 /// Asserts that two numbers are equal up to the error of finite differences.
-pub(crate) fn assert_near(found: f64, expected: f64, case: &str) {
-    assert!((found - expected).abs() < 1e-4 * (1.0 + expected.abs()), "{case}: {found} {expected}");
+pub(crate) fn assert_near(actual: f64, expected: f64, case: &str) {
+    assert!(
+        (actual - expected).abs() < 1e-4 * (1.0 + expected.abs()),
+        "{case}: {actual} {expected}"
+    );
 }

@@ -43,7 +43,7 @@ pub struct LimitedSegment<'a> {
     /// The tool coordinate, if it is limited.
     tool: Option<ToolCoordinate>,
     /// Shortest time in which the jerk of a joint or the tool builds up its acceleration, in s.
-    pub(crate) least_build_up_s: f64,
+    pub(crate) min_build_up_s: f64,
     /// Unit of sigma of the shape, in rad.
     unit: f64,
     /// dq/dsigma of a straight segment.
@@ -91,7 +91,7 @@ impl<'a> LimitedSegment<'a> {
             with_tool(limits.of(kind), tool)
         });
         let inverse = limits.map(|_, limits| limits.map(|limit| 1.0 / limit));
-        let least_build_up_s =
+        let min_build_up_s =
             std::iter::zip(&limits[LimitKind::Acceleration], &limits[LimitKind::Jerk])
                 .filter(|(_, jerk)| jerk.is_finite())
                 .map(|(acceleration, jerk)| acceleration / jerk)
@@ -103,7 +103,7 @@ impl<'a> LimitedSegment<'a> {
             swept,
             shape,
             tool,
-            least_build_up_s,
+            min_build_up_s,
             unit,
             direction,
             graph: if tool.is_none() { shape.as_planar_graph() } else { None },
@@ -215,12 +215,12 @@ impl<'a> LimitedSegment<'a> {
         let x = largest_multiple(dq, velocity).powi(2);
         let u = (0..8)
             .map(|j| (acceleration[j] + ddq[j].abs() * x) / dq[j].abs())
-            .fold(f64::INFINITY, |least, u| if u < least { u } else { least });
+            .fold(f64::INFINITY, |min, u| if u < min { u } else { min });
         for (near, row) in near.iter_mut().zip(rows) {
             let moving = row.acceleration.abs() * u + row.square.abs() * x;
-            let most = moving + row.offset.abs();
+            let total = moving + row.offset.abs();
             // NaN means that no other limit bounds the speed.
-            *near |= most >= NEAR_LIMIT || most.is_nan();
+            *near |= total >= NEAR_LIMIT || total.is_nan();
         }
     }
 
@@ -385,8 +385,8 @@ impl<'a> LimitedSegment<'a> {
     pub(crate) fn even_way(&self, s: f64, share: f64) -> f64 {
         let [_, ddq, dddq] = self.derivatives(s);
         let [_, _, jerk] = self.straight(s);
-        let of = |row| jerk * largest_share(row, &self.inverse[LimitKind::Jerk]);
-        (share / (9.0 * of(&ddq))).min((share / (14.0 * of(&dddq))).sqrt())
+        let jerk_share = |row| jerk * largest_share(row, &self.inverse[LimitKind::Jerk]);
+        (share / (9.0 * jerk_share(&ddq))).min((share / (14.0 * jerk_share(&dddq))).sqrt())
     }
 
     /// Straight stopping distance from the start of the segment, in rad; `before` is the segment
@@ -470,9 +470,9 @@ impl<'a> LimitedSegment<'a> {
     fn sampled_shares(&self, geometry: &Geometry, rates: &[Places; 3]) -> [[Places; 8]; 3] {
         let mut shares = [[Places::default(); 8]; 3];
         for i in 0..Places::default().len() {
-            let found = self.shares(geometry, i, rates.map(|rate| rate[i])).into_array();
-            for (shares, found) in std::iter::zip(&mut shares, found) {
-                std::iter::zip(shares, found).for_each(|(share, found)| share[i] = found);
+            let lane_shares = self.shares(geometry, i, rates.map(|rate| rate[i])).into_array();
+            for (shares, lane) in std::iter::zip(&mut shares, lane_shares) {
+                std::iter::zip(shares, lane).for_each(|(share, value)| share[i] = value);
             }
         }
         shares
@@ -510,8 +510,8 @@ impl<'a> LimitedSegment<'a> {
         let across =
             if let Geometry::Planar(across) = geometry { *across } else { Default::default() };
         for i in 0..Places::default().len() {
-            let found = in_plane(across.map(|derivative| derivative[i]), at(i));
-            for (of_plane, [along, aside]) in std::iter::zip(&mut of_plane, found) {
+            let parts = in_plane(across.map(|derivative| derivative[i]), at(i));
+            for (of_plane, [along, aside]) in std::iter::zip(&mut of_plane, parts) {
                 (of_plane[0][i], of_plane[1][i]) = (along, aside);
             }
         }
@@ -535,8 +535,8 @@ fn largest_multiple(direction: &Coordinates, limits: &Coordinates) -> f64 {
 }
 
 /// Values of the joints alone.
-fn joints(of: &Coordinates) -> Joints {
-    std::array::from_fn(|j| of[j])
+fn joints(coordinates: &Coordinates) -> Joints {
+    std::array::from_fn(|j| coordinates[j])
 }
 
 /// Values of the joints, followed by that of the tool.

@@ -38,12 +38,12 @@ impl LimitingJoints {
                 spans[i][k] = area > ROUNDING * (one.abs() + other.abs());
             }
         }
-        let mut kept = [true; 7];
+        let mut is_limiting = [true; 7];
         if *spans.as_flattened() == [false; 49] {
             // All points are on one line through the origin: the farthest one limits.
             let square = |j: &usize| points[*j].iter().map(|v| v * v).sum::<f64>();
             let farthest = (0..7).max_by(|i, j| square(i).total_cmp(&square(j)));
-            kept = std::array::from_fn(|j| Some(j) == farthest);
+            is_limiting = std::array::from_fn(|j| Some(j) == farthest);
         } else {
             for j in 0..7 {
                 // The point is a combination of two others with a sum of weights of at most one.
@@ -51,13 +51,13 @@ impl LimitingJoints {
                     spans[i][k] && areas[j][k] + areas[i][j] <= areas[i][k] * (1.0 + EQUAL)
                 };
                 // Dropped points do not count, so that one of several equal points remains.
-                let others = |i: &usize| kept[*i] && *i != j;
-                kept[j] =
+                let others = |i: &usize| is_limiting[*i] && *i != j;
+                is_limiting[j] =
                     !(0..7).filter(others).any(|i| (0..i).filter(others).any(|k| is_between(i, k)));
             }
         }
         let mut limiting = Self { coordinates: [0; 8], points: [[0.0; 2]; 7], count: 0 };
-        for j in (0..7).filter(|j| kept[*j]) {
+        for j in (0..7).filter(|j| is_limiting[*j]) {
             limiting.coordinates[limiting.count] = j;
             limiting.points[limiting.count] = points[j];
             limiting.count += 1;
@@ -108,8 +108,8 @@ mod tests {
                 let (b, a) = angle.sin_cos();
                 let value = |j: usize| (a * points[j][0] + b * points[j][1]).abs();
                 let all = (0..7).map(value).fold(0.0, f64::max);
-                let kept = limiting.get().iter().map(|&j| value(j)).fold(0.0, f64::max);
-                prop_assert!(all <= kept * (1.0 + 1e-12), "{all} {kept} {limiting:?}");
+                let largest = limiting.get().iter().map(|&j| value(j)).fold(0.0, f64::max);
+                prop_assert!(all <= largest * (1.0 + 1e-12), "{all} {largest} {limiting:?}");
             }
         }
     }
@@ -117,7 +117,7 @@ mod tests {
     /// Six joints on one ray, in a short blend: the direction across the path is a thousand million
     /// times as long as the other one.
     #[test]
-    fn rounding_takes_no_corner_away() {
+    fn rounding_removes_no_corner() {
         let points = [
             [0.000_130_960_940_367_212_9, -109_595.371_571_696_3],
             [0.003_370_867_573_191_455_7, -65_406.913_920_018_56],

@@ -54,7 +54,7 @@ impl MeshSettings {
     }
 
     /// Upper bound on cell lengths in a segment along which limits change, in rad.
-    fn most(&self, segment: &LimitedSegment<'_>) -> f64 {
+    fn max_length(&self, segment: &LimitedSegment<'_>) -> f64 {
         if segment.has_rows() { self.row_rad } else { f64::INFINITY }
     }
 }
@@ -173,25 +173,26 @@ pub(crate) fn mesh(
         let from_rest = rest(starts_at_rest && index == part.start, 0.0);
         let to_rest = rest(backwards, 1.0);
         let end_size = |neighbour: Option<&LimitedSegment<'_>>| {
-            let of = |segment: &LimitedSegment<'_>| {
+            let end_length = |segment: &LimitedSegment<'_>| {
                 let size = if segment.is_line() { sizes.line } else { sizes.blend_end };
-                (size * segment.length).min(sizes.most(segment))
+                (size * segment.length).min(sizes.max_length(segment))
             };
-            of(segment).min(neighbour.map_or(f64::INFINITY, of))
+            end_length(segment).min(neighbour.map_or(f64::INFINITY, end_length))
         };
         let at_start = end_size(index.checked_sub(1).map(|before| &segments[before]));
         let at_end = end_size(segments.get(index + 1));
         let size = if segment.is_line() { sizes.line } else { sizes.blend };
-        let most = (size * segment.length).min(sizes.most(segment));
+        let max_length = (size * segment.length).min(sizes.max_length(segment));
         // Never reached with valid stamps; faulty stamps could make the number of cells unbounded
         // without this bound.
-        let least = 1e-3 * [from_rest, to_rest].iter().flatten().fold(most, |a, b| a.min(*b));
-        let least = least.min(at_start).min(at_end);
+        let min_length =
+            1e-3 * [from_rest, to_rest].iter().flatten().fold(max_length, |a, b| a.min(*b));
+        let min_length = min_length.min(at_start).min(at_end);
         // The march from the end arrives at the cell that touches rest at the start, which has its
         // largest permitted length.
         let floor = |place: Place| match from_rest {
             Some(rest) if backwards && place.start <= rest => rest,
-            _ => least,
+            _ => min_length,
         };
         let turn = segment.turn_back();
         let swept_at = |place: Place| swept.at(if backwards { place.end } else { place.start });
@@ -205,7 +206,8 @@ pub(crate) fn mesh(
                 Some(_) => sizes.rest_growth * way,
                 None => size + sizes.blend_end_growth * way,
             };
-            most.min(grown(from_rest, at_start, place.start))
+            max_length
+                .min(grown(from_rest, at_start, place.start))
                 .min(grown(to_rest, at_end, place.end))
                 .min(x.sqrt() * duration_s)
                 .min(sizes.turn * turn + sizes.turn_growth * 0.5 * (place.start - place.end).abs())
@@ -235,34 +237,35 @@ pub(crate) fn mesh(
 
 /// Ratio of the cell size at the end of a step to that at its start, below which the step is
 /// halved.
-const LEAST_SHRINKING: f64 = 0.125;
+const MIN_SHRINKING: f64 = 0.125;
 
 /// Nodes along `length` at distances of about `size`, which changes little from one node to the
 /// next. The first distance is given if the robot is at rest there. Returns `None` if there are too
 /// many nodes.
 fn march(length: f64, rest: Option<f64>, size: impl Fn(Place) -> f64) -> Option<Vec<Place>> {
-    let mut at = Place { start: 0.0, end: length };
-    let mut nodes = vec![at];
+    let mut place = Place { start: 0.0, end: length };
+    let mut nodes = vec![place];
     if let Some(rest) = rest {
-        at = at.after(rest, length);
-        nodes.push(at);
+        place = place.after(rest, length);
+        nodes.push(place);
     }
     let end = Place { start: length, end: 0.0 };
-    while at.end > 0.0 {
-        let after = |step: f64| if step < at.way_to(end) { at.after(step, length) } else { end };
+    while place.end > 0.0 {
+        let after =
+            |step: f64| if step < place.way_to(end) { place.after(step, length) } else { end };
         // The step is the smallest of the sizes at its start, middle and end. Its end must not be
         // too far ahead: a small size there would not apply here.
-        let mut step = size(at);
+        let mut step = size(place);
         let mut at_end = size(after(step));
-        while at_end < LEAST_SHRINKING * step {
+        while at_end < MIN_SHRINKING * step {
             step *= 0.5;
             at_end = size(after(step));
         }
         step = step.min(at_end);
         step = step.min(size(after(0.5 * step)));
-        at = at.after(step, length);
-        nodes.push(at);
-        if nodes.len() > SETTINGS.most_nodes {
+        place = place.after(step, length);
+        nodes.push(place);
+        if nodes.len() > SETTINGS.max_nodes {
             return None;
         }
     }
@@ -327,7 +330,7 @@ mod tests {
     /// Next to a stop at the end of a segment of length 1, cells are as small as next to a stop at
     /// its start: far below the rounding error of the distance from the start.
     #[test]
-    fn both_ends_have_digits_of_their_own() {
+    fn both_ends_keep_full_precision() {
         let size = |place: Place| 1e-20 + 0.25 * place.start.min(place.end);
         let nodes = march(1.0, Some(1e-20), size).unwrap();
         let lengths = lengths(&nodes);
@@ -386,9 +389,10 @@ mod tests {
             let [from, to] = [mesh.from_rest.unwrap(), mesh.to_rest.unwrap()];
             let cells: Vec<_> = [from].into_iter().chain(mesh.cells).chain([to]).collect();
             for (index, segment) in segments.iter().enumerate() {
-                let own: Vec<_> = cells.iter().filter(|cell| cell.segment == index).collect();
+                let segment_cells: Vec<_> =
+                    cells.iter().filter(|cell| cell.segment == index).collect();
                 let mut sum = 0.0;
-                for cell in own {
+                for cell in segment_cells {
                     assert!(cell.length > 0.0 && (cell.from - sum).abs() < 1e-12, "{cell:?}");
                     sum += cell.length;
                 }

@@ -80,7 +80,7 @@ mod tests {
     }
 
     #[test]
-    fn a_parabola_misses_what_a_cubic_has() {
+    fn a_parabola_misses_the_peak_of_a_cubic() {
         let samples = |curve: fn(f64) -> f64| SHARES.map(curve);
         assert!(parabola_error(&samples(|x| 3.0 + x * (2.0 - 5.0 * x))) < 1e-15);
         // Between the shares 0 and 1/6: x^3 less the parabola through its values at 0, 1/6 and 1/3.

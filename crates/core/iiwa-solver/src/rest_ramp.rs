@@ -36,7 +36,7 @@ mod tests {
     #[test]
     fn it_fades_from_its_reach_to_its_end() {
         let ramp = RestRamp { jerk_rel: 0.4, reach_rad: 0.5, end_rad: 1.0 };
-        let found = [0.0, 0.25, 0.5, 0.75, 1.0, 9.0].map(|way| ramp.jerk_rel_at(way));
-        assert_eq!(found, [0.4, 0.4, 0.4, 0.7, 1.0, 1.0]);
+        let actual = [0.0, 0.25, 0.5, 0.75, 1.0, 9.0].map(|way| ramp.jerk_rel_at(way));
+        assert_eq!(actual, [0.4, 0.4, 0.4, 0.7, 1.0, 1.0]);
     }
 }

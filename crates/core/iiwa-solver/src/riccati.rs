@@ -235,8 +235,8 @@ fn forwards<S: Simd>(
 #[cold]
 fn convex([xx, xv, vv]: [f64; 3]) -> [f64; 3] {
     let (xx, vv) = (xx.max(0.0), vv.max(0.0));
-    let most = (xx * vv).sqrt();
-    [xx, if xv * xv > xx * vv { most.copysign(xv) } else { xv }, vv]
+    let bound = (xx * vv).sqrt();
+    [xx, if xv * xv > xx * vv { bound.copysign(xv) } else { xv }, vv]
 }
 
 /// Continuity defect in x and V between the end of cell `k` and the start of the next one.

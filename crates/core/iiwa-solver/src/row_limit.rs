@@ -87,8 +87,8 @@ impl RowLimits {
         derivative: &[Joints],
         second_derivative: &[Joints],
     ) -> Vec<PathRow> {
-        let of = |limit: &dyn RowLimit| limit.rows(joints_rad, derivative, second_derivative);
-        self.joined(joints_rad.len(), of)
+        let rows_of = |limit: &dyn RowLimit| limit.rows(joints_rad, derivative, second_derivative);
+        self.joined(joints_rad.len(), rows_of)
     }
 
     /// Shares of the limits at instants of a motion, instant after instant: see
@@ -100,20 +100,27 @@ impl RowLimits {
         velocity_rad_s: &[Joints],
         acceleration_rad_s2: &[Joints],
     ) -> Vec<f64> {
-        let of =
+        let bends_of =
             |limit: &dyn RowLimit| limit.shares(joints_rad, velocity_rad_s, acceleration_rad_s2);
-        self.joined(joints_rad.len(), of)
+        self.joined(joints_rad.len(), bends_of)
     }
 
     /// Values of all limits, place after place.
-    fn joined<T: Copy>(&self, places: usize, of: impl Fn(&dyn RowLimit) -> Vec<T>) -> Vec<T> {
+    fn joined<T: Copy>(
+        &self,
+        places: usize,
+        values_of: impl Fn(&dyn RowLimit) -> Vec<T>,
+    ) -> Vec<T> {
         if let [limit] = self.limits.as_slice() {
-            return of(limit.as_ref());
+            return values_of(limit.as_ref());
         }
-        let values: Vec<(usize, Vec<T>)> =
-            self.limits.iter().map(|limit| (limit.row_count(), of(limit.as_ref()))).collect();
+        let values: Vec<(usize, Vec<T>)> = self
+            .limits
+            .iter()
+            .map(|limit| (limit.row_count(), values_of(limit.as_ref())))
+            .collect();
         let at = |place: usize| {
-            values.iter().flat_map(move |(count, own)| &own[place * count..(place + 1) * count])
+            values.iter().flat_map(move |(count, rows)| &rows[place * count..(place + 1) * count])
         };
         (0..places).flat_map(at).copied().collect()
     }

@@ -55,7 +55,7 @@ pub(crate) struct MeshSettings {
     /// Jump of d2s/dt2 that counts as a switch in a blend, as a share of its largest value there.
     pub(crate) switch_jump: f64,
     /// Maximum number of nodes of a segment; some tens are usual. A guard against invalid stamps.
-    pub(crate) most_nodes: usize,
+    pub(crate) max_nodes: usize,
 }
 
 /// Settings of the primal-dual interior-point method.
@@ -67,7 +67,7 @@ pub(crate) struct InteriorPointSettings {
     /// Largest relative decrease of x in a step, in (0, 1).
     pub(crate) largest_decrease: f64,
     /// Least share of a slack or a dual that remains after a step.
-    pub(crate) least_share: f64,
+    pub(crate) min_share: f64,
     /// Step lengths of slacks with x, and of duals, as multiples of the common step to the
     /// boundary: each slack and dual stops at its own boundary.
     pub(crate) beyond: [f64; 2],
@@ -82,7 +82,7 @@ pub(crate) struct InteriorPointSettings {
     /// it.
     pub(crate) centring: [(f64, f64); 3],
     /// Share of the final gap below which mu is not lowered.
-    pub(crate) least_mu: f64,
+    pub(crate) min_mu: f64,
     /// Duality gap, relative to the duration, at which the problem counts as solved.
     pub(crate) gap: f64,
     /// Duality gap at which limits are checked for the first time.
@@ -214,18 +214,18 @@ pub(crate) const SETTINGS: Settings = Settings {
         rest_bend: 0.01,
         row_rad: 0.12,
         switch_jump: 0.25,
-        most_nodes: 100_000,
+        max_nodes: 100_000,
     },
     interior_point: InteriorPointSettings {
         to_boundary: 0.98,
         largest_decrease: 0.8,
-        least_share: 0.02,
+        min_share: 0.02,
         beyond: [5.0, 10.0],
         start_jerk: 1.0,
         start_growth: 0.3,
         cold: WarmStart { mu: 0.3, slack: 0.5, kept: 1.0 },
         centring: [(0.9, 0.05), (0.5, 0.15), (0.2, 0.4)],
-        least_mu: 0.2,
+        min_mu: 0.2,
         gap: 3e-5,
         first_gap: 1e-3,
         last_gap: 1e-6,

@@ -15,7 +15,7 @@ const SETTINGS: InteriorPointSettings = crate::settings::SETTINGS.interior_point
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Start {
     pub(crate) mu: f64,
-    pub(crate) least: f64,
+    pub(crate) min_slack: f64,
     pub(crate) kept: f64,
 }
 
@@ -35,7 +35,7 @@ pub(crate) struct InteriorSteps<S: Simd> {
     primal: Vector<S>,
     dual: Vector<S>,
     mu: Vector<S>,
-    least: Vector<S>,
+    min_share: Vector<S>,
 }
 
 impl<S: Simd> InteriorSteps<S> {
@@ -49,7 +49,7 @@ impl<S: Simd> InteriorSteps<S> {
             primal: splat(last.primal),
             dual: splat(last.dual),
             mu: splat(next.mu),
-            least: splat(SETTINGS.least_share),
+            min_share: splat(SETTINGS.min_share),
         }
     }
 }
@@ -61,16 +61,16 @@ pub(crate) struct InteriorStart<S: Simd> {
     /// Products of slacks and duals.
     pub(crate) mu: Vector<S>,
     /// Least slack, as a share of the bound.
-    pub(crate) least: Vector<S>,
+    pub(crate) min_slack: Vector<S>,
     /// Factor by which a dual may differ from mu over its slack, either way; 1 resets the dual.
     pub(crate) kept: f64,
 }
 
 impl<S: Simd> InteriorStart<S> {
     #[inline(always)]
-    pub(crate) fn new(simd: S, register: usize, Start { mu, least, kept }: Start) -> Self {
-        let [mu, least] = [mu, least].map(|value| Vector::splat(simd, value));
-        Self { simd, register, mu, least, kept }
+    pub(crate) fn new(simd: S, register: usize, Start { mu, min_slack, kept }: Start) -> Self {
+        let [mu, min_slack] = [mu, min_slack].map(|value| Vector::splat(simd, value));
+        Self { simd, register, mu, min_slack, kept }
     }
 }
 
@@ -120,19 +120,19 @@ impl Sides {
     /// Number of sides of a row.
     pub(crate) const COUNT: usize = 2;
 
-    /// Sets the slacks to the distances from the bounds `[lower, upper]`, but at least to `least`;
-    /// in that array, the upper side comes first.
+    /// Sets the slacks to the distances from the bounds `[lower, upper]`, but at least to
+    /// `min_slack`; in that array, the upper side comes first.
     #[inline(always)]
     pub(crate) fn start<S: Simd>(
         &mut self,
         start: &InteriorStart<S>,
         value: Vector<S>,
         [lower, upper]: [Vector<S>; 2],
-        least: [Vector<S>; 2],
+        min_slack: [Vector<S>; 2],
     ) {
         let Self([above, below]) = self;
-        above.start(start, upper - value, least[0]);
-        below.start(start, value - lower, least[1]);
+        above.start(start, upper - value, min_slack[0]);
+        below.start(start, value - lower, min_slack[1]);
     }
 
     /// Applies the last step, and adds the row to the gap and to the residual. The residual is that
@@ -177,11 +177,11 @@ impl Sides {
 }
 
 impl SlackPair {
-    /// Sets the slack to `room`, but at least to `least`.
+    /// Sets the slack to `room`, but at least to `min_slack`.
     #[inline(always)]
-    fn start<S: Simd>(&mut self, start: &InteriorStart<S>, room: Vector<S>, least: Vector<S>) {
+    fn start<S: Simd>(&mut self, start: &InteriorStart<S>, room: Vector<S>, min_slack: Vector<S>) {
         let (simd, r) = (start.simd, start.register);
-        let s = room.max(least);
+        let s = room.max(min_slack);
         let inverse = s.inverse();
         let balanced = start.mu * inverse;
         let z = self.z.load(simd, r);
@@ -200,8 +200,8 @@ impl SlackPair {
         let (ds, inverse) = (self.ds.load(simd, r), self.inverse.load(simd, r));
         // Linearised complementarity: s z + s dz + z ds = mu.
         let dz = (steps.last_mu - z * ds).mul_add(inverse, -z);
-        let s = steps.primal.mul_add(ds, s).max(steps.least * s);
-        let z = steps.dual.mul_add(dz, z).max(steps.least * z);
+        let s = steps.primal.mul_add(ds, s).max(steps.min_share * s);
+        let z = steps.dual.mul_add(dz, z).max(steps.min_share * z);
         let inverse = s.inverse();
         self.s.store(r, s);
         self.z.store(r, z);

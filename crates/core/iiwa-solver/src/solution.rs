@@ -26,7 +26,7 @@ impl Solution {
         refinement: f64,
         stop: &AtomicBool,
     ) -> Result<Self, SolveError> {
-        let [enough, most] = SETTINGS.refinement.longer;
+        let [enough, longest] = SETTINGS.refinement.longer;
         let mut best: Option<Attempt> = None;
         // Two given states may have no feasible motion between them, so one attempt is enough.
         let attempts = if window.exit.is_some() { 1 } else { SETTINGS.refinement.attempts.len() };
@@ -35,7 +35,7 @@ impl Solution {
                 AttemptSettings { refinement: refinement * settings.refinement, ..*settings };
             let attempt = Attempt::run(window, settings, stop)?;
             let Some(attempt) = attempt else { continue };
-            if attempt.longer() <= best.as_ref().map_or(most, Attempt::longer) {
+            if attempt.longer() <= best.as_ref().map_or(longest, Attempt::longer) {
                 best = Some(attempt);
             }
             if best.as_ref().is_some_and(|best| best.longer() <= enough) {

@@ -241,10 +241,10 @@ impl Solver {
         let mu = start.mu * self.duration_s() / self.limits();
         self.mu = mu;
         self.last = InteriorStep::default();
-        let start = Start { mu, least: start.slack, kept: start.kept };
+        let start = Start { mu, min_slack: start.slack, kept: start.kept };
         dispatch(Restart { solver: self, start });
         for rest in self.rests.within_mut(&self.window) {
-            let s = (1.0 - rest.x(&self.states) / rest.cap).max(start.least);
+            let s = (1.0 - rest.x(&self.states) / rest.cap).max(start.min_slack);
             let balanced = mu / s;
             // Unlike `clamp`, this does not panic if numbers are out of range.
             let z = rest.slack.z.max(balanced / start.kept).min(balanced * start.kept);
@@ -354,7 +354,7 @@ impl Solver {
     #[inline(always)]
     fn iterate<S: Simd>(&mut self, simd: S, gap: f64, stop: &AtomicBool) -> Result<(), SolveError> {
         let limits = self.limits();
-        let (short, most_stalled) = SETTINGS.stalled;
+        let (short, max_stalled) = SETTINGS.stalled;
         let [primal_beyond, dual_beyond] =
             if self.is_cautious { [1.0; 2] } else { SETTINGS.beyond };
         let mut stalled = 0;
@@ -368,7 +368,7 @@ impl Solver {
             let sums = self.assemble(simd);
             self.find_state_steps(simd)?;
             let ratios = self.find_slack_steps(simd);
-            let share = |fall: f64, of: f64| if fall > of { of / fall } else { 1.0 };
+            let share = |fall: f64, value: f64| if fall > value { value / fall } else { 1.0 };
             let primal = (primal_beyond * share(ratios.slack, SETTINGS.to_boundary))
                 .min(1.0)
                 .min(share(ratios.x, SETTINGS.largest_decrease));
@@ -392,11 +392,11 @@ impl Solver {
                 sums.residual,
                 self.mu,
             );
-            let least = primal.min(dual);
+            let step_length = primal.min(dual);
             // Far from the boundary the next step may aim at a smaller gap.
-            let aim = SETTINGS.centring.iter().find(|(length, _)| least >= *length);
+            let aim = SETTINGS.centring.iter().find(|(length, _)| step_length >= *length);
             let aim = aim.map_or(1.0, |(_, aim)| *aim);
-            self.mu = (aim * sums.gap / limits).max(SETTINGS.least_mu * gap * duration_s / limits);
+            self.mu = (aim * sums.gap / limits).max(SETTINGS.min_mu * gap * duration_s / limits);
             if self.gap < gap && sums.residual < SETTINGS.residual {
                 // With further limits, the last steps may be short although the gap is closed.
                 let is_closer = self.gap < SETTINGS.closer * gap
@@ -405,8 +405,8 @@ impl Solver {
                     return Ok(());
                 }
             }
-            stalled = if least < short { stalled + 1 } else { 0 };
-            if stalled > most_stalled {
+            stalled = if step_length < short { stalled + 1 } else { 0 };
+            if stalled > max_stalled {
                 return Err(SolveError::NotConverged);
             }
         }
@@ -486,8 +486,8 @@ impl Solver {
         self.last = InteriorStep { mu: self.mu, primal, dual };
         for Rest { slack, .. } in self.rests.within_mut(&self.window) {
             // Each slack and dual stops at its own boundary, as in `SlackPair::advance`.
-            slack.s = (slack.s + primal * slack.ds).max(SETTINGS.least_share * slack.s);
-            slack.z = (slack.z + dual * slack.dz).max(SETTINGS.least_share * slack.z);
+            slack.s = (slack.s + primal * slack.ds).max(SETTINGS.min_share * slack.s);
+            slack.z = (slack.z + dual * slack.dz).max(SETTINGS.min_share * slack.z);
         }
     }
 }

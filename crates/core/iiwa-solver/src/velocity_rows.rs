@@ -45,8 +45,8 @@ impl VelocityRows {
         let value = self.x.load(start.simd, start.register) * X::of(y);
         // Near the lower bound, x may change by orders of magnitude: the least slack is a share of
         // x itself.
-        let least = [start.least, start.least * value.abs()];
-        self.sides.start(start, value, bounds(start.simd), least);
+        let min_slack = [start.min_slack, start.min_slack * value.abs()];
+        self.sides.start(start, value, bounds(start.simd), min_slack);
     }
 
     #[inline(always)]

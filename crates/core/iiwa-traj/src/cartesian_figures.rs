@@ -26,7 +26,7 @@ pub struct CartesianFigures {
 pub struct NearestSingularity {
     /// Distance measure: 0 in the singularity, 1 at most; see
     /// [`Singularity`](iiwa_kin::Singularity).
-    pub least: f64,
+    pub distance: f64,
     /// Time, in s from the start of the program.
     pub at_s: f64,
     /// Kind of singularity.
@@ -40,16 +40,16 @@ impl Section {
         let mut moving = pieces.iter().filter(|piece| piece.kind.moves()).peekable();
         let start = self.at(moving.peek()?.start_s);
         let mut end = start;
-        let (least, part) = robot.singularity(&start.q).least();
-        let mut nearest = NearestSingularity { least, at_s: start.t_s, part };
+        let (distance, part) = robot.singularity(&start.q).nearest();
+        let mut nearest = NearestSingularity { distance, at_s: start.t_s, part };
         let mut peak_m_s = 0.0_f64;
         for piece in moving {
             let tcp = self.path.tcp(piece.motion);
             for state in self.samples_of(piece, SAMPLES) {
                 peak_m_s = peak_m_s.max(robot.tcp_speed_m_s(tcp, &state.q, &state.dq));
-                let (least, part) = robot.singularity(&state.q).least();
-                if least < nearest.least {
-                    nearest = NearestSingularity { least, at_s: state.t_s, part };
+                let (distance, part) = robot.singularity(&state.q).nearest();
+                if distance < nearest.distance {
+                    nearest = NearestSingularity { distance, at_s: state.t_s, part };
                 }
                 end = state;
             }

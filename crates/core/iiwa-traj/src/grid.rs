@@ -49,16 +49,16 @@ const ENDS: f64 = 0.4;
 
 /// Pieces of a curve per N intervals, and the bounds of the resulting factor of N.
 const PIECES_A_GRID: usize = 4;
-const LEAST_GRIDS: usize = 2;
-const MOST_GRIDS: usize = 8;
+const MIN_GRIDS: usize = 2;
+const MAX_GRIDS: usize = 8;
 
 /// Minimum number of intervals of a curve of pieces, for any N: the jerk-limited solver starts from
 /// the acceleration-limited stamps, and does not always converge from coarser ones.
-const LEAST_INTERVALS: usize = 200;
+const MIN_INTERVALS: usize = 200;
 
 /// Minimum number of intervals of a curve with uneven TCP motion or rotation: between nodes, its
 /// acceleration is not that of a cubic.
-const LEAST_INTERVALS_UNEVEN: usize = 300;
+const MIN_INTERVALS_UNEVEN: usize = 300;
 
 /// Nodes and polynomials of all blends of one order of continuity.
 #[derive(Debug)]
@@ -74,9 +74,9 @@ impl Grid {
     pub(crate) fn new(intervals: usize) -> Self {
         let intervals = intervals.max(1);
         let mut recent = RECENT.lock().unwrap_or_else(PoisonError::into_inner);
-        let found = recent.iter().find(|(own, _)| *own == intervals);
-        let blends = found.map_or_else(Default::default, |(_, blends)| Arc::clone(blends));
-        if found.is_none() {
+        let cached = recent.iter().find(|(count, _)| *count == intervals);
+        let blends = cached.map_or_else(Default::default, |(_, blends)| Arc::clone(blends));
+        if cached.is_none() {
             if recent.len() == KEPT {
                 // The oldest. Grids in use keep their tables.
                 recent.remove(0);
@@ -97,14 +97,14 @@ impl Grid {
     pub(crate) fn intervals_on(&self, segment: &dyn Segment) -> usize {
         if let Some(inner) = segment.unsupervised() {
             // The flange speed changes along any segment.
-            return self.intervals_on(inner.as_ref()).max(LEAST_INTERVALS);
+            return self.intervals_on(inner.as_ref()).max(MIN_INTERVALS);
         }
         let [_, .., _] = segment.breaks() else { return self.intervals };
         let pieces = segment.breaks().len() - 1;
-        let factor = pieces.div_ceil(PIECES_A_GRID).clamp(LEAST_GRIDS, MOST_GRIDS);
-        let least =
-            if segment.has_even_tool_way() { LEAST_INTERVALS } else { LEAST_INTERVALS_UNEVEN };
-        (self.intervals * factor).max(least)
+        let factor = pieces.div_ceil(PIECES_A_GRID).clamp(MIN_GRIDS, MAX_GRIDS);
+        let min_intervals =
+            if segment.has_even_tool_way() { MIN_INTERVALS } else { MIN_INTERVALS_UNEVEN };
+        (self.intervals * factor).max(min_intervals)
     }
 
     /// Returns s at the nodes on a segment, from 0 to 1. On a curve of pieces, the density of nodes
@@ -112,8 +112,8 @@ impl Grid {
     pub(crate) fn s_on(&self, segment: &dyn Segment) -> Vec<f64> {
         let intervals = self.intervals_on(segment);
         if let Some(inner) = segment.unsupervised() {
-            let own = self.s_on(inner.as_ref());
-            return if own.len() > intervals { own } else { even(intervals).collect() };
+            let nodes = self.s_on(inner.as_ref());
+            return if nodes.len() > intervals { nodes } else { even(intervals).collect() };
         }
         let breaks @ [_, .., _] = segment.breaks() else { return even(intervals).collect() };
         let pieces = breaks.len() - 1;
@@ -167,10 +167,10 @@ impl Grid {
             std::iter::zip(s, nodes.iter()).zip(dq[rows].iter_mut().zip(&mut ddq[rows]))
         {
             let GridNode { slope, bend, .. } = *node;
-            let at = segment.at(s);
+            let derivatives = segment.at(s);
             for j in 0..7 {
-                dq[j] = at.dq[j] * slope * scale[j];
-                ddq[j] = (at.ddq[j] * slope * slope + at.dq[j] * bend) * scale[j];
+                dq[j] = derivatives.dq[j] * slope * scale[j];
+                ddq[j] = (derivatives.ddq[j] * slope * slope + derivatives.dq[j] * bend) * scale[j];
             }
             (dq[7], ddq[7]) = (0.0, 0.0);
         }
@@ -212,10 +212,10 @@ fn nodes(s: impl Iterator<Item = f64>, sigma: impl Fn(f64) -> [f64; 4]) -> Vec<G
     let [end, ..] = sigma(1.0);
     let mut nodes: Vec<_> = s
         .map(|s| {
-            let [at, one, two, _] = sigma(s);
+            let [value, one, two, _] = sigma(s);
             let slope = 1.0 / one;
             let bend = -two * slope * slope / one;
-            GridNode { p: at / end, step: 1.0, slope: slope * end, bend: bend * end * end }
+            GridNode { p: value / end, step: 1.0, slope: slope * end, bend: bend * end * end }
         })
         .collect();
     for i in 1..nodes.len() {

@@ -133,7 +133,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn takes_as_long_as_the_integral_says(
+        fn duration_equals_the_integral(
             ds in 1e-3..1.0_f64, x0 in 0.0..4.0_f64, u0 in -2.0..2.0_f64, u1 in -2.0..2.0_f64,
         ) {
             let x1 = x0 + ds * (u0 + u1);
@@ -150,17 +150,18 @@ mod tests {
             prop_assert!((t / integral - 1.0).abs() < 1e-8, "{t} {integral}");
 
             // Between the nodes, the polynomial of time is close to the exact motion.
-            let node = |x: f64| Node { dt_s: t, dp: ds, rate: x.sqrt(), u: [u0, u1], ..Node::default() };
+            let node =
+                |x: f64| Node { dt_s: t, dp: ds, rate: x.sqrt(), u: [u0, u1], ..Node::default() };
             let (from, to) = (node(x0), node(x1));
             let half = progress(0.5 * t, &from, &to);
             let expected = x(half.dp, ds, x0, [u0, u1]).sqrt();
             let change = ((u1 - u0) / ds).abs() * t * t;
             prop_assert!((half.rate / expected - 1.0).abs() < 1e-9 + 2e-4 * change * change);
             for (end, t, s, x, u) in [(from, 0.0, 0.0, x0, u0), (to, t, 1.0, x1, u1)] {
-                let found = progress(t, &from, &to);
-                prop_assert!((found.dp / ds - s).abs() < 1e-11, "{end:?}");
-                prop_assert!((found.rate - x.sqrt()).abs() < 1e-9 * (1.0 + x.sqrt()));
-                prop_assert!((found.u - u).abs() < 1e-8 * (1.0 + 1.0 / t));
+                let actual = progress(t, &from, &to);
+                prop_assert!((actual.dp / ds - s).abs() < 1e-11, "{end:?}");
+                prop_assert!((actual.rate - x.sqrt()).abs() < 1e-9 * (1.0 + x.sqrt()));
+                prop_assert!((actual.u - u).abs() < 1e-8 * (1.0 + 1.0 / t));
             }
         }
     }
@@ -180,8 +181,8 @@ mod tests {
         let rate = (v + t * (a + t * j / 2.0)) * (1.0 - f64::EPSILON);
         let to = Node { rate, u: [a + j * t; 2], ..Node::default() };
         for i in 0..=10 {
-            let found = progress(f64::from(i) / 10.0 * t, &from, &to);
-            assert!((found.du / j - 1.0).abs() < 1e-4, "{found:?}");
+            let actual = progress(f64::from(i) / 10.0 * t, &from, &to);
+            assert!((actual.du / j - 1.0).abs() < 1e-4, "{actual:?}");
         }
         let end = progress(t, &from, &to);
         assert!((end.dp / from.dp - 1.0).abs() < 1e-12 && (end.rate / rate - 1.0).abs() < 1e-12);

@@ -107,11 +107,11 @@ pub(crate) fn stamps(
     }
     if let [path] = segments.as_slice()
         && is_closed
-        && let Some(found) = closed_form::tcp_path(path)
+        && let Some(stamps) = closed_form::tcp_path(path)
     {
-        return Ok(found.joined());
+        return Ok(stamps.joined());
     }
-    let found = match (segments.as_slice(), pieces.ends) {
+    let stamps = match (segments.as_slice(), pieces.ends) {
         (all, [None, None]) => horizon::stamps(all, section.start_s, options, stop),
         (segments, [entry, exit]) => {
             let window = Window { segments, range: pieces.range.clone(), entry, exit };
@@ -119,7 +119,7 @@ pub(crate) fn stamps(
         }
     };
     let motion = section.pieces[pieces.range.start].motion;
-    found.map(|stamps| stamps.joined().named(pieces.limits)).map_err(|error| match error {
+    stamps.map(|stamps| stamps.joined().named(pieces.limits)).map_err(|error| match error {
         SolveError::NotConverged => TimingError::NotConverged { motion },
         SolveError::Interrupted => TimingError::Interrupted,
     })
@@ -166,9 +166,9 @@ impl Stamps {
     /// is continuous.
     fn joined(mut self) -> Self {
         for SegmentStamps { nodes, .. } in &self.segments {
-            let own = &mut self.nodes[nodes.clone()];
-            for i in 1..own.len() {
-                own[i - 1].u[1] = own[i].u[0];
+            let segment_nodes = &mut self.nodes[nodes.clone()];
+            for i in 1..segment_nodes.len() {
+                segment_nodes[i - 1].u[1] = segment_nodes[i].u[0];
             }
         }
         self

@@ -8,7 +8,7 @@ use iiwa_solver::PathRow;
 use crate::{
     limit::{Limit, LimitShare, Limited},
     node::Node,
-    sweep::{greater, lesser},
+    sweep::{max, min},
 };
 
 /// Share of a limit above which the limit counts as active.
@@ -41,7 +41,7 @@ struct RowUsage {
 impl RowUsage {
     fn add(&mut self, share: f64, dt: f64) {
         let share = share.abs();
-        self.peak = greater(self.peak, share);
+        self.peak = max(self.peak, share);
         self.time_s += if share >= SATURATED_ROW { dt } else { 0.0 };
     }
 }
@@ -65,7 +65,7 @@ impl Shares {
     #[inline(always)]
     fn add(&mut self, largest: &[f64; 8], smallest: &[f64; 8], dt: f64) {
         for j in 0..8 {
-            self.peak[j] = greater(self.peak[j], largest[j]);
+            self.peak[j] = max(self.peak[j], largest[j]);
             self.time_s[j] += if smallest[j] >= SATURATED { dt } else { 0.0 };
         }
     }
@@ -122,11 +122,11 @@ impl LimitUsage {
                 let acceleration = (start[j] * from.u[0] + bend[j]).abs();
                 speed[j] = (end[j] * to.rate).abs() * velocity[j];
                 bend[j] = ddq[j] * (to.rate * to.rate);
-                speeds[0][j] = greater(before, speed[j]);
-                speeds[1][j] = lesser(before, speed[j]);
+                speeds[0][j] = max(before, speed[j]);
+                speeds[1][j] = min(before, speed[j]);
                 let last = (end[j] * from.u[1] + bend[j]).abs();
-                accelerations[0][j] = greater(acceleration, last);
-                accelerations[1][j] = lesser(acceleration, last);
+                accelerations[0][j] = max(acceleration, last);
+                accelerations[1][j] = min(acceleration, last);
             }
             self.of[LimitKind::Velocity].add(&speeds[0], &speeds[1], dt);
             self.of[LimitKind::Acceleration].add(&accelerations[0], &accelerations[1], dt);
@@ -147,7 +147,7 @@ impl LimitUsage {
                 let [start, end] =
                     [start.at(pair[0].rate, pair[0].u[0]), end.at(pair[1].rate, pair[0].u[1])];
                 // The lower of both ends decides if the limit is active; both count for the peak.
-                usage.add(lesser(start.abs(), end.abs()), dt);
+                usage.add(min(start.abs(), end.abs()), dt);
                 usage.add(start, 0.0);
                 usage.add(end, 0.0);
             }
@@ -182,7 +182,7 @@ impl LimitUsage {
     }
 
     /// Assigns the usage of the limits of the `tool` to its way or to its rotation.
-    pub(crate) fn told_apart(mut self, tool: Option<&ToolCoordinate>) -> Self {
+    pub(crate) fn with_tool_limits(mut self, tool: Option<&ToolCoordinate>) -> Self {
         let Some(tool) = tool else { return self };
         for (_, shares) in self.of.iter_mut().filter(|(kind, _)| tool.is_of_turn(*kind)) {
             shares.turn_peak = std::mem::take(&mut shares.peak[TOOL]);
@@ -197,10 +197,10 @@ impl LimitUsage {
         }
         for row in &other.rows {
             // By limit, not by index: the pieces of a motion may have different rows.
-            match self.rows.iter_mut().find(|own| own.limit == row.limit) {
-                Some(own) => {
-                    own.peak = own.peak.max(row.peak);
-                    own.time_s += row.time_s;
+            match self.rows.iter_mut().find(|total| total.limit == row.limit) {
+                Some(total) => {
+                    total.peak = total.peak.max(row.peak);
+                    total.time_s += row.time_s;
                 }
                 None => self.rows.push(*row),
             }
@@ -237,27 +237,29 @@ impl LimitUsage {
     }
 
     /// Returns the largest share of a velocity limit of `full`, for a usage in shares of the lower
-    /// limits `own`.
+    /// limits `motion_limits`.
     #[inline(always)]
-    pub(crate) fn peak_velocity_rel(&self, own: &[f64; 7], full: &[f64; 7]) -> f64 {
-        (0..7).map(|j| self.of[LimitKind::Velocity].peak[j] * own[j] / full[j]).fold(0.0, f64::max)
+    pub(crate) fn peak_velocity_rel(&self, motion_limits: &[f64; 7], full: &[f64; 7]) -> f64 {
+        (0..7)
+            .map(|j| self.of[LimitKind::Velocity].peak[j] * motion_limits[j] / full[j])
+            .fold(0.0, f64::max)
     }
 
     /// Returns the active limits, with their shares of `total_s`, the largest first.
     pub(crate) fn shares(&self, total_s: f64) -> Vec<LimitShare> {
-        let at =
+        let share_of =
             |limit: Limit, time_s: f64| LimitShare { limit, share: (time_s / total_s).min(1.0) };
         let mut shares: Vec<_> = self
             .of
             .iter()
             .flat_map(|(kind, shares)| {
                 // A wait has no active limit and may have no duration.
-                let kept = shares.times_s().filter(|(_, time_s)| *time_s > 0.0);
-                kept.map(move |(of, time_s)| at(Limit::Motion { of, kind }, time_s))
+                let nonzero = shares.times_s().filter(|(_, time_s)| *time_s > 0.0);
+                nonzero.map(move |(of, time_s)| share_of(Limit::Motion { of, kind }, time_s))
             })
             .collect();
-        let kept = self.rows.iter().filter(|row| row.time_s > 0.0);
-        shares.extend(kept.filter_map(|row| Some(at(row.limit?, row.time_s))));
+        let nonzero = self.rows.iter().filter(|row| row.time_s > 0.0);
+        shares.extend(nonzero.filter_map(|row| Some(share_of(row.limit?, row.time_s))));
         shares.sort_by(|a, b| b.share.total_cmp(&a.share));
         shares
     }
@@ -269,9 +271,9 @@ impl LimitUsage {
         let first = Limited::Joint(Joint::A1);
         let mut best = (Limit::Motion { of: first, kind: LimitKind::Velocity }, 0.0);
         for (kind, shares) in &self.of {
-            for (of, value) in values(shares) {
+            for (limited, value) in values(shares) {
                 if value > best.1 {
-                    best = (Limit::Motion { of, kind }, value);
+                    best = (Limit::Motion { of: limited, kind }, value);
                 }
             }
         }

@@ -87,7 +87,7 @@ mod tests {
     }
 
     #[test]
-    fn ramps_too_short_to_tell_are_kept() {
+    fn very_short_ramps_are_kept() {
         // Ramps of 1 s at each end of 2e10 s.
         let slow = LineLimits { x_max: 2.5e-21, u_max: 5e-11 };
         assert!((duration(slow, 0.0, 0.0) / 2e10 - 1.0).abs() < 1e-8);

@@ -8,7 +8,7 @@ use iiwa_solver::RowLimit;
 use crate::{limit::Limit, timing::TimingError};
 
 /// Largest joint rotation between two points or instants at which such limits are checked, in rad.
-pub(crate) const MOST_RAD: f64 = 0.05;
+pub(crate) const MAX_RAD: f64 = 0.05;
 
 /// Kind of limit beside those of velocity, acceleration and jerk, as rows
 /// `-1 <= a u + b x + c <= 1` with the acceleration u along the path and the squared speed x.

@@ -8,7 +8,7 @@ use iiwa_solver::RowLimits;
 
 use crate::{
     limit::Limit,
-    path_limit::{MOST_RAD, PathLimit},
+    path_limit::{MAX_RAD, PathLimit},
     section::Section,
     state::State,
     timing::TimingError,
@@ -46,15 +46,19 @@ impl PathLimits {
     /// Returns the limits of `steps`, one entry for each; empty if none of the steps is limited.
     pub(crate) fn of_steps(&self, path: &JointPath, steps: Range<usize>) -> Vec<StepLimits> {
         let limits: Vec<_> = steps.map(|step| self.of_step(path, step)).collect();
-        if limits.iter().all(|own| own.limits.is_empty()) { Vec::new() } else { limits }
+        if limits.iter().all(|step_limits| step_limits.limits.is_empty()) {
+            Vec::new()
+        } else {
+            limits
+        }
     }
 
     fn of_step(&self, path: &JointPath, step: usize) -> StepLimits {
         let (mut rows, mut limits) = (Vec::new(), Vec::new());
         for kind in &self.0 {
-            if let Some(own) = kind.of_step(path, step) {
-                limits.extend((0..own.row_count()).map(|row| kind.limit(row)));
-                rows.push(own);
+            if let Some(step_rows) = kind.of_step(path, step) {
+                limits.extend((0..step_rows.row_count()).map(|row| kind.limit(row)));
+                rows.push(step_rows);
             }
         }
         StepLimits { rows: RowLimits::new(rows), limits }
@@ -96,9 +100,9 @@ fn largest_at<const N: usize>(
         if rows.count() == 0 {
             continue;
         }
-        let spans = section.spans_of(piece, shares, MOST_RAD);
+        let spans = section.spans_of(piece, shares, MAX_RAD);
         let states: Vec<_> = spans.flat_map(|(_, states)| states).collect();
-        let all = |of: fn(&State) -> Joints| states.iter().map(of).collect::<Vec<_>>();
+        let all = |part: fn(&State) -> Joints| states.iter().map(part).collect::<Vec<_>>();
         let [q, dq, ddq] = [all(|state| state.q), all(|state| state.dq), all(|state| state.ddq)];
         for share in rows.shares(&q, &dq, &ddq) {
             // NaN counts as above any limit.

@@ -77,18 +77,18 @@ pub(crate) fn phases(way: f64, [speed, acceleration, jerk]: [f64; 3]) -> Vec<Pro
     } else {
         ((0.5 * way / jerk).cbrt(), 0.0, 0.0)
     };
-    let mut at = ProfilePoint::default();
-    let mut instants = vec![at];
+    let mut point = ProfilePoint::default();
+    let mut instants = vec![point];
     let durations = [ramp, push, ramp, cruise, ramp, push, ramp];
     let jerks = [1.0, 0.0, -1.0, 0.0, -1.0, 0.0, 1.0].map(|sign| sign * jerk);
     for (t, jerk) in std::iter::zip(durations, jerks) {
         if t > 0.0 {
-            let phase_way = at.way_in(t, jerk);
+            let phase_way = point.way_in(t, jerk);
             if let Some(last) = instants.last_mut() {
                 (last.phase_s, last.phase_way) = (t, phase_way);
             }
-            at = at.after(t, jerk);
-            instants.push(at);
+            point = point.after(t, jerk);
+            instants.push(point);
         }
     }
     // The end is set to the exact way and to rest, without rounding.
@@ -109,10 +109,10 @@ mod tests {
     #[test]
     fn joint_1_at_full_speed() {
         // Limits of Larsen 2019, Tables 2 and 5, in degrees.
-        let found = duration(40.0, [98.0, 490.0, 10384.86]);
+        let actual = duration(40.0, [98.0, 490.0, 10384.86]);
         let expected = 40.0 / 98.0 + 98.0 / 490.0 + 490.0 / 10384.86;
-        assert!((found / expected - 1.0).abs() < 1e-14);
-        assert!((found - 0.655_347).abs() < 1e-6);
+        assert!((actual / expected - 1.0).abs() < 1e-14);
+        assert!((actual - 0.655_347).abs() < 1e-6);
     }
 
     #[test]
@@ -137,9 +137,9 @@ mod tests {
             for limits in [[1.0, 1.0, 1.0], [1.0, 10.0, 1.0], [1.0, 0.1, 10.0], [10.0, 1.0, 100.0]]
             {
                 let instants = phases(way, limits);
-                for at in &instants {
-                    assert!(at.speed >= 0.0 && at.speed <= limits[0] * (1.0 + 1e-12));
-                    assert!(at.acceleration.abs() <= limits[1] * (1.0 + 1e-12));
+                for instant in &instants {
+                    assert!(instant.speed >= 0.0 && instant.speed <= limits[0] * (1.0 + 1e-12));
+                    assert!(instant.acceleration.abs() <= limits[1] * (1.0 + 1e-12));
                 }
                 for pair in instants.windows(2) {
                     let t = pair[1].t_s - pair[0].t_s;

@@ -129,8 +129,8 @@ impl Planner {
     fn limit_as_sunrise(&mut self) {
         self.supervised = None;
         if let Some(JerkTiming { sunrise: true, .. }) = self.jerk {
-            let least_s = self.path.ramp_law().least_cruise_s;
-            let slower = |path: JointPath| path.with_least_cruise(least_s).unwrap_or(path);
+            let min_cruise_s = self.path.ramp_law().least_cruise_s;
+            let slower = |path: JointPath| path.with_least_cruise(min_cruise_s).unwrap_or(path);
             self.supervised = self.path.unsupervised().map(|(path, speed)| (slower(path), speed));
             self.path = slower(self.path.clone());
         }
@@ -192,14 +192,21 @@ impl Planner {
     ///     fn rows(&self, _: &[Joints], derivative: &[Joints], second: &[Joints]) -> Vec<PathRow> {
     ///         let sum = |q: &Joints| (q[0] + q[3]) / self.0;
     ///         let rows = derivative.iter().zip(second);
-    ///         rows.map(|(one, two)| PathRow { acceleration: sum(one), square: sum(two), offset: 0.0 }).collect()
+    ///         rows.map(|(one, two)| PathRow {
+    ///             acceleration: sum(one),
+    ///             square: sum(two),
+    ///             offset: 0.0,
+    ///         })
+    ///         .collect()
     ///     }
     /// }
     ///
-    /// let program = Program::from_deg([0.0; 7]).ptp_deg([40.0, 0.0, 0.0, 60.0, 0.0, 0.0, 0.0]).build();
+    /// let program =
+    ///     Program::from_deg([0.0; 7]).ptp_deg([40.0, 0.0, 0.0, 60.0, 0.0, 0.0, 0.0]).build();
     /// let path = JointPath::new(&program, &Robot::default())?;
     /// let free = Trajectory::plan(&path, Timing::jerk_limited())?;
-    /// let mut planner = Planner::new(&path, Timing::jerk_limited()).with_limit(Arc::new(Together(4.0)));
+    /// let mut planner =
+    ///     Planner::new(&path, Timing::jerk_limited()).with_limit(Arc::new(Together(4.0)));
     /// assert!(Trajectory::by(&mut planner)?.cycle_time_s() > free.cycle_time_s());
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```

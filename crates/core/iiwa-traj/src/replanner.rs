@@ -233,16 +233,16 @@ impl Replanner {
     /// plans are unchanged.
     fn plan(&mut self, changed: Range<usize>, around: usize) -> Result<(), TimingError> {
         self.limits.check(&self.path)?;
-        let mut found = Vec::new();
+        let mut sections = Vec::new();
         let mut step = changed.start;
         if changed.is_empty() && self.moves(step) {
             // A rest between two moves was removed: the moves now join.
-            found.push(self.plan_moves(step..step, around)?);
+            sections.push(self.plan_moves(step..step, around)?);
         }
         while step < changed.end {
             let moves = (step..changed.end).take_while(|step| self.moves(*step)).count();
             if moves > 0 {
-                found.push(self.plan_moves(step..step + moves, around)?);
+                sections.push(self.plan_moves(step..step + moves, around)?);
                 step += moves;
             } else {
                 let duration_s = match self.path.steps()[step] {
@@ -250,14 +250,14 @@ impl Replanner {
                     Step::Wait { seconds, .. } => seconds,
                     _ => 0.0,
                 };
-                found.push((step, vec![StepPlan { duration_s, ..StepPlan::default() }]));
+                sections.push((step, vec![StepPlan { duration_s, ..StepPlan::default() }]));
                 step += 1;
             }
         }
         // Stored after all windows have been solved: an error leaves all plans unchanged.
-        for (first, plans) in found {
-            for (plan, found) in self.plans[first..].iter_mut().zip(plans) {
-                *plan = found;
+        for (first, plans) in sections {
+            for (plan, sections) in self.plans[first..].iter_mut().zip(plans) {
+                *plan = sections;
             }
         }
         Ok(())
@@ -281,15 +281,15 @@ impl Replanner {
     /// down for it.
     fn around(&self, moves: &Range<usize>, count: usize) -> Range<usize> {
         let Range { mut start, mut end } = *moves;
-        let mut left = count;
-        while start > 0 && self.moves(start - 1) && (left > 0 || !self.is_straight(start)) {
+        let mut remaining = count;
+        while start > 0 && self.moves(start - 1) && (remaining > 0 || !self.is_straight(start)) {
             start -= 1;
-            left = left.saturating_sub(1);
+            remaining = remaining.saturating_sub(1);
         }
-        let mut left = count;
-        while self.moves(end) && (left > 0 || end == 0 || !self.is_straight(end - 1)) {
+        let mut remaining = count;
+        while self.moves(end) && (remaining > 0 || end == 0 || !self.is_straight(end - 1)) {
             end += 1;
-            left = left.saturating_sub(1);
+            remaining = remaining.saturating_sub(1);
         }
         start..end
     }

@@ -127,9 +127,10 @@ impl Piece {
         };
         let limits = section.path.limits_of(step);
         let usage = usage.clone();
-        let usage = usage.told_apart(ToolCoordinate::new(segment.as_ref(), limits.tool()).as_ref());
+        let usage =
+            usage.with_tool_limits(ToolCoordinate::new(segment.as_ref(), limits.tool()).as_ref());
         // Converts shares of the motion's velocity limits into shares of the robot's.
-        let own = limits.velocity_rad_s();
+        let motion_limits = limits.velocity_rad_s();
         let full = &section.path.robot().limits().velocity_rad_s;
         Some(Self {
             kind: match section.path.motion_type(*motion) {
@@ -143,7 +144,7 @@ impl Piece {
             start_s: section.start_s + start_s,
             end_s: section.start_s + end_s,
             duration_s: end_s - start_s,
-            peak_velocity_rel: usage.peak_velocity_rel(own, full),
+            peak_velocity_rel: usage.peak_velocity_rel(motion_limits, full),
             limited_by: Some(usage.limit()),
             usage,
             step,
@@ -292,17 +293,17 @@ impl Section {
         let node = nodes.partition_point(|node| node.p <= p).clamp(1, nodes.len() - 1) - 1;
         let (from, to) = (&nodes[node], &nodes[node + 1]);
         // p increases monotonically: bisection down to rounding.
-        let (mut least, mut most) = (0.0, from.dt_s);
+        let (mut lower, mut upper) = (0.0, from.dt_s);
         let dp = (p - from.p).clamp(0.0, from.dp);
         for _ in 0..HALVINGS {
-            let dt = f64::midpoint(least, most);
+            let dt = f64::midpoint(lower, upper);
             if interval::progress(dt, from, to).dp < dp {
-                least = dt;
+                lower = dt;
             } else {
-                most = dt;
+                upper = dt;
             }
         }
-        [self.start_s + from.t_s + most, interval::progress(most, from, to).rate]
+        [self.start_s + from.t_s + upper, interval::progress(upper, from, to).rate]
     }
 
     /// Returns the states at each node of the section and at the start of each rest.
@@ -342,13 +343,13 @@ impl Section {
     }
 
     /// Divides a piece in motion into short spans, in each of which the robot moves by at most
-    /// `most_rad` along the path. Returns the duration of each span, in s, and the states at
+    /// `max_rad` along the path. Returns the duration of each span, in s, and the states at
     /// `shares` of that time.
     pub(crate) fn spans_of<const N: usize>(
         &self,
         piece: &Piece,
         shares: &[f64; N],
-        most_rad: f64,
+        max_rad: f64,
     ) -> impl Iterator<Item = (f64, [State; N])> {
         self.segment(piece).into_iter().flat_map(move |segment| {
             // sigma is scaled such that no joint turns by much more than sigma.
@@ -357,7 +358,7 @@ impl Section {
                 let (from, to) = (&pair[0], &pair[1]);
                 let start_s = self.start_s + from.t_s;
                 let at = move |dt_s: f64| self.state(start_s + dt_s, piece, segment, from, to);
-                let spans = (from.dp * length_rad / most_rad).ceil().max(1.0);
+                let spans = (from.dp * length_rad / max_rad).ceil().max(1.0);
                 let step_s = from.dt_s / spans;
                 let starts = (0_u32..).map(f64::from).take_while(move |k| *k < spans);
                 starts.map(move |k| (step_s, shares.map(|share| at((k + share) * step_s))))

@@ -19,7 +19,7 @@ use crate::{
     node::Node,
     path_limits::StepLimits,
     section::{Piece, Section},
-    sweep::{self, Bounds, MOST_GROUPS, Nodes, Sample},
+    sweep::{self, Bounds, MAX_GROUPS, Nodes, Sample},
     timing::TimingError,
 };
 
@@ -134,11 +134,11 @@ pub(crate) fn sweep_moves(
             let scratch = eight.get_or_insert_with(|| Scratch::new(intervals));
             sweep_by(moves, scratch, stop, section)
         }
-        MOST_GROUPS => {
+        MAX_GROUPS => {
             let scratch = sixteen.get_or_insert_with(|| Scratch::new(intervals));
             sweep_by(moves, scratch, stop, section)
         }
-        _ => Err(TimingError::TooManyRows { rows, most: 8 * (MOST_GROUPS - 1) }),
+        _ => Err(TimingError::TooManyRows { rows, max: 8 * (MAX_GROUPS - 1) }),
     }
 }
 
@@ -470,7 +470,7 @@ impl<'a, S: Simd, const R: usize> SectionSweep<'a, S, R> {
             return Err(TimingError::Stuck { motion });
         }
         let tool = segment.tool.map(|(tool, _)| tool);
-        let (limit, ratio) = usage.clone().told_apart(tool.as_ref()).worst();
+        let (limit, ratio) = usage.clone().with_tool_limits(tool.as_ref()).worst();
         if ratio > 1.0 + TOLERANCE {
             return Err(TimingError::LimitExceeded { motion, limit, ratio });
         }

@@ -91,11 +91,14 @@ fn stamps(
         let limited = limited.ok_or(SolveError::NotConverged)?;
         let mut stamps = jerk::from_rest_to_rest(&limited, section.start_s, options, stop)?;
         let mut largest = 0.0_f64;
-        for ((found, segment), swept) in stamps.segments.iter_mut().zip(&segments).zip(&swept) {
-            let (shape, limits) = segment.own();
-            let own = LimitedSegment::new(shape, limits, swept).ok_or(SolveError::NotConverged)?;
-            found.usage = usage(&own, &stamps.nodes[found.nodes.clone()]);
-            largest = largest.max(found.usage.peak_velocity_rel(&[1.0; 7], &[1.0; 7]));
+        for ((segment_stamps, segment), swept) in
+            stamps.segments.iter_mut().zip(&segments).zip(&swept)
+        {
+            let (shape, limits) = segment.shape_and_limits();
+            let limited =
+                LimitedSegment::new(shape, limits, swept).ok_or(SolveError::NotConverged)?;
+            segment_stamps.usage = usage(&limited, &stamps.nodes[segment_stamps.nodes.clone()]);
+            largest = largest.max(segment_stamps.usage.peak_velocity_rel(&[1.0; 7], &[1.0; 7]));
         }
         if largest <= 1.0 {
             return Ok(stamps);
@@ -121,9 +124,9 @@ fn model_segments<'a>(
     let mut segments: Vec<_> = pieces.iter().map(segment).collect::<Option<_>>()?;
     place(&mut segments, grid, law.least_cruise_s);
     let speeds = SplineSweep::new(&segments, grid).speeds();
-    let held = Arc::new(HeldSpeed::new(&speeds, law.spline.hold_s));
+    let held_speed = Arc::new(HeldSpeed::new(&speeds, law.spline.hold_s));
     for segment in &mut segments {
-        segment.set_held(Arc::clone(&held));
+        segment.set_held(Arc::clone(&held_speed));
     }
     // Again, because the ramps depend on the held speeds.
     let sweep = SplineSweep::new(&segments, grid);
@@ -136,15 +139,15 @@ fn model_segments<'a>(
 }
 
 /// Sets the distances of segments from rest, and the TCP speed at which the whole way takes
-/// `least_s`.
-fn place(segments: &mut [SpeedLimitedSegment<'_>], grid: &Grid, least_s: f64) {
+/// `min_cruise_s`.
+fn place(segments: &mut [SpeedLimitedSegment<'_>], grid: &Grid, min_cruise_s: f64) {
     let way: f64 = segments.iter().map(|segment| segment.way(grid)).sum();
     let all_rad: f64 = segments.iter().map(Segment::sigma_length_rad).sum();
     let mut before_rad = 0.0;
     for segment in segments {
         let length_rad = segment.sigma_length_rad();
         let after_rad = (all_rad - before_rad - length_rad).max(0.0);
-        segment.set_place([before_rad, after_rad], way / least_s);
+        segment.set_place([before_rad, after_rad], way / min_cruise_s);
         before_rad += length_rad;
     }
 }
@@ -162,8 +165,8 @@ fn end_ramp(
         RampEnd::Stop => (segments.len() - 1, 1.0),
     };
     let segment = &segments[index];
-    let (shape, limits) = segment.own();
-    let at = segment.limits_at(s);
+    let (shape, limits) = segment.shape_and_limits();
+    let limits_here = segment.limits_at(s);
     let of_tcp = limits.tool().way[LimitKind::Velocity];
     let top = sweep.top_speed();
     let speed = if segment.has_way() { top.min(of_tcp) } else { top };
@@ -172,7 +175,7 @@ fn end_ramp(
     let acceleration = vector::largest_multiple(&direction, limits.acceleration_rad_s2());
     let of_ramp = ramp_limits(path, pieces, end)?;
     let [speed, cruise, acceleration] =
-        [speed / at.way[0], segment.cruise() / at.way[0], acceleration]
+        [speed / limits_here.way[0], segment.cruise() / limits_here.way[0], acceleration]
             .map(|of_sigma| rate * of_sigma);
     EndRamp::new(
         [speed, acceleration],

@@ -13,7 +13,13 @@ use iiwa_program::MotionIndex;
 ///
 /// let target = [0.5, 0.0, 0.0, -1.0, 0.0, 0.0, 0.0];
 /// let program =
-///     Program { robot: None, start: Start::Joints([0.0; 7]), motions: vec![Motion::Ptp(Ptp::to(target))], workcell: Workcell::default(), sources: Sources::default() };
+///     Program {
+///         robot: None,
+///         start: Start::Joints([0.0; 7]),
+///         motions: vec![Motion::Ptp(Ptp::to(target))],
+///         workcell: Workcell::default(),
+///         sources: Sources::default(),
+///     };
 /// let path = JointPath::new(&program, &Robot::default())?;
 /// let trajectory = Trajectory::plan(&path, Timing::jerk_limited())?;
 /// // Jerk-limited timing begins with the jerk of the joint that limits it.

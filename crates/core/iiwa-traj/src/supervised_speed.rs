@@ -31,24 +31,24 @@ struct Way<'a> {
 
 impl Way<'_> {
     /// Returns the largest dp/dt at `p`.
-    fn most(&self, p: f64) -> f64 {
-        let at = self.segment.at_share(p.clamp(0.0, 1.0));
-        let of = |tcp| self.robot.tcp_speed_m_s(tcp, &at.q, &at.dq);
-        self.speed_m_s / of(self.tcp).max(of(&Pose::IDENTITY))
+    fn max_rate(&self, p: f64) -> f64 {
+        let derivatives = self.segment.at_share(p.clamp(0.0, 1.0));
+        let speed_of = |tcp| self.robot.tcp_speed_m_s(tcp, &derivatives.q, &derivatives.dq);
+        self.speed_m_s / speed_of(self.tcp).max(speed_of(&Pose::IDENTITY))
     }
 
     /// Returns the largest dp/dt, and d2p/dt2 of a motion that keeps it, by central differences.
     fn kept(&self, p: f64) -> [f64; 2] {
         const STEP: f64 = 1e-5;
         let [before, after] = [(p - STEP).max(0.0), (p + STEP).min(1.0)];
-        let most = self.most(p);
-        [most, most * (self.most(after) - self.most(before)) / (after - before)]
+        let max_rate = self.max_rate(p);
+        [max_rate, max_rate * (self.max_rate(after) - self.max_rate(before)) / (after - before)]
     }
 
     /// Returns true if the speed at `seconds` after the node `from` is too high.
     fn is_exceeded(&self, from: &Node, to: &Node, seconds: f64) -> bool {
-        let at = progress(seconds, from, to);
-        at.rate > self.most(from.p + at.dp)
+        let state = progress(seconds, from, to);
+        state.rate > self.max_rate(from.p + state.dp)
     }
 
     /// Adds the nodes from `from` on, up to but not including `to`;
@@ -78,7 +78,7 @@ impl Way<'_> {
     /// Returns a node from which the speed is held up to `to`.
     fn held(&self, from: &Node, to: &Node) -> Node {
         let [[rate, u], [end_rate, end_u]] = [from.p, to.p].map(|p| self.kept(p));
-        let middle = self.most(from.p + 0.5 * from.dp);
+        let middle = self.max_rate(from.p + 0.5 * from.dp);
         // Simpson's rule.
         let dt_s = from.dp / 6.0 * (1.0 / rate + 4.0 / middle + 1.0 / end_rate);
         Node { dt_s, rate, u: [u, end_u], ..*from }
@@ -87,15 +87,15 @@ impl Way<'_> {
 
 /// Splits the interval that begins at the node `from`, `seconds` after that node.
 fn parted(from: &Node, to: &Node, seconds: f64) -> [Node; 2] {
-    let at = progress(seconds, from, to);
-    let first = Node { dt_s: seconds, dp: at.dp, u: [from.u[0], at.u], ..*from };
+    let state = progress(seconds, from, to);
+    let first = Node { dt_s: seconds, dp: state.dp, u: [from.u[0], state.u], ..*from };
     let second = Node {
         t_s: from.t_s + seconds,
         dt_s: from.dt_s - seconds,
-        p: from.p + at.dp,
-        dp: from.dp - at.dp,
-        rate: at.rate,
-        u: [at.u, from.u[1]],
+        p: from.p + state.dp,
+        dp: from.dp - state.dp,
+        rate: state.rate,
+        u: [state.u, from.u[1]],
     };
     [first, second]
 }
@@ -114,16 +114,16 @@ impl Way<'_> {
                 nodes.push(from);
                 continue;
             }
-            let mut left = parts;
-            while left > 1.0 {
-                let [first, rest] = parted(&from, &to, from.dt_s / left);
+            let mut remaining = parts;
+            while remaining > 1.0 {
+                let [first, rest] = parted(&from, &to, from.dt_s / remaining);
                 self.cut(first, &rest, &mut nodes);
-                (from, left) = (rest, left - 1.0);
+                (from, remaining) = (rest, remaining - 1.0);
             }
             self.cut(from, &to, &mut nodes);
         }
         if let Some(last) = planned.last() {
-            nodes.push(Node { rate: last.rate.min(self.most(1.0)), ..*last });
+            nodes.push(Node { rate: last.rate.min(self.max_rate(1.0)), ..*last });
         }
         let mut t_s = 0.0;
         for node in &mut nodes {
@@ -135,17 +135,18 @@ impl Way<'_> {
 
     /// Returns the usage of the limits of velocity and acceleration.
     fn usage(&self, nodes: &[Node], limits: &MotionLimits) -> LimitUsage {
-        let [speed, most] = [limits.velocity_rad_s(), limits.acceleration_rad_s2()];
+        let [speed, acceleration] = [limits.velocity_rad_s(), limits.acceleration_rad_s2()];
         // The eighth element is the supervised speed: dp/dt over its maximum.
-        let velocity = std::array::from_fn(|j| if j < 7 { most[j] / speed[j] } else { 1.0 });
+        let velocity =
+            std::array::from_fn(|j| if j < 7 { acceleration[j] / speed[j] } else { 1.0 });
         let (mut dq, mut ddq) = (Vec::new(), Vec::new());
         for node in nodes {
-            let at = self.segment.at_share(node.p);
+            let derivatives = self.segment.at_share(node.p);
             let shares = |d: &[f64; 7], way| {
-                std::array::from_fn(|j| if j < 7 { d[j] / most[j] } else { way })
+                std::array::from_fn(|j| if j < 7 { d[j] / acceleration[j] } else { way })
             };
-            dq.push(shares(&at.dq, self.most(node.p).recip()));
-            ddq.push(shares(&at.ddq, 0.0));
+            dq.push(shares(&derivatives.dq, self.max_rate(node.p).recip()));
+            ddq.push(shares(&derivatives.ddq, 0.0));
         }
         let mut usage = LimitUsage::default();
         usage.add(nodes, &dq, &ddq, &velocity);

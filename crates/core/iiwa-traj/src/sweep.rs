@@ -37,7 +37,7 @@ use iiwa_solver::PathRow;
 use pulp::Simd;
 
 use crate::grid::GridNode;
-pub(crate) use bounds::{Bounds, MOST_GROUPS, greater, lesser};
+pub(crate) use bounds::{Bounds, MAX_GROUPS, max, min};
 use bounds::{Row, UNLIMITED, largest};
 
 /// Excess of an acceleration limit, or of a squared speed limit, tolerated between the ends of an
@@ -96,7 +96,7 @@ impl<const R: usize> Interval<'_, R> {
             return x;
         }
         let (mut low, mut spare) = (0.0, room(0.0));
-        let mut kept = false;
+        let mut is_valid = false;
         // Slightly below the root: at the root itself, the width may be negative by rounding.
         let margin = 1e-14 * x;
         for _ in 0..STEPS {
@@ -107,18 +107,18 @@ impl<const R: usize> Interval<'_, R> {
             let share = if spare > 0.0 { spare / (spare - lack) } else { 0.5 };
             let chord = (high - low) * share;
             let middle = low + (chord - margin).max(2.0 * margin);
-            let found = room(middle);
-            if found < 0.0 {
-                (high, lack, kept) = (middle, found, false);
+            let difference = room(middle);
+            if difference < 0.0 {
+                (high, lack, is_valid) = (middle, difference, false);
                 continue;
             }
             // The Illinois method: halving the weight of an end that was kept twice speeds up
             // convergence.
-            (low, spare) = (middle, found);
-            if kept {
+            (low, spare) = (middle, difference);
+            if is_valid {
                 lack *= 0.5;
             }
-            kept = true;
+            is_valid = true;
         }
         low
     }
@@ -127,21 +127,21 @@ impl<const R: usize> Interval<'_, R> {
     /// `x` at the start. The reachable set is empty if the first is above the second.
     #[inline(never)]
     fn reachable(&self, x: f64, cap: f64) -> (f64, f64) {
-        let (mut brake, mut most) = (UNLIMITED, UNLIMITED);
+        let (mut brake, mut u_max) = (UNLIMITED, UNLIMITED);
         let Bounds { fall, rise, below, above, .. } = self.start;
         let lines = [fall, rise, below, above].map(|lines| lines.as_flattened());
         for j in 0..8 * R {
             let [fall, rise, below, above] = lines.map(|line| line[j]);
-            brake = lesser(brake, fall * x + below);
-            most = lesser(most, rise * x + above);
+            brake = min(brake, fall * x + below);
+            u_max = min(u_max, rise * x + above);
         }
-        let least = -brake;
+        let u_min = -brake;
         // With one u for both ends, the range at each end has to contain it, over both halves.
         let (h, brake, drive, mut low, mut high) = if self.even {
             let h = 2.0 * self.h;
-            (h, x, x, x + h * least, (x + h * most).min(cap))
+            (h, x, x, x + h * u_min, (x + h * u_max).min(cap))
         } else {
-            (self.h, x + self.h * least, x + self.h * most, 0.0, cap)
+            (self.h, x + self.h * u_min, x + self.h * u_max, 0.0, cap)
         };
         let Bounds { fall, rise, below, above, .. } = self.end;
         let lines = [fall, rise, below, above].map(|lines| lines.as_flattened());
@@ -156,11 +156,11 @@ impl<const R: usize> Interval<'_, R> {
             let factor = 1.0 + h * fall;
             // A negative factor turns the lower bound of y into an upper one; near zero there is no
             // bound.
-            let least = brake - h * below;
+            let room = brake - h * below;
             if factor > 1e-9 {
-                low = low.max(least / factor);
+                low = low.max(room / factor);
             } else if factor < -1e-9 {
-                high = high.min(least / factor);
+                high = high.min(room / factor);
             }
         }
         (low.max(0.0), high)
@@ -200,7 +200,7 @@ pub(crate) fn bounds<S: Simd, const R: usize>(
     for (((dq, ddq), node), bounds) in nodes {
         // No interval follows the last node.
         let after = if node.p < 1.0 { node.step } else { 0.0 };
-        bounds.set(simd, dq, ddq, velocity, greater(before, after));
+        bounds.set(simd, dq, ddq, velocity, max(before, after));
         before = after;
     }
     if R > 1 {
@@ -265,54 +265,54 @@ fn lower_x<S: Simd, const R: usize>(
     let Nodes { simd, grid, .. } = nodes;
     let next = &bounds[last];
     let (mut pair, mut lines, mut next_lines) = ([0; 2], [0; 2], [0; 2]);
-    let mut x = lesser(lesser(samples[last].x, next.cap), samples[last].x_max);
+    let mut x = min(min(samples[last].x, next.cap), samples[last].x_max);
     x = next.possible(simd, x, &mut pair);
-    let (mut next_least, mut next_most) = (next.least(simd, x), next.most(simd, x));
+    let (mut next_u_min, mut next_u_max) = (next.u_min(simd, x), next.u_max(simd, x));
     samples[last].x = x;
     for i in (0..last).rev() {
         let h = grid[i].step;
         let (start, next) = (&bounds[i], &bounds[i + 1]);
         let before = samples[i].x;
-        let cap = lesser(lesser(start.cap, samples[i].x_max), before);
+        let cap = min(min(start.cap, samples[i].x_max), before);
         let even = samples[i].even;
         let interval = |even| Interval { h, even, start, end: next };
         let end = x;
-        let brake = end - h * next_least;
+        let brake = end - h * next_u_min;
         // If the robot speeds up although it has to arrive at `end`, a lower speed at the start may
         // be feasible where a higher one is not: only the search finds it.
         let needs_search = even || brake < 0.5 * end;
         let brakes = [&start.fall, &start.below];
-        let brake_most;
-        (x, brake_most) = largest(simd, brakes, h, brake, cap, &mut lines);
-        let mut least = -brake_most;
-        let mut most = start.most(simd, x);
-        if least > most && !needs_search {
+        let brake_max;
+        (x, brake_max) = largest(simd, brakes, h, brake, cap, &mut lines);
+        let mut u_min = -brake_max;
+        let mut u_max = start.u_max(simd, x);
+        if u_min > u_max && !needs_search {
             x = start.possible(simd, x, &mut pair);
-            (least, most) = (start.least(simd, x), start.most(simd, x));
+            (u_min, u_max) = (start.u_min(simd, x), start.u_max(simd, x));
         }
-        let drive = x + h * most;
-        let found = if needs_search || x < 0.0 {
+        let drive = x + h * u_max;
+        let reached = if needs_search || x < 0.0 {
             Some(interval(even).search(end, cap))
-        } else if end - h * next_most > drive {
+        } else if end - h * next_u_max > drive {
             // `end` is out of reach. The robot arrives slower, which the lower bounds of u at both
             // ends have to permit.
             let (slower, _) =
                 largest(simd, [&next.rise, &next.above], h, drive, end, &mut next_lines);
-            let able = slower - h * next.least(simd, slower) >= x + h * least;
+            let able = slower - h * next.u_min(simd, slower) >= x + h * u_min;
             if able { None } else { Some(interval(even).search(end, x)) }
         } else {
-            let bands = [next_least, next_most];
-            let u = split((end - x) / h, [least, most], bands);
+            let bands = [next_u_min, next_u_max];
+            let u = split((end - x) / h, [u_min, u_max], bands);
             // Half-way, the acceleration differs from the mean of both ends by at most
             // `h |q''| |change of u| / 2`: only a larger bound needs a check.
-            let swing = 0.5 * h * greater(start.bend, next.bend) * (u[1] - u[0]).abs();
+            let swing = 0.5 * h * max(start.bend, next.bend) * (u[1] - u[0]).abs();
             let acceleration = if swing > SWING { nodes.worst(i, h, x, u)[0] } else { 0.0 };
             if acceleration > 1.0 + SWING {
                 // A lower start speed with less braking may suffice, and costs less than equal u at
                 // both ends.
                 let slower = end + (x - end) / acceleration;
-                let own = [start.least(simd, slower), start.most(simd, slower)];
-                let u = split((end - slower) / h, own, bands);
+                let band = [start.u_min(simd, slower), start.u_max(simd, slower)];
+                let u = split((end - slower) / h, band, bands);
                 if slower < x && nodes.worst(i, h, slower, u)[0] <= 1.0 + SWING {
                     Some(slower)
                 } else {
@@ -323,16 +323,16 @@ fn lower_x<S: Simd, const R: usize>(
                 None
             }
         };
-        if let Some(found) = found {
-            x = found;
-            (least, most) = (start.least(simd, x), start.most(simd, x));
+        if let Some(reached) = reached {
+            x = reached;
+            (u_min, u_max) = (start.u_min(simd, x), start.u_max(simd, x));
         }
         // Earlier nodes depend on later ones through x alone: the pass ends where x is unchanged.
         if i < first && x >= before * (1.0 - SAME) {
             return i;
         }
         samples[i].x = x;
-        (next_least, next_most) = (least, most);
+        (next_u_min, next_u_max) = (u_min, u_max);
     }
     0
 }
@@ -357,7 +357,7 @@ fn forward<S: Simd, const R: usize>(
     let mut tightened = None;
     let mut lines = [0; 2];
     let mut x = samples[first].x;
-    let (mut least, mut most) = (bounds[first].least(simd, x), bounds[first].most(simd, x));
+    let (mut u_min, mut u_max) = (bounds[first].u_min(simd, x), bounds[first].u_max(simd, x));
     let mut narrow = false;
     for i in first..n {
         let h = grid[i].step;
@@ -365,18 +365,21 @@ fn forward<S: Simd, const R: usize>(
         let even = samples[i].even;
         let interval = |even| Interval { h, even, start: &bounds[i], end: next };
         let cap = samples[i + 1].x;
-        let drive = x + h * most;
+        let drive = x + h * u_max;
         let drives = [&next.rise, &next.above];
-        let (mut y, mut next_most) = largest(simd, drives, h, drive, cap, &mut lines);
-        let mut next_least = next.least(simd, y);
-        if even || y < 0.0 || y - h * next_least < x + h * least - 1e-12 * x {
+        let (mut y, mut next_u_max) = largest(simd, drives, h, drive, cap, &mut lines);
+        let mut next_u_min = next.u_min(simd, y);
+        if even || y < 0.0 || y - h * next_u_min < x + h * u_min - 1e-12 * x {
             y = interval(even).reachable(x, cap).1.max(0.0);
-            (next_least, next_most) = (next.least(simd, y), next.most(simd, y));
+            (next_u_min, next_u_max) = (next.u_min(simd, y), next.u_max(simd, y));
         }
         let sum = (y - x) / h;
-        let mut u =
-            if even { [0.5 * sum; 2] } else { split(sum, [least, most], [next_least, next_most]) };
-        let next_narrow = next_most - next_least < NARROW * next_most.abs();
+        let mut u = if even {
+            [0.5 * sum; 2]
+        } else {
+            split(sum, [u_min, u_max], [next_u_min, next_u_max])
+        };
+        let next_narrow = next_u_max - next_u_min < NARROW * next_u_max.abs();
         let bends = h * (u[1] - u[0]).abs() > KINK * x || (y - x).abs() > STEEP * x;
         if bends || narrow || next_narrow || nodes.half_way(i, h, x, u) > 1.0 + NEAR {
             let [mut acceleration, mut square] = nodes.worst(i, h, x, u);
@@ -384,18 +387,18 @@ fn forward<S: Simd, const R: usize>(
                 // While speeding up, a lower arrival speed often suffices; otherwise u is made
                 // equal at both ends.
                 let slower = x + (y - x) / acceleration;
-                let bands = [next.least(simd, slower), next.most(simd, slower)];
-                let eased = split((slower - x) / h, [least, most], bands);
+                let bands = [next.u_min(simd, slower), next.u_max(simd, slower)];
+                let eased = split((slower - x) / h, [u_min, u_max], bands);
                 let now = nodes.worst(i, h, x, eased);
-                if slower < y && slower - h * bands[0] >= x + h * least && now[0] <= 1.0 + SWING {
+                if slower < y && slower - h * bands[0] >= x + h * u_min && now[0] <= 1.0 + SWING {
                     (y, u) = (slower, eased);
-                    [next_least, next_most] = bands;
+                    [next_u_min, next_u_max] = bands;
                     [acceleration, square] = now;
                 } else if acceleration > 1.0 + MILD {
                     let (low, high) = interval(true).reachable(x, cap);
                     if low <= high {
                         (y, u) = (high, [0.5 * (high - x) / h; 2]);
-                        (next_least, next_most) = (next.least(simd, y), next.most(simd, y));
+                        (next_u_min, next_u_max) = (next.u_min(simd, y), next.u_max(simd, y));
                         [acceleration, square] = nodes.worst(i, h, x, u);
                     }
                     samples[i].even = true;
@@ -410,7 +413,7 @@ fn forward<S: Simd, const R: usize>(
                     node.share /= acceleration;
                 }
             }
-            if greater(acceleration, square) > 1.0 + SWING {
+            if max(acceleration, square) > 1.0 + SWING {
                 let [begin, _] = tightened.unwrap_or([i; 2]);
                 tightened = Some([begin, i]);
             }
@@ -421,7 +424,7 @@ fn forward<S: Simd, const R: usize>(
         if i + 1 >= last && y >= cap * (1.0 - SAME) {
             break;
         }
-        (x, least, most, narrow) = (y, next_least, next_most, next_narrow);
+        (x, u_min, u_max, narrow) = (y, next_u_min, next_u_max, next_narrow);
     }
     tightened
 }
@@ -453,7 +456,7 @@ impl<S: Simd> Nodes<'_, S> {
             square = simd.max_f64s(square, v);
         }
         let worst = simd.reduce_max_f64s(simd.max_f64s(acceleration, square));
-        if self.row_count == 0 { worst } else { greater(worst, self.row(i, &place, 0.5)) }
+        if self.row_count == 0 { worst } else { max(worst, self.row(i, &place, 0.5)) }
     }
 
     /// Returns the largest share of a further limit at a `place` of interval `i`, at the share `t`
@@ -472,8 +475,8 @@ impl<S: Simd> Nodes<'_, S> {
             let share = (moving + offset).abs();
             let room = 1.0 - offset.copysign(offset * moving);
             let measure =
-                if share <= 1.0 + ROW_SWING { lesser(share, 1.0) } else { moving.abs() / room };
-            worst = greater(worst, measure);
+                if share <= 1.0 + ROW_SWING { min(share, 1.0) } else { moving.abs() / room };
+            worst = max(worst, measure);
         }
         worst
     }
@@ -502,7 +505,7 @@ impl<S: Simd> Nodes<'_, S> {
             [simd.reduce_max_f64s(acceleration), simd.reduce_max_f64s(square)];
         if self.row_count > 0 {
             for (place, t) in places.iter().zip([0.25, 0.5, 0.75]) {
-                acceleration = greater(acceleration, self.row(i, place, t));
+                acceleration = max(acceleration, self.row(i, place, t));
             }
         }
         [acceleration, square]
@@ -590,7 +593,7 @@ pub(crate) fn sweep_until_valid<S: Simd, const R: usize>(
 ) -> bool {
     const ROUNDS: usize = 30;
     let n = samples.len() - 1;
-    samples[0].x = lesser(samples[0].x, start);
+    samples[0].x = min(samples[0].x, start);
     let mut stretch = [0, n];
     for _ in 0..ROUNDS {
         if samples[0].x < start * (1.0 - SAME) {

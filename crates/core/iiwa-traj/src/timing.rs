@@ -126,12 +126,18 @@ pub enum TimingError {
     /// A joint cannot hold the arm and its payload within the torque limit: no motion is slow
     /// enough.
     #[error(
-        "motion {motion}: {joint} cannot hold the arm with its load there: it takes {:.1} Nm to stand still{}, of the {:.1} Nm \
-         that it may exert{}; raise the limit of torques, or choose a lighter load or poses nearer to the base",
+        "motion {motion}: {joint} cannot hold the arm with its load there: it takes {:.1} Nm to \
+         stand still{}, of the {:.1} Nm that it may exert{}; raise the limit of torques, or choose \
+         a lighter load or poses nearer to the base",
         .holding_nm.abs(),
-        if *.friction_nm > 0.0 { format!(", and {friction_nm:.1} Nm of friction") } else { String::new() },
+        if *.friction_nm > 0.0 {
+            format!(", and {friction_nm:.1} Nm of friction")
+        } else {
+            String::new()
+        },
         .limit_nm,
-        if .holding_nm.abs() + .friction_nm < *.limit_nm { ", which leaves less than a hundredth to move it" } else { "" }
+        if .holding_nm.abs() + .friction_nm < *.limit_nm { ", which leaves less than a hundredth \
+                                                            to move it" } else { "" }
     )]
     CannotHold {
         /// Motion on whose path the pose is.
@@ -147,19 +153,19 @@ pub enum TimingError {
     },
     /// Too many rows of [further limits](crate::PathLimit).
     #[error(
-        "{rows} rows of limits beside velocity, acceleration and jerk: at most {most} are possible"
+        "{rows} rows of limits beside velocity, acceleration and jerk: at most {max} are possible"
     )]
     TooManyRows {
         /// Rows of the limits of a step.
         rows: usize,
         /// Largest possible number of rows.
-        most: usize,
+        max: usize,
     },
     /// A blend of this shape starts and ends with a jump in curvature, where jerk would be
     /// infinite.
     #[error(
-        "motion {motion}: the blend at its end begins with a jump in acceleration, which no limit of jerk \
-         allows; choose another shape of blends, or timing without jerk"
+        "motion {motion}: the blend at its end begins with a jump in acceleration, which no limit \
+         of jerk allows; choose another shape of blends, or timing without jerk"
     )]
     CurvatureJumps {
         /// Motion whose target is blended away.
@@ -167,8 +173,8 @@ pub enum TimingError {
     },
     /// The jerk-limited solver did not converge.
     #[error(
-        "motion {motion}: no jerk-limited stamps were found for what starts with it; please report the \
-         program"
+        "motion {motion}: no jerk-limited stamps were found for what starts with it; please report \
+         the program"
     )]
     NotConverged {
         /// First motion of a section without a stop.

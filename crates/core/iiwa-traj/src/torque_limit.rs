@@ -6,13 +6,13 @@ use iiwa_solver::{PathRow, RowLimit};
 
 use crate::{
     limit::Limit,
-    path_limit::{MOST_RAD, PathLimit},
+    path_limit::{MAX_RAD, PathLimit},
     timing::TimingError,
 };
 
 /// Largest share of a torque limit that holding the arm may use. A plan with less torque left for
 /// motion would be useless.
-const MOST_HELD: f64 = 0.99;
+const MAX_HELD: f64 = 0.99;
 
 /// Torque limits set by a program.
 #[derive(Clone, Copy, Debug)]
@@ -30,7 +30,7 @@ struct TorqueRows {
 ///
 /// Viscous friction is evaluated at the velocity limit: as a function of the squared speed it is
 /// not convex, and it is below 1 % of the torque of an iiwa.
-fn most_nm(path: &JointPath, step: usize, dynamics: &Dynamics) -> Option<[Joints; 2]> {
+fn torque_bounds_nm(path: &JointPath, step: usize, dynamics: &Dynamics) -> Option<[Joints; 2]> {
     let limits_nm = path.torque_limits_nm()?;
     let friction_nm = dynamics.friction().torques_nm(path.limits_of(step).velocity_rad_s());
     Some([limits_nm, friction_nm])
@@ -40,7 +40,7 @@ impl PathLimit for TorqueLimit {
     fn of_step(&self, path: &JointPath, step: usize) -> Option<Box<dyn RowLimit>> {
         path.torque_limit_rel()?;
         let dynamics = path.dynamics(path.steps()[step].motion());
-        let [limits_nm, friction_nm] = most_nm(path, step, &dynamics)?;
+        let [limits_nm, friction_nm] = torque_bounds_nm(path, step, &dynamics)?;
         let inverse = std::array::from_fn(|j| 1.0 / (limits_nm[j] - friction_nm[j]));
         Some(Box::new(TorqueRows { dynamics, inverse }))
     }
@@ -57,13 +57,13 @@ impl PathLimit for TorqueLimit {
         for (step, entry) in path.steps().iter().enumerate() {
             let motion = entry.motion();
             let dynamics = path.dynamics(motion);
-            let Some([limits_nm, friction_nm]) = most_nm(path, step, &dynamics) else {
+            let Some([limits_nm, friction_nm]) = torque_bounds_nm(path, step, &dynamics) else {
                 return Ok(());
             };
             let check = |joints_rad: &Joints| {
                 let holding_nm = dynamics.gravity_torques(joints_rad);
                 let is_held = |j: &usize| {
-                    holding_nm[*j].abs() <= MOST_HELD * (limits_nm[*j] - friction_nm[*j])
+                    holding_nm[*j].abs() <= MAX_HELD * (limits_nm[*j] - friction_nm[*j])
                 };
                 match Joint::ALL.into_iter().find(|joint| !is_held(&joint.index())) {
                     None => Ok(()),
@@ -92,7 +92,7 @@ impl PathLimit for TorqueLimit {
 /// Returns joint positions along a segment, including both ends.
 fn places(segment: &dyn Segment) -> impl Iterator<Item = Joints> + '_ {
     // At least the ends and the middle; at most a number that bounds the time for any path.
-    let parts = (segment.sigma_length_rad() / MOST_RAD).ceil().clamp(2.0, 1e4);
+    let parts = (segment.sigma_length_rad() / MAX_RAD).ceil().clamp(2.0, 1e4);
     let shares = (0_u32..).map(f64::from).take_while(move |k| *k <= parts);
     shares.map(move |k| segment.at(k / parts).q)
 }
@@ -181,11 +181,11 @@ mod tests {
             let acceleration_rad_s2: Joints = std::array::from_fn(by);
             let mut torques_nm = [[0.0; 7]];
             dynamics.torques_batch(&[q], &[velocity], &[acceleration_rad_s2], &mut torques_nm);
-            let found = rows.rows(&[q], &[first], &[second]);
+            let actual = rows.rows(&[q], &[first], &[second]);
             let shares = rows.shares(&[q], &[velocity], &[acceleration_rad_s2]);
             for j in 0..7 {
                 let expected = torques_nm[0][j] / (limits_nm[j] - friction_nm[j]);
-                let row = found[j].at(speed, acceleration);
+                let row = actual[j].at(speed, acceleration);
                 assert!((row - expected).abs() < 1e-9, "{j}: {row} {expected}");
                 assert!((shares[j] - expected).abs() < 1e-9, "{j}: {} {expected}", shares[j]);
             }

@@ -55,7 +55,7 @@ const SHARES: [f64; 4] = [0.0, 0.276_393_202_250_021, 0.723_606_797_749_979, 1.0
 const WEIGHTS: [f64; 4] = [1.0 / 12.0, 5.0 / 12.0, 5.0 / 12.0, 1.0 / 12.0];
 
 /// Largest joint rotation between two instants at which torques are computed, in rad.
-const MOST_RAD: f64 = 0.05;
+const MAX_RAD: f64 = 0.05;
 
 impl Trajectory {
     /// Returns the torques at `t_s`, with the payload at that time and the installation of the
@@ -151,7 +151,7 @@ struct Samples {
 impl Samples {
     fn of(section: &Section, pieces: &[Piece], dynamics: &Dynamics) -> Self {
         let (mut samples, mut q, mut ddq) = (Self::default(), Vec::new(), Vec::new());
-        let mut held = Vec::new();
+        let mut poses = Vec::new();
         let mut add = |state: &State, weight_s: f64| {
             samples.t_s.push(state.t_s);
             samples.weight_s.push(weight_s);
@@ -160,24 +160,24 @@ impl Samples {
             ddq.push(state.ddq);
         };
         for piece in pieces {
-            for (duration_s, states) in section.spans_of(piece, &SHARES, MOST_RAD) {
-                held.extend(states[..3].iter().map(|state| state.q));
+            for (duration_s, states) in section.spans_of(piece, &SHARES, MAX_RAD) {
+                poses.extend(states[..3].iter().map(|state| state.q));
                 for (state, weight) in states.iter().zip(WEIGHTS) {
                     add(state, weight * duration_s);
                 }
             }
             if !piece.kind.moves() {
                 let state = section.resting_in(piece);
-                held.push(state.q);
+                poses.push(state.q);
                 add(&state, 0.0);
             }
         }
-        held.extend(q.last());
-        let zeros = vec![[0.0; 7]; held.len()];
+        poses.extend(q.last());
+        let zeros = vec![[0.0; 7]; poses.len()];
         samples.torque = vec![[0.0; 7]; q.len()];
         samples.gravity.clone_from(&zeros);
         dynamics.torques_batch(&q, &samples.velocity, &ddq, &mut samples.torque);
-        dynamics.torques_batch(&held, &zeros, &zeros, &mut samples.gravity);
+        dynamics.torques_batch(&poses, &zeros, &zeros, &mut samples.gravity);
         for (torque, velocity) in samples.torque.iter_mut().zip(&samples.velocity) {
             let friction = dynamics.friction().torques_nm(velocity);
             *torque = std::array::from_fn(|j| torque[j] + friction[j]);

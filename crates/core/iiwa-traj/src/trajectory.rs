@@ -48,7 +48,8 @@ impl Trajectory {
     /// use iiwa_program::Program;
     /// use iiwa_traj::{Planner, Timing, TimingError, Trajectory};
     ///
-    /// let program = Program::from_deg([0.0; 7]).ptp_deg([30.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]).build();
+    /// let program =
+    ///     Program::from_deg([0.0; 7]).ptp_deg([30.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]).build();
     /// let path = JointPath::new(&program, &Robot::default())?;
     /// let stop = Arc::new(AtomicBool::new(true));
     /// let mut planner = Planner::new(&path, Timing::default()).interrupted_by(stop);
@@ -174,7 +175,8 @@ impl Trajectory {
     /// use iiwa_program::Program;
     /// use iiwa_traj::{Timing, Trajectory};
     ///
-    /// let program = Program::from_deg([0.0; 7]).ptp_deg([30.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]).build();
+    /// let program =
+    ///     Program::from_deg([0.0; 7]).ptp_deg([30.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]).build();
     /// let path = JointPath::new(&program, &Robot::default())?;
     /// let trajectory = Trajectory::plan(&path, Timing::default())?;
     /// let samples: Vec<_> = trajectory.samples(1000.0).collect();

@@ -26,22 +26,26 @@ fn peaks_are_those_of_a_dense_sampling() {
         let tcp = plan.path().tcp(motion.motion);
         let place = |t_s: f64| robot.flange_pose(&plan.at(t_s).q).then(tcp).position_m;
         let steps = ((motion.end_s - motion.start_s) / STEP_S).floor();
-        let (mut peak_m_s, mut least) = (0.0_f64, f64::MAX);
+        let (mut peak_m_s, mut distance) = (0.0_f64, f64::MAX);
         let mut t_s = motion.start_s;
         while t_s + STEP_S <= motion.end_s {
             let [a, b] = [place(t_s), place(t_s + STEP_S)];
             let way_m = (0..3).map(|i| (b[i] - a[i]).powi(2)).sum::<f64>().sqrt();
             peak_m_s = peak_m_s.max(way_m / STEP_S);
-            least = least.min(robot.singularity(&plan.at(t_s).q).least().0);
+            distance = distance.min(robot.singularity(&plan.at(t_s).q).nearest().0);
             t_s += STEP_S;
         }
-        let found = figures.tcp_speed_peak_m_s;
-        assert!((found / peak_m_s - 1.0).abs() < 2e-3, "{}: {found} {peak_m_s}", motion.motion);
+        let actual = figures.tcp_speed_peak_m_s;
+        assert!((actual / peak_m_s - 1.0).abs() < 2e-3, "{}: {actual} {peak_m_s}", motion.motion);
         let nearest = figures.nearest_singularity;
-        assert!((nearest.least - least).abs() < 1e-3, "{}: {nearest:?} {least}", motion.motion);
-        assert!(nearest.least <= least + 1e-6 && steps > 100.0);
-        let there = robot.singularity(&plan.at(nearest.at_s).q).least();
-        assert!((there.0 - nearest.least).abs() < 1e-9 && there.1 == nearest.part);
+        assert!(
+            (nearest.distance - distance).abs() < 1e-3,
+            "{}: {nearest:?} {distance}",
+            motion.motion
+        );
+        assert!(nearest.distance <= distance + 1e-6 && steps > 100.0);
+        let at_time = robot.singularity(&plan.at(nearest.at_s).q).nearest();
+        assert!((at_time.0 - nearest.distance).abs() < 1e-9 && at_time.1 == nearest.part);
         assert_eq!(Some(figures.status), Status::new(2));
     }
     assert_eq!(cartesian, 7);
@@ -50,9 +54,9 @@ fn peaks_are_those_of_a_dense_sampling() {
 #[test]
 fn a_limit_of_the_tcp_is_its_top_speed() {
     let motions = plan(TEXT).motions();
-    for (index, most_m_s) in [(1, 0.25), (3, 0.25), (4, 0.4), (5, 0.3)] {
-        let found = motions[index].cartesian.unwrap().tcp_speed_peak_m_s;
-        assert!((found / most_m_s - 1.0).abs() < 1e-5, "{index}: {found}");
+    for (index, max_m_s) in [(1, 0.25), (3, 0.25), (4, 0.4), (5, 0.3)] {
+        let actual = motions[index].cartesian.unwrap().tcp_speed_peak_m_s;
+        assert!((actual / max_m_s - 1.0).abs() < 1e-5, "{index}: {actual}");
     }
     let kinds: Vec<_> = motions.iter().map(|motion| motion.kind.name()).collect();
     assert_eq!(kinds, ["ptp", "lin_rel", "wait", "lin_rel", "lin", "circ", "lin_rel", "ptp"]);
@@ -63,7 +67,7 @@ fn a_limit_of_the_tcp_is_its_top_speed() {
 }
 
 #[test]
-fn pieces_tell_which_path_the_tcp_takes() {
+fn pieces_have_the_kind_of_the_tcp_path() {
     use PieceKind::{Blend, Circ, Lin, Line};
     let plan = plan(TEXT);
     let pieces = plan.sections().iter().flat_map(iiwa_traj::Section::pieces);
@@ -74,7 +78,7 @@ fn pieces_tell_which_path_the_tcp_takes() {
 /// A TCP that only rotates is at rest, at any distance from the flange that moves around it, and
 /// also where the arm swings about a fixed TCP.
 #[test]
-fn a_tcp_that_stands_has_no_speed() {
+fn a_tcp_at_rest_has_no_speed() {
     let text = r#"{
         "version": 1,
         "tools": { "gripper": { "tcp": { "x_mm": 80, "z_mm": 200 } } },

@@ -48,13 +48,13 @@ fn stops_in_the_middle_of_a_section() {
         let stop = Arc::new(AtomicBool::new(false));
         let mut planner =
             Planner::new(&path, Timing::jerk_limited()).interrupted_by(Arc::clone(&stop));
-        let found = thread::scope(|scope| {
+        let actual = thread::scope(|scope| {
             let planning = scope.spawn(move || planner.next());
             thread::sleep(Duration::from_millis(20));
             stop.store(true, Ordering::Relaxed);
             planning.join().unwrap()
         });
-        found.unwrap().is_err_and(|error| error == TimingError::Interrupted)
+        actual.unwrap().is_err_and(|error| error == TimingError::Interrupted)
     });
     assert!(stopped);
 }

@@ -76,13 +76,13 @@ fn changed(program: &Program, change: impl Fn(usize, &mut Ptp)) -> Program {
 
 #[test]
 fn slower_limits_never_make_it_faster() {
-    let mut least = f64::INFINITY;
+    let mut min_ratio = f64::INFINITY;
     for program in programs(40) {
         let before = motion_time_s(&program);
-        let mut slower = |what: LimitKind, change: &dyn Fn(usize, &mut Ptp)| {
+        let mut slower = |kind: LimitKind, change: &dyn Fn(usize, &mut Ptp)| {
             let ratio = motion_time_s(&changed(&program, change)) / before;
-            assert!(ratio > 1.0 - 1e-3, "{ratio} times as long with a lower {what}: {program:?}");
-            least = least.min(ratio);
+            assert!(ratio > 1.0 - 1e-3, "{ratio} times as long with a lower {kind}: {program:?}");
+            min_ratio = min_ratio.min(ratio);
         };
         for kind in LimitKind::ALL {
             let times = |ptp: &mut Ptp, factor: f64| {
@@ -96,7 +96,7 @@ fn slower_limits_never_make_it_faster() {
             slower(kind, &|_, ptp| ptp.share_mut(kind)[3] *= 0.4);
         }
     }
-    println!("at least {least} times as long");
+    println!("at least {min_ratio} times as long");
 }
 
 /// With a thousand times the jerk limit, acceleration builds up almost instantly; the rest is due
@@ -108,16 +108,16 @@ fn much_jerk_is_no_limit_of_jerk() {
         usual.limits().jerk_rad_s3.iter().map(|jerk| 1000.0 * jerk.to_degrees()).collect();
     let profile = format!(r#"{{ "version": 1, "jerk_limit_deg_s3": {jerk:?} }}"#);
     let robot = Robot::from_profile(&profile).unwrap();
-    let (mut least, mut most) = (f64::INFINITY, 0.0_f64);
+    let (mut min_ratio, mut max_ratio) = (f64::INFINITY, 0.0_f64);
     for program in programs(40) {
         let fine = Timing::Acceleration(SweepOptions { samples: 400 });
         let expected = trajectory(&program, &robot, fine).motion_time_s();
-        let found = trajectory(&program, &robot, Timing::jerk_limited()).motion_time_s();
-        let ratio = found / expected;
-        assert!((ratio - 1.0).abs() < 0.025, "{found} s, {expected} s: {program:?}");
-        (least, most) = (least.min(ratio), most.max(ratio));
+        let actual = trajectory(&program, &robot, Timing::jerk_limited()).motion_time_s();
+        let ratio = actual / expected;
+        assert!((ratio - 1.0).abs() < 0.025, "{actual} s, {expected} s: {program:?}");
+        (min_ratio, max_ratio) = (min_ratio.min(ratio), max_ratio.max(ratio));
     }
-    println!("{least} to {most} of the acceleration-limited time");
+    println!("{min_ratio} to {max_ratio} of the acceleration-limited time");
 }
 
 /// The duration depends only on the ratios of ways and limits.
@@ -172,13 +172,13 @@ fn time_scales() {
 #[test]
 fn the_way_back_takes_as_long() {
     let mut largest = 0.0_f64;
-    for there in programs(40) {
+    for forward in programs(40) {
         // Uniform limits and blends, so that the reversed path equals the path.
-        let there = changed(&there, |_, motion| {
+        let forward = changed(&forward, |_, motion| {
             *motion = ptp(motion.target_rad, [0.8, 0.9, 0.7], 0.3);
         });
-        let targets: Vec<_> = std::iter::once(*there.start.joints_rad().unwrap())
-            .chain(there.motions.iter().filter_map(|motion| match motion {
+        let targets: Vec<_> = std::iter::once(*forward.start.joints_rad().unwrap())
+            .chain(forward.motions.iter().filter_map(|motion| match motion {
                 Motion::Ptp(ptp) => Some(ptp.target_rad),
                 _ => None,
             }))
@@ -187,9 +187,9 @@ fn the_way_back_takes_as_long() {
             let start = *targets.next().unwrap();
             program(start, targets.map(|&q| ptp(q, [0.8, 0.9, 0.7], 0.3)).collect())
         };
-        let (there, back) = (way(&mut targets.iter()), way(&mut targets.iter().rev()));
-        let change = motion_time_s(&back) / motion_time_s(&there) - 1.0;
-        assert!(change.abs() < 1e-3, "{change:e}: {there:?}");
+        let (forward, back) = (way(&mut targets.iter()), way(&mut targets.iter().rev()));
+        let change = motion_time_s(&back) / motion_time_s(&forward) - 1.0;
+        assert!(change.abs() < 1e-3, "{change:e}: {forward:?}");
         largest = largest.max(change.abs());
     }
     println!("largest change {largest:e}");
@@ -197,7 +197,7 @@ fn the_way_back_takes_as_long() {
 
 /// Memory that is reused from program to program must not affect results.
 #[test]
-fn what_came_before_does_not_matter() {
+fn earlier_motions_do_not_matter() {
     let programs = programs(30);
     let states = |program: &Program| -> Vec<State> {
         trajectory(program, &Robot::default(), Timing::jerk_limited()).states().collect()

@@ -2,10 +2,10 @@
 
 mod batch;
 mod cartesian_figures;
+mod custom_limit;
 mod interrupt;
 mod jerk;
 mod overlap;
-mod own_limit;
 mod pauses;
 mod playback;
 mod recorded;

@@ -90,8 +90,8 @@ fn the_arm_stops_where_a_late_blend_begins_and_goes_on_along_it() {
         assert_eq!((standing.kind, standing.motion), (PieceKind::Wait, MotionIndex::new(1)));
         assert!(standing.start_s > in_time_s, "it brakes");
         assert!((trajectory.totals().wait_time_s - standing.duration_s).abs() < 1e-12);
-        let there = trajectory.at(2.9);
-        assert_eq!((there.q, there.dq), (start_rad, [0.0; 7]));
+        let state = trajectory.at(2.9);
+        assert_eq!((state.q, state.dq), (start_rad, [0.0; 7]));
         // The path is the same from there on.
         let steps = |trajectory: &Trajectory| {
             let moves = trajectory.path().steps().iter().filter_map(|step| match step {
@@ -119,15 +119,15 @@ fn the_last_instant_is_that_of_braking() {
 }
 
 #[test]
-fn a_stop_without_standing_is_still_a_stop() {
+fn a_stop_without_rest_is_still_a_stop() {
     for timing in [acceleration(), Timing::jerk_limited()] {
         let trajectory = bent_for(needed_s(timing) + 0.001, timing);
         assert_eq!(trajectory.late_blends().count(), 1);
         assert_eq!(trajectory.sections().len(), 2);
         assert_eq!(trajectory.totals().wait_time_s, 0.0);
         let (_, begins_s) = blend_start(&trajectory);
-        let at = trajectory.at(begins_s);
-        assert!(at.dq.iter().all(|rate| rate.abs() < 1e-6), "{:?}", at.dq);
+        let state = trajectory.at(begins_s);
+        assert!(state.dq.iter().all(|rate| rate.abs() < 1e-6), "{:?}", state.dq);
     }
 }
 
@@ -183,7 +183,7 @@ fn a_wait_may_count_from_motions_before() {
 }
 
 #[test]
-fn a_late_blend_delays_what_is_counted_from_the_motion_after_it() {
+fn a_late_blend_delays_instants_after_its_next_motion() {
     let mut program = bend(&[wait(2.0, 1)]);
     program.motions.push(wait(4.0, 1));
     let trajectory = plan(&program, acceleration());
@@ -220,8 +220,8 @@ fn a_late_blend_is_found_after_many_that_are_in_time() {
             program.motions.push(wait(if i == late { 20.0 } else { 0.01 }, 1));
         }
         let trajectory = plan(&program, timing);
-        let found: Vec<_> = trajectory.late_blends().map(|blend| blend.after_motion).collect();
-        assert_eq!(found, [MotionIndex::new(2 * late)]);
+        let motions: Vec<_> = trajectory.late_blends().map(|blend| blend.after_motion).collect();
+        assert_eq!(motions, [MotionIndex::new(2 * late)]);
     }
 }
 
@@ -268,6 +268,9 @@ proptest! {
         let parts = [wait(share * seconds, 1), wait(seconds - share * seconds, 1)];
         let split = plan(&bend(&parts), acceleration());
         prop_assert!((split.cycle_time_s() - cycle_time_s(seconds)).abs() < 1e-9);
-        prop_assert_eq!(split.late_blends().count(), bent_for(seconds, acceleration()).late_blends().count());
+        prop_assert_eq!(
+            split.late_blends().count(),
+            bent_for(seconds, acceleration()).late_blends().count()
+        );
     }
 }

@@ -194,8 +194,8 @@ fn starts_off_s(run: &Run, poses: &[Joints], keys: &str) -> Vec<(f64, usize)> {
     if run.still {
         starts_s.remove(1);
     }
-    let off = |(at, recorded): (usize, &Option<f64>)| {
-        Some((starts_s[at + 1] - starts_s[at] - (*recorded)?, at))
+    let off = |(index, recorded): (usize, &Option<f64>)| {
+        Some((starts_s[index + 1] - starts_s[index] - (*recorded)?, index))
     };
     run.recorded_s.iter().enumerate().filter_map(off).collect()
 }
@@ -230,14 +230,14 @@ fn starts_are_near_recorded_ones() {
     for Log { keys, poses, runs, near: expected } in [april, january] {
         let mut counts = [[0; 2]; 2];
         for run in runs {
-            for (off_s, at) in starts_off_s(run, poses, keys) {
+            for (off_s, index) in starts_off_s(run, poses, keys) {
                 assert!(off_s.abs() < 0.026, "{} to {}: {off_s} s", run.from, run.to);
-                counts[at][0] += usize::from(off_s.abs() <= TICK_S);
-                counts[at][1] += 1;
+                counts[index][0] += usize::from(off_s.abs() <= TICK_S);
+                counts[index][1] += 1;
             }
         }
-        for ([near, all], [least, of]) in counts.into_iter().zip(expected) {
-            assert!(near >= least && all == of, "{near} of {all}");
+        for ([near, all], [min_count, count]) in counts.into_iter().zip(expected) {
+            assert!(near >= min_count && all == count, "{near} of {all}");
         }
     }
 }

@@ -83,7 +83,12 @@ fn short_lines_of_the_tcp_are_as_slow_in_t1() {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 48, rng_seed: RngSeed::Fixed(36), failure_persistence: None, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig {
+        cases: 48,
+        rng_seed: RngSeed::Fixed(36),
+        failure_persistence: None,
+        ..ProptestConfig::default()
+    })]
 
     /// For PTP motions with plateau and cruise, the solver with one jerk per ramp reproduces the
     /// duration of the closed form.
@@ -91,33 +96,43 @@ proptest! {
     fn one_jerk_takes_as_long_as_the_ramp(from in pose(), to in pose()) {
         let program = Program::from_deg(from).ptp_deg(to).build();
         let robot = Robot::default();
-        let [closed, found] =
-            [Timing::default(), solved()].map(|timing| plan(&program, &robot, timing).motion_time_s());
+        let [closed, actual] =
+            [Timing::default(), solved()]
+                .map(|timing| plan(&program, &robot, timing).motion_time_s());
         let way = std::iter::zip(from, to).map(|(a, b)| (b - a).powi(2)).sum::<f64>().sqrt();
         prop_assume!(way > 100.0);
-        prop_assert!((found / closed - 1.0).abs() < 2e-3, "{found} {closed}");
+        prop_assert!((actual / closed - 1.0).abs() < 2e-3, "{actual} {closed}");
     }
 
     /// Sections with blends keep the joint limits, and take at least as long as under these limits
     /// alone.
     #[test]
-    fn blends_keep_their_limits(poses in proptest::collection::vec(pose(), 3..6), share in 0.01..0.5_f64) {
+    fn blends_keep_their_limits(
+        poses in proptest::collection::vec(pose(), 3..6),
+        share in 0.01..0.5_f64,
+    ) {
         let mut builder = Program::from_deg(poses[0]);
         for pose in &poses[1..] {
             builder = builder.ptp_deg(*pose).blend(Blend::Fraction(share));
         }
         let program = builder.build();
         let robot = Robot::default();
-        let [jerk, sunrise] = [Timing::jerk_limited(), Timing::default()].map(|timing| plan(&program, &robot, timing));
+        let [jerk, sunrise] = [Timing::jerk_limited(), Timing::default()]
+            .map(|timing| plan(&program, &robot, timing));
         prop_assert!(sunrise.cycle_time_s() > jerk.cycle_time_s() * (1.0 - 1e-5));
         let limits = robot.limits();
         let steps = 2000;
         for i in 0..=steps {
-            let at = sunrise.at(sunrise.cycle_time_s() * f64::from(i) / f64::from(steps));
+            let state = sunrise.at(sunrise.cycle_time_s() * f64::from(i) / f64::from(steps));
             for j in 0..7 {
-                prop_assert!(at.dq[j].abs() <= 1.005 * limits.velocity_rad_s[j]);
-                prop_assert!(at.ddq[j].abs() <= 1.02 * limits.acceleration_rad_s2[j]);
-                prop_assert!(at.dddq[j].abs() <= 1.05 * limits.jerk_rad_s3[j], "A{}: {}", j + 1, at.dddq[j] / limits.jerk_rad_s3[j]);
+                prop_assert!(state.dq[j].abs() <= 1.005 * limits.velocity_rad_s[j]);
+                prop_assert!(state.ddq[j].abs() <= 1.02 * limits.acceleration_rad_s2[j]);
+                prop_assert!(
+                    state.dddq[j].abs() <= 1.05 * limits.jerk_rad_s3[j],
+                    "A{}: {}",
+                    j + 1,
+                    state.dddq[j] / limits.jerk_rad_s3[j]
+                );
             }
         }
     }

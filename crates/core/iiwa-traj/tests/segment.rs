@@ -65,7 +65,7 @@ fn path() -> JointPath {
 }
 
 #[test]
-fn a_shape_of_ones_own_is_planned_within_the_limits() {
+fn a_custom_segment_is_planned_within_the_limits() {
     let path = path();
     let limits = *path.robot().limits();
     for (timing, jerk) in [
@@ -83,14 +83,18 @@ fn a_shape_of_ones_own_is_planned_within_the_limits() {
         let count = 2_000;
         for i in 1..count {
             let t_s = trajectory.motion_time_s() * f64::from(i) / f64::from(count);
-            let [before, at, after] = [-1.0, 0.0, 1.0].map(|k| trajectory.at(t_s + k * step_s));
+            let [before, middle, after] = [-1.0, 0.0, 1.0].map(|k| trajectory.at(t_s + k * step_s));
             for j in 0..7 {
                 let share = |value: f64, limit: f64| value.abs() / limit;
-                assert!(share(at.dq[j], limits.velocity_rad_s[j]) < 1.005);
-                assert!(share(at.ddq[j], limits.acceleration_rad_s2[j]) < 1.01);
-                assert!(share(at.dddq[j], limits.jerk_rad_s3[j]) < jerk, "{} s: {at:?}", at.t_s);
+                assert!(share(middle.dq[j], limits.velocity_rad_s[j]) < 1.005);
+                assert!(share(middle.ddq[j], limits.acceleration_rad_s2[j]) < 1.01);
+                assert!(
+                    share(middle.dddq[j], limits.jerk_rad_s3[j]) < jerk,
+                    "{} s: {middle:?}",
+                    middle.t_s
+                );
                 let rate = (after.q[j] - before.q[j]) / (2.0 * step_s);
-                assert!((rate - at.dq[j]).abs() < 1e-3, "{rate} {at:?}");
+                assert!((rate - middle.dq[j]).abs() < 1e-3, "{rate} {middle:?}");
             }
         }
     }
@@ -106,17 +110,17 @@ fn steps_have_to_join() {
         limits: None,
     };
     let along = |a: f64, b: f64| [a, b, 0.0, 0.0, 0.0, 0.0, 0.0];
-    let made = |steps: Vec<Step>| {
+    let path_of = |steps: Vec<Step>| {
         let limits = vec![MotionLimits::full(&robot)];
         JointPath::from_steps(&robot, [0.0; 7], steps, limits).err()
     };
     let first = || line(along(0.0, 0.0), along(0.5, 0.0));
-    assert_eq!(made(vec![first(), line(along(0.5, 0.0), along(1.0, 0.0))]), None);
-    let gap = made(vec![first(), line(along(0.6, 0.0), along(1.0, 0.0))]);
+    assert_eq!(path_of(vec![first(), line(along(0.5, 0.0), along(1.0, 0.0))]), None);
+    let gap = path_of(vec![first(), line(along(0.6, 0.0), along(1.0, 0.0))]);
     assert!(matches!(gap, Some(JoinError::Gap { step: 1, .. })));
-    let kink = made(vec![first(), line(along(0.5, 0.0), along(0.5, 0.5))]);
+    let kink = path_of(vec![first(), line(along(0.5, 0.0), along(0.5, 0.5))]);
     assert_eq!(kink, Some(JoinError::Kink { step: 1 }));
-    let stops = made(vec![
+    let stops = path_of(vec![
         first(),
         Step::Corner { motion: MotionIndex::new(0) },
         line(along(0.5, 0.0), along(0.5, 0.5)),
@@ -127,7 +131,7 @@ fn steps_have_to_join() {
         *motion = MotionIndex::new(3);
     }
     assert_eq!(
-        made(vec![other]),
+        path_of(vec![other]),
         Some(JoinError::NoLimits { step: 0, motion: MotionIndex::new(3) })
     );
 }

@@ -53,7 +53,7 @@ fn motions_take_longer_and_pauses_do_not() {
 }
 
 #[test]
-fn a_motion_that_goes_nowhere_takes_its_time() {
+fn a_motion_without_distance_takes_its_settle_time() {
     let path = JointPath::new(&Program::from_json(PROGRAM).unwrap(), &Robot::default()).unwrap();
     let trajectory = Trajectory::plan(&path, Timing::default()).unwrap();
     let motions: Vec<_> =

@@ -127,7 +127,7 @@ fn limits_of_the_motion_hold() {
 }
 
 fn pose() -> impl Strategy<Value = Joints> {
-    [150.0, 90.0, 120.0, 100.0, 150.0, 100.0, 160.0_f64].map(|most| -most..most)
+    [150.0, 90.0, 120.0, 100.0, 150.0, 100.0, 160.0_f64].map(|limit| -limit..limit)
 }
 
 /// Generates poses near to each other, some of them equal, some turning back.

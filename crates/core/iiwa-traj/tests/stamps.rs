@@ -11,15 +11,15 @@ fn wait(seconds: f64) -> Motion {
 
 #[test]
 fn a_wait_of_no_time_has_no_stamp() {
-    let there = Ptp::to([0.3, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]);
+    let target = Ptp::to([0.3, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]);
     let motions = vec![
         wait(0.0),
-        Motion::Ptp(there.clone()),
+        Motion::Ptp(target.clone()),
         wait(0.0),
         wait(0.5),
         // Below the resolution of floating-point numbers at half a second.
         wait(1e-18),
-        Motion::Ptp(there),
+        Motion::Ptp(target),
         wait(0.0),
     ];
     let program = Program {

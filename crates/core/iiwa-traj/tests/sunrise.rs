@@ -114,7 +114,7 @@ fn another_implementation_finds_the_same() {
 
 /// Generates poses in degrees, over the whole joint range.
 pub(crate) fn pose() -> impl Strategy<Value = Joints> {
-    [160.0, 110.0, 160.0, 110.0, 160.0, 110.0, 165.0_f64].map(|most| -most..most)
+    [160.0, 110.0, 160.0, 110.0, 160.0, 110.0, 165.0_f64].map(|limit| -limit..limit)
 }
 
 proptest! {
@@ -135,7 +135,7 @@ proptest! {
         let robot = Robot::default();
         let limits = robot.limits();
         let way: Joints = std::array::from_fn(|j| (to[j] - from[j]).to_radians());
-        let scale = nodes.iter().fold(0.0_f64, |most, node| most.max(node.u[0].abs()));
+        let scale = nodes.iter().fold(0.0_f64, |max, node| max.max(node.u[0].abs()));
         for pair in nodes.windows(2) {
             prop_assert!(pair[0].rate >= 0.0 && pair[0].p <= pair[1].p);
             prop_assert!((pair[0].u[1] - pair[1].u[0]).abs() <= 1e-9 * scale);

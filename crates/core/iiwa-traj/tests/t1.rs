@@ -29,13 +29,13 @@ fn speeds(text: &str, timing: Timing) -> ([f64; 2], f64) {
     let program = Program::from_json(text).unwrap();
     let path = JointPath::new(&program, &robot).unwrap();
     let trajectory = Trajectory::plan(&path, timing).unwrap();
-    let mut most = [0.0_f64; 2];
+    let mut max_m_s = [0.0_f64; 2];
     for state in trajectory.samples(1000.0) {
-        for (most, tcp) in most.iter_mut().zip([path.tcp(state.motion), &Pose::IDENTITY]) {
-            *most = most.max(robot.tcp_speed_m_s(tcp, &state.q, &state.dq));
+        for (max_m_s, tcp) in max_m_s.iter_mut().zip([path.tcp(state.motion), &Pose::IDENTITY]) {
+            *max_m_s = max_m_s.max(robot.tcp_speed_m_s(tcp, &state.q, &state.dq));
         }
     }
-    (most, trajectory.motion_time_s())
+    (max_m_s, trajectory.motion_time_s())
 }
 
 #[test]
@@ -49,11 +49,11 @@ fn tcp_and_flange_go_slowly() {
     for timing in
         [Timing::default(), Timing::jerk_limited(), Timing::Acceleration(SweepOptions::default())]
     {
-        let (most, seconds) = speeds(&test, timing);
-        assert!(most.iter().all(|most| *most < 0.2255), "{}: {most:?}", timing.name());
-        assert!(most.iter().all(|most| *most > 0.2245), "{}: {most:?}", timing.name());
+        let (max_m_s, seconds) = speeds(&test, timing);
+        assert!(max_m_s.iter().all(|max_m_s| *max_m_s < 0.2255), "{}: {max_m_s:?}", timing.name());
+        assert!(max_m_s.iter().all(|max_m_s| *max_m_s > 0.2245), "{}: {max_m_s:?}", timing.name());
         let (faster, without) = speeds(PROGRAM, timing);
-        assert!(faster.iter().any(|most| *most > 0.5), "{faster:?}");
+        assert!(faster.iter().any(|max_m_s| *max_m_s > 0.5), "{faster:?}");
         assert!(without < 0.8 * seconds, "{without} {seconds}");
     }
 }
@@ -97,7 +97,7 @@ fn ramps_are_not_changed() {
 fn speeds_are_held_along_random_programs() {
     let mut random = Rng::with_seed(36);
     let robot = Robot::lbr_iiwa_7_r800();
-    let (mut planned, mut held) = (0, 0);
+    let (mut planned, mut within_limit) = (0, 0);
     for _ in 0..60 {
         let mut pose =
             || std::array::from_fn(|j| robot.limits().upper_rad[j] * (1.6 * random.f64() - 0.8));
@@ -122,8 +122,8 @@ fn speeds_are_held_along_random_programs() {
         for state in trajectory.samples(1000.0) {
             let speed = robot.tcp_speed_m_s(&Pose::IDENTITY, &state.q, &state.dq);
             assert!(speed < 0.225 * (1.0 + 1e-3), "{speed} m/s at {} s", state.t_s);
-            held += usize::from(speed > 0.225 * (1.0 - 1e-3));
+            within_limit += usize::from(speed > 0.225 * (1.0 - 1e-3));
         }
     }
-    assert!(planned > 40 && held > 10_000, "{planned} {held}");
+    assert!(planned > 40 && within_limit > 10_000, "{planned} {within_limit}");
 }

@@ -152,8 +152,8 @@ fn an_even_way_alone_takes_as_long_as_its_profile() {
             for (timing, jerk) in [(Timing::jerk_limited(), scaled[2]), (ACCELERATION, f64::MAX)] {
                 let trajectory = planned(segment, limits, timing);
                 let expected = seven_phases([scaled[0], scaled[1], jerk]);
-                let found = trajectory.motion_time_s();
-                assert!((found / expected - 1.0).abs() < 1e-3, "{found} {expected} {timing:?}");
+                let actual = trajectory.motion_time_s();
+                assert!((actual / expected - 1.0).abs() < 1e-3, "{actual} {expected} {timing:?}");
                 let limit = Limit::Motion { of: Limited::Way, kind: LimitKind::Velocity };
                 assert_eq!(limited_by(&trajectory), limit);
                 let all = largest_shares(&trajectory, segment, &limits);
@@ -197,21 +197,22 @@ fn without_a_limit_that_binds_nothing_changes() {
 #[test]
 fn an_uneven_way_keeps_its_limits_all_along() {
     let segment = Tool { wave: 1.5, ..Tool::EVEN };
-    for (limits, of) in [
+    for (limits, expected) in [
         (limits([0.2, 0.8, 8.0], NONE), Limited::Way),
         (limits(NONE, [0.3, 0.9, 9.0]), Limited::Turn),
         (limits([0.2, 3.0, 30.0], [0.5, 7.0, 70.0]), Limited::Way),
     ] {
-        for (timing, most) in [(Timing::jerk_limited(), 1.02), (ACCELERATION, f64::INFINITY)] {
+        for (timing, max_jerk) in [(Timing::jerk_limited(), 1.02), (ACCELERATION, f64::INFINITY)] {
             let trajectory = planned(segment, limits, timing);
             let all = largest_shares(&trajectory, segment, &limits);
             for [v, a, j] in all {
-                assert!(v < 1.001 && a < 1.005 && j < most, "{all:?}");
+                assert!(v < 1.001 && a < 1.005 && j < max_jerk, "{all:?}");
             }
             assert!(all[0][0].max(all[1][0]) > 0.91, "{all:?}");
-            assert!(
-                matches!(limited_by(&trajectory), Limit::Motion { of: found, .. } if found == of)
-            );
+            assert!(matches!(
+                limited_by(&trajectory),
+                Limit::Motion { of: limited, .. } if limited == expected
+            ));
         }
     }
 }
@@ -236,9 +237,9 @@ fn limits_hold_up_to_where_the_next_segment_starts() {
         for i in 0..=1_000 {
             let state = trajectory.at(end_s * f64::from(i) / 1_000.0);
             let [speed, acceleration] = [state.dq[0], state.ddq[0]].map(|v| v / 0.3 * 0.4);
-            let most = if timing == ACCELERATION { 1.002 } else { 1.005 };
+            let max_share = if timing == ACCELERATION { 1.002 } else { 1.005 };
             assert!(
-                speed < most * 0.1 && (i == 1_000 || acceleration.abs() < most * 0.3),
+                speed < max_share * 0.1 && (i == 1_000 || acceleration.abs() < max_share * 0.3),
                 "{state:?}"
             );
         }

@@ -41,11 +41,11 @@ impl Name {
     ) -> io::Result<(T, Option<File>)> {
         self.clear(folder);
         loop {
-            let made = make(tempfile::Builder::new().prefix(self.prefix).suffix(self.suffix))?;
+            let created = make(tempfile::Builder::new().prefix(self.prefix).suffix(self.suffix))?;
             // On file systems without locks, leftovers are not removed.
-            let lock = File::open(path(&made)).and_then(|file| file.lock().map(|()| file)).ok();
-            if path(&made).symlink_metadata().is_ok() {
-                return Ok((made, lock));
+            let lock = File::open(path(&created)).and_then(|file| file.lock().map(|()| file)).ok();
+            if path(&created).symlink_metadata().is_ok() {
+                return Ok((created, lock));
             }
         }
     }
@@ -90,12 +90,12 @@ mod tests {
     const NAME: Name = Name { prefix: ".part-of-a-test-", suffix: ".part", is_folder: false };
 
     #[test]
-    fn what_is_in_use_stays() {
+    fn files_in_use_are_kept() {
         let folder = tempfile::tempdir().unwrap();
         let at = |name: &str| folder.path().join(name);
-        let (used, left, other) =
+        let (used, abandoned, other) =
             (at(".part-of-a-test-1.part"), at(".part-of-a-test-2.part"), at("part.part"));
-        for path in [&used, &left, &other] {
+        for path in [&used, &abandoned, &other] {
             fs::write(path, "text").unwrap();
         }
         fs::create_dir(at(".part-of-a-test-3.part")).unwrap();
@@ -105,16 +105,16 @@ mod tests {
             let make = |name: &mut tempfile::Builder<'_, '_>| name.tempfile_in(folder.path());
             NAME.make(folder.path(), make, tempfile::NamedTempFile::path).unwrap()
         };
-        let (made, held) = make();
-        assert!(!left.exists() && used.exists() && other.exists());
+        let (created, created_lock) = make();
+        assert!(!abandoned.exists() && used.exists() && other.exists());
         assert!(at(".part-of-a-test-3.part").exists());
         // Acts like the next process.
         drop(lock);
-        NAME.remove_unless_used(made.path());
+        NAME.remove_unless_used(created.path());
         NAME.remove_unless_used(&used);
-        assert!(made.path().exists() && !used.exists());
-        drop(held);
-        NAME.remove_unless_used(made.path());
-        assert!(!made.path().exists());
+        assert!(created.path().exists() && !used.exists());
+        drop(created_lock);
+        NAME.remove_unless_used(created.path());
+        assert!(!created.path().exists());
     }
 }

@@ -53,20 +53,20 @@ impl Output {
     /// [`OutputError::Write`] if the folder does not exist, if a folder or a device is at `path`,
     /// or if the temporary file cannot be created.
     pub fn new(path: &Path) -> Result<Self, OutputError> {
-        let refuse = |error: io::Error| OutputError::new(path, error);
+        let to_error = |error: io::Error| OutputError::new(path, error);
         let folder = path.parent().unwrap_or(Path::new(""));
         if !folder.as_os_str().is_empty() && !folder.exists() {
-            let what = format!("no such folder: {}", folder.display());
-            return Err(refuse(io::Error::other(what)));
+            let message = format!("no such folder: {}", folder.display());
+            return Err(to_error(io::Error::other(message)));
         }
         let real = destination(path);
         let existing = real.metadata();
         match &existing {
             Ok(kind) if kind.is_dir() => {
-                return Err(refuse(io::Error::from(io::ErrorKind::IsADirectory)));
+                return Err(to_error(io::Error::from(io::ErrorKind::IsADirectory)));
             }
             Ok(kind) if !kind.is_file() => {
-                return Err(refuse(io::Error::other("it is a device or a pipe, not a file")));
+                return Err(to_error(io::Error::other("it is a device or a pipe, not a file")));
             }
             _ => {}
         }
@@ -84,10 +84,10 @@ impl Output {
         let (file, lock) = PART
             .make(folder, make, NamedTempFile::path)
             // Omits the name of the temporary file.
-            .map_err(|error| refuse(io::Error::from(error.kind())))?;
+            .map_err(|error| to_error(io::Error::from(error.kind())))?;
         if let Ok(existing) = existing {
             // A private file stays private.
-            file.as_file().set_permissions(existing.permissions()).map_err(refuse)?;
+            file.as_file().set_permissions(existing.permissions()).map_err(to_error)?;
         }
         Ok(Self { path: real, file, _lock: lock })
     }
@@ -219,7 +219,7 @@ mod tests {
     }
 
     #[test]
-    fn errors_name_the_path_that_was_asked_for() {
+    fn errors_name_the_requested_path() {
         let folder = tempfile::tempdir().unwrap();
         let missing = folder.path().join("none/plan.csv");
         for path in [folder.path(), &missing] {

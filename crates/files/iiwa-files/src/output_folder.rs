@@ -35,12 +35,12 @@ fn is_new(folder: &Path) -> bool {
 }
 
 fn make(folder: &Path, files: &[(&Path, &[u8])]) -> Result<(), OutputError> {
-    let refuse = |error: io::Error| OutputError::new(folder, error);
+    let to_error = |error: io::Error| OutputError::new(folder, error);
     let parent = folder.parent().filter(|parent| !parent.as_os_str().is_empty());
     let parent = parent.unwrap_or(Path::new("."));
     if !parent.exists() {
-        let what = format!("no such folder: {}", parent.display());
-        return Err(refuse(io::Error::other(what)));
+        let message = format!("no such folder: {}", parent.display());
+        return Err(to_error(io::Error::other(message)));
     }
     let make = |name: &mut tempfile::Builder<'_, '_>| {
         #[cfg(unix)]
@@ -54,22 +54,22 @@ fn make(folder: &Path, files: &[(&Path, &[u8])]) -> Result<(), OutputError> {
     let (part, _lock): (TempDir, Option<File>) = PART
         .make(parent, make, TempDir::path)
         // Omits the name of the temporary folder.
-        .map_err(|error| refuse(io::Error::from(error.kind())))?;
+        .map_err(|error| to_error(io::Error::from(error.kind())))?;
     for (path, content) in files {
         let target = folder.join(path);
-        let here = part.path().join(path);
-        let write = |here: &PathBuf| {
-            if let Some(parent) = here.parent() {
+        let temporary = part.path().join(path);
+        let write = |temporary: &PathBuf| {
+            if let Some(parent) = temporary.parent() {
                 fs::create_dir_all(parent)?;
             }
-            fs::write(here, content)
+            fs::write(temporary, content)
         };
-        write(&here).map_err(|error| OutputError::new(&target, error))?;
+        write(&temporary).map_err(|error| OutputError::new(&target, error))?;
     }
     if interrupt::has_come() {
         return Err(OutputError::Interrupted);
     }
-    fs::rename(part.path(), folder).map_err(refuse)?;
+    fs::rename(part.path(), folder).map_err(to_error)?;
     // The folder has been renamed: nothing is left to remove.
     let _ = part.keep();
     Ok(())

@@ -40,9 +40,9 @@ pub(crate) fn decode<'de, T: Deserialize<'de>>(bytes: &'de [u8]) -> Result<T, St
     }
     let (message, consumed) = cdr_encoding::from_bytes::<T, LittleEndian>(body)
         .map_err(|error| format!("{error} in {} bytes", bytes.len()))?;
-    let left = body.len() - consumed;
-    if left > MAX_PADDING {
-        return Err(format!("{left} bytes left over after the last field"));
+    let remaining = body.len() - consumed;
+    if remaining > MAX_PADDING {
+        return Err(format!("{remaining} bytes left over after the last field"));
     }
     Ok(message)
 }

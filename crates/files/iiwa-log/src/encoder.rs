@@ -365,7 +365,7 @@ mod tests {
     }
 
     #[test]
-    fn every_message_is_what_a_serializer_makes_of_it() {
+    fn messages_equal_those_of_a_serializer() {
         let names = RosNames::new(RosStack::LbrFriRos2Stack, None);
         let mut encoder = Encoder::with_names(Duration::from_secs(7), &names).unwrap();
         let stamp = |t: Duration| Time::from_duration(Duration::from_secs(7) + t).unwrap();

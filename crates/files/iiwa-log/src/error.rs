@@ -126,14 +126,14 @@ pub enum ReadError {
         second: String,
     },
     /// A message that cannot be decoded.
-    #[error("{topic} at {t_s} s: {what}")]
+    #[error("{topic} at {t_s} s: {message}")]
     Message {
         /// The topic.
         topic: Topic,
         /// Log time since the first message, s.
         t_s: f64,
         /// Mismatch found.
-        what: String,
+        message: String,
     },
     /// A joint name differs.
     #[error("{topic} at {t_s} s: joint {index} is `{found}`, expected `{expected}`")]

@@ -77,16 +77,16 @@ pub enum PlanRecordError {
     #[error(transparent)]
     Read(#[from] ReadError),
     /// The file lacks a part of a plan.
-    #[error("not a plan: the file has no {what}")]
+    #[error("not a plan: the file has no {part}")]
     Missing {
         /// Missing part.
-        what: &'static str,
+        part: &'static str,
     },
     /// The parts are inconsistent, or contain values that no plan has.
-    #[error("the plan is damaged: {what}")]
+    #[error("the plan is damaged: {message}")]
     Damaged {
         /// Inconsistency found.
-        what: String,
+        message: String,
     },
     /// The robot is unknown.
     #[error(transparent)]
@@ -174,9 +174,9 @@ impl PlanRecord {
     /// not those of a plan.
     pub fn check(&self) -> Result<(), PlanRecordError> {
         if self.nodes.len() < 2 {
-            return Err(PlanRecordError::Missing { what: "/joint_trajectory" });
+            return Err(PlanRecordError::Missing { part: "/joint_trajectory" });
         }
-        let damaged = |what: String| Err(PlanRecordError::Damaged { what });
+        let damaged = |message: String| Err(PlanRecordError::Damaged { message });
         let finite = |q: &Joints| q.iter().all(|v| v.is_finite());
         for PlanNode { t_s, q, dq, ddq } in &self.nodes {
             if !finite(q) || !finite(dq) || !finite(ddq) {
@@ -190,7 +190,7 @@ impl PlanRecord {
             return damaged(format!("a piece of the unknown kind `{kind}`"));
         }
         if self.pieces.is_empty() {
-            return Err(PlanRecordError::Missing { what: "/motion" });
+            return Err(PlanRecordError::Missing { part: "/motion" });
         }
         let ordered = |piece: &PlanPiece| piece.start_s.is_finite() && piece.end_s >= piece.start_s;
         if !self.pieces.iter().all(ordered) {

@@ -521,7 +521,7 @@ impl<'a> Body<'a> {
     }
 
     fn error(&self, what: String) -> ReadError {
-        ReadError::Message { topic: self.topic, t_s: self.t_s(), what }
+        ReadError::Message { topic: self.topic, t_s: self.t_s(), message: what }
     }
 }
 

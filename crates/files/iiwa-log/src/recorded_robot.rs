@@ -16,10 +16,10 @@ pub enum RecordedRobotError {
         name: String,
     },
     /// The attachment `robot.json` is not a robot profile.
-    #[error("the attachment `{PROFILE}` is not a robot profile: {what}")]
+    #[error("the attachment `{PROFILE}` is not a robot profile: {message}")]
     Profile {
         /// Error found in the profile.
-        what: String,
+        message: String,
     },
 }
 
@@ -32,7 +32,7 @@ pub(crate) fn recorded_robot(
     if let Some(profile) = profile {
         return Robot::from_profile(profile)
             .map(Some)
-            .map_err(|error| RecordedRobotError::Profile { what: error.what() });
+            .map_err(|error| RecordedRobotError::Profile { message: error.message() });
     }
     let Some(name) = name else { return Ok(None) };
     Robot::built_in(name)

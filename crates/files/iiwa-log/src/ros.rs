@@ -205,10 +205,10 @@ impl<'de> Deserialize<'de> for Names<'_> {
                 let mut stem = Cow::Borrowed(USUAL_STEM);
                 let mut other = None;
                 let mut count = 0;
-                while let Some(found) =
+                while let Some(differing) =
                     seq.next_element_seed(Name { index: count, stem: &mut stem })?
                 {
-                    other = other.or(found);
+                    other = other.or(differing);
                     count += 1;
                 }
                 Ok(match other {
@@ -244,19 +244,19 @@ impl Visitor<'_> for Name<'_> {
         f.write_str("a joint name")
     }
 
-    fn visit_str<E>(self, found: &str) -> Result<Self::Value, E> {
+    fn visit_str<E>(self, name: &str) -> Result<Self::Value, E> {
         let Self { index, stem } = self;
         let Some(number) = NUMBERS.get(index) else { return Ok(None) };
         if index == 0
-            && let Some(first) = found.strip_suffix(number).filter(|first| *first != USUAL_STEM)
+            && let Some(first) = name.strip_suffix(number).filter(|first| *first != USUAL_STEM)
         {
             *stem = Cow::Owned(first.to_owned());
         }
-        if found.strip_prefix(&**stem) == Some(number) {
+        if name.strip_prefix(&**stem) == Some(number) {
             return Ok(None);
         }
         let expected = format!("{stem}{number}");
-        Ok(Some(Names::Other { index, expected, found: found.to_owned() }))
+        Ok(Some(Names::Other { index, expected, found: name.to_owned() }))
     }
 }
 

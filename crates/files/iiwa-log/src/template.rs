@@ -29,13 +29,13 @@ impl Template {
         let ones = f64::from_bits(u64::MAX);
         encode(&mut other, Time { sec: -1, nanosec: u32::MAX }, ones)?;
         let mut words = Vec::new();
-        let mut at = 0;
-        while at < bytes.len() {
-            let changes = bytes[at] != other[at];
+        let mut offset = 0;
+        while offset < bytes.len() {
+            let changes = bytes[offset] != other[offset];
             if changes {
-                words.push(at);
+                words.push(offset);
             }
-            at += if changes { size_of::<Word>() } else { 1 };
+            offset += if changes { size_of::<Word>() } else { 1 };
         }
         Ok(Self { names: names.map(str::to_owned).collect(), bytes, words })
     }
@@ -47,8 +47,8 @@ impl Template {
 
     /// Returns the message with these stamps and doubles.
     pub(crate) fn fill(&mut self, words: &[Word]) -> &[u8] {
-        for (&at, word) in zip(&self.words, words) {
-            self.bytes[at..at + size_of::<Word>()].copy_from_slice(word);
+        for (&offset, word) in zip(&self.words, words) {
+            self.bytes[offset..offset + size_of::<Word>()].copy_from_slice(word);
         }
         &self.bytes
     }

@@ -113,7 +113,7 @@ fn a_recording_is_no_plan_and_knows_its_robot() {
     };
     let file = recorder(&slow()).finish(&[].into(), &[]).unwrap().into_inner();
     let error = PlanRecord::read(&*file).unwrap_err();
-    assert!(matches!(error, PlanRecordError::Missing { what: "/joint_trajectory" }), "{error}");
+    assert!(matches!(error, PlanRecordError::Missing { part: "/joint_trajectory" }), "{error}");
     let (record, end) = PlanRecord::read_part(&*file);
     assert!(end.is_none() && record.figures().is_none());
     assert_eq!(record.robot().unwrap(), Some(slow()));

@@ -87,9 +87,9 @@ fn months_have_a_size_too() {
     let plan = planned(&motions(1, 1e-6, 8));
     let months_s = plan.cycle_time_s();
     assert!(months_s > 3e6);
-    let found = size(&plan, 250.0);
-    assert!((found.samples() as f64 / (250.0 * months_s) - 1.0).abs() < 1e-6);
-    assert!(found.bytes() > 50_000_000_000, "{found:?}");
+    let actual = size(&plan, 250.0);
+    assert!((actual.samples() as f64 / (250.0 * months_s) - 1.0).abs() < 1e-6);
+    assert!(actual.bytes() > 50_000_000_000, "{actual:?}");
     // The estimate saturates at the largest integer.
     assert_eq!(size(&plan, 1e300).bytes(), u64::MAX);
 }

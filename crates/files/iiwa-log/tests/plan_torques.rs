@@ -181,19 +181,20 @@ fn outstretched(mass_kg: f64) -> PlanFigures {
 }
 
 #[test]
-fn what_is_too_much_for_a_joint_is_said() {
+fn overloaded_joints_are_reported() {
     assert!(outstretched(2.0).torque_warnings().is_empty());
     // 65 Nm for the arm, and a lever of 1.05 m for the load.
     let lifted = outstretched(9.0).torque_warnings();
     assert_eq!(lifted.len(), 1, "{lifted:?}");
     assert!(lifted[0].starts_with("motion 2: A2 needs 1"), "{lifted:?}");
     assert!(lifted[0].contains(" % of its torque (") && lifted[0].contains(" Nm of 176) at "));
-    let held = outstretched(12.0).torque_warnings();
+    let warnings = outstretched(12.0).torque_warnings();
     assert_eq!(
-        held[0],
-        "motion 1: A2 cannot hold the arm and its payload at rest on this path: holding takes 189 Nm of its 176"
+        warnings[0],
+        "motion 1: A2 cannot hold the arm and its payload at rest on this path: holding takes 189 \
+         Nm of its 176"
     );
-    assert!(held[1].starts_with("motion 2: A2 cannot hold"), "{held:?}");
+    assert!(warnings[1].starts_with("motion 2: A2 cannot hold"), "{warnings:?}");
 }
 
 #[test]

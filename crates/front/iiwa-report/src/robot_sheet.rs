@@ -68,7 +68,7 @@ pub fn robot_sheet(robot: &Robot) -> String {
     let masses = robot.link_mass_kg().map(rounded).join(", ");
     let _ = writeln!(text, "Link masses 0 to 7{}: {masses} kg", mark("masses"));
     for assumption in robot.assumptions() {
-        let _ = writeln!(text, "* {} assumed: {}", assumption.what, assumption.basis);
+        let _ = writeln!(text, "* {} assumed: {}", assumption.quantity, assumption.basis);
     }
     text
 }
@@ -86,7 +86,7 @@ pub fn rounded(value: f64) -> String {
 pub fn robots_table() -> String {
     let mut table = table(&["robot", "reach m", "flange m", "assumed"]);
     for robot in Robot::BUILT_IN.iter().filter_map(|name| Robot::built_in(name)) {
-        let assumed: Vec<_> = robot.assumptions().iter().map(|a| a.what.as_str()).collect();
+        let assumed: Vec<_> = robot.assumptions().iter().map(|a| a.quantity.as_str()).collect();
         let lengths = robot.lengths();
         table.add_row([
             robot.name().to_owned(),

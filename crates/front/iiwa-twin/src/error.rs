@@ -53,7 +53,7 @@ pub enum TwinError {
         source: Box<dyn Error + Send + Sync>,
     },
     /// A program is invalid, or cannot be planned.
-    #[error("{name}{}: {}", error.place().map_or(String::new(), |place| format!(", {place}")), error.what())]
+    #[error("{name}{}: {}", error.place().map_or(String::new(), |place| format!(", {place}")), error.message())]
     Program {
         /// Name of the program.
         name: String,

@@ -70,11 +70,9 @@ impl Cabinet {
     /// An address is invalid, requires keys or cannot be bound, the initial position is outside the
     /// joint ranges, or a thread cannot be started.
     pub fn start(config: CabinetConfig, security: &Server) -> Result<Self, LinkError> {
-        config
-            .robot
-            .limits()
-            .check(&config.start_rad)
-            .map_err(|outside| LinkError::Config { what: format!("start position: {outside}") })?;
+        config.robot.limits().check(&config.start_rad).map_err(|outside| LinkError::Config {
+            message: format!("start position: {outside}"),
+        })?;
         let (inputs, inputs_in) = mpsc::channel();
         let instructions = {
             let max_bytes = MAX_MOTIONS_BYTES + SHORT_MESSAGE_BYTES;
@@ -124,7 +122,7 @@ impl Cabinet {
             link: Mutex::new(FaultyLink::new(config.faults, period)),
         });
         let client = config.fri_client;
-        let at = [instructions.at(), state.at()].map(str::to_owned);
+        let addresses = [instructions.address(), state.address()].map(str::to_owned);
         let mut threads = ThreadGroup::default();
         let robot_state = Arc::clone(&shared);
         threads.spawn("cabinet clock", move |shutdown| {
@@ -149,7 +147,7 @@ impl Cabinet {
         threads.spawn("cabinet state", move |shutdown| {
             program::send_states(&robot_state, &state, &acknowledged, shutdown);
         })?;
-        let [instructions, state] = at;
+        let [instructions, state] = addresses;
         Ok(Self { shared, instructions, state, _threads: threads })
     }
 

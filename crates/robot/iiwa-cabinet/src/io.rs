@@ -77,9 +77,9 @@ impl Ports {
     }
 
     fn unknown(&self, name: &str) -> Refusal {
-        let known = self.0.keys().copied().collect::<Vec<_>>().join(", ");
+        let names = self.0.keys().copied().collect::<Vec<_>>().join(", ");
         Refusal::bad(format!(
-            "unknown input or output `{}`; known names are {known}",
+            "unknown input or output `{}`; known names are {names}",
             shortened(name)
         ))
     }

@@ -129,8 +129,8 @@ mod tests {
             let sequence = first.wrapping_add(i);
             let message = Monitoring { sequence, ..Monitoring::default() };
             Format::V1.encode_monitoring(&message, &mut bytes);
-            let at = 10 * u64::from(i);
-            monitor.sent(&bytes, ms(at));
+            let time = 10 * u64::from(i);
+            monitor.sent(&bytes, ms(time));
             // The second answer is late, the third and the last four are missing; all arrive twice.
             let after = [4, 14].get(i as usize).copied().unwrap_or(6);
             if i == 2 || i >= WINDOW {
@@ -138,8 +138,8 @@ mod tests {
             }
             Format::V1
                 .encode_command(&Command { reflected: sequence, ..Command::default() }, &mut bytes);
-            monitor.answered(&bytes, ms(at + after));
-            monitor.answered(&bytes, ms(at + after + 1));
+            monitor.answered(&bytes, ms(time + after));
+            monitor.answered(&bytes, ms(time + after + 1));
         }
         assert_eq!(monitor.late(), [LateAnswer { sent: ms(10), answered: ms(24) }]);
         assert_eq!(monitor.unanswered(), 1);

@@ -88,12 +88,12 @@ impl PositionSensors {
         }
         // Before the first cycle, the robot was at rest.
         let oldest = self.trail[self.trail.len() - 1];
-        let at = self.lag - first as f64;
+        let fraction = self.lag - first as f64;
         let mut late = now;
         for point in 0..POINTS {
             let weight = (0..POINTS)
                 .filter(|other| *other != point)
-                .map(|other| (at - other as f64) / (point as f64 - other as f64))
+                .map(|other| (fraction - other as f64) / (point as f64 - other as f64))
                 .product::<f64>();
             let position = self.trail.get(first + point).unwrap_or(&oldest);
             // Weighted differences instead of positions, so that the result is exact at rest.

@@ -126,7 +126,7 @@ impl<'a> RobotProgram<'a> {
             Ok(AcknowledgeWhen::Planned(run)) => {
                 self.planning = Some(PendingPlan { run, source, is_withdrawn: false });
             }
-            Err(refusal) => self.refuse(source, refusal),
+            Err(refusal) => self.reject(source, refusal),
         }
     }
 
@@ -175,7 +175,7 @@ impl<'a> RobotProgram<'a> {
         };
         match result {
             Ok(_) if is_withdrawn => {
-                self.refuse(
+                self.reject(
                     source,
                     Refusal::robot("stopped on request, before the motions were planned"),
                 );
@@ -184,11 +184,11 @@ impl<'a> RobotProgram<'a> {
                 self.planned = Some(PlannedMotions { run, trajectory, since: Instant::now() });
                 self.acknowledge(source, Acknowledgement::default());
             }
-            Err(refusal) => self.refuse(source, refusal),
+            Err(refusal) => self.reject(source, refusal),
         }
     }
 
-    fn refuse(&self, source: InstructionSource, refusal: Refusal) {
+    fn reject(&self, source: InstructionSource, refusal: Refusal) {
         let error = Some(refusal);
         self.acknowledge(source, Acknowledgement { error, ..Acknowledgement::default() });
     }
@@ -216,18 +216,18 @@ pub(crate) fn send_states(
     const POLL_INTERVAL: Duration = Duration::from_millis(2);
     let every = Duration::from_millis(STATE_EVERY_MS);
     let again = Duration::from_millis(100);
-    let mut sent: Option<(StateChange, Instant)> = None;
+    let mut last_sent: Option<(StateChange, Instant)> = None;
     while !shutdown.load(Ordering::Relaxed) {
         let change = {
             let mut simulation = lock(&shared.simulation);
             let wait = if acknowledged.load(Ordering::Relaxed) { every } else { again };
-            let due = sent.as_ref().is_none_or(|(_, at)| at.elapsed() >= wait);
+            let due = last_sent.as_ref().is_none_or(|(_, instant)| instant.elapsed() >= wait);
             simulation.take_change().or_else(|| due.then(|| simulation.state()))
         };
         if let Some(change) = change {
             acknowledged.store(false, Ordering::Relaxed);
             socket.publish(&vec![Bytes::new(), to_json(&change).into()]);
-            sent = Some((change, Instant::now()));
+            last_sent = Some((change, Instant::now()));
         }
         thread::sleep(POLL_INTERVAL);
     }

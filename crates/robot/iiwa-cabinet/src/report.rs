@@ -38,7 +38,8 @@ impl fmt::Display for Report {
         };
         write!(
             f,
-            "{} messages, {} answers: after {} (median), {} (99.9 %), {} (maximum); {} cycles delayed by this machine",
+            "{} messages, {} answers: after {} (median), {} (99.9 %), {} (maximum); {} cycles \
+             delayed by this machine",
             self.cycles,
             self.latency.count(),
             micros(0.5),

@@ -236,9 +236,9 @@ impl Simulation {
         let error = Refusal::robot("the emergency stop was pressed");
         match &mut self.activity {
             Activity::Nothing | Activity::Braking(_) => {}
-            Activity::Motions { playback, error: why, .. } => {
+            Activity::Motions { playback, error: stop_reason, .. } => {
                 playback.stop(EMERGENCY_STOP_S);
-                *why = Some(error);
+                *stop_reason = Some(error);
             }
             Activity::Commanded(_) => self.brake(error),
         }
@@ -347,7 +347,7 @@ impl Simulation {
                 }
                 let share = playback.at_s() / playback.duration_s();
                 self.activity = Activity::Motions { run, playback, from, error };
-                if self.press_at.is_some_and(|at| share >= at) {
+                if self.press_at.is_some_and(|threshold| share >= threshold) {
                     self.press_at = None;
                     self.press_emergency_stop(EMERGENCY_STOP_HELD_S);
                 }
@@ -375,7 +375,8 @@ impl Simulation {
                 self.fri.quality().name()
             ))),
             (state, None) if waited_s > COMMANDING_TIMEOUT_S => Some(Refusal::robot(format!(
-                "FRI did not reach active commanding within {COMMANDING_TIMEOUT_S} s: session {}, quality {}",
+                "FRI did not reach active commanding within {COMMANDING_TIMEOUT_S} s: session {}, \
+                 quality {}",
                 state.name(),
                 self.fri.quality().name()
             ))),
@@ -410,8 +411,8 @@ impl Simulation {
             let first = (self.q, answered.wrapping_sub(self.receive_multiplier));
             let (last, before) = commanded.last.unwrap_or(first);
             let elapsed_s = f64::from(answered.wrapping_sub(before).max(1)) * self.period_s;
-            let most = |j: usize| limits.velocity_rad_s[j] * SETPOINT_MARGIN * elapsed_s;
-            if let Some(j) = (0..7).find(|&j| (setpoint[j] - last[j]).abs() > most(j) + 1e-6) {
+            let max_step = |j: usize| limits.velocity_rad_s[j] * SETPOINT_MARGIN * elapsed_s;
+            if let Some(j) = (0..7).find(|&j| (setpoint[j] - last[j]).abs() > max_step(j) + 1e-6) {
                 return Err(Refusal::new(
                     Code::Limit,
                     format!("the set-points exceeded the velocity limit of joint A{}", j + 1),
@@ -439,8 +440,8 @@ impl Simulation {
                 }
                 cycles => (target[j] - q) / f64::from(cycles),
             };
-            let most = limits.velocity_rad_s[j] * SETPOINT_MARGIN * self.period_s;
-            (q + step.clamp(-most, most)).clamp(lower, upper)
+            let max_step = limits.velocity_rad_s[j] * SETPOINT_MARGIN * self.period_s;
+            (q + step.clamp(-max_step, max_step)).clamp(lower, upper)
         });
         commanded.cycles_left = commanded.cycles_left.saturating_sub(1);
         Ok(())

@@ -107,7 +107,7 @@ mod tests {
     }
 
     #[test]
-    fn external_torques_are_those_of_what_was_not_configured() {
+    fn external_torques_are_those_of_unconfigured_loads() {
         let robot = Robot::default();
         let still = JointMotion::default();
         let mut sensors = TorqueSensors::new(&robot, Some(load(3.0)), None, 0.0);
@@ -124,7 +124,7 @@ mod tests {
     }
 
     #[test]
-    fn the_foot_stands_as_it_does_whatever_a_program_says() {
+    fn programs_do_not_change_the_mounting() {
         let ceiling = Mount::from_rpy_deg([180.0, 0.0, 0.0]);
         let mut sensors = TorqueSensors::new(&Robot::default(), None, Some(ceiling), 0.0);
         let hanging = sensors.read(&ASIDE, &JointMotion::default()).measured_nm[1];

@@ -108,11 +108,11 @@ impl HoldingClient {
     fn start() -> Self {
         let socket = UdpSocket::bind("127.0.0.1:0").unwrap();
         socket.set_read_timeout(Some(Duration::from_millis(20))).unwrap();
-        let at = socket.local_addr().unwrap();
+        let address = socket.local_addr().unwrap();
         let over = Arc::new(AtomicBool::new(false));
         let ended = Arc::clone(&over);
         let thread = thread::spawn(move || hold(&socket, &ended));
-        Self { at, over, thread: Some(thread) }
+        Self { at: address, over, thread: Some(thread) }
     }
 }
 

@@ -70,11 +70,11 @@ impl Drop for Script {
 }
 
 fn read_lines(stdout: ChildStdout) -> Receiver<Value> {
-    let (out, lines) = mpsc::channel();
+    let (sender, lines) = mpsc::channel();
     thread::spawn(move || {
         for line in BufReader::new(stdout).lines() {
             // The receiver may be dropped.
-            let _ = out.send(serde_json::from_str(&line.unwrap()).unwrap());
+            let _ = sender.send(serde_json::from_str(&line.unwrap()).unwrap());
         }
     });
     lines
@@ -138,7 +138,8 @@ fn an_independent_client_moves_the_arm() {
         (0..4000).map(|i| f64::from(i) * 1e-3).map(|t| (t, offset_rad(t))).collect();
     let (expected_high, expected_low, expected_s) = extremes(&expected);
     println!(
-        "{high} rad, {low} rad, {between_s} s; {expected_high} rad, {expected_low} rad, {expected_s} s"
+        "{high} rad, {low} rad, {between_s} s; {expected_high} rad, {expected_low} rad, \
+         {expected_s} s"
     );
     assert!((high - expected_high).abs() < 1e-4 && (low - expected_low).abs() < 1e-4);
     // The controller clock waits when this machine is busy.

@@ -127,8 +127,8 @@ impl Drive {
         let (commands, commands_in) = mpsc::channel();
         let (events_out, events) = mpsc::channel();
         let (published, to_publish) = mpsc::sync_channel(BACKLOG);
-        let instructions = requests.at().to_owned();
-        let stream_at = stream.at().to_owned();
+        let instructions = requests.address().to_owned();
+        let stream_at = stream.address().to_owned();
         let fri_at = udp.local_addr().map_err(udp_error)?;
         let latency: Arc<LatencyRecorder> = Arc::default();
         let mut threads = ThreadGroup::default();
@@ -208,12 +208,12 @@ impl Drive {
 /// Opens the socket for client requests.
 fn listen(
     clients: &Server,
-    at: &str,
+    address: &str,
     inputs: Sender<DispatcherInput>,
 ) -> Result<Listener, LinkError> {
     let socket = ListenerConfig::new("drive requests", SocketKind::Router, MAX_MESSAGE_BYTES)
         .with_urgent(is_stop);
-    clients.listen(at, socket, move |event| {
+    clients.listen(address, socket, move |event| {
         // The receiver outlives the socket.
         let _ = inputs.send(DispatcherInput::of(event));
     })
@@ -231,10 +231,10 @@ fn is_stop(frames: &[Bytes]) -> bool {
 /// Opens the connection that receives states of the robot program.
 fn receive_states(
     cabinet: &Remote,
-    at: &str,
+    address: &str,
     inputs: Sender<DispatcherInput>,
 ) -> Result<Dialer, LinkError> {
-    cabinet.dial("drive state", Dial::Rep, at, move |frames| {
+    cabinet.dial("drive state", Dial::Rep, address, move |frames| {
         let (state, acknowledgement) = acknowledge(frames);
         if let Some(state) = state {
             // The receiver outlives the socket.
@@ -251,10 +251,10 @@ fn receive_states(
 /// dropped with the connection: a motion must not begin late.
 fn instruct(
     cabinet: &Remote,
-    at: &str,
+    address: &str,
     inputs: Sender<DispatcherInput>,
 ) -> Result<Dialer, LinkError> {
-    cabinet.dial("drive program", Dial::Dealer, at, move |frames| {
+    cabinet.dial("drive program", Dial::Dealer, address, move |frames| {
         if let Some(acknowledgement) = frames.last().and_then(|body| from_json(body)) {
             let _ = inputs.send(DispatcherInput::Acknowledged(acknowledgement));
         }

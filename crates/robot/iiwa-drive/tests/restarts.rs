@@ -179,9 +179,9 @@ impl Pair {
             self.drive_config.cabinet_state.clone(),
         ];
         drop(self);
-        for at in ports {
-            let at = at.trim_start_matches("tcp://");
-            drop(TcpListener::bind(at).unwrap_or_else(|error| panic!("{at}: {error}")));
+        for port in ports {
+            let port = port.trim_start_matches("tcp://");
+            drop(TcpListener::bind(port).unwrap_or_else(|error| panic!("{port}: {error}")));
         }
     }
 }

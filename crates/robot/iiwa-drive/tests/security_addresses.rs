@@ -106,7 +106,7 @@ fn sockets_enforce_the_rule() {
         config.fri = "127.0.0.1:0".parse().unwrap();
         config
     };
-    let start = |at: &str| Drive::start(config(at), &Server::open(), &Remote::open());
+    let start = |address: &str| Drive::start(config(address), &Server::open(), &Remote::open());
     let error = start("0.0.0.0:*").unwrap_err();
     assert!(matches!(error, LinkError::Security(SecurityError::BindNeedsKeys { .. })), "{error}");
     let drive = start("localhost:*").unwrap();

@@ -45,7 +45,7 @@ pub(crate) fn drive(server: &Server) -> Drive {
     Drive::start(config, server, &Remote::open()).unwrap()
 }
 
-fn ask(drive: &Drive, remote: &Remote) -> Result<Status, ClientError> {
+fn request_status(drive: &Drive, remote: &Remote) -> Result<Status, ClientError> {
     Client::new(remote, drive.instructions()).unwrap().state()
 }
 
@@ -57,7 +57,7 @@ fn refused_by_stream(drive: &Drive, remote: &Remote) -> String {
         match stream.next(Duration::from_millis(100)) {
             Ok(None) => {}
             Ok(Some(published)) => return format!("{published:?}"),
-            Err(LinkError::Unauthorized { what, .. }) => return what.to_owned(),
+            Err(LinkError::Unauthorized { reason, .. }) => return reason.to_owned(),
             Err(error) => return error.to_string(),
         }
     }
@@ -66,11 +66,11 @@ fn refused_by_stream(drive: &Drive, remote: &Remote) -> String {
 
 /// Returns the reasons of the refusals of a client and a stream.
 fn refused(drive: &Drive, remote: &Remote) -> [String; 2] {
-    let asked = match ask(drive, remote) {
-        Err(ClientError::Unauthorized { what, .. }) => what.to_owned(),
+    let reply = match request_status(drive, remote) {
+        Err(ClientError::Unauthorized { reason, .. }) => reason.to_owned(),
         other => format!("{other:?}"),
     };
-    [asked, refused_by_stream(drive, remote)]
+    [reply, refused_by_stream(drive, remote)]
 }
 
 const NOT_ALLOWED: &str = "the client's key is not on the drive's list";
@@ -81,7 +81,7 @@ const CLOSED: &str = "the drive closed the connection; is the drive's public key
 fn the_right_key_works() {
     let keys = Keys::new();
     let drive = drive(&keys.server());
-    ask(&drive, &remote(&keys.alice, keys.server.public())).unwrap();
+    request_status(&drive, &remote(&keys.alice, keys.server.public())).unwrap();
     let mut stream =
         Stream::new(&remote(&keys.alice, keys.server.public()), drive.stream()).unwrap();
     // Without a robot nothing is published.
@@ -90,7 +90,7 @@ fn the_right_key_works() {
 
 #[test]
 fn without_keys_loopback_works() {
-    ask(&drive(&Server::open()), &Remote::open()).unwrap();
+    request_status(&drive(&Server::open()), &Remote::open()).unwrap();
 }
 
 #[test]

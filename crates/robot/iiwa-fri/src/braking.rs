@@ -27,8 +27,11 @@ mod tests {
                     speed -= DECELERATION * step_s;
                 }
                 // Up to the distance of the last step, which is shorter than the others.
-                let most = room_rad + DECELERATION * step_s * step_s / 8.0 + 1e-12;
-                assert!(distance <= most, "{distance} of {room_rad} rad at steps of {step_s} s");
+                let max_distance = room_rad + DECELERATION * step_s * step_s / 8.0 + 1e-12;
+                assert!(
+                    distance <= max_distance,
+                    "{distance} of {room_rad} rad at steps of {step_s} s"
+                );
             }
         }
     }

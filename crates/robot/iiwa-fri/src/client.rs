@@ -381,12 +381,12 @@ mod tests {
     #[test]
     fn both_counters_wrap_around() {
         let mut client = Client { sequence: u32::MAX - 1, ..Client::default() };
-        let mut own = Vec::new();
+        let mut sequences = Vec::new();
         for n in [u32::MAX - 2, u32::MAX - 1, u32::MAX, 0, 2] {
             assert_eq!(sequence(&mut client, n), New);
-            own.push(answer(&mut client, None).unwrap().sequence);
+            sequences.push(answer(&mut client, None).unwrap().sequence);
         }
-        assert_eq!(own, [u32::MAX - 1, u32::MAX, 0, 1, 2]);
+        assert_eq!(sequences, [u32::MAX - 1, u32::MAX, 0, 1, 2]);
         assert_eq!(sequence(&mut client, u32::MAX), Late);
         // This also holds while the session opens.
         let mut client = Client::default();

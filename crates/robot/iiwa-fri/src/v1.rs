@@ -206,8 +206,8 @@ pub(super) fn decode_monitoring(datagram: &[u8]) -> Result<Monitoring, WireError
         return Err(WireError::NotFinite { field: "ipoData.trackingPerformance" });
     }
     let mut drive = None;
-    for &found in &robot.drives {
-        let next = state(DRIVES, found, "robotInfo.driveState")?;
+    for &state_number in &robot.drives {
+        let next = state(DRIVES, state_number, "robotInfo.driveState")?;
         drive = Some(drive.map_or(next, |drive| next.min(drive)));
     }
     Ok(Monitoring {
@@ -403,12 +403,15 @@ mod tests {
     }
 
     #[test]
-    fn the_least_message_is_a_header_and_a_connection() {
-        let least = [0x0a, 9, 0x08, 0xc2, 0xa2, 0x91, 0x01, 0x10, 0, 0x18, 0];
+    fn the_smallest_message_is_a_header_and_a_connection() {
+        let smallest = [0x0a, 9, 0x08, 0xc2, 0xa2, 0x91, 0x01, 0x10, 0, 0x18, 0];
         let connection = [0x22, 4, 0x08, 0, 0x10, 0];
-        let message = decode_monitoring(&bytes(&[&least, &connection])).unwrap();
+        let message = decode_monitoring(&bytes(&[&smallest, &connection])).unwrap();
         assert_eq!(message, Monitoring::default());
-        assert_eq!(decode_monitoring(&least), Err(WireError::Missing { field: "connectionInfo" }));
+        assert_eq!(
+            decode_monitoring(&smallest),
+            Err(WireError::Missing { field: "connectionInfo" })
+        );
     }
 
     #[test]
@@ -431,10 +434,10 @@ mod tests {
     #[test]
     fn joints_are_seven_finite_numbers() {
         let field = "commandData.jointPosition";
-        for found in [0, 6, 8, 14, 150] {
-            let joints = Some(JointValues { values: vec![1.0; found] });
+        for session in [0, 6, 8, 14, 150] {
+            let joints = Some(JointValues { values: vec![1.0; session] });
             let error = command(&CommandData { joints }).unwrap_err();
-            assert_eq!(error, WireError::JointCount { field, found });
+            assert_eq!(error, WireError::JointCount { field, found: session });
         }
         for q in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
             let joints = Some(JointValues { values: vec![0.0, 0.0, 0.0, 0.0, 0.0, 0.0, q] });

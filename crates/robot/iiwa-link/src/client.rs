@@ -39,7 +39,7 @@ use crate::{
 /// # Ok::<(), iiwa_link::ClientError>(())
 /// ```
 pub struct Client {
-    at: Endpoint,
+    endpoint: Endpoint,
     config: WireConfig,
     /// `None` before the first request and after a lost connection.
     wire: Option<Wire>,
@@ -48,7 +48,7 @@ pub struct Client {
 
 impl std::fmt::Debug for Client {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_struct("Client").field("at", &self.at).finish_non_exhaustive()
+        f.debug_struct("Client").field("at", &self.endpoint).finish_non_exhaustive()
     }
 }
 
@@ -77,30 +77,30 @@ pub enum ClientError {
         run: Option<Box<Run>>,
     },
     /// No drive accepts connections at the address.
-    #[error("no drive answers at {at}")]
+    #[error("no drive answers at {address}")]
     Unreachable {
         /// The address.
-        at: String,
+        address: String,
     },
     /// The drive has refused the connection.
-    #[error("the drive at {at} refused the connection: {what}")]
+    #[error("the drive at {address} refused the connection: {reason}")]
     Unauthorized {
         /// The address.
-        at: String,
+        address: String,
         /// The reason.
-        what: &'static str,
+        reason: &'static str,
     },
     /// The connection was lost before the reply.
-    #[error("the connection to the drive at {at} was lost before its reply")]
+    #[error("the connection to the drive at {address} was lost before its reply")]
     Lost {
         /// The address.
-        at: String,
+        address: String,
     },
     /// The drive has not replied within the time-out.
-    #[error("the drive at {at} did not reply within {} s", .after.as_secs_f64())]
+    #[error("the drive at {address} did not reply within {} s", .after.as_secs_f64())]
     Timeout {
         /// The address.
-        at: String,
+        address: String,
         /// The time-out.
         after: Duration,
     },
@@ -111,10 +111,10 @@ pub enum ClientError {
         found: usize,
     },
     /// The reply is malformed.
-    #[error("invalid reply of the drive: {what}")]
+    #[error("invalid reply of the drive: {message}")]
     InvalidReply {
         /// The fault.
-        what: String,
+        message: String,
     },
     /// The connection cannot be set up.
     #[error(transparent)]
@@ -169,16 +169,16 @@ impl Patience {
 }
 
 impl Client {
-    /// Creates a client of the drive at `at`, such as `tcp://127.0.0.1:5560`. The client connects
+    /// Creates a client of the drive at `address`, such as `tcp://127.0.0.1:5560`. The client connects
     /// with the first request, and again after a lost connection.
     ///
     /// # Errors
     ///
     /// The address is invalid, or requires keys.
-    pub fn new(remote: &Remote, at: &str) -> Result<Self, LinkError> {
-        let (at, config) = remote.wire(SocketType::Req, at, MAX_REPLY_BYTES)?;
+    pub fn new(remote: &Remote, address: &str) -> Result<Self, LinkError> {
+        let (endpoint, config) = remote.wire(SocketType::Req, address, MAX_REPLY_BYTES)?;
         let runtime = transport::runtime().map_err(|source| LinkError::Thread { source })?;
-        Ok(Self { at, config, wire: None, runtime })
+        Ok(Self { endpoint, config, wire: None, runtime })
     }
 
     /// Returns a snapshot of the drive and the robot.
@@ -338,14 +338,14 @@ impl Client {
         // After a time-out, the connection is dropped with the future: a late reply cannot be taken
         // for the reply to the next request.
         let wire = self.wire.take();
-        let Self { at, config, .. } = self;
-        let exchange = exchange(wire, config, at, request, Patience::USUAL);
+        let Self { endpoint, config, .. } = self;
+        let exchange = exchange(wire, config, endpoint, request, Patience::USUAL);
         let result = self.runtime.block_on(async {
             match limit {
                 None => exchange.await,
-                Some(after) => timeout(after, exchange)
-                    .await
-                    .unwrap_or_else(|_| Err(ClientError::Timeout { at: at.to_string(), after })),
+                Some(after) => timeout(after, exchange).await.unwrap_or_else(|_| {
+                    Err(ClientError::Timeout { address: endpoint.to_string(), after })
+                }),
             }
         });
         let (wire, reply) = result?;
@@ -357,11 +357,11 @@ impl Client {
     /// within `limit` in total.
     fn exchange_again(&mut self, request: &str, limit: Duration) -> Result<Bytes, ClientError> {
         let wire = self.wire.take();
-        let Self { at, config, .. } = self;
+        let Self { endpoint, config, .. } = self;
         let result = self.runtime.block_on(async {
-            timeout(limit, repeat(wire, config, at, request, limit))
-                .await
-                .unwrap_or_else(|_| Err(ClientError::Timeout { at: at.to_string(), after: limit }))
+            timeout(limit, repeat(wire, config, endpoint, request, limit)).await.unwrap_or_else(
+                |_| Err(ClientError::Timeout { address: endpoint.to_string(), after: limit }),
+            )
         });
         let (wire, reply) = result?;
         self.wire = Some(wire);
@@ -377,7 +377,8 @@ fn read_reply<T: DeserializeOwned>(request: &Request, reply: &[u8]) -> Result<T,
         #[serde(default)]
         ok: bool,
     }
-    let wrong = |error: &serde_json::Error| ClientError::InvalidReply { what: error.to_string() };
+    let wrong =
+        |error: &serde_json::Error| ClientError::InvalidReply { message: error.to_string() };
     let head: ReplyHead = serde_json::from_slice(reply).map_err(|error| wrong(&error))?;
     match head {
         ReplyHead { ok: true, .. } => serde_json::from_slice(reply).map_err(|error| wrong(&error)),
@@ -391,7 +392,7 @@ fn read_reply<T: DeserializeOwned>(request: &Request, reply: &[u8]) -> Result<T,
             Err(ClientError::Refused { refusal, run: run.map(Box::new) })
         }
         ReplyHead { error: None, .. } => {
-            Err(ClientError::InvalidReply { what: "it has neither `ok` nor `error`".to_owned() })
+            Err(ClientError::InvalidReply { message: "it has neither `ok` nor `error`".to_owned() })
         }
     }
 }
@@ -400,14 +401,14 @@ fn read_reply<T: DeserializeOwned>(request: &Request, reply: &[u8]) -> Result<T,
 async fn repeat(
     mut wire: Option<Wire>,
     config: &WireConfig,
-    at: &Endpoint,
+    endpoint: &Endpoint,
     request: &str,
     limit: Duration,
 ) -> Result<(Wire, Bytes), ClientError> {
     let since = Instant::now();
     loop {
         let patience = Patience::of_stop(limit.saturating_sub(since.elapsed()));
-        match exchange(wire.take(), config, at, request, patience).await {
+        match exchange(wire.take(), config, endpoint, request, patience).await {
             // Ends before the time-out, so that the lost connection is reported instead.
             Err(ClientError::Lost { .. }) if since.elapsed() + RETRY_INTERVAL < limit => {
                 sleep(RETRY_INTERVAL).await;
@@ -421,17 +422,17 @@ async fn repeat(
 async fn exchange(
     wire: Option<Wire>,
     config: &WireConfig,
-    at: &Endpoint,
+    endpoint: &Endpoint,
     request: &str,
     patience: Patience,
 ) -> Result<(Wire, Bytes), ClientError> {
     let lost = |error: WireError| {
-        tracing::debug!("{at}: {error}");
-        ClientError::Lost { at: at.to_string() }
+        tracing::debug!("{endpoint}: {error}");
+        ClientError::Lost { address: endpoint.to_string() }
     };
     let mut wire = match still_up(wire).await {
         Some(wire) => wire,
-        None => connect(config, at, patience).await?,
+        None => connect(config, endpoint, patience).await?,
     };
     // REQ sockets send and receive an empty frame before the message (`ZeroMQ` RFC 28).
     let frames = [Bytes::new(), Bytes::copy_from_slice(request.as_bytes())];
@@ -457,12 +458,12 @@ async fn still_up(wire: Option<Wire>) -> Option<Wire> {
 /// Connects to a drive, with retries, because the drive may be starting.
 async fn connect(
     config: &WireConfig,
-    at: &Endpoint,
+    endpoint: &Endpoint,
     patience: Patience,
 ) -> Result<Wire, ClientError> {
-    let refused = |why: ConnectionRefusal| ClientError::Unauthorized {
-        at: at.to_string(),
-        what: why.reason(),
+    let refused = |reason: ConnectionRefusal| ClientError::Unauthorized {
+        address: endpoint.to_string(),
+        reason: reason.reason(),
     };
     let since = Instant::now();
     // A longer time-out applies as soon as a server is known to listen at the address.
@@ -470,22 +471,22 @@ async fn connect(
     let mut closed = 0;
     loop {
         let remaining = total.saturating_sub(since.elapsed()).min(patience.each);
-        let mut failure = ClientError::Unreachable { at: at.to_string() };
-        match timeout(remaining, Wire::connect(at, config)).await {
+        let mut failure = ClientError::Unreachable { address: endpoint.to_string() };
+        match timeout(remaining, Wire::connect(endpoint, config)).await {
             Ok(Ok(wire)) => return Ok(wire),
             Ok(Err(WireError::Io(error))) if is_absent(&error) => {}
             // A drive that is shutting down or under load also closes connections: only repetition
             // is a refusal.
-            Ok(Err(WireError::Refused(why @ ConnectionRefusal::Closed)))
+            Ok(Err(WireError::Refused(reason @ ConnectionRefusal::Closed)))
                 if closed < patience.closed_handshakes =>
             {
                 closed += 1;
                 total = patience.total;
-                failure = refused(why);
+                failure = refused(reason);
             }
-            Ok(Err(WireError::Refused(why))) => return Err(refused(why)),
+            Ok(Err(WireError::Refused(reason))) => return Err(refused(reason)),
             Ok(Err(WireError::Protocol(error))) => {
-                return Err(ClientError::InvalidReply { what: error.to_string() });
+                return Err(ClientError::InvalidReply { message: error.to_string() });
             }
             // A server is listening at the address.
             Ok(Err(_)) | Err(_) => total = patience.total,

@@ -17,16 +17,17 @@ pub enum LinkError {
         source: io::Error,
     },
     /// A TCP address cannot be bound.
-    #[error("cannot listen at {at}")]
+    #[error("cannot listen at {address}")]
     Bind {
         /// The address.
-        at: String,
+        address: String,
         /// The system's error.
         source: io::Error,
     },
     /// The limit of open files is too low to accept connections.
     #[error(
-        "the process may open {limit} files at a time, but needs at least {needed} to accept connections"
+        "the process may open {limit} files at a time, but needs at least {needed} to accept \
+         connections"
     )]
     OpenFiles {
         /// The limit of open files.
@@ -44,12 +45,12 @@ pub enum LinkError {
     #[error(transparent)]
     Security(#[from] SecurityError),
     /// The drive has refused the connection.
-    #[error("the drive at {at} refused the connection: {what}")]
+    #[error("the drive at {address} refused the connection: {reason}")]
     Unauthorized {
         /// The address.
-        at: String,
+        address: String,
         /// The reason.
-        what: &'static str,
+        reason: &'static str,
     },
     /// FRI listens at an address that other machines can reach, but accepts messages of this
     /// machine only.
@@ -65,9 +66,9 @@ pub enum LinkError {
         client: SocketAddr,
     },
     /// The configuration is invalid.
-    #[error("{what}")]
+    #[error("{message}")]
     Config {
         /// The fault.
-        what: String,
+        message: String,
     },
 }

@@ -18,7 +18,7 @@ pub struct Lag {
     since: Option<Instant>,
     /// Minimum of reception time minus time stamp, in s: in the previous window, and in the current
     /// one.
-    least_s: [f64; 2],
+    min_late_s: [f64; 2],
     window_from_s: f64,
     last_s: f64,
 }
@@ -33,18 +33,18 @@ impl Lag {
         let now_s = (now - *self.since.get_or_insert(now)).as_secs_f64();
         let late_s = now_s - t_s;
         // Stamps decrease when another drive has started.
-        if self.last_s > t_s || self.least_s == [0.0; 2] {
-            self.least_s = [late_s; 2];
+        if self.last_s > t_s || self.min_late_s == [0.0; 2] {
+            self.min_late_s = [late_s; 2];
             self.window_from_s = now_s;
         }
         self.last_s = t_s;
         if now_s - self.window_from_s > Self::WINDOW_S {
             // With two windows, a new window has a reference from its first message on.
-            self.least_s = [self.least_s[1], late_s];
+            self.min_late_s = [self.min_late_s[1], late_s];
             self.window_from_s = now_s;
         }
-        self.least_s[1] = self.least_s[1].min(late_s);
-        1e3 * (late_s - self.least_s[0].min(self.least_s[1]))
+        self.min_late_s[1] = self.min_late_s[1].min(late_s);
+        1e3 * (late_s - self.min_late_s[0].min(self.min_late_s[1]))
     }
 }
 

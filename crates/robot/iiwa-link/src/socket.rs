@@ -58,15 +58,15 @@ impl Server {
     /// The address is invalid, requires keys or cannot be bound, or no thread can be started.
     pub fn listen(
         &self,
-        at: &str,
+        address: &str,
         config: ListenerConfig,
         sink: impl Fn(Event) + Send + Sync + 'static,
     ) -> Result<Listener, LinkError> {
-        let endpoint: Endpoint = at.parse()?;
+        let endpoint: Endpoint = address.parse()?;
         endpoint.check_bind(self.has_keys())?;
         let address = endpoint
             .resolve()
-            .map_err(|source| LinkError::Bind { at: endpoint.to_string(), source })?;
+            .map_err(|source| LinkError::Bind { address: endpoint.to_string(), source })?;
         let mechanism =
             self.security.as_ref().map_or(MechanismSetup::Null, ServerSecurity::mechanism);
         Listener::start(config, mechanism, address, sink)
@@ -134,10 +134,10 @@ impl Remote {
         &self,
         name: &'static str,
         kind: Dial,
-        at: &str,
+        address: &str,
         take: impl FnMut(Frames) -> Option<Frames> + Send + 'static,
     ) -> Result<Dialer, LinkError> {
-        let (to, wire) = self.wire(kind.socket(), at, SHORT_BYTES)?;
+        let (to, wire) = self.wire(kind.socket(), address, SHORT_BYTES)?;
         Dialer::start(name, wire, to, take)
     }
 
@@ -146,8 +146,8 @@ impl Remote {
     /// # Errors
     ///
     /// The obstacle to the connection.
-    pub fn probe(&self, kind: Dial, at: &str, limit: Duration) -> Result<(), ProbeError> {
-        let (to, wire) = self.wire(kind.socket(), at, SHORT_BYTES)?;
+    pub fn probe(&self, kind: Dial, address: &str, limit: Duration) -> Result<(), ProbeError> {
+        let (to, wire) = self.wire(kind.socket(), address, SHORT_BYTES)?;
         transport::probe(&to, &wire, limit)
     }
 

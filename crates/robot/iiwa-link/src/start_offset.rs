@@ -40,8 +40,8 @@ impl fmt::Display for StartOffset {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(
             f,
-            "the robot is not at the program's start: joint A{} is at {:.3} deg, the program starts at {:.3} \
-             deg",
+            "the robot is not at the program's start: joint A{} is at {:.3} deg, the program \
+             starts at {:.3} deg",
             self.joint + 1,
             self.at_rad.to_degrees(),
             self.start_rad.to_degrees()

@@ -36,7 +36,7 @@ use crate::{
 /// # Ok::<(), iiwa_link::LinkError>(())
 /// ```
 pub struct Stream {
-    at: Endpoint,
+    endpoint: Endpoint,
     config: WireConfig,
     topics: &'static [&'static str],
     connection: Connection,
@@ -121,15 +121,15 @@ const CONNECT_TIMEOUT: Duration = Duration::from_secs(2);
 const INITIAL_WAIT: Duration = Duration::from_millis(200);
 
 impl Stream {
-    /// Subscribes to the drive that publishes at `at`, such as `tcp://127.0.0.1:5561`. Messages
+    /// Subscribes to the drive that publishes at `address`, such as `tcp://127.0.0.1:5561`. Messages
     /// published before the connection is established are missed. Unread messages wait in the
     /// system's buffers, and for some seconds at the drive.
     ///
     /// # Errors
     ///
     /// The address is invalid, or requires keys.
-    pub fn new(remote: &Remote, at: &str) -> Result<Self, LinkError> {
-        Self::of(remote, at, &["joints", "state"], SHORT_MESSAGE_BYTES)
+    pub fn new(remote: &Remote, address: &str) -> Result<Self, LinkError> {
+        Self::of(remote, address, &["joints", "state"], SHORT_MESSAGE_BYTES)
     }
 
     /// Subscribes like [`new`](Self::new), with the measured torques.
@@ -137,8 +137,8 @@ impl Stream {
     /// # Errors
     ///
     /// Same as [`new`](Self::new).
-    pub fn with_torques(remote: &Remote, at: &str) -> Result<Self, LinkError> {
-        Self::of(remote, at, &["torques", "joints", "state"], SHORT_MESSAGE_BYTES)
+    pub fn with_torques(remote: &Remote, address: &str) -> Result<Self, LinkError> {
+        Self::of(remote, address, &["torques", "joints", "state"], SHORT_MESSAGE_BYTES)
     }
 
     /// Subscribes like [`new`](Self::new), with measured torques, and run start and end events.
@@ -146,23 +146,23 @@ impl Stream {
     /// # Errors
     ///
     /// Same as [`new`](Self::new).
-    pub fn with_runs(remote: &Remote, at: &str) -> Result<Self, LinkError> {
-        Self::of(remote, at, &["torques", "joints", "state", "run"], RUN_BYTES)
+    pub fn with_runs(remote: &Remote, address: &str) -> Result<Self, LinkError> {
+        Self::of(remote, address, &["torques", "joints", "state", "run"], RUN_BYTES)
     }
 
     fn of(
         remote: &Remote,
-        at: &str,
+        address: &str,
         topics: &'static [&'static str],
         max_bytes: usize,
     ) -> Result<Self, LinkError> {
-        let (at, config) = remote.wire(SocketType::Sub, at, max_bytes)?;
+        let (endpoint, config) = remote.wire(SocketType::Sub, address, max_bytes)?;
         let runtime = transport::runtime().map_err(|source| LinkError::Thread { source })?;
-        let mut stream = Self { at, config, topics, connection: Connection::None, runtime };
-        let Self { at, config, topics, connection, runtime } = &mut stream;
+        let mut stream = Self { endpoint, config, topics, connection: Connection::None, runtime };
+        let Self { endpoint, config, topics, connection, runtime } = &mut stream;
         // The first call of `next` reports errors.
         let _ = runtime.block_on(async {
-            timeout(INITIAL_WAIT, open((at, config, topics), connection)).await
+            timeout(INITIAL_WAIT, open((endpoint, config, topics), connection)).await
         });
         Ok(stream)
     }
@@ -173,11 +173,11 @@ impl Stream {
     ///
     /// [`LinkError::Unauthorized`] if the drive has refused the connection.
     pub fn next(&mut self, limit: Duration) -> Result<Option<Published>, LinkError> {
-        let Self { at, config, topics, connection, runtime } = self;
+        let Self { endpoint, config, topics, connection, runtime } = self;
         let received = runtime.block_on(async {
             // Lets the runtime poll for input that has arrived meanwhile.
             yield_now().await;
-            timeout(limit, receive((at, config, topics), connection)).await
+            timeout(limit, receive((endpoint, config, topics), connection)).await
         });
         received.unwrap_or(Ok(None))
     }
@@ -205,9 +205,9 @@ async fn open(source: Source<'_>, connection: &mut Connection) -> Result<(), Lin
         match connection {
             Connection::Open(_) => return Ok(()),
             Connection::None => {
-                let (at, config, topics) = source;
+                let (endpoint, config, topics) = source;
                 // In a separate task: a handshake cannot be resumed after a time-out of `next`.
-                let task = tokio::spawn(connect(at.clone(), config.clone(), topics));
+                let task = tokio::spawn(connect(endpoint.clone(), config.clone(), topics));
                 *connection = Connection::Pending(task);
             }
             Connection::Pending(task) => {
@@ -216,9 +216,9 @@ async fn open(source: Source<'_>, connection: &mut Connection) -> Result<(), Lin
                 *connection = Connection::None;
                 match connected {
                     Ok(Ok(wire)) => *connection = Connection::Open(Box::new(wire)),
-                    Ok(Err(why)) => {
-                        let at = source.0.to_string();
-                        return Err(LinkError::Unauthorized { at, what: why.reason() });
+                    Ok(Err(reason)) => {
+                        let address = source.0.to_string();
+                        return Err(LinkError::Unauthorized { address, reason: reason.reason() });
                     }
                     Err(error) => tracing::warn!("the task of the connection failed: {error}"),
                 }
@@ -229,13 +229,13 @@ async fn open(source: Source<'_>, connection: &mut Connection) -> Result<(), Lin
 
 /// Connects, with retries unless the drive refuses the connection.
 async fn connect(
-    at: Endpoint,
+    endpoint: Endpoint,
     config: WireConfig,
     topics: &'static [&'static str],
 ) -> Result<Wire, ConnectionRefusal> {
     let mut closed = 0;
     loop {
-        match timeout(CONNECT_TIMEOUT, subscribe(&at, &config, topics)).await {
+        match timeout(CONNECT_TIMEOUT, subscribe(&endpoint, &config, topics)).await {
             Ok(Ok(wire)) => return Ok(wire),
             // A drive that is shutting down also closes connections: only repetition is a refusal.
             Ok(Err(WireError::Refused(ConnectionRefusal::Closed)))
@@ -243,7 +243,7 @@ async fn connect(
             {
                 closed += 1;
             }
-            Ok(Err(WireError::Refused(why))) => return Err(why),
+            Ok(Err(WireError::Refused(reason))) => return Err(reason),
             // The drive may start later: the number of attempts is not limited.
             _ => {}
         }
@@ -252,11 +252,11 @@ async fn connect(
 }
 
 async fn subscribe(
-    at: &Endpoint,
+    endpoint: &Endpoint,
     config: &WireConfig,
     topics: &[&'static str],
 ) -> Result<Wire, WireError> {
-    let mut wire = Wire::connect(at, config).await?;
+    let mut wire = Wire::connect(endpoint, config).await?;
     for topic in topics {
         wire.subscribe(topic)?;
     }

@@ -38,13 +38,13 @@ fn the_keys_of_programs_come_after_the_motions() {
     assert!(places.is_sorted(), "{written}");
     let instruction = Instruction::RunMotions { run: 1, motions };
     let sent: Value = serde_json::from_str(&instruction.to_json(2)).unwrap();
-    let asked: Value = serde_json::from_str(&written).unwrap();
+    let request: Value = serde_json::from_str(&written).unwrap();
     assert_eq!(
         Instruction::from_json(instruction.to_json(2).as_bytes()),
         (Some(2), Ok(instruction.clone()))
     );
     for key in ["motions", "tools", "bases", "frames", "tool", "base", "mode", "mount"] {
-        assert_eq!(sent[key], asked[key], "{key}");
+        assert_eq!(sent[key], request[key], "{key}");
     }
 }
 
@@ -101,14 +101,14 @@ fn pose() -> BoxedStrategy<Value> {
 }
 
 fn target() -> BoxedStrategy<Value> {
-    let given = (pose(), number(), 0..8_u8, 0..128_u8).prop_map(|(mut pose, e1, status, turn)| {
+    let frame = (pose(), number(), 0..8_u8, 0..128_u8).prop_map(|(mut pose, e1, status, turn)| {
         pose["e1_deg"] = json!(e1);
         pose["status"] = json!(status);
         pose["turn"] = json!(turn);
         pose["base"] = json!("table");
         pose
     });
-    prop_oneof![Just(json!("pick")), given].boxed()
+    prop_oneof![Just(json!("pick")), frame].boxed()
 }
 
 /// Returns a motion, written as in a program.
@@ -163,7 +163,8 @@ fn request() -> impl Strategy<Value = Value> {
                 "type": "run_motions", "motions": motions,
                 "tools": {"gripper": {"tcp": tcp, "tips": {"finger": tip},
                     "load": {"mass_kg": mass, "abc_deg": abc}}},
-                "bases": {"table": base}, "frames": {"pick": pick}, "tool": "gripper", "base": "table",
+                "bases": {"table": base}, "frames": {"pick": pick},
+                "tool": "gripper", "base": "table",
             });
             if slow {
                 request["mode"] = json!("t1");

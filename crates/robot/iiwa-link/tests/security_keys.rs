@@ -36,7 +36,9 @@ proptest! {
     }
 
     #[test]
-    fn any_file_is_a_key_or_an_error(text in "(?s)(public-key|secret-key|curve|[ =\"#\n]|.){0,40}") {
+    fn any_file_is_a_key_or_an_error(
+        text in "(?s)(public-key|secret-key|curve|[ =\"#\n]|.){0,40}",
+    ) {
         let folder = tempdir().unwrap();
         let path = folder.path().join("x.pub");
         fs::write(&path, text).unwrap();
@@ -105,8 +107,8 @@ fn reads_certificates_of_pyzmq() {
     let folder = tempdir().unwrap();
     let path = folder.path().join("x.key_secret");
     let text = format!(
-        "#   ****  Generated on 2024-01-01 by pyzmq  ****\n\nmetadata\n    name = \"x\"\ncurve\n    \
-         public-key = \"{PUBLIC}\"\n    secret-key = \"{SECRET}\"\n"
+        "#   ****  Generated on 2024-01-01 by pyzmq  ****\n\nmetadata\n    name = \
+         \"x\"\ncurve\n    public-key = \"{PUBLIC}\"\n    secret-key = \"{SECRET}\"\n"
     );
     write(&path, &text, 0o600);
     assert_eq!(KeyPair::read(&path).unwrap().public().to_string(), PUBLIC);

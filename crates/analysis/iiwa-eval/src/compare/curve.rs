@@ -117,8 +117,8 @@ impl Curve {
         if length <= 0.0 {
             return (dot(&to, &to), 0.0);
         }
-        let least = (from_rad - self.arc_rad[interval]).max(0.0).min(length);
-        let along = (dot(&to, &chord) / length).clamp(least, length);
+        let start = (from_rad - self.arc_rad[interval]).max(0.0).min(length);
+        let along = (dot(&to, &chord) / length).clamp(start, length);
         let off = add_scaled(&to, -along / length, &chord);
         (dot(&off, &off), along)
     }
@@ -136,22 +136,22 @@ impl Curve {
         }
         // On a blend, the nearest point of the curve is not exactly above that of its chord.
         let mut t_s = a.t_s + x * h;
-        let (mut at, mut v) = self.in_interval(interval, t_s);
+        let (mut position, mut v) = self.in_interval(interval, t_s);
         for _ in 0..3 {
             let speed = dot(&v, &v);
             let slow = 1e-2 * length / h;
-            let ahead = dot(&sub(q, &at), &v);
+            let ahead = dot(&sub(q, &position), &v);
             if x <= 0.0 || x >= 1.0 || speed <= slow * slow || ahead.abs() <= 1e-15 * speed * h {
                 break;
             }
             t_s = (t_s + (ahead / speed).clamp(-0.25 * h, 0.25 * h)).clamp(a.t_s, b.t_s);
-            (at, v) = self.in_interval(interval, t_s);
+            (position, v) = self.in_interval(interval, t_s);
         }
         Place {
             interval,
             t_s,
-            arc_rad: self.arc_rad[interval] + norm(&sub(&at, &a.q)).min(length),
-            distance_rad: norm(&sub(q, &at)),
+            arc_rad: self.arc_rad[interval] + norm(&sub(&position, &a.q)).min(length),
+            distance_rad: norm(&sub(q, &position)),
         }
     }
 
@@ -165,28 +165,28 @@ impl Curve {
         along_rad: f64,
     ) -> Option<f64> {
         let origin = self.knots[knot].q;
-        let mut at = knot;
-        let mut gone = 0.0;
+        let mut knot_index = knot;
+        let mut distance_rad = 0.0;
         loop {
-            let next = if forward { at + 1 } else { at.checked_sub(1)? };
+            let next = if forward { knot_index + 1 } else { knot_index.checked_sub(1)? };
             let to = dot(&sub(&self.knots.get(next)?.q, &origin), unit);
-            let (first, second) = if forward { (at, next) } else { (next, at) };
-            if (to - gone).abs() <= 0.0 && at != knot {
+            let (first, second) = if forward { (knot_index, next) } else { (next, knot_index) };
+            if (to - distance_rad).abs() <= 0.0 && knot_index != knot {
                 return None;
             }
             // Beyond a turn of 8 degrees, the displacement along the direction is no longer a
             // measure of the way.
             let chord = self.arc_rad[second] - self.arc_rad[first];
-            if (to - gone).abs() < 0.99 * chord {
+            if (to - distance_rad).abs() < 0.99 * chord {
                 return None;
             }
-            if (along_rad - gone) * (along_rad - to) <= 0.0 {
+            if (along_rad - distance_rad) * (along_rad - to) <= 0.0 {
                 let (a, b) = (&self.knots[first], &self.knots[second]);
                 let h = b.t_s - a.t_s;
-                let from = if forward { gone } else { to };
+                let from = if forward { distance_rad } else { to };
                 return Some(a.t_s + h * self.along(first, unit).solve(along_rad - from));
             }
-            (at, gone) = (next, to);
+            (knot_index, distance_rad) = (next, to);
         }
     }
 }

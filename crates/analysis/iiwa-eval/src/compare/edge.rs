@@ -99,16 +99,16 @@ impl Stop<'_> {
         let from = samples.clone().find(|i| away(i) <= near).unwrap_or(nearest);
         let to = samples.rev().find(|i| away(i) <= near).unwrap_or(nearest) + 1;
         let stand = |sway_rad| {
-            let (rest, at) = self.stand(log, from..to, noise, &planned, sway_rad)?;
-            Some((rest, at, true))
+            let (rest, index) = self.stand(log, from..to, noise, &planned, sway_rad)?;
+            Some((rest, index, true))
         };
         // The recording may be cut to the motion.
         let is_cut = unclear.distance_rad <= 1e-4 + 20.0 * noise.norm_rad();
         let cut = || is_cut.then_some((planned, nearest, false));
         let [still, swaying @ ..] = SWAYS_RAD;
-        let found = stand(still).or_else(cut).or_else(|| swaying.into_iter().find_map(stand));
-        let (rest, at, stands) = found.ok_or(unclear)?;
-        self.ramp(log, knot, &rest, at, noise).map(|edge| Edge { stands, ..edge }).ok_or(unclear)
+        let place = stand(still).or_else(cut).or_else(|| swaying.into_iter().find_map(stand));
+        let (rest, index, stands) = place.ok_or(unclear)?;
+        self.ramp(log, knot, &rest, index, noise).map(|edge| Edge { stands, ..edge }).ok_or(unclear)
     }
 
     /// Returns the node of the plan at the stop.
@@ -145,55 +145,55 @@ impl Stop<'_> {
         let q = |i: usize| &log.q_rad[i];
         let find = |still: f64| {
             let mut differences = HalfMeans::new(log, samples.start, half);
-            let mut found = None;
-            for at in samples.start..=samples.end - count {
+            let mut index = None;
+            for start in samples.start..=samples.end - count {
                 if differences.norm() <= still {
-                    found = Some(at);
+                    index = Some(start);
                     if self.side == Side::Arrives {
                         break;
                     }
                 }
-                if at < samples.end - count {
+                if start < samples.end - count {
                     differences.advance();
                 }
             }
-            found
+            index
         };
-        let at = find((noise_still + sway_rad).min(creeps))?;
+        let start = find((noise_still + sway_rad).min(creeps))?;
         // The window next to the ramp contains its gentle start; those further away do not.
         let still = (noise_still + sway_rad).min(creeps);
         let beyond = |k: usize| match self.side {
-            Side::Leaves => at.checked_sub(k * count).filter(|at| *at >= samples.start),
-            Side::Arrives => Some(at + k * count).filter(|at| at + count <= samples.end),
+            Side::Leaves => start.checked_sub(k * count).filter(|start| *start >= samples.start),
+            Side::Arrives => Some(start + k * count).filter(|start| start + count <= samples.end),
         };
-        let is_still = |at: &usize| HalfMeans::new(log, *at, half).norm() <= still;
+        let is_still = |start: &usize| HalfMeans::new(log, *start, half).norm() <= still;
         let still_ones = (1..=10).map_while(beyond).take_while(is_still);
-        let windows: Vec<_> = std::iter::once(at).chain(still_ones).collect();
+        let windows: Vec<_> = std::iter::once(start).chain(still_ones).collect();
         let windows = &windows[windows.len() / 2..];
         let mut rest: Joints = std::array::from_fn(|j| {
-            let values = windows.iter().flat_map(|at| (*at..at + count).map(|i| q(i)[j]));
+            let values = windows.iter().flat_map(|start| (*start..start + count).map(|i| q(i)[j]));
             median(&mut values.collect::<Vec<_>>())
         });
         if distance(&rest, planned) <= 3.0 * noise_of_mean + 1e-6 {
             rest = *planned;
         }
-        Some((rest, if self.side == Side::Leaves { at } else { at + count - 1 }))
+        Some((rest, if self.side == Side::Leaves { start } else { start + count - 1 }))
     }
 
-    /// Fits the ramp next to a rest; `at` is a sample of the rest.
+    /// Fits the ramp next to a rest; `index` is a sample of the rest.
     fn ramp(
         &self,
         log: &JointLog,
         knot: usize,
         rest: &Joints,
-        at: usize,
+        index: usize,
         noise: &Noise,
     ) -> Option<Edge> {
         let (curve, leaves) = (self.curve, self.side == Side::Leaves);
         let sign = if leaves { 1.0 } else { -1.0 };
         let unit = self.direction(knot)?;
         let mut sigma = noise.along_rad(&unit);
-        let (mut last_rest, mut ramp) = self.samples_of_ramp(log, &unit, rest, at, sigma);
+        let (mut last_rest, mut ramp) = self.samples_of_ramp(log, &unit, rest, index, sigma);
         let plan_at = |p: f64| curve.time_along(knot, leaves, &unit, sign * p);
         // Friction, elasticity and vibration displace a real robot across its path as much as along
         // it, and are correlated from sample to sample.
@@ -205,7 +205,7 @@ impl Stop<'_> {
         let tracks = off > TRACKS_RAD.max(2.0 * sigma);
         if tracks {
             sigma = 5.0 * off;
-            (last_rest, ramp) = self.samples_of_ramp(log, &unit, rest, at, sigma);
+            (last_rest, ramp) = self.samples_of_ramp(log, &unit, rest, index, sigma);
         }
         let plan_time = |p: f64| {
             let t_s = plan_at(p)?;
@@ -237,7 +237,7 @@ impl Stop<'_> {
         log: &JointLog,
         unit: &Joints,
         rest: &Joints,
-        at: usize,
+        index: usize,
         sigma: f64,
     ) -> (usize, Vec<(usize, f64)>) {
         let leaves = self.side == Side::Leaves;
@@ -247,8 +247,8 @@ impl Stop<'_> {
             let next = if leaves { i + 1 } else { i.checked_sub(1)? };
             (next < log.t_s.len()).then_some(next)
         };
-        let (mut last_rest, mut ramp) = (at, Vec::new());
-        let mut i = at;
+        let (mut last_rest, mut ramp) = (index, Vec::new());
+        let mut i = index;
         while let Some(next) = step(i) {
             i = next;
             let p = sign * dot(&sub(&log.q_rad[i], rest), unit);
@@ -315,8 +315,8 @@ struct HalfMeans<'a> {
 }
 
 impl<'a> HalfMeans<'a> {
-    fn new(log: &'a JointLog, at: usize, half: usize) -> Self {
-        let mut means = Self { log, at, half, difference: [0.0; 7] };
+    fn new(log: &'a JointLog, index: usize, half: usize) -> Self {
+        let mut means = Self { log, at: index, half, difference: [0.0; 7] };
         means.sum();
         means
     }

@@ -16,12 +16,12 @@ pub enum CompareError {
         samples: usize,
     },
     /// The recording contains invalid values.
-    #[error("the recording's sample {index}, counted from 1, {what}")]
+    #[error("the recording's sample {index}, counted from 1, {fault}")]
     BadSample {
         /// Index in the recording, from 1.
         index: usize,
         /// Description of the fault.
-        what: &'static str,
+        fault: &'static str,
     },
     /// The recorded robot does not move.
     #[error("no motion in the recording: no joint moves by more than {extent_rad:.1e} rad")]
@@ -39,8 +39,8 @@ pub enum CompareError {
     },
     /// The robot is never at the program's start.
     #[error(
-        "this is not the same program, or not from its start: the arm is never nearer to the plan's \
-         start than {distance_rad:.3} rad, at {t_s:.3} s of the recording"
+        "this is not the same program, or not from its start: the arm is never nearer to the \
+         plan's start than {distance_rad:.3} rad, at {t_s:.3} s of the recording"
     )]
     OtherStart {
         /// Smallest distance, in rad.
@@ -50,8 +50,8 @@ pub enum CompareError {
     },
     /// The robot reaches the start and remains there.
     #[error(
-        "the recording ends before the program begins: the arm is at the plan's start at {t_s:.3} s \
-         and does not leave it"
+        "the recording ends before the program begins: the arm is at the plan's start at {t_s:.3} \
+         s and does not leave it"
     )]
     NeverLeaves {
         /// Time at the start, in s of the recording.
@@ -59,8 +59,8 @@ pub enum CompareError {
     },
     /// The robot leaves the path.
     #[error(
-        "this is not the same program: {distance_rad:.3} rad off the plan's path at {t_s:.3} s of the \
-         recording, in motion {motion}"
+        "this is not the same program: {distance_rad:.3} rad off the plan's path at {t_s:.3} s of \
+         the recording, in motion {motion}"
     )]
     OtherPath {
         /// Distance from the path, in rad.
@@ -80,8 +80,8 @@ pub enum CompareError {
     },
     /// The robot does not reach the end.
     #[error(
-        "the recorded motion ends early: at its last sample, {t_s:.3} s, the arm is in motion {motion}, \
-         {left_rad:.3} rad before the end of the plan's path"
+        "the recorded motion ends early: at its last sample, {t_s:.3} s, the arm is in motion \
+         {motion}, {left_rad:.3} rad before the end of the plan's path"
     )]
     EndsEarly {
         /// Time of the last sample, in s of the recording.
@@ -104,8 +104,8 @@ pub enum CompareError {
     },
     /// The robot passes the start or the end of the program and rests elsewhere.
     #[error(
-        "the arm does not stand where the plan's {edge} is: at {t_s:.3} s of the recording it is {:.2} deg \
-         away from there",
+        "the arm does not stand where the plan's {edge} is: at {t_s:.3} s of the recording it is \
+         {:.2} deg away from there",
         .distance_rad.to_degrees()
     )]
     StandsElsewhere {
@@ -118,8 +118,8 @@ pub enum CompareError {
     },
     /// The robot does not rest at the program's end.
     #[error(
-        "the recorded motion does not end with the plan's: at {t_s:.3} s the arm is {distance_rad:.1e} rad \
-         from its end, and does not stand there"
+        "the recorded motion does not end with the plan's: at {t_s:.3} s the arm is \
+         {distance_rad:.1e} rad from its end, and does not stand there"
     )]
     DoesNotStop {
         /// Time nearest to the end, in s of the recording.
@@ -129,8 +129,8 @@ pub enum CompareError {
     },
     /// A gap hides the start or the end.
     #[error(
-        "the {edge} of the motion is in a gap of the recording: nothing is known from {from_s:.3} s to \
-         {to_s:.3} s"
+        "the {edge} of the motion is in a gap of the recording: nothing is known from {from_s:.3} \
+         s to {to_s:.3} s"
     )]
     GapAtEdge {
         /// `start` or `end`.

@@ -51,7 +51,7 @@ pub(crate) fn find(
     let curve = &plan.curve;
     let start = curve.at(legs[0].start_s).0;
     let radius = reach(curve, &legs[0], &start);
-    let mut found: Option<Followed> = None;
+    let mut followed: Option<Followed> = None;
     let mut best: Option<(f64, CompareError)> = None;
     // Bounds the work for any recording to a few passes over it.
     let mut budget = 20 * log.t_s.len();
@@ -63,8 +63,8 @@ pub(crate) fn find(
         match follow(plan, legs, log, noise, from) {
             Attempt::Done(place_s) => {
                 budget = budget.saturating_sub(place_s.len());
-                match &mut found {
-                    None => found = Some(Followed { first: from, place_s, again_s: None }),
+                match &mut followed {
+                    None => followed = Some(Followed { first: from, place_s, again_s: None }),
                     Some(first) if from >= first.first + first.place_s.len() / 2 => {
                         first.again_s = Some(log.t_s[from]);
                         break;
@@ -74,14 +74,14 @@ pub(crate) fn find(
             }
             Attempt::Failed { arc_rad, error } => {
                 budget = budget.saturating_sub(visit.to - from);
-                if best.as_ref().is_none_or(|(most, _)| arc_rad > *most) {
+                if best.as_ref().is_none_or(|(max_arc_rad, _)| arc_rad > *max_arc_rad) {
                     best = Some((arc_rad, error));
                 }
             }
         }
     }
-    match (found, best) {
-        (Some(found), _) => Ok(found),
+    match (followed, best) {
+        (Some(followed), _) => Ok(followed),
         (None, Some((_, error))) => Err(error),
         (None, None) => Err(never_left(log, &start, radius)),
     }
@@ -160,14 +160,14 @@ fn follow(plan: &Plan, legs: &[Leg], log: &JointLog, noise: &Noise, first: usize
     let radius = reach(curve, leg, &end);
     let mut follower = Follower::new(curve, noise, legs[0].start_s, log, first);
     let mut place_s = Vec::new();
-    let mut there = false;
+    let mut is_at_end = false;
     let (mut sum, mut way) = (0.0, 0.0);
     for i in first..=last {
         let before = follower.arc_rad;
         let place = follower.step(log.t_s[i], &log.q_rad[i]);
         let off = place.distance_rad;
         let away = distance(&log.q_rad[i], &end);
-        if there && away > 2.0 * radius {
+        if is_at_end && away > 2.0 * radius {
             break;
         }
         if off > STRAYS_RAD {
@@ -178,10 +178,10 @@ fn follow(plan: &Plan, legs: &[Leg], log: &JointLog, noise: &Noise, first: usize
         sum += off * (follower.arc_rad - before);
         way += follower.arc_rad - before;
         place_s.push(place.t_s);
-        there |= follower.arc_rad >= curve.length() - radius && away <= 1.5 * radius;
+        is_at_end |= follower.arc_rad >= curve.length() - radius && away <= 1.5 * radius;
     }
     let arc_rad = follower.arc_rad;
-    if !there {
+    if !is_at_end {
         let motion = plan.motion_at(place_s.last().copied().unwrap_or_default());
         let left_rad = curve.length() - arc_rad;
         let error = CompareError::EndsEarly { t_s: log.t_s[last], motion, left_rad };

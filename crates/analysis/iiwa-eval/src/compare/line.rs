@@ -43,10 +43,10 @@ impl Line {
         }
         let miss =
             |&(tau, t, w): &(f64, f64, f64)| w * (t - t0 - offset - slope * (tau - tau0)).powi(2);
-        let left = points.iter().map(miss).sum();
+        let residual = points.iter().map(miss).sum();
         let zero = t0 + offset - slope * tau0;
         let moved = [s[0], s[1] + tau0 * s[0], s[2] + 2.0 * tau0 * s[1] + tau0 * tau0 * s[0]];
-        Some(Self { zero, slope, points: points.len(), left, sums: moved })
+        Some(Self { zero, slope, points: points.len(), left: residual, sums: moved })
     }
 
     /// Root mean square residual of the position, in rad.

@@ -89,14 +89,14 @@ impl Plan {
         let robot = match robot {
             Some(robot) => robot,
             None => {
-                record.robot()?.ok_or(PlanRecordError::Missing { what: "name of the robot" })?
+                record.robot()?.ok_or(PlanRecordError::Missing { part: "name of the robot" })?
             }
         };
         let piece = |piece: &PlanPiece| {
             let &PlanPiece { motion, kind, start_s, end_s, .. } = piece;
             let motion = MotionIndex::from_number(motion as usize).ok_or_else(|| {
                 PlanRecordError::Damaged {
-                    what: "a piece of motion 0; motions count from 1".to_owned(),
+                    message: "a piece of motion 0; motions count from 1".to_owned(),
                 }
             })?;
             Ok(Piece { motion, kind, start_s, end_s })

@@ -60,9 +60,9 @@ impl StartFit<'_> {
     fn tops(&self) -> impl Iterator<Item = f64> {
         let whole = self.points.last().map(|point| point.0);
         let tops = std::iter::successors(whole, |top| Some(0.5 * top));
-        let least = 50.0 * self.sigma;
+        let min_top = 50.0 * self.sigma;
         let first = whole.unwrap_or_default();
-        tops.take_while(move |top| *top == first || *top > least).take(if self.tracks {
+        tops.take_while(move |top| *top == first || *top > min_top).take(if self.tracks {
             1
         } else {
             TOPS
@@ -75,9 +75,9 @@ impl StartFit<'_> {
         let laws =
             tops.flat_map(|top| StartLaw::all(is_soft, self.tracks).map(move |law| (law, top)));
         let lines = laws.filter_map(|(law, top)| {
-            let least = if top < whole { FEWEST } else { 4 };
+            let min_points = if top < whole { FEWEST } else { 4 };
             let line = self.fit(&|p| Some(law.time(p)), top)?;
-            Some(line).filter(|line| line.points >= least)
+            Some(line).filter(|line| line.points >= min_points)
         });
         let rank = |line: &Line| {
             if self.tracks { line.miss() } else { line.error(self.sigma) }

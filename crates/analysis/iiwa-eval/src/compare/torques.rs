@@ -39,7 +39,7 @@ pub(super) fn differences(
     let floor = plan.dynamics(MotionIndex::default());
     let (torques, turned) = exerted(log, &floor)?;
     let zero = [0.0; 7];
-    let mut found = TorqueDifference {
+    let mut total = TorqueDifference {
         rms_nm: zero,
         largest_nm: zero,
         largest_at_s: zero,
@@ -56,19 +56,19 @@ pub(super) fn differences(
             _ => *arm.insert((motion, plan.dynamics(motion))),
         };
         let planned = plan.torques_at(*plan_s, &dynamics);
-        found.samples += 1;
+        total.samples += 1;
         for j in 0..7 {
             let difference = measured[j] - planned[j];
-            found.rms_nm[j] += difference * difference;
-            if difference.abs() > found.largest_nm[j].abs() {
-                (found.largest_nm[j], found.largest_at_s[j]) = (difference, log.t_s[i]);
+            total.rms_nm[j] += difference * difference;
+            if difference.abs() > total.largest_nm[j].abs() {
+                (total.largest_nm[j], total.largest_at_s[j]) = (difference, log.t_s[i]);
             }
-            if planned[j].abs() > found.planned_peak_nm[j].abs() {
-                found.planned_peak_nm[j] = planned[j];
+            if planned[j].abs() > total.planned_peak_nm[j].abs() {
+                total.planned_peak_nm[j] = planned[j];
             }
         }
     }
-    let count = found.samples as f64;
-    found.rms_nm = found.rms_nm.map(|squares| (squares / count).sqrt());
-    (found.samples > 0).then_some(found)
+    let count = total.samples as f64;
+    total.rms_nm = total.rms_nm.map(|squares| (squares / count).sqrt());
+    (total.samples > 0).then_some(total)
 }

@@ -74,9 +74,9 @@ pub fn load(load: &Load) -> [Trial; 2] {
         let start_rad = swings[0].ends_rad[0];
         let motions = swings.iter().flat_map(|swing| {
             let [low, high] = swing.ends_rad;
-            let there = Ptp::to(low).velocity(TRANSFER_REL);
+            let transfer = Ptp::to(low).velocity(TRANSFER_REL);
             let swings = (0..TIMES).flat_map(move |_| [Ptp::to(high), Ptp::to(low)]);
-            std::iter::once(there).chain(swings)
+            std::iter::once(transfer).chain(swings)
         });
         let mut program = program(start_rad, motions);
         program.motions.insert(0, Motion::Load(load));

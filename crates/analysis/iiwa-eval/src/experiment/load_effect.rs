@@ -65,7 +65,7 @@ pub enum LoadVerdict {
 }
 
 /// Lower bound of the standard deviation of a ratio.
-const LEAST_DEVIATION: f64 = 0.005;
+const MIN_DEVIATION: f64 = 0.005;
 
 /// Mean squared residual, in squared standard deviations, up to which an explanation is accepted,
 /// and the factor by which others have to be worse.
@@ -85,11 +85,11 @@ impl LoadEffect {
     /// # Errors
     ///
     /// If a swing cannot be planned for `model`.
-    pub fn new(found: &Identified, load: &Load, model: &Robot) -> Result<Self, PlanError> {
+    pub fn new(identified: &Identified, load: &Load, model: &Robot) -> Result<Self, PlanError> {
         let mut swings = Vec::new();
         for swing in load_swings() {
             let of = |recording: usize| {
-                let lines = found.lines.iter().filter(|line| {
+                let lines = identified.lines.iter().filter(|line| {
                     line.recording == recording && swing.motions.contains(&line.motion.index())
                 });
                 let values: Vec<_> = lines
@@ -109,8 +109,7 @@ impl LoadEffect {
                 needs.push((share, torque_rel(&swing, acceleration, load, model)?));
             }
             let needs_rel = needs.last().map_or(0.0, |last| last.1);
-            let (acceleration_rad_s2, deviation) =
-                ([without, with], deviation.max(LEAST_DEVIATION));
+            let (acceleration_rad_s2, deviation) = ([without, with], deviation.max(MIN_DEVIATION));
             swings.push(SwingEffect {
                 swing,
                 acceleration_rad_s2,

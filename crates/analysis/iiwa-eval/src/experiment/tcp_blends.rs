@@ -244,18 +244,18 @@ mod tests {
             for flange_m in [0.126, 0.152] {
                 let robot = Robot::built_in(name).unwrap().with_flange_m(flange_m).unwrap();
                 let path = JointPath::new(&trial.program, &robot).unwrap();
-                let (mut least, mut spare_rad) = (f64::MAX, f64::MAX);
+                let (mut min_singularity, mut spare_rad) = (f64::MAX, f64::MAX);
                 for step in path.steps() {
                     let Step::Move { segment, .. } = step else { continue };
                     for i in 0..=20 {
                         let q = segment.at(f64::from(i) / 20.0).q;
-                        least = least.min(robot.singularity(&q).least().0);
+                        min_singularity = min_singularity.min(robot.singularity(&q).nearest().0);
                         let upper = &robot.limits().upper_rad;
                         let spare = |j: usize| upper[j] - q[j].abs();
                         spare_rad = (0..7).map(spare).fold(spare_rad, f64::min);
                     }
                 }
-                assert!(least > 0.3, "{name}, {flange_m}: {least}");
+                assert!(min_singularity > 0.3, "{name}, {flange_m}: {min_singularity}");
                 assert!(spare_rad > 0.25, "{name}, {flange_m}: {spare_rad}");
             }
         }
@@ -263,7 +263,7 @@ mod tests {
 
     /// Every corner is blended, except where a LIN returns.
     #[test]
-    fn corners_are_as_said() {
+    fn corners_are_as_documented() {
         let trial = tcp_blends(&TcpSeries::ALL);
         let path = JointPath::new(&trial.program, &Robot::default()).unwrap();
         let gammas: Vec<_> = path.blends().map(|(corner, _)| corner.gamma_deg).collect();

@@ -36,9 +36,9 @@ impl<const N: usize> Corner<N> {
     /// Creates the corner at a target between two points; none if it is too straight or too sharp.
     pub(super) fn new(target: &[f64; N], before: &[f64; N], after: &[f64; N]) -> Option<Self> {
         let into = unit(&sub(target, before));
-        let out = unit(&sub(after, target));
-        let along = dot(&into, &out);
-        let beside: [f64; N] = std::array::from_fn(|j| out[j] - along * into[j]);
+        let leaving = unit(&sub(after, target));
+        let along = dot(&into, &leaving);
+        let beside: [f64; N] = std::array::from_fn(|j| leaving[j] - along * into[j]);
         let gamma_rad = dot(&beside, &beside).sqrt().atan2(along);
         GAMMA_DEG.contains(&gamma_rad.to_degrees()).then(|| Self {
             target: *target,
@@ -54,15 +54,15 @@ impl<const N: usize> Corner<N> {
 
     /// Returns a sample in the plane of the corner, relative to the target: along the incoming
     /// line, and perpendicular to it.
-    pub(super) fn in_plane(&self, at: &[f64; N]) -> [f64; 2] {
-        let from_target = sub(at, &self.target);
+    pub(super) fn in_plane(&self, parameters: &[f64; N]) -> [f64; 2] {
+        let from_target = sub(parameters, &self.target);
         [dot(&from_target, &self.into), dot(&from_target, &self.across)]
     }
 
     /// Returns the distance of a sample from that plane.
-    pub(super) fn off_plane(&self, at: &[f64; N]) -> f64 {
-        let from_target = sub(at, &self.target);
-        let [along, across] = self.in_plane(at);
+    pub(super) fn off_plane(&self, parameters: &[f64; N]) -> f64 {
+        let from_target = sub(parameters, &self.target);
+        let [along, across] = self.in_plane(parameters);
         (dot(&from_target, &from_target) - along * along - across * across).max(0.0).sqrt()
     }
 }
@@ -114,9 +114,9 @@ impl Bend<'_> {
         let second_slope = alpha + alpha_slope * on_curve - kappa * beta_slope;
         let join = |first: f64, second: f64| [first + second * out[0], second * out[1]];
         let slope = join(first_slope * before, second_slope * after);
-        let at = join(first * before, second * after);
+        let joined = join(first * before, second * after);
         Point {
-            at: [at[0] + beyond * slope[0], at[1] + beyond * slope[1]],
+            at: [joined[0] + beyond * slope[0], joined[1] + beyond * slope[1]],
             slope,
             by: [
                 join(beta * before, -beta * after),
@@ -153,7 +153,7 @@ impl Model<3> for Bend<'_> {
         }
     }
 
-    fn least(&self) -> [f64; 3] {
+    fn lower_bounds(&self) -> [f64; 3] {
         [f64::NEG_INFINITY, 1e-6, 1e-6]
     }
 }

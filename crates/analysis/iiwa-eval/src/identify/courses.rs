@@ -23,7 +23,7 @@ const AHEAD: usize = 12;
 
 /// Minimum length of a TCP path, in m: on a shorter one, the TCP position does not determine the
 /// path parameter.
-const LEAST_WAY_M: f64 = 1e-3;
+const MIN_WAY_M: f64 = 1e-3;
 
 /// Distance from the path, in m, above which the robot performs another motion.
 const ASTRAY_M: f64 = 0.02;
@@ -62,14 +62,14 @@ impl Courses {
             return;
         }
         let mut observed: Vec<_> = followed.iter().map(|step| step.observation(watched)).collect();
-        let (mut at, mut chord) = (0, 0);
+        let (mut index, mut chord) = (0, 0);
         for joints in &watched.log.q_rad[section.samples.clone()] {
             let flange = watched.path.robot().flange_pose(joints);
             // The TCP depends on the motion of each step.
             let tcp = |step: &FollowedStep<'_>| flange.then(watched.path.tcp(step.motion));
-            (at, chord) = nearest(&followed, (at, chord), |step| tcp(step).position_m);
-            let tcp = tcp(&followed[at]);
-            let (step, observed) = (&followed[at], &mut observed[at]);
+            (index, chord) = nearest(&followed, (index, chord), |step| tcp(step).position_m);
+            let tcp = tcp(&followed[index]);
+            let (step, observed) = (&followed[index], &mut observed[index]);
             let Some(s) = step.parameter(chord, &tcp.position_m) else { continue };
             let assumed_rad = step.segment.at(s).q;
             let assumed = watched.tcp(step.motion, &assumed_rad);
@@ -80,10 +80,10 @@ impl Courses {
             observed.samples += 1;
         }
         for (step, observed) in followed.iter().zip(observed) {
-            if step.part.is_none() || step.way_m() < LEAST_WAY_M {
+            if step.part.is_none() || step.way_m() < MIN_WAY_M {
                 continue;
             }
-            let why = if observed.samples < FEWEST {
+            let reason = if observed.samples < FEWEST {
                 Why::TooFewSamples
             } else if observed.off_m > ASTRAY_M {
                 Why::OffCourse(observed.off_m)
@@ -92,7 +92,7 @@ impl Courses {
                 continue;
             };
             let (recording, motion) = (watched.recording, step.motion);
-            self.left_out.push(LeftOut { recording, motion, why });
+            self.left_out.push(LeftOut { recording, motion, why: reason });
         }
     }
 }
@@ -130,17 +130,17 @@ fn nearest(
             (step + 1 < followed.len()).then_some((step + 1, 0))
         }
     };
-    let mut least = distance(best);
+    let mut min_distance = distance(best);
     let (mut next, mut ahead) = (after(best), 0);
-    while let Some(at) = next
+    while let Some(candidate_index) = next
         && ahead < AHEAD
     {
-        let found = distance(at);
+        let candidate = distance(candidate_index);
         ahead += 1;
-        if found <= least {
-            (best, least, ahead) = (at, found, 0);
+        if candidate <= min_distance {
+            (best, min_distance, ahead) = (candidate_index, candidate, 0);
         }
-        next = after(at);
+        next = after(candidate_index);
     }
     best
 }

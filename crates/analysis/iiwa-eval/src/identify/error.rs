@@ -16,8 +16,8 @@ pub enum IdentifyError {
     },
     /// The robot is never at the program's start.
     #[error(
-        "the arm is never where the program starts; the nearest it comes is {:.2} deg away: is it another \
-         program's recording, another robot's, or in other units?",
+        "the arm is never where the program starts; the nearest it comes is {:.2} deg away: is it \
+         another program's recording, another robot's, or in other units?",
         .nearest_rad.to_degrees()
     )]
     NotThere {
@@ -28,8 +28,8 @@ pub enum IdentifyError {
     },
     /// The robot remains at the start, or leaves the program before its first motion is complete.
     #[error(
-        "the arm is where the program starts, but does not do its first motion: is it another program's \
-         recording, another robot's, or in other units?"
+        "the arm is where the program starts, but does not do its first motion: is it another \
+         program's recording, another robot's, or in other units?"
     )]
     NoMotion {
         /// Index of the recording, from 0.

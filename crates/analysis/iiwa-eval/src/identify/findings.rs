@@ -5,10 +5,10 @@ use iiwa_kin::{Joints, Robot};
 use crate::{
     estimate::Estimate,
     identify::{
-        found_ramps::RampFindings,
         identified::{Identified, Settle},
         kappa::Kappa,
         limits::{self, Bound, Plausible},
+        ramp_estimates::RampFindings,
         ramps::Observed,
     },
 };

@@ -5,12 +5,12 @@ use iiwa_kin::Robot;
 use crate::{
     estimate::Estimate,
     identify::{
-        found_ramps::FoundRamps,
-        found_torques::FoundTorques,
         kappa::Kappa,
         observation::{
             BlendObservation, CourseObservation, LeftOut, LineObservation, TcpBlendObservation,
         },
+        ramp_estimates::RampEstimates,
+        torque_estimates::TorqueEstimates,
     },
 };
 
@@ -25,7 +25,7 @@ pub struct Identified {
     /// Jerk limits, in rad/s^3.
     pub jerk_rad_s3: [Option<Estimate>; 7],
     /// Ramp law, if motions have ramps that begin with constant snap.
-    pub ramps: Option<FoundRamps>,
+    pub ramps: Option<RampEstimates>,
     /// Settle time.
     pub settle: Option<Settle>,
     /// kappa over gamma.
@@ -52,7 +52,7 @@ pub struct Identified {
     /// the identified kappa.
     pub courses: Vec<CourseObservation>,
     /// Payloads and friction, if any recording has torques.
-    pub torques: Option<FoundTorques>,
+    pub torques: Option<TorqueEstimates>,
     /// Indices, from 0, of the recordings whose torques were not used, and the reason.
     pub unused_torques: Vec<(usize, &'static str)>,
     /// Parts of the recordings that were not used, and the reason.
@@ -73,13 +73,13 @@ impl Identified {
     #[must_use]
     pub fn robot(&self, model: &Robot) -> Robot {
         let mut limits = *model.limits();
-        for (limits, found) in [
+        for (limits, estimates) in [
             (&mut limits.velocity_rad_s, &self.velocity_rad_s),
             (&mut limits.acceleration_rad_s2, &self.acceleration_rad_s2),
             (&mut limits.jerk_rad_s3, &self.jerk_rad_s3),
         ] {
-            for (limit, found) in limits.iter_mut().zip(found) {
-                *limit = found.map_or(*limit, |found| found.value);
+            for (limit, estimates) in limits.iter_mut().zip(estimates) {
+                *limit = estimates.map_or(*limit, |estimates| estimates.value);
             }
         }
         let mut robot = model.clone().with_limits(limits);

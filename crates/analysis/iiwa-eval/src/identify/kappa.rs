@@ -53,7 +53,7 @@ impl Kappa {
         }
         let polynomial = Linear::fit(&rows)?;
         let mean_square = |kappa: &dyn Fn(f64) -> f64| {
-            let off = |(gamma, (found, _)): &KappaAt| (found - kappa(*gamma)).powi(2);
+            let off = |(gamma, (value, _)): &KappaAt| (value - kappa(*gamma)).powi(2);
             (blends.iter().map(off).sum::<f64>() / blends.len() as f64).sqrt()
         };
         Some(Self {

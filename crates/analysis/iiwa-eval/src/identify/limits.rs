@@ -56,8 +56,8 @@ pub(super) fn plausible(bounds: &[Bound], by: Plausible<'_>) -> Vec<Bound> {
     let alike =
         bounds.iter().filter(|bound| (usual / factor..=usual * factor).contains(&largest(bound)));
     let with_near_joints = |bound: &Bound| {
-        let least = share * largest(bound);
-        let near = |j: usize| bound.of_joint[j] / model[j] >= least;
+        let min_ratio = share * largest(bound);
+        let near = |j: usize| bound.of_joint[j] / model[j] >= min_ratio;
         let of_joint = |j: usize| if near(j) { bound.of_joint[j] } else { 0.0 };
         Bound { of_joint: std::array::from_fn(of_joint), ..*bound }
     };
@@ -111,20 +111,20 @@ mod tests {
 
     #[test]
     fn a_joint_that_moves_alone_shows_its_limit() {
-        let found = estimate(&[bound([1.0, 0.0], [3.0, 5.0])], 0.01);
-        assert!((found[0].unwrap().value - 3.0).abs() < 1e-12);
-        assert_eq!(found[1..], [None; 6]);
+        let actual = estimate(&[bound([1.0, 0.0], [3.0, 5.0])], 0.01);
+        assert!((actual[0].unwrap().value - 3.0).abs() < 1e-12);
+        assert_eq!(actual[1..], [None; 6]);
     }
 
     /// One motion of two joints may be limited by either of them; a second motion decides.
     #[test]
-    fn what_several_motions_show_together() {
+    fn several_motions_determine_a_limit() {
         let limits = [3.0, 5.0];
         let first = bound([1.0, 1.0], limits);
         assert_eq!(estimate(&[first], 0.01), [None; 7]);
-        let found = estimate(&[first, bound([0.1, 1.0], limits)], 0.01);
-        assert!((found[0].unwrap().value - 3.0).abs() < 1e-12);
-        assert!((found[1].unwrap().value - 5.0).abs() < 1e-12);
+        let actual = estimate(&[first, bound([0.1, 1.0], limits)], 0.01);
+        assert!((actual[0].unwrap().value - 3.0).abs() < 1e-12);
+        assert!((actual[1].unwrap().value - 5.0).abs() < 1e-12);
     }
 
     /// Joint 1 limits all motions; noise makes one of them seem faster.
@@ -134,8 +134,8 @@ mod tests {
         let mut noisy = bound([1.0, 0.0], limits);
         noisy.of_joint[0] *= 1.2;
         noisy.deviation = 0.1;
-        let found = estimate(&[noisy, bound([1.0, 1.0], limits)], 0.01);
-        assert_eq!(found[1], None);
-        assert!(found[0].unwrap().holds(3.0));
+        let actual = estimate(&[noisy, bound([1.0, 1.0], limits)], 0.01);
+        assert_eq!(actual[1], None);
+        assert!(actual[0].unwrap().holds(3.0));
     }
 }

@@ -56,8 +56,8 @@ impl LineSamples<'_> {
         let dynamics = path.dynamics(self.motion);
         [(RampEnd::Start, 1.0, 0.0), (RampEnd::Stop, -1.0, self.length)].map(|(end, sign, way)| {
             let away = scale(sign, self.direction);
-            let at = add_scaled(self.from, way, self.direction);
-            (end, away, dynamics.path_torques(&at, &away, &[0.0; 7]).acceleration)
+            let position = add_scaled(self.from, way, self.direction);
+            (end, away, dynamics.path_torques(&position, &away, &[0.0; 7]).acceleration)
         })
     }
 }
@@ -106,9 +106,9 @@ impl Observer<'_> {
         }
     }
 
-    fn leave_out(&mut self, motion: MotionIndex, why: Why) {
+    fn leave_out(&mut self, motion: MotionIndex, reason: Why) {
         let recording = self.watched.recording;
-        self.found.known.left_out.push(LeftOut { recording, motion, why });
+        self.found.known.left_out.push(LeftOut { recording, motion, why: reason });
     }
 
     fn observe_line(&mut self, motion: MotionIndex, passage: &Passage) -> Option<[Observed; 2]> {
@@ -141,18 +141,18 @@ impl Observer<'_> {
         let line =
             LineSamples { from, direction: &direction, motion, t_s: &t_s, along: &along, length };
         let fitted = self.fit_line(&line);
-        let left = fitted.as_ref().map_or(length, |fitted| fitted.residual).hypot(beside);
-        let fitted = fitted.filter(|_| left <= LEFT_RAD + LEFT_SHARE * length);
+        let residual = fitted.as_ref().map_or(length, |fitted| fitted.residual).hypot(beside);
+        let fitted = fitted.filter(|_| residual <= LEFT_RAD + LEFT_SHARE * length);
         let Some(fitted) = fitted else {
-            self.leave_out(motion, Why::NoLine(left));
+            self.leave_out(motion, Why::NoLine(residual));
             return None;
         };
         let Motion::Ptp(ptp) = &self.watched.program.motions[motion.index()] else { return None };
         let shares = LimitKind::ALL.map(|kind| ptp.share(kind));
         let FittedLine { mut figures, law, residual, .. } = fitted;
-        let least_s = self.watched.path.robot().ramp_law().least_cruise_s;
+        let min_cruise_s = self.watched.path.robot().ramp_law().least_cruise_s;
         if law == LineLaw::Snap
-            && figures[0].is_some_and(|(speed, _)| speed * least_s > CRUISE_SHARE * length)
+            && figures[0].is_some_and(|(speed, _)| speed * min_cruise_s > CRUISE_SHARE * length)
         {
             // The speed is limited by the minimum duration of the cruise, not by a joint.
             figures[0] = None;
@@ -229,15 +229,19 @@ impl Observer<'_> {
 
     /// Returns the line as planned by the model with the fitted speed and acceleration, and the
     /// time of its middle.
-    fn expected(&self, line: &LineSamples<'_>, found: Option<&Ramps>) -> (SoftLine, f64) {
+    fn expected(&self, line: &LineSamples<'_>, fitted: Option<&Ramps>) -> (SoftLine, f64) {
         let robot = self.watched.path.robot();
         let (limits, law) = (robot.limits(), robot.ramp_law());
-        let most = |limits| largest_multiple(line.direction, limits);
-        let known = |figure: Option<Observed>, model: f64| figure.map_or(model, |(value, _)| value);
-        let speed = known(found.and_then(|ramps| ramps.speed), most(&limits.velocity_rad_s));
+        let max_along = |limits| largest_multiple(line.direction, limits);
+        let value_or =
+            |figure: Option<Observed>, model: f64| figure.map_or(model, |(value, _)| value);
+        let speed =
+            value_or(fitted.and_then(|ramps| ramps.speed), max_along(&limits.velocity_rad_s));
         let speed = speed.min(line.length / law.least_cruise_s);
-        let acceleration =
-            known(found.and_then(|ramps| ramps.acceleration), most(&limits.acceleration_rad_s2));
+        let acceleration = value_or(
+            fitted.and_then(|ramps| ramps.acceleration),
+            max_along(&limits.acceleration_rad_s2),
+        );
         let ends = line.ends(&self.watched.path).map(|(end, away, torques)| {
             RampStart::by(
                 &law.limits(&away, &torques, &[1.0; 7], end),
@@ -248,15 +252,15 @@ impl Observer<'_> {
         let width = law.width_rad_s;
         let half = line.along.iter().position(|way| *way >= 0.5 * line.length);
         let half_s = line.t_s.get(half.unwrap_or_default()).copied().unwrap_or_default();
-        let middle_s = found.map_or(half_s, |ramps| f64::midpoint(ramps.start_s.0, ramps.end_s.0));
+        let middle_s = fitted.map_or(half_s, |ramps| f64::midpoint(ramps.start_s.0, ramps.end_s.0));
         (SoftLine { way: line.length, speed, acceleration, ends, width }, middle_s)
     }
 
-    fn observe_ramps(&mut self, line: &LineSamples<'_>, seen: &[SoftEnd; 2]) {
+    fn observe_ramps(&mut self, line: &LineSamples<'_>, line_ends: &[SoftEnd; 2]) {
         let path = &self.watched.path;
         let law = path.robot().ramp_law();
-        for ((end, away, torques), seen) in line.ends(path).into_iter().zip(seen) {
-            self.found.ramps.add_end(end, seen, &away, &torques, law);
+        for ((end, away, torques), line_ends) in line.ends(path).into_iter().zip(line_ends) {
+            self.found.ramps.add_end(end, line_ends, &away, &torques, law);
         }
     }
 
@@ -337,17 +341,19 @@ impl Observer<'_> {
         else {
             return;
         };
-        let own_reach = |end: &Joints| {
+        let planned_reach = |end: &Joints| {
             let (robot, search) = (self.watched.path.robot(), BlendSearch::FirstCrossing);
             let tcp_m = &self.watched.path.tcp(motion).position_m;
             Some(search.share(ptp.blend?, robot, tcp_m, target, end)? * distance(target, end))
         };
-        if let (Some(own_before), Some(own_after)) = (own_reach(before), own_reach(after)) {
-            let by = own_after - own_before;
+        if let (Some(planned_before), Some(planned_after)) =
+            (planned_reach(before), planned_reach(after))
+        {
+            let by = planned_after - planned_before;
             // If both are equal, the observation shows nothing.
-            if by.abs() > 0.1 * own_after.max(own_before) {
-                let [found_before, found_after] = free.reach;
-                let share = (found_after.0 - found_before.0) / by;
+            if by.abs() > 0.1 * planned_after.max(planned_before) {
+                let [fitted_before, fitted_after] = free.reach;
+                let share = (fitted_after.0 - fitted_before.0) / by;
                 self.found.unequal.push((share, free.difference_deviation / by.abs()));
             }
         }

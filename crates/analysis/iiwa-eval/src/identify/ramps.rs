@@ -71,9 +71,9 @@ fn shape(t: f64, [jerk_s, push_s, cruise_s]: [f64; 3]) -> f64 {
             let pushed = before - jerk_s;
             acceleration * (jerk_s * jerk_s / 6.0 + pushed * (jerk_s + pushed) / 2.0)
         } else {
-            let left = rise_s - before;
-            let eased = if left > 0.0 { jerk * left.powi(3) / 6.0 } else { 0.0 };
-            speed * (0.5 * rise_s - left) + eased
+            let remaining_s = rise_s - before;
+            let eased = if remaining_s > 0.0 { jerk * remaining_s.powi(3) / 6.0 } else { 0.0 };
+            speed * (0.5 * rise_s - remaining_s) + eased
         }
     };
     if t < 0.0 { way } else { 1.0 - way }
@@ -85,20 +85,20 @@ impl Model<COUNT> for RampLine<'_> {
         let durations = [p[JERK], p[PUSH], p[CRUISE]];
         for (t_s, way) in self.t_s.iter().zip(self.way) {
             let t = t_s - p[MIDDLE];
-            let at = shape(t, durations);
+            let point = shape(t, durations);
             let mut by = [0.0; COUNT];
-            (by[START], by[WAY]) = (1.0, at);
-            by[MIDDLE] = p[WAY] * (at - shape(t + STEP_S, durations)) / STEP_S;
+            (by[START], by[WAY]) = (1.0, point);
+            by[MIDDLE] = p[WAY] * (point - shape(t + STEP_S, durations)) / STEP_S;
             for phase in 0..3 {
                 let mut longer = durations;
                 longer[phase] += STEP_S;
-                by[JERK + phase] = p[WAY] * (shape(t, longer) - at) / STEP_S;
+                by[JERK + phase] = p[WAY] * (shape(t, longer) - point) / STEP_S;
             }
-            each(way - p[START] - p[WAY] * at, by);
+            each(way - p[START] - p[WAY] * point, by);
         }
     }
 
-    fn least(&self) -> [f64; COUNT] {
+    fn lower_bounds(&self) -> [f64; COUNT] {
         let none = f64::NEG_INFINITY;
         [none, none, none, SHORTEST_S, 0.0, 0.0]
     }
@@ -141,16 +141,16 @@ impl Ramps {
         let speed = |p: &Parameters| p[WAY].abs() / (2.0 * p[JERK] + p[PUSH] + p[CRUISE]);
         let acceleration = |p: &Parameters| speed(p) / (p[JERK] + p[PUSH]);
         let shows = |phase: usize| fit.parameters[phase] >= SHOWN_S;
-        let told_by = |fit: &Fit<COUNT>, figure: &dyn Fn(&Parameters) -> f64| {
+        let estimate_by = |fit: &Fit<COUNT>, figure: &dyn Fn(&Parameters) -> f64| {
             (figure(&fit.parameters), fit.deviation_of(figure))
         };
         let observed = |figure: &dyn Fn(&Parameters) -> f64| {
-            let (value, deviation) = told_by(fit, figure);
+            let (value, deviation) = estimate_by(fit, figure);
             let certain = (figure(&free.parameters) - value).abs() <= deviation;
-            if certain { (value, deviation) } else { told_by(free, figure) }
+            if certain { (value, deviation) } else { estimate_by(free, figure) }
         };
         let time = |figure: &dyn Fn(&Parameters) -> f64| {
-            let (time_s, deviation_s) = told_by(fit, figure);
+            let (time_s, deviation_s) = estimate_by(fit, figure);
             (time_s, deviation_s.hypot(figure(&free.parameters) - time_s))
         };
         Self {
@@ -168,8 +168,8 @@ impl RampLine<'_> {
     /// Returns initial parameters, from the times at which the robot passes some shares of its way.
     fn guess(&self, length: f64) -> Option<[f64; COUNT]> {
         let first_beyond = |share: f64| {
-            let at = self.way.iter().position(|way| *way >= share * length)?;
-            Some(self.t_s[at])
+            let index = self.way.iter().position(|way| *way >= share * length)?;
+            Some(self.t_s[index])
         };
         let [near_s, quarter_s, middle_s, late_s, end_s] = [
             first_beyond(0.02)?,
@@ -196,28 +196,28 @@ mod tests {
 
     /// Joint 1 by 40 deg at the limits of Larsen 2019, in degrees, with known durations.
     #[test]
-    fn finds_what_was_put_in() {
+    fn identifies_the_simulated_values() {
         let (v, a, j) = (98.0, 490.0, 10384.86);
         let durations = [a / j, v / a - a / j, 40.0 / v - v / a - a / j];
         let t_s: Vec<f64> = (0..900).map(|i| f64::from(i) * 1e-3).collect();
         let way: Vec<f64> = t_s.iter().map(|t| 3.0 + 40.0 * shape(t - 0.4321, durations)).collect();
         let relative: Vec<f64> = way.iter().map(|way| way - 3.0).collect();
-        let found = Ramps::fit(&t_s, &relative, 40.0).unwrap();
-        assert!((found.speed.unwrap().0 / v - 1.0).abs() < 1e-7, "{found:?}");
-        assert!((found.acceleration.unwrap().0 / a - 1.0).abs() < 1e-6, "{found:?}");
-        assert!((found.jerk.unwrap().0 / j - 1.0).abs() < 1e-5, "{found:?}");
-        assert!((found.end_s.0 - found.start_s.0 - 0.655_347).abs() < 1e-6);
+        let actual = Ramps::fit(&t_s, &relative, 40.0).unwrap();
+        assert!((actual.speed.unwrap().0 / v - 1.0).abs() < 1e-7, "{actual:?}");
+        assert!((actual.acceleration.unwrap().0 / a - 1.0).abs() < 1e-6, "{actual:?}");
+        assert!((actual.jerk.unwrap().0 / j - 1.0).abs() < 1e-5, "{actual:?}");
+        assert!((actual.end_s.0 - actual.start_s.0 - 0.655_347).abs() < 1e-6);
     }
 
     /// A phase that does not exist is not found.
     #[test]
-    fn what_is_not_shown_is_not_found() {
+    fn figures_without_evidence_are_unknown() {
         let t_s: Vec<f64> = (0..600).map(|i| f64::from(i) * 1e-3).collect();
         for (push, cruise) in [(0.1, 0.0), (0.0, 0.1), (0.0, 0.0)] {
             let way: Vec<f64> = t_s.iter().map(|t| shape(t - 0.3, [0.04, push, cruise])).collect();
-            let found = Ramps::fit(&t_s, &way, 1.0).unwrap();
-            assert_eq!(found.speed.is_some(), cruise > 0.0);
-            assert_eq!(found.acceleration.is_some(), push > 0.0);
+            let actual = Ramps::fit(&t_s, &way, 1.0).unwrap();
+            assert_eq!(actual.speed.is_some(), cruise > 0.0);
+            assert_eq!(actual.acceleration.is_some(), push > 0.0);
         }
     }
 

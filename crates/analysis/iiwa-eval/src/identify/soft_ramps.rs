@@ -125,16 +125,18 @@ impl SoftSamples<'_> {
                 }
                 let mut other = from;
                 (other[speed], other[left]) = (width * self.width, share);
-                let found = fit(other);
+                let candidate = fit(other);
                 // The first fit shows if others are worthwhile.
-                if best.is_none() && found.as_ref().is_some_and(|found| found.residual > worth) {
+                if best.is_none()
+                    && candidate.as_ref().is_some_and(|candidate| candidate.residual > worth)
+                {
                     return None;
                 }
                 let residual = |fit: &Option<Fit<COUNT>>| {
                     fit.as_ref().map_or(f64::INFINITY, |fit| fit.residual)
                 };
-                if residual(&found) < residual(&best) {
-                    best = found;
+                if residual(&candidate) < residual(&best) {
+                    best = candidate;
                 }
             }
         }
@@ -156,24 +158,24 @@ impl Model<COUNT> for SoftSamples<'_> {
             .collect();
         for (t_s, way) in self.t_s.iter().zip(self.way) {
             let t = t_s - p[BEGIN];
-            let [at, speed] = shape.at(t);
+            let [position, speed] = shape.at(t);
             let mut by = [0.0; COUNT];
             (by[FROM], by[BEGIN]) = (1.0, -speed);
             for (i, moved, step) in &moved {
-                by[*i] = (moved.at(t)[0] - at) / step;
+                by[*i] = (moved.at(t)[0] - position) / step;
             }
-            each(way - p[FROM] - at, by);
+            each(way - p[FROM] - position, by);
         }
     }
 
-    fn least(&self) -> SoftParameters {
-        let mut least = [1e-3; COUNT];
-        (least[FROM], least[BEGIN]) = (f64::NEG_INFINITY, f64::NEG_INFINITY);
+    fn lower_bounds(&self) -> SoftParameters {
+        let mut lower_bounds = [1e-3; COUNT];
+        (lower_bounds[FROM], lower_bounds[BEGIN]) = (f64::NEG_INFINITY, f64::NEG_INFINITY);
         // Minimum width of the first phase.
         for [speed, left] in RAMPS {
-            (least[speed], least[left]) = (self.width, 0.0);
+            (lower_bounds[speed], lower_bounds[left]) = (self.width, 0.0);
         }
-        least
+        lower_bounds
     }
 }
 
@@ -201,14 +203,15 @@ impl SoftRamps {
         let (some_s, some_way) = (some(t_s), some(way));
         let roughly = SoftSamples { t_s: &some_s, way: &some_way, width: line.width };
         let start = roughly.explore(p, [enough, worth])?;
-        let found = least_squares::fit(&all, start, [false; COUNT])?;
-        Some(Self::of(&all, &found))
+        let solution = least_squares::fit(&all, start, [false; COUNT])?;
+        Some(Self::of(&all, &solution))
     }
 
     fn of(samples: &SoftSamples<'_>, fit: &Fit<COUNT>) -> Self {
         let p = &fit.parameters;
         let shape = SoftShape::new(&samples.line(p));
-        let told = |figure: &dyn Fn(&SoftParameters) -> f64| (figure(p), fit.deviation_of(figure));
+        let estimate =
+            |figure: &dyn Fn(&SoftParameters) -> f64| (figure(p), fit.deviation_of(figure));
         let duration = |p: &SoftParameters| SoftShape::new(&samples.line(p)).duration_s;
         let cruises = shape.cruise_s >= SHOWN_S;
         let keeps = shape.plateau_s.iter().all(|plateau_s| *plateau_s >= SHOWN_S);
@@ -219,15 +222,15 @@ impl SoftRamps {
             let whole = reached >= WHOLE_SHARE * p[ACCELERATION];
             SoftEnd {
                 snap: (!narrow)
-                    .then(|| told(&|p| 2.0 / 9.0 * p[ACCELERATION].powi(3) / p[speed].powi(2))),
-                jerk: (!whole).then(|| (told(&|p| first_phase(p, ramp).jerk), reached)),
+                    .then(|| estimate(&|p| 2.0 / 9.0 * p[ACCELERATION].powi(3) / p[speed].powi(2))),
+                jerk: (!whole).then(|| (estimate(&|p| first_phase(p, ramp).jerk), reached)),
             }
         };
         Self {
-            start_s: told(&|p| p[BEGIN]),
-            end_s: told(&|p| p[BEGIN] + duration(p)),
-            speed: cruises.then(|| told(&|p| p[SPEED])),
-            acceleration: keeps.then(|| told(&|p| p[ACCELERATION])),
+            start_s: estimate(&|p| p[BEGIN]),
+            end_s: estimate(&|p| p[BEGIN] + duration(p)),
+            speed: cruises.then(|| estimate(&|p| p[SPEED])),
+            acceleration: keeps.then(|| estimate(&|p| p[ACCELERATION])),
             ends: keeps.then(|| RAMPS.map(end)),
             residual: fit.residual,
         }

@@ -151,10 +151,10 @@ mod tests {
             let [from, to] = [plan.at(0.0).q, plan.at(end_s).q];
             let way: f64 = to.iter().map(|q| q * q).sum::<f64>().sqrt();
             let unit = to.map(|q| q / way);
-            let least = |limits: &iiwa_kin::Joints| {
+            let max_along = |limits: &iiwa_kin::Joints| {
                 (0..7).map(|j| limits[j] / unit[j].abs().max(1e-9)).fold(f64::MAX, f64::min)
             };
-            let acceleration = least(&robot.limits().acceleration_rad_s2);
+            let acceleration = max_along(&robot.limits().acceleration_rad_s2);
             let law = robot.ramp_law();
             let end = |q, sign: f64, end| {
                 let away = unit.map(|u| sign * u);
@@ -166,7 +166,7 @@ mod tests {
             };
             let line = SoftLine {
                 way,
-                speed: least(&robot.limits().velocity_rad_s),
+                speed: max_along(&robot.limits().velocity_rad_s),
                 acceleration,
                 ends: [end(&from, 1.0, RampEnd::Start), end(&to, -1.0, RampEnd::Stop)],
                 width: law.width_rad_s,

@@ -55,7 +55,7 @@ struct Planned {
 /// Divides a path into sections from stop to stop.
 fn planned(path: &JointPath) -> Vec<Planned> {
     let mut sections: Vec<Planned> = Vec::new();
-    let mut at = *path.start_rad();
+    let mut pose_rad = *path.start_rad();
     let mut moving = false;
     let overlaps = |motion: &MotionIndex| {
         path.overlapping_waits().binary_search_by_key(motion, |wait| wait.motion).is_ok()
@@ -68,13 +68,13 @@ fn planned(path: &JointPath) -> Vec<Planned> {
                     Some(section) => (section.steps.end, section.to) = (i + 1, end),
                     None => sections.push(Planned {
                         steps: i..i + 1,
-                        from: at,
+                        from: pose_rad,
                         to: end,
                         settles: 0,
                         waits_s: 0.0,
                     }),
                 }
-                (at, moving) = (end, true);
+                (pose_rad, moving) = (end, true);
                 continue;
             }
             Step::Settle { .. } => {
@@ -106,9 +106,9 @@ fn planned(path: &JointPath) -> Vec<Planned> {
 pub(super) fn follow(path: &JointPath, log: &JointLog, from: usize) -> Option<FollowedStops> {
     let q = &log.q_rad;
     let find = |from: usize, holds: &dyn Fn(&Joints) -> bool| {
-        q[from..].iter().position(holds).map(|at| from + at)
+        q[from..].iter().position(holds).map(|offset| from + offset)
     };
-    let mut at = find(from, &|q| distance(q, path.start_rad()) < NEAR_RAD)?;
+    let mut offset = find(from, &|q| distance(q, path.start_rad()) < NEAR_RAD)?;
     let mut lost_in = None;
     // Samples from leaving each stop to arriving near the next one.
     let mut cores = Vec::new();
@@ -117,7 +117,7 @@ pub(super) fn follow(path: &JointPath, log: &JointLog, from: usize) -> Option<Fo
         let core = (|| {
             // The distance is smaller for short ways. A section may end at its start.
             let near = NEAR_RAD.min(0.1 * farthest(path, section)).max(1e-9);
-            let leaves = find(at, &|q| distance(q, &section.from) > near)?;
+            let leaves = find(offset, &|q| distance(q, &section.from) > near)?;
             let mut passed = leaves;
             for step in &path.steps()[section.steps.clone()] {
                 if let Step::Move { segment, blend: Some(_), .. } = step {
@@ -147,7 +147,7 @@ pub(super) fn follow(path: &JointPath, log: &JointLog, from: usize) -> Option<Fo
             });
             break;
         };
-        at = core.end;
+        offset = core.end;
         cores.push(core);
     }
     let mut begin =
@@ -211,8 +211,9 @@ const STANDING_S: f64 = 0.5;
 /// Returns the first sample of the rest at `from`; other motions before that rest are excluded.
 fn standing_before(log: &JointLog, leaves: usize, from: &Joints) -> usize {
     let from_s = log.t_s[leaves] - STANDING_S;
-    let there = |i: &usize| log.t_s[*i] >= from_s && distance(&log.q_rad[*i], from) < AWAY_RAD;
-    let first = leaves - (0..leaves).rev().take_while(there).count();
+    let is_at_start =
+        |i: &usize| log.t_s[*i] >= from_s && distance(&log.q_rad[*i], from) < AWAY_RAD;
+    let first = leaves - (0..leaves).rev().take_while(is_at_start).count();
     let came = first > 0 && log.t_s[first - 1] >= from_s;
     if came { slowest(log, first..leaves) } else { first }
 }
@@ -220,8 +221,8 @@ fn standing_before(log: &JointLog, leaves: usize, from: &Joints) -> usize {
 /// Returns the end of the samples at rest at `to`; other motions after that rest are excluded.
 fn standing_after(log: &JointLog, arrives: usize, to: &Joints) -> usize {
     let until_s = log.t_s[arrives] + STANDING_S;
-    let there = |i: &usize| log.t_s[*i] <= until_s && distance(&log.q_rad[*i], to) < AWAY_RAD;
-    let end = arrives + (arrives..log.t_s.len()).take_while(there).count();
+    let is_at_end = |i: &usize| log.t_s[*i] <= until_s && distance(&log.q_rad[*i], to) < AWAY_RAD;
+    let end = arrives + (arrives..log.t_s.len()).take_while(is_at_end).count();
     let went = log.t_s.get(end).is_some_and(|t_s| *t_s <= until_s);
     if went { slowest(log, arrives..end) } else { end }
 }

@@ -31,7 +31,7 @@ fn distance(a: &Vec3<f64>, b: &Vec3<f64>) -> f64 {
 }
 
 /// Evaluates the blends of one section of a recording.
-pub(super) fn observe(watched: &Watched<'_>, passage: &Passage, found: &mut Findings) {
+pub(super) fn observe(watched: &Watched<'_>, passage: &Passage, findings: &mut Findings) {
     let steps = &watched.path.steps()[passage.steps.clone()];
     let mut from_sample = passage.samples.start;
     for step in steps {
@@ -47,21 +47,21 @@ pub(super) fn observe(watched: &Watched<'_>, passage: &Passage, found: &mut Find
         let Some(corner) = Corner::new(target, before, after) else { continue };
         let [start, middle] = [0.0, 0.5].map(|s| place(&segment.at(s).q));
         let reach_m = distance(target, &start);
-        let own_m = own_reach(watched, motion, &ends);
+        let planned_m = planned_reach(watched, motion, &ends);
         let margins = [before, after].map(|end| {
-            let longest = own_m.into_iter().flatten().fold(reach_m, f64::max);
+            let longest = planned_m.into_iter().flatten().fold(reach_m, f64::max);
             ((1.0 + BEYOND) * longest).min(distance(target, end))
         });
 
         let samples = &watched.log.q_rad[from_sample..passage.samples.end];
         let places: Vec<_> = samples.iter().map(place).collect();
         let Some(about) = about(&places, target, &middle, reach_m, margins) else { continue };
-        let seen = from_sample + about.first..from_sample + about.last;
+        let samples = from_sample + about.first..from_sample + about.last;
         from_sample += about.nearest;
         let places = &places[about.first..about.last];
-        let mut leave_out = |why| {
+        let mut leave_out = |reason| {
             let recording = watched.recording;
-            found.known.left_out.push(LeftOut { recording, motion, why });
+            findings.known.left_out.push(LeftOut { recording, motion, why: reason });
         };
         if places.len() < FEWEST {
             leave_out(Why::TooFewSamples);
@@ -89,24 +89,24 @@ pub(super) fn observe(watched: &Watched<'_>, passage: &Passage, found: &mut Find
             leave_out(Why::NoTcpBlend(residual_m));
             continue;
         }
-        if let (Some(free), [Some(own_before), Some(own_after)]) = (curve.free, own_m) {
-            let by = own_after - own_before;
-            let [found_before, found_after] = free.reach;
-            if by.abs() > 0.1 * own_after.max(own_before) {
-                let share = (found_after.0 - found_before.0) / by;
-                found.tcp_unequal.push((share, free.difference_deviation / by.abs()));
-            } else if let Some(asked_m) = asked_m(watched, motion)
-                && (reach_m / asked_m - 1.0).abs() < 1e-6
+        if let (Some(free), [Some(planned_before), Some(planned_after)]) = (curve.free, planned_m) {
+            let by = planned_after - planned_before;
+            let [fitted_before, fitted_after] = free.reach;
+            if by.abs() > 0.1 * planned_after.max(planned_before) {
+                let share = (fitted_after.0 - fitted_before.0) / by;
+                findings.tcp_unequal.push((share, free.difference_deviation / by.abs()));
+            } else if let Some(requested_m) = requested_m(watched, motion)
+                && (reach_m / requested_m - 1.0).abs() < 1e-6
             {
-                for (reach, (value, deviation)) in found.tcp_reach.iter_mut().zip(free.reach) {
-                    reach.push((value / asked_m, deviation / asked_m));
+                for (reach, (value, deviation)) in findings.tcp_reach.iter_mut().zip(free.reach) {
+                    reach.push((value / requested_m, deviation / requested_m));
                 }
             }
         }
-        found.known.tcp_blends.push(TcpBlendObservation {
+        findings.known.tcp_blends.push(TcpBlendObservation {
             recording: watched.recording,
             motion,
-            time_s: [watched.log.t_s[seen.start], watched.log.t_s[seen.end - 1]],
+            time_s: [watched.log.t_s[samples.start], watched.log.t_s[samples.end - 1]],
             gamma_deg,
             kappa,
             reach_m,
@@ -146,19 +146,23 @@ fn about(
 }
 
 /// Returns the programmed distance, in m, if the program gives only a distance.
-fn asked_m(watched: &Watched<'_>, motion: MotionIndex) -> Option<f64> {
-    let Motion::Cartesian(own) = &watched.program.motions[motion.index()] else { return None };
-    let blend = own.blend.filter(|b| b.orientation_rad.is_none() && b.sunrise_rel.is_none())?;
+fn requested_m(watched: &Watched<'_>, motion: MotionIndex) -> Option<f64> {
+    let Motion::Cartesian(cartesian) = &watched.program.motions[motion.index()] else {
+        return None;
+    };
+    let blend =
+        cartesian.blend.filter(|b| b.orientation_rad.is_none() && b.sunrise_rel.is_none())?;
     blend.cart_mm.map(|mm| 1e-3 * mm)
 }
 
 /// Returns the reach of each side of a blend without the other side, in m: at most half of its
 /// path.
-fn own_reach(
+fn planned_reach(
     watched: &Watched<'_>,
     motion: MotionIndex,
     [before, target, after]: &[Vec3<f64>; 3],
 ) -> [Option<f64>; 2] {
-    let asked_m = asked_m(watched, motion);
-    [before, after].map(|end| asked_m.map(|asked_m| asked_m.min(0.5 * distance(target, end))))
+    let requested_m = requested_m(watched, motion);
+    [before, after]
+        .map(|end| requested_m.map(|requested_m| requested_m.min(0.5 * distance(target, end))))
 }

@@ -34,7 +34,7 @@ pub(super) enum JointDoes {
 
 impl TorqueWindow {
     pub(super) fn mean_velocity_rad_s(&self, joint: usize) -> f64 {
-        self.instants.iter().map(|at| at.share * at.velocity_rad_s[joint]).sum()
+        self.instants.iter().map(|instant| instant.share * instant.velocity_rad_s[joint]).sum()
     }
 }
 
@@ -66,16 +66,16 @@ pub(super) fn windows(log: &JointLog, exerted_nm: &[Option<Joints>]) -> Vec<Torq
     let count = log.t_s.len().min(exerted_nm.len());
     let Some(period_s) = log.period_s() else { return Vec::new() };
     let half_s = half_s(log);
-    let mut found = Vec::new();
+    let mut windows = Vec::new();
     let mut first = 0;
     while first < count {
         // Stamps are rounded sums.
         let end_s = log.t_s[first] + 2.0 * half_s + 0.01 * period_s;
         let end = first + log.t_s[first..count].partition_point(|t_s| *t_s <= end_s);
-        found.extend(window(log, exerted_nm, first..end, [half_s, period_s]));
+        windows.extend(window(log, exerted_nm, first..end, [half_s, period_s]));
         first = end;
     }
-    found
+    windows
 }
 
 fn window(
@@ -116,7 +116,7 @@ fn window(
             / whole
     };
     let (second, fourth) = (moment(2), moment(4));
-    let (at, share) = ((fourth / second).sqrt(), 0.5 * second * second / fourth);
+    let (abscissa, share) = ((fourth / second).sqrt(), 0.5 * second * second / fourth);
     let fitted = |j: usize| -> Vector4<f64> {
         // Relative to the first value, to avoid cancellation.
         q.iter().zip(&weights).map(|(q_i, weight)| weight * (q_i[j] - q[0][j])).sum()
@@ -124,9 +124,12 @@ fn window(
     let cubics: [Vector4<f64>; 7] = std::array::from_fn(fitted);
     let does = std::array::from_fn(|j| {
         let (cubic, base) = (&cubics[j], q[0][j]);
-        let left = t_s.iter().zip(q).map(|(t_s, q)| q[j] - base - cubic.dot(&powers(*t_s)));
-        let deviation = (left.map(|left| left * left).sum::<f64>() / (t_s.len() - 4) as f64).sqrt();
-        let ends = [powers(first_s), powers(middle_s), powers(last_s)].map(|at| cubic.dot(&at));
+        let residuals = t_s.iter().zip(q).map(|(t_s, q)| q[j] - base - cubic.dot(&powers(*t_s)));
+        let deviation = (residuals.map(|residuals| residuals * residuals).sum::<f64>()
+            / (t_s.len() - 4) as f64)
+            .sqrt();
+        let ends = [powers(first_s), powers(middle_s), powers(last_s)]
+            .map(|abscissa| cubic.dot(&abscissa));
         let [before, after] = [ends[1] - ends[0], ends[2] - ends[1]];
         let farthest = q.iter().map(|q| (q[j] - base).abs()).fold(0.0, f64::max);
         if before * after > 0.0 && before.abs().min(after.abs()) > MOVES_RAD {
@@ -147,7 +150,7 @@ fn window(
     };
     Some(TorqueWindow {
         torque_nm: std::array::from_fn(mean),
-        instants: [(-at, share), (0.0, 1.0 - 2.0 * share), (at, share)].map(instant),
+        instants: [(-abscissa, share), (0.0, 1.0 - 2.0 * share), (abscissa, share)].map(instant),
         does,
     })
 }

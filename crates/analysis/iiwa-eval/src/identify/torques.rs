@@ -23,8 +23,8 @@ use crate::{
     estimate::{Estimate, NORMAL_95},
     exerted::exerted,
     identify::{
-        found_torques::{FoundLoad, FoundTorques},
         recording::Recording,
+        torque_estimates::{LoadEstimate, TorqueEstimates},
         torque_windows::{Instant, JointDoes, TorqueWindow, half_s, windows},
     },
 };
@@ -49,11 +49,11 @@ const TOLD_FRICTION_NM: f64 = 0.5;
 
 /// Lower bounds of the uncertainty of a payload, as a share of the mass and in mm: twice the error
 /// of windows with samples every 5 ms without any noise.
-const LEAST_MASS_SHARE: f64 = 3e-4;
-const LEAST_CENTER_MM: f64 = 0.15;
+const MIN_MASS_SHARE: f64 = 3e-4;
+const MIN_CENTER_MM: f64 = 0.15;
 
 /// Lower bound of the standard deviation of a torque, in Nm.
-const LEAST_NM: f64 = 2e-3;
+const MIN_NM: f64 = 2e-3;
 
 /// Rounds of weighting by the scatter of the previous round.
 const ROUNDS: usize = 4;
@@ -66,7 +66,7 @@ const FEWEST: usize = 10;
 pub(super) fn find(
     recordings: &[Recording<'_>],
     model: &Robot,
-) -> (Option<FoundTorques>, Vec<(usize, &'static str)>) {
+) -> (Option<TorqueEstimates>, Vec<(usize, &'static str)>) {
     let mut groups: Vec<(Option<Load>, Vec<usize>)> = Vec::new();
     let mut observed = Observations::default();
     let mut unused = Vec::new();
@@ -76,8 +76,8 @@ pub(super) fn find(
         }
         let stated = match stated_load(program) {
             Ok(stated) => stated,
-            Err(why) => {
-                unused.push((recording, why));
+            Err(reason) => {
+                unused.push((recording, reason));
                 continue;
             }
         };
@@ -88,8 +88,8 @@ pub(super) fn find(
             unused.push((recording, "too few samples with torques in a row: they were not used"));
             continue;
         }
-        let known = groups.iter().position(|(load, _)| *load == stated);
-        let group = known.unwrap_or_else(|| {
+        let group = groups.iter().position(|(load, _)| *load == stated);
+        let group = group.unwrap_or_else(|| {
             groups.push((stated, Vec::new()));
             groups.len() - 1
         });
@@ -139,7 +139,8 @@ impl Regressor {
             [1.0, 0.0, 1.0],
             [0.0, 1.0, 1.0],
         ];
-        let with = |at: [f64; 3]| arm.with_body(&RigidBody::point(1.0, at.map(|x| x * POINT_M)));
+        let with =
+            |point: [f64; 3]| arm.with_body(&RigidBody::point(1.0, point.map(|x| x * POINT_M)));
         Self { arm: *arm, points: POINTS.map(with) }
     }
 
@@ -229,7 +230,7 @@ impl Observations {
         }
     }
 
-    fn fit(&self, groups: Vec<(Option<Load>, Vec<usize>)>) -> Option<FoundTorques> {
+    fn fit(&self, groups: Vec<(Option<Load>, Vec<usize>)>) -> Option<TorqueEstimates> {
         if groups.is_empty() {
             return None;
         }
@@ -247,16 +248,16 @@ impl Observations {
                 let variance: f64 = covariance[(first + j, first + j)];
                 let uncertainty = NORMAL_95 * variance.sqrt();
                 let (value, count) = (unknowns[first + j], count(2 * j + 1));
-                let found = Estimate { value, uncertainty, count };
-                (count > 0 && uncertainty <= TOLD_FRICTION_NM).then_some(found)
+                let estimate = Estimate { value, uncertainty, count };
+                (count > 0 && uncertainty <= TOLD_FRICTION_NM).then_some(estimate)
             })
         };
         let loads = groups.into_iter().enumerate();
         let loads = loads.map(|(load, (stated, recordings))| {
             let windows = self.rows.iter().filter(|row| row.load == load).count();
-            found_load(stated, recordings, load, windows, &unknowns, &covariance)
+            load_estimate(stated, recordings, load, windows, &unknowns, &covariance)
         });
-        Some(FoundTorques {
+        Some(TorqueEstimates {
             loads: loads.collect(),
             viscous_nm_s_rad: friction(0),
             coulomb_nm: friction(7),
@@ -299,7 +300,7 @@ impl Observations {
         Some((&covariance * right, covariance))
     }
 
-    fn left<'a>(
+    fn row_residuals<'a>(
         &'a self,
         unknowns: &'a DVector<f64>,
     ) -> impl Iterator<Item = (&'a TorqueRow, f64)> {
@@ -311,9 +312,9 @@ impl Observations {
 
     fn residuals(&self, unknowns: &DVector<f64>) -> Joints {
         let mut sums = [(0.0, 0.0); 7];
-        for (row, left) in self.left(unknowns) {
+        for (row, residual) in self.row_residuals(unknowns) {
             let (squares, count) = &mut sums[row.joint];
-            *squares += left * left;
+            *squares += residual * residual;
             *count += 1.0;
         }
         sums.map(|(squares, count): (f64, f64)| (squares / count.max(1.0)).sqrt())
@@ -323,16 +324,16 @@ impl Observations {
     /// correlated from one window to the next, as in a first-order autoregression.
     fn scatter(&self, unknowns: &DVector<f64>) -> [f64; 14] {
         let mut sums = [(0.0, 0.0, 0.0, 0.0_f64); 14];
-        for (row, left) in self.left(unknowns) {
+        for (row, residual) in self.row_residuals(unknowns) {
             let (squares, products, before, count) = &mut sums[row.sort()];
-            *squares += left * left;
-            *products += left * *before;
-            *before = left;
+            *squares += residual * residual;
+            *products += residual * *before;
+            *before = residual;
             *count += 1.0;
         }
         sums.map(|(squares, products, _, count)| {
             let count = count.max(1.0);
-            let variance = (squares / count).max(LEAST_NM.powi(2));
+            let variance = (squares / count).max(MIN_NM.powi(2));
             let correlation: f64 = products / f64::max(squares, f64::MIN_POSITIVE);
             // White noise shows this correlation by chance.
             if correlation < 2.0 / count.sqrt() {
@@ -344,32 +345,33 @@ impl Observations {
     }
 }
 
-fn found_load(
+fn load_estimate(
     stated: Option<Load>,
     recordings: Vec<usize>,
     load: usize,
     count: usize,
     unknowns: &DVector<f64>,
     covariance: &DMatrix<f64>,
-) -> FoundLoad {
-    let at = FRICTION + MOMENTS * load;
-    let mass = unknowns[at];
+) -> LoadEstimate {
+    let offset = FRICTION + MOMENTS * load;
+    let mass = unknowns[offset];
     let mass_kg = Estimate {
         value: mass,
-        uncertainty: (NORMAL_95 * covariance[(at, at)].sqrt()).hypot(LEAST_MASS_SHARE * mass),
+        uncertainty: (NORMAL_95 * covariance[(offset, offset)].sqrt()).hypot(MIN_MASS_SHARE * mass),
         count,
     };
-    let told = mass_kg.uncertainty <= TOLD_MASS_KG.max(TOLD_MASS_SHARE * mass);
+    let is_known = mass_kg.uncertainty <= TOLD_MASS_KG.max(TOLD_MASS_SHARE * mass);
     let center_mm = std::array::from_fn(|axis| {
-        let first = at + 1 + axis;
+        let first = offset + 1 + axis;
         let center_m = unknowns[first] / mass;
         // The centre of mass is the first moment over the mass.
-        let variance = covariance[(first, first)] - 2.0 * center_m * covariance[(first, at)]
-            + center_m.powi(2) * covariance[(at, at)];
+        let variance = covariance[(first, first)] - 2.0 * center_m * covariance[(first, offset)]
+            + center_m.powi(2) * covariance[(offset, offset)];
         let uncertainty =
-            (1e3 * NORMAL_95 * variance.max(0.0).sqrt() / mass.abs()).hypot(LEAST_CENTER_MM);
-        let known = told && !mass_kg.holds(0.0) && mass > 0.0 && uncertainty <= TOLD_CENTER_MM;
-        known.then_some(Estimate { value: 1e3 * center_m, uncertainty, count })
+            (1e3 * NORMAL_95 * variance.max(0.0).sqrt() / mass.abs()).hypot(MIN_CENTER_MM);
+        let is_center_known =
+            is_known && !mass_kg.holds(0.0) && mass > 0.0 && uncertainty <= TOLD_CENTER_MM;
+        is_center_known.then_some(Estimate { value: 1e3 * center_m, uncertainty, count })
     });
-    FoundLoad { recordings, stated, mass_kg: told.then_some(mass_kg), center_mm }
+    LoadEstimate { recordings, stated, mass_kg: is_known.then_some(mass_kg), center_mm }
 }

@@ -67,7 +67,7 @@ impl<'a> Watched<'a> {
 
     fn course(&self, motion: MotionIndex) -> Option<&Course> {
         match self.program.motions.get(motion.index()) {
-            Some(Motion::Cartesian(own)) if !own.is_ptp() => Some(&own.course),
+            Some(Motion::Cartesian(cartesian)) if !cartesian.is_ptp() => Some(&cartesian.course),
             _ => None,
         }
     }
@@ -77,7 +77,10 @@ impl<'a> Watched<'a> {
         let next = motion.next();
         let by_wrist = |motion: MotionIndex| {
             let entry = &self.program.motions[motion.index()];
-            matches!(entry, Motion::Cartesian(own) if own.orientation == OrientationType::Joints)
+            matches!(
+                entry,
+                Motion::Cartesian(cartesian) if cartesian.orientation == OrientationType::Joints
+            )
         };
         let is_straight =
             |course: &Course| matches!(course, Course::Lin { .. } | Course::LinRel { .. });
@@ -102,8 +105,8 @@ impl<'a> Watched<'a> {
     /// the corner is.
     pub(super) fn corner(&self, motion: MotionIndex) -> Option<[Joints; 3]> {
         let into = self.motions.get(motion.index())?;
-        let out = self.motions.get(motion.next().index())?;
-        Some([into.first()?.at(0.0).q, into.last()?.at(1.0).q, out.last()?.at(1.0).q])
+        let leaving = self.motions.get(motion.next().index())?;
+        Some([into.first()?.at(0.0).q, into.last()?.at(1.0).q, leaving.last()?.at(1.0).q])
     }
 
     /// Returns the TCP pose of a motion at given joint positions.
@@ -117,7 +120,7 @@ fn without_blends(program: &Program) -> Program {
     for motion in &mut plain.motions {
         match motion {
             Motion::Ptp(ptp) => ptp.blend = None,
-            Motion::Cartesian(own) => own.blend = None,
+            Motion::Cartesian(cartesian) => cartesian.blend = None,
             Motion::Wait { .. } | Motion::Load(_) => {}
         }
     }

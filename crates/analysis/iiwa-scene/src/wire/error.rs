@@ -12,10 +12,10 @@ pub(super) const VERSION: u64 = 1;
 #[non_exhaustive]
 pub enum SceneError {
     /// The text is not JSON, or not the expected JSON.
-    #[error("{}{what}, at {place}", prefix(*.obstacle))]
+    #[error("{}{message}, at {place}", prefix(*.obstacle))]
     Json {
         /// Found and expected contents.
-        what: String,
+        message: String,
         /// Index of the obstacle, from 0, if the fault is in one.
         obstacle: Option<usize>,
         /// Place in the text.
@@ -52,9 +52,9 @@ impl SceneError {
 
     /// Returns the message without the place.
     #[must_use]
-    pub fn what(&self) -> String {
+    pub fn message(&self) -> String {
         match self {
-            Self::Json { what, obstacle, .. } => format!("{}{what}", prefix(*obstacle)),
+            Self::Json { message, obstacle, .. } => format!("{}{message}", prefix(*obstacle)),
             Self::Version { found, .. } => {
                 format!("this is a scene of version {found}; version {VERSION} is understood")
             }
@@ -77,5 +77,5 @@ pub(super) fn json_error(
     let place = Place::of_error(text, part, error);
     // Text that is not JSON at all is detected before it is divided into parts.
     let obstacle = obstacle.or_else(|| element_at(text, "obstacles", place.span.start));
-    SceneError::Json { what: problem(error), obstacle, place }
+    SceneError::Json { message: problem(error), obstacle, place }
 }

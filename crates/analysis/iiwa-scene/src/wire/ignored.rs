@@ -21,27 +21,27 @@ pub(super) fn ignored_pair(
     raw: &str,
     obstacles: &[Obstacle],
 ) -> Result<IgnoredPair, SceneError> {
-    let wrong = |what: String, place: Place| SceneError::Json {
-        what: format!("ignored pair {}: {what}", index + 1),
+    let wrong = |message: String, place: Place| SceneError::Json {
+        message: format!("ignored pair {}: {message}", index + 1),
         obstacle: None,
         place,
     };
-    let at =
+    let place_of =
         |name: usize| locate(text, &[Step::Key("ignore"), Step::Index(index), Step::Index(name)]);
     let [part, obstacle] = serde_json::from_str::<[String; 2]>(raw).map_err(|error| {
-        let what = format!("{}; a pair is [\"link 2\", \"NAME\"]", problem(&error));
-        wrong(what, locate(text, &[Step::Key("ignore"), Step::Index(index)]))
+        let message = format!("{}; a pair is [\"link 2\", \"NAME\"]", problem(&error));
+        wrong(message, locate(text, &[Step::Key("ignore"), Step::Index(index)]))
     })?;
     let link = PARTS
         .iter()
         .position(|name| *name == part)
         .map(|place| FIRST_LINK + place)
-        .ok_or_else(|| wrong(unknown("part of the arm", &part, &PARTS), at(0)))?;
+        .ok_or_else(|| wrong(unknown("part of the arm", &part, &PARTS), place_of(0)))?;
     let obstacle = obstacles.iter().position(|it| it.name == obstacle).ok_or_else(|| {
         /// Limits the list of names, so that it does not hide the message.
         const SHOWN: usize = 8;
         let names: Vec<&str> = obstacles.iter().map(|it| it.name.as_str()).collect();
-        let what = match iiwa_json::meant(&obstacle, names.iter().copied()) {
+        let message = match iiwa_json::meant(&obstacle, names.iter().copied()) {
             None if names.len() > SHOWN => format!(
                 "unknown obstacle `{}`; the scene has {} others",
                 iiwa_json::excerpt(&obstacle),
@@ -49,7 +49,7 @@ pub(super) fn ignored_pair(
             ),
             _ => unknown("obstacle", &obstacle, &names),
         };
-        wrong(what, at(1))
+        wrong(message, place_of(1))
     })?;
     Ok(IgnoredPair { link, obstacle })
 }

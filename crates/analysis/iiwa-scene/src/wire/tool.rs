@@ -173,17 +173,17 @@ pub(super) fn tool_shape(
 ) -> Result<ToolShape, SceneError> {
     const KNOWN_TYPES: [&str; 4] = ["box", "cylinder", "sphere", "mesh"];
     let prefixed = |error| match error {
-        SceneError::Json { what, place, .. } => {
-            let what = format!("tool, shape {}: {what}", index + 1);
-            SceneError::Json { what, obstacle: None, place }
+        SceneError::Json { message, place, .. } => {
+            let message = format!("tool, shape {}: {message}", index + 1);
+            SceneError::Json { message, obstacle: None, place }
         }
         other => other,
     };
     let fail = |error: serde_json::Error| prefixed(json_error(text, raw, None, &error));
-    let wrong = |what: String, key: Option<&str>| {
+    let wrong = |message: String, key: Option<&str>| {
         let path = [Step::Key("tool"), Step::Index(index)];
         let path = path.into_iter().chain(key.map(Step::Key)).collect::<Vec<_>>();
-        prefixed(SceneError::Json { what, obstacle: None, place: locate(text, &path) })
+        prefixed(SceneError::Json { message, obstacle: None, place: locate(text, &path) })
     };
     let form = match tag(raw).map_err(fail)?.as_deref() {
         Some("box") => serde_json::from_str::<Object<ToolBoxWire>>(raw).map_err(fail)?.0.into(),
@@ -195,7 +195,7 @@ pub(super) fn tool_shape(
         }
         Some("mesh") => {
             let wire = serde_json::from_str::<Object<ToolMeshWire>>(raw).map_err(fail)?.0;
-            mesh(wire, read).map_err(|(key, what)| wrong(what, Some(key)))?
+            mesh(wire, read).map_err(|(key, message)| wrong(message, Some(key)))?
         }
         Some(other) => {
             return Err(wrong(unknown("type", other, &KNOWN_TYPES), Some("type")));
@@ -214,7 +214,7 @@ fn mesh(wire: ToolMeshWire, read: ReadFile<'_>) -> Result<ToolForm, (&'static st
             format!("scale is {scale}; it must be from {MIN_SCALE} to {MAX_SCALE}"),
         ));
     }
-    let named = |what: String| ("file", format!("`{}`: {what}", excerpt(&file)));
+    let named = |message: String| ("file", format!("`{}`: {message}", excerpt(&file)));
     let bytes = read(&file).map_err(named)?;
     let hull =
         ConvexHull::from_mesh(&file, &bytes, scale).map_err(|error| named(error.to_string()))?;

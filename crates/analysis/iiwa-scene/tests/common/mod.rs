@@ -4,10 +4,10 @@
 
 use iiwa_scene::{Form, Obstacle, Scene};
 
-/// Creates up to `most` boxes and planes within reach of the arm; a third of the boxes are
+/// Creates up to `max_count` boxes and planes within reach of the arm; a third of the boxes are
 /// axis-aligned.
-pub(crate) fn scene(random: &mut fastrand::Rng, most: usize) -> Scene {
-    let count = random.usize(1..=most);
+pub(crate) fn scene(random: &mut fastrand::Rng, max_count: usize) -> Scene {
+    let count = random.usize(1..=max_count);
     let obstacles = (0..count).map(|i| {
         let mut between = |from: f64, to: f64| from + (to - from) * random.f64();
         let mut three = |from, to| [between(from, to), between(from, to), between(from, to)];

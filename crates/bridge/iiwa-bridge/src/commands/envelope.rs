@@ -32,8 +32,8 @@ impl Envelope {
     /// Parses the envelope. The error contains id and robot of a malformed envelope, if readable.
     pub(super) fn read(body: &[u8]) -> Result<Self, (Self, Refusal)> {
         let Ok(text) = str::from_utf8(body) else {
-            let why = "the command is not text in UTF-8";
-            return Err((Self::default(), Refusal::bad(why)));
+            let reason = "the command is not text in UTF-8";
+            return Err((Self::default(), Refusal::bad(reason)));
         };
         let mut envelope = match serde_json::from_str::<Object<Self>>(text) {
             Ok(Object(envelope)) => envelope,
@@ -41,8 +41,8 @@ impl Envelope {
         };
         if envelope.id.as_ref().is_some_and(|id| id.is_empty() || id.len() > MAX_ID_BYTES) {
             envelope.id = None;
-            let why = format!("`id` has to have 1 to {MAX_ID_BYTES} bytes");
-            return Err((envelope, Refusal::bad(why)));
+            let reason = format!("`id` has to have 1 to {MAX_ID_BYTES} bytes");
+            return Err((envelope, Refusal::bad(reason)));
         }
         if envelope.robot.as_ref().is_some_and(|robot| robot.len() > MAX_ID_BYTES) {
             envelope.robot = None;
@@ -50,8 +50,8 @@ impl Envelope {
         }
         let version = envelope.version;
         if version != Some(VERSION) {
-            let why = format!("`version` has to be {VERSION}");
-            return Err((envelope, Refusal::bad(why)));
+            let reason = format!("`version` has to be {VERSION}");
+            return Err((envelope, Refusal::bad(reason)));
         }
         Ok(envelope)
     }

@@ -52,10 +52,10 @@ impl Worker {
         let is_running = Arc::new(AtomicBool::new(false));
         let (name, client) = (robot.name().to_owned(), robot.client()?);
         let running = Arc::clone(&is_running);
-        let done = move || running.store(false, Ordering::Release);
+        let finish = move || running.store(false, Ordering::Release);
         thread::Builder::new()
             .name("bridge runs".to_owned())
-            .spawn(move || carry_out(&name, client, None, &runs_in, &done))
+            .spawn(move || carry_out(&name, client, None, &runs_in, &finish))
             .map_err(|source| LinkError::Thread { source })?;
         let (name, client) = (robot.name().to_owned(), robot.client()?);
         threads.spawn("bridge commands", move |_| {
@@ -79,8 +79,8 @@ impl Worker {
         let is_run = matches!(request, Request::RunMotions { .. } | Request::RunTrajectory { .. });
         let job = Job { id, request, answer };
         if is_run && self.is_running.swap(true, Ordering::AcqRel) {
-            let why = "another run that was requested through the bridge is not over yet";
-            return Err((Refusal::new(Code::NotIdle, why), job.answer));
+            let reason = "another run that was requested through the bridge is not over yet";
+            return Err((Refusal::new(Code::NotIdle, reason), job.answer));
         }
         let to = match job.request {
             Request::RunMotions { .. } | Request::RunTrajectory { .. } => &self.runs,
@@ -100,7 +100,7 @@ fn carry_out(
     mut client: Client,
     limit: Option<Duration>,
     jobs: &Receiver<Job>,
-    done: &dyn Fn(),
+    finish: &dyn Fn(),
 ) {
     for Job { id, request, answer } in jobs {
         let reply = match client.reply(&request, limit) {
@@ -110,7 +110,7 @@ fn carry_out(
                 CommandReply::refused(Some(robot.to_owned()), Some(id), &refusal)
             }
         };
-        done();
+        finish();
         answer(reply);
     }
 }

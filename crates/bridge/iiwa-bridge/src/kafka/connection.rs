@@ -74,10 +74,11 @@ impl KafkaConnection {
         let BrokerAccess { tls, credentials } = &self.access;
         let is_plain = self.sasl == Sasl::Plain && tls.is_none();
         if let (Some(_), Some(broker), true) = (credentials, far, is_plain) {
-            let what = format!(
-                "{broker} is on another machine, and the password would be sent in the clear: use TLS, or SCRAM"
+            let message = format!(
+                "{broker} is on another machine, and the password would be sent in the clear: use \
+                 TLS, or SCRAM"
             );
-            return Err(BridgeError::Settings { what });
+            return Err(BridgeError::Settings { message });
         }
         let tls = tls.as_ref().map(TlsFiles::config).transpose()?;
         let sasl = credentials.as_ref().map(|Credentials { user, password }| {
@@ -102,7 +103,7 @@ pub(super) struct KafkaConnector {
 
 impl KafkaConnector {
     /// Returns the addresses, for messages.
-    pub(super) fn at(&self) -> String {
+    pub(super) fn address(&self) -> String {
         self.brokers.join(", ")
     }
 
@@ -138,25 +139,25 @@ impl KafkaConnector {
     pub(super) async fn probe(&self) -> Result<(), BridgeError> {
         let since = Instant::now();
         // One attempt at a time, because the library also repeats refused ones.
-        let found = loop {
+        let result = loop {
             match self.connect_within(Duration::ZERO).await {
                 Err(failure) if !failure.is_refusal && since.elapsed() < PROBE_TIMEOUT => {
                     sleep(PROBE_PAUSE).await;
                 }
-                found => break found,
+                result => break result,
             }
         };
-        match found {
+        match result {
             Ok(_) => {
-                tracing::info!("Kafka at {}: connected", self.at());
+                tracing::info!("Kafka at {}: connected", self.address());
                 Ok(())
             }
             Err(failure) if failure.is_refusal => Err(self.broken(failure)),
             Err(failure) => {
                 tracing::warn!(
                     "Kafka at {}: {}; messages are kept until it is back",
-                    self.at(),
-                    failure.what
+                    self.address(),
+                    failure.message
                 );
                 Ok(())
             }
@@ -165,14 +166,14 @@ impl KafkaConnector {
 
     /// Converts a failure to an error that ends a command.
     pub(super) fn broken(&self, failure: KafkaFailure) -> BridgeError {
-        BridgeError::Broker { broker: "Kafka", at: self.at(), what: failure.what }
+        BridgeError::Broker { broker: "Kafka", address: self.address(), message: failure.message }
     }
 }
 
 /// Failure of a request to Kafka.
 #[derive(Debug)]
 pub(super) struct KafkaFailure {
-    pub(super) what: String,
+    pub(super) message: String,
     /// `true` if either side refuses the other: repetition does not help.
     pub(super) is_refusal: bool,
     /// `true` if the broker accepts smaller batches only.
@@ -181,8 +182,8 @@ pub(super) struct KafkaFailure {
 
 impl KafkaFailure {
     /// Creates a temporary failure.
-    pub(super) fn passing(what: String) -> Self {
-        Self { what, is_refusal: false, is_too_large: false }
+    pub(super) fn passing(message: String) -> Self {
+        Self { message, is_refusal: false, is_too_large: false }
     }
 
     pub(super) fn timeout() -> Self {
@@ -191,29 +192,34 @@ impl KafkaFailure {
 
     pub(super) fn of(error: &Error) -> Self {
         // The library reports the cause of repeated failures as text only.
-        let mut what = error.to_string();
+        let mut message = error.to_string();
         let mut cause = error.source();
         while let Some(inner) = cause {
             let text = inner.to_string();
-            if !what.contains(&text) {
-                what = format!("{what}: {text}");
+            if !message.contains(&text) {
+                message = format!("{message}: {text}");
             }
             cause = inner.source();
         }
-        let has = |words: &[&str]| words.iter().any(|word| what.contains(word));
+        let has = |words: &[&str]| words.iter().any(|word| message.contains(word));
         if has(&["Sasl", "SaslAuthenticationFailed"]) {
-            let what = "the broker does not accept the user, the password or the mechanism (SASL)"
-                .to_owned();
-            return Self { what, is_refusal: true, is_too_large: false };
+            let message =
+                "the broker does not accept the user, the password or the mechanism (SASL)"
+                    .to_owned();
+            return Self { message, is_refusal: true, is_too_large: false };
         }
         if has(&["certificate", "Certificate", "UnknownIssuer", "HandshakeFailure"]) {
-            return Self { what: format!("TLS: {what}"), is_refusal: true, is_too_large: false };
+            return Self {
+                message: format!("TLS: {message}"),
+                is_refusal: true,
+                is_too_large: false,
+            };
         }
         if has(&["early eof", "handshake eof", "InvalidContentType"]) {
-            what.push_str("; does one side use TLS, and the other one not?");
+            message.push_str("; does one side use TLS, and the other one not?");
         }
         let is_too_large = has_too_large(error);
-        Self { is_too_large, ..Self::passing(what) }
+        Self { is_too_large, ..Self::passing(message) }
     }
 }
 

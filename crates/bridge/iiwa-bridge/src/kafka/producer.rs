@@ -97,7 +97,10 @@ impl Producer {
                 }
                 Ok(_) => {
                     if trouble.clear() {
-                        tracing::info!("Kafka at {}: messages arrive again", self.connector.at());
+                        tracing::info!(
+                            "Kafka at {}: messages arrive again",
+                            self.connector.address()
+                        );
                     }
                     // While batches are small because a larger one was refused, the next batch is
                     // already available.
@@ -120,8 +123,8 @@ impl Producer {
                     topics = None;
                     trouble.warn(format_args!(
                         "Kafka at {}: {}; messages are kept until it is back",
-                        self.connector.at(),
-                        failure.what
+                        self.connector.address(),
+                        failure.message
                     ));
                     sleep(PAUSE).await;
                 }
@@ -140,8 +143,8 @@ impl Producer {
 
     /// Skips the record that was read last.
     fn leave_out(&mut self, failure: &KafkaFailure) {
-        let at = self.connector.at();
-        tracing::warn!("Kafka at {at}: {}; one message was left out", failure.what);
+        let address = self.connector.address();
+        tracing::warn!("Kafka at {address}: {}; one message was left out", failure.message);
         self.spool.refused(1);
         if let Err(error) = self.reader.commit(self.spool.spool()) {
             tracing::warn!("cannot save how far the spool was sent: {error}");
@@ -248,10 +251,10 @@ pub(super) async fn partitions_of(client: &Client, name: &str) -> Result<i32, Er
     let mut created = false;
     loop {
         let topics = client.list_topics().await?;
-        if let Some(found) = topics.iter().find(|topic| topic.name == name)
-            && !found.partitions.is_empty()
+        if let Some(metadata) = topics.iter().find(|topic| topic.name == name)
+            && !metadata.partitions.is_empty()
         {
-            return Ok(i32::try_from(found.partitions.len()).unwrap_or(i32::MAX));
+            return Ok(i32::try_from(metadata.partitions.len()).unwrap_or(i32::MAX));
         }
         if !created {
             let controller = client.controller_client()?;

@@ -145,9 +145,9 @@ impl KafkaReader {
                     return Break(());
                 }
             }
-            let taken = take(message);
-            has_ended = taken.is_break();
-            taken
+            let result = take(message);
+            has_ended = result.is_break();
+            result
         })?;
         if !has_ended {
             let _ = events.try_for_each(take);
@@ -161,13 +161,13 @@ impl KafkaReader {
         name: &str,
     ) -> Result<Vec<Arc<PartitionClient>>, KafkaFailure> {
         let topics = client.list_topics().await.map_err(|error| KafkaFailure::of(&error))?;
-        let Some(found) = topics.into_iter().find(|topic| topic.name == name) else {
-            let what =
+        let Some(topic) = topics.into_iter().find(|entry| entry.name == name) else {
+            let message =
                 format!("unknown topic {name}; has a bridge written to it, with this prefix?");
-            return Err(KafkaFailure::passing(what));
+            return Err(KafkaFailure::passing(message));
         };
         let mut partitions = Vec::new();
-        for partition in found.partitions {
+        for partition in topic.partitions {
             let retry = UnknownTopicHandling::Retry;
             let opened = client.partition_client(name, partition, retry).await;
             partitions.push(Arc::new(opened.map_err(|error| KafkaFailure::of(&error))?));
@@ -182,8 +182,9 @@ async fn read_partition(
     once: &mut Once,
     take: &mut impl FnMut(Message) -> ControlFlow<()>,
 ) -> Result<ControlFlow<()>, KafkaFailure> {
-    let offset =
-        async |at| partition.get_offset(at).await.map_err(|error| KafkaFailure::of(&error));
+    let offset = async |offset_at| {
+        partition.get_offset(offset_at).await.map_err(|error| KafkaFailure::of(&error))
+    };
     let end = offset(OffsetAt::Latest).await?;
     let mut next = match selection.from {
         None => offset(OffsetAt::Earliest).await?,

@@ -83,8 +83,11 @@ pub(super) async fn serve(
             () = until_shutdown(shutdown) => return,
         };
         if let Err(Failed(failure)) = ended {
-            let at = connector.at();
-            trouble.warn(format_args!("Kafka at {at}: no commands are received: {}", failure.what));
+            let address = connector.address();
+            trouble.warn(format_args!(
+                "Kafka at {address}: no commands are received: {}",
+                failure.message
+            ));
             sleep(PAUSE).await;
         }
     }

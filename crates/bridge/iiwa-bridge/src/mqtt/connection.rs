@@ -67,12 +67,16 @@ const INCOMING: usize = 64;
 impl MqttConnection {
     /// Reads certificates, and checks the settings.
     pub(super) fn connector(&self) -> Result<MqttConnector, BridgeError> {
-        let at = format!("{}:{}", self.host, self.port);
-        if self.access.credentials.is_some() && self.access.tls.is_none() && !is_this_machine(&at) {
-            let what = format!(
-                "{at} is on another machine, and the password would be sent in the clear: use TLS"
+        let address = format!("{}:{}", self.host, self.port);
+        if self.access.credentials.is_some()
+            && self.access.tls.is_none()
+            && !is_this_machine(&address)
+        {
+            let message = format!(
+                "{address} is on another machine, and the password would be sent in the clear: use \
+                 TLS"
             );
-            return Err(BridgeError::Settings { what });
+            return Err(BridgeError::Settings { message });
         }
         let tls = self.access.tls.as_ref().map(TlsFiles::config).transpose()?;
         Ok(MqttConnector { settings: self.clone(), tls })
@@ -95,7 +99,7 @@ pub(super) struct Will {
 
 impl MqttConnector {
     /// Returns the address, for messages.
-    pub(super) fn at(&self) -> String {
+    pub(super) fn address(&self) -> String {
         format!("{}:{}", self.settings.host, self.settings.port)
     }
 
@@ -109,8 +113,8 @@ impl MqttConnector {
             MqttVersion::V3 => {
                 let mut options = MqttOptions::new(id, host, *port);
                 options.set_keep_alive(KEEP_ALIVE).set_clean_session(true);
-                let most = MAX_PACKET_BYTES as usize;
-                options.set_max_packet_size(most, most);
+                let max_bytes = MAX_PACKET_BYTES as usize;
+                options.set_max_packet_size(max_bytes, max_bytes);
                 tls().map(|transport| options.set_transport(transport));
                 if let Some(Credentials { user, password }) = &access.credentials {
                     options.set_credentials(user, password);
@@ -165,15 +169,18 @@ impl MqttConnector {
         let mut connection = self.open("probe", None);
         match connection.connected().await {
             Ok(()) => {
-                tracing::info!("MQTT at {}: connected", self.at());
+                tracing::info!("MQTT at {}: connected", self.address());
                 connection.end().await;
                 Ok(())
             }
-            Err(MqttFailure { what, is_refusal: true }) => {
-                Err(BridgeError::Broker { broker: "MQTT", at: self.at(), what })
+            Err(MqttFailure { message, is_refusal: true }) => {
+                Err(BridgeError::Broker { broker: "MQTT", address: self.address(), message })
             }
-            Err(MqttFailure { what, .. }) => {
-                tracing::warn!("MQTT at {}: {what}; events are kept until it is back", self.at());
+            Err(MqttFailure { message, .. }) => {
+                tracing::warn!(
+                    "MQTT at {}: {message}; events are kept until it is back",
+                    self.address()
+                );
                 Ok(())
             }
         }
@@ -281,15 +288,17 @@ fn of_v5(event: v5::Event) -> Incoming {
     match event {
         v5::Event::Incoming(Packet::ConnAck(_)) => Incoming::Connected,
         v5::Event::Incoming(Packet::PubAck(answer)) => {
-            let why = format!("{:?}", answer.reason);
+            let reason = format!("{:?}", answer.reason);
             match answer.reason {
                 PubAckReason::Success | PubAckReason::NoMatchingSubscribers => {
                     Incoming::Acknowledged
                 }
                 PubAckReason::NotAuthorized
                 | PubAckReason::TopicNameInvalid
-                | PubAckReason::PayloadFormatInvalid => Incoming::Refused { why, lasts: true },
-                _ => Incoming::Refused { why, lasts: false },
+                | PubAckReason::PayloadFormatInvalid => {
+                    Incoming::Refused { why: reason, lasts: true }
+                }
+                _ => Incoming::Refused { why: reason, lasts: false },
             }
         }
         v5::Event::Incoming(Packet::Publish(publish)) => {
@@ -309,7 +318,7 @@ fn of_v5(event: v5::Event) -> Incoming {
 /// Failure of a connection.
 #[derive(Debug)]
 pub(super) struct MqttFailure {
-    pub(super) what: String,
+    pub(super) message: String,
     /// `true` if either side refuses the other: repetition does not help.
     pub(super) is_refusal: bool,
 }
@@ -325,7 +334,7 @@ impl MqttFailure {
                 &format!("{code:?}"),
             ),
             ConnectionError::Tls(error) => Self::tls(error),
-            other => Self { what: other.to_string(), is_refusal: false },
+            other => Self { message: other.to_string(), is_refusal: false },
         }
     }
 
@@ -340,16 +349,19 @@ impl MqttFailure {
                 &format!("{code:?}"),
             ),
             v5::ConnectionError::Tls(error) => Self::tls(error),
-            other => Self { what: other.to_string(), is_refusal: false },
+            other => Self { message: other.to_string(), is_refusal: false },
         }
     }
 
     fn refused(is_user: bool, code: &str) -> Self {
         if is_user {
-            let what = "the broker does not accept the user or the password".to_owned();
-            Self { what, is_refusal: true }
+            let message = "the broker does not accept the user or the password".to_owned();
+            Self { message, is_refusal: true }
         } else {
-            Self { what: format!("the broker refuses the connection: {code}"), is_refusal: false }
+            Self {
+                message: format!("the broker refuses the connection: {code}"),
+                is_refusal: false,
+            }
         }
     }
 
@@ -357,11 +369,11 @@ impl MqttFailure {
         let text = error.to_string();
         // A broker that has just aborted a handshake may be restarting.
         let is_refusal = text.contains("certificate") || text.contains("Certificate");
-        Self { what: format!("TLS: {text}"), is_refusal }
+        Self { message: format!("TLS: {text}"), is_refusal }
     }
 
     fn lost() -> Self {
-        Self { what: "the connection has ended".to_owned(), is_refusal: false }
+        Self { message: "the connection has ended".to_owned(), is_refusal: false }
     }
 }
 
@@ -394,7 +406,9 @@ impl Connection {
         match timeout(CONNECT_TIMEOUT, self.next()).await {
             Ok(Ok(_)) => Ok(()),
             Ok(Err(failure)) => Err(failure),
-            Err(_) => Err(MqttFailure { what: "no answer in time".to_owned(), is_refusal: false }),
+            Err(_) => {
+                Err(MqttFailure { message: "no answer in time".to_owned(), is_refusal: false })
+            }
         }
     }
 
@@ -408,20 +422,20 @@ impl Connection {
         &self,
         topic: &str,
         payload: Vec<u8>,
-        how: Delivery,
+        delivery: Delivery,
         correlation: Option<Bytes>,
     ) -> Result<(), MqttFailure> {
-        let retain = how == Delivery::Retained;
+        let retain = delivery == Delivery::Retained;
         let is_sent = match &self.client {
             Client::V3(client) => {
-                let qos = match how {
+                let qos = match delivery {
                     Delivery::AtMostOnce => QoS::AtMostOnce,
                     _ => QoS::AtLeastOnce,
                 };
                 client.publish(topic, qos, retain, payload).await.is_ok()
             }
             Client::V5(client) => {
-                let qos = match how {
+                let qos = match delivery {
                     Delivery::AtMostOnce => v5::mqttbytes::QoS::AtMostOnce,
                     _ => v5::mqttbytes::QoS::AtLeastOnce,
                 };

@@ -26,10 +26,10 @@ impl Pace {
         let now = Instant::now();
         let mut next = self.next.lock().unwrap_or_else(PoisonError::into_inner);
         match *next {
-            Some(at) if now < at => false,
+            Some(due) if now < due => false,
             // The mean rate is maintained, unless samples were missing.
-            Some(at) if now - at < period => {
-                *next = Some(at + period);
+            Some(due) if now - due < period => {
+                *next = Some(due + period);
                 true
             }
             _ => {

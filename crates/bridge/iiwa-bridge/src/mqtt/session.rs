@@ -104,7 +104,7 @@ impl Session {
             let sent = async {
                 connection.connected().await?;
                 if trouble.clear() {
-                    tracing::info!("MQTT at {}: messages arrive again", self.connector.at());
+                    tracing::info!("MQTT at {}: messages arrive again", self.connector.address());
                 }
                 let is_again = std::mem::replace(&mut was_connected, true);
                 let replies = (&replies, &mut replies_out);
@@ -124,8 +124,8 @@ impl Session {
                     self.reader.rewind();
                     trouble.warn(format_args!(
                         "MQTT at {}: {}; events are kept until it is back",
-                        self.connector.at(),
-                        failure.what
+                        self.connector.address(),
+                        failure.message
                     ));
                     sleep(PAUSE).await;
                 }
@@ -169,13 +169,13 @@ impl Session {
                     Incoming::Refused { why, lasts: true } => {
                         refusals.warn(format_args!(
                             "MQTT at {}: the broker refuses messages: {why}; they are left out",
-                            self.connector.at()
+                            self.connector.address()
                         ));
                         self.answered(&mut in_flight, true)?;
                     }
                     Incoming::Refused { why, lasts: false } => {
-                        let what = format!("the broker takes no messages: {why}");
-                        return Err(MqttFailure { what, is_refusal: false });
+                        let message = format!("the broker takes no messages: {why}");
+                        return Err(MqttFailure { message, is_refusal: false });
                     }
                     Incoming::Message(received) => self.command(received, replies),
                     Incoming::Connected | Incoming::Other => {}
@@ -250,7 +250,7 @@ impl Session {
         match accepted {
             Ok(()) => self.gate.command(Some(&self.robot), &payload, Box::new(answer)),
             Err(refusal) => {
-                self.gate.refuse(Some(&self.robot), &payload, &refusal, Box::new(answer));
+                self.gate.reject(Some(&self.robot), &payload, &refusal, Box::new(answer));
             }
         }
     }
@@ -260,27 +260,27 @@ impl Session {
 /// may have publish rights that the sender does not have: replies are published to the robot's
 /// reply topic and its subtopics only.
 fn reply_topic(robot: &str, response_topic: Option<String>) -> (String, Result<(), Refusal>) {
-    let own = format!("{robot}/reply");
-    let Some(topic) = response_topic else { return (own, Ok(())) };
-    let below = topic.strip_prefix(&own).and_then(|rest| rest.strip_prefix('/'));
+    let reply_topic_name = format!("{robot}/reply");
+    let Some(topic) = response_topic else { return (reply_topic_name, Ok(())) };
+    let below = topic.strip_prefix(&reply_topic_name).and_then(|rest| rest.strip_prefix('/'));
     // A publication with such a topic is invalid and would end the connection.
     let is_topic = |rest: &str| !rest.contains(['+', '#']) && !rest.contains(char::is_control);
-    if topic == own || below.is_some_and(|rest| !rest.is_empty() && is_topic(rest)) {
+    if topic == reply_topic_name || below.is_some_and(|rest| !rest.is_empty() && is_topic(rest)) {
         return (topic, Ok(()));
     }
-    let why = format!("the response topic has to be `{own}` or a topic below it");
-    (own, Err(Refusal::bad(why)))
+    let reason = format!("the response topic has to be `{reply_topic_name}` or a topic below it");
+    (reply_topic_name, Err(Refusal::bad(reason)))
 }
 
 fn retained() -> Refusal {
     Refusal::bad(
-        "the command is retained, so that the broker would deliver it again and again: publish it without the retain flag; an \
-         empty retained message removes it from the broker",
+        "the command is retained, so that the broker would deliver it again and again: publish it \
+         without the retain flag; an empty retained message removes it from the broker",
     )
 }
 
 fn unreadable(error: &std::io::Error) -> MqttFailure {
-    MqttFailure { what: format!("cannot read the spool: {error}"), is_refusal: false }
+    MqttFailure { message: format!("cannot read the spool: {error}"), is_refusal: false }
 }
 
 /// An event in the spool: its kind, followed by its text.
@@ -312,10 +312,12 @@ mod tests {
 
     #[test]
     fn replies_stay_below_the_topic_for_replies() {
-        let own = "iiwasim/cell-1/reply";
+        let reply_topic_name = "iiwasim/cell-1/reply";
         let to = |topic: &str| reply_topic("iiwasim/cell-1", Some(topic.to_owned()));
-        assert_eq!(reply_topic("iiwasim/cell-1", None), (own.to_owned(), Ok(())));
-        for accepted in [own, "iiwasim/cell-1/reply/7f3c", "iiwasim/cell-1/reply/client/7f3c"] {
+        assert_eq!(reply_topic("iiwasim/cell-1", None), (reply_topic_name.to_owned(), Ok(())));
+        for accepted in
+            [reply_topic_name, "iiwasim/cell-1/reply/7f3c", "iiwasim/cell-1/reply/client/7f3c"]
+        {
             assert_eq!(to(accepted), (accepted.to_owned(), Ok(())));
         }
         for foreign in [
@@ -336,9 +338,12 @@ mod tests {
             "$SYS/broker",
         ] {
             let (topic, accepted) = to(foreign);
-            assert_eq!(topic, own, "{foreign}");
-            let why = accepted.unwrap_err().message;
-            assert!(why.contains("`iiwasim/cell-1/reply` or a topic below it"), "{foreign}: {why}");
+            assert_eq!(topic, reply_topic_name, "{foreign}");
+            let reason = accepted.unwrap_err().message;
+            assert!(
+                reason.contains("`iiwasim/cell-1/reply` or a topic below it"),
+                "{foreign}: {reason}"
+            );
         }
     }
 }

@@ -78,9 +78,9 @@ impl Sparkplug {
     pub fn start(options: &SparkplugOptions, robots: &[BridgedRobot]) -> Result<Self, BridgeError> {
         for name in [&options.group, &options.node] {
             if name.is_empty() || name.contains(['/', '+', '#']) {
-                let what =
+                let message =
                     format!("`{name}` is not a name for Sparkplug: it is empty, or has /, + or #");
-                return Err(BridgeError::Settings { what });
+                return Err(BridgeError::Settings { message });
             }
         }
         let connector = options.connection.connector()?;
@@ -143,8 +143,9 @@ impl Node {
             };
             match sent.await {
                 Ok(()) => connection.end().await,
-                Err(MqttFailure { what, .. }) => {
-                    trouble.warn(format_args!("Sparkplug at {}: {what}", self.connector.at()));
+                Err(MqttFailure { message, .. }) => {
+                    trouble
+                        .warn(format_args!("Sparkplug at {}: {message}", self.connector.address()));
                     sleep(PAUSE).await;
                 }
             }
@@ -178,7 +179,8 @@ impl Node {
                 _ = turn.tick() => {
                     if shutdown.load(Ordering::Relaxed) {
                         // The same message as after a lost connection.
-                        let death = encode(None, &[("bdSeq".to_owned(), Value::Int64(self.births.into()))]);
+                        let death =
+                            encode(None, &[("bdSeq".to_owned(), Value::Int64(self.births.into()))]);
                         let topic = self.topic("NDEATH", None);
                         return connection.publish(&topic, death, Delivery::AtMostOnce, None).await;
                     }
@@ -190,11 +192,11 @@ impl Node {
     /// Sends the birth messages of the node and all devices.
     async fn be_born(&mut self, connection: &Connection) -> Result<(), MqttFailure> {
         self.seq = 0;
-        let own = [
+        let metrics = [
             ("bdSeq".to_owned(), Value::Int64(self.births.into())),
             ("Node Control/Rebirth".to_owned(), Value::Boolean(false)),
         ];
-        let birth = encode(Some(self.next_seq()), &own);
+        let birth = encode(Some(self.next_seq()), &metrics);
         let topic = self.topic("NBIRTH", None);
         connection.publish(&topic, birth, Delivery::AtMostOnce, None).await?;
         let is_alive = |device: &&String| {

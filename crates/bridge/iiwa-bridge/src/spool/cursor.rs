@@ -6,7 +6,7 @@ use std::{
     path::Path,
 };
 
-use super::own_file;
+use super::spool_file;
 
 /// File with the position of the last commit.
 const FILE: &str = "cursor";
@@ -27,7 +27,7 @@ impl Cursor {
     /// Loads the saved position; the start of the queue if the file is missing or damaged.
     pub(super) fn load(folder: &Path) -> io::Result<Self> {
         let mut text = String::new();
-        match own_file::open(&folder.join(FILE)) {
+        match spool_file::open(&folder.join(FILE)) {
             Ok(file) => drop(file.take(MAX_BYTES).read_to_string(&mut text)),
             Err(error) if error.kind() == io::ErrorKind::NotFound => {}
             Err(error) => return Err(error),
@@ -43,7 +43,7 @@ impl Cursor {
         let Self { segment, offset, .. } = self;
         // Atomic replacement: a temporary file is renamed.
         let written = folder.join("cursor.new");
-        own_file::create(&written)?.write_all(format!("{segment} {offset}\n").as_bytes())?;
+        spool_file::create(&written)?.write_all(format!("{segment} {offset}\n").as_bytes())?;
         fs::rename(written, folder.join(FILE))
     }
 }

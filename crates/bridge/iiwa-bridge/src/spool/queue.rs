@@ -10,8 +10,8 @@ use std::{
 
 use super::{
     cursor::Cursor,
-    own_file,
     segment::{Appender, scan},
+    spool_file,
 };
 
 /// Size at which a segment is complete, in bytes.
@@ -63,7 +63,7 @@ impl Spool {
     /// the last commit.
     pub(super) fn open(folder: &Path, max_bytes: u64) -> io::Result<(Self, Cursor)> {
         fs::create_dir_all(folder)?;
-        let lock = own_file::open_to_lock(&folder.join(LOCK))?;
+        let lock = spool_file::open_to_lock(&folder.join(LOCK))?;
         lock.try_lock().map_err(io::Error::from)?;
         let mut numbers: Vec<u64> =
             fs::read_dir(folder)?.filter_map(|entry| number_of(&entry.ok()?.path())).collect();

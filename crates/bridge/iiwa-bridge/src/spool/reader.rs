@@ -8,9 +8,9 @@ use std::{
 
 use super::{
     cursor::Cursor,
-    own_file,
     queue::{Spool, path_of},
     segment::{HEAD_BYTES, MAGIC, read_record},
+    spool_file,
 };
 
 /// A record of a queue.
@@ -74,9 +74,11 @@ impl SpoolReader {
     /// Any error of the file system. In this case the commit is merely repeated after a restart.
     pub fn commit(&mut self, spool: &Spool) -> io::Result<()> {
         self.committed = self.next;
-        let (saved, at) = self.saved;
+        let (saved, saved_at) = self.saved;
         let has_moved = saved != self.committed;
-        if has_moved && (at.elapsed() >= SAVE_EVERY || saved.segment != self.committed.segment) {
+        if has_moved
+            && (saved_at.elapsed() >= SAVE_EVERY || saved.segment != self.committed.segment)
+        {
             self.save(spool)?;
         }
         let mut state = spool.lock();
@@ -126,8 +128,8 @@ impl SpoolReader {
     /// if this is the last segment; `None` if all records are read.
     fn seek(&mut self, spool: &Spool) -> io::Result<Option<bool>> {
         let mut state = spool.lock();
-        let here = state.segments.iter().position(|it| it.number >= self.next.segment);
-        let Some(place) = here else { return Ok(None) };
+        let index = state.segments.iter().position(|it| it.number >= self.next.segment);
+        let Some(place) = index else { return Ok(None) };
         let segment = state.segments[place];
         let is_last = place + 1 == state.segments.len();
         if segment.number != self.next.segment {
@@ -142,7 +144,8 @@ impl SpoolReader {
             state.tail.flush()?;
         }
         if self.file.is_none() {
-            let mut file = BufReader::new(own_file::open(&path_of(&spool.folder, segment.number))?);
+            let mut file =
+                BufReader::new(spool_file::open(&path_of(&spool.folder, segment.number))?);
             file.seek(SeekFrom::Start(self.next.offset))?;
             self.file = Some(file);
         }

@@ -7,7 +7,7 @@ use std::{
     time::{Duration, Instant},
 };
 
-use super::own_file;
+use super::spool_file;
 
 /// First bytes of a segment.
 pub(super) const MAGIC: &[u8; 8] = b"iiwaspl1";
@@ -40,7 +40,7 @@ const BUFFER_TIME: Duration = Duration::from_millis(50);
 
 impl Appender {
     pub(super) fn create(path: &Path) -> io::Result<Self> {
-        let mut file = own_file::create(path)?;
+        let mut file = spool_file::create(path)?;
         file.write_all(MAGIC)?;
         let written = MAGIC.len() as u64;
         Ok(Self {
@@ -103,7 +103,7 @@ impl Appender {
 
 /// Returns the number of bytes and of records of a segment, up to its end or the first damage.
 pub(super) fn scan(path: &Path) -> io::Result<(u64, u64)> {
-    let mut file = BufReader::new(own_file::open(path)?);
+    let mut file = BufReader::new(spool_file::open(path)?);
     let mut magic = [0; MAGIC.len()];
     if file.read_exact(&mut magic).is_err() || magic != *MAGIC {
         return Ok((0, 0));

@@ -85,12 +85,12 @@ impl FollowAction {
         while let Some((request, goal)) = received(self.server.receive_goal()) {
             self.answer_goal(request, &goal, retiming);
         }
-        while let Some((request, asked)) = received(self.server.receive_cancel_request()) {
-            self.answer_cancel(request, &asked);
+        while let Some((request, content)) = received(self.server.receive_cancel_request()) {
+            self.answer_cancel(request, &content);
         }
-        while let Some((request, asked)) = received(self.server.receive_result_request()) {
-            if let Some(response) = self.goals.result(asked.goal_id, request) {
-                sent(self.server.send_result(request, response));
+        while let Some((request, content)) = received(self.server.receive_result_request()) {
+            if let Some(response) = self.goals.result(content.goal_id, request) {
+                log_failure(self.server.send_result(request, response));
             }
         }
         while let Ok(progress) = self.progress.try_recv() {
@@ -108,11 +108,11 @@ impl FollowAction {
     fn answer_goal(
         &mut self,
         request: RmwRequestId,
-        asked: &SendGoalRequest<FollowGoal>,
+        content: &SendGoalRequest<FollowGoal>,
         retiming: Retiming,
     ) {
         let stamp = builtin_interfaces::Time::now();
-        let accepted = match self.begin(asked.goal_id, &asked.goal, stamp, retiming) {
+        let accepted = match self.begin(content.goal_id, &content.goal, stamp, retiming) {
             Ok(()) => true,
             Err(fault) => {
                 // The response has no field for the reason.
@@ -120,7 +120,7 @@ impl FollowAction {
                 false
             }
         };
-        sent(self.server.send_goal_response(request, SendGoalResponse { accepted, stamp }));
+        log_failure(self.server.send_goal_response(request, SendGoalResponse { accepted, stamp }));
         if accepted {
             self.send_statuses();
         }
@@ -148,14 +148,14 @@ impl FollowAction {
         Ok(())
     }
 
-    fn answer_cancel(&mut self, request: RmwRequestId, asked: &CancelGoalRequest) {
-        let Some(asked) = goal_info(asked) else { return };
-        let response = self.goals.cancel(&asked);
+    fn answer_cancel(&mut self, request: RmwRequestId, content: &CancelGoalRequest) {
+        let Some(content) = goal_info(content) else { return };
+        let response = self.goals.cancel(&content);
         if !response.goals_canceling.is_empty() {
             self.execution.stop();
             self.send_statuses();
         }
-        sent(self.server.send_cancel_response(request, response));
+        log_failure(self.server.send_cancel_response(request, response));
     }
 
     fn end(&mut self, end: End, result: FollowResult) {
@@ -165,7 +165,7 @@ impl FollowAction {
             rosout!(self.log, LogLevel::Warn, "a goal failed: {}", response.result.error_string);
         }
         for request in waiting {
-            sent(self.server.send_result(request, response.clone()));
+            log_failure(self.server.send_result(request, response.clone()));
         }
         self.send_statuses();
     }
@@ -211,7 +211,7 @@ fn goal_info(request: &CancelGoalRequest) -> Option<GoalInfo> {
 }
 
 /// Logs responses that could not be sent.
-fn sent<E: std::fmt::Debug>(written: Result<(), E>) {
+fn log_failure<E: std::fmt::Debug>(written: Result<(), E>) {
     if let Err(error) = written {
         tracing::warn!("an answer was not sent: {error:?}");
     }

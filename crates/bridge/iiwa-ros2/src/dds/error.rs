@@ -9,8 +9,8 @@ use ros2_client::{CreateError, NodeCreateError, names::NameError};
 pub enum Ros2Error {
     /// The namespace is invalid in ROS.
     #[error(
-        "`{namespace}` is not a namespace in ROS: names of letters, digits and `_`, with a letter first and no `__`, and `/` between \
-         them"
+        "`{namespace}` is not a namespace in ROS: names of letters, digits and `_`, with a letter \
+         first and no `__`, and `/` between them"
     )]
     Namespace {
         /// The namespace.
@@ -18,7 +18,8 @@ pub enum Ros2Error {
     },
     /// Two robots would have the same topics.
     #[error(
-        "robots `{one}` and `{other}` would have the same topics, in `{namespace}`; give them other names"
+        "robots `{one}` and `{other}` would have the same topics, in `{namespace}`; give them \
+         other names"
     )]
     SameNamespace {
         /// Name of one robot.
@@ -30,7 +31,8 @@ pub enum Ros2Error {
     },
     /// Two robots would have the same frames in `/tf`.
     #[error(
-        "robots `{one}` and `{other}` would have the same frames in /tf; give each a prefix of its own"
+        "robots `{one}` and `{other}` would have the same frames in /tf; give each a prefix of its \
+         own"
     )]
     SameFrames {
         /// Name of one robot.
@@ -39,20 +41,20 @@ pub enum Ros2Error {
         other: String,
     },
     /// The domain has no valid ports.
-    #[error("domain {found}: ROS has domains from 0 to {most}; their ports follow from it")]
+    #[error("domain {found}: ROS has domains from 0 to {max}; their ports follow from it")]
     Domain {
         /// The configured domain.
         found: u16,
         /// The last valid domain.
-        most: u16,
+        max: u16,
     },
     /// DDS cannot be started.
-    #[error("DDS cannot be started in domain {domain}: {what}")]
+    #[error("DDS cannot be started in domain {domain}: {message}")]
     Dds {
         /// The domain.
         domain: u16,
         /// The fault.
-        what: String,
+        message: String,
     },
     /// A name is invalid in ROS.
     #[error("a name that ROS does not allow: {0}")]

@@ -53,7 +53,7 @@ impl Stage {
     const RUNNING: u8 = 1;
     const STOPPING: u8 = 2;
 
-    fn is(&self, stage: u8) -> bool {
+    fn is_at(&self, stage: u8) -> bool {
         self.0.load(Ordering::Acquire) == stage
     }
 
@@ -111,11 +111,11 @@ impl Execution {
         let mut threads = ThreadGroup::default();
         let (jobs, jobs_in) = sync_channel(1);
         let stage = Arc::new(Stage::default());
-        let (client, own) = (Mutex::new(run), Arc::clone(&stage));
-        let runner = Runner { robot, joints, client, stage: own, progress };
+        let (client, shared_stage) = (Mutex::new(run), Arc::clone(&stage));
+        let runner = Runner { robot, joints, client, stage: shared_stage, progress };
         threads.spawn("ros2 runs", move |shutdown| runner.run(&jobs_in, shutdown))?;
-        let own = Arc::clone(&stage);
-        threads.spawn("ros2 stops", move |shutdown| stop_runs(stop, &own, shutdown))?;
+        let shared_stage = Arc::clone(&stage);
+        threads.spawn("ros2 stops", move |shutdown| stop_runs(stop, &shared_stage, shutdown))?;
         Ok(Self { jobs, stage, _threads: threads })
     }
 
@@ -176,9 +176,9 @@ impl Runner {
         let Job { goal, retiming, from } = job;
         let prepared = prepare(&self.robot, &goal, &retiming, from.as_ref())
             .map_err(|fault| FollowResult::new(FollowResult::INVALID_GOAL, fault))?;
-        if self.stage.is(Stage::STOPPING) {
-            let why = "stopped before it began";
-            return Err(FollowResult::new(FollowResult::PATH_TOLERANCE_VIOLATED, why));
+        if self.stage.is_at(Stage::STOPPING) {
+            let reason = "stopped before it began";
+            return Err(FollowResult::new(FollowResult::PATH_TOLERANCE_VIOLATED, reason));
         }
         let motion = Arc::new(prepared.motion);
         drop(self.progress.send(Progress::Begun(Arc::clone(&motion))));
@@ -215,20 +215,20 @@ fn failed(error: &ClientError) -> FollowResult {
 
 /// Sends stops while a job is to stop.
 fn stop_runs(mut client: Client, stage: &Stage, shutdown: &AtomicBool) {
-    let mut left = LAST_STOPS;
+    let mut remaining = LAST_STOPS;
     loop {
         let is_over = shutdown.load(Ordering::Relaxed);
-        if is_over && (left == 0 || stage.is(Stage::IDLE)) {
+        if is_over && (remaining == 0 || stage.is_at(Stage::IDLE)) {
             return;
         }
-        if !stage.is(Stage::STOPPING) {
+        if !stage.is_at(Stage::STOPPING) {
             thread::sleep(LOOK);
             continue;
         }
         if let Err(error) = client.stop() {
             tracing::warn!("the drive was not stopped: {error}");
         }
-        left -= usize::from(is_over);
+        remaining -= usize::from(is_over);
         thread::sleep(STOP_AGAIN);
     }
 }
@@ -247,12 +247,12 @@ mod tests {
         assert!(!stage.advance(Stage::IDLE, Stage::RUNNING));
         assert!(stage.advance(Stage::RUNNING, Stage::STOPPING));
         stage.end();
-        assert!(stage.is(Stage::IDLE));
+        assert!(stage.is_at(Stage::IDLE));
         assert!(!stage.advance(Stage::RUNNING, Stage::STOPPING));
     }
 
     #[test]
-    fn refusals_are_told_apart_from_aborted_runs() {
+    fn refusals_differ_from_aborted_runs() {
         let refused = |code, samples: &[f64]| {
             let joints = vec![[0.0; 7]; samples.len()];
             let run = Run::new(Samples::new(samples.to_vec(), joints));

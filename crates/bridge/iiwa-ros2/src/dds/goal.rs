@@ -9,7 +9,7 @@ use super::{
 };
 
 /// Maximum number of points of a goal.
-const MOST_POINTS: usize = 20_000;
+const MAX_POINTS: usize = 20_000;
 
 /// Maximum duration of a goal, in s: its samples are fewer than the maximum number of points of a
 /// drive.
@@ -61,10 +61,10 @@ impl Goal {
         if trajectory.points.is_empty() {
             return Err("the trajectory has no points".to_owned());
         }
-        if trajectory.points.len() > MOST_POINTS {
-            let found = trajectory.points.len();
+        if trajectory.points.len() > MAX_POINTS {
+            let count = trajectory.points.len();
             return Err(format!(
-                "the trajectory has {found} points, at most {MOST_POINTS} are allowed"
+                "the trajectory has {count} points, at most {MAX_POINTS} are allowed"
             ));
         }
         let stamp = trajectory.header.stamp;
@@ -76,8 +76,8 @@ impl Goal {
         }
         let mut points: Vec<Point> = Vec::with_capacity(trajectory.points.len());
         for (i, point) in trajectory.points.iter().enumerate() {
-            let pick = |what: &str, values: &[f64]| {
-                order.pick(values).map_err(|fault| format!("point {}: {what}: {fault}", i + 1))
+            let pick = |quantity: &str, values: &[f64]| {
+                order.pick(values).map_err(|fault| format!("point {}: {quantity}: {fault}", i + 1))
             };
             let q = pick("positions", &point.positions)?;
             let q = q.ok_or_else(|| format!("point {} has no positions", i + 1))?;
@@ -85,7 +85,8 @@ impl Goal {
             let before = points.last().map_or(-f64::MIN_POSITIVE, |before| before.t_s);
             if t_s <= before || t_s > LONGEST_S {
                 return Err(format!(
-                    "point {}: time_from_start is {t_s} s; it has to rise from 0 to {LONGEST_S} s at most",
+                    "point {}: time_from_start is {t_s} s; it has to rise from 0 to {LONGEST_S} s \
+                     at most",
                     i + 1
                 ));
             }
@@ -136,19 +137,21 @@ impl Goal {
     pub(super) fn missed_by(&self, arm: &[String; 7], q: &Joints) -> Option<String> {
         let last = self.points.last()?;
         (0..7).find_map(|j| {
-            let (off, most) = ((q[j] - last.q[j]).abs(), self.tolerance_rad[j]?);
+            let (off, tolerance) = ((q[j] - last.q[j]).abs(), self.tolerance_rad[j]?);
             let name = &arm[j];
-            (off > most).then(|| {
-                format!("joint `{name}` is {off:.6} rad from the goal; its tolerance is {most} rad")
+            (off > tolerance).then(|| {
+                format!(
+                    "joint `{name}` is {off:.6} rad from the goal; its tolerance is {tolerance} rad"
+                )
             })
         })
     }
 }
 
-fn tolerances(arm: &[String; 7], given: &[JointTolerance]) -> Result<[Option<f64>; 7], String> {
+fn tolerances(arm: &[String; 7], requested: &[JointTolerance]) -> Result<[Option<f64>; 7], String> {
     let mut tolerances = [None; 7];
-    for JointTolerance { name, position, .. } in given {
-        let j = arm.iter().position(|own| own == name);
+    for JointTolerance { name, position, .. } in requested {
+        let j = arm.iter().position(|joint| joint == name);
         let j = j.ok_or_else(|| format!("goal_tolerance: unknown joint `{name}`"))?;
         // Zero means unspecified, and -1 removes a tolerance.
         tolerances[j] = (*position > 0.0).then_some(*position);
@@ -223,7 +226,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_not_well_formed_is_refused() {
+    fn malformed_goals_are_refused() {
         let good = message(&[(0.0, 0.1), (1.0, 0.2)]);
         let fault = |change: &dyn Fn(&mut FollowGoal)| {
             let mut goal = good.clone();

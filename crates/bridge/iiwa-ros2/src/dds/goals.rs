@@ -21,7 +21,7 @@ const KEPT: Duration = Duration::from_mins(15);
 const MOST: usize = 64;
 
 /// Maximum number of clients that wait for the same result.
-const MOST_WAITING: usize = 16;
+const MAX_WAITING: usize = 16;
 
 /// Outcome of a goal.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -59,7 +59,9 @@ impl Goals {
 
     /// Begins a goal.
     pub(super) fn begin(&mut self, goal_id: GoalId, stamp: builtin_interfaces::Time) {
-        self.0.retain(|entry| entry.result.as_ref().is_none_or(|(_, at)| at.elapsed() < KEPT));
+        self.0.retain(|entry| {
+            entry.result.as_ref().is_none_or(|(_, instant)| instant.elapsed() < KEPT)
+        });
         if self.0.len() >= MOST {
             self.0.remove(0);
         }
@@ -95,14 +97,14 @@ impl Goals {
     }
 
     /// Marks the goals that a request asks to cancel: one, all, or all up to a time.
-    pub(super) fn cancel(&mut self, asked: &GoalInfo) -> CancelGoalResponse {
+    pub(super) fn cancel(&mut self, request: &GoalInfo) -> CancelGoalResponse {
         let all_until = |info: &GoalInfo| {
-            let any_time = asked.stamp == builtin_interfaces::Time::ZERO;
-            if any_time { asked.goal_id == GoalId::ZERO } else { info.stamp <= asked.stamp }
+            let any_time = request.stamp == builtin_interfaces::Time::ZERO;
+            if any_time { request.goal_id == GoalId::ZERO } else { info.stamp <= request.stamp }
         };
         let mut goals_canceling = Vec::new();
         for entry in &mut self.0 {
-            let is_meant = entry.info.goal_id == asked.goal_id || all_until(&entry.info);
+            let is_meant = entry.info.goal_id == request.goal_id || all_until(&entry.info);
             if is_meant && entry.result.is_none() {
                 entry.status = GoalStatusEnum::Canceling;
                 goals_canceling.push(entry.info.clone());
@@ -110,9 +112,9 @@ impl Goals {
         }
         let return_code = if !goals_canceling.is_empty() {
             CancelGoalResponseEnum::None
-        } else if asked.goal_id == GoalId::ZERO {
+        } else if request.goal_id == GoalId::ZERO {
             CancelGoalResponseEnum::Rejected
-        } else if self.knows(asked.goal_id) {
+        } else if self.knows(request.goal_id) {
             CancelGoalResponseEnum::GoalTerminated
         } else {
             CancelGoalResponseEnum::UnknownGoal
@@ -134,7 +136,7 @@ impl Goals {
         if let Some((result, _)) = &entry.result {
             return Some(GetResultResponse { status: entry.status, result: result.clone() });
         }
-        if entry.waiting.len() < MOST_WAITING && !entry.waiting.contains(&request) {
+        if entry.waiting.len() < MAX_WAITING && !entry.waiting.contains(&request) {
             entry.waiting.push(request);
         }
         None
@@ -183,10 +185,10 @@ mod tests {
 
     #[test]
     fn a_cancelled_goal_is_cancelled_once() {
-        for asked in [GoalId::ZERO, begun().1] {
+        for requested in [GoalId::ZERO, begun().1] {
             let (mut goals, id) = begun();
-            let asked = if asked == GoalId::ZERO { asked } else { id };
-            let response = goals.cancel(&one(asked));
+            let requested = if requested == GoalId::ZERO { requested } else { id };
+            let response = goals.cancel(&one(requested));
             assert_eq!(response.return_code, CancelGoalResponseEnum::None);
             assert_eq!(response.goals_canceling.len(), 1);
             assert_eq!(goals.active(), Some((id, true)));

@@ -122,8 +122,11 @@ mod tests {
         let action = "/joint_trajectory_controller/follow_joint_trajectory";
         assert_eq!(topic(""), ("/joint_states".to_owned(), action.to_owned()));
         assert_eq!(topic("/"), topic(""));
-        let (states, own) = topic("/cell_1");
-        assert_eq!((states.as_str(), own), ("/cell_1/joint_states", format!("/cell_1{action}")));
+        let (states, action_name) = topic("/cell_1");
+        assert_eq!(
+            (states.as_str(), action_name),
+            ("/cell_1/joint_states", format!("/cell_1{action}"))
+        );
         assert!(Names::new("cell-1").is_err());
         assert!(Names::new("a//b").is_err());
     }

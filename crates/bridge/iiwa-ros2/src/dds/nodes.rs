@@ -38,9 +38,9 @@ impl Ros2 {
     pub fn start(options: &Ros2Options) -> Result<Self, Ros2Error> {
         check_names(&options.robots)?;
         if options.domain > LAST_DOMAIN {
-            return Err(Ros2Error::Domain { found: options.domain, most: LAST_DOMAIN });
+            return Err(Ros2Error::Domain { found: options.domain, max: LAST_DOMAIN });
         }
-        let dds = |what: String| Ros2Error::Dds { domain: options.domain, what };
+        let dds = |message: String| Ros2Error::Dds { domain: options.domain, message };
         let participant = DomainParticipantBuilder::new(options.domain)
             .with_only_networks(options.networks.iter().copied())
             .build()

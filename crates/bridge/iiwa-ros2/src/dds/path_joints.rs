@@ -20,8 +20,8 @@ impl JointOrder {
         }
         let mut order = [0; 7];
         for (place, name) in order.iter_mut().zip(arm) {
-            let mut found = names.iter().enumerate().filter(|(_, own)| *own == name);
-            *place = match (found.next(), found.next()) {
+            let mut matches = names.iter().enumerate().filter(|(_, listed)| *listed == name);
+            *place = match (matches.next(), matches.next()) {
                 (Some((place, _)), None) => place,
                 (Some(_), Some(_)) => return Err(format!("joint `{name}` is named twice")),
                 (None, _) => {

@@ -97,10 +97,11 @@ pub(super) fn prepare(
     let limits = MotionLimits::full(robot);
     let retimed = retime(robot, limits, &motion.joints_rad, retiming.tolerance_rad)
         .map_err(|error| error.to_string())?;
-    let own_s = motion.duration_s();
-    let new = sampled(&retimed.trajectory, own_s);
+    let planned_s = motion.duration_s();
+    let new = sampled(&retimed.trajectory, planned_s);
     let mut remark = format!(
-        "the trajectory got new times on its path: {:.3} s instead of {own_s:.3} s; the arm passed its points within {:.4} rad",
+        "the trajectory got new times on its path: {:.3} s instead of {planned_s:.3} s; the arm passed \
+         its points within {:.4} rad",
         new.duration_s(),
         retimed.deviation_rad
     );
@@ -111,11 +112,11 @@ pub(super) fn prepare(
     Ok(Prepared { motion: new, remark })
 }
 
-/// Samples a trajectory for the drive, slowed down uniformly if its duration is below `least_s`,
+/// Samples a trajectory for the drive, slowed down uniformly if its duration is below `min_s`,
 /// because a requested slow motion must remain slow.
-fn sampled(trajectory: &Trajectory, least_s: f64) -> TimedJoints {
-    let own_s = trajectory.cycle_time_s();
-    let slower = if own_s > 0.0 { (least_s / own_s).max(1.0) } else { 1.0 };
+fn sampled(trajectory: &Trajectory, min_s: f64) -> TimedJoints {
+    let planned_s = trajectory.cycle_time_s();
+    let slower = if planned_s > 0.0 { (min_s / planned_s).max(1.0) } else { 1.0 };
     let mut motion = TimedJoints::default();
     for state in trajectory.samples(RATE_HZ * slower) {
         let t_s = state.t_s * slower;
@@ -128,7 +129,7 @@ fn sampled(trajectory: &Trajectory, least_s: f64) -> TimedJoints {
         motion.joints_rad.push(state.q);
     }
     if let [only] = motion.joints_rad[..] {
-        motion.t_s.push(least_s.max(1.0 / RATE_HZ));
+        motion.t_s.push(min_s.max(1.0 / RATE_HZ));
         motion.joints_rad.push(only);
     }
     motion
@@ -164,12 +165,12 @@ mod tests {
     }
 
     #[test]
-    fn what_breaks_limits_gets_new_times_and_keeps_them() {
+    fn trajectories_beyond_limits_are_retimed_within_them() {
         let limits = *Robot::default().limits();
         for (end_s, slow) in [(0.2, false), (5.0, true)] {
             let linear = goal(&[(0.0, 0.0), (0.5 * end_s, 0.3), (end_s, 0.5)]);
-            let own = prepared(&linear, RetimeGoals::Never).unwrap();
-            assert_eq!(own.motion.check(&limits, &[0.0; 7]).unwrap_err().code, Code::Limit);
+            let original = prepared(&linear, RetimeGoals::Never).unwrap();
+            assert_eq!(original.motion.check(&limits, &[0.0; 7]).unwrap_err().code, Code::Limit);
             let new = prepared(&linear, RetimeGoals::Needed).unwrap();
             assert_eq!(new.motion.check(&limits, &[0.0; 7]), Ok(()));
             assert!(new.remark.contains("instead of"), "{}", new.remark);
@@ -182,17 +183,17 @@ mod tests {
     }
 
     #[test]
-    fn what_keeps_limits_keeps_its_times() {
+    fn trajectories_within_limits_keep_their_times() {
         let rest = goal(&[(0.0, 0.1), (1.0, 0.1)]);
-        let own = prepared(&rest, RetimeGoals::Needed).unwrap();
-        assert!(own.remark.is_empty());
-        assert_eq!(own.motion.duration_s(), 1.0);
+        let at_rest = prepared(&rest, RetimeGoals::Needed).unwrap();
+        assert!(at_rest.remark.is_empty());
+        assert_eq!(at_rest.motion.duration_s(), 1.0);
         let always = prepared(&rest, RetimeGoals::Always).unwrap();
         assert_eq!(always.motion.duration_s(), 1.0);
     }
 
     #[test]
-    fn what_is_out_of_reach_is_refused() {
+    fn unreachable_points_are_refused() {
         let fault = prepared(&goal(&[(0.0, 0.0), (1.0, 3.1)]), RetimeGoals::Needed).unwrap_err();
         assert!(fault.starts_with("point 2: "), "{fault}");
     }

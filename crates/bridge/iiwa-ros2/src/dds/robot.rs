@@ -27,7 +27,7 @@ use super::{
     retiming::{RetimeGoals, Retiming},
     timing_service::TimingService,
 };
-use crate::retime::{DEFAULT_TOLERANCE_RAD, LEAST_TOLERANCE_RAD};
+use crate::retime::{DEFAULT_TOLERANCE_RAD, MIN_TOLERANCE_RAD};
 use iiwa_bridge::message::{JointSample, Timestamp};
 
 /// Maximum number of samples that wait to be published; newer ones are dropped.
@@ -103,9 +103,9 @@ impl RobotNode {
         Ok(Self { samples, latest, _threads: threads })
     }
 
-    /// Publishes a sample that was received at time `at`.
-    pub(super) fn sample(&self, at: Timestamp, sample: &JointSample) {
-        let stamp = Time::from(SystemTime::from(at));
+    /// Publishes a sample that was received at time `time`.
+    pub(super) fn sample(&self, time: Timestamp, sample: &JointSample) {
+        let stamp = Time::from(SystemTime::from(time));
         let torques_nm = sample.measured_nm;
         let sample = self.latest.sample(sample.t_s, sample.joints_rad);
         // Samples that do not fit into the queue would be late: they are dropped.
@@ -149,8 +149,8 @@ fn check_parameter(name: &str, value: &ParameterValue) -> Result<(), String> {
         (RETIME, ParameterValue::String(when)) if when.parse::<RetimeGoals>().is_err() => {
             Err("`retime` is `needed`, `always` or `never`".to_owned())
         }
-        (TOLERANCE, ParameterValue::Double(rad)) if !(LEAST_TOLERANCE_RAD..=1.0).contains(rad) => {
-            Err(format!("`path_tolerance` is from {LEAST_TOLERANCE_RAD} to 1 rad"))
+        (TOLERANCE, ParameterValue::Double(rad)) if !(MIN_TOLERANCE_RAD..=1.0).contains(rad) => {
+            Err(format!("`path_tolerance` is from {MIN_TOLERANCE_RAD} to 1 rad"))
         }
         _ => Ok(()),
     }

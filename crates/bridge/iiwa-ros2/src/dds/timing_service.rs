@@ -41,7 +41,7 @@ const RATE_HZ: f64 = 100.0;
 const LONGEST_S: f64 = 900.0;
 
 /// Maximum length of the message in a reply, in bytes.
-const MOST_BYTES: usize = 900;
+const MAX_BYTES: usize = 900;
 
 /// Time-out of waiting for a path, after which the shutdown flag is checked.
 const POLL: Duration = Duration::from_millis(50);
@@ -158,10 +158,10 @@ fn respond(server: &PathServer, client: RmwRequestId, response: TimeResponse) {
     }
 }
 
-fn refused(why: impl Into<String>) -> TimeResponse {
-    let mut message: String = why.into();
+fn refused(reason: impl Into<String>) -> TimeResponse {
+    let mut message: String = reason.into();
     // The reply must fit into a datagram.
-    message.truncate(message.floor_char_boundary(MOST_BYTES));
+    message.truncate(message.floor_char_boundary(MAX_BYTES));
     TimeResponse { message, ..TimeResponse::default() }
 }
 
@@ -178,8 +178,8 @@ fn time(
     let order = JointOrder::new(joints, &request.path.joint_names)?;
     let mut points: Vec<Joints> = Vec::with_capacity(request.path.points.len());
     for (i, point) in request.path.points.iter().enumerate() {
-        let at = |fault| format!("point {}: positions: {fault}", i + 1);
-        let q = order.pick(&point.positions).map_err(at)?;
+        let in_point = |fault| format!("point {}: positions: {fault}", i + 1);
+        let q = order.pick(&point.positions).map_err(in_point)?;
         points.push(q.ok_or_else(|| format!("point {} has no positions", i + 1))?);
     }
     let limits = limits(robot, request)?;
@@ -277,7 +277,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_wrong_is_named() {
+    fn faults_are_named() {
         let mut other = request();
         other.path.joint_names[2] = "elbow".to_owned();
         assert!(timed(&other).unwrap_err().contains("elbow"));

@@ -35,7 +35,7 @@ pub(super) const T1_SPEED: &str = "t1_speed_mm_s";
 pub(super) const MAX_POSITION_DEG: f64 = 360.0;
 
 /// Smallest accepted difference between a joint's upper and lower limit, in degrees.
-pub(super) const LEAST_RANGE_DEG: f64 = 0.001;
+pub(super) const MIN_RANGE_DEG: f64 = 0.001;
 
 /// Accepted coefficients of kappa; the built-in models have values below 4.
 pub(super) const KAPPA_RANGE: [f64; 2] = [-100.0, 100.0];

@@ -10,56 +10,59 @@ use crate::Robot;
 #[non_exhaustive]
 pub enum ProfileError {
     /// The text is not JSON, or does not have the structure of a profile.
-    #[error("{problem}, at {at}")]
+    #[error("{problem}, at {place}")]
     Json {
         /// Place in the text.
-        at: Place,
+        place: Place,
         /// Description of the found and the expected text.
         problem: String,
     },
     /// The text is too long to be a profile.
-    #[error("this is {found} bytes long; a robot profile has at most {MAX_BYTES}, at {at}")]
+    #[error("this is {found} bytes long; a robot profile has at most {MAX_BYTES}, at {place}")]
     TooLong {
         /// Place in the text: its start.
-        at: Place,
+        place: Place,
         /// Length found, in bytes.
         found: usize,
     },
     /// The profile has another format version.
-    #[error("this is a robot profile of version {found}; write version {VERSION}, at {at}")]
+    #[error("this is a robot profile of version {found}; write version {VERSION}, at {place}")]
     Version {
         /// Place in the text.
-        at: Place,
+        place: Place,
         /// Version found.
         found: u64,
     },
     /// The base model is not a built-in model.
-    #[error("no built-in model is called {found:?}; choose one of {}, at {at}", Robot::BUILT_IN.join(", "))]
+    #[error(
+        "no built-in model is called {found:?}; choose one of {}, at {place}",
+        Robot::BUILT_IN.join(", ")
+    )]
     UnknownBase {
         /// Place in the text.
-        at: Place,
+        place: Place,
         /// Name found.
         found: String,
     },
     /// The name is empty, too long or contains control characters.
     #[error(
         "the name {found:?} cannot be used; write 1 to {MAX_NAME} characters, none of them a \
-         control character, at {at}"
+         control character, at {place}"
     )]
     Name {
         /// Place in the text.
-        at: Place,
+        place: Place,
         /// Name found.
         found: String,
     },
     /// A list has too many or too few entries.
     #[error(
-        "{key} has {found} {}; write {expected}, {}, at {at}",
+        "{key} has {found} {}; write {expected}, {}, at {place}",
         if *.key == LINKS { "entries" } else { "numbers" }, owner(.key)
     )]
     Count {
         /// Place in the text.
-        at: Place,
+        place: Place,
         /// Key of the list.
         key: &'static str,
         /// Number of entries found.
@@ -68,30 +71,32 @@ pub enum ProfileError {
         expected: usize,
     },
     /// Two mutually exclusive keys are given.
-    #[error("both {} and {} are given; keep one of them, at {at}", .keys[0], .keys[1])]
+    #[error("both {} and {} are given; keep one of them, at {place}", .keys[0], .keys[1])]
     Both {
         /// Place in the text: the second key.
-        at: Place,
+        place: Place,
         /// The two keys.
         keys: [&'static str; 2],
     },
     /// The inertia tensor of a link is not physically possible.
     #[error(
-        "{LINKS}: the inertia of link {link} is that of no body: about some axis it is negative, at {at}"
+        "{LINKS}: the inertia of link {link} is that of no body: about some axis it is negative, \
+         at {place}"
     )]
     Inertia {
         /// Place in the text.
-        at: Place,
+        place: Place,
         /// Link number, from 1.
         link: usize,
     },
     /// The masses of a link in two keys differ.
     #[error(
-        "{MASSES}: link {link} is {found:?}, and {of_links:?} in {LINKS}; keep one of the keys, at {at}"
+        "{MASSES}: link {link} is {found:?}, and {of_links:?} in {LINKS}; keep one of the keys, at \
+         {place}"
     )]
     Masses {
         /// Place in the text.
-        at: Place,
+        place: Place,
         /// Link number, from 1.
         link: usize,
         /// Mass in `link_mass_kg`, in kg.
@@ -100,12 +105,12 @@ pub enum ProfileError {
         of_links: f64,
     },
     /// A number is outside its range.
-    #[error("{what} is {found:?}; it must be at least {min:?} and at most {max:?}, at {at}")]
+    #[error("{quantity} is {found:?}; it must be at least {min:?} and at most {max:?}, at {place}")]
     Range {
         /// Place in the text.
-        at: Place,
+        place: Place,
         /// Key, with the place in a list.
-        what: String,
+        quantity: String,
         /// Number found.
         found: f64,
         /// Smallest accepted number.
@@ -114,12 +119,12 @@ pub enum ProfileError {
         max: f64,
     },
     /// A number is not above 0, or too large.
-    #[error("{what} is {found:?}; it must be above 0 and at most {max:?}, at {at}")]
+    #[error("{quantity} is {found:?}; it must be above 0 and at most {max:?}, at {place}")]
     Number {
         /// Place in the text.
-        at: Place,
+        place: Place,
         /// Key, with the joint (from 1) or the link (from 0).
-        what: String,
+        quantity: String,
         /// Number found, in the key's unit.
         found: f64,
         /// Largest accepted number, in the key's unit.
@@ -132,23 +137,23 @@ impl ProfileError {
     #[must_use]
     pub fn place(&self) -> &Place {
         match self {
-            Self::Json { at, .. }
-            | Self::TooLong { at, .. }
-            | Self::Version { at, .. }
-            | Self::UnknownBase { at, .. }
-            | Self::Name { at, .. }
-            | Self::Count { at, .. }
-            | Self::Both { at, .. }
-            | Self::Inertia { at, .. }
-            | Self::Masses { at, .. }
-            | Self::Range { at, .. }
-            | Self::Number { at, .. } => at,
+            Self::Json { place, .. }
+            | Self::TooLong { place, .. }
+            | Self::Version { place, .. }
+            | Self::UnknownBase { place, .. }
+            | Self::Name { place, .. }
+            | Self::Count { place, .. }
+            | Self::Both { place, .. }
+            | Self::Inertia { place, .. }
+            | Self::Masses { place, .. }
+            | Self::Range { place, .. }
+            | Self::Number { place, .. } => place,
         }
     }
 
     /// Error message without the place.
     #[must_use]
-    pub fn what(&self) -> String {
+    pub fn message(&self) -> String {
         self.place().cut_from(&self.to_string())
     }
 }

@@ -63,20 +63,21 @@ impl LinkWire {
     /// Checked body of link `number` (from 1).
     fn body(&self, text: &str, number: usize) -> Result<RigidBody, ProfileError> {
         let path = [Key(LINKS), Index(number - 1)];
-        let at = |key| [path[0], path[1], Key(key)];
-        let (key, what) = ("mass_kg", format!("{LINKS}: mass_kg of link {number}"));
+        let path_to = |key| [path[0], path[1], Key(key)];
+        let (key, quantity) = ("mass_kg", format!("{LINKS}: mass_kg of link {number}"));
         if !(self.mass_kg.is_normal() && self.mass_kg > 0.0 && self.mass_kg <= MAX_NUMBER) {
-            let (at, found) = (locate(text, &at(key)), self.mass_kg);
-            return Err(ProfileError::Number { at, what, found, max: MAX_NUMBER });
+            let (place, found) = (locate(text, &path_to(key)), self.mass_kg);
+            return Err(ProfileError::Number { place, quantity, found, max: MAX_NUMBER });
         }
-        for (key, list, most) in [
+        for (key, list, limit) in [
             ("center_mm", &self.center_mm[..], MAX_LENGTH_M * 1e3),
             ("inertia_kg_m2", &self.inertia_kg_m2, MAX_NUMBER),
         ] {
             for (index, &found) in list.iter().enumerate() {
-                let what = || format!("{LINKS}: number {} of {key} of link {number}", index + 1);
+                let quantity =
+                    || format!("{LINKS}: number {} of {key} of link {number}", index + 1);
                 let place = [path[0], path[1], Key(key), Index(index)];
-                within(text, &place, found, [-most, most], what)?;
+                within(text, &place, found, [-limit, limit], quantity)?;
             }
         }
         let body = RigidBody {
@@ -87,7 +88,10 @@ impl LinkWire {
         if body.is_possible() {
             Ok(body)
         } else {
-            Err(ProfileError::Inertia { at: locate(text, &at("inertia_kg_m2")), link: number })
+            Err(ProfileError::Inertia {
+                place: locate(text, &path_to("inertia_kg_m2")),
+                link: number,
+            })
         }
     }
 }
@@ -106,10 +110,10 @@ impl FrictionWire {
     /// Checked friction: no coefficient may be negative.
     pub(super) fn friction(&self, text: &str) -> Result<Friction, ProfileError> {
         for (key, list) in [(VISCOUS, &self.viscous_nm_s_rad), (COULOMB, &self.coulomb_nm)] {
-            for (index, &found) in list.iter().enumerate() {
-                let what = || format!("{FRICTION}: {key} of joint A{}", index + 1);
+            for (index, &value) in list.iter().enumerate() {
+                let quantity = || format!("{FRICTION}: {key} of joint A{}", index + 1);
                 let place = [Key(FRICTION), Key(key), Index(index)];
-                within(text, &place, found, [0.0, MAX_NUMBER], what)?;
+                within(text, &place, value, [0.0, MAX_NUMBER], quantity)?;
             }
         }
         let Self { viscous_nm_s_rad, coulomb_nm } = *self;
@@ -118,11 +122,11 @@ impl FrictionWire {
 
     /// The friction, if it differs from that of `base`.
     pub(super) fn of(
-        own: &Friction,
+        friction: &Friction,
         base: &Friction,
         differ: fn(&[f64], &[f64]) -> bool,
     ) -> Option<Self> {
-        let Friction { viscous_nm_s_rad, coulomb_nm } = *own;
+        let Friction { viscous_nm_s_rad, coulomb_nm } = *friction;
         let differs = differ(&viscous_nm_s_rad, &base.viscous_nm_s_rad)
             || differ(&coulomb_nm, &base.coulomb_nm);
         differs.then_some(Self { viscous_nm_s_rad, coulomb_nm })
@@ -138,8 +142,8 @@ pub(super) fn bodies(
     let links = links.collect::<Result<Vec<_>, _>>()?;
     let found = links.len();
     links.try_into().map_err(|_| {
-        let at = locate(text, &[Key(LINKS)]);
-        ProfileError::Count { at, key: LINKS, found, expected: 7 }
+        let place = locate(text, &[Key(LINKS)]);
+        ProfileError::Count { place, key: LINKS, found, expected: 7 }
     })
 }
 
@@ -151,18 +155,18 @@ pub(super) fn check_masses(
 ) -> Result<(), ProfileError> {
     for (number, (&found, link)) in (1..).zip(masses[1..].iter().zip(links)) {
         if (found - link.mass_kg).abs() > SAME_MASS * link.mass_kg {
-            let at = locate(text, &[Key(MASSES), Index(number)]);
+            let place = locate(text, &[Key(MASSES), Index(number)]);
             let of_links = link.mass_kg;
-            return Err(ProfileError::Masses { at, link: number, found, of_links });
+            return Err(ProfileError::Masses { place, link: number, found, of_links });
         }
     }
     Ok(())
 }
 
 /// Checks the flange mass.
-pub(super) fn check_flange_mass(text: &str, found: f64) -> Result<f64, ProfileError> {
-    within(text, &[Key(FLANGE_MASS)], found, [0.0, MAX_NUMBER], || FLANGE_MASS.to_owned())?;
-    Ok(found)
+pub(super) fn check_flange_mass(text: &str, mass_kg: f64) -> Result<f64, ProfileError> {
+    within(text, &[Key(FLANGE_MASS)], mass_kg, [0.0, MAX_NUMBER], || FLANGE_MASS.to_owned())?;
+    Ok(mass_kg)
 }
 
 /// Values of `link_mass_kg` and `links` in the profile of `robot` on top of `base`.
@@ -176,15 +180,15 @@ pub(super) fn written(
         return (Some(masses()), None);
     }
     let numbers = |robot: &Robot| -> Vec<f64> {
-        let of = |link: RigidBody| {
+        let wire_of = |link: RigidBody| {
             let RigidBody { mass_kg, center_m, inertia_kg_m2 } = link;
             [&[mass_kg], &center_m[..], &inertia_kg_m2].concat()
         };
-        robot.links().into_iter().flat_map(of).collect()
+        robot.links().into_iter().flat_map(wire_of).collect()
     };
-    let known = base.assumes("masses") && !robot.assumes("masses");
+    let becomes_known = base.assumes("masses") && !robot.assumes("masses");
     let foot_differs = differ(&[robot.base_mass_kg], &[base.base_mass_kg]);
-    if known || foot_differs || differ(&numbers(robot), &numbers(base)) {
+    if becomes_known || foot_differs || differ(&numbers(robot), &numbers(base)) {
         // Masses without `links` would be read as masses of simple shapes.
         let links = robot.links().iter().map(|link| Object(link.into())).collect();
         (foot_differs.then(masses), Some(links))

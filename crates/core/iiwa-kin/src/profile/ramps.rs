@@ -85,20 +85,20 @@ impl RampsWire {
     /// The law `base` with the given values replaced.
     pub(super) fn law(&self, text: &str, base: &RampLaw) -> Result<RampLaw, ProfileError> {
         let mut law = *base;
-        for (key, given, field) in [
+        for (key, values, field) in [
             ("torque_snap_nm_s2", self.torque_snap_nm_s2, &mut law.torque_snap_nm_s2),
             ("motor_inertia_kg_m2", self.motor_inertia_kg_m2, &mut law.motor_inertia_kg_m2),
             ("start_nm_s", self.start_nm_s, &mut law.start_nm_s),
             ("stop_nm_s", self.stop_nm_s, &mut law.stop_nm_s),
         ] {
-            let Some(given) = given else { continue };
-            for (index, found) in given.into_iter().enumerate() {
-                let what = || format!("{RAMPS}: {key} of joint A{}", index + 1);
+            let Some(values) = values else { continue };
+            for (index, value) in values.into_iter().enumerate() {
+                let quantity = || format!("{RAMPS}: {key} of joint A{}", index + 1);
                 let place = [Key(RAMPS), Key(key), Index(index)];
-                field[index] = checked(text, &place, found, MAX_NUMBER, what, SAME)?;
+                field[index] = checked(text, &place, value, MAX_NUMBER, quantity, SAME)?;
             }
         }
-        for (key, given, field) in [
+        for (key, values, field) in [
             ("damping_per_s", self.damping_per_s, &mut law.damping_per_s),
             ("width_rad_s", self.width_rad_s, &mut law.width_rad_s),
             ("least_cruise_s", self.least_cruise_s, &mut law.least_cruise_s),
@@ -109,9 +109,9 @@ impl RampsWire {
             ("spline_ramp_reach", self.spline_ramp_reach, &mut law.spline.ramp_reach),
             ("spline_short_ramp_s", self.spline_short_ramp_s, &mut law.spline.short_ramp_s),
         ] {
-            let Some(found) = given else { continue };
-            let what = || format!("{RAMPS}: {key}");
-            *field = checked(text, &[Key(RAMPS), Key(key)], found, MAX_NUMBER, what, SAME)?;
+            let Some(value) = values else { continue };
+            let quantity = || format!("{RAMPS}: {key}");
+            *field = checked(text, &[Key(RAMPS), Key(key)], value, MAX_NUMBER, quantity, SAME)?;
         }
         Ok(law)
     }
@@ -132,9 +132,9 @@ impl RampsWire {
             let spline = [bend_rel, tangent_rel, build_up_s, hold_s, ramp_reach, short_ramp_s];
             [lists.as_flattened(), &[damping_per_s, width_rad_s, least_cruise_s], &spline].concat()
         };
-        let known = base.assumes("ramps") && !robot.assumes("ramps");
+        let becomes_known = base.assumes("ramps") && !robot.assumes("ramps");
         let law = &robot.ramp_law;
-        (known || differ(&numbers(law), &numbers(&base.ramp_law))).then_some(Self {
+        (becomes_known || differ(&numbers(law), &numbers(&base.ramp_law))).then_some(Self {
             torque_snap_nm_s2: Some(law.torque_snap_nm_s2),
             motor_inertia_kg_m2: Some(law.motor_inertia_kg_m2),
             start_nm_s: Some(law.start_nm_s),

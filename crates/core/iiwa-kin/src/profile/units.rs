@@ -33,19 +33,19 @@ pub(super) fn list<const N: usize>(
     to_si: ToSi,
 ) -> Result<[f64; N], ProfileError> {
     if numbers.len() != N {
-        let at = locate(text, &[Key(key)]);
-        return Err(ProfileError::Count { at, key, found: numbers.len(), expected: N });
+        let place = locate(text, &[Key(key)]);
+        return Err(ProfileError::Count { place, key, found: numbers.len(), expected: N });
     }
     let mut values = [0.0; N];
     for (index, value) in values.iter_mut().enumerate() {
-        let what = || {
+        let quantity = || {
             if key == MASSES {
                 format!("{key}: link {index}")
             } else {
                 format!("{key}: joint A{}", index + 1)
             }
         };
-        *value = checked(text, &[Key(key), Index(index)], numbers[index], max, what, to_si)?;
+        *value = checked(text, &[Key(key), Index(index)], numbers[index], max, quantity, to_si)?;
     }
     Ok(values)
 }
@@ -58,12 +58,12 @@ pub(super) fn kappa(
 ) -> Result<[f64; 3], ProfileError> {
     let found = numbers.len();
     let coefficients = numbers.try_into().map_err(|_| {
-        let at = locate(text, &[Key(key)]);
-        ProfileError::Count { at, key, found, expected: 3 }
+        let place = locate(text, &[Key(key)]);
+        ProfileError::Count { place, key, found, expected: 3 }
     })?;
     for (index, &found) in numbers.iter().enumerate() {
-        let what = || format!("{key}: number {}", index + 1);
-        within(text, &[Key(key), Index(index)], found, KAPPA_RANGE, what)?;
+        let quantity = || format!("{key}: number {}", index + 1);
+        within(text, &[Key(key), Index(index)], found, KAPPA_RANGE, quantity)?;
     }
     Ok(coefficients)
 }
@@ -73,7 +73,7 @@ pub(super) fn checked(
     path: &[Step<'_>],
     found: f64,
     max: f64,
-    what: impl Fn() -> String,
+    quantity: impl Fn() -> String,
     to_si: ToSi,
 ) -> Result<f64, ProfileError> {
     let value = to_si(found);
@@ -81,7 +81,7 @@ pub(super) fn checked(
     if value.is_normal() && found > 0.0 && found <= max {
         Ok(value)
     } else {
-        Err(ProfileError::Number { at: locate(text, path), what: what(), found, max })
+        Err(ProfileError::Number { place: locate(text, path), quantity: quantity(), found, max })
     }
 }
 
@@ -90,12 +90,18 @@ pub(super) fn within(
     path: &[Step<'_>],
     found: f64,
     [min, max]: [f64; 2],
-    what: impl Fn() -> String,
+    quantity: impl Fn() -> String,
 ) -> Result<(), ProfileError> {
     if (min..=max).contains(&found) {
         Ok(())
     } else {
-        Err(ProfileError::Range { at: locate(text, path), what: what(), found, min, max })
+        Err(ProfileError::Range {
+            place: locate(text, path),
+            quantity: quantity(),
+            found,
+            min,
+            max,
+        })
     }
 }
 

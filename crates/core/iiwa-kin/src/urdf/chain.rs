@@ -45,7 +45,7 @@ impl<'t> Description<'t> {
             self.links.iter().enumerate().map(|(i, name)| (name.as_str(), i)).collect();
         let find = |joint: &UrdfJoint<'_>, link: &str| {
             index_of.get(link).copied().ok_or_else(|| UrdfError::UnknownLink {
-                at: joint.at.place(),
+                place: joint.span.place(),
                 joint: joint.name.clone(),
                 link: link.to_owned(),
             })
@@ -56,7 +56,7 @@ impl<'t> Description<'t> {
             let (parent, child) = (find(joint, &joint.parent)?, find(joint, &joint.child)?);
             if above[child].is_some() {
                 return Err(UrdfError::SecondParent {
-                    at: joint.at.place(),
+                    place: joint.span.place(),
                     joint: joint.name.clone(),
                     link: joint.child.clone(),
                 });
@@ -66,7 +66,7 @@ impl<'t> Description<'t> {
         }
         let tip = match tip {
             Some(tip) => *index_of.get(tip).ok_or_else(|| UrdfError::UnknownTip {
-                at: self.at.place(),
+                place: self.span.place(),
                 tip: tip.to_owned(),
                 links: Listed(self.links.clone()),
             })?,
@@ -78,7 +78,7 @@ impl<'t> Description<'t> {
             joints.push(joint);
             if joints.len() > self.joints.len() {
                 return Err(UrdfError::Cycle {
-                    at: joint.at.place(),
+                    place: joint.span.place(),
                     link: self.links[tip].clone(),
                 });
             }
@@ -97,7 +97,7 @@ impl<'t> Description<'t> {
         if let Some(joint) = joints.iter().find(|joint| !joint.is_revolute() && !joint.is_fixed()) {
             let kind = if joint.mimics { "mimic" } else { &joint.kind };
             return Err(UrdfError::JointKind {
-                at: joint.at.place(),
+                place: joint.span.place(),
                 joint: joint.name.clone(),
                 found: kind.to_owned(),
             });
@@ -108,7 +108,7 @@ impl<'t> Description<'t> {
         match <[usize; 7]>::try_from(moving) {
             Ok(moving) => Ok(Chain { base: &joints[0].parent, tip, moving, joints }),
             Err(moving) => Err(UrdfError::JointCount {
-                at: joints.last().map_or(self.at, |joint| joint.at).place(),
+                place: joints.last().map_or(self.span, |joint| joint.span).place(),
                 tip: tip.to_owned(),
                 found: moving.len(),
             }),
@@ -154,14 +154,14 @@ impl<'t> Description<'t> {
         }
         match *tips {
             [] if self.links.is_empty() => Err(UrdfError::Missing {
-                at: self.at.place(),
+                place: self.span.place(),
                 owner: "the robot".to_owned(),
                 missing: "<link>",
             }),
             [] => Ok(longest.0),
             [tip] => Ok(tip),
             _ => Err(UrdfError::AmbiguousTip {
-                at: self.at.place(),
+                place: self.span.place(),
                 links: Listed(tips.into_iter().map(|tip| self.links[tip].clone()).collect()),
             }),
         }

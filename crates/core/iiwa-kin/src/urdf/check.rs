@@ -77,8 +77,8 @@ impl Robot {
         let zero = [0.0; 7];
         let mut largest = self.deviation(&chain, &zero);
         for pose in 1..POSES {
-            let found = self.deviation(&chain, &self.test_pose(pose));
-            largest = (largest.0.max(found.0), largest.1.max(found.1));
+            let deviation = self.deviation(&chain, &self.test_pose(pose));
+            largest = (largest.0.max(deviation.0), largest.1.max(deviation.1));
         }
         let (position_m, rotation_rad) = largest;
         if position_m > UrdfReport::TOLERANCE_M || rotation_rad > UrdfReport::TOLERANCE_RAD {
@@ -129,7 +129,7 @@ impl Robot {
         // is not.
         const SHARE: f64 = 0.1;
         let tip = || UrdfError::Tip {
-            at: chain.joints.last().map_or(description.at, |last| last.at).place(),
+            place: chain.joints.last().map_or(description.span, |last| last.span).place(),
             tip: chain.tip.to_owned(),
             position_m,
             rotation_rad,
@@ -144,15 +144,15 @@ impl Robot {
         for (j, joint) in chain.revolute().into_iter().enumerate() {
             let rotation = model[j + 1].rotation_matrix();
             let expected = rotation.column(2).into_owned();
-            let found = axes[j].rotation * joint.axis;
+            let axis = axes[j].rotation * joint.axis;
             let shift = axes[j].translation.vector - Vector3::from(model[j + 1].position_m);
             let distance = finite((shift - expected * shift.dot(&expected)).norm());
-            let angle = finite(found.cross(&expected).norm().atan2(found.dot(&expected)));
+            let angle = finite(axis.cross(&expected).norm().atan2(axis.dot(&expected)));
             if distance > share * UrdfReport::TOLERANCE_M
                 || angle > share * UrdfReport::TOLERANCE_RAD
             {
                 return Some(UrdfError::Axis {
-                    at: joint.at.place(),
+                    place: joint.span.place(),
                     number: j + 1,
                     joint: joint.name.clone(),
                     position_m: distance,
@@ -165,9 +165,9 @@ impl Robot {
 
     fn limit_differences(&self, chain: &Chain<'_>) -> Vec<LimitDifference> {
         let mut differences = Vec::new();
-        for (joint, found) in crate::Joint::ALL.into_iter().zip(chain.revolute()) {
+        for (joint, urdf_joint) in crate::Joint::ALL.into_iter().zip(chain.revolute()) {
             let model = self.limits().of_urdf(joint.index());
-            for ((limit, urdf), model) in LIMITS.into_iter().zip(found.limits).zip(model) {
+            for ((limit, urdf), model) in LIMITS.into_iter().zip(urdf_joint.limits).zip(model) {
                 let same = urdf.is_some_and(|urdf| (urdf - model).abs() <= 1e-3 * model.abs());
                 if !same {
                     differences.push(LimitDifference { joint, limit, urdf, model });

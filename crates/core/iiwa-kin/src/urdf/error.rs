@@ -9,46 +9,46 @@ use iiwa_json::Place;
 #[non_exhaustive]
 pub enum UrdfError {
     /// The text is not well-formed XML.
-    #[error("this is not XML: {problem}, at {at}")]
+    #[error("this is not XML: {problem}, at {place}")]
     Xml {
         /// Place in the text.
-        at: Place,
+        place: Place,
         /// Message of the parser.
         problem: String,
     },
     /// The text is XML, but not a URDF.
-    #[error("the outermost element is <{found}>; a URDF has <robot>, at {at}")]
+    #[error("the outermost element is <{found}>; a URDF has <robot>, at {place}")]
     NotUrdf {
         /// Place in the text.
-        at: Place,
+        place: Place,
         /// Element found.
         found: String,
     },
     /// An element or an attribute is missing.
-    #[error("{owner} has no {missing}, at {at}")]
+    #[error("{owner} has no {missing}, at {place}")]
     Missing {
         /// Place in the text.
-        at: Place,
+        place: Place,
         /// Link or joint that lacks it.
         owner: String,
         /// Name of the missing element or attribute.
         missing: &'static str,
     },
     /// A unique element occurs again.
-    #[error("{owner} is here for the second time; remove one, at {at}")]
+    #[error("{owner} is here for the second time; remove one, at {place}")]
     Duplicate {
         /// Place of the second occurrence.
-        at: Place,
+        place: Place,
         /// Name of the duplicated element.
         owner: String,
     },
     /// An attribute does not have the expected count of numbers.
-    #[error("{attribute} is {found:?}; it must be {} finite number{}{}, at {at}",
+    #[error("{attribute} is {found:?}; it must be {} finite number{}{}, at {place}",
         expected, if *expected == 1 { "" } else { "s" },
         if found.contains("${") { " (expand the xacro file first)" } else { "" })]
     Numbers {
         /// Place in the text.
-        at: Place,
+        place: Place,
         /// Attribute name.
         attribute: String,
         /// Attribute text.
@@ -57,74 +57,76 @@ pub enum UrdfError {
         expected: usize,
     },
     /// A joint axis has zero length.
-    #[error("joint {joint:?} turns about the axis 0 0 0; give it a direction, at {at}")]
+    #[error("joint {joint:?} turns about the axis 0 0 0; give it a direction, at {place}")]
     ZeroAxis {
         /// Place in the text.
-        at: Place,
+        place: Place,
         /// Joint name.
         joint: String,
     },
     /// A joint names a link that the file does not define.
-    #[error("joint {joint:?} names the link {link:?}, which the file does not have, at {at}")]
+    #[error("joint {joint:?} names the link {link:?}, which the file does not have, at {place}")]
     UnknownLink {
         /// Place in the text.
-        at: Place,
+        place: Place,
         /// Joint name.
         joint: String,
         /// Link name.
         link: String,
     },
     /// Two joints have the same child link.
-    #[error("joint {joint:?} carries link {link:?}, as another joint does already, at {at}")]
+    #[error("joint {joint:?} carries link {link:?}, as another joint does already, at {place}")]
     SecondParent {
         /// Place in the text.
-        at: Place,
+        place: Place,
         /// Name of the second joint.
         joint: String,
         /// Link name.
         link: String,
     },
     /// The joints form a cycle.
-    #[error("the joints above link {link:?} run in a circle, at {at}")]
+    #[error("the joints above link {link:?} run in a circle, at {place}")]
     Cycle {
         /// Place in the text.
-        at: Place,
+        place: Place,
         /// A link on the cycle, or below it.
         link: String,
     },
     /// The requested tip is not a link of the file.
-    #[error("no link is called {tip:?}; choose one of {links}, at {at}")]
+    #[error("no link is called {tip:?}; choose one of {links}, at {place}")]
     UnknownTip {
         /// Place in the text.
-        at: Place,
+        place: Place,
         /// Requested tip.
         tip: String,
         /// Links of the file.
         links: Listed,
     },
     /// No tip was requested and several links qualify.
-    #[error("these links all end a chain of seven joints: {links}; name one as the tip, at {at}")]
+    #[error(
+        "these links all end a chain of seven joints: {links}; name one as the tip, at {place}"
+    )]
     AmbiguousTip {
         /// Place in the text.
-        at: Place,
+        place: Place,
         /// The candidate links.
         links: Listed,
     },
     /// The chain does not have seven revolute joints.
-    #[error("the chain up to link {tip:?} has {found} revolute joints; the iiwa has 7, at {at}")]
+    #[error("the chain up to link {tip:?} has {found} revolute joints; the iiwa has 7, at {place}")]
     JointCount {
         /// Place in the text.
-        at: Place,
+        place: Place,
         /// End of the chain.
         tip: String,
         /// Number of revolute joints found.
         found: usize,
     },
     /// A joint of the chain is neither revolute nor fixed, or mimics another.
-    #[error("joint {joint:?} is {found}; the iiwa's joints are revolute or fixed, at {at}")]
+    #[error("joint {joint:?} is {found}; the iiwa's joints are revolute or fixed, at {place}")]
     JointKind {
         /// Place in the text.
-        at: Place,
+        place: Place,
         /// Joint name.
         joint: String,
         /// Joint type, or `mimic`.
@@ -134,12 +136,12 @@ pub enum UrdfError {
     #[error(
         "with all joints at zero, the axis of joint {number} ({joint:?}) is {:.3} mm and {:.4} deg \
          off the model's; compare its origin and the one before it with the model's lengths, at \
-         {at}",
+         {place}",
         position_m * 1e3, rotation_rad.to_degrees()
     )]
     Axis {
         /// Place in the text: the joint.
-        at: Place,
+        place: Place,
         /// Number of the first joint whose axis is off, from 1.
         number: usize,
         /// Joint name.
@@ -152,12 +154,12 @@ pub enum UrdfError {
     /// The axes match the model, but the tip does not.
     #[error(
         "the seven axes are the model's, but link {tip:?} is {:.3} mm and {:.4} deg off the \
-         flange; name another tip, or take a profile with this flange for the model, at {at}",
+         flange; name another tip, or take a profile with this flange for the model, at {place}",
         position_m * 1e3, rotation_rad.to_degrees()
     )]
     Tip {
         /// Place in the text: the last joint of the chain.
-        at: Place,
+        place: Place,
         /// Tip name.
         tip: String,
         /// Largest distance from the model's flange, in m.
@@ -172,27 +174,27 @@ impl UrdfError {
     #[must_use]
     pub fn place(&self) -> &Place {
         match self {
-            Self::Xml { at, .. }
-            | Self::NotUrdf { at, .. }
-            | Self::Missing { at, .. }
-            | Self::Duplicate { at, .. }
-            | Self::Numbers { at, .. }
-            | Self::ZeroAxis { at, .. }
-            | Self::UnknownLink { at, .. }
-            | Self::SecondParent { at, .. }
-            | Self::Cycle { at, .. }
-            | Self::UnknownTip { at, .. }
-            | Self::AmbiguousTip { at, .. }
-            | Self::JointCount { at, .. }
-            | Self::JointKind { at, .. }
-            | Self::Axis { at, .. }
-            | Self::Tip { at, .. } => at,
+            Self::Xml { place, .. }
+            | Self::NotUrdf { place, .. }
+            | Self::Missing { place, .. }
+            | Self::Duplicate { place, .. }
+            | Self::Numbers { place, .. }
+            | Self::ZeroAxis { place, .. }
+            | Self::UnknownLink { place, .. }
+            | Self::SecondParent { place, .. }
+            | Self::Cycle { place, .. }
+            | Self::UnknownTip { place, .. }
+            | Self::AmbiguousTip { place, .. }
+            | Self::JointCount { place, .. }
+            | Self::JointKind { place, .. }
+            | Self::Axis { place, .. }
+            | Self::Tip { place, .. } => place,
         }
     }
 
     /// Error message without the place.
     #[must_use]
-    pub fn what(&self) -> String {
+    pub fn message(&self) -> String {
         self.place().cut_from(&self.to_string())
     }
 }

@@ -4,13 +4,13 @@ use nalgebra::{Isometry3, Unit, Vector3};
 
 use super::{
     LIMITS, UrdfError,
-    tag::{At, Tag},
+    tag::{Tag, TextSpan},
 };
 
 /// A joint of a URDF.
 pub(super) struct UrdfJoint<'t> {
     pub(super) name: String,
-    pub(super) at: At<'t>,
+    pub(super) span: TextSpan<'t>,
     pub(super) kind: String,
     pub(super) mimics: bool,
     pub(super) parent: String,
@@ -42,7 +42,7 @@ impl<'t> Draft<'t> {
     pub(super) fn new(tag: &Tag<'_, 't>) -> Result<Self, UrdfError> {
         let name = tag.required("name", "a joint")?;
         let joint = UrdfJoint {
-            at: tag.at,
+            span: tag.span,
             kind: tag.required("type", &format!("joint {name:?}"))?,
             name,
             mimics: false,
@@ -73,7 +73,7 @@ impl<'t> Draft<'t> {
                 let axis: Vector3<f64> = tag.numbers("xyz")?.unwrap_or([1.0, 0.0, 0.0]).into();
                 // Scaled first, so that the squared length neither overflows nor underflows.
                 joint.axis = Unit::try_new(axis / axis.amax(), 0.0).ok_or_else(|| {
-                    UrdfError::ZeroAxis { at: tag.at.place(), joint: joint.name.clone() }
+                    UrdfError::ZeroAxis { place: tag.span.place(), joint: joint.name.clone() }
                 })?;
             }
             "limit" => {
@@ -85,7 +85,7 @@ impl<'t> Draft<'t> {
             _ => return Ok(()),
         }
         if self.parts.contains(&part) {
-            return Err(UrdfError::Duplicate { at: tag.at.place(), owner });
+            return Err(UrdfError::Duplicate { place: tag.span.place(), owner });
         }
         self.parts.push(part);
         Ok(())
@@ -95,7 +95,7 @@ impl<'t> Draft<'t> {
         for (part, missing) in [("parent", "<parent>"), ("child", "<child>")] {
             if !self.parts.iter().any(|known| known == part) {
                 let owner = format!("joint {:?}", self.joint.name);
-                return Err(UrdfError::Missing { at: self.joint.at.place(), owner, missing });
+                return Err(UrdfError::Missing { place: self.joint.span.place(), owner, missing });
             }
         }
         Ok(self.joint)

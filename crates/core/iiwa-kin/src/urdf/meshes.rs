@@ -10,7 +10,7 @@ use super::{
     UrdfError,
     chain::Chain,
     read::{Description, offset},
-    tag::{At, Tag},
+    tag::{Tag, TextSpan},
 };
 use crate::{Pose, Robot};
 
@@ -37,7 +37,7 @@ pub struct UrdfMesh {
     /// Red, green, blue and opacity, from 0 to 1, if the URDF gives a colour.
     pub rgba: Option<[f64; 4]>,
     /// Place in the URDF.
-    pub at: Place,
+    pub place: Place,
 }
 
 impl Robot {
@@ -70,7 +70,7 @@ impl Robot {
         }
         let places = self.places(&description, &chain);
         let mut links: [UrdfLink; 8] = Default::default();
-        for Found { link, is_visual, origin, mut mesh } in found(urdf)? {
+        for MeshReference { link, is_visual, origin, mut mesh } in references(urdf)? {
             let Some((number, frame)) = places.get(link.as_str()) else { continue };
             mesh.pose = pose(&(frame * origin));
             let UrdfLink { visual, collision } = &mut links[*number];
@@ -114,7 +114,7 @@ impl Robot {
 }
 
 /// A mesh in the URDF link that it belongs to.
-struct Found {
+struct MeshReference {
     link: String,
     is_visual: bool,
     origin: Isometry3<f64>,
@@ -141,10 +141,10 @@ struct MeshDraft {
 struct LineCounter(Place);
 
 impl LineCounter {
-    /// The place `at`, which is not before the previous one.
-    fn next(&mut self, at: At<'_>) -> Place {
+    /// The place `span`, which is not before the previous one.
+    fn next(&mut self, span: TextSpan<'_>) -> Place {
         let from = self.0.span.start;
-        let mut place = Place::of_span(&at.text[from..], at.start - from..at.end - from);
+        let mut place = Place::of_span(&span.text[from..], span.start - from..span.end - from);
         if place.line == 1 {
             place.column += self.0.column - 1;
         }
@@ -160,7 +160,7 @@ impl LineCounter {
 const MESH_DEPTH: usize = 4;
 
 /// All meshes of a URDF, in file order. The text is well-formed, as it was read before.
-fn found(text: &str) -> Result<Vec<Found>, UrdfError> {
+fn references(text: &str) -> Result<Vec<MeshReference>, UrdfError> {
     let mut reader = Reader::from_str(text);
     // Names of the open elements, without the outermost, that can contain relevant elements.
     let mut open: Vec<Vec<u8>> = Vec::new();
@@ -171,7 +171,7 @@ fn found(text: &str) -> Result<Vec<Found>, UrdfError> {
     let mut material = None;
     let mut colours: HashMap<String, [f64; 4]> = HashMap::new();
     let mut lines = LineCounter(Place { line: 1, column: 1, span: 0..0 });
-    let mut all: Vec<(Found, Option<Colour>)> = Vec::new();
+    let mut all: Vec<(MeshReference, Option<Colour>)> = Vec::new();
     loop {
         let start = offset(reader.buffer_position());
         let (element, is_open) = match reader.read_event() {
@@ -184,7 +184,10 @@ fn found(text: &str) -> Result<Vec<Found>, UrdfError> {
                     && let Some(MeshDraft { is_visual, origin, colour, mesh: Some(mesh) }) =
                         draft.take()
                 {
-                    all.push((Found { link: link.clone(), is_visual, origin, mesh }, colour));
+                    all.push((
+                        MeshReference { link: link.clone(), is_visual, origin, mesh },
+                        colour,
+                    ));
                 }
                 continue;
             }
@@ -195,8 +198,8 @@ fn found(text: &str) -> Result<Vec<Found>, UrdfError> {
             depth += usize::from(is_open);
             continue;
         }
-        let at = At { text, start, end: offset(reader.buffer_position()) };
-        let tag = Tag { element: &element, at };
+        let span = TextSpan { text, start, end: offset(reader.buffer_position()) };
+        let tag = Tag { element: &element, span };
         let name = element.name().as_ref().to_vec();
         let path: Vec<&[u8]> = open.iter().map(Vec::as_slice).chain([name.as_slice()]).collect();
         match (path.as_slice(), &mut draft) {
@@ -219,7 +222,7 @@ fn found(text: &str) -> Result<Vec<Found>, UrdfError> {
                     scale: tag.numbers("scale")?.unwrap_or([1.0; 3]),
                     pose: Pose::IDENTITY,
                     rgba: None,
-                    at: lines.next(at),
+                    place: lines.next(span),
                 });
             }
             ([b"link", _, b"material"], Some(draft)) => {
@@ -250,12 +253,12 @@ fn found(text: &str) -> Result<Vec<Found>, UrdfError> {
     // A colour may be defined after its use.
     Ok(all
         .into_iter()
-        .map(|(mut found, colour)| {
-            found.mesh.rgba = colour.and_then(|colour| match colour {
+        .map(|(mut reference, colour)| {
+            reference.mesh.rgba = colour.and_then(|colour| match colour {
                 Colour::Of(rgba) => Some(rgba),
                 Colour::Named(name) => colours.get(&name).copied(),
             });
-            found
+            reference
         })
         .collect())
 }

@@ -8,13 +8,13 @@ use quick_xml::{Reader, events::Event};
 use super::{
     UrdfError,
     joint::{Draft, UrdfJoint},
-    tag::{At, Tag},
+    tag::{Tag, TextSpan},
 };
 
 /// Links and joints of a URDF.
 pub(super) struct Description<'t> {
     /// Place of the root element.
-    pub(super) at: At<'t>,
+    pub(super) span: TextSpan<'t>,
     pub(super) links: Vec<String>,
     pub(super) joints: Vec<UrdfJoint<'t>>,
 }
@@ -37,7 +37,7 @@ impl<'t> Description<'t> {
                 Err(error) => {
                     let byte = offset(reader.error_position());
                     return Err(UrdfError::Xml {
-                        at: Place::of_span(text, byte..byte + 1),
+                        place: Place::of_span(text, byte..byte + 1),
                         problem: error.to_string(),
                     });
                 }
@@ -46,9 +46,9 @@ impl<'t> Description<'t> {
                 Ok(Event::End(_)) => {
                     depth = depth.saturating_sub(1);
                     if depth == 1
-                        && let (Some(done), Some(description)) = (draft.take(), &mut description)
+                        && let (Some(joint), Some(description)) = (draft.take(), &mut description)
                     {
-                        description.joints.push(done.finish()?);
+                        description.joints.push(joint.finish()?);
                     }
                     continue;
                 }
@@ -58,34 +58,34 @@ impl<'t> Description<'t> {
                         None => "it has no element".to_owned(),
                         Some(description) => return Ok(description),
                     };
-                    let at = Place::of_span(text, text.len()..text.len());
-                    return Err(UrdfError::Xml { at, problem });
+                    let place = Place::of_span(text, text.len()..text.len());
+                    return Err(UrdfError::Xml { place, problem });
                 }
                 Ok(_) => continue,
             };
-            let at = At { text, start, end: offset(reader.buffer_position()) };
-            let tag = Tag { element: &element, at };
+            let span = TextSpan { text, start, end: offset(reader.buffer_position()) };
+            let tag = Tag { element: &element, span };
             match (depth, element.name().as_ref(), &mut description, &mut draft) {
                 (0, _, Some(_), _) => {
                     let problem = "it has a second outermost element".to_owned();
-                    return Err(UrdfError::Xml { at: at.place(), problem });
+                    return Err(UrdfError::Xml { place: span.place(), problem });
                 }
                 (0, b"robot", None, _) => {
                     quaternions = tag.attribute("version")?.is_some_and(|v| v.trim() != "1.0");
-                    description = Some(Self { at, links: Vec::new(), joints: Vec::new() });
+                    description = Some(Self { span, links: Vec::new(), joints: Vec::new() });
                 }
                 (0, name, None, _) => {
                     let found = String::from_utf8_lossy(name).into_owned();
-                    return Err(UrdfError::NotUrdf { at: at.place(), found });
+                    return Err(UrdfError::NotUrdf { place: span.place(), found });
                 }
                 (1, b"link", Some(description), _) => {
                     let name = tag.required("name", "a link")?;
-                    unique(&mut names, format!("link {name:?}"), at)?;
+                    unique(&mut names, format!("link {name:?}"), span)?;
                     description.links.push(name);
                 }
                 (1, b"joint", Some(description), _) => {
                     let new = Draft::new(&tag)?;
-                    unique(&mut names, format!("joint {:?}", new.joint.name), at)?;
+                    unique(&mut names, format!("joint {:?}", new.joint.name), span)?;
                     if is_open {
                         draft = Some(new);
                     } else {
@@ -101,10 +101,10 @@ impl<'t> Description<'t> {
 }
 
 /// Adds `name` to `names`; an error if `names` already contains it.
-fn unique(names: &mut HashSet<String>, name: String, at: At<'_>) -> Result<(), UrdfError> {
+fn unique(names: &mut HashSet<String>, name: String, span: TextSpan<'_>) -> Result<(), UrdfError> {
     match names.replace(name) {
         None => Ok(()),
-        Some(owner) => Err(UrdfError::Duplicate { at: at.place(), owner }),
+        Some(owner) => Err(UrdfError::Duplicate { place: span.place(), owner }),
     }
 }
 

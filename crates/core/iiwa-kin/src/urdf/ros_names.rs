@@ -28,7 +28,8 @@ pub struct RosPrefix(String);
 /// Error: a prefix that ROS names cannot begin with, or that is too long.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error(
-    "a prefix of names is 1 to {MAX_PREFIX} letters (a to z, A to Z), digits and `_`, a letter first"
+    "a prefix of names is 1 to {MAX_PREFIX} letters (a to z, A to Z), digits and `_`, a letter \
+     first"
 )]
 pub struct BadRosPrefix;
 

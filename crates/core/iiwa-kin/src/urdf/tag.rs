@@ -8,13 +8,13 @@ use super::UrdfError;
 
 /// Byte range of a text; line and column are computed only on demand.
 #[derive(Clone, Copy)]
-pub(super) struct At<'t> {
+pub(super) struct TextSpan<'t> {
     pub(super) text: &'t str,
     pub(super) start: usize,
     pub(super) end: usize,
 }
 
-impl At<'_> {
+impl TextSpan<'_> {
     pub(super) fn place(self) -> Place {
         Place::of_span(self.text, self.start..self.end)
     }
@@ -23,13 +23,13 @@ impl At<'_> {
 /// Start tag of an element.
 pub(super) struct Tag<'a, 't> {
     pub(super) element: &'a BytesStart<'a>,
-    pub(super) at: At<'t>,
+    pub(super) span: TextSpan<'t>,
 }
 
 impl Tag<'_, '_> {
     pub(super) fn attribute(&self, name: &str) -> Result<Option<String>, UrdfError> {
-        let xml = |problem: String| UrdfError::Xml { at: self.at.place(), problem };
-        let mut found = None;
+        let xml = |problem: String| UrdfError::Xml { place: self.span.place(), problem };
+        let mut decoded = None;
         // The library's duplicate check takes quadratic time in the number of attributes.
         for attribute in self.element.attributes().with_checks(false) {
             let attribute = attribute.map_err(|error| xml(error.to_string()))?;
@@ -37,17 +37,17 @@ impl Tag<'_, '_> {
                 let value = attribute
                     .decode_and_unescape_value(self.element.decoder())
                     .map_err(|error| xml(error.to_string()))?;
-                if found.replace(value.into_owned()).is_some() {
+                if decoded.replace(value.into_owned()).is_some() {
                     return Err(xml(format!("the attribute {name} is there twice")));
                 }
             }
         }
-        Ok(found)
+        Ok(decoded)
     }
 
     pub(super) fn required(&self, name: &'static str, owner: &str) -> Result<String, UrdfError> {
         self.attribute(name)?.ok_or_else(|| UrdfError::Missing {
-            at: self.at.place(),
+            place: self.span.place(),
             owner: owner.to_owned(),
             missing: name,
         })
@@ -58,8 +58,8 @@ impl Tag<'_, '_> {
         &self,
         name: &str,
     ) -> Result<Option<[f64; N]>, UrdfError> {
-        let Some(found) = self.attribute(name)? else { return Ok(None) };
-        let numbers: Option<Vec<f64>> = found
+        let Some(value) = self.attribute(name)? else { return Ok(None) };
+        let numbers: Option<Vec<f64>> = value
             .split_whitespace()
             .take(N + 1)
             .map(|number| number.parse().ok().filter(|number: &f64| number.is_finite()))
@@ -67,9 +67,9 @@ impl Tag<'_, '_> {
         match numbers.and_then(|numbers| <[f64; N]>::try_from(numbers).ok()) {
             Some(numbers) => Ok(Some(numbers)),
             None => Err(UrdfError::Numbers {
-                at: self.at.place(),
+                place: self.span.place(),
                 attribute: name.to_owned(),
-                found: found.chars().take(80).collect(),
+                found: value.chars().take(80).collect(),
                 expected: N,
             }),
         }

@@ -156,15 +156,15 @@ impl ChordCurve {
 
     /// Share of the arc length up to `s`.
     pub(crate) fn arc_share(&self, s: Taylor) -> Taylor {
-        let Taylor([at, s1, s2, s3]) = s;
+        let Taylor([s0, s1, s2, s3]) = s;
         let last = self.nodes.len() - 1;
-        let index = self.nodes[1..last].partition_point(|node| node.s <= at);
+        let index = self.nodes[1..last].partition_point(|node| node.s <= s0);
         let node = self.nodes[index];
-        let length_m = node.length_m + self.shape.length_m([node.s, at]);
+        let length_m = node.length_m + self.shape.length_m([node.s, s0]);
         // Series of the length by s, from that of the speed.
         let rate = self
             .shape
-            .at(Taylor::variable(at))
+            .at(Taylor::variable(s0))
             .map(|Taylor([_, one, two, three])| Taylor([one, 2.0 * two, 3.0 * three, 0.0]));
         let Taylor([speed, speed1, speed2, _]) = dot(&rate, &rate).sqrt();
         let by = Taylor([0.0, s1, s2, s3]);
@@ -191,10 +191,10 @@ mod tests {
             let [value, one, two, three] = share.derivatives().map(|x| x * length(1.0));
             // The speed w = sqrt(1 + 4 u^2), w' = 4 u / w, w'' = 4 / w^3.
             let w = (1.0 + 4.0 * u * u).sqrt();
-            for (found, expected) in
+            for (actual, expected) in
                 [(value, length(u)), (one, w), (two, 4.0 * u / w), (three, 4.0 / w.powi(3))]
             {
-                assert!((found - expected).abs() < 1e-13, "{found} {expected}");
+                assert!((actual - expected).abs() < 1e-13, "{actual} {expected}");
             }
         }
     }
@@ -225,8 +225,8 @@ mod tests {
             // At the other end: dv/ds = 1/2, the second and third derivative are zero.
             let other = if cusp == Cusp::Start { 1.0 } else { 0.0 };
             let [x, ..] = curve.at(Taylor::variable(other)).map(Taylor::derivatives);
-            for (found, expected) in x.into_iter().zip([0.5, 0.5, 0.25, 0.0]) {
-                assert!((found.abs() - expected).abs() < 1e-13, "{found}");
+            for (actual, expected) in x.into_iter().zip([0.5, 0.5, 0.25, 0.0]) {
+                assert!((actual.abs() - expected).abs() < 1e-13, "{actual}");
             }
         }
     }

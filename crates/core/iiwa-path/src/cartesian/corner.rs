@@ -135,8 +135,8 @@ fn shares(
     // On a TCP path, `setBlendingRel` applies to the redundancy only, and the blend is the least
     // possible.
     let paths = next_to_corner(legs);
-    let least_mm = (paths[0].is_some() && size.sunrise_rel.is_some()).then_some(CART_MM_MIN);
-    let radius_mm = size.cart_mm.or(least_mm);
+    let min_mm = (paths[0].is_some() && size.sunrise_rel.is_some()).then_some(CART_MM_MIN);
+    let radius_mm = size.cart_mm.or(min_mm);
     let in_joints = match (radius_mm, size.sunrise_rel, size.fraction) {
         (Some(radius), ..) => Some(Blend::CartMm(radius)),
         (_, Some(share), _) => Some(Blend::SunriseRel(share)),

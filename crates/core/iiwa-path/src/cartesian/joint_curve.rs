@@ -85,8 +85,8 @@ fn joints_of(
     let joints = robot
         .inverse_moving(&tcp.then_fixed(flange), e1, status)
         .map_err(CurveFault::Unreachable)?;
-    let (least, axis) = robot.singularity(&joints.map(Number::value)).least();
-    if least < SINGULAR || !joints.iter().flat_map(|joint| joint.0).all(f64::is_finite) {
+    let (distance, axis) = robot.singularity(&joints.map(Number::value)).nearest();
+    if distance < SINGULAR || !joints.iter().flat_map(|joint| joint.0).all(f64::is_finite) {
         return Err(CurveFault::Singular(axis));
     }
     Ok(joints)

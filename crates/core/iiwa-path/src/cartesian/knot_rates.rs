@@ -137,8 +137,11 @@ mod tests {
 
     #[test]
     fn a_segment_that_is_not_free_gives_its_rates() {
-        let given = [1.0, 2.0].map(|x| Rates { first: [x], second: [-x] });
-        let stretches = [Stretch::Free { chord: 1.0, step: [1.0] }, Stretch::Given(given)];
-        assert_eq!(rate_sources(&stretches, 0), [RateSource::End, RateSource::Neighbour(given[0])]);
+        let prescribed = [1.0, 2.0].map(|x| Rates { first: [x], second: [-x] });
+        let stretches = [Stretch::Free { chord: 1.0, step: [1.0] }, Stretch::Given(prescribed)];
+        assert_eq!(
+            rate_sources(&stretches, 0),
+            [RateSource::End, RateSource::Neighbour(prescribed[0])]
+        );
     }
 }

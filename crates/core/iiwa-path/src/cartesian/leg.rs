@@ -35,8 +35,8 @@ pub(crate) fn legs(program: &Program, robot: &Arc<Robot>) -> Result<Vec<Option<L
         let leg = match entry {
             Motion::Ptp(ptp) => Some(Leg { ends_rad: [at_rad, ptp.target_rad], paths: Vec::new() }),
             Motion::Wait { .. } | Motion::Load(_) => None,
-            Motion::Cartesian(own) => {
-                Some(leg(program, robot, &at_rad, own).map_err(|(key, fault)| {
+            Motion::Cartesian(cartesian) => {
+                Some(leg(program, robot, &at_rad, cartesian).map_err(|(key, fault)| {
                     Fault::Cartesian { motion: Some(motion), key, fault: Box::new(fault) }
                 })?)
             }
@@ -89,12 +89,12 @@ fn leg(
         }
         Course::Spline(segments) => {
             let paths = spline(&site, from_rad, motion, segments);
-            let paths = paths.map_err(|found| match found {
+            let paths = paths.map_err(|error| match error {
                 // A single SPL, which is a spline without a list of segments.
                 (_, CartesianFault::Segment { key, fault, .. }) if motion.is_single_spl() => {
                     (key, *fault)
                 }
-                found => found,
+                error => error,
             })?;
             let to_rad = match paths.last() {
                 Some(last) => last.end_rad().map_err(|fault| ("segments", fault))?,

@@ -174,8 +174,8 @@ mod tests {
             for i in 0..=10 {
                 let x = f64::from(i) / 10.0;
                 let [[expected], ..] = curve.derivatives(from + x * (to - from));
-                let [[found], ..] = part.derivatives(x);
-                assert!((found - expected).abs() < 1e-14);
+                let [[actual], ..] = part.derivatives(x);
+                assert!((actual - expected).abs() < 1e-14);
             }
         }
     }

@@ -97,7 +97,7 @@ fn reversals(curve: &Quintic<3>, chord_m: f64) -> Vec<f64> {
         dot(&one, &two)
     };
     let at = |i: u32| f64::from(i) / f64::from(SAMPLES);
-    let mut found = Vec::new();
+    let mut reversals = Vec::new();
     for i in 0..SAMPLES {
         let [mut low, mut high] = [at(i), at(i + 1)];
         // Only minima of the speed: its slope changes from negative to positive.
@@ -114,10 +114,10 @@ fn reversals(curve: &Quintic<3>, chord_m: f64) -> Vec<f64> {
         }
         let [_, speed, _] = curve.derivatives(high);
         if high < 1.0 && norm(&speed) < REVERSAL * chord_m {
-            found.push(high);
+            reversals.push(high);
         }
     }
-    found
+    reversals
 }
 
 #[cfg(test)]

@@ -48,8 +48,8 @@ impl<'a> Site<'a> {
         key: &'static str,
         target: &'a TargetRef,
     ) -> Found<(&'a Target, Pose)> {
-        let found = self.program.workcell.target(target, self.base);
-        found.map_err(|fault| (key, CartesianFault::Name(fault)))
+        let frame = self.program.workcell.target(target, self.base);
+        frame.map_err(|fault| (key, CartesianFault::Name(fault)))
     }
 
     /// Builds a circle from one pose to another.
@@ -86,14 +86,15 @@ impl<'a> Site<'a> {
     }
 
     /// Returns the limits of a segment of `spline`, or `None` if it has no limits of its own.
-    pub(crate) fn own_limits(
+    pub(crate) fn segment_limits(
         &self,
         spline: &CartesianMotion,
         segment: &SplineSegment,
     ) -> Option<MotionLimits> {
-        let own = &segment.limits;
-        (*own != SegmentLimits::default())
-            .then(|| MotionLimits::of_segment(self.robot, spline, own, &self.program.workcell))
+        let segment_limits = &segment.limits;
+        (*segment_limits != SegmentLimits::default()).then(|| {
+            MotionLimits::of_segment(self.robot, spline, segment_limits, &self.program.workcell)
+        })
     }
 
     /// Builds the TCP curve on a course, with the status of the joints at the start of the motion.

@@ -212,9 +212,9 @@ impl Run<'_> {
             }];
         }
         let count = self.between.len();
-        let given: Vec<GivenRates> =
+        let prescribed: Vec<GivenRates> =
             self.between.iter().zip(self.steps).map(|(b, step)| GivenRates::of(b, step)).collect();
-        let positions = self.positions(&given);
+        let positions = self.positions(&prescribed);
         let arcs_m: Vec<f64> = positions
             .iter()
             .zip(self.steps)
@@ -224,13 +224,13 @@ impl Run<'_> {
             })
             .collect();
         let mut pieces = Vec::with_capacity(count);
-        let channels = self.channels(&given, &arcs_m);
+        let channels = self.channels(&prescribed, &arcs_m);
         for (i, (parts, (turn, e1))) in positions.into_iter().zip(channels).enumerate() {
             let segment = self.first + i;
             let stops = i + 1 < count
                 && (self.is_restart(i + 1)
                     || parts.last().is_some_and(|part| part.stops)
-                    || GivenRates::contradict(&given[i], &given[i + 1]));
+                    || GivenRates::contradict(&prescribed[i], &prescribed[i + 1]));
             let Knot { pose, e1_rad } = &self.knots[i];
             let even_e1 = || Linked::even([0.0], [self.steps[i].e1_rad]);
             let e1 = e1.unwrap_or_else(even_e1).plus(&[*e1_rad]);
@@ -263,7 +263,7 @@ impl Run<'_> {
     /// where the segment itself determines them.
     fn channels(
         &self,
-        given: &[GivenRates],
+        prescribed: &[GivenRates],
         arcs_m: &[f64],
     ) -> Vec<(Option<Linked<3>>, Option<Linked<1>>)> {
         let count = self.steps.len();
@@ -273,7 +273,7 @@ impl Run<'_> {
             let range = start..end;
             let stretches = range.clone().map(|i| {
                 let KnotStep { turn_rad, e1_rad, .. } = &self.steps[i];
-                (stretch(turn_rad, given[i].turn), stretch(&[*e1_rad], given[i].e1))
+                (stretch(turn_rad, prescribed[i].turn), stretch(&[*e1_rad], prescribed[i].e1))
             });
             let (turn, e1): (Vec<_>, Vec<_>) = stretches.unzip();
             let turns = channel(&turn, &arcs_m[range.clone()], turned);
@@ -284,12 +284,12 @@ impl Run<'_> {
     }
 
     /// Returns the position on the SPL segments, and no parts for the others.
-    fn positions(&self, given: &[GivenRates]) -> Vec<Vec<PositionPart>> {
+    fn positions(&self, prescribed: &[GivenRates]) -> Vec<Vec<PositionPart>> {
         let stretches: Vec<Stretch<3>> = self
             .steps
             .iter()
-            .zip(given)
-            .map(|(step, given)| match given.position {
+            .zip(prescribed)
+            .map(|(step, prescribed)| match prescribed.position {
                 Some(rates) => Stretch::Given(rates),
                 None => Stretch::Free { chord: step.length_m, step: step.by_m },
             })
@@ -326,8 +326,8 @@ impl Run<'_> {
 }
 
 /// Returns orientation or E1 of a segment as a stretch.
-fn stretch<const N: usize>(step: &[f64; N], given: Option<[Rates<N>; 2]>) -> Stretch<N> {
-    given.map_or_else(
+fn stretch<const N: usize>(step: &[f64; N], prescribed: Option<[Rates<N>; 2]>) -> Stretch<N> {
+    prescribed.map_or_else(
         || {
             let length = step.iter().map(|x| x * x).sum::<f64>().sqrt();
             Stretch::Free { chord: length.max(MIN_CHORD_RAD), step: *step }

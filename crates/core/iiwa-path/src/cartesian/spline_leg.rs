@@ -29,8 +29,8 @@ pub(crate) fn spline<'a>(
         segments.iter().map(|segment| segment.orientation.unwrap_or(motion.orientation)).collect();
     let mut knots = vec![Knot { pose: site.pose(from_rad), e1_rad: from_rad[2] }];
     for (index, segment) in segments.iter().enumerate() {
-        let found = site.frame("frame", segment.course.target());
-        let (target, pose) = found.map_err(|fault| in_segment(index, fault))?;
+        let frame = site.frame("frame", segment.course.target());
+        let (target, pose) = frame.map_err(|fault| in_segment(index, fault))?;
         let e1_rad = target.e1_rad.unwrap_or(knots[index].e1_rad);
         knots.push(Knot { pose, e1_rad });
     }
@@ -69,7 +69,7 @@ pub(crate) fn spline<'a>(
         ranges_m.push(piece.range_m);
         let path = TcpPath::of(site.curve(from_rad, piece.course, piece.e1_rad));
         let path = path.map_err(|fault| in_segment(index, ("frame", fault.without_hint())))?;
-        let limits = site.own_limits(motion, &segments[index]).map(Arc::new);
+        let limits = site.segment_limits(motion, &segments[index]).map(Arc::new);
         paths.push(TcpPath { stops: piece.stops, limits, ..path });
     }
     // One path parameter for all paths, except where the TCP is at rest: there the path stops at
@@ -96,9 +96,9 @@ fn in_segment(
 /// orientation that of the knot before, otherwise an orientation between those of the neighbours,
 /// in proportion to chord length.
 fn turn_knots(knots: &mut [Knot], types: &[OrientationType]) {
-    let is_own = |knot: usize| knot == 0 || types[knot - 1] == OrientationType::Variable;
+    let is_reached = |knot: usize| knot == 0 || types[knot - 1] == OrientationType::Variable;
     let mut before = 0;
-    for next in (1..knots.len()).filter(|knot| is_own(*knot)).chain([knots.len()]) {
+    for next in (1..knots.len()).filter(|knot| is_reached(*knot)).chain([knots.len()]) {
         let from = knots[before].pose.rotation;
         let turn = knots
             .get(next)
@@ -116,8 +116,8 @@ fn turn_knots(knots: &mut [Knot], types: &[OrientationType]) {
                 way
             })
             .collect();
-        for (knot, at) in (before + 1..next).zip(ways) {
-            let share = if at > 0.0 { at / way } else { 0.0 };
+        for (knot, knot_way) in (before + 1..next).zip(ways) {
+            let share = if way > 0.0 { knot_way / way } else { 0.0 };
             knots[knot].pose.rotation = product(&from, &exp(&scaled(share, &turn)));
         }
         before = next;

@@ -129,7 +129,10 @@ proptest! {
             for order in 0..3 {
                 // Rates of orientation and E1 increase as the shorter chord decreases.
                 let tolerance = [1e-12, 1e-8, 1e-4][order];
-                prop_assert!(largest(sub(&a.0[order], &b.0[order])) < tolerance, "position {order}");
+                prop_assert!(
+                    largest(sub(&a.0[order], &b.0[order])) < tolerance,
+                    "position {order}"
+                );
                 let rotations = a.1[order].as_flattened().iter().zip(b.1[order].as_flattened());
                 prop_assert!(largest(rotations.map(|(a, b)| a - b)) < tolerance, "turn {order}");
                 prop_assert!((a.2[order] - b.2[order]).abs() < tolerance, "E1 {order}");
@@ -403,7 +406,7 @@ fn a_repeated_point_parts_the_spline() {
 
 /// The TCP stops before and after a change of orientation or E1 alone.
 #[test]
-fn a_turn_in_place_is_a_piece_of_its_own() {
+fn a_turn_in_place_is_a_separate_piece() {
     let knots = [
         knot([0.0, 0.0, 0.0], [0.0; 3], 0.0),
         knot([0.1, 0.0, 0.0], [0.0; 3], 0.0),

@@ -134,8 +134,8 @@ impl TcpCourse {
         let carried = turn.with_path.then(|| scaled(whole, &axis));
         let relative = |rotation: &Mat3<f64>, share: f64| {
             let carried = carried.map_or([0.0; 3], |r| scaled(-share, &r));
-            let own = product(&exp(&carried), rotation);
-            log_or_half_turn(&product(&transposed(&from.rotation), &own))
+            let relative = product(&exp(&carried), rotation);
+            log_or_half_turn(&product(&transposed(&from.rotation), &relative))
                 .ok_or(CourseFault::HalfTurn)
         };
         let (mut linear, mut square) = ([0.0; 3], [0.0; 3]);
@@ -299,16 +299,16 @@ impl TcpCourse {
         }
         let target = if end == 0 { length } else { whole - length };
         let index = nodes.partition_point(|node| node.1[which] <= target).clamp(1, INTERVALS) - 1;
-        let [mut least, mut most] = [0.0, 1.0];
+        let [mut lower, mut upper] = [0.0, 1.0];
         for _ in 0..HALVINGS {
-            let share = f64::midpoint(least, most);
+            let share = f64::midpoint(lower, upper);
             if rising(&nodes[index..], which, share) < target {
-                least = share;
+                lower = share;
             } else {
-                most = share;
+                upper = share;
             }
         }
-        let s = (index as f64 + f64::midpoint(least, most)) / INTERVALS as f64;
+        let s = (index as f64 + f64::midpoint(lower, upper)) / INTERVALS as f64;
         if end == 0 { s } else { 1.0 - s }
     }
 }
@@ -443,8 +443,8 @@ mod tests {
             let places = (0..=1000).map(|i| at(&course, f64::from(i) / 1000.0).1);
             places.map(|rotation| off(&rotation, &aux.rotation)).fold(f64::INFINITY, f64::min)
         };
-        let found = nearest(Some((aux.rotation, ByWayOf::Somewhere)));
-        assert!(found < 2e-3, "{found}");
+        let actual = nearest(Some((aux.rotation, ByWayOf::Somewhere)));
+        assert!(actual < 2e-3, "{actual}");
         let without = nearest(None);
         assert!(without > 0.1, "{without}");
     }

@@ -30,7 +30,7 @@ impl TcpPath {
     pub(crate) fn of(curve: TcpCurve) -> Result<Self, CartesianFault> {
         let curve = Arc::new(curve);
         let image = JointSpline::of(Arc::clone(&curve) as Arc<dyn JointCurve>)
-            .map_err(|found| curve.fault(found))?;
+            .map_err(|fault| curve.fault(fault))?;
         if let Some((joint, s, found_rad)) = image.outside(curve.robot.limits()) {
             return Err(CartesianFault::OutsideOnTheWay {
                 s,
@@ -108,7 +108,7 @@ impl TcpCurve {
                     let joints = joints.map(Number::value);
                     // The start does not depend on the E1 at the target.
                     let starts = i == 0;
-                    (starts || self.robot.singularity(&joints).least().0 > CLEAR)
+                    (starts || self.robot.singularity(&joints).nearest().0 > CLEAR)
                         && self.robot.limits().check(&joints).is_ok()
                 })
             })

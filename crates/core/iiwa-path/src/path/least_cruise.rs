@@ -42,10 +42,10 @@ impl JointPath {
             }
             let mut tool = *limits.tool();
             tool.way[LimitKind::Velocity] = speed.min(tool.way[LimitKind::Velocity]);
-            let own = Some(Arc::new(limits.with_tool(tool)));
+            let limited = Some(Arc::new(limits.with_tool(tool)));
             let steps = steps.get_or_insert_with(|| self.steps.to_vec());
             if let Step::Move { limits, .. } = &mut steps[i] {
-                *limits = own;
+                *limits = limited;
             }
         }
         Some(Self { steps: Arc::new(steps?), ..self.clone() })

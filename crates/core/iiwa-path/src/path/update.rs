@@ -58,7 +58,7 @@ impl JointPath {
         // Equal curves with other limits are replaced as well: their timing changes.
         let changed = limits != self.limits[motion.index()];
         let is_same = |old: &Step, new: &Step| {
-            let is_limited = matches!(new, Step::Move { motion: own, .. } if *own == motion);
+            let is_limited = matches!(new, Step::Move { motion: index, .. } if *index == motion);
             old.is_same(new) && !(changed && is_limited)
         };
         // New steps that are equal to the old ones are not replaced.

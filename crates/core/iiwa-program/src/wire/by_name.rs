@@ -24,8 +24,8 @@ pub(super) fn by_name<'de, D: Deserializer<'de>, T: Deserialize<'de>>(
             while let Some(name) = map.next_key::<String>()? {
                 let Object(value) = map.next_value()?;
                 if all.contains_key(&name) {
-                    let what = format!("the name `{}` is there twice", excerpt(&name));
-                    return Err(A::Error::custom(what));
+                    let message = format!("the name `{}` is there twice", excerpt(&name));
+                    return Err(A::Error::custom(message));
                 }
                 all.insert(name, value);
             }

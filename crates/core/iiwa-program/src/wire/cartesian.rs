@@ -45,13 +45,17 @@ macro_rules! path_wire {
                 base: Option<String>,
                 /// Orientation interpolation.
                 #[serde(
-                    default, deserialize_with = "word", skip_serializing_if = "OrientationWire::is_variable"
+                    default,
+                    deserialize_with = "word",
+                    skip_serializing_if = "OrientationWire::is_variable"
                 )]
                 orientation: OrientationWire,
             } {
                 /// Blend at the target; without a blend the robot stops there.
                 #[serde(
-                    default, deserialize_with = "crate::wire::cartesian::blend", skip_serializing_if = "Option::is_none"
+                    default,
+                    deserialize_with = "crate::wire::cartesian::blend",
+                    skip_serializing_if = "Option::is_none"
                 )]
                 blend: Option<PathBlendWire>,
                 /// `true` if the program waits for the end of the motion before it sends the next
@@ -61,7 +65,9 @@ macro_rules! path_wire {
                 blocking: bool,
                 /// Source line of the motion.
                 #[serde(
-                    default, deserialize_with = "iiwa_json::object_or_null", skip_serializing_if = "Option::is_none"
+                    default,
+                    deserialize_with = "iiwa_json::object_or_null",
+                    skip_serializing_if = "Option::is_none"
                 )]
                 source: Option<crate::wire::source::SourceWire>,
             }
@@ -90,7 +96,8 @@ macro_rules! path_wire {
             /// Converts from `motion`, whose course is given by these fields.
             fn of(motion: &CartesianMotion, $($field: $field_type),*) -> Self {
                 let full = [1.0; 7];
-                let shares = motion.shares.map(|_, share| Some(share).filter(|share| *share != full));
+                let shares =
+                    motion.shares.map(|_, share| Some(share).filter(|share| *share != full));
                 let limits = SegmentLimits { shares, tool: motion.tool_limits };
                 Self {
                     r#type: $tag::Type,
@@ -154,7 +161,11 @@ path_wire! {
         #[serde(default, deserialize_with = "word", skip_serializing_if = "AuxWire::is_consider")]
         aux_orientation: AuxWire,
         /// Place where the end frame's orientation is reached, for an arc with an angle.
-        #[serde(default, deserialize_with = "word", skip_serializing_if = "EndWire::is_interpolate")]
+        #[serde(
+            default,
+            deserialize_with = "word",
+            skip_serializing_if = "EndWire::is_interpolate"
+        )]
         end_orientation: EndWire,
     }
 }
@@ -164,7 +175,7 @@ type Wrong = (&'static str, String);
 
 impl LinWire {
     pub(super) fn motion(mut self) -> Result<Motion, Wrong> {
-        let to = std::mem::take(&mut self.frame).target().map_err(|what| ("frame", what))?;
+        let to = std::mem::take(&mut self.frame).target().map_err(|message| ("frame", message))?;
         Ok(self.on(Course::Lin { to }))
     }
 
@@ -175,11 +186,11 @@ impl LinWire {
 
 impl LinRelWire {
     pub(super) fn motion(mut self) -> Result<Motion, Wrong> {
-        let offset = self.offset.frame().map_err(|what| ("offset", what))?;
+        let offset = self.offset.frame().map_err(|message| ("offset", message))?;
         let within = match self.r#in.take() {
             None => None,
             Some(TargetRefWire::Named(name)) if name == TCP => None,
-            Some(within) => Some(within.target().map_err(|what| ("in", what))?),
+            Some(within) => Some(within.target().map_err(|message| ("in", message))?),
         };
         let e1_rad = self.e1_deg.map(f64::to_radians);
         Ok(self.on(Course::LinRel { offset, e1_rad, within }))
@@ -206,7 +217,8 @@ impl CircWire {
             aux: self.aux_orientation,
             end: self.end_orientation,
         };
-        let [aux, to] = [aux.map_err(|what| ("aux", what))?, to.map_err(|what| ("frame", what))?];
+        let [aux, to] =
+            [aux.map_err(|message| ("aux", message))?, to.map_err(|message| ("frame", message))?];
         Ok(self.on(Course::Circ(options.circ(aux, to))))
     }
 

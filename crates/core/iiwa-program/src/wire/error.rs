@@ -16,10 +16,10 @@ pub(super) const VERSION: u64 = 1;
 #[non_exhaustive]
 pub enum ProgramError {
     /// The text is not JSON, or does not have the structure of a program.
-    #[error("{}{what}, at {place}", motion_prefix(*.motion, .made_from.as_ref()))]
+    #[error("{}{message}, at {place}", motion_prefix(*.motion, .made_from.as_ref()))]
     Json {
         /// Description of the found and the expected text.
-        what: String,
+        message: String,
         /// Motion index, if the error is in a motion.
         motion: Option<MotionIndex>,
         /// Source of the motion, if known.
@@ -36,12 +36,12 @@ pub enum ProgramError {
         place: Place,
     },
     /// The included file cannot be read.
-    #[error("cannot include `{}`: {what}, at {place}", excerpt(.name))]
+    #[error("cannot include `{}`: {reason}, at {place}", excerpt(.name))]
     Include {
         /// File name.
         name: String,
         /// Reason.
-        what: String,
+        reason: String,
         /// Place of the file name in the program.
         place: Place,
     },
@@ -94,16 +94,16 @@ impl ProgramError {
 
     /// Error message without the place.
     #[must_use]
-    pub fn what(&self) -> String {
+    pub fn message(&self) -> String {
         match self {
-            Self::Json { what, motion, made_from, .. } => {
-                format!("{}{what}", motion_prefix(*motion, made_from.as_ref()))
+            Self::Json { message, motion, made_from, .. } => {
+                format!("{}{message}", motion_prefix(*motion, made_from.as_ref()))
             }
             Self::Version { found, .. } => {
                 format!("this is a program of version {found}; version {VERSION} is understood")
             }
-            Self::Include { name, what, .. } => {
-                format!("cannot include `{}`: {what}", excerpt(name))
+            Self::Include { name, reason, .. } => {
+                format!("cannot include `{}`: {reason}", excerpt(name))
             }
             Self::Included { name, error, .. } => format!("`{}`: {error}", excerpt(name)),
             Self::Fault { fault, sources, .. } => sources.in_message(&fault.to_string()),
@@ -113,7 +113,9 @@ impl ProgramError {
     /// Adds the source of the motion.
     pub(super) fn with_source(self, made_from: Option<Source>) -> Self {
         match self {
-            Self::Json { what, motion, place, .. } => Self::Json { what, motion, made_from, place },
+            Self::Json { message, motion, place, .. } => {
+                Self::Json { message, motion, made_from, place }
+            }
             other => other,
         }
     }
@@ -146,5 +148,5 @@ pub(super) fn json_error(
     // A JSON syntax error is found before the text is split into motions.
     let motion =
         motion.or_else(|| element_at(text, "motions", place.span.start).map(MotionIndex::new));
-    ProgramError::Json { what: problem(error), motion, made_from: None, place }
+    ProgramError::Json { message: problem(error), motion, made_from: None, place }
 }

@@ -133,7 +133,11 @@ pose_wire! {
     /// A target frame: all of x, y, z, a, b and c.
     #[schemars(
         rename = "Target",
-        extend("required" = ["x_mm", "y_mm", "z_mm"], "allOf" = once(&["a", "b", "c"]), "not" = twice(&["e1"]))
+        extend(
+            "required" = ["x_mm", "y_mm", "z_mm"],
+            "allOf" = once(&["a", "b", "c"]),
+            "not" = twice(&["e1"])
+        )
     )]
     TargetWire {
         /// Base in which the frame is given.
@@ -166,11 +170,12 @@ fn twice(angles: &[&str]) -> Value {
 
 /// Schemas of objects that give each of some angles in degrees or in rad.
 fn once(angles: &[&str]) -> Value {
-    let of = |angle: &&str| {
-        let given = ["deg", "rad"].map(|unit| json!({ "required": [format!("{angle}_{unit}")] }));
-        json!({ "oneOf": given })
+    let one_unit = |angle: &&str| {
+        let required =
+            ["deg", "rad"].map(|unit| json!({ "required": [format!("{angle}_{unit}")] }));
+        json!({ "oneOf": required })
     };
-    angles.iter().map(of).collect()
+    angles.iter().map(one_unit).collect()
 }
 
 impl PoseWire {
@@ -313,7 +318,7 @@ impl ToolWire {
     fn tool(self) -> Result<Tool, String> {
         let tip = |(name, pose): (String, PoseWire)| match pose.frame() {
             Ok(frame) => Ok((name, frame)),
-            Err(what) => Err(format!("`{}`: {what}", excerpt(&name))),
+            Err(message) => Err(format!("`{}`: {message}", excerpt(&name))),
         };
         let load = self.load.map(|load| {
             if load.mass_kg >= 0.0 {
@@ -373,13 +378,13 @@ impl From<&Base> for BaseWire {
 fn check_name(
     list: &'static str,
     name: &str,
-    taken: &str,
+    used_name: &str,
     meaning: &str,
 ) -> Result<(), (&'static str, String, String)> {
-    let wrong = |what: String| Err((list, name.to_owned(), what));
+    let wrong = |message: String| Err((list, name.to_owned(), message));
     if name.is_empty() {
         wrong("a name has at least one character".to_owned())
-    } else if name == taken {
+    } else if name == used_name {
         wrong(format!("this name is that of {meaning}; choose another"))
     } else if list == "tools" && name.contains('/') {
         wrong("a tool's name has no `/`: it divides tool and tip".to_owned())
@@ -400,17 +405,18 @@ pub(super) fn workcell(
         if wire.tips.contains_key("") {
             return Err(("tools", name, "the name of a tip has at least one character".to_owned()));
         }
-        let tool = wire.tool().map_err(|what| ("tools", name.clone(), what))?;
+        let tool = wire.tool().map_err(|message| ("tools", name.clone(), message))?;
         workcell.tools.insert(name, tool);
     }
     for (name, wire) in bases {
         check_name("bases", &name, ROBOT, "the robot's foot")?;
-        let frame = wire.written().frame(false).map_err(|what| ("bases", name.clone(), what))?;
+        let frame =
+            wire.written().frame(false).map_err(|message| ("bases", name.clone(), message))?;
         workcell.bases.insert(name, Base { frame, base: wire.base });
     }
     for (name, wire) in frames {
         check_name("frames", &name, TCP, "the TCP itself")?;
-        let target = wire.target().map_err(|what| ("frames", name.clone(), what))?;
+        let target = wire.target().map_err(|message| ("frames", name.clone(), message))?;
         workcell.frames.insert(name, target);
     }
     Ok(workcell)

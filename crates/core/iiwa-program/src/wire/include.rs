@@ -63,7 +63,7 @@ impl Workcell {
             read_version(text, VERSION, |wire: &FramesWire| wire.version).map_err(|error| {
                 match error {
                     Unread::Version { found, place } => ProgramError::Json {
-                        what: format!(
+                        message: format!(
                             "these are frames of version {found}; version {VERSION} is understood"
                         ),
                         motion: None,
@@ -74,9 +74,9 @@ impl Workcell {
                 }
             })?;
         if wire.include.is_some() {
-            let what = "a file that is included includes no other".to_owned();
+            let message = "a file that is included includes no other".to_owned();
             let place = locate(text, &[Step::Key("include")]);
-            return Err(ProgramError::Json { what, motion: None, made_from: None, place });
+            return Err(ProgramError::Json { message, motion: None, made_from: None, place });
         }
         named(text, wire.tools, wire.bases, wire.frames)
     }
@@ -137,8 +137,8 @@ impl Program {
         for list in ["tools", "bases", "frames"] {
             let Some(added) = file.get(list) else { continue };
             let mut merged: RawKeys<'_> = read(included, added.get())?;
-            if let Some(own) = program.get(list) {
-                merged.extend(read::<RawKeys<'_>>(text, own.get())?);
+            if let Some(overrides) = program.get(list) {
+                merged.extend(read::<RawKeys<'_>>(text, overrides.get())?);
             }
             // Values that were just read can be written.
             lists.push((list, serde_json::value::to_raw_value(&merged).unwrap_or_default()));
@@ -155,9 +155,9 @@ pub(super) fn included(
     read: impl FnOnce(&str) -> Result<String, String>,
 ) -> Result<Workcell, ProgramError> {
     let place = || locate(text, &[Step::Key("include")]);
-    let file = read(name).map_err(|what| ProgramError::Include {
+    let file = read(name).map_err(|reason| ProgramError::Include {
         name: name.to_owned(),
-        what,
+        reason,
         place: place(),
     })?;
     Workcell::from_json(&file).map_err(|error| ProgramError::Included {

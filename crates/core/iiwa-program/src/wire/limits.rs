@@ -109,13 +109,18 @@ pub(super) struct LimitValues {
 
 impl From<LimitValues> for SegmentLimits {
     fn from(values: LimitValues) -> Self {
-        let given = |limit: Option<f64>, unit: fn(f64) -> f64| limit.map_or(f64::INFINITY, unit);
+        let or_unlimited =
+            |limit: Option<f64>, unit: fn(f64) -> f64| limit.map_or(f64::INFINITY, unit);
         let LimitValues { shares, way_mm, turn_deg } = values;
         Self {
             shares: ByKind::from_array(shares.map(|share| share.map(Share::each))),
             tool: ToolLimits {
-                way: ByKind::from_array(way_mm.map(|limit| given(limit, |limit| 1e-3 * limit))),
-                turn: ByKind::from_array(turn_deg.map(|limit| given(limit, f64::to_radians))),
+                way: ByKind::from_array(
+                    way_mm.map(|limit| or_unlimited(limit, |limit| 1e-3 * limit)),
+                ),
+                turn: ByKind::from_array(
+                    turn_deg.map(|limit| or_unlimited(limit, f64::to_radians)),
+                ),
             },
         }
     }
@@ -123,11 +128,11 @@ impl From<LimitValues> for SegmentLimits {
 
 impl From<&SegmentLimits> for LimitValues {
     fn from(SegmentLimits { shares, tool }: &SegmentLimits) -> Self {
-        let given = |limit: f64, unit: fn(f64) -> f64| limit.is_finite().then(|| unit(limit));
+        let if_limited = |limit: f64, unit: fn(f64) -> f64| limit.is_finite().then(|| unit(limit));
         Self {
             shares: shares.into_array().map(|share| share.map(Share::from)),
-            way_mm: tool.way.into_array().map(|limit| given(limit, exact_mm)),
-            turn_deg: tool.turn.into_array().map(|limit| given(limit, exact_deg)),
+            way_mm: tool.way.into_array().map(|limit| if_limited(limit, exact_mm)),
+            turn_deg: tool.turn.into_array().map(|limit| if_limited(limit, exact_deg)),
         }
     }
 }

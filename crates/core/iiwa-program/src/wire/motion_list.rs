@@ -39,9 +39,9 @@ impl MotionList {
             [("tool", workcell.tcp(None).map(drop)), ("base", workcell.base(None).map(drop))];
         let list = Self { motions: Vec::new(), workcell, sources: Sources::default() };
         let list = checked(text, list.starting_at([0.0; 7]), &motions).map(Self::from)?;
-        for (key, found) in in_use {
-            found.map_err(|fault| ProgramError::Json {
-                what: fault.to_string(),
+        for (key, checked_frame) in in_use {
+            checked_frame.map_err(|fault| ProgramError::Json {
+                message: fault.to_string(),
                 motion: None,
                 made_from: None,
                 place: locate(text, &[Step::Key(key)]),

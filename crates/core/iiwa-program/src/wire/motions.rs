@@ -57,11 +57,11 @@ pub(super) fn checked(
 fn motion(text: &str, index: usize, raw: &str) -> Result<(Motion, Option<Source>), ProgramError> {
     let motion = Some(MotionIndex::new(index));
     let fail = |error: serde_json::Error| json_error(text, raw, motion, &error);
-    let wrong = |what: String, path: &[Step<'_>]| {
+    let wrong = |message: String, path: &[Step<'_>]| {
         let path = [&[Step::Key("motions"), Step::Index(index)], path].concat();
-        ProgramError::Json { what, motion, made_from: None, place: locate(text, &path) }
+        ProgramError::Json { message, motion, made_from: None, place: locate(text, &path) }
     };
-    let at_key = |(key, what): (&str, String)| wrong(what, &[Step::Key(key)]);
+    let at_key = |(key, message): (&str, String)| wrong(message, &[Step::Key(key)]);
     let mut wire = match tag(raw).map_err(fail)?.as_deref() {
         Some("ptp") => object(raw).map(MotionWire::Ptp),
         Some("lin") => object(raw).map(MotionWire::Lin),
@@ -78,13 +78,15 @@ fn motion(text: &str, index: usize, raw: &str) -> Result<(Motion, Option<Source>
     }
     .map_err(fail)?;
     let source = wire.source_mut().take().map(SourceWire::source).transpose();
-    let source = source.map_err(|what| wrong(what.to_owned(), &[Step::Key("source")]))?;
+    let source = source.map_err(|message| wrong(message.to_owned(), &[Step::Key("source")]))?;
     let motion = match wire {
-        MotionWire::Ptp(wire) => wire.motion().map_err(|what| wrong(what, &[])),
-        MotionWire::Spline(wire) => wire.motion().map_err(|WrongSegment { index, key, what }| {
-            let path = [Step::Key("segments"), Step::Index(index), Step::Key(key)];
-            wrong(format!("segment {}: {what}", index + 1), &path)
-        }),
+        MotionWire::Ptp(wire) => wire.motion().map_err(|message| wrong(message, &[])),
+        MotionWire::Spline(wire) => {
+            wire.motion().map_err(|WrongSegment { index, key, message }| {
+                let path = [Step::Key("segments"), Step::Index(index), Step::Key(key)];
+                wrong(format!("segment {}: {message}", index + 1), &path)
+            })
+        }
         MotionWire::Lin(wire) => wire.motion().map_err(at_key),
         MotionWire::LinRel(wire) => wire.motion().map_err(at_key),
         MotionWire::Circ(wire) => wire.motion().map_err(at_key),
@@ -177,20 +179,20 @@ impl From<&Motion> for MotionWire {
             }),
             Motion::Wait { seconds, overlap } => Self::Wait(WaitWire::new(*seconds, *overlap)),
             Motion::Ptp(ptp) => Self::Ptp(PtpWire::to_joints(ptp)),
-            Motion::Cartesian(own) => match &own.course {
-                Course::Ptp { to } => Self::Ptp(PtpWire::to_frame(own, to)),
-                Course::Lin { to } => Self::Lin(LinWire::new(own, to)),
+            Motion::Cartesian(cartesian) => match &cartesian.course {
+                Course::Ptp { to } => Self::Ptp(PtpWire::to_frame(cartesian, to)),
+                Course::Lin { to } => Self::Lin(LinWire::new(cartesian, to)),
                 Course::LinRel { offset, e1_rad, within } => {
-                    Self::LinRel(LinRelWire::new(own, offset, *e1_rad, within.as_ref()))
+                    Self::LinRel(LinRelWire::new(cartesian, offset, *e1_rad, within.as_ref()))
                 }
-                Course::Circ(circ) => Self::Circ(CircWire::new(own, circ)),
+                Course::Circ(circ) => Self::Circ(CircWire::new(cartesian, circ)),
                 Course::Spline(segments) => match segments.as_slice() {
                     [SplineSegment { course: SegmentCourse::Spl { to }, .. }]
-                        if own.is_single_spl() =>
+                        if cartesian.is_single_spl() =>
                     {
-                        Self::Spl(SplWire::new(own, to))
+                        Self::Spl(SplWire::new(cartesian, to))
                     }
-                    segments => Self::Spline(SplineWire::new(own, segments)),
+                    segments => Self::Spline(SplineWire::new(cartesian, segments)),
                 },
             },
         }

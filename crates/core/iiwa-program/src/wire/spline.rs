@@ -68,7 +68,11 @@ limited_wire! {
         /// Target frame.
         frame: TargetRefWire,
         /// Orientation interpolation; the spline's by default.
-        #[serde(default, deserialize_with = "word_or_null", skip_serializing_if = "Option::is_none")]
+        #[serde(
+            default,
+            deserialize_with = "word_or_null",
+            skip_serializing_if = "Option::is_none"
+        )]
         orientation: Option<OrientationWire>,
         /// Auxiliary frame of a circle.
         #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -85,7 +89,11 @@ limited_wire! {
         aux_orientation: AuxWire,
         /// Place where the orientation of a circle's end frame is reached, for an arc with an
         /// angle.
-        #[serde(default, deserialize_with = "word", skip_serializing_if = "EndWire::is_interpolate")]
+        #[serde(
+            default,
+            deserialize_with = "word",
+            skip_serializing_if = "EndWire::is_interpolate"
+        )]
         end_orientation: EndWire,
     } {
         /// Key of whole splines only, read here to give a specific error.
@@ -99,14 +107,14 @@ limited_wire! {
 pub(super) struct WrongSegment {
     pub(super) index: usize,
     pub(super) key: &'static str,
-    pub(super) what: String,
+    pub(super) message: String,
 }
 
 impl SplineWire {
     pub(super) fn motion(mut self) -> Result<Motion, WrongSegment> {
         let segments = std::mem::take(&mut self.segments).into_iter().enumerate();
         let segments = segments.map(|(index, Object(segment))| {
-            segment.segment().map_err(|(key, what)| WrongSegment { index, key, what })
+            segment.segment().map_err(|(key, message)| WrongSegment { index, key, message })
         });
         let segments = segments.collect::<Result<_, _>>()?;
         Ok(self.on(Course::Spline(segments)))
@@ -120,7 +128,7 @@ impl SplineWire {
 
 impl SplWire {
     pub(super) fn motion(mut self) -> Result<Motion, (&'static str, String)> {
-        let to = std::mem::take(&mut self.frame).target().map_err(|what| ("frame", what))?;
+        let to = std::mem::take(&mut self.frame).target().map_err(|message| ("frame", message))?;
         let course = SegmentCourse::Spl { to };
         Ok(self.on(Course::Spline(vec![SplineSegment {
             course,
@@ -137,8 +145,8 @@ impl SplWire {
 impl SegmentWire {
     fn segment(self) -> Result<SplineSegment, (&'static str, String)> {
         if self.blend.is_some() {
-            let what = "a segment of a spline cannot be blended: blend the whole spline";
-            return Err(("blend", what.to_owned()));
+            let message = "a segment of a spline cannot be blended: blend the whole spline";
+            return Err(("blend", message.to_owned()));
         }
         let for_circles = [
             ("aux", self.aux.is_some()),
@@ -148,11 +156,11 @@ impl SegmentWire {
             ("end_orientation", !self.end_orientation.is_interpolate()),
         ];
         let limits = self.limits();
-        let to = self.frame.target().map_err(|what| ("frame", what))?;
+        let to = self.frame.target().map_err(|message| ("frame", message))?;
         let course = if self.r#type == SegmentType::Circ {
             let aux =
                 self.aux.ok_or(("type", "a circle needs `aux`, a frame on its way".to_owned()))?;
-            let aux = aux.target().map_err(|what| ("aux", what))?;
+            let aux = aux.target().map_err(|message| ("aux", message))?;
             let options = CircOptions {
                 angle_deg: self.circ_angle_deg,
                 reference: self.orientation_reference,

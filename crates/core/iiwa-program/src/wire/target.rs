@@ -28,8 +28,8 @@ impl Target {
         let Object(wire) = serde_json::from_str::<Object<TargetWire>>(text)
             .map_err(|error| json_error(text, text, None, &error))?;
         let place = || locate(text, &[]);
-        wire.target().map_err(|what| ProgramError::Json {
-            what,
+        wire.target().map_err(|message| ProgramError::Json {
+            message,
             motion: None,
             made_from: None,
             place: place(),

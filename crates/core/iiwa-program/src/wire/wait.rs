@@ -55,7 +55,7 @@ impl WaitWire {
     }
 
     pub(super) fn motion(self) -> Result<Motion, (&'static str, String)> {
-        let wrong = |what: &str| Err(("overlap_motions", what.to_owned()));
+        let wrong = |message: &str| Err(("overlap_motions", message.to_owned()));
         let overlap = match (self.overlap, self.overlap_motions) {
             (Some(_), Some(_)) => return wrong("give either `overlap` or `overlap_motions`"),
             (_, Some(0)) => return wrong("overlap_motions must be at least 1"),

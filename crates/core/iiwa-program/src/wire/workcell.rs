@@ -52,8 +52,8 @@ pub(super) fn named(
     bases: BTreeMap<String, BaseWire>,
     frames: BTreeMap<String, TargetWire>,
 ) -> Result<Workcell, ProgramError> {
-    workcell(tools, bases, frames).map_err(|(list, name, what)| ProgramError::Json {
-        what: format!("`{}`: {what}", excerpt(&name)),
+    workcell(tools, bases, frames).map_err(|(list, name, message)| ProgramError::Json {
+        message: format!("`{}`: {message}", excerpt(&name)),
         motion: None,
         made_from: None,
         place: locate(text, &[Step::Key(list), Step::Key(&name)]),

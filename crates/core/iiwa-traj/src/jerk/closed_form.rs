@@ -19,7 +19,7 @@ const INTERVALS: f64 = 200.0;
 
 /// Largest share of a limit that a joint may use at the checked points, so that it keeps the limit
 /// in between as well.
-const MOST_SHARE: f64 = 0.99;
+const MAX_SHARE: f64 = 0.99;
 
 /// Returns the stamps of a section that is one line in joint space.
 pub(super) fn line(segment: &LimitedSegment<'_>) -> Stamps {
@@ -62,7 +62,7 @@ pub(super) fn sunrise_line(
 }
 
 fn stamps(instants: &[ProfilePoint], length: f64, usage: &LimitUsage) -> Stamps {
-    let nodes: Vec<Node> = instants.iter().map(|at| at.node(length)).collect();
+    let nodes: Vec<Node> = instants.iter().map(|instant| instant.node(length)).collect();
     let segments = vec![SegmentStamps { nodes: 0..nodes.len(), usage: usage.clone() }];
     Stamps { nodes, segments }
 }
@@ -86,7 +86,7 @@ pub(super) fn tcp_path(segment: &LimitedSegment<'_>) -> Option<Stamps> {
             for (k, (rates, dt)) in interval.rates().into_iter().enumerate() {
                 let shares = segment.shares(&geometry, 2 * i + k, rates);
                 let joints = shares.values().flat_map(|shares| &shares[..7]);
-                if !joints.into_iter().all(|share| share.abs() <= MOST_SHARE) {
+                if !joints.into_iter().all(|share| share.abs() <= MAX_SHARE) {
                     return None;
                 }
                 usage.sample(&shares, dt);
@@ -115,7 +115,8 @@ impl ConstantJerk {
     /// Returns speed, acceleration and jerk at the samples, each with its weight in time: the end
     /// only contributes to peaks.
     fn rates(&self) -> [([f64; 3], f64); 2] {
-        let [half, end] = self.samples.map(|at| [at.speed, at.acceleration, self.jerk]);
+        let [half, end] =
+            self.samples.map(|instant| [instant.speed, instant.acceleration, self.jerk]);
         [(half, self.dt_s), (end, 0.0)]
     }
 }
@@ -131,8 +132,12 @@ fn divided(instants: &[ProfilePoint]) -> Vec<ProfilePoint> {
         let dt_s = from.phase_s / parts;
         let mut part = 0.0;
         while part < parts {
-            let at = from.after(part * dt_s, jerk);
-            all.push(ProfilePoint { phase_s: dt_s, phase_way: at.way_in(dt_s, jerk), ..at });
+            let instant = from.after(part * dt_s, jerk);
+            all.push(ProfilePoint {
+                phase_s: dt_s,
+                phase_way: instant.way_in(dt_s, jerk),
+                ..instant
+            });
             part += 1.0;
         }
     }

@@ -68,9 +68,9 @@ fn receding(
                 break;
             }
         }
-        let Some((start, part, found)) = next else { return Ok(None) };
+        let Some((start, part, next_solution)) = next else { return Ok(None) };
         stamper.add(&solution, &before.window, start);
-        (before, solution) = (part, found);
+        (before, solution) = (part, next_solution);
     }
     stamper.add(&solution, &before.window, segments.len());
     Ok(Some(stamper.finish()))

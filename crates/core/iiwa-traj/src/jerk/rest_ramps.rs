@@ -33,21 +33,21 @@ struct Departure {
 impl Departure {
     /// Reads stamps: distances from rest in rad, and squared speeds. None if there is no motion.
     fn new(stamps: impl Iterator<Item = [f64; 2]>) -> Option<Self> {
-        let (mut at, mut found) = ([0.0; 2], None);
+        let (mut stamp, mut ramp) = ([0.0; 2], None);
         for [way_rad, x] in stamps {
             // Adjacent segments share a stamp.
-            if way_rad <= at[0] {
+            if way_rad <= stamp[0] {
                 continue;
             }
-            let acceleration = 0.5 * (x - at[1]) / (way_rad - at[0]);
-            let first = found.map_or(acceleration, |found: Self| found.acceleration_rad_s2);
+            let acceleration = 0.5 * (x - stamp[1]) / (way_rad - stamp[0]);
+            let first = ramp.map_or(acceleration, |ramp: Self| ramp.acceleration_rad_s2);
             if acceleration <= STEADY * first {
                 break;
             }
-            found = Some(Self { acceleration_rad_s2: first, speed_rad_s: x.sqrt(), way_rad });
-            at = [way_rad, x];
+            ramp = Some(Self { acceleration_rad_s2: first, speed_rad_s: x.sqrt(), way_rad });
+            stamp = [way_rad, x];
         }
-        found
+        ramp
     }
 
     /// Returns the ramp of a path in joint space with the jerk limit `jerk`: time and way to the

@@ -79,9 +79,9 @@ impl Stamper {
         dt: f64,
     ) {
         let time_scale = self.time_scale;
-        let at = [v / time_scale, a / time_scale.powi(2), j / time_scale.powi(3)];
+        let scaled = [v / time_scale, a / time_scale.powi(2), j / time_scale.powi(3)];
         if let Some(stamps) = self.stamps.segments.last_mut() {
-            stamps.usage.sample(&segment.shares(geometry, place, at), dt);
+            stamps.usage.sample(&segment.shares(geometry, place, scaled), dt);
         }
     }
 

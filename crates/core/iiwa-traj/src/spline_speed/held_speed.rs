@@ -12,7 +12,7 @@ impl HeldSpeed {
     /// Holds each speed for `hold_s` seconds, half of the time before its point and half after;
     /// `places` are sigma in rad and, there, the speeds of y and of sigma.
     pub(super) fn new(places: &[[f64; 3]], hold_s: f64) -> Self {
-        let mut held: Vec<[f64; 2]> = places.iter().map(|[sigma, y, _]| [*sigma, *y]).collect();
+        let mut points: Vec<[f64; 2]> = places.iter().map(|[sigma, y, _]| [*sigma, *y]).collect();
         for (k, [sigma, y, rate]) in places.iter().enumerate() {
             let reach = 0.5 * hold_s * rate;
             let mut hold = |place: &mut [f64; 2]| {
@@ -22,12 +22,12 @@ impl HeldSpeed {
                 }
                 is_near
             };
-            let (before, from) = held.split_at_mut(k);
+            let (before, from) = points.split_at_mut(k);
             // `all` ends at the first point out of reach.
             let _ = before.iter_mut().rev().all(&mut hold);
             let _ = from.iter_mut().all(&mut hold);
         }
-        Self { places: held }
+        Self { places: points }
     }
 
     /// Returns the speed of y at a sigma: linear between points.

@@ -83,9 +83,9 @@ impl<'a> SpeedLimitedSegment<'a> {
         full: &MotionLimits,
         model: SplineSpeed,
     ) -> Self {
-        let [own, all] = [limits, full].map(MotionLimits::jerk_rad_s3);
+        let [motion_jerk, all] = [limits, full].map(MotionLimits::jerk_rad_s3);
         let jerk_base_rad_s2 =
-            std::array::from_fn(|j| full.acceleration_rad_s2()[j] * own[j] / all[j]);
+            std::array::from_fn(|j| full.acceleration_rad_s2()[j] * motion_jerk[j] / all[j]);
         Self {
             shape,
             limits,
@@ -120,7 +120,7 @@ impl<'a> SpeedLimitedSegment<'a> {
     }
 
     /// Returns the segment and the limits of the real joints.
-    pub(super) fn own(&self) -> (&'a dyn Segment, &'a MotionLimits) {
+    pub(super) fn shape_and_limits(&self) -> (&'a dyn Segment, &'a MotionLimits) {
         (self.shape, self.limits)
     }
 
@@ -180,14 +180,14 @@ impl<'a> SpeedLimitedSegment<'a> {
     fn ramping(&self, at_rad: f64) -> [f64; 2] {
         let SplineSpeed { tangent_rel, build_up_s, .. } = self.model;
         let Some(ramps) = &self.ramps else { return [1.0, 1.0 / build_up_s] };
-        let mut found = [tangent_rel, 1.0 / build_up_s];
+        let mut limits = [tangent_rel, 1.0 / build_up_s];
         let ways_rad = [at_rad, self.shape.sigma_length_rad() - at_rad];
         for (k, ramp) in ramps.iter().enumerate() {
             let weight = ramp.weight(self.from_rests_rad[k] + ways_rad[k]);
-            let own = [ramp.acceleration_rel, 1.0 / ramp.build_up_s];
-            found = std::array::from_fn(|i| found[i] + weight * (own[i] - found[i]));
+            let rest_ramp = [ramp.acceleration_rel, 1.0 / ramp.build_up_s];
+            limits = std::array::from_fn(|i| limits[i] + weight * (rest_ramp[i] - limits[i]));
         }
-        found
+        limits
     }
 
     /// Returns the limits of the virtual joints, and those of the TCP; velocity limits are divided

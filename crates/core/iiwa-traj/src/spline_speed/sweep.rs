@@ -42,7 +42,7 @@ impl SplineSweep {
         let mut start = 0.0;
         for segment in segments {
             let length = segment.sigma_length_rad();
-            let (shape, _) = segment.own();
+            let (shape, _) = segment.shape_and_limits();
             let nodes = grid.nodes_on(shape);
             let places = grid.s_on(shape).into_iter().zip(nodes.iter()).map(|(s, node)| {
                 let limits = segment.limits_at(s);
@@ -87,14 +87,14 @@ impl SplineSweep {
         let mut t_s = 0.0;
         let mut segments = Vec::with_capacity(self.segments.len());
         for (length, count) in self.segments {
-            let (own, rest) = places.split_at(count);
+            let (segment_places, rest) = places.split_at(count);
             places = rest;
             let mut nodes = Vec::with_capacity(count);
             let mut u = 0.0;
-            for (i, place) in own.iter().enumerate() {
+            for (i, place) in segment_places.iter().enumerate() {
                 let rate = place.x.sqrt() / length;
                 let mut dt_s = 0.0;
-                if let Some(next) = own.get(i + 1) {
+                if let Some(next) = segment_places.get(i + 1) {
                     let dp = next.p - place.p;
                     let next_rate = next.x.sqrt() / length;
                     u = 0.5 * (next_rate * next_rate - rate * rate) / dp;

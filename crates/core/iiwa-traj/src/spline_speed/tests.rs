@@ -48,9 +48,9 @@ fn largest_shares(path: &JointPath) -> [f64; 3] {
             for pair in section.nodes(piece).windows(2) {
                 for i in 0..=PLACES {
                     let dt = pair[0].dt_s * i as f64 / PLACES as f64;
-                    let at = progress(dt, &pair[0], &pair[1]);
-                    let [v, a, j] = [at.rate, at.u, at.du].map(|rate| rate * length);
-                    let s = segment.s_at((pair[0].p + at.dp) * segment.sigma(1.0)[0]);
+                    let state = progress(dt, &pair[0], &pair[1]);
+                    let [v, a, j] = [state.rate, state.u, state.du].map(|rate| rate * length);
+                    let s = segment.s_at((pair[0].p + state.dp) * segment.sigma(1.0)[0]);
                     let limits = segment.limits_at(s.clamp(0.0, 1.0));
                     let [y1, y2, y3] = limits.way;
                     let shares = [
@@ -81,10 +81,11 @@ fn the_models_limits_are_kept() {
     let robot = Robot::default();
     for order in [&[0, 1][..], &[0, 1, 2], &[0, 1, 2, 3, 4], &[0, 2, 3, 2, 1], &[1, 3, 2, 0]] {
         let poses: Vec<Joints> = order.iter().map(|i| poses[*i]).collect();
-        let found = largest_shares(&spline(&robot, &poses));
-        println!("{order:?}: {found:.4?}");
-        let kept = found.iter().zip([1.01, 1.002, 1.02]).all(|(share, most)| *share <= most);
-        assert!(kept, "{order:?}: {found:?}");
-        assert!(found.iter().any(|share| *share > 0.99), "{order:?}: {found:?}");
+        let shares = largest_shares(&spline(&robot, &poses));
+        println!("{order:?}: {shares:.4?}");
+        let is_kept =
+            shares.iter().zip([1.01, 1.002, 1.02]).all(|(share, max_share)| *share <= max_share);
+        assert!(is_kept, "{order:?}: {shares:?}");
+        assert!(shares.iter().any(|share| *share > 0.99), "{order:?}: {shares:?}");
     }
 }

@@ -22,16 +22,16 @@ pub(super) fn usage(segment: &LimitedSegment<'_>, nodes: &[Node]) -> LimitUsage 
         .flat_map(|pair| {
             let dt_s = pair[0].dt_s / f64::from(SAMPLES);
             (0..SAMPLES).map(move |i| {
-                let at = progress((f64::from(i) + 0.5) * dt_s, &pair[0], &pair[1]);
-                (pair[0].p + at.dp, at, dt_s)
+                let state = progress((f64::from(i) + 0.5) * dt_s, &pair[0], &pair[1]);
+                (pair[0].p + state.dp, state, dt_s)
             })
         })
         .collect();
     for some in samples.chunks(PLACES) {
         let sigma = std::array::from_fn(|i| some[i.min(some.len() - 1)].0 * length_rad);
         let geometry = segment.geometry(&sigma);
-        for (place, (_, at, dt_s)) in some.iter().enumerate() {
-            let rates = [at.rate, at.u, at.du].map(|rate| rate * length_rad);
+        for (place, (_, state, dt_s)) in some.iter().enumerate() {
+            let rates = [state.rate, state.u, state.du].map(|rate| rate * length_rad);
             usage.sample(&segment.shares(&geometry, place, rates), *dt_s);
         }
     }

@@ -44,13 +44,13 @@ impl EndRamp {
         let ratio = cruise / acceleration / law.least_cruise_s;
         let like_ptp = ((ratio - SHORT) / (1.0 - SHORT)).clamp(0.0, 1.0);
         let between = |short: f64, ptp: f64| short + like_ptp * (ptp - short);
-        let found = Self {
+        let end_ramp = Self {
             acceleration_rel: between(1.0, ramp.acceleration / acceleration),
             build_up_s: between(law.spline.short_ramp_s, ramp.seconds),
             reach_rad: between(SHORT_REACH, law.spline.ramp_reach) * limit_rad,
         };
-        let numbers = [found.acceleration_rel, found.build_up_s, found.reach_rad];
-        numbers.iter().all(|x| *x > 0.0 && x.is_finite()).then_some(found)
+        let numbers = [end_ramp.acceleration_rel, end_ramp.build_up_s, end_ramp.reach_rad];
+        numbers.iter().all(|x| *x > 0.0 && x.is_finite()).then_some(end_ramp)
     }
 
     /// Returns the weight of these limits at a way from rest, in rad: 1 within reach, 0 beyond

@@ -34,13 +34,13 @@ impl Half {
     /// Returns the way to a speed, and its derivative.
     fn way(&self, speed: f64) -> [f64; 2] {
         let Self { ramp: Ramp { acceleration, seconds, .. }, lost_s } = *self;
-        let least = acceleration * seconds;
-        if speed >= least {
+        let min_speed = acceleration * seconds;
+        if speed >= min_speed {
             let steady = speed / acceleration;
             let later = seconds - lost_s;
             return [speed * (0.5 * steady + later), steady + later];
         }
-        let time = (speed / least).cbrt() * (1.5 * seconds - lost_s);
+        let time = (speed / min_speed).cbrt() * (1.5 * seconds - lost_s);
         [speed * time, 4.0 / 3.0 * time]
     }
 
@@ -61,20 +61,20 @@ impl Half {
 /// of the way at that speed.
 fn top_speed(way: f64, speed: f64, halves: &[Half; 2]) -> [f64; 2] {
     /// Bound that is never reached: double precision is exhausted long before.
-    const MOST_STEPS: usize = 50;
+    const MAX_STEPS: usize = 50;
     let mut top = speed;
-    for _ in 0..MOST_STEPS {
+    for _ in 0..MAX_STEPS {
         let [ways, slopes] = halves.iter().fold([0.0; 2], |[ways, slopes], half| {
             let [way, slope] = half.way(top);
             [ways + way, slopes + slope]
         });
-        let left = way - ways;
+        let remaining = way - ways;
         // Newton's method. The ways are convex functions of the speed, so it converges from above
         // without overshoot.
-        if left >= -ROUNDING * way {
-            return [top, left.max(0.0)];
+        if remaining >= -ROUNDING * way {
+            return [top, remaining.max(0.0)];
         }
-        top += left / slopes;
+        top += remaining / slopes;
     }
     [top, 0.0]
 }
@@ -108,10 +108,10 @@ pub(crate) fn instants(way: f64, limits: &RampedLine<'_>) -> Vec<ProfilePoint> {
     let all_s: f64 = phases.clone().map(|phase| phase.seconds).sum();
     let shortest_s = SHORTEST_S.max(ROUNDING * all_s);
     for phase in phases.filter(|phase| phase.seconds > shortest_s) {
-        if let Some(at) = instants.last_mut() {
-            let from_here = ProfilePoint { way: 0.0, ..*at };
-            let next = phase.after(at);
-            (at.phase_s, at.phase_way) = (phase.seconds, phase.after(&from_here).way);
+        if let Some(last) = instants.last_mut() {
+            let from_here = ProfilePoint { way: 0.0, ..*last };
+            let next = phase.after(last);
+            (last.phase_s, last.phase_way) = (phase.seconds, phase.after(&from_here).way);
             instants.push(next);
         }
     }
@@ -147,29 +147,37 @@ mod tests {
         /// keep the limits of speed and acceleration.
         #[test]
         fn phases_lead_to_the_end(
-            ends in [limits(), limits()], speed in 0.01..3.0_f64, acceleration in 1.0..30.0_f64, power in -9.0..1.5_f64,
+            ends in [limits(), limits()],
+            speed in 0.01..3.0_f64,
+            acceleration in 1.0..30.0_f64,
+            power in -9.0..1.5_f64,
         ) {
             let way = 10.0_f64.powf(power);
-            let found = instants_of(way, speed, acceleration, ends);
+            let instants = instants_of(way, speed, acceleration, ends);
             let top = speed.min(way / 0.2);
-            for pair in found.windows(2) {
+            for pair in instants.windows(2) {
                 prop_assert!(pair[0].t_s < pair[1].t_s && pair[0].way <= pair[1].way);
                 prop_assert!((pair[0].way + pair[0].phase_way - pair[1].way).abs() < 1e-9 * way);
                 prop_assert!(pair[1].speed > -1e-9 * top && pair[1].speed < top * (1.0 + 1e-9));
                 prop_assert!(pair[1].acceleration.abs() < acceleration * (1.0 + 1e-9));
             }
-            let last = found[found.len() - 1];
+            let last = instants[instants.len() - 1];
             prop_assert!(last.way == way && last.speed == 0.0);
         }
 
         /// A slightly longer way takes slightly longer.
         #[test]
         fn longer_takes_longer(
-            ends in [limits(), limits()], speed in 0.01..3.0_f64, acceleration in 1.0..30.0_f64, power in -6.0..1.0_f64, more in -7.0..1.0_f64,
+            ends in [limits(), limits()],
+            speed in 0.01..3.0_f64,
+            acceleration in 1.0..30.0_f64,
+            power in -6.0..1.0_f64,
+            more in -7.0..1.0_f64,
         ) {
             let way = 10.0_f64.powf(power);
             let ratio = 1.0 + 10.0_f64.powf(more);
-            let [short, long] = [way, way * ratio].map(|way| seconds(&instants_of(way, speed, acceleration, ends)));
+            let [short, long] =
+                [way, way * ratio].map(|way| seconds(&instants_of(way, speed, acceleration, ends)));
             prop_assert!(long > short && long < short * ratio * (1.0 + 1e-9), "{short} {long}");
         }
     }

@@ -103,7 +103,7 @@ impl Ramp {
     /// acceleration from the start, in s.
     pub(crate) fn lost_s(&self) -> f64 {
         let rest = ProfilePoint::default();
-        let end = self.phases.iter().fold(rest, |at, phase| phase.after(&at));
+        let end = self.phases.iter().fold(rest, |point, phase| phase.after(&point));
         self.seconds - end.speed / self.acceleration
     }
 }
@@ -114,12 +114,8 @@ impl RampStart {
     pub fn by(limits: &RampLimits, acceleration: f64, width: f64) -> Self {
         let a = acceleration;
         let v1 = (2.0_f64.sqrt() / 3.0 * a.powf(1.5) / limits.snap.sqrt()).max(width);
-        let found = Self::at(v1, limits, a);
-        if found.speed > width && found.gain(a) >= width {
-            Self::at(width, limits, a)
-        } else {
-            found
-        }
+        let ramp = Self::at(v1, limits, a);
+        if ramp.speed > width && ramp.gain(a) >= width { Self::at(width, limits, a) } else { ramp }
     }
 
     /// Creates the end of a phase that leads to a speed.
@@ -197,13 +193,13 @@ pub(super) mod tests {
 
     /// Returns speed and acceleration after a ramp, and its largest jerk.
     fn run(ramp: &Ramp) -> [f64; 3] {
-        let (mut v, mut a, mut most) = (0.0, 0.0, 0.0_f64);
+        let (mut v, mut a, mut max_jerk) = (0.0, 0.0, 0.0_f64);
         for RampPhase { seconds: t, jerk, snap } in ramp.phases {
             v += t * (a + t * (jerk / 2.0 + t * snap / 6.0));
             a += t * (jerk + t * snap / 2.0);
-            most = most.max(jerk).max(jerk + t * snap);
+            max_jerk = max_jerk.max(jerk).max(jerk + t * snap);
         }
-        [v, a, most]
+        [v, a, max_jerk]
     }
 
     proptest! {
@@ -216,14 +212,21 @@ pub(super) mod tests {
             prop_assert!((a / acceleration - 1.0).abs() < 1e-9, "{ramp:?}");
             prop_assert!(v >= width * (1.0 - 1e-9));
             prop_assert!(jerk <= limits.jerk * (1.0 + 1e-9));
-            prop_assert!(ramp.phases[0].snap <= limits.snap * (1.0 + 1e-9) || ramp.phases[0].snap * 1.5 * width * width * width <= jerk * jerk * jerk);
+            prop_assert!(
+                ramp.phases[0].snap <= limits.snap * (1.0 + 1e-9)
+                    || ramp.phases[0].snap * 1.5 * width * width * width <= jerk * jerk * jerk
+            );
             prop_assert!(ramp.phases.iter().all(|it| it.seconds >= 0.0 && it.jerk >= 0.0));
         }
 
         /// Both ramps together stay below any speed and exceed no quantity of the whole ramp, and
         /// small changes have small effects.
         #[test]
-        fn it_fits_below_any_speed(limits in limits(), acceleration in 0.1..100.0_f64, speed in 1e-4..4.0_f64) {
+        fn it_fits_below_any_speed(
+            limits in limits(),
+            acceleration in 0.1..100.0_f64,
+            speed in 1e-4..4.0_f64,
+        ) {
             let whole = Ramp::to(acceleration, &limits, 0.3);
             let ramp = whole.below(speed);
             let [v, a, jerk] = run(&ramp);
@@ -231,7 +234,9 @@ pub(super) mod tests {
             prop_assert!(a * ramp.seconds <= speed * (1.0 + 1e-9));
             prop_assert!(jerk <= run(&whole)[2] * (1.0 + 1e-9));
             let more = whole.below(speed * (1.0 + 1e-6));
-            prop_assert!((more.seconds / ramp.seconds - 1.0).abs() < 1e-6 && more.seconds >= ramp.seconds);
+            prop_assert!(
+                (more.seconds / ramp.seconds - 1.0).abs() < 1e-6 && more.seconds >= ramp.seconds
+            );
             prop_assert!(ramp.lost_s() > 0.0 && ramp.lost_s() < ramp.seconds);
         }
     }
@@ -242,13 +247,13 @@ pub(super) mod tests {
         for (jerk, is_measured) in [(300.0, true), (200.0, false)] {
             let limits = RampLimits { snap: 1e5, jerk, damping_per_s: 0.0 };
             let ramp = Ramp::to(19.0, &limits, 0.3);
-            let [v, a, most] = run(&ramp);
+            let [v, a, max_jerk] = run(&ramp);
             assert!(ramp.phases.iter().all(|phase| phase.seconds > 0.0), "{ramp:?}");
             let a1 = (1.5 * jerk * 0.3).sqrt();
             let gain = (19.0 * 19.0 - a1 * a1) / (2.0 * jerk);
             let last = if is_measured { 0.3 } else { 0.39 / 0.61 * gain };
             assert!(last >= 0.3 && (v - (0.3 + gain + last)).abs() < 1e-9, "{v} {gain}");
-            assert!((a - 19.0).abs() < 1e-9 && most <= jerk * (1.0 + 1e-9));
+            assert!((a - 19.0).abs() < 1e-9 && max_jerk <= jerk * (1.0 + 1e-9));
         }
     }
 }

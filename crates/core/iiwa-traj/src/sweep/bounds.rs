@@ -14,14 +14,14 @@ pub(super) type Lines<const R: usize> = [Row; R];
 
 /// Largest number of groups of eight lines: one for accelerations and two for rows of further
 /// limits.
-pub(crate) const MOST_GROUPS: usize = 3;
+pub(crate) const MAX_GROUPS: usize = 3;
 
 /// Value above any x or u within the limits.
 pub(super) const UNLIMITED: f64 = 1e30;
 
 /// Coefficient a of a further limit, by p in s^2, below which it is rounding. It also keeps the
 /// quotients finite.
-const LEAST_INERTIA: f64 = 1e-12;
+const MIN_INERTIA: f64 = 1e-12;
 
 /// Constraints at one node: x is at most `cap`, and for each line u is between `-(fall x + below)`
 /// and `rise x + above`.
@@ -100,12 +100,12 @@ impl<const R: usize> Bounds<R> {
         above.fill(UNLIMITED);
         for (line, row) in rows.iter().enumerate() {
             let PathRow { acceleration, square, offset } = *row;
-            let inverse = 1.0 / acceleration.abs().max(LEAST_INERTIA);
+            let inverse = 1.0 / acceleration.abs().max(MIN_INERTIA);
             let by_x = square.copysign(square * acceleration) * inverse;
             let offset = offset.copysign(offset * acceleration);
             (fall[line], rise[line]) = (by_x, -by_x);
             (below[line], above[line]) = ((1.0 + offset) * inverse, (1.0 - offset) * inverse);
-            *bend = greater(*bend, square.abs());
+            *bend = max(*bend, square.abs());
         }
     }
 
@@ -123,13 +123,13 @@ impl<const R: usize> Bounds<R> {
 
     /// Returns the upper bound of u at `x`.
     #[inline(always)]
-    pub(super) fn most<S: Simd>(&self, simd: S, x: f64) -> f64 {
+    pub(super) fn u_max<S: Simd>(&self, simd: S, x: f64) -> f64 {
         lowest(simd, &self.rise, x, &self.above)
     }
 
     /// Returns the lower bound of u at `x`.
     #[inline(always)]
-    pub(super) fn least<S: Simd>(&self, simd: S, x: f64) -> f64 {
+    pub(super) fn u_min<S: Simd>(&self, simd: S, x: f64) -> f64 {
         -lowest(simd, &self.fall, x, &self.below)
     }
 
@@ -150,12 +150,12 @@ impl<const R: usize> Bounds<R> {
             if root > 0.0 && root < x {
                 x = root;
             }
-            let (most, brake) = (self.most(simd, x), -self.least(simd, x));
-            if most + brake >= 0.0 {
+            let (u_max, brake) = (self.u_max(simd, x), -self.u_min(simd, x));
+            if u_max + brake >= 0.0 {
                 break;
             }
             let narrowest = [
-                place(simd, &self.rise, x, &self.above, most),
+                place(simd, &self.rise, x, &self.above, u_max),
                 place(simd, &self.fall, x, &self.below, brake),
             ];
             if narrowest == *pair {
@@ -227,26 +227,26 @@ pub(super) fn largest<S: Simd, const R: usize>(
 ) -> (f64, f64) {
     // Up to rounding, each line is the limiting one at most once.
     const STEPS: usize = 16;
-    let mut found = (0.0, 0.0);
+    let mut limit = (0.0, 0.0);
     for _ in 0..STEPS {
         let limiting = lines[0];
         // Without a positive factor the line does not limit x.
-        let inverse = 1.0 / greater(1.0 - h * slopes.as_flattened()[limiting], 1e-9);
-        let x = lesser((c + h * offsets.as_flattened()[limiting]) * inverse, cap);
+        let inverse = 1.0 / max(1.0 - h * slopes.as_flattened()[limiting], 1e-9);
+        let x = min((c + h * offsets.as_flattened()[limiting]) * inverse, cap);
         let lowest = lowest_by(simd, slopes, x, offsets, &mut lines[1]);
-        found = (x, lowest);
+        limit = (x, lowest);
         if lines[1] == limiting || x - h * lowest <= c {
             break;
         }
         lines[0] = lines[1];
     }
-    found
+    limit
 }
 
 /// Indices of lines as floating-point numbers, so that the minimum can be taken in vector
 /// registers.
-const PLACES: [f64; 8 * MOST_GROUPS] = {
-    let mut places = [0.0; 8 * MOST_GROUPS];
+const PLACES: [f64; 8 * MAX_GROUPS] = {
+    let mut places = [0.0; 8 * MAX_GROUPS];
     let mut i = 1;
     while i < places.len() {
         places[i] = places[i - 1] + 1.0;
@@ -285,12 +285,12 @@ fn place<S: Simd, const R: usize>(
 
 /// Returns the lesser of two numbers, in one instruction (`f64::min` also handles NaN).
 #[inline(always)]
-pub(crate) fn lesser(a: f64, b: f64) -> f64 {
+pub(crate) fn min(a: f64, b: f64) -> f64 {
     if a < b { a } else { b }
 }
 
 /// Returns the greater of two numbers, in one instruction (`f64::max` also handles NaN).
 #[inline(always)]
-pub(crate) fn greater(a: f64, b: f64) -> f64 {
+pub(crate) fn max(a: f64, b: f64) -> f64 {
     if a > b { a } else { b }
 }

@@ -19,9 +19,9 @@ fn node(random: &mut fastrand::Rng) -> Bounds<1> {
 
 /// Returns the smallest and the largest u at `x`, joint by joint.
 fn band(bounds: &Bounds<1>, x: f64) -> [f64; 2] {
-    (0..7).fold([f64::NEG_INFINITY, f64::INFINITY], |[least, most], j| {
+    (0..7).fold([f64::NEG_INFINITY, f64::INFINITY], |[lower, upper], j| {
         let low = -(bounds.fall[0][j] * x + bounds.below[0][j]);
-        [least.max(low), most.min(bounds.rise[0][j] * x + bounds.above[0][j])]
+        [lower.max(low), upper.min(bounds.rise[0][j] * x + bounds.above[0][j])]
     })
 }
 
@@ -38,7 +38,7 @@ fn reaches(interval: &Interval<'_, 1>, x: f64, y: f64) -> bool {
     let sum = (y - x) / interval.h;
     if interval.even {
         let u = 0.5 * sum;
-        [start, end].iter().all(|[least, most]| (*least..=*most).contains(&u))
+        [start, end].iter().all(|[lower, upper]| (*lower..=*upper).contains(&u))
     } else {
         let possible = start[0] <= start[1] && end[0] <= end[1];
         possible && (start[0] + end[0]..=start[1] + end[1]).contains(&sum)
@@ -50,21 +50,21 @@ fn largest_possible_x() {
     let mut random = fastrand::Rng::with_seed(1);
     for _ in 0..30 {
         let bounds = node(&mut random);
-        let found = bounds.possible(pulp::Scalar::new(), 4.0, &mut [0; 2]);
+        let actual = bounds.possible(pulp::Scalar::new(), 4.0, &mut [0; 2]);
         let expected = tried().rfind(|x| {
-            let [least, most] = band(&bounds, *x);
-            least <= most
+            let [lower, upper] = band(&bounds, *x);
+            lower <= upper
         });
         let expected = expected.unwrap();
-        assert!((-1e-9..=STEP).contains(&(found - expected)), "{found}, by trial {expected}");
-        let [least, most] = band(&bounds, 0.5 * found);
-        assert!((bounds.least(pulp::Scalar::new(), 0.5 * found) - least).abs() < 1e-12);
-        assert!((bounds.most(pulp::Scalar::new(), 0.5 * found) - most).abs() < 1e-12);
+        assert!((-1e-9..=STEP).contains(&(actual - expected)), "{actual}, by trial {expected}");
+        let [lower, upper] = band(&bounds, 0.5 * actual);
+        assert!((bounds.u_min(pulp::Scalar::new(), 0.5 * actual) - lower).abs() < 1e-12);
+        assert!((bounds.u_max(pulp::Scalar::new(), 0.5 * actual) - upper).abs() < 1e-12);
     }
 }
 
 #[test]
-fn what_is_reached_in_an_interval() {
+fn reachable_speeds_of_an_interval() {
     let mut random = fastrand::Rng::with_seed(2);
     let (mut asymmetric, mut slower) = (0, 0);
     for round in 0..60 {
@@ -85,14 +85,14 @@ fn what_is_reached_in_an_interval() {
 
         // Backward pass: the largest x from which some x up to `end` is reachable.
         let end = random.f64() * cap;
-        let found = interval.search(end, possible(&start));
+        let actual = interval.search(end, possible(&start));
         let fits = |x: f64| {
             let (low, high) = interval.reachable(x, end);
             low <= high
         };
         let expected = tried().rfind(|x| *x <= possible(&start) && fits(*x)).unwrap_or(0.0);
-        assert!((found - expected).abs() <= 2.0 * STEP, "{found}, by trial {expected}");
-        slower += usize::from(found < possible(&start) - STEP);
+        assert!((actual - expected).abs() <= 2.0 * STEP, "{actual}, by trial {expected}");
+        slower += usize::from(actual < possible(&start) - STEP);
     }
     assert!(asymmetric == 60 && slower > 10, "{slower}");
 }

@@ -68,7 +68,7 @@ impl JointLog {
     #[must_use]
     pub fn other_robot(&self, robot: &Robot) -> Option<&str> {
         let built_in = |name: &str| Robot::BUILT_IN.contains(&name);
-        let other = |found: &&str| *found != robot.name() && built_in(found);
+        let other = |recorded: &&str| *recorded != robot.name() && built_in(recorded);
         self.robot.as_deref().filter(other).filter(|_| built_in(robot.name()))
     }
 
@@ -78,11 +78,11 @@ impl JointLog {
     ///
     /// [`JointLogError::NoMotion`] if no joint does.
     pub fn check_motion(&self) -> Result<(), JointLogError> {
-        let most_rad = self.extent_rad();
-        if most_rad > STILL_RAD {
+        let max_rad = self.extent_rad();
+        if max_rad > STILL_RAD {
             return Ok(());
         }
-        Err(JointLogError::NoMotion { most_rad, duration_s: self.duration_s() })
+        Err(JointLogError::NoMotion { max_rad, duration_s: self.duration_s() })
     }
 
     /// Checks that the sample rate is plausible for a recorded motion: milliseconds or microseconds
@@ -109,11 +109,11 @@ impl JointLog {
     #[must_use]
     pub fn extent_rad(&self) -> f64 {
         let extent = |joint: usize| {
-            let (mut least, mut most) = (f64::INFINITY, f64::NEG_INFINITY);
+            let (mut min_rad, mut max_rad) = (f64::INFINITY, f64::NEG_INFINITY);
             for q_rad in &self.q_rad {
-                (least, most) = (least.min(q_rad[joint]), most.max(q_rad[joint]));
+                (min_rad, max_rad) = (min_rad.min(q_rad[joint]), max_rad.max(q_rad[joint]));
             }
-            most - least
+            max_rad - min_rad
         };
         (0..7).map(extent).fold(0.0, f64::max)
     }
@@ -123,8 +123,8 @@ impl JointLog {
         self.check_speed(&[FASTEST_RAD_S; 7])
     }
 
-    /// Compares the speed over consecutive sections with `most_rad_s`.
-    fn check_speed(&self, most_rad_s: &[f64; 7]) -> Result<(), JointLogError> {
+    /// Compares the speed over consecutive sections with `max_rad_s`.
+    fn check_speed(&self, max_rad_s: &[f64; 7]) -> Result<(), JointLogError> {
         let mut samples = self.t_s.iter().zip(&self.q_rad);
         let Some(mut from) = samples.next() else { return Ok(()) };
         for to in samples {
@@ -132,14 +132,14 @@ impl JointLog {
             if span_s < STRETCH_S {
                 continue;
             }
-            for (joint, &most_rad_s) in Joint::ALL.into_iter().zip(most_rad_s) {
+            for (joint, &max_rad_s) in Joint::ALL.into_iter().zip(max_rad_s) {
                 let found_rad_s = (to.1[joint.index()] - from.1[joint.index()]).abs() / span_s;
-                if found_rad_s > most_rad_s {
+                if found_rad_s > max_rad_s {
                     return Err(JointLogError::TooFast {
                         joint,
                         t_s: 0.5 * (from.0 + to.0),
                         found_rad_s,
-                        most_rad_s,
+                        max_rad_s,
                     });
                 }
             }

@@ -55,10 +55,11 @@ impl Columns {
             let joints: Vec<_> = names.iter().map(joint).collect();
             joints.iter().any(Option::is_some).then_some((source, joints))
         });
-        let is = |name: &str, known: &[&str]| known.iter().any(|k| name.eq_ignore_ascii_case(k));
-        let time = |name: &str| is(name, &["t_s", "time_s", "time", "t"]);
-        let seconds = |name: &str| is(name, &["ZeitInSec"]);
-        let nanoseconds = |name: &str| is(name, &["ZeitInNanoSec"]);
+        let is_one_of =
+            |name: &str, known: &[&str]| known.iter().any(|k| name.eq_ignore_ascii_case(k));
+        let time = |name: &str| is_one_of(name, &["t_s", "time_s", "time", "t"]);
+        let seconds = |name: &str| is_one_of(name, &["ZeitInSec"]);
+        let nanoseconds = |name: &str| is_one_of(name, &["ZeitInNanoSec"]);
         let split = names.iter().any(|name| seconds(name) || nanoseconds(name));
 
         let Some((source, joints)) = joints else {
@@ -83,14 +84,14 @@ impl Columns {
             columns.choose("time", expected, Role::Time, time)?;
         }
         for wanted in 0..7 {
-            let mut found = None;
+            let mut column_index = None;
             for (column, joint) in joints.iter().enumerate() {
                 let Some((_, role)) = joint.as_ref().filter(|(index, _)| *index == wanted) else {
                     continue;
                 };
-                columns.set(&title(wanted), &mut found, column, *role)?;
+                columns.set(&title(wanted), &mut column_index, column, *role)?;
             }
-            if found.is_none() {
+            if column_index.is_none() {
                 let expected = match source {
                     Source::Measured => format!("`axisQMsr_...[{wanted}]`"),
                     Source::Commanded => format!("`axisQCmd_...[{wanted}]`"),
@@ -133,32 +134,32 @@ impl Choice<'_> {
     /// Gives `role` to the only column whose name matches.
     fn choose(
         &mut self,
-        what: &str,
+        quantity: &str,
         expected: &str,
         role: Role,
         fits: impl Fn(&str) -> bool,
     ) -> Result<(), JointLogError> {
-        let mut found = None;
+        let mut column_index = None;
         for (column, name) in self.names.iter().enumerate() {
             if fits(name) {
-                self.set(what, &mut found, column, role)?;
+                self.set(quantity, &mut column_index, column, role)?;
             }
         }
-        found.map(drop).ok_or_else(|| self.missing(what, expected.to_owned()))
+        column_index.map(drop).ok_or_else(|| self.missing(quantity, expected.to_owned()))
     }
 
     /// Gives `role` to a column, unless another column, in `found`, has that role.
     fn set(
         &mut self,
-        what: &str,
-        found: &mut Option<usize>,
+        quantity: &str,
+        column_index: &mut Option<usize>,
         column: usize,
         role: Role,
     ) -> Result<(), JointLogError> {
-        if let Some(first) = found.replace(column) {
+        if let Some(first) = column_index.replace(column) {
             return Err(JointLogError::DuplicateColumn {
                 line: self.line,
-                what: what.to_owned(),
+                quantity: quantity.to_owned(),
                 first: self.names[first].clone(),
                 second: self.names[column].clone(),
             });
@@ -171,20 +172,20 @@ impl Choice<'_> {
     fn find_torques(&mut self) {
         let torques: Vec<_> =
             self.names.iter().map(|name| torque(&name.to_ascii_lowercase())).collect();
-        let is_one = |role| torques.iter().filter(|found| **found == Some(role)).count() == 1;
+        let is_one = |role| torques.iter().filter(|torque| **torque == Some(role)).count() == 1;
         let exerted = (0..7).all(|joint| is_one(Role::Exerted(joint)));
         let measured = !exerted && (0..7).all(|joint| is_one(Role::Measured(joint)));
-        for (role, found) in self.roles.iter_mut().zip(torques) {
-            match found {
-                Some(Role::Exerted(_)) if exerted => *role = found.unwrap_or(*role),
-                Some(Role::Measured(_)) if measured => *role = found.unwrap_or(*role),
+        for (role, torque) in self.roles.iter_mut().zip(torques) {
+            match torque {
+                Some(Role::Exerted(_)) if exerted => *role = torque.unwrap_or(*role),
+                Some(Role::Measured(_)) if measured => *role = torque.unwrap_or(*role),
                 _ => {}
             }
         }
     }
 
-    fn missing(&self, what: &str, expected: String) -> JointLogError {
-        JointLogError::MissingColumn { line: self.line, what: what.to_owned(), expected }
+    fn missing(&self, quantity: &str, expected: String) -> JointLogError {
+        JointLogError::MissingColumn { line: self.line, quantity: quantity.to_owned(), expected }
     }
 }
 

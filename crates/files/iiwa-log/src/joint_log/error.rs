@@ -34,19 +34,19 @@ pub enum JointLogError {
     #[error("Apache Parquet files are not supported by this build (feature `parquet`)")]
     ParquetNotSupported,
     /// A required column of a table is missing.
-    #[error("line {line}: no column for {what}, expected {expected}")]
+    #[error("line {line}: no column for {quantity}, expected {expected}")]
     MissingColumn {
         /// The header line, from 1.
         line: u64,
         /// Quantity of the column.
-        what: String,
+        quantity: String,
         /// Accepted names.
         expected: String,
     },
     /// A `DataRecorder` log without the positions that are required.
     #[error(
-        "line {line}: no {} positions (columns `{}_...[0]` to `[6]`) in this DataRecorder log, only {} ones: read those, \
-         or record both",
+        "line {line}: no {} positions (columns `{}_...[0]` to `[6]`) in this DataRecorder log, \
+         only {} ones: read those, or record both",
         .positions.names().0, .positions.names().1, .positions.other().names().0
     )]
     MissingPositions {
@@ -56,12 +56,12 @@ pub enum JointLogError {
         positions: Positions,
     },
     /// Two columns of the same quantity.
-    #[error("line {line}: `{first}` and `{second}` are both a column for {what}")]
+    #[error("line {line}: `{first}` and `{second}` are both a column for {quantity}")]
     DuplicateColumn {
         /// The header line, from 1.
         line: u64,
         /// Quantity of the columns.
-        what: String,
+        quantity: String,
         /// Name of the first column.
         first: String,
         /// Name of the second column.
@@ -157,7 +157,7 @@ pub enum JointLogError {
     /// A speed that no LBR iiwa reaches.
     #[error(
         "joint {joint} turns at {found_rad_s:.1} rad/s about {t_s:.3} s, where at most \
-         {most_rad_s:.1} rad/s are possible: wrong units (degrees as radians, or a time that is not \
+         {max_rad_s:.1} rad/s are possible: wrong units (degrees as radians, or a time that is not \
          in seconds), wrong robot, or positions that jump"
     )]
     TooFast {
@@ -168,7 +168,7 @@ pub enum JointLogError {
         /// Mean speed over a section of at least 0.05 s, rad/s.
         found_rad_s: f64,
         /// Highest accepted speed, rad/s.
-        most_rad_s: f64,
+        max_rad_s: f64,
     },
     /// An implausible sample rate for the motion of a robot.
     #[error(
@@ -207,10 +207,10 @@ pub enum JointLogError {
         expected: String,
     },
     /// A recording without motion.
-    #[error("no motion: no joint moves by more than {most_rad:.1e} rad in {duration_s:.3} s")]
+    #[error("no motion: no joint moves by more than {max_rad:.1e} rad in {duration_s:.3} s")]
     NoMotion {
         /// Largest extent of any joint, rad.
-        most_rad: f64,
+        max_rad: f64,
         /// Time from the first sample to the last, s.
         duration_s: f64,
     },

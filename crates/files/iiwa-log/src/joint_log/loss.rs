@@ -92,7 +92,8 @@ impl fmt::Display for Loss {
             ),
             Self::DegreesAssumed { place, joint, found_deg } => write!(
                 f,
-                "the file states no unit of its positions: read as degrees, as joint A{joint} is at {found_deg:.3} in {place}"
+                "the file states no unit of its positions: read as degrees, as joint A{joint} is \
+                 at {found_deg:.3} in {place}"
             ),
             Self::RadiansAssumed => write!(
                 f,

@@ -49,11 +49,11 @@ impl Samples {
 
     /// Converts positions without a unit from degrees if one of them is beyond every joint range in
     /// rad, including those of earlier samples.
-    fn assume_degrees(&mut self, place: Place, found: &[f64; 7]) {
+    fn assume_degrees(&mut self, place: Place, degrees: &[f64; 7]) {
         let is_far = |(unit, q): (Unit, f64)| unit == Unit::Unstated && q.abs() > REACH_RAD;
-        let Some(far) = self.units.into_iter().zip(*found).position(is_far) else { return };
+        let Some(far) = self.units.into_iter().zip(*degrees).position(is_far) else { return };
         let joint = Joint::ALL[far].number();
-        self.assumed = Some(Loss::DegreesAssumed { place, joint, found_deg: found[far] });
+        self.assumed = Some(Loss::DegreesAssumed { place, joint, found_deg: degrees[far] });
         for (j, unit) in self.units.iter_mut().enumerate().filter(|it| *it.1 == Unit::Unstated) {
             *unit = Unit::Degrees;
             self.log.q_rad.iter_mut().for_each(|q| q[j] = q[j].to_radians());

@@ -182,9 +182,9 @@ impl Row {
     ) -> Result<Self, JointLogError> {
         let expected = columns.roles.len();
         let mut row = Self::default();
-        let mut found = 0;
+        let mut count = 0;
         for field in layout.fields(line) {
-            let column = found;
+            let column = count;
             let Some(role) = columns.roles.get(column) else {
                 // A line may end with a delimiter.
                 if column == expected && field.is_empty() {
@@ -196,7 +196,7 @@ impl Row {
                     expected,
                 });
             };
-            found += 1;
+            count += 1;
             if let Err(expected) = row.take(*role, field) {
                 let column = columns.names[column].clone();
                 return Err(JointLogError::Field {
@@ -207,8 +207,8 @@ impl Row {
                 });
             }
         }
-        if found < expected {
-            return Err(JointLogError::FieldCount { line: number, found, expected });
+        if count < expected {
+            return Err(JointLogError::FieldCount { line: number, found: count, expected });
         }
         Ok(row)
     }
@@ -221,7 +221,7 @@ impl Row {
         let value = number(field).ok_or("a finite number with a decimal point")?;
         match role {
             Role::Time => self.time_s = value,
-            Role::Seconds if value.fract() != 0.0 || value.abs() > MOST_SECONDS => {
+            Role::Seconds if value.fract() != 0.0 || value.abs() > MAX_SECONDS => {
                 return Err("a whole number of seconds");
             }
             Role::Seconds => self.split.get_or_insert_default()[0] = value,
@@ -247,7 +247,7 @@ impl Row {
 }
 
 /// Upper bound on seconds: beyond any clock, and differences are still exact.
-const MOST_SECONDS: f64 = 1e12;
+const MAX_SECONDS: f64 = 1e12;
 
 /// Removes quotes around a field.
 fn bare(field: &[u8]) -> &[u8] {

@@ -167,8 +167,9 @@ fn a_data_recorder_in_degrees() {
     assert_eq!(log.t_s, [0.0, 0.02]);
     let assumed = Loss::DegreesAssumed { place: Place::Line(3), joint: 7, found_deg: 90.0 };
     assert_eq!(log.losses, [assumed]);
-    let said = "the file states no unit of its positions: read as degrees, as joint A7 is at 90.000 in line 3";
-    assert_eq!(log.losses[0].to_string(), said);
+    let message = "the file states no unit of its positions: read as degrees, as joint A7 is at \
+                90.000 in line 3";
+    assert_eq!(log.losses[0].to_string(), message);
 
     // A stated unit has priority, and small angles in degrees look like rad.
     let with = |text: &str, options| JointLog::read_with(text.as_bytes(), options);
@@ -211,7 +212,7 @@ fn names_of_columns_win_over_options() {
 }
 
 #[test]
-fn what_a_file_is_does_not_depend_on_how_it_comes() {
+fn the_format_does_not_depend_on_the_reader() {
     /// Stream that returns one byte at a time, and is interrupted every other time.
     struct Slow<'a>(&'a [u8], bool);
 
@@ -244,9 +245,9 @@ proptest! {
         let mut bytes = Vec::new();
         log.write_csv(&mut bytes).unwrap();
         match JointLog::read(&*bytes) {
-            Ok(found) => {
-                prop_assert_eq!(found.t_s, log.t_s);
-                prop_assert_eq!(found.q_rad, log.q_rad);
+            Ok(copy) => {
+                prop_assert_eq!(copy.t_s, log.t_s);
+                prop_assert_eq!(copy.q_rad, log.q_rad);
             }
             Err(error) => prop_assert!(matches!(error, JointLogError::TooFast { .. }), "{}", error),
         }

@@ -65,16 +65,16 @@ fn a_table_that_is_cut_off() {
 
 /// Returns true if the log is a part of the test motion from its start; checks that a loss reports
 /// the missing rest.
-fn check_prefix(file: &[u8], whole: &JointLog, what: &str) -> bool {
+fn check_prefix(file: &[u8], whole: &JointLog, label: &str) -> bool {
     let Ok(log) = JointLog::read(file) else { return false };
     let count = log.t_s.len();
-    assert!(count > 0, "{what}");
-    assert_eq!(log.t_s, whole.t_s[..count], "{what}");
-    assert_eq!(log.q_rad, whole.q_rad[..count], "{what}");
+    assert!(count > 0, "{label}");
+    assert_eq!(log.t_s, whole.t_s[..count], "{label}");
+    assert_eq!(log.q_rad, whole.q_rad[..count], "{label}");
     if log.losses.is_empty() {
-        assert_eq!(&log, whole, "{what}");
+        assert_eq!(&log, whole, "{label}");
     } else {
-        let Loss::BrokenOff { t_s, samples, reason } = &log.losses[0] else { panic!("{what}") };
+        let Loss::BrokenOff { t_s, samples, reason } = &log.losses[0] else { panic!("{label}") };
         assert_eq!((*t_s, *samples), (whole.t_s[count - 1], count as u64));
         assert!(!reason.is_empty());
     }
@@ -103,10 +103,10 @@ fn a_recording_that_is_cut_off() {
 fn a_recording_that_is_damaged() {
     let file = recording(300, &[]);
     let whole = JointLog::read(&*file).unwrap();
-    for at in (0..file.len()).step_by(61).chain(0..200) {
+    for offset in (0..file.len()).step_by(61).chain(0..200) {
         let mut bytes = file.clone();
-        bytes[at] ^= 0x55;
+        bytes[offset] ^= 0x55;
         // Data after the last sample contain no samples, so the loss may concern none.
-        check_prefix(&bytes, &whole, &format!("byte {at}"));
+        check_prefix(&bytes, &whole, &format!("byte {offset}"));
     }
 }

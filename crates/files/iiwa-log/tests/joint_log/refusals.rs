@@ -126,7 +126,8 @@ fn fields() {
     let stamps = "ZeitInSec,ZeitInNanoSec,q1,q2,q3,q4,q5,q6,q7\n";
     assert_eq!(
         refused(&format!("{stamps}1,1000000000,0,0,0,0,0,0,0\n")),
-        "line 2, column `ZeitInNanoSec`: `1000000000` is not a whole number of nanoseconds below 1000000000"
+        "line 2, column `ZeitInNanoSec`: `1000000000` is not a whole number of nanoseconds below \
+         1000000000"
     );
     assert_eq!(
         refused(&format!("{stamps}1.5,0,0,0,0,0,0,0,0\n")),

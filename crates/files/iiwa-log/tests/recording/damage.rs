@@ -128,14 +128,14 @@ fn other_joints_are_named() {
         error.to_string(),
         "/joint_states at 0 s: joint 3 is `lbr_A3`, expected `iiwa_joint_3`"
     );
-    for (at, name, expected) in [
+    for (offset, name, expected) in [
         (0, "lbr_A1", "joint 2 is `iiwa_joint_2`, expected `lbr_A2`"),
         (0, "shoulder", "joint 1 is `shoulder`, expected `iiwa_joint_1`"),
         (0, "iiwa_joint_0", "joint 1 is `iiwa_joint_0`, expected `iiwa_joint_1`"),
         (6, "iiwa_joint_07", "joint 7 is `iiwa_joint_07`, expected `iiwa_joint_7`"),
     ] {
         let mut names = JOINT_NAMES;
-        names[at] = name;
+        names[offset] = name;
         let error = read_joint_state(&joint_state(&names, &[0.0; 7], &[0.0; 7])).unwrap_err();
         assert_eq!(error.to_string(), format!("/joint_states at 0 s: {expected}"));
     }
@@ -233,12 +233,12 @@ fn other_types_are_refused() {
 #[test]
 fn cut_off_files_are_errors() {
     let file = sample();
-    let most = mcap::MessageStream::new(&file).unwrap().count() as u64;
+    let total = mcap::MessageStream::new(&file).unwrap().count() as u64;
     for len in (0..file.len()).step_by(97).chain([file.len() - 1]) {
         let error = Recording::from_bytes(&file[..len]).unwrap_err();
         assert!(
             matches!(error, ReadError::Truncated { offset, messages }
-                if offset == len as u64 && messages <= most),
+                if offset == len as u64 && messages <= total),
             "{len}: {error}"
         );
     }
@@ -249,14 +249,14 @@ fn damaged_bytes_never_panic() {
     let file = sample();
     let whole = Recording::from_bytes(&file).unwrap();
     let mut survivors = 0;
-    for at in (0..file.len()).step_by(89).chain(0..120).chain(file.len() - 240..file.len()) {
+    for offset in (0..file.len()).step_by(89).chain(0..120).chain(file.len() - 240..file.len()) {
         for flip in [0x01, 0x80, 0xff] {
             let mut bytes = file.clone();
-            bytes[at] ^= flip;
+            bytes[offset] ^= flip;
             // The library in the header and the summary offsets may change without effect on the
             // content.
             if let Ok(recording) = Recording::from_bytes(&bytes) {
-                assert_eq!(recording, whole, "byte {at} went unnoticed");
+                assert_eq!(recording, whole, "byte {offset} went unnoticed");
                 survivors += 1;
             }
         }

@@ -56,12 +56,12 @@ fn kill(file: &Path, period_ms: u32, real_time: bool, after: Duration) {
         command.env(REAL_TIME, "1");
     }
     let mut victim = command.spawn().unwrap();
-    let mut given = 0_usize;
+    let mut reported = 0_usize;
     let mut begin = None;
     let mut killed = false;
     for line in BufReader::new(victim.stdout.take().unwrap()).lines() {
         if let Some(count) = line.unwrap().strip_prefix("samples: ").and_then(|n| n.parse().ok()) {
-            given = count;
+            reported = count;
             let begin = *begin.get_or_insert_with(Instant::now);
             if !killed && begin.elapsed() >= after {
                 // SIGKILL on Unix.
@@ -71,13 +71,13 @@ fn kill(file: &Path, period_ms: u32, real_time: bool, after: Duration) {
         }
     }
     assert!(!victim.wait().unwrap().success());
-    assert!(killed && given > 0);
+    assert!(killed && reported > 0);
 
     let (states, indexed) = both_ways(&fs::read(file).unwrap());
     for count in [states.len(), indexed] {
         // One more sample may be recorded but not yet reported.
-        assert!(count <= given + 1, "{count} of {given}");
-        assert!(count + period_ms as usize + 1 >= given, "{count} of {given}");
+        assert!(count <= reported + 1, "{count} of {reported}");
+        assert!(count + period_ms as usize + 1 >= reported, "{count} of {reported}");
     }
     for (k, state) in (0..).zip(&states) {
         assert_eq!((state.t_s, state.q), ((TICK * k).as_secs_f64(), joints(k)));

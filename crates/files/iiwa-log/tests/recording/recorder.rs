@@ -131,8 +131,8 @@ fn velocities_are_those_of_the_motion() {
         let ends = [0, stamps.len() - 1];
         let bound =
             if ends.contains(&place) { 49.0 * 1e-3 } else { 343.0 * 1.7e-3_f64.powi(2) / 6.0 };
-        for (found, expected) in state.dq.unwrap().iter().zip(swing(*t).1) {
-            assert!((found - expected).abs() < bound, "{place}: {found} {expected}");
+        for (actual, expected) in state.dq.unwrap().iter().zip(swing(*t).1) {
+            assert!((actual - expected).abs() < bound, "{place}: {actual} {expected}");
         }
     }
 
@@ -149,7 +149,7 @@ fn velocities_are_those_of_the_motion() {
 }
 
 #[test]
-fn a_single_sample_stands_still() {
+fn a_single_sample_is_at_rest() {
     let mut recorder = recorder(memory(), Duration::from_secs(1));
     recorder.sample(MS, &[0.5; 7]).unwrap();
     recorder.flush().unwrap();
@@ -381,8 +381,8 @@ proptest! {
             }
         }
         let file = recorder.finish(&BTreeMap::new(), &[]).unwrap().into_inner();
-        let found: Vec<_> = joint_states(&file).iter().map(|state| (state.t_s, state.q)).collect();
+        let states: Vec<_> = joint_states(&file).iter().map(|state| (state.t_s, state.q)).collect();
         let expected: Vec<_> = expected.iter().map(|(t, q)| (t.as_secs_f64(), *q)).collect();
-        prop_assert_eq!(found, expected);
+        prop_assert_eq!(states, expected);
     }
 }

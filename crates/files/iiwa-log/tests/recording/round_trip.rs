@@ -58,7 +58,8 @@ fn first_and_last_stamps_are_exact() {
         .filter(|message| message.channel.topic == "/joint_states")
         .map(|message| {
             assert_eq!(message.log_time, message.publish_time);
-            let field = |at| u32::from_le_bytes(message.data[at..at + 4].try_into().unwrap());
+            let field =
+                |offset| u32::from_le_bytes(message.data[offset..offset + 4].try_into().unwrap());
             let stamp = u64::from(field(4)) * 1_000_000_000 + u64::from(field(8));
             assert_eq!(message.log_time, stamp);
             stamp
@@ -137,7 +138,7 @@ fn schemas_are_ros2msg_text() {
     );
     for topic in Topic::ALL {
         let schema = topic.schema();
-        let given: Vec<_> = schema.lines().filter_map(|line| line.strip_prefix("MSG: ")).collect();
+        let names: Vec<_> = schema.lines().filter_map(|line| line.strip_prefix("MSG: ")).collect();
         let needed = schema
             .lines()
             .filter(|line| !line.starts_with("MSG: "))
@@ -145,9 +146,9 @@ fn schemas_are_ros2msg_text() {
             .map(|(kind, _)| kind.trim_end_matches("[]"))
             .filter(|kind| kind.contains('/'));
         for kind in needed {
-            assert!(given.contains(&kind), "{topic}: {kind} is not defined");
+            assert!(names.contains(&kind), "{topic}: {kind} is not defined");
         }
-        assert_eq!(schema.matches(&separator).count(), given.len());
+        assert_eq!(schema.matches(&separator).count(), names.len());
     }
 }
 
@@ -207,7 +208,7 @@ fn time_does_not_run_backwards() {
 }
 
 #[test]
-fn what_does_not_fit_is_refused() {
+fn mismatched_samples_are_refused() {
     let late = Duration::from_secs(1 << 31);
     let config = Config { epoch: late, ..Config::default() };
     let error = Writer::new(Cursor::new(Vec::new()), config).unwrap_err();

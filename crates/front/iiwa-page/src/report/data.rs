@@ -562,7 +562,7 @@ impl Model {
             assumptions: robot
                 .assumptions()
                 .iter()
-                .map(|assumption| format!("{}: {}", assumption.what, assumption.basis))
+                .map(|assumption| format!("{}: {}", assumption.quantity, assumption.basis))
                 .collect(),
         }
     }

@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use iiwa_eval::{
     Estimate,
-    identify::{FoundRamps, Identified, LineLaw},
+    identify::{Identified, LineLaw, RampEstimates},
 };
 use iiwa_kin::RampLaw;
 use serde::Serialize;
@@ -29,7 +29,7 @@ pub(super) struct RampFigures {
 }
 
 impl RampFigures {
-    pub(super) fn new(found: &FoundRamps) -> Self {
+    pub(super) fn new(found: &RampEstimates) -> Self {
         let figures = |all: &[Option<Estimate>; 7]| all.map(|figure| figure.map(Figure::from));
         Self {
             torque_snap_nm_s2: figures(&found.torque_snap_nm_s2),

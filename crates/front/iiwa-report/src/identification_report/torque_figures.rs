@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use iiwa_eval::{
     Estimate,
-    identify::{FoundLoad, FoundTorques},
+    identify::{LoadEstimate, TorqueEstimates},
 };
 use iiwa_kin::Load;
 use serde::Serialize;
@@ -55,8 +55,8 @@ impl From<&Load> for ProgramLoad {
     }
 }
 
-impl From<&FoundLoad> for LoadRow {
-    fn from(found: &FoundLoad) -> Self {
+impl From<&LoadEstimate> for LoadRow {
+    fn from(found: &LoadEstimate) -> Self {
         Self {
             recordings: found.recordings.iter().map(|recording| recording + 1).collect(),
             stated: found.stated.as_ref().map(ProgramLoad::from),
@@ -69,7 +69,7 @@ impl From<&FoundLoad> for LoadRow {
 }
 
 impl TorqueFigures {
-    pub(super) fn new(found: &FoundTorques) -> Self {
+    pub(super) fn new(found: &TorqueEstimates) -> Self {
         let figures = |found: &[Option<Estimate>; 7]| found.map(|found| found.map(Figure::from));
         Self {
             loads: found.loads.iter().map(LoadRow::from).collect(),

@@ -93,7 +93,7 @@ impl SimulationScene {
 
     /// Runs until the robot program has ended the run; asserts that the robot came to rest
     /// smoothly, in time and within its range.
-    fn assert_brakes(&mut self, how: &str) {
+    fn assert_brakes(&mut self, label: &str) {
         let limits = *Robot::default().limits();
         let begin = self.trace.len() - 3;
         let mut braked_s = 0.0;
@@ -105,21 +105,21 @@ impl SimulationScene {
             braked_s += if self.is_braking() { self.period_s } else { 0.0 };
         }
         (0..5).for_each(|_| self.tick());
-        assert_eq!(self.simulation.state().state, DriveState::Idle, "{how}");
-        assert!(self.simulation.outcome.as_ref().is_some_and(|it| it.error.is_some()), "{how}");
-        assert!(braked_s <= EMERGENCY_STOP_S + 1e-9, "{how}: {braked_s} s");
+        assert_eq!(self.simulation.state().state, DriveState::Idle, "{label}");
+        assert!(self.simulation.outcome.as_ref().is_some_and(|it| it.error.is_some()), "{label}");
+        assert!(braked_s <= EMERGENCY_STOP_S + 1e-9, "{label}: {braked_s} s");
         let mut worst = 0.0_f64;
         for three in self.trace[begin..].windows(3) {
             for j in 0..7 {
                 let bend = (three[2][j] - 2.0 * three[1][j] + three[0][j]) / self.period_s.powi(2);
                 worst = worst.max(bend.abs() / limits.acceleration_rad_s2[j]);
-                assert!(three[2][j].abs() <= limits.upper_rad[j], "{how}: joint {}", j + 1);
+                assert!(three[2][j].abs() <= limits.upper_rad[j], "{label}: joint {}", j + 1);
             }
         }
-        println!("{how}: {braked_s:.3} s, {worst:.3} of the acceleration limits");
-        assert!(worst <= 1.3, "{how}: {worst} of the acceleration limits");
+        println!("{label}: {braked_s:.3} s, {worst:.3} of the acceleration limits");
+        assert!(worst <= 1.3, "{label}: {worst} of the acceleration limits");
         let [.., before, last] = self.trace.as_slice() else { unreachable!() };
-        assert_eq!(before, last, "{how}");
+        assert_eq!(before, last, "{label}");
     }
 }
 
@@ -142,14 +142,14 @@ const ENDS: [(&str, End); 7] = [
 fn the_arm_brakes_however_set_points_end() {
     let full = Robot::default().limits().velocity_rad_s[0];
     for (period_ms, multiplier) in [(1, 1), (5, 1), (10, 1), (5, 4)] {
-        for (how, end) in ENDS {
+        for (label, end) in ENDS {
             let mut scene = SimulationScene::new(period_ms, multiplier, [0.0; 7]);
             scene.speed_up();
             let speed = (scene.trace.last().unwrap()[0] - scene.trace[scene.trace.len() - 2][0])
                 / scene.period_s;
             assert!((speed / full - 1.0).abs() < 1e-6, "{speed} rad/s");
             end(&mut scene);
-            scene.assert_brakes(&format!("{how}, {period_ms} ms, every {multiplier}"));
+            scene.assert_brakes(&format!("{label}, {period_ms} ms, every {multiplier}"));
         }
     }
 }
@@ -158,8 +158,8 @@ fn the_arm_brakes_however_set_points_end() {
 #[test]
 fn the_arm_brakes_within_its_range() {
     let limits = *Robot::default().limits();
-    for (how, end) in ENDS {
-        if how == "a set-point too far away" {
+    for (label, end) in ENDS {
+        if label == "a set-point too far away" {
             continue;
         }
         let mut start_rad = [0.0; 7];
@@ -169,7 +169,7 @@ fn the_arm_brakes_within_its_range() {
         let mut scene = SimulationScene::new(5, 1, start_rad);
         scene.speed_up();
         end(&mut scene);
-        scene.assert_brakes(&format!("{how}, at the end of the range"));
+        scene.assert_brakes(&format!("{label}, at the end of the range"));
     }
 }
 

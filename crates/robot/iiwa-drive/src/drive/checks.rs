@@ -88,9 +88,10 @@ fn read(
     let (id, head) = Request::head(body);
     let is_trajectory = head.as_ref().is_ok_and(|head| head.name() == Some("run_trajectory"));
     if body.len() > MAX_MOTIONS_BYTES && !is_trajectory {
-        let (found, most) = (body.len(), MAX_MOTIONS_BYTES);
+        let (found, max_bytes) = (body.len(), MAX_MOTIONS_BYTES);
         let refusal = Refusal::bad(format!(
-            "the request has {found} bytes; at most {most} are allowed, except for a trajectory"
+            "the request has {found} bytes; at most {max_bytes} are allowed, except for a \
+             trajectory"
         ));
         return (id, Err(refusal));
     }
@@ -133,14 +134,16 @@ fn check_motions(
             format!(" that make {count}, since each segment of a spline counts")
         };
         return Err(Refusal::bad(format!(
-            "the request has {motions} motions{of_splines}; at most {MAX_MOTIONS} are allowed; split it where the arm stops"
+            "the request has {motions} motions{of_splines}; at most {MAX_MOTIONS} are allowed; \
+             split it where the arm stops"
         )));
     }
     // The size as the robot program receives the list: with more digits, and with optional keys.
     let bytes = to_json(list).len();
     if bytes > MAX_MOTIONS_BYTES {
         return Err(Refusal::bad(format!(
-            "written out in full, the request has {bytes} bytes; at most {MAX_MOTIONS_BYTES} are allowed"
+            "written out in full, the request has {bytes} bytes; at most {MAX_MOTIONS_BYTES} are \
+             allowed"
         )));
     }
     // A measured position may be slightly outside the joint range.
@@ -158,7 +161,7 @@ fn check_motions(
 /// Number of motions that a motion counts as: the number of segments for a spline.
 fn segments(motion: &Motion) -> usize {
     match motion {
-        Motion::Cartesian(own) => match &own.course {
+        Motion::Cartesian(cartesian) => match &cartesian.course {
             Course::Spline(segments) => segments.len(),
             _ => 1,
         },

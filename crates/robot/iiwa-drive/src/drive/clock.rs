@@ -36,7 +36,8 @@ impl Clock {
 
     /// Returns the time of a message that arrives at `now`.
     pub(super) fn tick(&mut self, message: &Monitoring, now: Instant) -> Tick {
-        let silence_s = self.received.map_or(0.0, |at| now.duration_since(at).as_secs_f64());
+        let silence_s =
+            self.received.map_or(0.0, |instant| now.duration_since(instant).as_secs_f64());
         let cycle_s = f64::from(message.send_period_ms.max(1)) * 1e-3;
         let stamp_s = message.time.map(|time| time.as_secs_f64());
         let elapsed_s = self.elapsed_s(message, stamp_s);

@@ -116,7 +116,7 @@ mod tests {
     }
 
     #[test]
-    fn without_commanded_positions_the_reason_is_told() {
+    fn missing_commanded_positions_are_reported() {
         let mut times = CommandedTimes::default();
         times.observe(&observation(0.0, None));
         assert!(times.times_s().unwrap_err().contains("FRI sends no commanded positions"));

@@ -114,11 +114,11 @@ impl Governor {
         if self.last.as_ref().is_none_or(|last| !last.is_sent) {
             self.last = Some(LastSetpoint::at(*arm_rad, [0.0; 7], step_s));
         }
-        let most = self.limits.velocity_rad_s;
+        let max_speed = self.limits.velocity_rad_s;
         // Clamped to the limits, because braking starts at this velocity after `restart`.
         self.arm_speed = match self.arm_rad {
             Some(before) if elapsed_s > 0.0 => std::array::from_fn(|j| {
-                ((arm_rad[j] - before[j]) / elapsed_s).clamp(-most[j], most[j])
+                ((arm_rad[j] - before[j]) / elapsed_s).clamp(-max_speed[j], max_speed[j])
             }),
             _ => [0.0; 7],
         };
@@ -162,21 +162,21 @@ impl Governor {
         let mut moved: Option<(usize, f64)> = None;
         let mut speed = [0.0; 7];
         let joints_rad = std::array::from_fn(|j| {
-            let (at, before) = (last.at_rad[j], last.speed[j]);
-            let most = VELOCITY * limits.velocity_rad_s[j];
+            let (position, before) = (last.at_rad[j], last.speed[j]);
+            let max_speed = VELOCITY * limits.velocity_rad_s[j];
             let (lower, upper) = (limits.lower_rad[j], limits.upper_rad[j]);
             let acceleration = limits.acceleration_rad_s2[j];
             let target_speed = match requested {
-                Some(requested) => (requested[j] - at) / step_s,
+                Some(requested) => (requested[j] - position) / step_s,
                 None => before.signum() * (before.abs() - BRAKING * acceleration * span_s).max(0.0),
             };
             let change = ACCELERATION * acceleration * span_s;
             let stops = |room_rad| fastest(room_rad, RANGE_BRAKING * acceleration, step_s);
             speed[j] = target_speed
                 .clamp(before - change, before + change)
-                .clamp(-most, most)
+                .clamp(-max_speed, max_speed)
                 // The range is applied last, because it has priority over the acceleration.
-                .clamp(-stops(at - lower), stops(upper - at));
+                .clamp(-stops(position - lower), stops(upper - position));
             if let Some(requested) = requested
                 && speed[j] == target_speed
                 && (lower..=upper).contains(&requested[j])
@@ -184,12 +184,12 @@ impl Governor {
                 // Returned exactly: a sum would be rounded.
                 return requested[j];
             }
-            let limited = if speed[j] == 0.0 { at } else { at + speed[j] * step_s };
+            let limited = if speed[j] == 0.0 { position } else { position + speed[j] * step_s };
             // A joint that is outside its range does not jump into it.
-            let limited = limited.clamp(lower.min(at), upper.max(at));
+            let limited = limited.clamp(lower.min(position), upper.max(position));
             if let Some(requested) = requested {
                 let by = (limited - requested[j]).abs();
-                if moved.is_none_or(|(_, most)| by > most) {
+                if moved.is_none_or(|(_, max_shift)| by > max_shift) {
                     moved = Some((j, by));
                 }
             }
@@ -224,13 +224,13 @@ mod tests {
         let mut random = Rng::with_seed(5);
         for step_s in [0.001, 0.005, 0.05] {
             let mut governor = Governor::new(&limits);
-            let (mut at, mut speed, mut before_s) = ([0.0; 7], [0.0; 7], step_s);
-            governor.observe(Some(&at), step_s, step_s);
+            let (mut position, mut speed, mut before_s) = ([0.0; 7], [0.0; 7], step_s);
+            governor.observe(Some(&position), step_s, step_s);
             // Target and number of steps: positions, noise, non-finite numbers, no request.
-            let (mut target, mut left, mut noise) = (Some([0.0; 7]), 0, 0.0);
+            let (mut target, mut remaining, mut noise) = (Some([0.0; 7]), 0, 0.0);
             for _ in 0..20_000 {
-                if left == 0 {
-                    left = random.u32(1..200);
+                if remaining == 0 {
+                    remaining = random.u32(1..200);
                     noise = if random.bool() { 0.0 } else { 10.0_f64.powf(-6.0 * random.f64()) };
                     target = match random.u32(0..8) {
                         0 => None,
@@ -241,19 +241,19 @@ mod tests {
                         _ => Some(upper_rad.map(|q| q * (3.0 * random.f64() - 1.5))),
                     };
                 }
-                left -= 1;
+                remaining -= 1;
                 let requested = target.map(|q| q.map(|q| q + noise * (random.f64() - 0.5)));
-                let sent = governor.command(requested.as_ref()).unwrap().joints_rad;
+                let setpoint = governor.command(requested.as_ref()).unwrap().joints_rad;
                 for j in 0..7 {
-                    let now = (sent[j] - at[j]) / step_s;
+                    let now = (setpoint[j] - position[j]) / step_s;
                     let bend = (now - speed[j]) / (0.5 * (step_s + before_s));
-                    assert!((lower_rad[j]..=upper_rad[j]).contains(&sent[j]));
+                    assert!((lower_rad[j]..=upper_rad[j]).contains(&setpoint[j]));
                     assert!(now.abs() <= 1.02 * velocity_rad_s[j], "{now}");
                     assert!(bend.abs() <= 1.3 * acceleration_rad_s2[j] + 1e-6, "{bend}");
                     speed[j] = now;
                 }
-                (at, before_s) = (sent, step_s);
-                governor.observe(Some(&at), step_s, step_s);
+                (position, before_s) = (setpoint, step_s);
+                governor.observe(Some(&position), step_s, step_s);
             }
         }
     }
@@ -299,20 +299,20 @@ mod tests {
         for [first_s, second_s] in [[0.001, 0.01], [0.01, 0.001], [0.005, 0.005]] {
             let mut governor = Governor::new(&limits);
             governor.observe(Some(&[0.0; 7]), first_s, first_s);
-            let sent = governor.command(Some(&[0.0; 7])).unwrap().joints_rad;
-            assert_eq!(sent, [0.0; 7]);
+            let setpoint = governor.command(Some(&[0.0; 7])).unwrap().joints_rad;
+            assert_eq!(setpoint, [0.0; 7]);
             governor.observe(None, second_s, first_s);
-            let sent = governor.command(Some(&[2.0; 7])).unwrap().joints_rad;
+            let setpoint = governor.command(Some(&[2.0; 7])).unwrap().joints_rad;
             let mean_s = 0.5 * (first_s + second_s);
-            for (sent, limit) in sent.iter().zip(limits.acceleration_rad_s2) {
-                let share = sent / second_s / mean_s / limit;
+            for (setpoint, limit) in setpoint.iter().zip(limits.acceleration_rad_s2) {
+                let share = setpoint / second_s / mean_s / limit;
                 assert!((share - 1.3).abs() < 1e-6, "{first_s} s, {second_s} s: {share}");
             }
             // Braking, with the two step lengths swapped.
             governor.observe(None, first_s, first_s);
             let braked = governor.command(None).unwrap().joints_rad;
             for j in 0..7 {
-                let change = sent[j] / second_s - (braked[j] - sent[j]) / first_s;
+                let change = setpoint[j] / second_s - (braked[j] - setpoint[j]) / first_s;
                 let share = change / mean_s / limits.acceleration_rad_s2[j];
                 assert!((share - 1.2).abs() < 1e-6, "{first_s} s, {second_s} s: {share}");
             }

@@ -55,7 +55,7 @@ impl LinkCheck {
     /// `on_step` after each step. The check takes at most a quarter of a minute.
     pub fn run(config: &DriveConfig, cabinet: &Remote, on_step: impl FnMut(&CheckStep)) -> Self {
         let mut steps = Steps { done: Vec::new(), on_step };
-        match own_port(config) {
+        match bind_fri_port(config) {
             Ok(udp) => {
                 steps.ok(UDP_PORT, format!("UDP {} is free", config.fri));
                 thread::scope(|scope| {
@@ -64,9 +64,9 @@ impl LinkCheck {
                         scope.spawn(|| (raise_priority(), listen(&udp, config.fri_controller)));
                     check_program(config, cabinet, &mut steps);
                     // The thread does not panic.
-                    let (real_time, found) = listening.join().unwrap_or_default();
-                    check_fri(config, &found, &mut steps);
-                    check_priority(real_time, found.period_ms(), &mut steps);
+                    let (real_time, findings) = listening.join().unwrap_or_default();
+                    check_fri(config, &findings, &mut steps);
+                    check_priority(real_time, findings.period_ms(), &mut steps);
                 });
             }
             Err(fault) => {
@@ -133,31 +133,33 @@ impl<F: FnMut(&CheckStep)> Steps<F> {
 }
 
 /// Binds the drive's UDP port, if it is free and reachable from the controller.
-fn own_port(config: &DriveConfig) -> Result<UdpSocket, Fault> {
+fn bind_fri_port(config: &DriveConfig) -> Result<UdpSocket, Fault> {
     use std::io::ErrorKind::{AddrInUse, AddrNotAvailable};
     let (fri, controller) = (config.fri, config.fri_controller);
     if fri.ip().is_loopback() && !controller.is_loopback() {
         let text = format!(
-            "UDP {fri} is reached from this machine only, and FRI comes from {controller}: give the address of the \
-             network card towards the cabinet, with port {}",
+            "UDP {fri} is reached from this machine only, and FRI comes from {controller}: give \
+             the address of the network card towards the cabinet, with port {}",
             fri.port()
         );
         return Err(Fault::new(text, &["fri"]));
     }
     if !fri.ip().is_loopback() && controller.is_loopback() {
         let text = format!(
-            "FRI would be accepted from this machine only ({controller}): give the controller's address"
+            "FRI would be accepted from this machine only ({controller}): give the controller's \
+             address"
         );
         return Err(Fault::new(text, &["cabinet", "fri-cabinet"]));
     }
     UdpSocket::bind(fri).map_err(|error| {
         let text = match error.kind() {
             AddrInUse => format!(
-                "UDP {fri} is in use: another program, as another drive, listens there; end it, or choose another port"
+                "UDP {fri} is in use: another program, as another drive, listens there; end it, or \
+                 choose another port"
             ),
             AddrNotAvailable => format!(
-                "no network card of this machine has the address {}: plug in the cable to the cabinet, set the card's \
-                 address, or give another one",
+                "no network card of this machine has the address {}: plug in the cable to the \
+                 cabinet, set the card's address, or give another one",
                 fri.ip()
             ),
             _ => format!("UDP {fri} cannot be used: {error}"),
@@ -178,23 +180,23 @@ fn check_program<F: FnMut(&CheckStep)>(
     ];
     let mut reached = Vec::new();
     let mut refused = None;
-    for (step, kind, at) in ports {
-        let result = cabinet.probe(kind, at, PROBE_TIMEOUT);
-        if let Err(ProbeError::Refused(why)) = result {
-            refused = Some(why);
+    for (step, kind, address) in ports {
+        let result = cabinet.probe(kind, address, PROBE_TIMEOUT);
+        if let Err(ProbeError::Refused(reason)) = result {
+            refused = Some(reason);
         }
         match result {
             // A later step checks the keys.
             Ok(()) | Err(ProbeError::Refused(_)) => {
-                steps.ok(step, format!("{at} accepts connections"));
+                steps.ok(step, format!("{address} accepts connections"));
                 reached.push(result.is_ok());
             }
-            Err(error) => steps.fails(step, unreachable(at, &error)),
+            Err(error) => steps.fails(step, unreachable(address, &error)),
         }
     }
     let connected = reached == [true, true];
     match refused {
-        Some(why) => steps.fails(KEYS, refusal(why, cabinet.has_keys())),
+        Some(reason) => steps.fails(KEYS, refusal(reason, cabinet.has_keys())),
         None if connected && cabinet.has_keys() => {
             steps.ok(KEYS, "both sides accept each other's key");
         }
@@ -210,8 +212,8 @@ fn check_program<F: FnMut(&CheckStep)>(
         return check_conditions(state.conditions.as_ref(), steps);
     }
     let text = format!(
-        "it accepts connections, but sends no state within {} s: restart it on the smartPAD, and make sure that no \
-         other drive is connected to it",
+        "it accepts connections, but sends no state within {} s: restart it on the smartPAD, and \
+         make sure that no other drive is connected to it",
         STATE_TIMEOUT.as_secs()
     );
     steps.fails(PROGRAM, Fault::new(text, &[]));
@@ -219,63 +221,65 @@ fn check_program<F: FnMut(&CheckStep)>(
 }
 
 /// Returns the reason why a port is unreachable, with the remedy.
-fn unreachable(at: &str, error: &ProbeError) -> Fault {
+fn unreachable(address: &str, error: &ProbeError) -> Fault {
     const PORTS: &[&str] = &["cabinet-instructions", "cabinet-state"];
     match error {
         ProbeError::NothingListens => {
             let text = format!(
-                "{at}: the host answers, and nothing listens at the port: start the robot program on the smartPAD, and \
-                 compare the ports in its settings"
+                "{address}: the host answers, and nothing listens at the port: start the robot \
+                 program on the smartPAD, and compare the ports in its settings"
             );
             Fault::new(text, PORTS)
         }
         ProbeError::NoAnswer => {
             let text = format!(
-                "{at}: no answer: is the cabinet on, the cable in its KLI port (X66), is this its address, are both in \
-                 one network (address and mask), does a firewall block the port?"
+                "{address}: no answer: is the cabinet on, the cable in its KLI port (X66), is this \
+                 its address, are both in one network (address and mask), does a firewall block \
+                 the port?"
             );
             Fault::new(text, &["cabinet"])
         }
         ProbeError::NoHandshake | ProbeError::Protocol { .. } => {
             let text = format!(
-                "{at}: something listens there that does not speak as a robot program does ({error}): compare the \
-                 ports, and the keys on both sides"
+                "{address}: something listens there that does not speak as a robot program does \
+                 ({error}): compare the ports, and the keys on both sides"
             );
             Fault::new(text, PORTS)
         }
         ProbeError::UnknownHost => {
-            let text = format!("{at}: the name of the host is not known: give its IP address");
+            let text = format!("{address}: the name of the host is not known: give its IP address");
             Fault::new(text, &["cabinet"])
         }
-        _ => Fault::new(format!("{at}: {error}"), &["key", "cabinet-key"]),
+        _ => Fault::new(format!("{address}: {error}"), &["key", "cabinet-key"]),
     }
 }
 
 /// Returns the fault for wrong keys.
-fn refusal(why: ConnectionRefusal, has_keys: bool) -> Fault {
-    let text = match why {
+fn refusal(reason: ConnectionRefusal, has_keys: bool) -> Fault {
+    let text = match reason {
         ConnectionRefusal::KeysOnOneSide if has_keys => {
-            "this side has keys, the robot program has none: give it keys in its settings, or leave them out here if \
-             both are on one machine"
+            "this side has keys, the robot program has none: give it keys in its settings, or \
+             leave them out here if both are on one machine"
         }
         ConnectionRefusal::KeysOnOneSide => {
             "the robot program has keys, this side has none: give them"
         }
         ConnectionRefusal::NotAllowed => {
-            "the robot program does not know this side's key: give it the .pub file that belongs to that"
+            "the robot program does not know this side's key: give it the .pub file that belongs \
+             to that"
         }
         _ => {
-            "the robot program closes the connection: does this side have its .pub file, and it the .pub file that \
-             belongs to this side's key?"
+            "the robot program closes the connection: does this side have its .pub file, and it \
+             the .pub file that belongs to this side's key?"
         }
     };
     Fault::new(text, &["key", "cabinet-key"])
 }
 
 /// Receives and acknowledges the state of the robot program.
-fn receive_state(cabinet: &Remote, at: &str) -> Option<StateChange> {
+fn receive_state(cabinet: &Remote, address: &str) -> Option<StateChange> {
     let (states, received) = mpsc::channel();
-    let connection = cabinet.dial("check state", Dial::Rep, at, move |frames| {
+    let connection = cabinet.dial("check state", Dial::Rep, address, move |frames| {
         let (state, acknowledgement) = acknowledge(frames);
         if let Some(state) = state {
             // Later states are not needed: the send error is ignored.
@@ -312,16 +316,19 @@ fn program(state: &StateChange, robot: &RobotIdentity) -> Result<String, Fault> 
     ))
 }
 
-fn check_conditions<F: FnMut(&CheckStep)>(told: Option<&Conditions>, steps: &mut Steps<F>) {
-    let text = told.map(Conditions::text).filter(|text| !text.is_empty());
-    let (Some(conditions), Some(text)) = (told, text) else {
+fn check_conditions<F: FnMut(&CheckStep)>(reported: Option<&Conditions>, steps: &mut Steps<F>) {
+    let text = reported.map(Conditions::text).filter(|text| !text.is_empty());
+    let (Some(conditions), Some(text)) = (reported, text) else {
         return steps.skipped(CONDITIONS, "the robot program does not tell them");
     };
     if conditions.safety_stop == Some(true) {
         return steps.fails(
             CONDITIONS,
             Fault::new(
-                format!("{text}: no motion begins; release the emergency stop, and acknowledge it on the smartPAD"),
+                format!(
+                    "{text}: no motion begins; release the emergency stop, and acknowledge it on \
+                     the smartPAD"
+                ),
                 &[],
             ),
         );
@@ -333,23 +340,23 @@ fn check_conditions<F: FnMut(&CheckStep)>(told: Option<&Conditions>, steps: &mut
 /// Checks the messages received over FRI.
 fn check_fri<F: FnMut(&CheckStep)>(
     config: &DriveConfig,
-    found: &FriFindings,
+    findings: &FriFindings,
     steps: &mut Steps<F>,
 ) {
-    steps.of(MESSAGES, found.messages(config));
+    steps.of(MESSAGES, findings.messages(config));
     let skipped = "no FRI messages arrive";
-    if !found.has_arrived() {
+    if !findings.has_arrived() {
         return [VERSION, PERIOD, SESSION]
             .into_iter()
             .for_each(|step| steps.skipped(step, skipped));
     }
-    steps.of(VERSION, found.version());
-    if found.period_ms().is_none() {
+    steps.of(VERSION, findings.version());
+    if findings.period_ms().is_none() {
         let skipped = "the FRI messages cannot be read";
         return [PERIOD, SESSION].into_iter().for_each(|step| steps.skipped(step, skipped));
     }
-    steps.of(PERIOD, found.period());
-    steps.of(SESSION, found.session());
+    steps.of(PERIOD, findings.period());
+    steps.of(SESSION, findings.session());
 }
 
 /// Maximum send period that requires real-time priority, in ms.
@@ -360,16 +367,19 @@ fn check_priority<F: FnMut(&CheckStep)>(
     period_ms: Option<u32>,
     steps: &mut Steps<F>,
 ) {
-    let how = "setcap cap_sys_nice=ep for the program, or rtprio for the user in /etc/security/limits.conf";
+    let remedy = "setcap cap_sys_nice=ep for the program, or rtprio for the user in \
+               /etc/security/limits.conf";
     match period_ms {
         _ if real_time => steps.ok(PRIORITY, "permitted"),
         Some(period_ms) if period_ms <= URGENT_MS => {
             let text = format!(
-                "not permitted, and FRI sends every {period_ms} ms: {how}; or a send period of 5 ms"
+                "not permitted, and FRI sends every {period_ms} ms: {remedy}; or a send period of 5 ms"
             );
             steps.fails(PRIORITY, Fault::new(text, &[]));
         }
-        _ => steps
-            .ok(PRIORITY, format!("not permitted; at 5 ms, a quiet machine does without ({how})")),
+        _ => steps.ok(
+            PRIORITY,
+            format!("not permitted; at 5 ms, a quiet machine does without ({remedy})"),
+        ),
     }
 }

@@ -106,10 +106,11 @@ impl Plausibility {
         from: SocketAddr,
         now: Instant,
     ) -> Option<UnexpectedSource> {
-        let is_past =
-            |at: Option<Instant>, after| at.is_none_or(|at| now.duration_since(at) >= after);
+        let is_past = |instant: Option<Instant>, after| {
+            instant.is_none_or(|instant| now.duration_since(instant) >= after)
+        };
         let is_due = from.ip() != self.cabinet
-            && is_past(self.accepted.map(|(_, at)| at), UNEXPECTED_AFTER)
+            && is_past(self.accepted.map(|(_, instant)| instant), UNEXPECTED_AFTER)
             && is_past(self.unexpected, UNEXPECTED_EVERY);
         is_due.then(|| {
             self.unexpected = Some(now);
@@ -139,15 +140,17 @@ impl Plausibility {
         if from != port {
             return self.ignore("its source port differs");
         }
-        let Err(why) =
+        let Err(reason) =
             self.check_consistency(message, latest, now.duration_since(received), client)
         else {
             return self.accept(message, from, now, client);
         };
         let row = match self.suspect.take() {
-            Some((before, at, row))
+            Some((before, instant, row))
                 if ahead(message.sequence, before.sequence) > 0
-                    && self.check_successor(message, &before, now.duration_since(at)).is_ok() =>
+                    && self
+                        .check_successor(message, &before, now.duration_since(instant))
+                        .is_ok() =>
             {
                 row + 1
             }
@@ -162,7 +165,7 @@ impl Plausibility {
             return if is_successor { Verdict::Accept } else { Verdict::Restart };
         }
         self.suspect = Some((message.clone(), now, row));
-        self.ignore(why)
+        self.ignore(reason)
     }
 
     fn accept(
@@ -181,12 +184,12 @@ impl Plausibility {
         if received == Received::Restarted { Verdict::Restart } else { Verdict::Accept }
     }
 
-    fn ignore(&mut self, why: &str) -> Verdict {
+    fn ignore(&mut self, reason: &str) -> Verdict {
         self.ignored += 1;
         // Not every message is logged, which would flood the log.
         if self.ignored.is_power_of_two() {
             tracing::warn!(
-                "FRI: {} messages were ignored, the last one because {why}",
+                "FRI: {} messages were ignored, the last one because {reason}",
                 self.ignored
             );
         }
@@ -254,8 +257,8 @@ impl Plausibility {
             if !range.contains(&joints_rad[j]) && range.contains(&before[j]) {
                 return Err("a joint is outside its range");
             }
-            let most = VELOCITY * velocity_rad_s[j] * by_s + JUMP_RAD;
-            if (joints_rad[j] - before[j]).abs() > most {
+            let max_step = VELOCITY * velocity_rad_s[j] * by_s + JUMP_RAD;
+            if (joints_rad[j] - before[j]).abs() > max_step {
                 return Err("a joint moved faster than it can");
             }
         }

@@ -16,8 +16,8 @@ pub(super) fn check_protocol(hello: &Hello) -> Result<(), Refusal> {
     let older =
         if *protocol < PROTOCOL { "the robot program on the cabinet" } else { "iiwasim here" };
     Err(Refusal::robot(format!(
-        "the robot program ({}) speaks version {protocol} of the protocol, this drive version {PROTOCOL}: \
-         replace {older} by the version that belongs to the other one",
+        "the robot program ({}) speaks version {protocol} of the protocol, this drive version \
+         {PROTOCOL}: replace {older} by the version that belongs to the other one",
         shortened(program)
     )))
 }

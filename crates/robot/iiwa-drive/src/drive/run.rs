@@ -198,9 +198,9 @@ impl<A> Running<A> {
                 run.timed_by = Some(TimedBy::CommandedPosition);
                 truncate(&mut samples, Some(to_s + ARRIVAL_S));
             }
-            Some(Err(why)) => {
+            Some(Err(reason)) => {
                 start_s = None;
-                run.untimed_because = error.is_none().then(|| why.to_owned());
+                run.untimed_because = error.is_none().then(|| reason.to_owned());
             }
         }
         run.samples = samples;

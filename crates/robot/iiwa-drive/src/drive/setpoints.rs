@@ -125,8 +125,9 @@ impl Parameters {
         }
         if period_ms.saturating_mul(receive_multiplier) > LONGEST_STEP_MS {
             return Err(Refusal::robot(format!(
-                "the controller expects an answer every {receive_multiplier} messages of {period_ms} ms; \
-                 to command, open FRI so that it is at least every {LONGEST_STEP_MS} ms"
+                "the controller expects an answer every {receive_multiplier} messages of \
+                 {period_ms} ms; to command, open FRI so that it is at least every \
+                 {LONGEST_STEP_MS} ms"
             )));
         }
         Ok(())
@@ -236,7 +237,8 @@ impl TrajectoryTask {
             let error = match furthest(message, &setpoint) {
                 Some(_) if *arriving_s <= ARRIVAL_TIMEOUT_S => return (Some(setpoint), None),
                 Some((j, off_rad)) => Some(Refusal::robot(format!(
-                    "joint A{} is still {} deg from the last set-point, {ARRIVAL_TIMEOUT_S} s after it",
+                    "joint A{} is still {} deg from the last set-point, {ARRIVAL_TIMEOUT_S} s \
+                     after it",
                     j + 1,
                     Figures(off_rad.to_degrees(), 3),
                 ))),
@@ -256,9 +258,9 @@ impl TrajectoryTask {
 /// Returns the joint (0 to 6) whose commanded position, as reported by the controller, is furthest
 /// from the last set-point, and the distance in rad; `None` below [`ARRIVED_RAD`].
 fn furthest(message: &Monitoring, setpoint: &Joints) -> Option<(usize, f64)> {
-    let at = message.commanded_rad?;
+    let commanded = message.commanded_rad?;
     (0..7)
-        .map(|j| (j, (at[j] - setpoint[j]).abs()))
+        .map(|j| (j, (commanded[j] - setpoint[j]).abs()))
         .max_by(|a, b| a.1.total_cmp(&b.1))
         .filter(|(_, off_rad)| *off_rad >= ARRIVED_RAD)
 }
@@ -286,8 +288,8 @@ fn check_continuation(message: &Monitoring, parameters: Parameters) -> Result<()
     }
     if Parameters::of(message) != parameters {
         return Err(Refusal::robot(format!(
-            "FRI's send period changed from {} to {} ms or its receive multiplier from {} to {} during \
-             the run",
+            "FRI's send period changed from {} to {} ms or its receive multiplier from {} to {} \
+             during the run",
             parameters.period_ms,
             message.send_period_ms,
             parameters.receive_multiplier,
@@ -371,13 +373,13 @@ mod tests {
         task
     }
 
-    fn assert_ends(message: &Monitoring, why: &str) {
+    fn assert_ends(message: &Monitoring, reason: &str) {
         let mut task = running(1000);
         let (setpoint, end) = advance(&mut task, message, 10.0 * CYCLE_S);
         assert_eq!(setpoint, None);
         let end = end.unwrap();
         let text = end.error.unwrap().message;
-        assert!(end.run == 7 && text.contains(why), "{text}");
+        assert!(end.run == 7 && text.contains(reason), "{text}");
     }
 
     #[test]
@@ -393,7 +395,7 @@ mod tests {
 
     #[test]
     fn a_run_does_not_begin_with_unsuitable_parameters() {
-        for (period_ms, receive_multiplier, why) in [
+        for (period_ms, receive_multiplier, reason) in [
             (0, 1, "does not state"),
             (11, 1, "every 11 ms"),
             (1_000_000, 1, "every 1000000 ms"),
@@ -407,14 +409,14 @@ mod tests {
             let opened = Monitoring { send_period_ms: period_ms, receive_multiplier, ..message(0) };
             let (setpoint, end) = advance(&mut task, &opened, 0.0);
             let text = end.unwrap().error.unwrap().message;
-            assert!(setpoint.is_none() && text.contains(why), "{text}");
+            assert!(setpoint.is_none() && text.contains(reason), "{text}");
         }
     }
 
     #[test]
     fn a_run_does_not_begin_at_an_unknown_or_wrong_position() {
-        for (commanded_rad, at) in [(None, 0.0), (Some([0.0; 7]), 0.5)] {
-            let trajectory = TimedJoints { t_s: vec![0.0, 1.0], joints_rad: vec![[at; 7]; 2] };
+        for (commanded_rad, angle) in [(None, 0.0), (Some([0.0; 7]), 0.5)] {
+            let trajectory = TimedJoints { t_s: vec![0.0, 1.0], joints_rad: vec![[angle; 7]; 2] };
             let mut task =
                 TrajectoryTask::Pending { run: 7, trajectory: Box::new(trajectory), armed: true };
             let (setpoint, end) =
@@ -433,12 +435,12 @@ mod tests {
             }
             let mut cycle = 10;
             let end = loop {
-                let mut at = [0.0; 7];
+                let mut position = [0.0; 7];
                 if let TrajectoryTask::Running { playback, .. } = &task {
-                    at = playback.position();
+                    position = playback.position();
                 }
-                at[2] += 0.001;
-                let message = Monitoring { commanded_rad: Some(at), ..message(cycle) };
+                position[2] += 0.001;
+                let message = Monitoring { commanded_rad: Some(position), ..message(cycle) };
                 if let (_, Some(end)) = advance(&mut task, &message, f64::from(cycle) * CYCLE_S) {
                     break end;
                 }

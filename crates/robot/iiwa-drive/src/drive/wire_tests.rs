@@ -86,9 +86,9 @@ fn run(seed: u64, trajectory: &TimedJoints, tally: &mut Tally) {
     let stop_at = random.bool().then(|| cell.cycle + (duration * random.f64()) as u64);
     let set_at = (random.f64() < 0.2).then(|| cell.cycle + (duration * random.f64()) as u64);
     let begun = cell.cycle;
-    let most = (duration as u64) + (4.0 / cell.period_s()) as u64;
+    let max_cycles = (duration as u64) + (4.0 / cell.period_s()) as u64;
     while cell.end.is_none() {
-        assert!(cell.cycle < begun + most, "seed {seed}: the run never ends");
+        assert!(cell.cycle < begun + max_cycles, "seed {seed}: the run never ends");
         // An interval in which all datagrams are lost.
         if random.f64() < 0.15 * cell.period_s() {
             let until = cell.cycle + random.u64(1..=5) * u64::from(multiplier);
@@ -110,8 +110,8 @@ fn run(seed: u64, trajectory: &TimedJoints, tally: &mut Tally) {
     let case = format!("seed {seed}, {period_ms} ms, every {multiplier}, {missing:?}");
     let (worst, restarts) = cell.judge();
     tally.restarts += restarts;
-    for (most, found) in tally.worst.iter_mut().zip(worst) {
-        *most = most.max(found);
+    for (worst_so_far, share) in tally.worst.iter_mut().zip(worst) {
+        *worst_so_far = worst_so_far.max(share);
     }
     let ended = cell.end.and_then(|end| end.error).map(|error| error.message);
     assert!(
@@ -120,8 +120,8 @@ fn run(seed: u64, trajectory: &TimedJoints, tally: &mut Tally) {
     );
     match ended {
         None => tally.successful += 1,
-        Some(why) => {
-            let words = why.chars().filter(|c| !c.is_ascii_digit() && *c != '.').collect();
+        Some(reason) => {
+            let words = reason.chars().filter(|c| !c.is_ascii_digit() && *c != '.').collect();
             *tally.reasons.entry(words).or_default() += 1;
         }
     }

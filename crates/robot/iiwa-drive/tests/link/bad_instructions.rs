@@ -21,7 +21,7 @@ fn invalid_instructions_get_an_error_and_have_no_effect() {
     let mut with_more = motions;
     with_more["seq"] = json!(SEQ);
     with_more["speed"] = json!(1);
-    let answer = socket.ask(&with_more.to_string());
+    let answer = socket.request(&with_more.to_string());
     assert_error(
         &answer["error"],
         "bad_request",
@@ -30,7 +30,7 @@ fn invalid_instructions_get_an_error_and_have_no_effect() {
     );
     for (_, Corrupted { message, name, .. }) in corrupted_instructions() {
         let instruction = message.to_string();
-        let answer = socket.ask(&instruction);
+        let answer = socket.request(&instruction);
         let names: Vec<&str> = OTHER_WORDS.into_iter().chain([name.as_str()]).collect();
         assert_error(&answer["error"], "bad_request", &names, &instruction);
         if message["seq"].is_u64() && message["type"].is_string() {
@@ -38,7 +38,7 @@ fn invalid_instructions_get_an_error_and_have_no_effect() {
         }
     }
     for garbage in garbage() {
-        let answer = socket.ask(&garbage);
+        let answer = socket.request(&garbage);
         assert_error(
             &answer["error"],
             "bad_request",
@@ -46,8 +46,8 @@ fn invalid_instructions_get_an_error_and_have_no_effect() {
             &garbage,
         );
     }
-    assert!(socket.ask_bytes(b"\xff\xfe").contains("bad_request"));
-    assert!(socket.ask_frames(&[b"{}", b"{}"]).contains("one frame"));
+    assert!(socket.request_bytes(b"\xff\xfe").contains("bad_request"));
+    assert!(socket.request_frames(&[b"{}", b"{}"]).contains("one frame"));
     // Messages of peers without REQ framing receive no reply and have no effect.
     let dealer = Socket::connect(SocketType::Dealer, &rig.cabinet_config.instructions).unwrap();
     for frames in [[b"x".as_slice(), b"y"].as_slice(), &[b""], &[b"", b""], &[b"{}"]] {
@@ -55,10 +55,10 @@ fn invalid_instructions_get_an_error_and_have_no_effect() {
     }
     let outside = json!({"seq": 8, "type": "run_motions", "run": 1, "motions":
         [{"type": "ptp", "joints_deg": [171, 0, 0, 0, 0, 0, 0]}]});
-    let answer = socket.ask(&outside.to_string());
+    let answer = socket.request(&outside.to_string());
     assert_error(&answer["error"], "limit", &["joint A1"], "outside");
     assert_eq!(rig.cabinet().position(), before);
-    let answer = socket.ask(r#"{"seq": 9, "type": "get_io", "name": "MediaFlange.LEDBlue"}"#);
+    let answer = socket.request(r#"{"seq": 9, "type": "get_io", "name": "MediaFlange.LEDBlue"}"#);
     assert_eq!((&answer["seq"], &answer["value"]), (&json!(9), &json!(false)));
     rig.start_drive();
     rig.wait_until_ready();

@@ -16,10 +16,10 @@ fn invalid_requests_get_an_error_and_have_no_effect() {
     let socket = RequestSocket::new(&rig.drive_config.instructions);
     let before = rig.cabinet().position();
     let assert_refused = |request: &str, code: &str, names: &[&str]| {
-        let answer = socket.ask(request);
+        let answer = socket.request(request);
         assert_eq!(answer["ok"], false, "{request}: {answer}");
         assert_error(&answer["error"], code, names, request);
-        assert_eq!(socket.ask(r#"{"type": "state"}"#)["state"], "idle", "{request}");
+        assert_eq!(socket.request(r#"{"type": "state"}"#)["state"], "idle", "{request}");
         assert_eq!(rig.cabinet().position().map(f64::to_bits), before.map(f64::to_bits));
     };
     let mut count = 0;
@@ -42,14 +42,14 @@ fn invalid_requests_get_an_error_and_have_no_effect() {
         count += 1;
     }
     for body in [b"\xff".as_slice(), b"{\"type\": \"st\xc3\"}", b"\0", b"\xef\xbb\xbf{}"] {
-        let answer = socket.ask_bytes(body);
+        let answer = socket.request_bytes(body);
         assert!(answer.contains("bad_request"), "{answer}");
     }
     assert!(count > 200, "{count}");
 
     assert_refused(r#"{"type": "last_run"}"#, "bad_request", &["no run"]);
     for good in good_requests() {
-        let answer = socket.ask(&good.to_string());
+        let answer = socket.request(&good.to_string());
         assert_eq!(answer["ok"], true, "{good}: {answer}");
     }
     assert_eq!(good_requests().len(), Request::TYPES.len());
@@ -83,11 +83,11 @@ fn ids_of_every_kind_are_returned() {
             r#""type": "state", "type": "state"}"#,
             r#""types": []}"#,
         ] {
-            let answer = socket.ask_bytes(format!("{{\"id\": {id}, {rest}").as_bytes());
+            let answer = socket.request_bytes(format!("{{\"id\": {id}, {rest}").as_bytes());
             assert!(answer.contains(&format!("\"id\":{id}")), "{id}, {rest}: {answer}");
         }
     }
     for without in [r#"{"type": "state"}"#, r#"{"type": 3}"#, r#"{"id": 1"#, "{", "7"] {
-        assert!(!socket.ask_bytes(without.as_bytes()).contains("\"id\""), "{without}");
+        assert!(!socket.request_bytes(without.as_bytes()).contains("\"id\""), "{without}");
     }
 }

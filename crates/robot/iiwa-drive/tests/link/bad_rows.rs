@@ -34,34 +34,35 @@ fn the_file_of_malformed_instructions_has_the_rows_of_these_tables() {
     if env::var_os("IIWASIM_RENEW").is_some() {
         fs::write(&path, &text).unwrap();
     }
-    let Ok(found) = fs::read_to_string(&path) else {
+    let Ok(stored) = fs::read_to_string(&path) else {
         println!("skipped: there is no {}", path.display());
         return;
     };
-    let found: Vec<Value> = found.lines().map(|line| serde_json::from_str(line).unwrap()).collect();
-    let differs = rows.iter().zip(&found).find(|(row, found)| row != found);
+    let stored: Vec<Value> =
+        stored.lines().map(|line| serde_json::from_str(line).unwrap()).collect();
+    let differs = rows.iter().zip(&stored).find(|(row, stored)| row != stored);
     assert!(
-        differs.is_none() && found.len() == count,
+        differs.is_none() && stored.len() == count,
         "bad_input.jsonl has {} rows and is not that of the {count} in the tables: {differs:?}\n\
          If the tables are right, write it anew with IIWASIM_RENEW=1",
-        found.len()
+        stored.len()
     );
 }
 
 /// Returns all rows of the file.
 fn rows() -> Vec<Value> {
     let mut rows = Vec::new();
-    for (kind, Corrupted { message, name, what }) in corrupted_instructions() {
+    for (kind, Corrupted { message, name, change }) in corrupted_instructions() {
         let words: Vec<&str> = [name.as_str()].into_iter().chain(OTHER_WORDS).collect();
-        rows.push(row(&format!("{kind}: {what}"), &message.to_string(), &words));
+        rows.push(row(&format!("{kind}: {change}"), &message.to_string(), &words));
     }
-    for (what, names, list) in corrupted_motions() {
+    for (change, names, list) in corrupted_motions() {
         let others = ["column", "motion 1", "`x`", "unknown"];
         let words: Vec<&str> = names.iter().map(String::as_str).chain(others).collect();
-        rows.push(row(&format!("motions, {what}"), &run_motions(&list[1..]), &words));
+        rows.push(row(&format!("motions, {change}"), &run_motions(&list[1..]), &words));
     }
-    for (what, words, keys) in invalid_motions() {
-        rows.push(row(&format!("motions, {what}"), &run_motions(&format!("{keys}}}")), words));
+    for (change, words, keys) in invalid_motions() {
+        rows.push(row(&format!("motions, {change}"), &run_motions(&format!("{keys}}}")), words));
     }
     rows.extend(doubled_keys());
     rows.extend(no_instructions());

@@ -19,13 +19,13 @@ use crate::link::{
 };
 
 /// Connects a peer that sends nothing.
-fn silent(at: &str) -> Peer {
-    Peer::silent(address(at), LONG).unwrap()
+fn silent(endpoint: &str) -> Peer {
+    Peer::silent(address(endpoint), LONG).unwrap()
 }
 
 /// Connects a peer that has completed the handshake, without keys.
-fn connected(at: &str, kind: &str) -> Peer {
-    Peer::connect(address(at), kind, LONG).unwrap()
+fn connected(endpoint: &str, kind: &str) -> Peer {
+    Peer::connect(address(endpoint), kind, LONG).unwrap()
 }
 
 fn address(at: &str) -> SocketAddr {
@@ -57,7 +57,7 @@ fn assert_stops(rig: &Rig) {
 }
 
 /// Returns the number of open connections, once no more of them are closed.
-fn left(peers: &mut Vec<Peer>) -> usize {
+fn remaining(peers: &mut Vec<Peer>) -> usize {
     let mut since = Instant::now();
     while since.elapsed() < Duration::from_millis(500) {
         let before = peers.len();
@@ -76,7 +76,7 @@ fn silent_connections_are_closed() {
     let cabinet = &rig.cabinet_config.instructions;
     let mut silent: Vec<_> = [requests, stream, cabinet]
         .into_iter()
-        .flat_map(|at| (0..150).map(move |_| silent(at)))
+        .flat_map(|address| (0..150).map(move |_| silent(address)))
         .collect();
     assert_stops(&rig);
     wait_for("all to be closed", || {
@@ -92,15 +92,15 @@ fn idle_peers_are_evicted() {
     let mut idle: Vec<_> =
         (0..100).map(|_| connected(&rig.drive_config.instructions, "DEALER")).collect();
     assert_stops(&rig);
-    let left = left(&mut idle);
-    assert!((1..=64).contains(&left), "{left} are left");
+    let remaining = remaining(&mut idle);
+    assert!((1..=64).contains(&remaining), "{remaining} are left");
 }
 
 #[test]
 fn long_requests_are_received_one_at_a_time_and_delay_no_stop() {
     let rig = Rig::new(5);
-    let at = &rig.drive_config.instructions;
-    let mut senders: Vec<_> = (0..12).map(|_| connected(at, "DEALER")).collect();
+    let address = &rig.drive_config.instructions;
+    let mut senders: Vec<_> = (0..12).map(|_| connected(address, "DEALER")).collect();
     for (i, peer) in senders.iter_mut().enumerate() {
         // Some requests exceed the limit.
         let length = if i % 2 == 0 { 60_000_000 } else { MAX_MESSAGE_BYTES - 1000 };
@@ -137,23 +137,23 @@ fn unread_replies_are_bounded() {
     let rig = Rig::new(5);
     rig.client().run_motions(slowly_to(20.0), Some(LONG)).unwrap();
     let mut lazy = connected(&rig.drive_config.instructions, "DEALER");
-    let ask = message(&[b"", br#"{"type": "last_run"}"#]);
+    let request = message(&[b"", br#"{"type": "last_run"}"#]);
     // The peer does not read, so the drive stops reading its requests at a limit.
     lazy.stream.set_nonblocking(true).unwrap();
     let since = Instant::now();
-    let (mut rest, mut taken) = (&*ask, since);
+    let (mut rest, mut last_sent) = (&*request, since);
     // A drive that is merely slow accepts more bytes within a second.
-    while taken.elapsed() < Duration::from_secs(1) {
+    while last_sent.elapsed() < Duration::from_secs(1) {
         assert!(since.elapsed() < LONG);
         match lazy.stream.write(rest) {
             Ok(bytes) => {
                 rest = &rest[bytes..];
-                taken = Instant::now();
+                last_sent = Instant::now();
             }
             Err(_) => thread::sleep(Duration::from_millis(5)),
         }
         if rest.is_empty() {
-            rest = &ask;
+            rest = &request;
         }
     }
     assert_stops(&rig);

@@ -18,14 +18,21 @@ const START_DEG: Joints = [0.0, 30.0, 0.0, -60.0, 0.0, 90.0, 0.0];
 
 /// Returns a request with all kinds of motions and blends between them.
 fn request(mode: Option<&str>) -> Value {
-    let down = |x: f64, y: f64, z: f64| json!({"base": "table", "x_mm": x, "y_mm": y, "z_mm": z, "a_deg": 0, "b_deg": 180, "c_deg": 0});
+    let down = |x: f64, y: f64, z: f64| {
+        json!({
+            "base": "table", "x_mm": x, "y_mm": y, "z_mm": z, "a_deg": 0, "b_deg": 180, "c_deg": 0
+        })
+    };
     let near = json!({"cart_mm": 20});
     let mut request = json!({
         "type": "run_motions",
         "tools": {"gripper": {"tcp": {"z_mm": 120}, "tips": {"finger": {"z_mm": 140, "y_mm": 20}},
             "load": {"mass_kg": 1.5, "abc_deg": [10, 20, 30]}}},
         "bases": {"table": {"x_mm": 500, "y_mm": -150, "z_mm": 100}},
-        "frames": {"pick": down(0.0, 0.0, 150.0), "via": down(60.0, 150.0, 150.0), "place": down(0.0, 300.0, 150.0)},
+        "frames": {
+            "pick": down(0.0, 0.0, 150.0), "via": down(60.0, 150.0, 150.0),
+            "place": down(0.0, 300.0, 150.0)
+        },
         "tool": "gripper",
         "base": "table",
         "motions": [
@@ -90,7 +97,7 @@ fn a_request_with_frames_is_replied_to() {
         {"type": "lin_rel", "offset": {"x_mm": 20}, "in": "pick"},
         {"type": "lin_rel", "offset": {"x_mm": -20}, "in": "pick"},
     ]);
-    let answer = socket.ask(&short.to_string());
+    let answer = socket.request(&short.to_string());
     assert_eq!((&answer["ok"], &answer["id"]), (&json!(true), &json!(["mine"])), "{answer}");
     let plan = planned_from(start_rad(), list(&short));
     let late_s = answer["cycle_time_s"].as_f64().unwrap() - plan.cycle_time_s();
@@ -103,7 +110,9 @@ fn a_request_with_frames_is_replied_to() {
 fn a_stopped_line_stays_a_line() {
     let rig = bent_rig();
     let mut long = request(None);
-    long["motions"] = json!([{"type": "lin_rel", "offset": {"y_mm": 160, "z_mm": -50}, "cart_velocity_mm_s": 60}]);
+    long["motions"] = json!([{
+        "type": "lin_rel", "offset": {"y_mm": 160, "z_mm": -50}, "cart_velocity_mm_s": 60
+    }]);
     let motions = list(&long);
     let running = {
         let mut client = rig.client();
@@ -142,7 +151,7 @@ fn a_stopped_line_stays_a_line() {
 /// Refused requests without motion: the change, the code, and a text in the message.
 #[test]
 #[expect(clippy::too_many_lines, reason = "a table of cases")]
-fn what_cannot_be_planned_is_refused() {
+fn impossible_programs_are_refused() {
     let rig = bent_rig();
     let socket = RequestSocket::new(&rig.drive_config.instructions);
     let before = rig.cabinet().position();
@@ -237,12 +246,12 @@ fn what_cannot_be_planned_is_refused() {
             *request.pointer_mut(path).expect(path) = value;
         }
         let request = request.to_string();
-        let answer = socket.ask(&request);
+        let answer = socket.request(&request);
         assert_eq!(answer["ok"], false, "{path}: {answer}");
         assert_error(&answer["error"], code, &[text], &request);
         assert_eq!(rig.cabinet().position().map(f64::to_bits), before.map(f64::to_bits), "{path}");
     }
-    assert_eq!(socket.ask(r#"{"type": "state"}"#)["state"], "idle");
+    assert_eq!(socket.request(r#"{"type": "state"}"#)["state"], "idle");
     // Refused requests do not affect the next run.
     let mut good = request(None);
     good["motions"] = json!([{"type": "lin_rel", "offset": {"z_mm": -10}}]);
@@ -259,7 +268,7 @@ fn requests_that_grow_are_refused() {
     let spline =
         json!({"type": "spline", "segments": vec![json!({"type": "spl", "frame": "pick"}); 20]});
     many["motions"] = json!(vec![spline; 251]);
-    let answer = socket.ask(&many.to_string());
+    let answer = socket.request(&many.to_string());
     assert_error(
         &answer["error"],
         "bad_request",
@@ -272,6 +281,6 @@ fn requests_that_grow_are_refused() {
     large["bases"] = Value::Object(bases.collect());
     let large = large.to_string();
     assert!(large.len() < 1 << 20);
-    let answer = socket.ask(&large);
+    let answer = socket.request(&large);
     assert_error(&answer["error"], "bad_request", &["written out in full"], "bases");
 }

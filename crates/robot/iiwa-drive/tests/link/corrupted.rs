@@ -41,7 +41,7 @@ pub(crate) struct Corrupted {
     /// The name of the field.
     pub(crate) name: String,
     /// Description of the change.
-    pub(crate) what: String,
+    pub(crate) change: String,
 }
 
 /// Returns messages in which each of these fields in turn is invalid or missing.
@@ -51,9 +51,9 @@ pub(crate) fn corrupted(good: &Value, fields: &[Field<'_>]) -> Vec<Corrupted> {
         let (parent, name) = path.rsplit_once('/').unwrap();
         for value in wrong_values() {
             if !valid.contains(&value.to_string().as_str()) {
-                let (mut message, what) = (good.clone(), format!("{path} is {value}"));
+                let (mut message, change) = (good.clone(), format!("{path} is {value}"));
                 *message.pointer_mut(path).expect(path) = value;
-                messages.push(Corrupted { message, name: name.to_owned(), what });
+                messages.push(Corrupted { message, name: name.to_owned(), change });
             }
         }
         if *requirement == Requirement::Required {
@@ -63,8 +63,8 @@ pub(crate) fn corrupted(good: &Value, fields: &[Field<'_>]) -> Vec<Corrupted> {
                 Value::Array(list) => drop(list.remove(name.parse().unwrap())),
                 _ => unreachable!(),
             }
-            let what = format!("{path} is missing");
-            messages.push(Corrupted { message, name: name.to_owned(), what });
+            let change = format!("{path} is missing");
+            messages.push(Corrupted { message, name: name.to_owned(), change });
         }
     }
     messages
@@ -109,7 +109,7 @@ pub(crate) fn good_requests() -> Vec<Value> {
 
 pub(crate) fn fields_of(name: &str) -> Vec<Field<'static>> {
     use Requirement::{Optional, Required};
-    let own = match name {
+    let fields = match name {
         "run_motions" => vec![
             Field("/motions", Required, &[]),
             Field("/motions/0", Optional, &[]),
@@ -157,5 +157,5 @@ pub(crate) fn fields_of(name: &str) -> Vec<Field<'static>> {
         "set_io" => vec![Field("/name", Required, &[]), Field("/value", Required, &["true"])],
         _ => Vec::new(),
     };
-    [Field("/type", Required, &[])].into_iter().chain(own).collect()
+    [Field("/type", Required, &[])].into_iter().chain(fields).collect()
 }

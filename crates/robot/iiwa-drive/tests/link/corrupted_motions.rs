@@ -323,9 +323,9 @@ pub(crate) fn corrupted_motions() -> Vec<(String, Vec<String>, String)> {
         let fields: Vec<Field<'_>> = (paths.iter().zip(&keys))
             .map(|(path, (_, requirement, valid))| Field(path, *requirement, valid))
             .collect();
-        for Corrupted { message, what, .. } in corrupted(&list, &fields) {
-            let (path, _) = what.split_once(' ').unwrap();
-            rows.push((format!("{kind}: {what}"), names(path), message.to_string()));
+        for Corrupted { message, change, .. } in corrupted(&list, &fields) {
+            let (path, _) = change.split_once(' ').unwrap();
+            rows.push((format!("{kind}: {change}"), names(path), message.to_string()));
         }
         for (path, object) in objects(&list, String::new()) {
             let names_are_free = ["/tools", "/bases", "/frames", "/tools/hand/tips"];
@@ -365,8 +365,8 @@ fn objects(value: &Value, path: String) -> Vec<(String, Value)> {
     };
     let inner = inner.into_iter().flat_map(|(key, value)| objects(value, format!("{path}/{key}")));
     let inner: Vec<_> = inner.collect();
-    let own = value.is_object().then(|| (path, value.clone()));
-    own.into_iter().chain(inner).collect()
+    let entry = value.is_object().then(|| (path, value.clone()));
+    entry.into_iter().chain(inner).collect()
 }
 
 /// Returns the text of `good` in which the object at `path` has `key` twice.

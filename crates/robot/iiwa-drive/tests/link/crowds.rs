@@ -71,7 +71,7 @@ impl Drop for Over<'_> {
 #[test]
 fn pipelines_take_neither_stops_nor_runs() {
     let rig = Rig::new(5);
-    let at = address(&rig.drive_config.instructions);
+    let address = address(&rig.drive_config.instructions);
     let over = AtomicBool::new(false);
     thread::scope(|scope| {
         let _over = Over(&over);
@@ -85,7 +85,7 @@ fn pipelines_take_neither_stops_nor_runs() {
         wait_for("motion", || other.state().unwrap().state == DriveState::RunningMotion);
         drop(other);
         for _ in 0..CROWD {
-            let peer = Peer::connect(at, "DEALER", LONG).unwrap();
+            let peer = Peer::connect(address, "DEALER", LONG).unwrap();
             let over = &over;
             scope.spawn(move || pipeline(peer, over));
         }
@@ -137,9 +137,9 @@ fn pipelines_of_one_key_take_no_stop_of_another() {
 #[test]
 fn a_long_request_that_trickles_blocks_no_other() {
     let rig = Rig::new(5);
-    let at = address(&rig.drive_config.instructions);
+    let address = address(&rig.drive_config.instructions);
     let over = AtomicBool::new(false);
-    let mut slow = Peer::connect(at, "DEALER", LONG).unwrap();
+    let mut slow = Peer::connect(address, "DEALER", LONG).unwrap();
     let head = [frame_head(MORE, 0), frame_head(0, 1_000_000), vec![b'['; 1000]].concat();
     slow.stream.write_all(&head).unwrap();
     thread::scope(|scope| {
@@ -150,7 +150,7 @@ fn a_long_request_that_trickles_blocks_no_other() {
                 thread::sleep(Duration::from_millis(100));
             }
         });
-        let mut other = Peer::connect(at, "DEALER", LONG).unwrap();
+        let mut other = Peer::connect(address, "DEALER", LONG).unwrap();
         let long = [b"[".repeat(100_000), b"]".repeat(100_000)].concat();
         other.send(&[b"", &long]).unwrap();
         let reply = other.receive(LONG).unwrap();
@@ -161,13 +161,13 @@ fn a_long_request_that_trickles_blocks_no_other() {
 #[test]
 fn handshakes_with_less_progress_are_evicted_first() {
     let rig = Rig::new(5);
-    let at = address(&rig.drive_config.instructions);
+    let address = address(&rig.drive_config.instructions);
     let mut greeting = [0; 64];
     greeting[0] = 0xff;
     greeting[9..12].copy_from_slice(&[0x7f, 3, 1]);
     greeting[12..16].copy_from_slice(b"NULL");
     let open = |bytes: &[u8]| {
-        let mut stream = TcpStream::connect(at).unwrap();
+        let mut stream = TcpStream::connect(address).unwrap();
         stream.set_read_timeout(Some(LONG)).unwrap();
         stream.write_all(bytes).unwrap();
         stream
@@ -207,10 +207,10 @@ fn handshakes_with_less_progress_are_evicted_first() {
 #[test]
 fn subscribers_take_no_stream() {
     let rig = Rig::new(5);
-    let at = address(&rig.drive_config.stream);
+    let address = address(&rig.drive_config.stream);
     let crowd: Vec<_> = (0..CROWD)
         .map(|_| {
-            let mut peer = Peer::connect(at, "SUB", LONG).unwrap();
+            let mut peer = Peer::connect(address, "SUB", LONG).unwrap();
             peer.stream.write_all(&subscription(b"state")).unwrap();
             peer
         })
@@ -225,7 +225,7 @@ fn subscribers_take_no_stream() {
 #[test]
 fn a_stop_is_repeated_after_lost_connections() {
     let drive = TcpListener::bind((Ipv4Addr::LOCALHOST, 0)).unwrap();
-    let at = format!("tcp://{}", drive.local_addr().unwrap());
+    let address = format!("tcp://{}", drive.local_addr().unwrap());
     thread::scope(|scope| {
         scope.spawn(|| {
             // More closed handshakes than are taken as a refusal for other requests.
@@ -242,6 +242,6 @@ fn a_stop_is_repeated_after_lost_connections() {
             peer.receive(LONG).unwrap();
             peer.send(&[b"", br#"{"ok": true}"#]).unwrap();
         });
-        Client::new(&Remote::open(), &at).unwrap().stop().unwrap();
+        Client::new(&Remote::open(), &address).unwrap().stop().unwrap();
     });
 }

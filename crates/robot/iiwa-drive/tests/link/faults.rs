@@ -403,10 +403,10 @@ fn during_a_motion_only_state_and_stop_are_served() {
 fn garbage_and_long_messages_have_no_effect() {
     let rig = Rig::new(5);
     let running = begin_motion(&rig);
-    let host = |at: &str| at.trim_start_matches("tcp://").to_owned();
-    for at in [&rig.drive_config.instructions, &rig.drive_config.stream] {
+    let host = |address: &str| address.trim_start_matches("tcp://").to_owned();
+    for address in [&rig.drive_config.instructions, &rig.drive_config.stream] {
         for garbage in [vec![0xff_u8; 100_000], b"GET / HTTP/1.1\r\n\r\n".to_vec(), vec![0; 64]] {
-            let mut socket = TcpStream::connect(host(at)).unwrap();
+            let mut socket = TcpStream::connect(host(address)).unwrap();
             let _ = socket.write_all(&garbage);
         }
     }
@@ -414,7 +414,7 @@ fn garbage_and_long_messages_have_no_effect() {
     for length in [0, 1, 64, 1400, 9000] {
         udp.send_to(&vec![0x5a; length], rig.drive_config.fri).unwrap();
     }
-    let ask = |kind, frames: &[&[u8]]| -> Option<String> {
+    let exchange = |kind, frames: &[&[u8]]| -> Option<String> {
         let socket = Socket::connect(kind, &rig.drive_config.instructions).unwrap();
         socket.send(frames).unwrap();
         let answer = socket.receive(Duration::from_secs(2))?;
@@ -423,21 +423,21 @@ fn garbage_and_long_messages_have_no_effect() {
     let deep = vec![b'['; 100_000];
     let bodies: [&[u8]; 5] = [b"", b"\xff\xfe", b"[]", b"{\"type\": 3}", &deep];
     for body in bodies {
-        let answer = ask(SocketType::Req, &[body]).expect("an answer");
+        let answer = exchange(SocketType::Req, &[body]).expect("an answer");
         // Long requests are not parsed during a run.
         let code = if body.len() > MAX_SHORT_REQUEST_BYTES { "not_idle" } else { "bad_request" };
         assert!(answer.contains(&format!("\"{code}\"")), "{answer}");
     }
     // More than one frame, and DEALER with and without the empty frame.
-    assert!(ask(SocketType::Req, &[b"{}", b"{}"]).expect("an answer").contains("bad_request"));
+    assert!(exchange(SocketType::Req, &[b"{}", b"{}"]).expect("an answer").contains("bad_request"));
     let state = br#"{"type": "state", "id": [1, "x"]}"#;
     for frames in [[b"".as_slice(), state].as_slice(), &[state]] {
-        let answer = ask(SocketType::Dealer, frames).expect("an answer");
+        let answer = exchange(SocketType::Dealer, frames).expect("an answer");
         assert!(answer.contains(r#""ok":true,"id":[1, "x"]"#), "{answer}");
     }
     // The message is too long: the connection is closed.
     let huge = vec![b' '; 100_000_000];
-    assert_eq!(ask(SocketType::Req, &[&huge]), None);
+    assert_eq!(exchange(SocketType::Req, &[&huge]), None);
     running.join().unwrap().unwrap();
     let status = rig.client().state().unwrap();
     assert_eq!((status.state, status.fri.lost), (DriveState::Idle, 0));

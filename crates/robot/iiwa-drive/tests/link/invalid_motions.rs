@@ -7,10 +7,10 @@ pub(crate) fn invalid_motions() -> Vec<(&'static str, &'static [&'static str], S
     let ptp = r#"{"type": "ptp", "joints_deg": [0, 30, 0, -60, 0, 90, 0]}"#;
     MOTIONS
         .iter()
-        .map(|(what, words, motions)| (*what, *words, format!("\"motions\": [{motions}]")))
-        .chain(LISTS.iter().map(|(what, words, keys)| (*what, *words, (*keys).to_owned())))
-        .map(|(what, words, keys)| {
-            (what, words, keys.replace("@frame", frame).replace("@ptp", ptp))
+        .map(|(fault, words, motions)| (*fault, *words, format!("\"motions\": [{motions}]")))
+        .chain(LISTS.iter().map(|(fault, words, keys)| (*fault, *words, (*keys).to_owned())))
+        .map(|(fault, words, keys)| {
+            (fault, words, keys.replace("@frame", frame).replace("@ptp", ptp))
         })
         .collect()
 }

@@ -19,11 +19,11 @@ use crate::link::{
 };
 
 fn check(rig: &Rig, remote: &Remote) -> LinkCheck {
-    let mut told = Vec::new();
+    let mut reported = Vec::new();
     // The previous check may have used the same UDP port.
     child_processes::await_all();
-    let check = LinkCheck::run(&rig.drive_config, remote, |step| told.push(step.clone()));
-    assert_eq!(check.steps, told);
+    let check = LinkCheck::run(&rig.drive_config, remote, |step| reported.push(step.clone()));
+    assert_eq!(check.steps, reported);
     assert_eq!(check.steps.len(), 11);
     for step in &check.steps {
         println!("{}", step.line("--"));
@@ -38,9 +38,9 @@ fn step<'a>(check: &'a LinkCheck, name: &str) -> (StepResult, &'a str) {
 }
 
 fn assert_fails(check: &LinkCheck, name: &str, text: &str) {
-    let (result, found) = step(check, name);
-    assert_eq!(result, StepResult::Fails, "{name}: {found}");
-    assert!(found.contains(text), "{name}: {found}");
+    let (result, message) = step(check, name);
+    assert_eq!(result, StepResult::Fails, "{name}: {message}");
+    assert!(message.contains(text), "{name}: {message}");
     assert!(!check.ok);
 }
 
@@ -61,7 +61,7 @@ fn a_good_connection_passes() {
 }
 
 #[test]
-fn without_a_cabinet_each_step_says_what_to_do() {
+fn without_a_cabinet_each_step_has_a_remedy() {
     let rig = Rig::parts(5);
     let since = Instant::now();
     let check = check(&rig, &Remote::open());
@@ -76,7 +76,7 @@ fn without_a_cabinet_each_step_says_what_to_do() {
 
 /// Another program listens at the port, and sends nothing.
 #[test]
-fn a_port_of_another_program_is_told() {
+fn a_port_of_another_program_is_reported() {
     let mut rig = Rig::parts(5);
     let other = TcpListener::bind("127.0.0.1:0").unwrap();
     rig.drive_config.cabinet_instructions = format!("tcp://{}", other.local_addr().unwrap());
@@ -104,7 +104,7 @@ fn another_source_of_fri_is_named() {
 }
 
 #[test]
-fn a_send_period_that_is_too_long_is_told() {
+fn too_long_a_send_period_is_reported() {
     let mut rig = Rig::parts(20);
     rig.start_cabinet();
     let check = check(&rig, &Remote::open());
@@ -113,7 +113,7 @@ fn a_send_period_that_is_too_long_is_told() {
 }
 
 #[test]
-fn another_version_of_fri_is_told() {
+fn another_version_of_fri_is_reported() {
     let rig = Rig::parts(5);
     let to = rig.drive_config.fri;
     let sender = std::thread::spawn(move || {
@@ -135,7 +135,7 @@ fn keys_are_checked() {
     let mut rig = Rig::parts(5);
     let [cabinet, drive, other] = [(); 3].map(|()| KeyPair::generate().unwrap());
     let cabinet_key = cabinet.public();
-    let remote = |own: &KeyPair| Remote::with_keys(ClientSecurity::new(own.clone(), cabinet_key));
+    let remote = |keys: &KeyPair| Remote::with_keys(ClientSecurity::new(keys.clone(), cabinet_key));
     let allowed = AllowList::from_iter([("drive".to_owned(), drive.public())]);
     let server = Server::with_keys(ServerSecurity::new(cabinet, allowed));
     let secured = Cabinet::start(rig.cabinet_config.clone(), &server).unwrap();
@@ -152,7 +152,7 @@ fn keys_are_checked() {
 }
 
 #[test]
-fn a_safety_stop_is_told() {
+fn a_safety_stop_is_reported() {
     let mut rig = Rig::parts(5);
     rig.start_cabinet();
     wait_for("the emergency stop", || {

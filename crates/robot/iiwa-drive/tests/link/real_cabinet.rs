@@ -32,7 +32,7 @@ fn untimed_rig(period_ms: u32) -> Rig {
 }
 
 #[test]
-fn commanded_positions_tell_the_time_of_motions() {
+fn commanded_positions_determine_the_time_of_motions() {
     for period_ms in [5, 1] {
         let rig = untimed_rig(period_ms);
         let mut motions = motions();
@@ -103,16 +103,17 @@ fn sensors_may_have_no_temperatures() {
 }
 
 #[test]
-fn fri_from_another_address_is_told() {
+fn fri_from_another_address_is_reported() {
     let mut rig = Rig::parts(5);
     rig.drive_config.fri_controller = IpAddr::V4(Ipv4Addr::new(127, 0, 0, 2));
     rig.start_drive();
     rig.start_cabinet();
     let mut client = rig.client();
-    let here = IpAddr::V4(Ipv4Addr::LOCALHOST);
+    let localhost = IpAddr::V4(Ipv4Addr::LOCALHOST);
     wait_for("the other address", || {
         let status = client.state().unwrap();
-        status.fri.unexpected_source == Some(here) && status.robot_program == Presence::Connected
+        status.fri.unexpected_source == Some(localhost)
+            && status.robot_program == Presence::Connected
     });
     let status = client.state().unwrap();
     assert!(
@@ -128,7 +129,7 @@ fn fri_from_another_address_is_told() {
 }
 
 #[test]
-fn the_robot_program_tells_of_itself_and_of_safety_stops() {
+fn the_robot_program_reports_itself_and_safety_stops() {
     let rig = Rig::new(5);
     let status = rig.client().state().unwrap();
     assert!(status.hello.unwrap().program.starts_with("iiwasim "));
@@ -189,7 +190,7 @@ fn a_restarted_robot_program_is_instructed_over_a_new_connection() {
         states.receive(LONG).expect("an acknowledgement");
     }
     let mut program = accepted(&listener);
-    let asked = {
+    let request = {
         let mut client = rig.client();
         thread::spawn(move || client.get_io("x"))
     };
@@ -197,5 +198,5 @@ fn a_restarted_robot_program_is_instructed_over_a_new_connection() {
     let body: serde_json::Value = serde_json::from_slice(&instruction[1]).unwrap();
     let answer = format!(r#"{{"seq": {}, "value": 7}}"#, body["seq"]);
     program.send(&[b"", answer.as_bytes()]).unwrap();
-    assert_eq!(asked.join().unwrap().unwrap(), IoValue::Digital(7));
+    assert_eq!(request.join().unwrap().unwrap(), IoValue::Digital(7));
 }

@@ -11,23 +11,23 @@ pub(crate) struct RequestSocket {
 }
 
 impl RequestSocket {
-    pub(crate) fn new(at: &str) -> Self {
-        Self { socket: Socket::connect(SocketType::Req, at).unwrap() }
+    pub(crate) fn new(address: &str) -> Self {
+        Self { socket: Socket::connect(SocketType::Req, address).unwrap() }
     }
 
-    pub(crate) fn ask_bytes(&self, body: &[u8]) -> String {
-        self.ask_frames(&[body])
+    pub(crate) fn request_bytes(&self, body: &[u8]) -> String {
+        self.request_frames(&[body])
     }
 
     /// Returns the answer to a request of any number of frames.
-    pub(crate) fn ask_frames(&self, frames: &[&[u8]]) -> String {
+    pub(crate) fn request_frames(&self, frames: &[&[u8]]) -> String {
         self.socket.send(frames).unwrap();
         let [answer] = self.socket.receive(LONG).expect("an answer in time").try_into().unwrap();
         String::from_utf8(answer).expect("text")
     }
 
-    pub(crate) fn ask(&self, body: &str) -> Value {
-        serde_json::from_str(&self.ask_bytes(body.as_bytes())).unwrap()
+    pub(crate) fn request(&self, body: &str) -> Value {
+        serde_json::from_str(&self.request_bytes(body.as_bytes())).unwrap()
     }
 }
 

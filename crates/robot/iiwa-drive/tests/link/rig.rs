@@ -138,8 +138,8 @@ impl Rig {
             let status = client.state().unwrap();
             let ready = status.fri.session == "monitoring_ready"
                 && ["good", "excellent"].contains(&status.fri.quality.as_str());
-            let there = status.robot_program == Presence::Connected;
-            ready && there && status.state == DriveState::Idle
+            let is_connected = status.robot_program == Presence::Connected;
+            ready && is_connected && status.state == DriveState::Idle
         });
     }
 
@@ -149,10 +149,10 @@ impl Rig {
 }
 
 /// Polls a condition.
-pub(crate) fn wait_for(what: &str, mut holds: impl FnMut() -> bool) {
+pub(crate) fn wait_for(event: &str, mut holds: impl FnMut() -> bool) {
     let since = Instant::now();
     while !holds() {
-        assert!(since.elapsed() < LONG, "no {what} within {LONG:?}");
+        assert!(since.elapsed() < LONG, "no {event} within {LONG:?}");
         std::thread::sleep(Duration::from_millis(10));
     }
 }

@@ -38,7 +38,7 @@ impl ScriptedProgram {
         rig.cabinet_config.instructions = free_tcp();
         rig.cabinet_config.state = free_tcp();
         rig.start_cabinet();
-        let bound = |kind, at: &str| Socket::bind(kind, at).unwrap();
+        let bound = |kind, address: &str| Socket::bind(kind, address).unwrap();
         let program = Self {
             instructions: bound(SocketType::Router, &rig.drive_config.cabinet_instructions),
             state: bound(SocketType::Dealer, &rig.drive_config.cabinet_state),
@@ -95,20 +95,20 @@ impl ScriptedProgram {
     }
 }
 
-fn ask<T: Send + 'static>(
+fn spawn_request<T: Send + 'static>(
     rig: &Rig,
-    what: impl FnOnce(&mut Client) -> Result<T, ClientError> + Send + 'static,
+    request: impl FnOnce(&mut Client) -> Result<T, ClientError> + Send + 'static,
 ) -> JoinHandle<Result<T, ClientError>> {
     let mut client = rig.client();
-    thread::spawn(move || what(&mut client))
+    thread::spawn(move || request(&mut client))
 }
 
 fn get_io(rig: &Rig) -> JoinHandle<Result<IoValue, ClientError>> {
-    ask(rig, |client| client.get_io("x"))
+    spawn_request(rig, |client| client.get_io("x"))
 }
 
 fn run(rig: &Rig) -> JoinHandle<Result<Run, ClientError>> {
-    ask(rig, |client| {
+    spawn_request(rig, |client| {
         loop {
             match client.run_trajectory(trajectory_to(5.0), Some(LONG)) {
                 // The machine was suspended for some cycles.
@@ -289,11 +289,11 @@ fn an_abandoned_run_in_the_backlog_does_not_begin() {
     let (rig, program) = ScriptedProgram::new();
     program.send_idle();
     thread::sleep(Duration::from_millis(1500));
-    let asked = get_io(&rig);
+    let pending = get_io(&rig);
     assert_eq!(program.receive().1["type"], "get_io");
     let error = run(&rig).join().unwrap().unwrap_err();
     assert_eq!(error.code(), Code::Robot, "{error}");
-    assert_eq!(asked.join().unwrap().unwrap_err().code(), Code::Timeout);
+    assert_eq!(pending.join().unwrap().unwrap_err().code(), Code::Timeout);
     program.send_idle();
     assert!(program.is_left_alone(Duration::from_millis(500)));
 }
@@ -351,7 +351,7 @@ fn a_robot_program_with_another_protocol_is_not_instructed() {
     );
     let refused = [
         get_io(&rig).join().unwrap().map(drop),
-        ask(&rig, |client| client.read_sensors().map(drop)).join().unwrap(),
+        spawn_request(&rig, |client| client.read_sensors().map(drop)).join().unwrap(),
         run(&rig).join().unwrap().map(drop),
     ];
     for refusal in refused {
@@ -363,12 +363,12 @@ fn a_robot_program_with_another_protocol_is_not_instructed() {
     }
     assert!(program.is_left_alone(Duration::from_millis(300)));
     // Stops are carried out with any version.
-    let stopped = ask(&rig, Client::stop);
+    let stopped = spawn_request(&rig, Client::stop);
     assert!(stopped.join().unwrap().is_ok());
 }
 
 #[test]
-fn conditions_are_told_and_a_safety_stop_refuses_runs() {
+fn conditions_are_reported_and_a_safety_stop_refuses_runs() {
     let (rig, program) = ScriptedProgram::new();
     program.send(
         br#"{"boot": 1, "state": "idle", "conditions": {"operation_mode": "krf", "override": 0.3,
@@ -389,12 +389,12 @@ fn conditions_are_told_and_a_safety_stop_refuses_runs() {
 fn sensors_without_temperatures_are_passed_on() {
     let (rig, program) = ScriptedProgram::new();
     for temperatures in ["", r#""joint_temperature_c": null, "#] {
-        let asked = ask(&rig, Client::read_sensors);
+        let pending = spawn_request(&rig, Client::read_sensors);
         let sensors = format!(
             r#", "sensors": {{{temperatures}"external_torque_nm": [1, 2, 3, 4, 5, 6, 7]}}"#
         );
         program.acknowledge(&program.receive(), &sensors);
-        let sensors = asked.join().unwrap().unwrap();
+        let sensors = pending.join().unwrap().unwrap();
         assert_eq!(sensors.joint_temperature_c, None);
         assert_eq!(sensors.external_torque_nm[6], 7.0);
     }

@@ -173,15 +173,15 @@ struct DialedPeer {
 
 impl DialedPeer {
     fn connect(remote: &Remote, ports: &ProgramPorts) -> Self {
-        let (out, incoming) = mpsc::channel();
-        let dial = |kind, at: &str, of: fn(Vec<Vec<u8>>) -> Incoming| {
-            let out = out.clone();
+        let (sender, incoming) = mpsc::channel();
+        let dial = |kind, address: &str, convert: fn(Vec<Vec<u8>>) -> Incoming| {
+            let sender = sender.clone();
             let take = move |frames: Frames| {
                 // The receiver may be dropped.
-                let _ = out.send(of(frames.iter().map(|frame| frame.to_vec()).collect()));
+                let _ = sender.send(convert(frames.iter().map(|frame| frame.to_vec()).collect()));
                 None
             };
-            remote.dial("conformance", kind, at, take).unwrap()
+            remote.dial("conformance", kind, address, take).unwrap()
         };
         let instructions = dial(Dial::Dealer, &ports.instructions, Incoming::Answer);
         let state = dial(Dial::Rep, &ports.state, Incoming::State);

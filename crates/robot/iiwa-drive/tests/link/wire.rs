@@ -38,9 +38,9 @@ struct Answer {
 }
 
 impl Relay {
-    /// Forwards datagrams that the cabinet sends to `at` to `drive`, and the answers back.
-    fn start(at: SocketAddr, drive: SocketAddr, seed: u64, loss: f64) -> Self {
-        let outer = UdpSocket::bind(at).unwrap();
+    /// Forwards datagrams that the cabinet sends to `address` to `drive`, and the answers back.
+    fn start(address: SocketAddr, drive: SocketAddr, seed: u64, loss: f64) -> Self {
+        let outer = UdpSocket::bind(address).unwrap();
         let inner = UdpSocket::bind("127.0.0.1:0").unwrap();
         outer.set_read_timeout(Some(Duration::from_micros(200))).unwrap();
         inner.set_read_timeout(Some(Duration::from_micros(200))).unwrap();
@@ -66,7 +66,7 @@ fn relay(
     loss: f64,
 ) -> Vec<Answer> {
     let mut random = fastrand::Rng::with_seed(seed);
-    let (mut sent, mut answers) = (HashMap::new(), Vec::new());
+    let (mut messages, mut answers) = (HashMap::new(), Vec::new());
     let mut buffer = [0; 2048];
     // The cabinet, and a message that is delayed until after the next one.
     let (mut cabinet, mut delayed) = (None, None);
@@ -77,7 +77,7 @@ fn relay(
             let message = Format::V1.decode_monitoring(&datagram).unwrap();
             if message.session == SessionState::CommandingActive {
                 let arm_rad = message.commanded_rad.unwrap();
-                sent.insert(message.sequence, (message.time.unwrap().as_secs_f64(), arm_rad));
+                messages.insert(message.sequence, (message.time.unwrap().as_secs_f64(), arm_rad));
             }
             match random.f64() / loss {
                 ..1.0 => {}
@@ -96,7 +96,7 @@ fn relay(
         }
         if let Ok((length, _)) = inner.recv_from(&mut buffer) {
             let answer = Format::V1.decode_command(&buffer[..length]).unwrap();
-            if let Some((t_s, arm_rad)) = sent.get(&answer.reflected).copied() {
+            if let Some((t_s, arm_rad)) = messages.get(&answer.reflected).copied() {
                 let at_rad = answer.joints_rad.unwrap();
                 answers.push(Answer { t_s, at_rad, arm_rad });
             }
@@ -116,18 +116,18 @@ fn judge(answers: &[Answer], step_s: f64) -> [f64; 2] {
     let robot = Robot::default();
     let limits = robot.limits();
     let mut worst = [0.0_f64; 2];
-    let (mut t_s, mut at) = (answers[0].t_s - step_s, answers[0].arm_rad);
+    let (mut t_s, mut position) = (answers[0].t_s - step_s, answers[0].arm_rad);
     let (mut speed, mut before_s) = ([0.0; 7], step_s);
     for answer in answers {
         let dt_s = answer.t_s - t_s;
         for j in 0..7 {
-            let now = (answer.at_rad[j] - at[j]) / dt_s;
+            let now = (answer.at_rad[j] - position[j]) / dt_s;
             let bend = (now - speed[j]) / (0.5 * (dt_s + before_s));
             worst[0] = worst[0].max(now.abs() / limits.velocity_rad_s[j]);
             worst[1] = worst[1].max(bend.abs() / limits.acceleration_rad_s2[j]);
             speed[j] = now;
         }
-        (t_s, at, before_s) = (answer.t_s, answer.at_rad, dt_s);
+        (t_s, position, before_s) = (answer.t_s, answer.at_rad, dt_s);
     }
     worst
 }

@@ -214,11 +214,11 @@ fn an_idle_session_is_reported_once() {
 
 #[test]
 fn a_configuration_is_clamped_to_its_bounds() {
-    for (period_ms, sent) in [(0, 1), (1, 1), (100, 100), (101, 100)] {
+    for (period_ms, expected) in [(0, 1), (1, 1), (100, 100), (101, 100)] {
         let config =
             ControllerConfig { period_ms, receive_multiplier: 0, ..ControllerConfig::default() };
         let message = tick(&mut Controller::new(config));
-        assert_eq!((message.send_period_ms, message.receive_multiplier), (sent, 1));
+        assert_eq!((message.send_period_ms, message.receive_multiplier), (expected, 1));
     }
 }
 

@@ -71,8 +71,8 @@ proptest! {
             prop_assert_eq!(client.counters().received + client.counters().invalid, round);
 
             prop_assert!(controller.tick(&Reading::default(), &mut out));
-            let taken = controller.receive(datagram);
-            prop_assert_eq!(taken.is_ok(), FORMAT.decode_command(datagram).is_ok());
+            let result = controller.receive(datagram);
+            prop_assert_eq!(result.is_ok(), FORMAT.decode_command(datagram).is_ok());
         }
         prop_assert_eq!(controller.state(), SessionState::MonitoringWait);
     }

@@ -62,7 +62,8 @@ prop_compose! {
     pub(crate) fn any_monitoring()(
         (sequence, reflected) in (counter(), counter()),
         (session, quality) in (session(), quality()),
-        (send_period_ms, receive_multiplier) in (0..=100_u32, prop_oneof![1..=20_u32, 1..=u32::MAX]),
+        (send_period_ms, receive_multiplier) in
+            (0..=100_u32, prop_oneof![1..=20_u32, 1..=u32::MAX]),
         (safety, operation_mode) in (option::of(safety()), option::of(operation_mode())),
         (drive, control_mode) in (option::of(drive()), option::of(control_mode())),
         (measured_rad, measured_torque_nm) in (option::of(joints()), option::of(joints())),

@@ -178,15 +178,15 @@ fn a_little_loss_and_delay_does_not_end_commanding() {
         }
         cell.controller.request_commanding();
         cell.until(CommandingActive);
-        let mut held = 0;
+        let mut count = 0;
         for n in 0..2000 {
             cell.setpoint = Some(HOME.map(|q| q + 1e-5 * f64::from(n)));
             cell.cycle();
             assert!(cell.controller.quality() >= Quality::Good, "seed {seed}, cycle {n}");
-            held += u32::from(cell.controller.setpoint().is_none());
+            count += u32::from(cell.controller.setpoint().is_none());
         }
         assert_eq!(cell.controller.state(), CommandingActive);
-        assert!((10..200).contains(&held), "{held}");
+        assert!((10..200).contains(&count), "{count}");
         let counters = cell.client.counters();
         assert!(counters.lost > 0 && counters.repeated + counters.late > 50, "{counters:?}");
         assert!(!cell.events.contains(&Received::Restarted));

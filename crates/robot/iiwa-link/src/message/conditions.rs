@@ -157,12 +157,12 @@ mod tests {
     }
 
     #[test]
-    fn only_what_slows_the_robot_is_cautioned() {
-        let of = |text: &str| serde_json::from_str::<Conditions>(text).unwrap().caution();
-        assert_eq!(of("{}"), None);
-        assert_eq!(of(r#"{"operation_mode": "aut", "override": 1.0, "tool": "x"}"#), None);
+    fn only_conditions_that_slow_the_robot_are_cautioned() {
+        let caution = |text: &str| serde_json::from_str::<Conditions>(text).unwrap().caution();
+        assert_eq!(caution("{}"), None);
+        assert_eq!(caution(r#"{"operation_mode": "aut", "override": 1.0, "tool": "x"}"#), None);
         assert_eq!(
-            of(r#"{"operation_mode": "t1", "override": 0.305}"#).unwrap(),
+            caution(r#"{"operation_mode": "t1", "override": 0.305}"#).unwrap(),
             "the override is 30.5 %, and the operation mode is T1, which limits velocities: the \
              program takes longer than planned"
         );

@@ -66,8 +66,8 @@ impl RobotIdentity {
             return Ok(());
         }
         Err(Refusal::bad(format!(
-            "the program is for {planned_for}, and the drive controls {self}: plan it for that robot, or start the drive \
-             with the robot that is there"
+            "the program is for {planned_for}, and the drive controls {self}: plan it for that \
+             robot, or start the drive with the robot that is there"
         )))
     }
 
@@ -81,8 +81,8 @@ impl RobotIdentity {
             return Ok(());
         }
         Err(Refusal::robot(format!(
-            "the drive is set up for {self}, and the robot program reports {at_cabinet}: start the drive with that robot, or \
-             correct the robot program's settings"
+            "the drive is set up for {self}, and the robot program reports {at_cabinet}: start the \
+             drive with that robot, or correct the robot program's settings"
         )))
     }
 }
@@ -156,8 +156,8 @@ mod tests {
         let profile = RobotIdentity::from(&Robot::from_profile(text).unwrap());
         let [model, ..] = robots();
         model.check_run(&profile).unwrap();
-        let said = "cell 3 with a flange of 152 mm (base 340 mm, upper arm 400 mm, forearm 400 mm)";
-        assert_eq!(profile.to_string(), said);
+        let text = "cell 3 with a flange of 152 mm (base 340 mm, upper arm 400 mm, forearm 400 mm)";
+        assert_eq!(profile.to_string(), text);
     }
 
     #[test]

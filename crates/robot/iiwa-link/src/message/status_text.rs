@@ -30,8 +30,8 @@ impl Status {
     /// Returns true if the robot program or the controller reports an active safety stop.
     #[must_use]
     pub fn safety_stop(&self) -> bool {
-        let said = self.conditions.as_ref().and_then(|it| it.safety_stop);
-        self.fri.safety_stop || said == Some(true)
+        let safety_stop = self.conditions.as_ref().and_then(|it| it.safety_stop);
+        self.fri.safety_stop || safety_stop == Some(true)
     }
 
     /// Returns the state as text, in lines.
@@ -64,7 +64,8 @@ impl Status {
         if let Some(source) = fri.unexpected_source {
             let _ = writeln!(
                 text,
-                "               messages come from {source}, another address than expected (setting fri-cabinet of the drive)"
+                "               messages come from {source}, another address than expected \
+                 (setting fri-cabinet of the drive)"
             );
         }
         self.write_program(&mut text);

@@ -28,13 +28,13 @@ impl AllowList {
     /// # Errors
     /// A file cannot be read or is not a public key file; the folder does not contain any.
     pub fn read(path: &Path) -> Result<Self, SecurityError> {
-        let refuse = |source| SecurityError::Read { path: path.to_owned(), source };
-        if !path.metadata().map_err(refuse)?.is_dir() {
+        let to_error = |source| SecurityError::Read { path: path.to_owned(), source };
+        if !path.metadata().map_err(to_error)?.is_dir() {
             return Ok(Self::from_iter([(name(path), PublicKey::read(path)?)]));
         }
         let mut files = Vec::new();
-        for entry in path.read_dir().map_err(refuse)? {
-            let file = entry.map_err(refuse)?.path();
+        for entry in path.read_dir().map_err(to_error)? {
+            let file = entry.map_err(to_error)?.path();
             if file.extension().is_some_and(|extension| extension == "pub") {
                 files.push(file);
             }

@@ -86,8 +86,8 @@ impl Endpoint {
     /// [`SecurityError::Address`] or [`SecurityError::ConnectNeedsKeys`].
     pub fn check_connect(&self, has_keys: bool) -> Result<(), SecurityError> {
         if self.host == Host::Any || self.port.is_none() {
-            let what = "to connect, a host and a port are required";
-            return Err(SecurityError::Address { text: self.to_string(), what });
+            let message = "to connect, a host and a port are required";
+            return Err(SecurityError::Address { text: self.to_string(), message });
         }
         if has_keys || self.is_loopback() {
             return Ok(());
@@ -115,31 +115,31 @@ impl FromStr for Endpoint {
     type Err = SecurityError;
 
     fn from_str(text: &str) -> Result<Self, SecurityError> {
-        let refuse = |what| SecurityError::Address { text: text.to_owned(), what };
+        let to_error = |message| SecurityError::Address { text: text.to_owned(), message };
         let address = match text.split_once("://") {
             Some(("tcp", address)) => address,
-            Some(_) => return Err(refuse("only tcp://HOST:PORT is supported")),
+            Some(_) => return Err(to_error("only tcp://HOST:PORT is supported")),
             None => text,
         };
         // The last colon: IPv6 addresses contain colons.
         let Some((host, port)) = address.rsplit_once(':') else {
-            return Err(refuse("HOST:PORT is required"));
+            return Err(to_error("HOST:PORT is required"));
         };
         let port = match port {
             "*" => None,
             // `parse` accepts a leading `+`.
             port if !port.starts_with('+') => match port.parse() {
-                Ok(0) | Err(_) => return Err(refuse("a port is from 1 to 65535, or *")),
+                Ok(0) | Err(_) => return Err(to_error("a port is from 1 to 65535, or *")),
                 Ok(port) => Some(port),
             },
-            _ => return Err(refuse("a port is from 1 to 65535, or *")),
+            _ => return Err(to_error("a port is from 1 to 65535, or *")),
         };
         let bracketed = host.strip_prefix('[').and_then(|host| host.strip_suffix(']'));
         let host = if let Some(inside) = bracketed {
             Host::V6(
                 inside
                     .parse()
-                    .map_err(|_| refuse("the brackets do not contain an IPv6 address"))?,
+                    .map_err(|_| to_error("the brackets do not contain an IPv6 address"))?,
             )
         } else if host == "*" {
             Host::Any
@@ -148,11 +148,11 @@ impl FromStr for Endpoint {
         } else if let Ok(v4) = host.parse() {
             Host::V4(v4)
         } else if host.contains(':') {
-            return Err(refuse("write an IPv6 address in brackets, such as tcp://[::1]:5560"));
+            return Err(to_error("write an IPv6 address in brackets, such as tcp://[::1]:5560"));
         } else {
             let named = |c: char| c.is_ascii_alphanumeric() || "-_.".contains(c);
             if host.is_empty() || !host.chars().all(named) {
-                return Err(refuse("HOST is an IP address, a name or *"));
+                return Err(to_error("HOST is an IP address, a name or *"));
             }
             Host::Name(host.to_owned())
         };

@@ -37,8 +37,8 @@ pub enum SecurityError {
     KeyText(#[from] KeyTextError),
     /// A name that is not allowed for key files.
     #[error(
-        "`{}` is not a valid name of a key: use 1 to 64 letters, digits, -, _ and ., beginning with \
-         a letter or a digit", .name.escape_debug()
+        "`{}` is not a valid name of a key: use 1 to 64 letters, digits, -, _ and ., beginning \
+         with a letter or a digit", .name.escape_debug()
     )]
     Name {
         /// The refused name.
@@ -81,22 +81,22 @@ pub enum SecurityError {
         mode: u32,
     },
     /// A key file with an invalid line.
-    #[error("{}, line {line}: {what}", .path.display())]
+    #[error("{}, line {line}: {message}", .path.display())]
     KeyLine {
         /// The file.
         path: PathBuf,
         /// The line, from 1.
         line: usize,
         /// The fault.
-        what: String,
+        message: String,
     },
     /// A file that is not a key file, or not of the required kind.
-    #[error("{}: {what}", .path.display())]
+    #[error("{}: {message}", .path.display())]
     KeyFile {
         /// The file.
         path: PathBuf,
         /// The fault.
-        what: &'static str,
+        message: &'static str,
     },
     /// A folder of client keys that does not contain any.
     #[error("no client can connect: {} contains no public key files (*.pub)", .path.display())]
@@ -105,12 +105,12 @@ pub enum SecurityError {
         path: PathBuf,
     },
     /// A text that is not a supported address.
-    #[error("`{}` is not an address: {what}", .text.escape_debug())]
+    #[error("`{}` is not an address: {message}", .text.escape_debug())]
     Address {
         /// The text.
         text: String,
         /// The fault.
-        what: &'static str,
+        message: &'static str,
     },
     /// An attempt to bind an address that other machines can reach, without keys.
     #[error(
@@ -123,8 +123,8 @@ pub enum SecurityError {
     },
     /// An attempt to connect to another machine, without keys.
     #[error(
-        "{endpoint} may be another machine, so CURVE keys are required; without keys, only loopback \
-         addresses are connected to, such as tcp://127.0.0.1:5560"
+        "{endpoint} may be another machine, so CURVE keys are required; without keys, only \
+         loopback addresses are connected to, such as tcp://127.0.0.1:5560"
     )]
     ConnectNeedsKeys {
         /// The address.

@@ -69,12 +69,12 @@ impl KeyPair {
     pub fn read(path: &Path) -> Result<Self, SecurityError> {
         let keys = Keys::read(path)?;
         let (Some(public), Some(secret)) = (keys.public, keys.secret) else {
-            let what = if keys.public.is_some() {
+            let message = if keys.public.is_some() {
                 "it contains a public key only; the .key file is required"
             } else {
                 "not a key file: it has no line `public-key = \"...\"`"
             };
-            return Err(SecurityError::KeyFile { path: path.to_owned(), what });
+            return Err(SecurityError::KeyFile { path: path.to_owned(), message });
         };
         // Only for secret keys: everyone may read a public key.
         if let Some(mode) = exposed(keys.mode) {
@@ -95,11 +95,12 @@ impl PublicKey {
             (Some(public), None) => Ok(Self::from(public)),
             (_, Some(_)) => Err(SecurityError::KeyFile {
                 path: path.to_owned(),
-                what: "it contains a secret key, which only its owner should have; the .pub file is required",
+                message: "it contains a secret key, which only its owner should have; the .pub \
+                          file is required",
             }),
             (None, None) => Err(SecurityError::KeyFile {
                 path: path.to_owned(),
-                what: "not a key file: it has no line `public-key = \"...\"`",
+                message: "not a key file: it has no line `public-key = \"...\"`",
             }),
         }
     }
@@ -124,21 +125,21 @@ struct Keys {
 
 impl Keys {
     fn read(path: &Path) -> Result<Self, SecurityError> {
-        let refuse = |source| SecurityError::Read { path: path.to_owned(), source };
-        let file = File::open(path).map_err(refuse)?;
+        let to_error = |source| SecurityError::Read { path: path.to_owned(), source };
+        let file = File::open(path).map_err(to_error)?;
         // The mode of the open file: the path may refer to another file in the meantime.
-        let mode = mode(&file.metadata().map_err(refuse)?);
+        let mode = mode(&file.metadata().map_err(to_error)?);
         let mut bytes = Vec::new();
-        file.take(MAX_BYTES).read_to_end(&mut bytes).map_err(refuse)?;
+        file.take(MAX_BYTES).read_to_end(&mut bytes).map_err(to_error)?;
         let text = String::from_utf8(bytes).map_err(|_| SecurityError::KeyFile {
             path: path.to_owned(),
-            what: "not a key file: it is not text",
+            message: "not a key file: it is not text",
         })?;
         let mut keys = Self { public: None, secret: None, mode };
-        keys.parse(&text).map_err(|(line, what)| SecurityError::KeyLine {
+        keys.parse(&text).map_err(|(line, message)| SecurityError::KeyLine {
             path: path.to_owned(),
             line,
-            what,
+            message,
         })?;
         Ok(keys)
     }
@@ -147,7 +148,7 @@ impl Keys {
     fn parse(&mut self, text: &str) -> Result<(), (usize, String)> {
         let mut in_metadata = false;
         for (i, line) in text.lines().enumerate() {
-            let refuse = |what: &str| Err((i + 1, what.to_owned()));
+            let to_error = |message: &str| Err((i + 1, message.to_owned()));
             let indented = line.starts_with([' ', '\t']);
             let line = line.trim();
             // Metadata of CZMQ certificates may have any names.
@@ -159,21 +160,21 @@ impl Keys {
                 continue;
             }
             let Some((name, value)) = line.split_once('=') else {
-                return refuse("expected `public-key = \"...\"` or `secret-key = \"...\"`");
+                return to_error("expected `public-key = \"...\"` or `secret-key = \"...\"`");
             };
             let value = value.trim();
             let bare = value.strip_prefix('"').and_then(|value| value.strip_suffix('"'));
             let key = match name.trim() {
                 "public-key" => &mut self.public,
                 "secret-key" => &mut self.secret,
-                _ => return refuse("expected `public-key = \"...\"` or `secret-key = \"...\"`"),
+                _ => return to_error("expected `public-key = \"...\"` or `secret-key = \"...\"`"),
             };
             if key.is_some() {
-                return refuse("a second key of the same kind");
+                return to_error("a second key of the same kind");
             }
             let decoded = bare.ok_or("a key has to be in double quotes".to_owned());
             let decoded = decoded.and_then(|text| z85::decode(text).map_err(|e| redacted(&e)));
-            *key = Some(decoded.map_err(|what| (i + 1, what))?);
+            *key = Some(decoded.map_err(|message| (i + 1, message))?);
         }
         Ok(())
     }
@@ -196,7 +197,7 @@ fn prepare(
     text: &str,
     mode: u32,
 ) -> Result<NamedTempFile, SecurityError> {
-    let refuse = |source| SecurityError::Write { path: path.to_owned(), source };
+    let to_error = |source| SecurityError::Write { path: path.to_owned(), source };
     let mut builder = tempfile::Builder::new();
     builder.prefix(".iiwasim-").suffix(".part");
     #[cfg(unix)]
@@ -208,10 +209,10 @@ fn prepare(
     #[cfg(not(unix))]
     let _ = mode;
     // The error is reported without the name of the temporary file.
-    let file = builder.tempfile_in(folder).map_err(|error| refuse(error.kind().into()));
+    let file = builder.tempfile_in(folder).map_err(|error| to_error(error.kind().into()));
     let mut file = file?;
     // Synchronised first: after a crash, a key file is complete or missing.
-    file.write_all(text.as_bytes()).and_then(|()| file.as_file().sync_all()).map_err(refuse)?;
+    file.write_all(text.as_bytes()).and_then(|()| file.as_file().sync_all()).map_err(to_error)?;
     Ok(file)
 }
 

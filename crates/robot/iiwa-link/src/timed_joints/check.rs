@@ -58,8 +58,8 @@ impl TimedJoints {
             return Err(Refusal::new(
                 Code::StartMismatch,
                 format!(
-                    "the trajectory starts with joint A{} at {} deg, the robot is at {} deg; at most {} \
-                     deg apart are allowed",
+                    "the trajectory starts with joint A{} at {} deg, the robot is at {} deg; at \
+                     most {} deg apart are allowed",
                     worst + 1,
                     Figures(start[worst].to_degrees(), 3),
                     Figures(start_rad[worst].to_degrees(), 3),
@@ -84,7 +84,8 @@ impl TimedJoints {
         match (0..self.t_s.len() - 1).find(is_far) {
             None => Ok(()),
             Some(i) => Err(Refusal::bad(format!(
-                "point {}: {} s after the one before; while the arm moves, at most {MAX_STEP_S} s are allowed",
+                "point {}: {} s after the one before; while the arm moves, at most {MAX_STEP_S} s \
+                 are allowed",
                 i + 2,
                 Figures(step_s(i), 4)
             ))),

@@ -131,10 +131,10 @@ impl Points {
                 [d1[0], d2[0], divided(&d2[0], &d2[1], 3.0 / (t[3] - t[0]))]
             };
             for order in 0..3 {
-                let (difference, most, error) =
+                let (difference, limit, error) =
                     (&differences[order], &maxima[order], errors[order]);
                 // Not `>`: a NaN difference is an excess.
-                let fits = |j: usize| difference[j].abs() <= most[j] + rounding_rad[j] * error;
+                let fits = |j: usize| difference[j].abs() <= limit[j] + rounding_rad[j] * error;
                 if excesses[order].is_none() && !(0..7).all(fits) {
                     let joint = (0..7).find(|j| !fits(*j)).unwrap_or_default();
                     let found = difference[joint].abs();
@@ -160,8 +160,8 @@ impl Points {
         Refusal::new(
             Code::Limit,
             format!(
-                "point {}, at {:.4} s: the {kind} of joint A{} is {} {unit}, its limit is {:.1} {unit} \
-                 and the margin {} %{hint}",
+                "point {}, at {:.4} s: the {kind} of joint A{} is {} {unit}, its limit is {:.1} \
+                 {unit} and the margin {} %{hint}",
                 place - self.before + 1,
                 self.t_s[place],
                 joint + 1,

@@ -52,11 +52,11 @@ impl Dialer {
         to: Endpoint,
         take: impl FnMut(Frames) -> Option<Frames> + Send + 'static,
     ) -> Result<Self, LinkError> {
-        let refuse = |source| LinkError::Thread { source };
-        let runtime = runtime().map_err(refuse)?;
+        let to_error = |source| LinkError::Thread { source };
+        let runtime = runtime().map_err(to_error)?;
         let (commands, command_queue) = mpsc::unbounded_channel();
         let run = move || runtime.block_on(maintain(&config, &to, command_queue, take));
-        let thread = thread::Builder::new().name(name.to_owned()).spawn(run).map_err(refuse)?;
+        let thread = thread::Builder::new().name(name.to_owned()).spawn(run).map_err(to_error)?;
         Ok(Self { commands: Some(commands), thread: Some(thread) })
     }
 
@@ -162,9 +162,9 @@ async fn connect(config: &WireConfig, to: &Endpoint) -> Wire {
         pause = match timeout(TIMEOUT, Wire::connect(to, config)).await {
             Ok(Ok(wire)) => return wire,
             // Logged once: the attempts continue for as long as the peer refuses them.
-            Ok(Err(WireError::Refused(why))) if logged != Some(why) => {
-                tracing::warn!("{to} refused the connection: {}", why.reason());
-                logged = Some(why);
+            Ok(Err(WireError::Refused(reason))) if logged != Some(reason) => {
+                tracing::warn!("{to} refused the connection: {}", reason.reason());
+                logged = Some(reason);
                 refused_pause
             }
             Ok(Err(error)) => {

@@ -129,7 +129,7 @@ const ACCEPT_BACKLOG: u32 = 1024;
 
 /// A listening socket. Dropping it closes the socket.
 pub struct Listener {
-    at: String,
+    address: String,
     shared: Arc<Shared>,
     thread: Option<JoinHandle<()>>,
 }
@@ -143,18 +143,18 @@ impl Listener {
     pub(crate) fn start(
         config: ListenerConfig,
         mechanism: MechanismSetup,
-        at: SocketAddr,
+        address: SocketAddr,
         sink: impl Fn(Event) + Send + Sync + 'static,
     ) -> Result<Self, LinkError> {
-        let refuse = |source| LinkError::Bind { at: format!("tcp://{at}"), source };
+        let to_error = |source| LinkError::Bind { address: format!("tcp://{address}"), source };
         let places = open_files::places()?;
         let runtime = runtime().map_err(|source| LinkError::Thread { source })?;
         let listener = {
             // Sockets are registered with the runtime that is entered.
             let _in_runtime = runtime.enter();
-            bind(at).map_err(refuse)?
+            bind(address).map_err(to_error)?
         };
-        let at = format!("tcp://{}", listener.local_addr().map_err(refuse)?);
+        let address = format!("tcp://{}", listener.local_addr().map_err(to_error)?);
         let name = config.name;
         let shared = Arc::new(Shared {
             kind: config.kind,
@@ -181,13 +181,13 @@ impl Listener {
             thread::Builder::new().name(name.to_owned()).spawn(run)
         };
         let thread = Some(thread.map_err(|source| LinkError::Thread { source })?);
-        Ok(Self { at, shared, thread })
+        Ok(Self { address, shared, thread })
     }
 
     /// Returns the address, such as `tcp://127.0.0.1:5560`.
     #[must_use]
-    pub fn at(&self) -> &str {
-        &self.at
+    pub fn address(&self) -> &str {
+        &self.address
     }
 
     /// Sends a message to a peer, unless it has disconnected. `hold` is dropped once the message is
@@ -224,12 +224,12 @@ impl Drop for Listener {
     }
 }
 
-fn bind(at: SocketAddr) -> io::Result<TcpListener> {
-    let socket = if at.is_ipv4() { TcpSocket::new_v4() } else { TcpSocket::new_v6() }?;
+fn bind(address: SocketAddr) -> io::Result<TcpListener> {
+    let socket = if address.is_ipv4() { TcpSocket::new_v4() } else { TcpSocket::new_v6() }?;
     // Connections in TIME_WAIT do not block the address.
     #[cfg(unix)]
     socket.set_reuseaddr(true)?;
-    socket.bind(at)?;
+    socket.bind(address)?;
     socket.listen(ACCEPT_BACKLOG)
 }
 

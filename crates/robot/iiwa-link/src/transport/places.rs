@@ -103,8 +103,8 @@ impl Activity {
     /// Compares two connections by the order of eviction within a stage.
     fn eviction_order(&self, other: &Self) -> Ordering {
         let oldest = self.since.cmp(&other.since);
-        let most_pending = Reverse(self.pending).cmp(&Reverse(other.pending));
-        most_pending.then(if self.stage == Stage::Busy { oldest.reverse() } else { oldest })
+        let by_pending = Reverse(self.pending).cmp(&Reverse(other.pending));
+        by_pending.then(if self.stage == Stage::Busy { oldest.reverse() } else { oldest })
     }
 }
 
@@ -135,15 +135,15 @@ impl Places {
         newcomer: &Holder,
     ) -> Option<PeerId> {
         let mut occupants: Vec<_> = occupants.collect();
-        let mut held = BTreeMap::from([(newcomer, 1)]);
+        let mut counts = BTreeMap::from([(newcomer, 1)]);
         for (_, occupant) in &occupants {
-            *held.entry(&occupant.holder).or_default() += 1;
+            *counts.entry(&occupant.holder).or_default() += 1;
         }
-        if held[newcomer] > self.per_holder {
+        if counts[newcomer] > self.per_holder {
             occupants.retain(|(_, it)| it.holder == *newcomer);
         } else if occupants.len() >= self.total {
-            let most = held.values().max().copied().unwrap_or_default();
-            occupants.retain(|(_, it)| held[&it.holder] == most);
+            let max_held = counts.values().max().copied().unwrap_or_default();
+            occupants.retain(|(_, it)| counts[&it.holder] == max_held);
         } else {
             return None;
         }
@@ -202,10 +202,17 @@ mod tests {
             scene
         }
 
-        fn put(&mut self, id: PeerId, stage: Stage, of: u8, pending: usize, second: u64) {
+        fn put(
+            &mut self,
+            id: PeerId,
+            stage: Stage,
+            holder_number: u8,
+            pending: usize,
+            second: u64,
+        ) {
             let since = self.from + Duration::from_secs(second);
             let activity = Activity { stage, pending, since };
-            self.occupants.insert(id, Occupant { holder: holder(of), activity });
+            self.occupants.insert(id, Occupant { holder: holder(holder_number), activity });
         }
 
         fn victim(&self, newcomer: u8) -> Option<PeerId> {
@@ -213,23 +220,29 @@ mod tests {
             self.places.victim(occupants, &holder(newcomer))
         }
 
-        fn held(&self, of: u8) -> usize {
-            self.occupants.values().filter(|it| it.holder == holder(of)).count()
+        fn held(&self, holder_number: u8) -> usize {
+            self.occupants.values().filter(|it| it.holder == holder(holder_number)).count()
         }
 
         /// Admits a new connection. Returns the victim.
-        fn admit(&mut self, id: PeerId, stage: Stage, of: u8, second: u64) -> Option<PeerId> {
-            let victim = self.victim(of);
+        fn admit(
+            &mut self,
+            id: PeerId,
+            stage: Stage,
+            holder_number: u8,
+            second: u64,
+        ) -> Option<PeerId> {
+            let victim = self.victim(holder_number);
             if let Some(victim) = victim {
                 self.occupants.remove(&victim);
             }
-            self.put(id, stage, of, 0, second);
+            self.put(id, stage, holder_number, 0, second);
             victim
         }
     }
 
     #[test]
-    fn the_least_progress_is_evicted_first() {
+    fn the_smallest_progress_is_evicted_first() {
         let mut scene = Scene::of(Stage::Introduced, 40, 64);
         for (i, stage) in [Stage::Silent, Stage::Greeting, Stage::Greeted].into_iter().enumerate() {
             (0..13).for_each(|j| scene.put(100 * (i as u64 + 1) + j, stage, 1, 0, 900 + j));
@@ -322,19 +335,30 @@ mod tests {
             arrivals in prop::collection::vec((1..6_u8, any_stage(), 0..9_usize), 1..300),
         ) {
             let mut scene = Scene::new(total);
-            for (i, (of, stage, pending)) in arrivals.into_iter().enumerate() {
-                let most = (1..6).map(|it| scene.held(it) + usize::from(it == of)).max().unwrap();
-                let own = scene.held(of) + 1;
-                let victim = scene.victim(of).map(|id| scene.occupants[&id].holder.clone());
+            for (i, (holder_number, stage, pending)) in arrivals.into_iter().enumerate() {
+                let max_held = (1..6)
+                    .map(|it| scene.held(it) + usize::from(it == holder_number))
+                    .max()
+                    .unwrap();
+                let after_admission = scene.held(holder_number) + 1;
+                let victim =
+                    scene.victim(holder_number).map(|id| scene.occupants[&id].holder.clone());
                 if let Some(victim) = victim {
                     let loses = (1..6).find(|it| holder(*it) == victim).unwrap();
-                    let held = scene.held(loses) + usize::from(loses == of);
-                    prop_assert!(held == most || (loses == of && own > scene.places.per_holder));
+                    let held = scene.held(loses) + usize::from(loses == holder_number);
+                    prop_assert!(
+                        held == max_held
+                            || (loses == holder_number
+                                && after_admission > scene.places.per_holder)
+                    );
                 }
-                scene.admit(i as u64, Stage::Fresh, of, i as u64);
-                scene.put(i as u64, ESTABLISHED[stage % 5], of, pending, i as u64);
+                scene.admit(i as u64, Stage::Fresh, holder_number, i as u64);
+                scene.put(i as u64, ESTABLISHED[stage % 5], holder_number, pending, i as u64);
                 prop_assert!(scene.occupants.len() <= total);
-                prop_assert!((1..6).all(|of| scene.held(of) <= scene.places.per_holder));
+                prop_assert!(
+                    (1..6)
+                        .all(|holder_number| scene.held(holder_number) <= scene.places.per_holder)
+                );
             }
         }
 
@@ -350,31 +374,32 @@ mod tests {
             let stages: &[Stage] = if is_established { &ESTABLISHED } else { &HANDSHAKE };
             let first = stages[usize::from(is_established)];
             // Stages of a stop: neither `Stalled` nor `Busy`.
-            let own = if is_established { [1, 2, 4][stage % 3] } else { stage % 4 };
+            let newcomer_stage = if is_established { [1, 2, 4][stage % 3] } else { stage % 4 };
             let mut scene = Scene::new(64);
             let put = |scene: &mut Scene, id, stage: usize, pending: usize, second| {
                 let stage = stages[stage % stages.len()];
                 let pending = if stage >= Stage::Busy { pending.max(1) } else { 0 };
                 scene.put(id, stage, 1, pending, second);
-                usize::from(stage == stages[own])
+                usize::from(stage == stages[newcomer_stage])
             };
             for (id, (stage, pending)) in parked.into_iter().enumerate() {
                 put(&mut scene, id as u64, stage, pending, id as u64);
             }
             scene.admit(NEWCOMER, first, 1, 1000);
-            put(&mut scene, NEWCOMER, own, 1, 1000);
+            put(&mut scene, NEWCOMER, newcomer_stage, 1, 1000);
             let mut entered = 0;
             for (i, (index, stage, pending)) in moves.into_iter().enumerate() {
                 let second = 1001 + i as u64;
                 if i % 3 == 0 {
                     scene.admit(NEWCOMER + second, first, 1, second);
-                    entered += usize::from(first == stages[own]);
+                    entered += usize::from(first == stages[newcomer_stage]);
                 }
                 if entered > scene.occupants.len() / SHARES {
                     break;
                 }
                 prop_assert!(scene.occupants.contains_key(&NEWCOMER), "{entered} after move {i}");
-                let ids: Vec<_> = scene.occupants.keys().copied().filter(|id| *id != NEWCOMER).collect();
+                let ids: Vec<_> =
+                    scene.occupants.keys().copied().filter(|id| *id != NEWCOMER).collect();
                 entered += put(&mut scene, *index.get(&ids), stage, pending, second);
             }
         }

@@ -39,19 +39,19 @@ pub enum ProbeError {
     #[error("the handshake is not completed")]
     NoHandshake,
     /// The server uses another protocol.
-    #[error("{what}")]
+    #[error("{message}")]
     Protocol {
         /// The fault.
-        what: String,
+        message: String,
     },
 }
 
 /// Connects once, with a time-out for the connection and one for the handshake.
 pub(crate) fn probe(to: &Endpoint, config: &WireConfig, limit: Duration) -> Result<(), ProbeError> {
-    let at = to.resolve().map_err(|_| ProbeError::UnknownHost)?;
+    let address = to.resolve().map_err(|_| ProbeError::UnknownHost)?;
     let runtime = runtime().map_err(|source| LinkError::Thread { source })?;
     runtime.block_on(async {
-        let stream = match timeout(limit, TcpStream::connect(at)).await {
+        let stream = match timeout(limit, TcpStream::connect(address)).await {
             Ok(Ok(stream)) => stream,
             Ok(Err(error)) => return Err(unconnected(error)),
             Err(_) => return Err(ProbeError::NoAnswer),
@@ -59,8 +59,8 @@ pub(crate) fn probe(to: &Endpoint, config: &WireConfig, limit: Duration) -> Resu
         let mut wire = Wire::new(stream, config.clone());
         match timeout(limit, wire.shake_hands(|_| {})).await {
             Ok(Ok(_)) => Ok(()),
-            Ok(Err(WireError::Refused(why))) => Err(ProbeError::Refused(why)),
-            Ok(Err(error)) => Err(ProbeError::Protocol { what: error.to_string() }),
+            Ok(Err(WireError::Refused(reason))) => Err(ProbeError::Refused(reason)),
+            Ok(Err(error)) => Err(ProbeError::Protocol { message: error.to_string() }),
             Err(_) => Err(ProbeError::NoHandshake),
         }
     })

@@ -183,7 +183,7 @@ pub(crate) struct Wire {
 impl Wire {
     pub(crate) fn new(stream: TcpStream, config: WireConfig) -> Self {
         set_options(&stream);
-        let address = stream.peer_addr().map(|at| at.to_string()).unwrap_or_default();
+        let address = stream.peer_addr().map(|peer| peer.to_string()).unwrap_or_default();
         let codec = Connection::new(
             ConnectionConfig::new(config.role, config.kind)
                 .identity(identity())
@@ -475,8 +475,8 @@ impl Wire {
     /// The connection is lost.
     pub(crate) async fn send_some(&mut self) -> Result<(), WireError> {
         self.stream.writable().await?;
-        let sent = self.stream.try_write_vectored(&self.codec.transmit_chunks_capped(64));
-        match sent {
+        let result = self.stream.try_write_vectored(&self.codec.transmit_chunks_capped(64));
+        match result {
             Ok(count) => self.codec.advance_transmit(count),
             Err(error) if error.kind() == io::ErrorKind::WouldBlock => {}
             Err(error) => return Err(error.into()),

@@ -67,7 +67,7 @@ proptest! {
         mut t_s in prop::collection::vec(number(), 0..20),
         joints_rad in prop::collection::vec(prop::array::uniform7(number()), 0..20),
         form in 0..3,
-        at in number(),
+        time_s in number(),
         start in prop::array::uniform7(number()),
     ) {
         if form > 0 {
@@ -76,7 +76,7 @@ proptest! {
             t_s.resize(joints_rad.len(), 1e9);
         }
         let trajectory = TimedJoints { t_s, joints_rad };
-        let _ = (trajectory.at(at), trajectory.at(0.0), trajectory.duration_s());
+        let _ = (trajectory.at(time_s), trajectory.at(0.0), trajectory.duration_s());
         for start in [start, trajectory.joints_rad.first().copied().unwrap_or_default()] {
             if let Err(refusal) = trajectory.check(Robot::default().limits(), &start) {
                 assert_readable(&refusal);
@@ -85,7 +85,10 @@ proptest! {
     }
 
     #[test]
-    fn arbitrary_json_causes_no_panic(value in json(), name in prop::sample::select(Request::TYPES.to_vec())) {
+    fn arbitrary_json_causes_no_panic(
+        value in json(),
+        name in prop::sample::select(Request::TYPES.to_vec()),
+    ) {
         for with_type in [false, true] {
             let mut value = value.clone();
             if with_type && let Some(object) = value.as_object_mut() {

@@ -11,7 +11,11 @@ use crate::timed_joints::{
 };
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 150, failure_persistence: None, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig {
+        cases: 150,
+        failure_persistence: None,
+        ..ProptestConfig::default()
+    })]
 
     #[test]
     fn the_interpolation_follows_the_planned_motion(program in programs()) {
@@ -25,14 +29,20 @@ proptest! {
         // The error of a cubic with approximate slopes at a jerk step: half a microradian for the
         // large joints, two for the wrists.
         let jerk = Robot::default().limits().jerk_rad_s3;
-        let most = jerk.map(|jerk| jerk * 0.004_f64.powi(3) / 20.0);
+        let max_error = jerk.map(|jerk| jerk * 0.004_f64.powi(3) / 20.0);
         let steps = (end_s / 0.0005) as u32;
         for i in 0..=steps {
             let t_s = f64::from(i) * 0.0005;
-            let (found, expected) = (trajectory.at(t_s), plan.at(t_s).q);
+            let (actual, expected) = (trajectory.at(t_s), plan.at(t_s).q);
             for j in 0..7 {
-                let off = (found[j] - expected[j]).abs();
-                prop_assert!(off < most[j], "joint {} is off by {} rad at {} s", j + 1, off, t_s);
+                let off = (actual[j] - expected[j]).abs();
+                prop_assert!(
+                    off < max_error[j],
+                    "joint {} is off by {} rad at {} s",
+                    j + 1,
+                    off,
+                    t_s
+                );
             }
             // The velocity is continuous, up to its change within this short time.
             let dt_s = 1e-6;
@@ -69,7 +79,11 @@ fn programs_to_the_limits() -> impl Strategy<Value = Program> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 60, failure_persistence: None, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig {
+        cases: 60,
+        failure_persistence: None,
+        ..ProptestConfig::default()
+    })]
 
     /// No joint overshoots its stop positions, at the ends of its range and elsewhere.
     #[test]
@@ -83,8 +97,8 @@ proptest! {
             _ => None,
         });
         let stops: Vec<Joints> = targets.chain([*program.start.joints_rad().unwrap()]).collect();
-        let bound = |j: usize, of: fn(f64, f64) -> f64| {
-            stops.iter().map(|stop| stop[j]).reduce(of).unwrap()
+        let bound = |j: usize, select: fn(f64, f64) -> f64| {
+            stops.iter().map(|stop| stop[j]).reduce(select).unwrap()
         };
         let steps = (trajectory.duration_s() / 0.0003) as u32;
         for q in (0..=steps).map(|i| trajectory.at(f64::from(i) * 0.0003)) {
@@ -98,7 +112,10 @@ proptest! {
     /// For arbitrary points, the robot remains between them next to rest.
     #[test]
     fn beside_rest_the_interpolation_stays_between_the_points(
-        steps in prop::collection::vec((1e-3..0.02_f64, prop_oneof![2 => Just(0.0), 3 => -0.01..0.01_f64]), 2..20),
+        steps in prop::collection::vec(
+            (1e-3..0.02_f64, prop_oneof![2 => Just(0.0), 3 => -0.01..0.01_f64]),
+            2..20,
+        ),
         share in 0.0..1.0_f64,
     ) {
         let (mut t_s, mut q) = (vec![0.0], vec![0.0]);
@@ -113,9 +130,12 @@ proptest! {
         };
         for i in 0..q.len() - 1 {
             if rests(i) || rests(i + 1) {
-                let found = trajectory.at(t_s[i] + share * (t_s[i + 1] - t_s[i]))[0];
+                let actual = trajectory.at(t_s[i] + share * (t_s[i + 1] - t_s[i]))[0];
                 let (low, high) = (q[i].min(q[i + 1]), q[i].max(q[i + 1]));
-                prop_assert!((low - 1e-12..=high + 1e-12).contains(&found), "{low} {found} {high}");
+                prop_assert!(
+                    (low - 1e-12..=high + 1e-12).contains(&actual),
+                    "{low} {actual} {high}"
+                );
             }
         }
     }

@@ -9,7 +9,11 @@ use crate::timed_joints::sampled::{
 };
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 150, failure_persistence: None, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig {
+        cases: 150,
+        failure_persistence: None,
+        ..ProptestConfig::default()
+    })]
 
     #[test]
     fn planned_trajectories_are_accepted(
@@ -78,8 +82,8 @@ proptest! {
     ) {
         let mut trajectory = even(&planned(&program), f64::from(step_ms) * 1e-3);
         if trajectory.t_s.len() > 3 {
-            let at = 1 + (share * (trajectory.t_s.len() - 2) as f64) as usize;
-            trajectory.joints_rad[at][joint] += if up { 1e-3 } else { -1e-3 };
+            let index = 1 + (share * (trajectory.t_s.len() - 2) as f64) as usize;
+            trajectory.joints_rad[index][joint] += if up { 1e-3 } else { -1e-3 };
             let _ = assert_refused(&trajectory, "a spike");
         }
     }

@@ -23,18 +23,19 @@ pub(crate) fn programs() -> impl Strategy<Value = Program> {
     let draft = (step, share(), share(), blend, prop::option::weighted(0.1, 0.0..0.5_f64));
     (prop::array::uniform7(-1.0..1.0_f64), prop::collection::vec(draft, 1..5))
         .prop_map(|(start_rad, drafts)| {
-            let mut at = start_rad;
+            let mut pose_rad = start_rad;
             let mut motions: Vec<_> = drafts
                 .into_iter()
                 .map(|((size, by), velocity, acceleration, blend, wait)| {
                     if let Some(seconds) = wait {
                         return Motion::Wait { seconds, overlap: 0 };
                     }
-                    at = std::array::from_fn(|j| (at[j] + size * by[j]).clamp(-2.0, 2.0));
+                    pose_rad =
+                        std::array::from_fn(|j| (pose_rad[j] + size * by[j]).clamp(-2.0, 2.0));
                     Motion::Ptp(Ptp {
                         acceleration_rel: [acceleration; 7],
                         blend,
-                        ..Ptp::to(at).velocity(velocity)
+                        ..Ptp::to(pose_rad).velocity(velocity)
                     })
                 })
                 .collect();
@@ -95,8 +96,8 @@ pub(crate) fn check(trajectory: &TimedJoints) -> Result<(), Refusal> {
     trajectory.check(Robot::default().limits(), &start)
 }
 
-pub(crate) fn assert_refused(trajectory: &TimedJoints, what: &str) -> Refusal {
-    let refusal = check(trajectory).expect_err(what);
+pub(crate) fn assert_refused(trajectory: &TimedJoints, label: &str) -> Refusal {
+    let refusal = check(trajectory).expect_err(label);
     assert_eq!(refusal.code, Code::Limit, "{refusal}");
     refusal
 }

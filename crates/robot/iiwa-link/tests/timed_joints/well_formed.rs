@@ -42,11 +42,11 @@ fn an_endless_trajectory_is_refused() {
 fn a_trajectory_starts_within_half_a_degree_of_the_robot() {
     let trajectory = Ramp::new(1.0, 1.0, 5.0, 50.0).sampled(3, 0.004);
     let robot = Robot::default();
-    for (off_deg, taken) in [(0.49, true), (-0.49, true), (0.51, false), (-0.6, false)] {
-        let mut at = [0.0; 7];
-        at[3] += f64::to_radians(off_deg);
-        let result = trajectory.check(robot.limits(), &at);
-        assert_eq!(result.is_ok(), taken, "{off_deg} deg: {result:?}");
+    for (off_deg, accepted) in [(0.49, true), (-0.49, true), (0.51, false), (-0.6, false)] {
+        let mut start = [0.0; 7];
+        start[3] += f64::to_radians(off_deg);
+        let result = trajectory.check(robot.limits(), &start);
+        assert_eq!(result.is_ok(), accepted, "{off_deg} deg: {result:?}");
         if let Err(refusal) = result {
             assert_eq!(refusal.code, Code::StartMismatch);
             assert!(refusal.message.contains("joint A4"), "{refusal}");

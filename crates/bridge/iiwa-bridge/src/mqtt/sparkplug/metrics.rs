@@ -42,11 +42,11 @@ pub(super) fn of(message: &Message) -> Metrics {
             set("Time".to_owned(), Value::Double(*t_s));
             let torques = [("Torque", measured_nm), ("External Torque", external_nm)];
             for joint in 0..7 {
-                let name = |what| format!("Joints/A{}/{what}", joint + 1);
+                let name = |quantity| format!("Joints/A{}/{quantity}", joint + 1);
                 set(name("Position"), Value::Double(joints_rad[joint]));
-                for (what, values) in torques {
+                for (quantity, values) in torques {
                     if let Some(values) = values {
-                        set(name(what), Value::Double(values[joint]));
+                        set(name(quantity), Value::Double(values[joint]));
                     }
                 }
             }

@@ -115,7 +115,10 @@ impl<C> Dispatcher<C> {
     fn infer_acknowledgement(&mut self, change: &StateChange, now: Instant) {
         let ended = change.outcome.as_ref().map(|outcome| outcome.run);
         let is_known = |run: &RunId| change.run == Some(*run) || ended == Some(*run);
-        let begins = |purpose: &Purpose<C>| matches!(purpose, Purpose::Plan(run) | Purpose::Begin(run) if is_known(run));
+        let begins = |purpose: &Purpose<C>| match purpose {
+            Purpose::Plan(run) | Purpose::Begin(run) => is_known(run),
+            _ => false,
+        };
         if let Some(Purpose::Plan(run) | Purpose::Begin(run)) = self.instructions.resolve(begins)
             && let RunStage::Running(running) = &mut self.stage
             && running.run == run
@@ -186,7 +189,7 @@ impl<C> Dispatcher<C> {
         // After `finish`: a run that has just ended no longer delays the replies to stops.
         self.reply_to_stoppers(now);
         self.send_next(now);
-        self.refuse_overdue(now);
+        self.reject_overdue(now);
     }
 
     /// Fails the pending instruction, because it will not be acknowledged: the robot program is
@@ -210,7 +213,7 @@ impl<C> Dispatcher<C> {
 
     /// Refuses overdue queries: their clients no longer wait for a reply, so these queries must not
     /// be carried out any more.
-    fn refuse_overdue(&mut self, now: Instant) {
+    fn reject_overdue(&mut self, now: Instant) {
         let is_overdue = |purpose: &Purpose<C>, since| {
             matches!(purpose, Purpose::Query(..))
                 && now.saturating_duration_since(since) >= ACKNOWLEDGE_TIMEOUT

@@ -185,13 +185,13 @@ impl<C> Dispatcher<C> {
 
     /// Returns the latest state of the robot program, unless it is disconnected.
     pub(super) fn program_at(&self, now: Instant) -> Option<&StateChange> {
-        let (state, at) = self.program.as_ref()?;
-        (now.saturating_duration_since(*at) <= PROGRAM_TIMEOUT).then_some(state)
+        let (state, instant) = self.program.as_ref()?;
+        (now.saturating_duration_since(*instant) <= PROGRAM_TIMEOUT).then_some(state)
     }
 
     /// Returns the source address of FRI messages while none arrive from the controller address.
     fn unexpected_source(&self, now: Instant) -> Option<UnexpectedSource> {
-        let is_recent = |at: Instant| now.saturating_duration_since(at) <= FRI_TIMEOUT;
+        let is_recent = |instant: Instant| now.saturating_duration_since(instant) <= FRI_TIMEOUT;
         let is_silent = self.observation.is_none_or(|it| !is_recent(it.at));
         self.unexpected.filter(|it| is_silent && is_recent(it.at))
     }
@@ -239,9 +239,9 @@ impl<C> Dispatcher<C> {
             }
             _ => {
                 let source = self.unexpected_source(now).map(|it| format!("; they come {it}"));
-                let why = "no FRI messages arrive: the robot's position is unknown";
-                let why = format!("{why}{}", source.unwrap_or_default());
-                Err(Refusal::robot(why))
+                let reason = "no FRI messages arrive: the robot's position is unknown";
+                let reason = format!("{reason}{}", source.unwrap_or_default());
+                Err(Refusal::robot(reason))
             }
         }
     }

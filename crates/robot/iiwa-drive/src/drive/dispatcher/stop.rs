@@ -48,8 +48,8 @@ impl<C> Dispatcher<C> {
     }
 
     /// Withdraws or stops the current run.
-    fn stop(&mut self, why: &str, now: Instant) {
-        let before = || Refusal::robot(format!("{why}, before the run began"));
+    fn stop(&mut self, reason: &str, now: Instant) {
+        let before = || Refusal::robot(format!("{reason}, before the run began"));
         match &self.stage {
             RunStage::Idle => {}
             RunStage::Checking(..) => {
@@ -104,8 +104,8 @@ impl<C> Dispatcher<C> {
 
     /// Returns true if a run was abandoned and the robot program has not sent its state since.
     fn is_in_doubt(&self) -> bool {
-        let reported = self.program.as_ref().map(|(_, at)| *at);
-        self.abandoned.is_some_and(|abandoned| reported.is_none_or(|at| at <= abandoned))
+        let reported = self.program.as_ref().map(|(_, instant)| *instant);
+        self.abandoned.is_some_and(|abandoned| reported.is_none_or(|instant| instant <= abandoned))
     }
 
     /// Instructs the robot program to end the run, unless it was instructed before.
@@ -132,13 +132,13 @@ impl<C> Dispatcher<C> {
             // A trajectory without set-points.
             _ if state == DriveState::RunningTrajectory => Some(Instruction::EndTrajectory { run }),
             // An abandoned run that has begun after all.
-            _ if self.is_own(run) => Some(Instruction::Stop),
+            _ if self.is_of_this_drive(run) => Some(Instruction::Stop),
             _ => (!self.stoppers.is_empty()).then_some(Instruction::Stop),
         }
     }
 
     /// Returns true if this drive has numbered the run.
-    fn is_own(&self, run: RunId) -> bool {
+    fn is_of_this_drive(&self, run: RunId) -> bool {
         run.wrapping_sub(self.first_run) < self.next_run.wrapping_sub(self.first_run)
     }
 }

@@ -81,7 +81,7 @@ impl DispatcherScene {
         self.dispatcher.fri_event(FriEvent::Observed(observation), self.now);
     }
 
-    fn ask(&mut self, client: &'static str, request: &Value) {
+    fn send(&mut self, client: &'static str, request: &Value) {
         self.request(client, request.to_string());
     }
 
@@ -90,7 +90,7 @@ impl DispatcherScene {
         self.dispatcher.request(client, incoming, self.now);
     }
 
-    fn ask_for_motion(&mut self) {
+    fn request_motion(&mut self) {
         let motions = vec![Motion::Ptp(Ptp::to([0.1; 7]))];
         self.request("runner", Request::motions(motions).to_json());
     }
@@ -108,7 +108,7 @@ impl DispatcherScene {
     }
 
     fn begin_motion(&mut self) {
-        self.ask_for_motion();
+        self.request_motion();
         assert_eq!(self.check(), []);
     }
 
@@ -123,7 +123,7 @@ impl DispatcherScene {
         self.dispatcher.acknowledged(answer, self.now);
     }
 
-    fn refuse(&mut self, seq: u64) {
+    fn reject(&mut self, seq: u64) {
         let error = Some(Refusal::new(Code::NotIdle, "busy"));
         let answer = Acknowledgement { seq: Some(seq), error, ..Acknowledgement::default() };
         self.dispatcher.acknowledged(answer, self.now);
@@ -177,14 +177,14 @@ fn stop() -> Value {
 }
 
 #[test]
-fn a_safety_stop_is_told() {
+fn a_safety_stop_is_reported() {
     let mut scene = DispatcherScene::new();
-    let mut is_told = |safety| {
+    let mut reported = |safety| {
         scene.observe_with(safety);
         scene.dispatcher.status(scene.now).fri.safety_stop
     };
     assert_eq!(
-        [Safety::Normal, Safety::Stop1, Safety::Normal].map(&mut is_told),
+        [Safety::Normal, Safety::Stop1, Safety::Normal].map(&mut reported),
         [false, true, false]
     );
 }
@@ -196,7 +196,7 @@ fn a_lost_stop_is_repeated() {
     scene.acknowledge(1);
     scene.acknowledge(2);
     scene.report(DriveState::RunningMotion, Some(FIRST_RUN), None);
-    scene.ask("stopper", &stop());
+    scene.send("stopper", &stop());
     assert_eq!(scene.instructions(), ["run_motions", "begin", "stop"]);
     scene.report(DriveState::RunningMotion, Some(FIRST_RUN), None);
     assert_eq!(scene.out(), []);
@@ -232,7 +232,7 @@ fn a_lost_acknowledgement_does_not_delay_a_stop() {
     scene.begin_motion();
     scene.acknowledge(1);
     scene.report(DriveState::RunningMotion, Some(FIRST_RUN), None);
-    scene.ask("stopper", &stop());
+    scene.send("stopper", &stop());
     assert_eq!(scene.instructions(), ["run_motions", "begin", "stop"]);
 }
 
@@ -247,7 +247,7 @@ fn abandoned_runs_are_stopped_when_they_begin() {
     assert!(scene.out().contains(&TestOutput::Reconnect));
     // Another run is refused, because the first one has begun after all.
     scene.begin_motion();
-    scene.refuse(2);
+    scene.reject(2);
     assert_eq!(scene.instructions(), ["run_motions"]);
     scene.report(DriveState::RunningMotion, Some(FIRST_RUN), None);
     assert_eq!(scene.instructions(), ["stop"]);
@@ -262,7 +262,7 @@ fn a_foreign_motion_continues_until_it_is_stopped() {
     let mut scene = DispatcherScene::new();
     scene.report(DriveState::RunningMotion, Some(7), None);
     assert_eq!(scene.out(), []);
-    scene.ask("stopper", &stop());
+    scene.send("stopper", &stop());
     assert_eq!(scene.instructions(), ["stop"]);
     scene.acknowledge(1);
     scene.report(DriveState::RunningMotion, Some(7), None);
@@ -279,10 +279,10 @@ fn a_foreign_motion_continues_until_it_is_stopped() {
 #[test]
 fn a_stop_fails_while_the_state_of_the_arm_is_unknown() {
     let mut scene = DispatcherScene::new();
-    scene.ask("stopper", &stop());
+    scene.send("stopper", &stop());
     assert_eq!(scene.replies(), [("stopper", true)]);
     scene.wait(3.1);
-    scene.ask("stopper", &stop());
+    scene.send("stopper", &stop());
     let out = scene.out();
     assert!(out.iter().any(|out| matches!(out, TestOutput::Instruct(it) if it["type"] == "stop")));
     assert!(
@@ -309,8 +309,8 @@ fn withdrawn(scene: &mut DispatcherScene) -> (String, bool) {
 #[test]
 fn a_stop_withdraws_a_run_being_checked() {
     let mut scene = DispatcherScene::new();
-    scene.ask_for_motion();
-    scene.ask("stopper", &stop());
+    scene.request_motion();
+    scene.send("stopper", &stop());
     // Immediately: no motion is possible any more.
     let answered = scene.check();
     assert_eq!(answered, [TestOutput::Reply("stopper", json!({"ok": true}))]);
@@ -326,7 +326,7 @@ fn a_stop_withdraws_a_run_being_planned() {
     let mut scene = DispatcherScene::new();
     scene.begin_motion();
     assert_eq!(scene.instructions(), ["run_motions"]);
-    scene.ask("stopper", &stop());
+    scene.send("stopper", &stop());
     let (error, stopped) = withdrawn(&mut scene);
     assert!(stopped && error.contains("before the run began"), "{error}");
     // The run does not begin after planning.
@@ -340,7 +340,7 @@ fn a_stop_withdraws_a_run_being_received() {
     let mut scene = DispatcherScene::new();
     let began = scene.now;
     scene.wait(0.01);
-    scene.ask("stopper", &stop());
+    scene.send("stopper", &stop());
     assert_eq!(scene.replies(), [("stopper", true)]);
     let motions = vec![Motion::Ptp(Ptp::to([0.1; 7]))];
     let body = Request::motions(motions).to_json().into();
@@ -354,7 +354,7 @@ fn a_stop_withdraws_a_run_being_received() {
 fn a_lost_client_withdraws_its_run_before_it_begins() {
     for stage in ["checked", "planned"] {
         let mut scene = DispatcherScene::new();
-        scene.ask_for_motion();
+        scene.request_motion();
         if stage == "planned" {
             assert_eq!(scene.check(), []);
             assert_eq!(scene.instructions(), ["run_motions"]);
@@ -385,7 +385,7 @@ fn a_stop_waits_for_the_state_after_an_abandoned_run() {
     // The start is not acknowledged.
     scene.wait(2.1);
     scene.out();
-    scene.ask("stopper", &stop());
+    scene.send("stopper", &stop());
     assert_eq!(scene.replies(), []);
     scene.now += Duration::from_millis(10);
     scene.report(DriveState::Idle, None, None);
@@ -396,7 +396,7 @@ fn a_stop_waits_for_the_state_after_an_abandoned_run() {
 fn a_stop_times_out_with_an_error() {
     let mut scene = DispatcherScene::new();
     scene.report(DriveState::RunningMotion, Some(7), None);
-    scene.ask("stopper", &stop());
+    scene.send("stopper", &stop());
     for _ in 0..9 {
         scene.wait(0.5);
         scene.report(DriveState::RunningMotion, Some(7), None);
@@ -418,10 +418,13 @@ fn a_restarted_robot_program_gets_a_new_connection_and_no_old_instruction() {
     scene.dispatcher.state_changed(restarted.clone(), scene.now);
     let out = scene.out();
     assert_eq!(out[0], TestOutput::Reconnect);
-    let ended = |out: &TestOutput| matches!(out, TestOutput::Reply("runner", it) if it["error"]["message"].to_string().contains("restarted"));
+    let ended = |out: &TestOutput| match out {
+        TestOutput::Reply("runner", it) => it["error"]["message"].to_string().contains("restarted"),
+        _ => false,
+    };
     assert!(out.iter().any(ended), "{out:?}");
     // An instruction that the previous program has not acknowledged does not block the next one.
-    scene.ask("asker", &json!({"type": "list_io"}));
+    scene.send("asker", &json!({"type": "list_io"}));
     assert_eq!(scene.instructions(), ["list_io"]);
     // An idle connection is replaced, too.
     scene.acknowledge(2);
@@ -439,7 +442,7 @@ fn an_idle_connection_is_replaced_after_a_silence() {
     assert_eq!(scene.out(), [TestOutput::Reconnect]);
     // The reconnection does not lose a stop that was sent meanwhile.
     scene.wait(3.1);
-    scene.ask("stopper", &stop());
+    scene.send("stopper", &stop());
     assert_eq!(scene.instructions(), ["stop"]);
     scene.report(DriveState::Idle, None, None);
     assert_eq!(scene.out(), []);

@@ -34,14 +34,14 @@ pub(super) struct FriFindings {
 
 /// Receives and answers messages of `controller` until the session is ready or a time-out expires.
 pub(super) fn listen(udp: &UdpSocket, controller: IpAddr) -> FriFindings {
-    let mut found = FriFindings::default();
+    let mut findings = FriFindings::default();
     let mut client = Client::new(Format::V1);
     let (mut buffer, mut answer) = ([0; 2048], Vec::new());
     let mut deadline = Instant::now() + FIRST_TIMEOUT;
     if udp.set_read_timeout(Some(POLL_INTERVAL)).is_err() {
-        return found;
+        return findings;
     }
-    while Instant::now() < deadline && !found.is_ready() {
+    while Instant::now() < deadline && !findings.is_ready() {
         let (length, from) = match udp.recv_from(&mut buffer) {
             Ok(received) => received,
             Err(error) if is_timeout(&error) => continue,
@@ -53,17 +53,17 @@ pub(super) fn listen(udp: &UdpSocket, controller: IpAddr) -> FriFindings {
         let message = client.decode(&buffer[..length]);
         if from.ip() != controller {
             // Other datagrams do not show the address of a controller.
-            found.other = message.ok().map(|_| from.ip()).or(found.other);
+            findings.other = message.ok().map(|_| from.ip()).or(findings.other);
             continue;
         }
         match message {
-            Err(error) => found.unreadable = Some(error.to_string()),
+            Err(error) => findings.unreadable = Some(error.to_string()),
             Ok(message) => {
-                if found.latest.is_none() {
+                if findings.latest.is_none() {
                     deadline = Instant::now() + SESSION_TIMEOUT;
                 }
                 client.accept(message);
-                found.latest = client.latest().cloned();
+                findings.latest = client.latest().cloned();
                 if client.answer(None, &mut answer) {
                     // The controller counts missing answers.
                     let _ = udp.send_to(&answer, from);
@@ -71,7 +71,7 @@ pub(super) fn listen(udp: &UdpSocket, controller: IpAddr) -> FriFindings {
             }
         }
     }
-    found
+    findings
 }
 
 impl FriFindings {
@@ -102,9 +102,10 @@ impl FriFindings {
             )),
             None => Err(Fault::new(
                 format!(
-                    "none arrives at UDP {fri} within {} s: in the settings of the robot program, the address of FRI's \
-                 client has to be this machine's, and the port {}; a firewall here has to let UDP {} in; the cable of \
-                 FRI may be another one (KONI)",
+                    "none arrives at UDP {fri} within {} s: in the settings of the robot program, \
+                     the address of FRI's client has to be this machine's, and the port {}; a \
+                     firewall here has to let UDP {} in; the cable of FRI may be another one \
+                     (KONI)",
                     FIRST_TIMEOUT.as_secs(),
                     fri.port(),
                     fri.port()
@@ -118,10 +119,11 @@ impl FriFindings {
     pub(super) fn version(&self) -> Result<String, Fault> {
         match (&self.latest, &self.unreadable) {
             (Some(_), _) => Ok("as FRI 1.14 to 1.16".to_owned()),
-            (None, why) => Err(Fault::new(
+            (None, reason) => Err(Fault::new(
                 format!(
-                    "the messages cannot be read ({}): FRI 1.14 to 1.16 are supported; which one has the cabinet?",
-                    why.as_deref().unwrap_or_default()
+                    "the messages cannot be read ({}): FRI 1.14 to 1.16 are supported; which one \
+                     has the cabinet?",
+                    reason.as_deref().unwrap_or_default()
                 ),
                 &[],
             )),
@@ -147,13 +149,14 @@ impl FriFindings {
     /// Checks that the session is ready for commanding.
     pub(super) fn session(&self) -> Result<String, Fault> {
         let Some(latest) = &self.latest else { return Ok(String::new()) };
-        let what = format!("{}, quality {}", latest.session.name(), latest.quality.name());
+        let session = format!("{}, quality {}", latest.session.name(), latest.quality.name());
         if self.is_ready() {
-            return Ok(what);
+            return Ok(session);
         }
         let text = format!(
-            "{what}, {} s after the first message; monitoring_ready and good are needed: answers do not reach the \
-             controller, or too late. Does a firewall let UDP out? Is the machine busy? Try a longer send period",
+            "{session}, {} s after the first message; monitoring_ready and good are needed: \
+             answers do not reach the controller, or too late. Does a firewall let UDP out? Is the \
+             machine busy? Try a longer send period",
             SESSION_TIMEOUT.as_secs()
         );
         Err(Fault::new(text, &[]))

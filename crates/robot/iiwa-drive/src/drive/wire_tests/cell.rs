@@ -83,7 +83,7 @@ impl Cell {
         period_ms: u32,
         receive_multiplier: u32,
         missing: Missing,
-        at: Joints,
+        start: Joints,
     ) -> Self {
         let config = ControllerConfig { period_ms, receive_multiplier, format: Format::V1 };
         let limits = *Robot::default().limits();
@@ -95,7 +95,7 @@ impl Cell {
             missing,
             cycle: 0,
             begun: Instant::now(),
-            q: at,
+            q: start,
             dq: [0.0; 7],
             target: None,
             down: Network::default(),
@@ -132,23 +132,23 @@ impl Cell {
         {
             self.target = Some((setpoint, self.config.receive_multiplier));
         }
-        let Some((target, left)) = &mut self.target else { return };
+        let Some((target, remaining)) = &mut self.target else { return };
         let step: Joints = match (setpoint, self.missing) {
             (Some(_), _) => {
-                let share = 1.0 / f64::from((*left).max(1));
+                let share = 1.0 / f64::from((*remaining).max(1));
                 std::array::from_fn(|j| (target[j] - before[j]) * share)
             }
             (None, Missing::Extrapolate) => self.dq.map(|dq| dq * period_s),
             (None, Missing::Stop) => [0.0; 7],
         };
-        *left = left.saturating_sub(1);
+        *remaining = remaining.saturating_sub(1);
         if setpoint.is_none() {
             self.alone = self.cycle;
         }
         let Limits { velocity_rad_s, lower_rad, upper_rad, .. } = self.limits;
         self.q = std::array::from_fn(|j| {
-            let most = 1.1 * velocity_rad_s[j] * period_s;
-            (before[j] + step[j].clamp(-most, most)).clamp(lower_rad[j], upper_rad[j])
+            let max_step = 1.1 * velocity_rad_s[j] * period_s;
+            (before[j] + step[j].clamp(-max_step, max_step)).clamp(lower_rad[j], upper_rad[j])
         });
         self.dq = std::array::from_fn(|j| (self.q[j] - before[j]) / period_s);
     }
@@ -264,14 +264,14 @@ impl Cell {
         self.wire.push(SentSetpoint { t_s, at_rad, arm_rad, restart_speed });
     }
 
-    pub(super) fn until(&mut self, most: u32, holds: impl Fn(&Self) -> bool) {
-        for _ in 0..most {
+    pub(super) fn until(&mut self, max_cycles: u32, holds: impl Fn(&Self) -> bool) {
+        for _ in 0..max_cycles {
             if holds(self) {
                 return;
             }
             self.tick();
         }
-        panic!("not reached within {most} cycles: {:?}", self.controller.state());
+        panic!("not reached within {max_cycles} cycles: {:?}", self.controller.state());
     }
 
     /// Begins the trajectory; the session commands afterwards.

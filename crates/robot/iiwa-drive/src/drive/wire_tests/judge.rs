@@ -19,24 +19,24 @@ impl Cell {
         for answer in &self.wire {
             let share = |history: &History| {
                 let (now, acceleration) = history.derivatives(answer);
-                let most = |found: Joints, limits: Joints| {
-                    (0..7).map(|j| found[j].abs() / limits[j]).fold(0.0, f64::max)
+                let max_share = |derivatives: Joints, limits: Joints| {
+                    (0..7).map(|j| derivatives[j].abs() / limits[j]).fold(0.0, f64::max)
                 };
-                [most(now, velocity_rad_s), most(acceleration, acceleration_rad_s2)]
+                [max_share(now, velocity_rad_s), max_share(acceleration, acceleration_rad_s2)]
             };
-            let mut found = share(&before);
+            let mut derivatives = share(&before);
             let mut next = before.next(answer);
             if let Some(speed) = answer.restart_speed {
                 let restarted =
                     History { t_s: answer.t_s - step_s, at_rad: answer.arm_rad, speed, step_s };
-                if found[0] > 1.02 || found[1] > 1.3 {
+                if derivatives[0] > 1.02 || derivatives[1] > 1.3 {
                     restarts += 1;
-                    (found, next) = (share(&restarted), restarted.next(answer));
+                    (derivatives, next) = (share(&restarted), restarted.next(answer));
                 }
             }
             let jump = (0..7).map(|j| (answer.at_rad[j] - answer.arm_rad[j]).abs() / away[j]);
-            let found = [found[0], found[1], jump.fold(0.0, f64::max)];
-            worst = std::array::from_fn(|i| worst[i].max(found[i]));
+            let derivatives = [derivatives[0], derivatives[1], jump.fold(0.0, f64::max)];
+            worst = std::array::from_fn(|i| worst[i].max(derivatives[i]));
             for j in 0..7 {
                 assert!(answer.at_rad[j].abs() <= upper_rad[j] + 1e-9, "joint {}", j + 1);
             }

@@ -7,9 +7,9 @@ use crate::Estimate;
 /// Result of the evaluation of recorded torques.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
-pub struct FoundTorques {
+pub struct TorqueEstimates {
     /// Payloads. Recordings whose programs state the same payload are assumed to have the same one.
-    pub loads: Vec<FoundLoad>,
+    pub loads: Vec<LoadEstimate>,
     /// Viscous friction of each joint, in Nm s/rad; none where the joint hardly moves.
     pub viscous_nm_s_rad: [Option<Estimate>; 7],
     /// Coulomb friction of each joint, in Nm, independent of the speed; none where the joint hardly
@@ -27,7 +27,7 @@ pub struct FoundTorques {
 /// Identified payload.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
-pub struct FoundLoad {
+pub struct LoadEstimate {
     /// Indices of the recordings, from 0.
     pub recordings: Vec<usize>,
     /// Payload stated by their programs.
@@ -39,7 +39,7 @@ pub struct FoundLoad {
     pub center_mm: [Option<Estimate>; 3],
 }
 
-impl FoundLoad {
+impl LoadEstimate {
     /// Returns the payload for programs, without moments of inertia; none if mass or centre of mass
     /// is unknown.
     #[must_use]
@@ -54,7 +54,7 @@ impl FoundLoad {
     pub fn untold(&self) -> Vec<&'static str> {
         const CENTER: [&str; 3] = ["x of the centre", "y of the centre", "z of the centre"];
         let center = self.center_mm.iter().zip(CENTER);
-        let center = center.filter(|(found, _)| found.is_none()).map(|(_, name)| name);
+        let center = center.filter(|(estimate, _)| estimate.is_none()).map(|(_, name)| name);
         self.mass_kg.is_none().then_some("the mass").into_iter().chain(center).collect()
     }
 
@@ -65,17 +65,17 @@ impl FoundLoad {
     }
 }
 
-impl FoundTorques {
+impl TorqueEstimates {
     /// Returns the identified friction, or that of `model` where it was not identified. Negative
     /// values are set to 0.
     #[must_use]
     pub fn friction(&self, model: &Friction) -> Friction {
-        let value = |found: &Option<Estimate>, known: f64| match found {
-            Some(found) => found.value.max(0.0),
+        let value = |estimate: &Option<Estimate>, known: f64| match estimate {
+            Some(estimate) => estimate.value.max(0.0),
             None => known,
         };
-        let all = |found: &[Option<Estimate>; 7], known: &[f64; 7]| {
-            std::array::from_fn(|j| value(&found[j], known[j]))
+        let all = |estimate: &[Option<Estimate>; 7], known: &[f64; 7]| {
+            std::array::from_fn(|j| value(&estimate[j], known[j]))
         };
         Friction {
             viscous_nm_s_rad: all(&self.viscous_nm_s_rad, &model.viscous_nm_s_rad),

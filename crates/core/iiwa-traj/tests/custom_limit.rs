@@ -60,16 +60,18 @@ impl RowLimit for Combinations {
     }
 
     fn rows(&self, _: &[Joints], derivative: &[Joints], second: &[Joints]) -> Vec<PathRow> {
-        let row = |own: &Combination, one: &Joints, two: &Joints| {
-            let scale = 2.0 / (own.upper - own.lower);
+        let row = |combination: &Combination, one: &Joints, two: &Joints| {
+            let scale = 2.0 / (combination.upper - combination.lower);
             PathRow {
-                acceleration: scale * own.sum(one),
-                square: scale * own.sum(two),
-                offset: -0.5 * scale * (own.lower + own.upper),
+                acceleration: scale * combination.sum(one),
+                square: scale * combination.sum(two),
+                offset: -0.5 * scale * (combination.lower + combination.upper),
             }
         };
         let places = derivative.iter().zip(second);
-        places.flat_map(|(one, two)| self.0.iter().map(move |own| row(own, one, two))).collect()
+        places
+            .flat_map(|(one, two)| self.0.iter().map(move |combination| row(combination, one, two)))
+            .collect()
     }
 }
 
@@ -144,9 +146,9 @@ fn plan(path: &JointPath, timing: Timing, limits: &[Arc<dyn PathLimit>]) -> Traj
 
 /// Returns the largest share of the limits that a trajectory reaches at 2 kHz.
 fn largest(trajectory: &Trajectory, limit: &Combinations) -> f64 {
-    let shares = trajectory
-        .samples(2000.0)
-        .flat_map(|state| limit.0.iter().map(move |own| own.share(&state.ddq).abs()));
+    let shares = trajectory.samples(2000.0).flat_map(|state| {
+        limit.0.iter().map(move |combination| combination.share(&state.ddq).abs())
+    });
     shares.fold(0.0, |largest, share| if share <= largest { largest } else { share })
 }
 
@@ -157,7 +159,7 @@ fn is_named(trajectory: &Trajectory, name: &str) -> bool {
 }
 
 #[test]
-fn a_limit_of_ones_own_is_kept() {
+fn a_custom_limit_is_kept() {
     let path = JointPath::new(&program(), &Robot::default()).unwrap();
     let sum = [1.0, 0.5, 0.0, -1.0, 0.0, 0.3, 0.2];
     let both = Combination::symmetric(sum, 3.0);
@@ -211,7 +213,7 @@ fn a_limit_that_binds_nothing_changes_nothing() {
 
 /// Limits beside torques, whose seven rows leave room for one of eight: one row more, and nine.
 #[test]
-fn limits_of_ones_own_are_kept_beside_torques() {
+fn custom_limits_are_kept_beside_torques() {
     let mut program = program();
     let load = Load { mass_kg: 7.0, center_mm: [0.0, 0.0, 80.0], ..Load::default() };
     program.motions.insert(0, Motion::Load(Some(load)));
@@ -238,7 +240,7 @@ fn limits_of_ones_own_are_kept_beside_torques() {
         let rows = vec![Combination::symmetric([1.0; 7], 4.0); 10];
         let mut planner = Planner::new(&path, timing()).with_limit(Arc::new(Combinations(rows)));
         let error = Trajectory::by(&mut planner).err();
-        assert_eq!(error, Some(TimingError::TooManyRows { rows: 17, most: 16 }));
+        assert_eq!(error, Some(TimingError::TooManyRows { rows: 17, max: 16 }));
     }
 }
 
@@ -255,14 +257,14 @@ fn a_limit_of_one_motion_is_kept_there() {
         let largest = |trajectory: &Trajectory, is_own: bool| {
             let dt_s = 5e-4;
             let states: Vec<_> = trajectory.samples(1.0 / dt_s).collect();
-            let of = states.windows(3).filter(|three| {
+            let jerks = states.windows(3).filter(|three| {
                 let is_move = |step: usize| matches!(path.steps()[step], Step::Move { .. });
                 let step = three[0].step;
                 is_move(step)
                     && three.iter().all(|state| state.step == step)
                     && (three[0].motion.index() == 1) == is_own
             });
-            let accelerations = of.map(|three| {
+            let accelerations = jerks.map(|three| {
                 let [a, b, c] = [0, 1, 2].map(|i| vertical.height_m(&three[i].q));
                 ((a - 2.0 * b + c) / (dt_s * dt_s)).abs() / vertical.limit_m_s2
             });

@@ -52,9 +52,9 @@ fn open_itself(path: &Path, options: &mut OpenOptions) -> io::Result<File> {
 /// devices are errors.
 fn is_there(path: &Path) -> io::Result<bool> {
     match path.symlink_metadata() {
-        Ok(found) if found.is_file() => Ok(true),
-        Ok(found) if found.is_symlink() => Err(foreign(path, "a symbolic link")),
-        Ok(found) if found.is_dir() => Err(foreign(path, "a folder")),
+        Ok(metadata) if metadata.is_file() => Ok(true),
+        Ok(metadata) if metadata.is_symlink() => Err(foreign(path, "a symbolic link")),
+        Ok(metadata) if metadata.is_dir() => Err(foreign(path, "a folder")),
         Ok(_) => Err(foreign(path, "not a regular file")),
         Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(false),
         Err(error) => Err(error),
@@ -64,7 +64,8 @@ fn is_there(path: &Path) -> io::Result<bool> {
 fn foreign(path: &Path, kind: &str) -> io::Error {
     let path = path.display();
     io::Error::other(format!(
-        "{path} is {kind}, which the bridge has not created: remove it, and let only the user of the bridge write to its folder"
+        "{path} is {kind}, which the bridge has not created: remove it, and let only the user of \
+         the bridge write to its folder"
     ))
 }
 
@@ -119,7 +120,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_file_is_named_and_kept() {
+    fn entries_that_are_not_files_are_named_and_kept() {
         let folder = tempfile::tempdir().unwrap();
         let socket = folder.path().join("socket");
         let _listener = UnixListener::bind(&socket).unwrap();

@@ -32,7 +32,7 @@ const LAW_SHARE: f64 = 0.011;
 /// Identified ramp law; joints that did not limit a ramp are `None`.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
-pub struct FoundRamps {
+pub struct RampEstimates {
     /// Largest second derivative of each joint's torque, in Nm/s^2: S.
     pub torque_snap_nm_s2: [Option<Estimate>; 7],
     /// Jerk limit of starting ramps, in Nm/s: R.
@@ -49,18 +49,18 @@ pub struct FoundRamps {
     pub noise_rad: f64,
 }
 
-impl FoundRamps {
+impl RampEstimates {
     /// Returns `model` with the identified values.
     #[must_use]
     pub fn law(&self, model: &RampLaw) -> RampLaw {
         let mut law = *model;
-        for (values, found) in [
+        for (values, estimates) in [
             (&mut law.torque_snap_nm_s2, &self.torque_snap_nm_s2),
             (&mut law.start_nm_s, &self.start_nm_s),
             (&mut law.stop_nm_s, &self.stop_nm_s),
         ] {
-            for (value, found) in values.iter_mut().zip(found) {
-                *value = found.map_or(*value, |found| found.value);
+            for (value, estimates) in values.iter_mut().zip(estimates) {
+                *value = estimates.map_or(*value, |estimates| estimates.value);
             }
         }
         law
@@ -116,7 +116,7 @@ impl RampFindings {
     }
 
     /// Returns the result of all motions; none without such ramps.
-    pub(super) fn conclude(&self, model: &RampLaw) -> Option<FoundRamps> {
+    pub(super) fn conclude(&self, model: &RampLaw) -> Option<RampEstimates> {
         if self.motions == 0 {
             return None;
         }
@@ -127,7 +127,7 @@ impl RampFindings {
             let by = Plausible { limits: by_model[kind], factor: FACTORS[kind], share: SHARE };
             limits::estimate(&plausible(&self.bounds[kind], by), TOLERANCE)
         });
-        Some(FoundRamps {
+        Some(RampEstimates {
             torque_snap_nm_s2,
             start_nm_s,
             stop_nm_s,
