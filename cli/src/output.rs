@@ -60,9 +60,8 @@ pub(crate) fn keep_others<'a>(
     other: impl IntoIterator<Item = (&'a str, &'a Path)>,
     option: &str,
 ) -> Result<(), Failure> {
-    kind.check_name(target)?;
     match other.into_iter().find(|(_, path)| same_file(target, path)) {
-        None => Ok(()),
+        None => kind.check_name(target),
         Some((other, path)) => Err(Failure::input(format!(
             "the {} would be written over the {other}, {}; name another file with {option}",
             kind.name(),

@@ -96,7 +96,7 @@ fn a_picture_shows_both_paths() {
         assert!(svg.contains(word), "{word}");
     }
     let plan = fs::read(folder.path().join("plan.mcap")).unwrap();
-    picture("plan.mcap").code(2).stderr(contains("written over the plan"));
+    picture("plan.mcap").code(2).stderr(contains("pictures are written as .svg"));
     assert_eq!(fs::read(folder.path().join("plan.mcap")).unwrap(), plan);
 }
 

@@ -20,6 +20,8 @@ mod kinematics;
 mod link;
 mod log_reading;
 mod many;
+
+mod outputs;
 mod overlap;
 mod plan;
 mod plan_torques;
