@@ -98,11 +98,11 @@ pub enum ProjectError {
     },
     /// The Java files are too large in total.
     #[error(
-        "the Java files have more than {most} bytes in all: a project's own folder is expected"
+        "the Java files have more than {max_bytes} bytes in all: a project's own folder is expected"
     )]
     TooLarge {
         /// Maximum number of bytes.
-        most: u64,
+        max_bytes: u64,
     },
 }
 
@@ -282,12 +282,13 @@ impl Reading {
         }
         let length = u64::try_from(bytes.len()).unwrap_or(u64::MAX);
         if length > MOST_BYTES {
-            self.texts.push((path, Err(SourceFault::TooLarge { bytes: length, most: MOST_BYTES })));
+            self.texts
+                .push((path, Err(SourceFault::TooLarge { bytes: length, max_bytes: MOST_BYTES })));
             return Ok(());
         }
         self.bytes += length;
         if self.bytes > MOST_BYTES_IN_ALL {
-            return Err(ProjectError::TooLarge { most: MOST_BYTES_IN_ALL });
+            return Err(ProjectError::TooLarge { max_bytes: MOST_BYTES_IN_ALL });
         }
         self.texts.push((path, Ok(decode(bytes))));
         Ok(())
@@ -320,5 +321,5 @@ fn contents(path: &Path) -> Result<Vec<u8>, SourceFault> {
     if u64::try_from(bytes.len()).is_ok_and(|length| length <= MOST_BYTES) {
         return Ok(bytes);
     }
-    Err(SourceFault::TooLarge { bytes: metadata.len(), most: MOST_BYTES })
+    Err(SourceFault::TooLarge { bytes: metadata.len(), max_bytes: MOST_BYTES })
 }

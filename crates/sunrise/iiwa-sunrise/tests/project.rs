@@ -148,7 +148,7 @@ fn bounds() {
     let project =
         Project::from_texts([("A.java", &large), ("B.java", &b"class B { }".to_vec())]).unwrap();
     let error = project.files()[0].error().unwrap();
-    assert_eq!(error.fault, SourceFault::TooLarge { bytes: 10_000_001, most: 10_000_000 });
+    assert_eq!(error.fault, SourceFault::TooLarge { bytes: 10_000_001, max_bytes: 10_000_000 });
     assert!(project.files()[1].error().is_none());
     let folder = tempfile::tempdir().unwrap();
     write(folder.path(), "A.java", &large);

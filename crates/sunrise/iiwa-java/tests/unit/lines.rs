@@ -43,7 +43,7 @@ fn of_calls_and_fields_are_those_of_their_names() {
         panic!("no call")
     };
     assert_eq!((frame.line, arguments[0].line), (3, 7));
-    let ExpressionKind::Field { of: tool, .. } = frame.kind else { panic!("no field") };
+    let ExpressionKind::Field { object: tool, .. } = frame.kind else { panic!("no field") };
     assert_eq!(tool.line, 2);
     let ExpressionKind::Call { on: Some(robot), .. } = tool.kind else { panic!("no call") };
     assert_eq!(robot.line, 1);

@@ -33,8 +33,8 @@ fn a_program_from_anywhere_on() {
 fn a_program_without_any_one_token() {
     let tokens = crate::read::tokens::Tokens::scan(PROGRAM).expect("tokens");
     for token in &tokens.list {
-        for instead in ["", ";", "(", "}", "x", "<", "1"] {
-            let text = format!("{}{instead}{}", &PROGRAM[..token.start], &PROGRAM[token.end..]);
+        for replacement in ["", ";", "(", "}", "x", "<", "1"] {
+            let text = format!("{}{replacement}{}", &PROGRAM[..token.start], &PROGRAM[token.end..]);
             if let Err(error) = read("A.java", &text) {
                 assert!(!error.to_string().contains("no result"), "{error}");
             }

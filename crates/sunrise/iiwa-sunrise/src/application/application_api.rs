@@ -86,9 +86,9 @@ impl Robotics<'_> {
             "AbstractIOGroup" => match arguments.get(1) {
                 Some(Value::Text(name)) => Some(RobotValue::IoGroup(Rc::clone(name))),
                 Some(Value::Unknown(unknown)) => {
-                    return self.refuse_unknown("the name of these inputs and outputs", unknown);
+                    return self.reject_unknown("the name of these inputs and outputs", unknown);
                 }
-                _ => return self.refuse("these inputs and outputs have no name"),
+                _ => return self.reject("these inputs and outputs have no name"),
             },
             "Tool" | "Workpiece" | "PhysicalObject" | "SpatialObject" => {
                 robot_value(&self.new_body(base == "Workpiece", arguments))

@@ -15,7 +15,7 @@ impl Robotics<'_> {
         let text = match text {
             Value::Text(text) => text.to_string(),
             Value::Null => "null".to_owned(),
-            Value::Unknown(_) => format!("a dialog at {}", self.here),
+            Value::Unknown(_) => format!("a dialog at {}", self.place),
             other => other.kind(),
         };
         let choices = flattened(buttons);
@@ -29,7 +29,7 @@ impl Robotics<'_> {
         let given = self.given_button(&text);
         let answer = given.unwrap_or(0);
         if answer >= choices.len().max(1) {
-            return self.refuse(format!(
+            return self.reject(format!(
                 "the dialog `{text}` is answered by button {answer}, and it has {}: the first one is 0",
                 choices.len()
             ));
@@ -66,7 +66,7 @@ impl Robotics<'_> {
         answer: String,
         is_given: bool,
     ) {
-        let (file, line) = (self.here.file.to_string(), self.here.line);
+        let (file, line) = (self.place.file.to_string(), self.place.line);
         let asked = asked.to_owned();
         // Durations and tools do not end loops.
         if !matches!(kind, QuestionKind::Time | QuestionKind::Tool) {

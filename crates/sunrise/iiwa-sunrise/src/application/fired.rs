@@ -9,7 +9,7 @@ impl Robotics<'_> {
     /// Returns the answer to the query at this file and line; `condition` names the condition, such
     /// as "the break condition of a motion".
     pub(crate) fn ask_fired(&mut self, condition: &str) -> Value {
-        let at = self.here.to_string();
+        let at = self.place.to_string();
         if let Some(is_fired) = self.given_fired(&at) {
             self.record(QuestionKind::Fired, &at, Vec::new(), is_fired.to_string(), true);
             if is_fired {

@@ -48,7 +48,7 @@ impl Robotics<'_> {
     pub(crate) fn check_known(&self, spot: Spot) -> Result<(), Stop> {
         if let Some(unknown) = self.station.unknown_of(spot) {
             let what = format!("the place of {}", self.spot_name(spot));
-            return self.refuse_unknown(&what, &unknown);
+            return self.reject_unknown(&what, &unknown);
         }
         self.check_template(spot)
     }
@@ -61,7 +61,7 @@ impl Robotics<'_> {
         let Some(place) = &body.missing else { return Ok(()) };
         let name = &body.name;
         self.station.missing.replace(Some(Missing::Template(name.clone())));
-        self.refuse(format!(
+        self.reject(format!(
             "the data file has no template `{name}`, which is injected at {place}: its frames are not known; add the template, or \
              answer with its frames: `[tools]`, `{name}` for the TCP and `{name}/FRAME` for others"
         ))
@@ -76,7 +76,7 @@ impl Robotics<'_> {
         arguments: &[Value],
     ) -> Result<Value, Stop> {
         let (Some(index), Some(Value::Text(own))) = (spot.body(), arguments.first()) else {
-            return self.refuse(format!(
+            return self.reject(format!(
                 "`{name}` takes a name and a transformation, of a tool or workpiece"
             ));
         };
@@ -86,10 +86,10 @@ impl Robotics<'_> {
             Some(other) => offset_of(other),
         };
         let Some(offset) = offset else {
-            return self.refuse(format!("`{name}` takes a name and a transformation"));
+            return self.reject(format!("`{name}` takes a name and a transformation"));
         };
         let Some(body) = self.station.bodies.get_mut(index) else {
-            return self.refuse("this tool is not known");
+            return self.reject("this tool is not known");
         };
         let above = match spot {
             Spot::Of(_, frame) => body.frames.get(frame),
@@ -116,7 +116,7 @@ impl Robotics<'_> {
             (None, Value::Unknown(unknown)) => (Frame::default(), Some(Rc::clone(unknown))),
             (None, other) => {
                 let what = other.kind();
-                return self.refuse(format!(
+                return self.reject(format!(
                     "a frame is changed to {what}, which is not a transformation"
                 ));
             }
@@ -142,7 +142,7 @@ impl Robotics<'_> {
             }
             Spot::World | Spot::Flange | Spot::Root(_) => {
                 let what = self.spot_name(spot);
-                return self.refuse(format!("{what} is changed, which cannot be planned"));
+                return self.reject(format!("{what} is changed, which cannot be planned"));
             }
         }
         Ok(robot(RobotValue::Spot(spot)))
@@ -153,9 +153,9 @@ impl Robotics<'_> {
         match (robot_value_of(frame), frame) {
             (Some(spot), _) => self.change_frame(spot, to),
             (None, Value::Unknown(unknown)) => {
-                self.refuse_unknown("which frame is changed", unknown)
+                self.reject_unknown("which frame is changed", unknown)
             }
-            _ => self.refuse("a frame of the data file is changed, and it is not known which one"),
+            _ => self.reject("a frame of the data file is changed, and it is not known which one"),
         }
     }
 }

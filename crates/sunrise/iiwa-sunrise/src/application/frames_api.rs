@@ -177,7 +177,7 @@ impl Robotics<'_> {
         frame.parent = parent;
         if keeps_place {
             let (Some(in_world), Some(parent)) = (in_world, self.parent_in_world(&frame)) else {
-                return self.refuse("a frame is given in something that is attached to nothing");
+                return self.reject("a frame is given in something that is attached to nothing");
             };
             frame.frame = then(&inverse(&parent), &in_world);
         }
@@ -213,7 +213,7 @@ impl Robotics<'_> {
                     if name == "copy" { RedundancyValue::default() } else { this.redundancy };
                 let Some(in_world) = self.station.frame_in_world(this) else {
                     return self
-                        .refuse("a frame is given in something that is attached to nothing");
+                        .reject("a frame is given in something that is attached to nothing");
                 };
                 let mut copy = FrameValue { redundancy, parent: new_parent, ..this.clone() };
                 let parent = self.parent_in_world(&copy).unwrap_or_default();
@@ -391,7 +391,7 @@ impl Robotics<'_> {
         arguments: &[Value],
     ) -> Result<Value, Stop> {
         if let Some(unknown) = first_unknown(arguments) {
-            return self.refuse_unknown("the redundancy of a frame", &unknown);
+            return self.reject_unknown("the redundancy of a frame", &unknown);
         }
         let own = robot(RobotValue::Redundancy(Rc::clone(this)));
         let mut redundancy = this.borrow_mut();

@@ -88,7 +88,7 @@ impl Robotics<'_> {
             ("Thread", "currentThread", []) => Ok(Some(robot(RobotValue::opaque("Thread")))),
             ("Thread", "interrupted", []) => Ok(Some(Value::Boolean(false))),
             ("Thread", "yield", []) => Ok(Some(Value::Null)),
-            ("Class", "forName", _) => self.refuse(
+            ("Class", "forName", _) => self.reject(
                 "`Class.forName` finds a class while the program runs, which is not followed: name the class itself",
             ),
             ("System", "currentTimeMillis" | "nanoTime", _) => Ok(Some(self.unknown("the clock"))),
@@ -174,7 +174,7 @@ impl Robotics<'_> {
             _ => match (EnumConstant::named(class, name), EnumConstant::all(class)) {
                 (Some(found), _) => Some(constant(found)),
                 (None, Some(_)) => {
-                    return self.refuse(format!("the enum `{class}` has no constant `{name}`"));
+                    return self.reject(format!("the enum `{class}` has no constant `{name}`"));
                 }
                 (None, None) => None,
             },

@@ -241,7 +241,7 @@ impl Robotics<'_> {
             Some("Variable") => OrientationType::Variable,
             Some("OriJoint") => OrientationType::Joints,
             Some("Ignore") => OrientationType::Ignore,
-            _ => return self.refuse("this type of orientation is not known"),
+            _ => return self.reject("this type of orientation is not known"),
         };
         motion.borrow_mut().settings.orientation = Some(law);
         Ok(())

@@ -101,7 +101,7 @@ impl Robotics<'_> {
             None => {
                 let found: Vec<String> = arguments.iter().map(Value::kind).collect();
                 let found = found.join(", ");
-                self.refuse(format!("`{name}` of {found} is not known: it takes joints or a frame"))
+                self.reject(format!("`{name}` of {found} is not known: it takes joints or a frame"))
             }
         }
     }
@@ -111,7 +111,7 @@ impl Robotics<'_> {
             && let Some(RobotValue::Joints(joints)) = robot_value(only)
             && let Some(unknown) = &joints.borrow().unknown
         {
-            return self.refuse_unknown("the target of this motion", unknown);
+            return self.reject_unknown("the target of this motion", unknown);
         }
         if let Some(joints_rad) = joints(arguments) {
             return Ok(Some(Way::Joints(joints_rad)));
@@ -144,7 +144,7 @@ impl Robotics<'_> {
                     }
                     other => {
                         let what = other.kind();
-                        return self.refuse(format!(
+                        return self.reject(format!(
                             "{what} is not a motion: batches and splines have motions"
                         ));
                     }
@@ -154,7 +154,7 @@ impl Robotics<'_> {
         let way = if kind == "spline" { Way::Spline(motions) } else { Way::Batch(motions) };
         let (depth, count) = way.extent();
         if depth > MAX_DEPTH || count > MAX_MOTIONS {
-            return self.refuse(format!(
+            return self.reject(format!(
                 "a batch has {count} motions, {depth} batches deep; it can have {MAX_MOTIONS}, {MAX_DEPTH} deep"
             ));
         }

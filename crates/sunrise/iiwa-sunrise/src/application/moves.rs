@@ -46,7 +46,7 @@ impl Robotics<'_> {
         if self.station.in_flange(mover).is_none() {
             let what = self.spot_name(mover);
             return self
-                .refuse(format!("{what} moves, but it is not attached to the robot's flange"));
+                .reject(format!("{what} moves, but it is not attached to the robot's flange"));
         }
         self.keep_override()?;
         let mut has_break = false;
@@ -72,7 +72,7 @@ impl Robotics<'_> {
         }
         let place = station.speed_override.as_ref().map(|(_, place)| format!(" ({place})"));
         let [first, now] = [first, now].map(|share| share * 100.0);
-        self.refuse(format!(
+        self.reject(format!(
             "the application goes on at {now} % of its speed{}, after motions at {first} %: a program has one override; \
              plan the parts on their own",
             place.unwrap_or_default()
@@ -86,12 +86,12 @@ impl Robotics<'_> {
         settings: &Settings,
     ) -> Result<(), Stop> {
         match &motion.obstacle {
-            Some(Obstacle::Unknown(what, unknown)) => return self.refuse_unknown(what, unknown),
-            Some(Obstacle::Refused(reason)) => return self.refuse(reason.clone()),
+            Some(Obstacle::Unknown(what, unknown)) => return self.reject_unknown(what, unknown),
+            Some(Obstacle::Refused(reason)) => return self.reject(reason.clone()),
             None => {}
         }
         if self.station.schedule.sent() >= MAX_MOTIONS {
-            return self.refuse(format!("the arm is moved more than {MAX_MOTIONS} times"));
+            return self.reject(format!("the arm is moved more than {MAX_MOTIONS} times"));
         }
         if let Way::Hold(time) = motion.way {
             return self.hold(time);
@@ -105,7 +105,7 @@ impl Robotics<'_> {
         };
         if let Some(target_rad) = to_rad {
             if let Err(outside) = self.station.robot.limits().check(&target_rad) {
-                return self.refuse(format!("the arm cannot go there: {outside}"));
+                return self.reject(format!("the arm cannot go there: {outside}"));
             }
             let mut ptp = Ptp { blend: one_blend(&settings.blending), ..Ptp::to(target_rad) };
             for (kind, share) in shares {
@@ -132,7 +132,7 @@ impl Robotics<'_> {
     /// Adds a motion, if it is valid in a program.
     fn put(&mut self, motion: Motion) -> Result<(), Stop> {
         self.check(&motion)?;
-        self.station.schedule.send(motion, self.here.clone());
+        self.station.schedule.send(motion, self.place.clone());
         Ok(())
     }
 
@@ -141,11 +141,11 @@ impl Robotics<'_> {
         self.check_wait(seconds)?;
         let overlap = self.station.schedule.under_way();
         if overlap > MAX_OVERLAP {
-            return self.refuse(format!(
+            return self.reject(format!(
                 "a wait begins while {overlap} motions are under way; it can be {MAX_OVERLAP}"
             ));
         }
-        self.station.schedule.wait(seconds, self.here.clone());
+        self.station.schedule.wait(seconds, self.place.clone());
         Ok(())
     }
 
@@ -162,7 +162,7 @@ impl Robotics<'_> {
             Ok(()) => Ok(()),
             Err(fault) => {
                 let text = fault.to_string();
-                self.refuse(text.strip_prefix("motion 1: ").unwrap_or(&text))
+                self.reject(text.strip_prefix("motion 1: ").unwrap_or(&text))
             }
         }
     }
@@ -212,7 +212,7 @@ impl Robotics<'_> {
                 if let Some(angle) = settings.circ_angle_rad {
                     let points = [&from.position_m, &aux.pose.position_m, &place.pose.position_m];
                     let Some(position_m) = on_circle(points, angle) else {
-                        return self.refuse(
+                        return self.reject(
                             "start, auxiliary frame and end are on one line: no circle passes through them",
                         );
                     };
@@ -233,7 +233,7 @@ impl Robotics<'_> {
             }
             Way::Spline(segments) => self.spline(&from, &tcp, law, segments),
             Way::Joints(_) | Way::Home | Way::Batch(_) | Way::Hold(_) | Way::Refused => {
-                self.refuse("this motion has no course of the TCP")
+                self.reject("this motion has no course of the TCP")
             }
         }
     }
@@ -265,14 +265,14 @@ impl Robotics<'_> {
             let segment = segment.borrow();
             match &segment.obstacle {
                 Some(Obstacle::Unknown(what, unknown)) => {
-                    return self.refuse_unknown(what, unknown);
+                    return self.reject_unknown(what, unknown);
                 }
-                Some(Obstacle::Refused(reason)) => return self.refuse(reason.clone()),
+                Some(Obstacle::Refused(reason)) => return self.reject(reason.clone()),
                 None => {}
             }
             let settings = &segment.settings;
             if settings.blending != Blending::default() {
-                return self.refuse("a segment of a spline has a blending: set it on the spline");
+                return self.reject("a segment of a spline has a blending: set it on the spline");
             }
             let own = self.law_of(&Way::Spline(Vec::new()), settings.orientation);
             let own_law = own.unwrap_or(law);
@@ -306,7 +306,7 @@ impl Robotics<'_> {
                     (place, SegmentCourse::Circ(circ))
                 }
                 _ => {
-                    return self.refuse(
+                    return self.reject(
                         "a spline has a segment that is not a path of the TCP: segments are spl, lin, linRel and circ",
                     );
                 }
@@ -320,7 +320,7 @@ impl Robotics<'_> {
             let limits = SegmentLimits { shares: settings.shares, tool: settings.tool };
             found.push(SplineSegment { course, orientation: own, limits });
         }
-        let Some(last) = last else { return self.refuse("a spline has no segments") };
+        let Some(last) = last else { return self.reject("a spline has no segments") };
         self.arrive(&last, (&at, tcp), e1_rad, None)?;
         Ok(Course::Spline(found))
     }
@@ -348,7 +348,7 @@ impl Robotics<'_> {
                 let hint = self.station.start_hint.as_ref();
                 let hint = hint.filter(|_| self.station.schedule.sent() == 0);
                 let hint = hint.map_or_else(String::new, |hint| format!("; {hint}"));
-                self.refuse(format!("{what} cannot be reached: {reason}{hint}"))
+                self.reject(format!("{what} cannot be reached: {reason}{hint}"))
             }
         }
     }
@@ -359,7 +359,7 @@ impl Robotics<'_> {
             Goal::Spot(Spot::Tree(index)) => {
                 self.note_world_after_drive();
                 let Some(found) = self.station.tree.get(*index).cloned() else {
-                    return self.refuse("this frame is not in the data file");
+                    return self.reject("this frame is not in the data file");
                 };
                 self.check_known(Spot::Tree(*index))?;
                 if self.station.is_changed(*index) {
@@ -385,19 +385,19 @@ impl Robotics<'_> {
                 self.check_known(*spot)?;
                 if self.station.in_flange(*spot).is_some() {
                     let what = self.spot_name(*spot);
-                    return self.refuse(format!("{what} is a target, and it moves with the arm"));
+                    return self.reject(format!("{what} is a target, and it moves with the arm"));
                 }
                 if let Some(frame) = self.station.in_world(*spot) {
                     Ok(given(in_foot(frame)))
                 } else {
                     let what = self.spot_name(*spot);
-                    self.refuse(format!("{what} is a target, and it is attached to nothing"))
+                    self.reject(format!("{what} is a target, and it is attached to nothing"))
                 }
             }
             Goal::Frame(frame) => {
                 let frame = frame.borrow().clone();
                 if let Some(unknown) = &frame.unknown {
-                    return self.refuse_unknown("the target of this motion", unknown);
+                    return self.reject_unknown("the target of this motion", unknown);
                 }
                 if matches!(frame.parent, Parent::Spot(Spot::Tree(_))) {
                     self.note_world_after_drive();
@@ -406,7 +406,7 @@ impl Robotics<'_> {
                     self.check_known(parent)?;
                 }
                 let Some(place) = self.station.frame_in_world(&frame) else {
-                    return self.refuse(
+                    return self.reject(
                         "the target of this motion is given in something that is attached to nothing",
                     );
                 };
@@ -446,13 +446,13 @@ impl Robotics<'_> {
         self.station.workcell.tool = tools;
         self.station.has_moved = true;
         self.station.carried = self.station.workcell.load(None).copied();
-        let place = self.station.attached_at.take().unwrap_or_else(|| self.here.clone());
+        let place = self.station.attached_at.take().unwrap_or_else(|| self.place.clone());
         self.carry(place)
     }
 
     /// Applies a payload change: at once if the robot has moved, otherwise at the first motion.
     pub(crate) fn load_changed(&mut self) -> Result<(), Stop> {
-        let place = self.here.clone();
+        let place = self.place.clone();
         if self.station.has_moved {
             return self.carry(place);
         }

@@ -53,10 +53,10 @@ impl Robotics<'_> {
         match name {
             "move" | "moveAsync" | "execute" | "executeAsync" | "drive" | "driveTo" => {
                 if let Some(RobotValue::Motion(_)) = arguments.first().and_then(robot_value) {
-                    return self.refuse("a motion of the arm is sent to the mobile platform");
+                    return self.reject("a motion of the arm is sent to the mobile platform");
                 }
                 self.take_given_time("the platform drives")?;
-                self.station.driven_at = Some(self.here.clone());
+                self.station.driven_at = Some(self.place.clone());
                 Ok(robot(RobotValue::opaque("PlatformMotion")))
             }
             // Methods of a platform manager.

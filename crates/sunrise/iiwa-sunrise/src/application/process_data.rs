@@ -17,7 +17,7 @@ impl Robotics<'_> {
         let id = match id {
             Value::Text(id) => id.clone(),
             Value::Unknown(unknown) => return Ok(Value::Unknown(unknown.clone())),
-            _ => return self.refuse("process data are named by a string"),
+            _ => return self.reject("process data are named by a string"),
         };
         let known = self.station.process_data.iter().map(|data| data.id.as_str());
         let known: Vec<&str> = known.collect();
@@ -29,7 +29,7 @@ impl Robotics<'_> {
             Some(meant) => format!("; did you mean `{meant}`?"),
             None => String::new(),
         };
-        self.refuse(format!(
+        self.reject(format!(
             "the data file has no process data `{id}`{instead}; an answer, `[data]`, gives it a value"
         ))
     }
@@ -126,7 +126,7 @@ impl Robotics<'_> {
         match value {
             Some(value) => Ok(value),
             None => {
-                self.refuse(format!("the process data `{id}` are `{text}`, which is not a {class}"))
+                self.reject(format!("the process data `{id}` are `{text}`, which is not a {class}"))
             }
         }
     }

@@ -54,7 +54,7 @@ impl Robotics<'_> {
             let is_new = unknown.is_unmodelled_call;
             match receiver {
                 RobotValue::Redundancy(_) => {
-                    return self.refuse(format!("`{name}` of a redundancy is not evaluated"));
+                    return self.reject(format!("`{name}` of a redundancy is not evaluated"));
                 }
                 RobotValue::Robot | RobotValue::Spot(_) if is_new => {
                     let kind = receiver.kind();
@@ -138,7 +138,7 @@ impl Robotics<'_> {
                 };
                 match joints_rad {
                     Some(joints_rad) => self.station.home_rad = joints_rad,
-                    None => return self.refuse("the home position is not known"),
+                    None => return self.reject("the home position is not known"),
                 }
                 Ok(Value::Null)
             }
@@ -199,7 +199,7 @@ impl Robotics<'_> {
         self.check_template(spot)?;
         let Some(tcp) = self.station.in_flange(spot) else {
             let what = self.spot_name(spot);
-            return self.refuse(format!(
+            return self.reject(format!(
                 "{what} is asked where it is, and it is not attached to the flange"
             ));
         };
@@ -247,7 +247,7 @@ impl Robotics<'_> {
             return self.throw("IllegalArgumentException", "the frame says no redundancy");
         };
         let Some(place) = self.station.frame_in_world(&frame) else {
-            return self.refuse("a frame is given in something that is attached to nothing");
+            return self.reject("a frame is given in something that is attached to nothing");
         };
         match self.station.robot.inverse(&place.pose(), e1_rad, status) {
             Ok(joints_rad) => Ok(robot(RobotValue::joints(joints_rad))),
@@ -270,10 +270,10 @@ impl Robotics<'_> {
     /// Sets the override of an application.
     pub(crate) fn set_override(&mut self, share: &Value) -> Result<Value, Stop> {
         match share {
-            Value::Unknown(unknown) => self.refuse_unknown("the speed of the application", unknown),
+            Value::Unknown(unknown) => self.reject_unknown("the speed of the application", unknown),
             share => {
                 let share = share.number().unwrap_or(1.0);
-                self.station.speed_override = (share < 1.0).then(|| (share, self.here.clone()));
+                self.station.speed_override = (share < 1.0).then(|| (share, self.place.clone()));
                 Ok(Value::Null)
             }
         }

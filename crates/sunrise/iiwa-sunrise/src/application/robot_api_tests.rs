@@ -147,7 +147,7 @@ fn tools_and_workpieces_change_the_load() -> Result<(), Stop> {
     let data = machine.robot_injected("IApplicationData", None, "data")?.unwrap_or(Value::Null);
     let part = machine.on(&data, "createFromTemplate", &texts(&["Box"]))?;
     machine.on(&part, "attachTo", std::slice::from_ref(&tip))?;
-    let attached_at = machine.here.line;
+    let attached_at = machine.place.line;
     let pick = machine.frame("Table/Pick")?;
     for mover in [&tip, &part, &flange()] {
         let motion = machine.motion("ptp", std::slice::from_ref(&pick))?;

@@ -54,7 +54,7 @@ impl StationHost {
         match self.0.try_borrow_mut() {
             Ok(mut station) => call(&mut Robotics { machine, station: &mut station }),
             // Not reached: the API does not call project methods, which could call the API again.
-            Err(_) => machine.refuse("a method of KUKA's is called within another"),
+            Err(_) => machine.reject("a method of KUKA's is called within another"),
         }
     }
 }
@@ -106,7 +106,7 @@ impl Host for StationHost {
     }
 
     fn endless(&self, machine: &Machine, asked: usize) {
-        self.0.borrow_mut().ended_in_loop(&machine.here, asked);
+        self.0.borrow_mut().ended_in_loop(&machine.place, asked);
     }
 
     fn call(

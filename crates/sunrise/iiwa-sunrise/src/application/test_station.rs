@@ -82,16 +82,16 @@ impl Robotics<'_> {
         name: &str,
         arguments: &[Value],
     ) -> Result<Value, Stop> {
-        self.here.line += 1;
+        self.place.line += 1;
         match crate::application::arguments::robot_value(receiver) {
             Some(receiver) => self.call_robot(&receiver, name, arguments),
-            None => self.refuse(format!("`{name}` of {}", receiver.kind())),
+            None => self.reject(format!("`{name}` of {}", receiver.kind())),
         }
     }
 
     pub(crate) fn motion(&mut self, name: &str, arguments: &[Value]) -> Result<Value, Stop> {
         let motion = self.robot_static("BasicMotions", name, arguments)?;
-        motion.map_or_else(|| self.refuse(format!("no {name}")), Ok)
+        motion.map_or_else(|| self.reject(format!("no {name}")), Ok)
     }
 
     pub(crate) fn frame(&mut self, path: &str) -> Result<Value, Stop> {

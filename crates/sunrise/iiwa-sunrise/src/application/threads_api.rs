@@ -61,7 +61,7 @@ impl Robotics<'_> {
     fn start(&mut self, task: Option<&Value>) -> Result<Value, Stop> {
         let unknown = Unknown {
             reason: "what a thread does".to_owned(),
-            place: self.here.clone(),
+            place: self.place.clone(),
             is_unmodelled_call: false,
         };
         let unknown = Rc::new(unknown);
@@ -75,7 +75,7 @@ impl Robotics<'_> {
                 self.note("a thread is started, which does not move the arm: what it does is left out of the plan");
                 Ok(Value::Unknown(unknown))
             }
-            _ => self.refuse(format!(
+            _ => self.reject(format!(
                 "a thread is started{}: what it does to the arm, and when, is not known ahead; call it from the application itself, \
                  or leave it out",
                 call.unwrap_or_default()

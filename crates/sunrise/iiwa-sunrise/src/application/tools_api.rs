@@ -45,7 +45,7 @@ impl Robotics<'_> {
             }
             ("setDefaultMotionFrame", [frame]) => {
                 if let Value::Unknown(unknown) = frame {
-                    return self.refuse_unknown("the frame that moves", unknown);
+                    return self.reject_unknown("the frame that moves", unknown);
                 }
                 self.set_default_frame(spot, frame);
                 Ok(Value::Null)
@@ -94,7 +94,7 @@ impl Robotics<'_> {
             }
             _ if changes(name) => {
                 let object = self.spot_name(spot);
-                self.refuse(format!("`{name}` changes {object}, and its effect is not known"))
+                self.reject(format!("`{name}` changes {object}, and its effect is not known"))
             }
             _ => match self.spot_frame(spot) {
                 Some(frame) => self.frame_method(&frame, name, arguments),
@@ -111,14 +111,14 @@ impl Robotics<'_> {
         arguments: &[Value],
     ) -> Result<Value, Stop> {
         match arguments {
-            [Value::Unknown(unknown), ..] => self.refuse_unknown("this motion", unknown),
+            [Value::Unknown(unknown), ..] => self.reject_unknown("this motion", unknown),
             [Value::Null, ..] => self.throw("NullPointerException", "the motion is null"),
             [motion, ..] => {
                 if let Some(RobotValue::Motion(motion)) = robot_value(motion) {
                     return self.send(mover, &motion, is_async);
                 }
                 let what = motion.kind();
-                self.refuse(format!("{what} is not a motion that can be planned"))
+                self.reject(format!("{what} is not a motion that can be planned"))
             }
             [] => self.throw("IllegalArgumentException", "a motion is missing"),
         }
@@ -128,19 +128,19 @@ impl Robotics<'_> {
         let Some(body) = spot.body() else {
             let what = self.spot_name(spot);
             return self
-                .refuse(format!("{what} is attached, and only tools and workpieces can be"));
+                .reject(format!("{what} is attached, and only tools and workpieces can be"));
         };
         let to = match robot_value(to) {
             Some(RobotValue::Robot) => Spot::Flange,
             Some(RobotValue::Spot(to)) => to,
             _ => match to {
                 Value::Unknown(unknown) => {
-                    return self.refuse_unknown("what this tool is attached to", unknown);
+                    return self.reject_unknown("what this tool is attached to", unknown);
                 }
                 Value::Null => return self.throw("NullPointerException", "it is attached to null"),
                 _ => {
                     let what = to.kind();
-                    return self.refuse(format!(
+                    return self.reject(format!(
                         "a tool is attached to {what}, which is not a frame of an object"
                     ));
                 }
@@ -148,10 +148,10 @@ impl Robotics<'_> {
         };
         if self.station.attached_deep(to) > MAX_ATTACHED {
             return self
-                .refuse(format!("more than {MAX_ATTACHED} things are attached to one another"));
+                .reject(format!("more than {MAX_ATTACHED} things are attached to one another"));
         }
         if self.station.hangs_on(to, body) {
-            return self.refuse("a tool is attached to itself, by way of others or not");
+            return self.reject("a tool is attached to itself, by way of others or not");
         }
         // The attached frame of the body coincides with the target frame.
         let own = match spot {
@@ -164,13 +164,13 @@ impl Robotics<'_> {
         let frame = match offset {
             None => own,
             Some(Value::Unknown(unknown)) => {
-                return self.refuse_unknown("how this tool is attached", unknown);
+                return self.reject_unknown("how this tool is attached", unknown);
             }
             Some(offset) => match robot_value(offset) {
                 Some(RobotValue::Transformation(offset)) => {
                     crate::application::frame_value::then(&offset, &own)
                 }
-                _ => return self.refuse("how this tool is attached is not known"),
+                _ => return self.reject("how this tool is attached is not known"),
             },
         };
         if let Some(body) = self.station.bodies.get_mut(body) {
@@ -246,7 +246,7 @@ impl Robotics<'_> {
             }
         };
         let what = self.spot_name(spot);
-        self.refuse(format!("{what} has no frame `{path}`{}", instead(&path, &known)))
+        self.reject(format!("{what} has no frame `{path}`{}", instead(&path, &known)))
     }
 
     /// Returns a frame of the data file, by its path.
@@ -256,7 +256,7 @@ impl Robotics<'_> {
         }
         self.station.missing.replace(Some(Missing::Frame(path.to_owned())));
         let known: Vec<String> = self.station.tree.iter().map(|frame| frame.path.clone()).collect();
-        self.refuse(format!("the data file has no frame `{path}`{}", instead(path, &known)))
+        self.reject(format!("the data file has no frame `{path}`{}", instead(path, &known)))
     }
 
     /// Creates a tool or workpiece from a template.
@@ -264,15 +264,15 @@ impl Robotics<'_> {
         let name = match name {
             Value::Text(name) => name.to_string(),
             Value::Unknown(unknown) => {
-                return self.refuse_unknown("the name of this template", unknown);
+                return self.reject_unknown("the name of this template", unknown);
             }
-            _ => return self.refuse("a template is named by a string"),
+            _ => return self.reject("a template is named by a string"),
         };
         let Some(template) = self.template(&name).or_else(|| self.given_body(&name, false)) else {
             self.station.missing.replace(Some(Missing::Template(name.clone())));
             let known: Vec<String> =
                 self.station.templates.iter().map(|template| template.name.clone()).collect();
-            return self.refuse(format!(
+            return self.reject(format!(
                 "the data file has no template `{name}`{}; add it there, or answer with its TCP: `[tools]`, `{name}`",
                 instead(&name, &known)
             ));
@@ -291,7 +291,7 @@ impl Robotics<'_> {
         let made = known.unwrap_or_else(|| {
             let template = self.template(name).or_else(|| self.given_body(name, is_workpiece));
             let template = template.unwrap_or_else(|| Body {
-                missing: Some(self.here.clone()),
+                missing: Some(self.place.clone()),
                 ..Body::bare(name, is_workpiece)
             });
             self.station.made(&template)

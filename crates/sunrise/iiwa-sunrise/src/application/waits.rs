@@ -83,10 +83,10 @@ impl Robotics<'_> {
         seconds: impl Fn(f64) -> Option<f64>,
     ) -> Result<Value, Stop> {
         if let Value::Unknown(unknown) = amount {
-            return self.refuse_unknown("the time of this wait", unknown);
+            return self.reject_unknown("the time of this wait", unknown);
         }
         let Some(seconds) = amount.number().and_then(seconds) else {
-            return self.refuse("the time of this wait is not a number of a unit of time");
+            return self.reject("the time of this wait is not a number of a unit of time");
         };
         if seconds < 0.0 {
             return self.throw("IllegalArgumentException", "timeout value is negative");
@@ -134,7 +134,7 @@ impl Robotics<'_> {
                 self.station.schedule.end_hold();
                 Ok(Value::Null)
             }
-            "cancel" if is_under_way => self.refuse(
+            "cancel" if is_under_way => self.reject(
                 "a motion is cancelled while it runs: where the arm stops depends on when that is; send a motion that ends there",
             ),
             "cancel" | "getFiredBreakConditionInfo" | "getErrorMessage" => Ok(Value::Null),
