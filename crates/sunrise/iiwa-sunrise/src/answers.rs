@@ -231,8 +231,12 @@ impl Answers {
             inputs: wire.inputs,
             data: wire.data,
             fired: fired.collect(),
-            times: wire.times.into_iter().map(|(place, SecondsWire(own))| (place, own)).collect(),
-            tools: wire.tools.into_iter().map(|(name, FrameWire(own))| (name, own)).collect(),
+            times: wire
+                .times
+                .into_iter()
+                .map(|(place, SecondsWire(seconds))| (place, seconds))
+                .collect(),
+            tools: wire.tools.into_iter().map(|(name, FrameWire(frame))| (name, frame)).collect(),
         })
     }
 }
@@ -265,11 +269,11 @@ mod tests {
             ("[tools]\nPen = [1, 2]", Answers::FRAME),
         ] {
             let error = Answers::from_toml(text).err();
-            let found = error.map(|error| error.to_string()).unwrap_or_default();
-            assert!(found.contains(reason) && found.contains("line 2"), "{text}: {found}");
+            let message = error.map(|error| error.to_string()).unwrap_or_default();
+            assert!(message.contains(reason) && message.contains("line 2"), "{text}: {message}");
         }
-        let tools =
-            Answers::from_toml("[tools]\n\"Pen/Tip\" = [1, 2, 3, 90, 0, 0]").map(|own| own.tools);
+        let tools = Answers::from_toml("[tools]\n\"Pen/Tip\" = [1, 2, 3, 90, 0, 0]")
+            .map(|answers| answers.tools);
         let tip = tools.unwrap_or_default().get("Pen/Tip").copied().unwrap_or_default();
         assert_eq!(tip.xyz_mm, [1.0, 2.0, 3.0]);
         assert_eq!(tip.abc_rad, [std::f64::consts::FRAC_PI_2, 0.0, 0.0]);

@@ -134,12 +134,12 @@ impl<'t> Element<'t> {
 
     /// Returns an attribute as a finite number.
     pub(crate) fn number(&self, name: &'static str) -> Result<f64, DataFileError> {
-        let found = self.required(name)?;
-        found.trim().parse().ok().filter(|number: &f64| number.is_finite()).ok_or_else(|| {
+        let text = self.required(name)?;
+        text.trim().parse().ok().filter(|number: &f64| number.is_finite()).ok_or_else(|| {
             DataFileError::Number {
                 at: self.place(),
                 attribute: name.to_owned(),
-                found: found.chars().take(80).collect(),
+                found: text.chars().take(80).collect(),
             }
         })
     }

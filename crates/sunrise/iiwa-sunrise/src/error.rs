@@ -49,10 +49,10 @@ impl DataFileError {
     #[must_use]
     pub fn place(&self) -> &Place {
         match self {
-            Self::Xml { at, .. }
-            | Self::NotDataFile { at, .. }
-            | Self::Missing { at, .. }
-            | Self::Number { at, .. } => at,
+            Self::Xml { at: place, .. }
+            | Self::NotDataFile { at: place, .. }
+            | Self::Missing { at: place, .. }
+            | Self::Number { at: place, .. } => place,
         }
     }
 

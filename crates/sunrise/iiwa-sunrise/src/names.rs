@@ -31,10 +31,10 @@ impl Names {
 
     /// Returns the name for the entry called `own`, below `parent` if given; `from` is its path in
     /// the project.
-    pub(crate) fn give(&mut self, parent: Option<&str>, own: &str, from: &str) -> String {
-        let plain = match own {
+    pub(crate) fn give(&mut self, parent: Option<&str>, entry: &str, from: &str) -> String {
+        let plain = match entry {
             "" => "unnamed".to_owned(),
-            own => own.replace('/', "_"),
+            name => name.replace('/', "_"),
         };
         let wanted = parent.map_or_else(|| plain.clone(), |parent| format!("{parent}/{plain}"));
         let mut given = wanted.clone();
@@ -45,7 +45,7 @@ impl Names {
         }
         let why = if given != wanted {
             Some("the name is taken, or means something else in programs")
-        } else if plain != own {
+        } else if plain != entry {
             Some("a name has letters, and no `/` in it")
         } else {
             None

@@ -111,7 +111,7 @@ impl Project {
     #[must_use]
     pub fn has_sources(folder: &Path) -> bool {
         match project_folder::sources(folder) {
-            Ok(found) => !found.is_empty(),
+            Ok(sources) => !sources.is_empty(),
             Err(FolderFault::Files | FolderFault::Folders) => true,
             Err(FolderFault::Unreadable(..)) => false,
         }
@@ -125,7 +125,7 @@ impl Project {
     ///
     /// If the folder cannot be read, or if it exceeds the limits of a project.
     pub fn open(folder: &Path) -> Result<Self, ProjectError> {
-        let found = project_folder::sources(folder).map_err(|fault| match fault {
+        let sources = project_folder::sources(folder).map_err(|fault| match fault {
             FolderFault::Files => ProjectError::TooManyFiles { most: MOST_FILES },
             FolderFault::Folders => ProjectError::TooManyFolders { most: MOST_FOLDERS },
             FolderFault::Unreadable(path, source) => ProjectError::Folder { path, source },
@@ -149,7 +149,7 @@ impl Project {
                 reading.station = Err(StationFault { path: first.clone(), reason });
             }
         }
-        for (name, path) in found {
+        for (name, path) in sources {
             match contents(&path) {
                 Ok(bytes) => reading.add(name, &bytes)?,
                 Err(fault) => reading.texts.push((name, Err(fault))),

@@ -92,8 +92,8 @@ fn expressions_have_the_values_of_java() {
         ("new int[3].length * 0.1", 3.0 * 0.1),
     ];
     for (expression, expected) in cases {
-        let found = value(expression);
-        assert!((found - expected).abs() < 1e-15, "{expression}: {found}, not {expected}");
+        let actual = value(expression);
+        assert!((actual - expected).abs() < 1e-15, "{expression}: {actual}, not {expected}");
     }
 }
 
@@ -141,10 +141,10 @@ fn statements_do_what_they_do_in_java() {
         ),
     ];
     for (run, expected) in cases {
-        let found = goes("", &run.replace("MOVE", MOVE));
-        assert_eq!(found.len(), expected.len(), "{run}: {found:?}");
-        for (found, expected) in found.iter().zip(expected) {
-            assert!((found - expected).abs() < 1e-15, "{run}: {found}, not {expected}");
+        let joints = goes("", &run.replace("MOVE", MOVE));
+        assert_eq!(joints.len(), expected.len(), "{run}: {joints:?}");
+        for (actual, expected) in joints.iter().zip(expected) {
+            assert!((actual - expected).abs() < 1e-15, "{run}: {actual}, not {expected}");
         }
     }
 }
@@ -191,10 +191,10 @@ fn objects_are_as_in_java() {
     let files = [("src/Base.java", other), ("src/Derived.java", derived), ("src/Main.java", &main)];
     let import = import_all(&files).unwrap();
     let expected = [0.35, 0.45, 0.2, 0.4, 0.5, 0.3, 0.3, 0.45, 0.6];
-    let found = first_joints(&import.program);
-    assert_eq!(found.len(), expected.len());
-    for (found, expected) in found.iter().zip(expected) {
-        assert!((found - expected).abs() < 1e-12, "{found}, not {expected}");
+    let joints = first_joints(&import.program);
+    assert_eq!(joints.len(), expected.len());
+    for (actual, expected) in joints.iter().zip(expected) {
+        assert!((actual - expected).abs() < 1e-12, "{actual}, not {expected}");
     }
 }
 
@@ -225,15 +225,15 @@ fn what_is_unknown_counts_only_where_the_arm_depends_on_it() {
     assert_eq!(goes("", &run.replace("MOVE", MOVE)), [0.5]);
     // The values that the branch computes are unknown from then on.
     let run = "double a = 0;\nif (System.nanoTime() > 5) {\na = 1;\n}\nMOVE";
-    let found = refused("", &run.replace("MOVE", MOVE));
-    assert!(found.reason.contains("clock"), "{}", found.reason);
-    assert_eq!(found.source.line, 10);
+    let message = refused("", &run.replace("MOVE", MOVE));
+    assert!(message.reason.contains("clock"), "{}", message.reason);
+    assert_eq!(message.source.line, 10);
     // A branch in which the robot moves is refused, at the line of the branch.
     let run = "double a = 0.5; MOVE\nif (Math.random() > 0.5) {\nMOVE\n}";
-    let found = refused("", &run.replace("MOVE", MOVE));
-    assert!(found.reason.contains("random"), "{}", found.reason);
-    assert_eq!(found.source.line, 7);
-    assert_eq!(found.understood.motions.len(), 1);
+    let message = refused("", &run.replace("MOVE", MOVE));
+    assert!(message.reason.contains("random"), "{}", message.reason);
+    assert_eq!(message.source.line, 7);
+    assert_eq!(message.understood.motions.len(), 1);
 }
 
 #[test]
@@ -252,8 +252,8 @@ fn hostile_programs_are_refused() {
         ("", "throw new IllegalStateException(\"no part\");", "no part"),
     ];
     for (members, run, reason) in cases {
-        let found = refused(members, &run.replace("MOVE", MOVE));
-        assert!(found.reason.contains(reason), "{run}: {}", found.reason);
+        let message = refused(members, &run.replace("MOVE", MOVE));
+        assert!(message.reason.contains(reason), "{run}: {}", message.reason);
     }
 }
 
@@ -299,12 +299,12 @@ fn copies_of_a_class_are_told_apart() {
         ("src/a/Base.java", two.as_str()),
         ("src/Main.java", main.as_str()),
     ];
-    let found = import_all(&files).unwrap();
-    assert_eq!((first_joints(&found.program), found.notes.len()), (vec![0.2], 0));
+    let applications = import_all(&files).unwrap();
+    assert_eq!((first_joints(&applications.program), applications.notes.len()), (vec![0.2], 0));
     // Otherwise the first class is used, with a note unless the classes are equal.
     let files = [files[0], ("new/src/a/Base.java", two.as_str()), files[2]];
-    let found = import_all(&files).unwrap();
-    let text = found.notes.iter().map(|note| note.text.as_str()).collect::<String>();
+    let applications = import_all(&files).unwrap();
+    let text = applications.notes.iter().map(|note| note.text.as_str()).collect::<String>();
     assert!(text.contains("old/src/a/Base.java") && text.contains("new/src/a/Base.java"), "{text}");
     let files = [files[0], ("new/src/a/Base.java", one.as_str()), files[2]];
     assert!(import_all(&files).unwrap().notes.is_empty());

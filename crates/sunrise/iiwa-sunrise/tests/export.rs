@@ -190,12 +190,12 @@ fn offsets_are_in_the_tcp_or_in_a_frame() {
 
 #[test]
 fn circles_and_splines_go_to_frames() {
-    let at = |x: f64, y: f64| {
+    let frame_at = |x: f64, y: f64| {
         format!(
             r#"{{ "x_mm": {x}, "y_mm": {y}, "z_mm": 400, "a_deg": 0, "b_deg": 180, "c_deg": 0 }}"#
         )
     };
-    let (a, b, c) = (at(450.0, 50.0), at(500.0, 0.0), at(450.0, -50.0));
+    let (a, b, c) = (frame_at(450.0, 50.0), frame_at(500.0, 0.0), frame_at(450.0, -50.0));
     let written = statements(&format!(
         r#"{{ "type": "circ", "aux": {a}, "frame": {b}, "circ_angle_deg": 270, "orientation_reference": "path" }},
            {{ "type": "spl", "frame": {c}, "cart_velocity_mm_s": 100 }},
@@ -460,9 +460,9 @@ proptest! {
         let ptp = Ptp { blend: Some(Blend::CartMm(30.0)), ..Ptp::to(joints_rad).velocity(share) };
         program.motions.insert(0, Motion::Ptp(ptp));
         let java = export(&program).java;
-        let found = arguments(&java, "moveAsync(ptp");
+        let actual = arguments(&java, "moveAsync(ptp");
         let bits = |values: &[f64]| values.iter().map(|value| value.to_bits()).collect::<Vec<_>>();
-        prop_assert_eq!(bits(&found), bits(&joints_rad));
+        prop_assert_eq!(bits(&actual), bits(&joints_rad));
         prop_assert_eq!(arguments(&java, "setJointVelocityRel"), [share]);
     }
 
@@ -486,7 +486,7 @@ proptest! {
         let project = export(&program);
         let file = DataFile::from_xml(&project.data_file).unwrap();
         prop_assert_eq!(file.frames[0].frame, frame);
-        prop_assert_eq!(file.frames[0].redundancy.as_ref().and_then(|own| own.e1_rad), e1_rad);
+        prop_assert_eq!(file.frames[0].redundancy.as_ref().and_then(|redundancy| redundancy.e1_rad), e1_rad);
         prop_assert_eq!(1e-3 * arguments(&project.java, "setCartVelocity")[0], 1e-3 * speed_mm_s);
         prop_assert_eq!(arguments(&project.java, "setOrientationJerk"), [turn_rad_s]);
     }

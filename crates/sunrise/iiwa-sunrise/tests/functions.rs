@@ -136,8 +136,8 @@ fn functions_that_may_be_run_are_not_passed_over() {
     ];
     let members = with_moves(&format!("{TO}double x = 0.1;"));
     for (run, reason) in cases {
-        let found = refused(&members, &with_moves(&format!("MOVE(0.1)!; {run}")));
-        assert!(found.reason.contains(reason), "{run}: {}", found.reason);
+        let message = refused(&members, &with_moves(&format!("MOVE(0.1)!; {run}")));
+        assert!(message.reason.contains(reason), "{run}: {}", message.reason);
     }
     let harmless = with_moves("new Camera().onImage(() -> System.out.println(x)); MOVE(x)!;");
     assert!(import(&members, &harmless).is_ok());

@@ -244,12 +244,12 @@ fn code_that_the_library_would_run_is_not_passed_over() {
     let move_it = "lbr.move(ptp(0.1, 0, 0, 0, 0, 0, 0));";
     let list = "List<Integer> l = new ArrayList<Integer>(); l.add(1);";
     let run = format!("{move_it} {list} new Library(l).forEach(x -> lbr.stop());");
-    let found = refused("", &run);
-    assert!(found.reason.contains("may run a lambda expression"), "{}", found.reason);
+    let message = refused("", &run);
+    assert!(message.reason.contains("may run a lambda expression"), "{}", message.reason);
     let consumer =
         format!("new Consumer<Integer>() {{ public void accept(Integer x) {{ {move_it} }} }}");
-    let found = refused("", &format!("{move_it} {list} new Library(l).forEach({consumer});"));
-    assert!(found.reason.contains("may call `accept`"), "{}", found.reason);
+    let message = refused("", &format!("{move_it} {list} new Library(l).forEach({consumer});"));
+    assert!(message.reason.contains("may call `accept`"), "{}", message.reason);
     for run in
         [format!("{list} l.forEach({consumer});"), format!("{list} l.forEach(x -> {move_it});")]
     {
@@ -264,8 +264,8 @@ fn an_argument_that_is_not_known_chooses_no_method() {
     let run = |call: &str| format!("{call} lbr.move(ptp(x, 0, 0, 0, 0, 0, 0));");
     assert_eq!(goes(members, &run("log(1);")), [0.1]);
     assert_eq!(goes(members, &run("both(Camera.find());")), [0.3]);
-    let found = refused(members, &run("log(Camera.find());"));
-    assert!(found.reason.contains("Camera.find"), "{}", found.reason);
-    let found = refused(members, &run("go(Camera.find());"));
-    assert!(found.reason.contains("which of the methods `go`"), "{}", found.reason);
+    let message = refused(members, &run("log(Camera.find());"));
+    assert!(message.reason.contains("Camera.find"), "{}", message.reason);
+    let message = refused(members, &run("go(Camera.find());"));
+    assert!(message.reason.contains("which of the methods `go`"), "{}", message.reason);
 }

@@ -18,10 +18,10 @@ fn a_loop_ends_when_its_condition_says_so() {
         ("double a = 0.1; MOVE while (true) { Thread.sleep(1000); }", &[0.1]),
     ];
     for (run, expected) in cases {
-        let found = goes("", &with_move(run));
-        assert_eq!(found.len(), expected.len(), "{run}: {found:?}");
-        for (found, expected) in found.iter().zip(expected) {
-            assert!((found - expected).abs() < 1e-12, "{run}: {found}, not {expected}");
+        let joints = goes("", &with_move(run));
+        assert_eq!(joints.len(), expected.len(), "{run}: {joints:?}");
+        for (actual, expected) in joints.iter().zip(expected) {
+            assert!((actual - expected).abs() < 1e-12, "{run}: {actual}, not {expected}");
         }
     }
 }
@@ -49,8 +49,8 @@ fn a_loop_that_only_waits_is_not_the_cycle() {
     ];
     let members = "private boolean go; @Inject private CellIOGroup cell;";
     for (run, reason) in cases {
-        let found = refused(members, &with_move(run));
-        assert!(found.reason.contains(reason), "{run}: {}", found.reason);
+        let message = refused(members, &with_move(run));
+        assert!(message.reason.contains(reason), "{run}: {}", message.reason);
     }
 }
 
@@ -61,13 +61,14 @@ fn an_input_that_is_waited_for_has_its_value_from_there_on() {
                if (cell.getOpen()) { a = 0.2; } MOVE";
     let import = import(members, &with_move(run)).unwrap();
     assert_eq!(first_joints(&import.program), [0.1]);
-    let asked: Vec<_> = import.questions.iter().map(|own| (&*own.asked, &*own.answer)).collect();
+    let asked: Vec<_> =
+        import.questions.iter().map(|question| (&*question.asked, &*question.answer)).collect();
     assert_eq!(asked[..2], [("Cell.Open", "false"); 2]);
-    assert!(import.questions.iter().all(|own| !own.is_given));
+    assert!(import.questions.iter().all(|question| !question.is_given));
     // A second loop that waits for the opposite value would never end.
     let run = "double a = 0.1; while (!cell.getOpen()) Thread.sleep(100); while (cell.getOpen()) Thread.sleep(100); MOVE";
-    let found = refused(members, &with_move(run));
-    assert!(found.reason.contains("`Cell.Open`, which is taken as true"), "{}", found.reason);
+    let message = refused(members, &with_move(run));
+    assert!(message.reason.contains("`Cell.Open`, which is taken as true"), "{}", message.reason);
 }
 
 #[test]
@@ -104,8 +105,8 @@ fn what_a_branch_may_change_is_unknown_by_all_its_names() {
         let run = format!(
             "List<Double> alias = all;\nif (System.nanoTime() > 5) {{ {change} }} double a = all.get(0); MOVE"
         );
-        let found = refused(members, &with_move(&run));
-        assert!(found.reason.contains("clock"), "{change}: {}", found.reason);
+        let message = refused(members, &with_move(&run));
+        assert!(message.reason.contains("clock"), "{change}: {}", message.reason);
     }
     let run = "if (System.nanoTime() > 5) { plain(all.get(1)); } double a = all.get(0); MOVE";
     assert_eq!(goes(members, &with_move(run)), [0.2]);

@@ -70,7 +70,7 @@ fn a_folder_that_is_none() {
 fn the_data_file() {
     let folder = tempfile::tempdir().unwrap();
     let root = folder.path();
-    let found = |path: &str, text: &str| ProjectData::Found {
+    let with_data = |path: &str, text: &str| ProjectData::Found {
         path: path.to_owned(),
         text: text.to_owned(),
     };
@@ -78,16 +78,16 @@ fn the_data_file() {
     write(root, "RoboticsAPI.data.xml", "<around/>");
     let station = root.join("station");
     let data = |folder: &Path| Project::open(folder).unwrap().data().clone();
-    assert_eq!(data(&station), found("../RoboticsAPI.data.xml", "<around/>"));
+    assert_eq!(data(&station), with_data("../RoboticsAPI.data.xml", "<around/>"));
     write(root, "station/src/RoboticsAPI.data.xml", "\u{feff}<below/>");
-    assert_eq!(data(&station), found("src/RoboticsAPI.data.xml", "<below/>"));
+    assert_eq!(data(&station), with_data("src/RoboticsAPI.data.xml", "<below/>"));
     write(root, "station/bin/RoboticsAPI.data.xml", "<built/>");
-    assert_eq!(data(&station), found("src/RoboticsAPI.data.xml", "<below/>"));
+    assert_eq!(data(&station), with_data("src/RoboticsAPI.data.xml", "<below/>"));
     write(root, "station/other/RoboticsAPI.data.xml", "<other/>");
     let both = ["other/RoboticsAPI.data.xml", "src/RoboticsAPI.data.xml"].map(str::to_owned);
     assert_eq!(data(&station), ProjectData::Several(both.to_vec()));
     write(root, "station/RoboticsAPI.data.xml", "<here/>");
-    assert_eq!(data(&station), found("RoboticsAPI.data.xml", "<here/>"));
+    assert_eq!(data(&station), with_data("RoboticsAPI.data.xml", "<here/>"));
 }
 
 #[test]

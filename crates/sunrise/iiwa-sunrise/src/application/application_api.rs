@@ -34,13 +34,13 @@ impl Robotics<'_> {
         name: &str,
         arguments: &[Value],
     ) -> Result<Option<Value>, Stop> {
-        let own = object.inherited.borrow().as_ref().and_then(robot_value);
-        if let Some(own) = own {
-            return self.call_robot(&own, name, arguments).map(Some);
+        let inherited = object.inherited.borrow().as_ref().and_then(robot_value);
+        if let Some(inherited) = inherited {
+            return self.call_robot(&inherited, name, arguments).map(Some);
         }
         if base == "Thread" {
-            let own = Value::Object(Rc::clone(object));
-            return self.call_thread(Some(&own), name, arguments).map(Some);
+            let thread = Value::Object(Rc::clone(object));
+            return self.call_thread(Some(&thread), name, arguments).map(Some);
         }
         if !is_task(base) {
             return Ok(None);

@@ -125,16 +125,16 @@ fn said(statements: &[RobotStatement]) -> String {
 /// Formats the names of applications; ambiguous names with their package, or as files, which select
 /// applications as well.
 fn names(applications: &[Application]) -> String {
-    let name = |own: &Application| {
+    let name = |application: &Application| {
         let count = |is_same: &dyn Fn(&Application) -> bool| {
             applications.iter().filter(|other| is_same(other)).count()
         };
-        if count(&|other| other.name == own.name) == 1 {
-            own.name.clone()
-        } else if count(&|other| other.qualified_name == own.qualified_name) == 1 {
-            own.qualified_name.clone()
+        if count(&|other| other.name == application.name) == 1 {
+            application.name.clone()
+        } else if count(&|other| other.qualified_name == application.qualified_name) == 1 {
+            application.qualified_name.clone()
         } else {
-            own.file.clone()
+            application.file.clone()
         }
     };
     let names: Vec<_> = applications.iter().map(name).collect();

@@ -30,9 +30,9 @@ impl Robotics<'_> {
         match numbers(arguments).as_deref() {
             Some([7.0]) => Ok(robot(RobotValue::joints([0.0; 7]))),
             Some(other) => {
-                let found = other.len();
+                let count = other.len();
                 let message =
-                    format!("a joint position of this robot has 7 numbers, and here are {found}");
+                    format!("a joint position of this robot has 7 numbers, and here are {count}");
                 self.throw("IllegalArgumentException", message)
             }
             None => Ok(self.not_known("new JointPosition")),
@@ -101,10 +101,10 @@ impl Robotics<'_> {
         this: &Rc<RefCell<JointsValue>>,
         arguments: &[Value],
     ) -> Result<Value, Stop> {
-        let own = robot(RobotValue::Joints(Rc::clone(this)));
+        let this_value = robot(RobotValue::Joints(Rc::clone(this)));
         if let Some(unknown) = first_unknown(arguments) {
             this.borrow_mut().unknown.get_or_insert(unknown);
-            return Ok(own);
+            return Ok(this_value);
         }
         match arguments {
             [joint, value] => {
@@ -115,14 +115,14 @@ impl Robotics<'_> {
                 if let Some(joint) = this.borrow_mut().joints_rad.get_mut(index) {
                     *joint = value;
                 }
-                Ok(own)
+                Ok(this_value)
             }
             all => {
                 let Some(joints_rad) = joints(all) else {
                     return Ok(self.not_known("JointPosition.set"));
                 };
                 *this.borrow_mut() = JointsValue { joints_rad, unknown: None };
-                Ok(own)
+                Ok(this_value)
             }
         }
     }

@@ -61,10 +61,10 @@ const OPAQUE: [&str; 11] = [
 
 /// Returns the origin of a class's values, if they are unknown before run time.
 fn source(class: &str) -> Option<&'static str> {
-    let found = SOURCES
+    let sources = SOURCES
         .iter()
         .find(|(name, _)| class == *name || (name.len() > 5 && class.ends_with(name)));
-    found.map(|(_, gives)| *gives)
+    sources.map(|(_, gives)| *gives)
 }
 
 fn is_condition(class: &str) -> bool {
@@ -138,7 +138,7 @@ impl Robotics<'_> {
             return Ok(Some(motion));
         }
         if CONCURRENT.contains(&class) {
-            let task = arguments.iter().find(|own| own.is_task()).cloned();
+            let task = arguments.iter().find(|argument| argument.is_task()).cloned();
             return Ok(Some(robot(RobotValue::thread(task))));
         }
         if is_condition(class) {
@@ -172,7 +172,7 @@ impl Robotics<'_> {
                 Some(robot(RobotValue::Transformation(Rc::default())))
             }
             _ => match (EnumConstant::named(class, name), EnumConstant::all(class)) {
-                (Some(found), _) => Some(constant(found)),
+                (Some(enum_constant), _) => Some(constant(enum_constant)),
                 (None, Some(_)) => {
                     return self.reject(format!("the enum `{class}` has no constant `{name}`"));
                 }
@@ -184,10 +184,10 @@ impl Robotics<'_> {
     /// Returns a field of an API value.
     #[expect(clippy::unnecessary_wraps, reason = "so are all that the language asks for")]
     pub(crate) fn robot_field(&mut self, receiver: &RobotValue, name: &str) -> Result<Value, Stop> {
-        if let RobotValue::Constant(own) = receiver
-            && let Some(found) = EnumConstant::named(&own.class, name)
+        if let RobotValue::Constant(receiver_constant) = receiver
+            && let Some(enum_constant) = EnumConstant::named(&receiver_constant.class, name)
         {
-            return Ok(constant(found));
+            return Ok(constant(enum_constant));
         }
         Ok(self.not_known(&format!("{}.{name}", receiver.class())))
     }

@@ -179,10 +179,10 @@ impl Robotics<'_> {
         let is_limit = matches!(setting, Setting::Way(_) | Setting::Turn(_));
         let is_angle = matches!(setting, Setting::CircAngle);
         if !given.is_finite() || (is_limit && given <= 0.0) || (!is_angle && given < 0.0) {
-            let least = if is_limit { "above 0" } else { "from 0 on" };
+            let lower = if is_limit { "above 0" } else { "from 0 on" };
             return self.throw(
                 "IllegalArgumentException",
-                format!("`{name}` takes a number {least}, and here is {given}"),
+                format!("`{name}` takes a number {lower}, and here is {given}"),
             );
         }
         let mut motion = motion.borrow_mut();
@@ -219,8 +219,8 @@ impl Robotics<'_> {
         };
         if let Way::LinRel { offset, .. } = &mut motion.borrow_mut().way {
             let mut components = offset.xyz_mm.iter_mut().chain(&mut offset.abc_rad);
-            if let Some(own) = components.nth(component) {
-                *own = value;
+            if let Some(component_value) = components.nth(component) {
+                *component_value = value;
             }
         }
         Ok(())
@@ -232,8 +232,8 @@ impl Robotics<'_> {
         arguments: &[Value],
     ) -> Result<(), Stop> {
         if let Some(unknown) = first_unknown(arguments) {
-            let what = "the type of orientation of this motion".to_owned();
-            motion.borrow_mut().obstruct(Obstacle::Unknown(what, unknown));
+            let subject = "the type of orientation of this motion".to_owned();
+            motion.borrow_mut().obstruct(Obstacle::Unknown(subject, unknown));
             return Ok(());
         }
         let law = match constant_name(arguments).as_deref() {
@@ -258,7 +258,7 @@ fn constant_name(arguments: &[Value]) -> Option<Rc<str>> {
 /// Returns true if an argument of a setter is unknown: the motion then cannot be sent.
 fn is_obstructed(motion: &Rc<RefCell<MotionValue>>, name: &str, arguments: &[Value]) -> bool {
     let Some(unknown) = first_unknown(arguments) else { return false };
-    let what = format!("the argument of `{name}` of this motion");
-    motion.borrow_mut().obstruct(Obstacle::Unknown(what, unknown));
+    let subject = format!("the argument of `{name}` of this motion");
+    motion.borrow_mut().obstruct(Obstacle::Unknown(subject, unknown));
     true
 }

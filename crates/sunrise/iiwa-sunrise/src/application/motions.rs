@@ -99,9 +99,9 @@ impl Robotics<'_> {
                 self.throw("NullPointerException", format!("the target of `{name}` is null"))
             }
             None => {
-                let found: Vec<String> = arguments.iter().map(Value::kind).collect();
-                let found = found.join(", ");
-                self.reject(format!("`{name}` of {found} is not known: it takes joints or a frame"))
+                let kinds: Vec<String> = arguments.iter().map(Value::kind).collect();
+                let kinds = kinds.join(", ");
+                self.reject(format!("`{name}` of {kinds} is not known: it takes joints or a frame"))
             }
         }
     }
@@ -117,10 +117,10 @@ impl Robotics<'_> {
             return Ok(Some(Way::Joints(joints_rad)));
         }
         if let Some(numbers) = numbers(arguments) {
-            let found = numbers.len();
+            let count = numbers.len();
             return self.throw(
                 "IllegalArgumentException",
-                format!("a motion to joints takes 7 numbers, and here are {found}"),
+                format!("a motion to joints takes 7 numbers, and here are {count}"),
             );
         }
         Ok(goal(arguments).map(Way::Ptp))
@@ -143,9 +143,9 @@ impl Robotics<'_> {
                         return self.throw("NullPointerException", "a motion of a batch is null");
                     }
                     other => {
-                        let what = other.kind();
+                        let kind = other.kind();
                         return self.reject(format!(
-                            "{what} is not a motion: batches and splines have motions"
+                            "{kind} is not a motion: batches and splines have motions"
                         ));
                     }
                 },
@@ -205,8 +205,8 @@ fn position_hold(arguments: &[Value]) -> Value {
     let mut motion = MotionValue::new(Way::Hold(HoldTime::UntilEnded));
     match arguments {
         [_, Value::Unknown(unknown), _] | [_, _, Value::Unknown(unknown)] => {
-            let what = "the time of this hold".to_owned();
-            motion.obstruct(Obstacle::Unknown(what, Rc::clone(unknown)));
+            let subject = "the time of this hold".to_owned();
+            motion.obstruct(Obstacle::Unknown(subject, Rc::clone(unknown)));
         }
         [_, time, unit] => {
             let amount = time.number();

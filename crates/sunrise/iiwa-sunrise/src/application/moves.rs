@@ -44,9 +44,9 @@ impl Robotics<'_> {
         let mover = self.station.default_frame(mover);
         self.check_known(mover)?;
         if self.station.in_flange(mover).is_none() {
-            let what = self.spot_name(mover);
+            let subject = self.spot_name(mover);
             return self
-                .reject(format!("{what} moves, but it is not attached to the robot's flange"));
+                .reject(format!("{subject} moves, but it is not attached to the robot's flange"));
         }
         self.keep_override()?;
         let mut has_break = false;
@@ -86,7 +86,9 @@ impl Robotics<'_> {
         settings: &Settings,
     ) -> Result<(), Stop> {
         match &motion.obstacle {
-            Some(Obstacle::Unknown(what, unknown)) => return self.reject_unknown(what, unknown),
+            Some(Obstacle::Unknown(subject, unknown)) => {
+                return self.reject_unknown(subject, unknown);
+            }
             Some(Obstacle::Refused(reason)) => return self.reject(reason.clone()),
             None => {}
         }
@@ -116,17 +118,17 @@ impl Robotics<'_> {
         }
         let law = self.law_of(&motion.way, settings.orientation).unwrap_or_default();
         let course = self.course(mover, motion, settings, law)?;
-        let mut own = CartesianMotion::new(course);
-        own.tool = self.station.tcp_name(mover);
-        own.shares = shares;
-        own.tool_limits = settings.tool;
-        own.blend = if own.is_ptp() {
+        let mut cartesian = CartesianMotion::new(course);
+        cartesian.tool = self.station.tcp_name(mover);
+        cartesian.shares = shares;
+        cartesian.tool_limits = settings.tool;
+        cartesian.blend = if cartesian.is_ptp() {
             one_blend(&settings.blending).map(PathBlend::from)
         } else {
-            own.orientation = law;
+            cartesian.orientation = law;
             path_blend(&settings.blending)
         };
-        self.put(Motion::Cartesian(Box::new(own)))
+        self.put(Motion::Cartesian(Box::new(cartesian)))
     }
 
     /// Adds a motion, if it is valid in a program.
@@ -257,15 +259,15 @@ impl Robotics<'_> {
         law: OrientationType,
         segments: &[Rc<RefCell<MotionValue>>],
     ) -> Result<Course, Stop> {
-        let mut at = *from;
+        let mut position = *from;
         let mut e1_rad = None;
         let mut last = None;
-        let mut found = Vec::with_capacity(segments.len());
+        let mut course_segments = Vec::with_capacity(segments.len());
         for segment in segments {
             let segment = segment.borrow();
             match &segment.obstacle {
-                Some(Obstacle::Unknown(what, unknown)) => {
-                    return self.reject_unknown(what, unknown);
+                Some(Obstacle::Unknown(subject, unknown)) => {
+                    return self.reject_unknown(subject, unknown);
                 }
                 Some(Obstacle::Refused(reason)) => return self.reject(reason.clone()),
                 None => {}
@@ -274,8 +276,8 @@ impl Robotics<'_> {
             if settings.blending != Blending::default() {
                 return self.reject("a segment of a spline has a blending: set it on the spline");
             }
-            let own = self.law_of(&Way::Spline(Vec::new()), settings.orientation);
-            let own_law = own.unwrap_or(law);
+            let segment_law = self.law_of(&Way::Spline(Vec::new()), settings.orientation);
+            let own_law = segment_law.unwrap_or(law);
             let (place, course) = match &segment.way {
                 Way::Spl(to) => {
                     let place = self.place_of(to)?;
@@ -290,9 +292,9 @@ impl Robotics<'_> {
                 Way::LinRel { offset, within } => {
                     let axes = match within {
                         Some(within) => self.place_of(within)?.pose.rotation,
-                        None => at.rotation,
+                        None => position.rotation,
                     };
-                    let pose = moved_by(&at, &offset.pose(), &axes);
+                    let pose = moved_by(&position, &offset.pose(), &axes);
                     let target = TargetRef::Given(in_foot(Frame::from(&pose)));
                     let to = target.clone();
                     (
@@ -311,18 +313,18 @@ impl Robotics<'_> {
                     );
                 }
             };
-            at = match own_law {
-                OrientationType::Constant => Pose { rotation: at.rotation, ..place.pose },
+            position = match own_law {
+                OrientationType::Constant => Pose { rotation: position.rotation, ..place.pose },
                 _ => place.pose,
             };
             e1_rad = place.e1_rad.or(e1_rad);
             last = Some(place.target);
             let limits = SegmentLimits { shares: settings.shares, tool: settings.tool };
-            found.push(SplineSegment { course, orientation: own, limits });
+            course_segments.push(SplineSegment { course, orientation: segment_law, limits });
         }
         let Some(last) = last else { return self.reject("a spline has no segments") };
-        self.arrive(&last, (&at, tcp), e1_rad, None)?;
-        Ok(Course::Spline(found))
+        self.arrive(&last, (&position, tcp), e1_rad, None)?;
+        Ok(Course::Spline(course_segments))
     }
 
     /// Moves the robot to a TCP pose.
@@ -341,14 +343,14 @@ impl Robotics<'_> {
             }
             Err(_) if self.station.is_survey => Ok(()),
             Err(reason) => {
-                let what = match target {
+                let subject = match target {
                     TargetRef::Named(name) => format!("the frame `{name}`"),
                     TargetRef::Given(_) => "the target of this motion".to_owned(),
                 };
                 let hint = self.station.start_hint.as_ref();
                 let hint = hint.filter(|_| self.station.schedule.sent() == 0);
                 let hint = hint.map_or_else(String::new, |hint| format!("; {hint}"));
-                self.reject(format!("{what} cannot be reached: {reason}{hint}"))
+                self.reject(format!("{subject} cannot be reached: {reason}{hint}"))
             }
         }
     }
@@ -358,23 +360,24 @@ impl Robotics<'_> {
         match goal {
             Goal::Spot(Spot::Tree(index)) => {
                 self.note_world_after_drive();
-                let Some(found) = self.station.tree.get(*index).cloned() else {
+                let Some(tree_frame) = self.station.tree.get(*index).cloned() else {
                     return self.reject("this frame is not in the data file");
                 };
                 self.check_known(Spot::Tree(*index))?;
                 if self.station.is_changed(*index) {
-                    return Ok(self.changed_place(*index, &found.name));
+                    return Ok(self.changed_place(*index, &tree_frame.name));
                 }
-                let Some(target) = self.station.workcell.frames.get(&found.name) else {
+                let Some(target) = self.station.workcell.frames.get(&tree_frame.name) else {
                     // A base that is not itself a motion target.
-                    let base = Target { base: Some(found.name), ..Target::at(Frame::default()) };
-                    return Ok(Destination { pose: found.pose, ..given(base) });
+                    let base =
+                        Target { base: Some(tree_frame.name), ..Target::at(Frame::default()) };
+                    return Ok(Destination { pose: tree_frame.pose, ..given(base) });
                 };
                 Ok(Destination {
-                    pose: found.pose,
+                    pose: tree_frame.pose,
                     e1_rad: target.e1_rad,
                     status: target.status,
-                    target: TargetRef::Named(found.name),
+                    target: TargetRef::Named(tree_frame.name),
                 })
             }
             Goal::Spot(Spot::World) => {
@@ -384,14 +387,15 @@ impl Robotics<'_> {
             Goal::Spot(spot) => {
                 self.check_known(*spot)?;
                 if self.station.in_flange(*spot).is_some() {
-                    let what = self.spot_name(*spot);
-                    return self.reject(format!("{what} is a target, and it moves with the arm"));
+                    let subject = self.spot_name(*spot);
+                    return self
+                        .reject(format!("{subject} is a target, and it moves with the arm"));
                 }
                 if let Some(frame) = self.station.in_world(*spot) {
                     Ok(given(in_foot(frame)))
                 } else {
-                    let what = self.spot_name(*spot);
-                    self.reject(format!("{what} is a target, and it is attached to nothing"))
+                    let subject = self.spot_name(*spot);
+                    self.reject(format!("{subject} is a target, and it is attached to nothing"))
                 }
             }
             Goal::Frame(frame) => {
@@ -410,11 +414,11 @@ impl Robotics<'_> {
                         "the target of this motion is given in something that is attached to nothing",
                     );
                 };
-                let own = frame.redundancy;
+                let redundancy = frame.redundancy;
                 let target = Target {
-                    e1_rad: own.e1_rad,
-                    status: own.status,
-                    turn: own.turn,
+                    e1_rad: redundancy.e1_rad,
+                    status: redundancy.status,
+                    turn: redundancy.turn,
                     ..in_foot(place)
                 };
                 Ok(given(target))
@@ -466,8 +470,8 @@ impl Robotics<'_> {
         if self.station.carried == wanted {
             return Ok(());
         }
-        let own = self.station.workcell.load(None).copied();
-        let step = (wanted != own).then(|| wanted.unwrap_or_default());
+        let load = self.station.workcell.load(None).copied();
+        let step = (wanted != load).then(|| wanted.unwrap_or_default());
         self.check(&Motion::Load(step))?;
         self.station.schedule.load(step, place);
         self.station.carried = wanted;
@@ -497,14 +501,14 @@ impl Robotics<'_> {
 /// Returns the motions of a batch, each with its settings and, where unset, those of the batch; any
 /// other motion alone.
 fn members(motion: &Rc<RefCell<MotionValue>>, defaults: &Settings) -> Vec<(MotionValue, Settings)> {
-    let own = motion.borrow().clone();
-    let settings = own.settings.or(defaults);
-    match &own.way {
+    let copied = motion.borrow().clone();
+    let settings = copied.settings.or(defaults);
+    match &copied.way {
         // A batch that cannot be planned is not split, so that its reason is reported.
-        Way::Batch(motions) if own.obstacle.is_none() => {
+        Way::Batch(motions) if copied.obstacle.is_none() => {
             motions.iter().flat_map(|motion| members(motion, &settings)).collect()
         }
-        _ => vec![(own, settings)],
+        _ => vec![(copied, settings)],
     }
 }
 

@@ -67,7 +67,7 @@ impl Robotics<'_> {
             "getController" => Ok(robot(RobotValue::opaque("Controller"))),
             _ if ["lock", "unlock", "set", "add", "remove"]
                 .iter()
-                .any(|own| name.starts_with(own)) =>
+                .any(|prefix| name.starts_with(prefix)) =>
             {
                 Ok(Value::Null)
             }

@@ -41,7 +41,7 @@ fn gripper(machine: &mut Robotics<'static>) -> Result<Value, Stop> {
 
 fn course(program: &Program, index: usize) -> Option<&Course> {
     match program.motions.get(index)? {
-        Motion::Cartesian(own) => Some(&own.course),
+        Motion::Cartesian(cartesian) => Some(&cartesian.course),
         _ => None,
     }
 }
@@ -173,7 +173,7 @@ fn tools_and_workpieces_change_the_load() -> Result<(), Stop> {
         .motions
         .iter()
         .filter_map(|motion| match motion {
-            Motion::Cartesian(own) => Some(own.tool.as_deref()),
+            Motion::Cartesian(cartesian) => Some(cartesian.tool.as_deref()),
             _ => None,
         })
         .collect();
@@ -196,18 +196,18 @@ fn a_batch_gives_its_members_what_they_lack() -> Result<(), Stop> {
     let lbr = lbr();
     machine.on(&lbr, "move", &[batch])?;
     let (program, _) = finished(&mut machine);
-    let found: Vec<(f64, Option<f64>)> = program
+    let actual: Vec<(f64, Option<f64>)> = program
         .motions
         .iter()
         .filter_map(|motion| match motion {
-            Motion::Cartesian(own) => {
-                let blend = own.blend.and_then(|blend| blend.cart_mm);
-                Some((own.tool_limits.way[LimitKind::Velocity], blend))
+            Motion::Cartesian(cartesian) => {
+                let blend = cartesian.blend.and_then(|blend| blend.cart_mm);
+                Some((cartesian.tool_limits.way[LimitKind::Velocity], blend))
             }
             _ => None,
         })
         .collect();
-    assert_eq!(found, [(0.09, Some(10.0)), (0.04, None)]);
+    assert_eq!(actual, [(0.09, Some(10.0)), (0.04, None)]);
     Ok(())
 }
 
@@ -242,8 +242,8 @@ fn questions_are_answered_and_recorded() -> Result<(), Stop> {
     }
     let data = machine.robot_injected("IApplicationData", None, "data")?.unwrap_or(Value::Null);
     for (id, expected) in [("velocity", 0.25), ("count", 7.0)] {
-        let found = machine.on(&data, "getProcessData", &texts(&[id]))?;
-        assert_eq!(machine.on(&found, "getValue", &[])?.number(), Some(expected));
+        let value = machine.on(&data, "getProcessData", &texts(&[id]))?;
+        assert_eq!(machine.on(&value, "getValue", &[])?.number(), Some(expected));
     }
     let belt = machine.robot_injected("BeltIOGroup", None, "belt")?.unwrap_or(Value::Null);
     assert_eq!(machine.on(&belt, "getLane", &[])?.integer(), Some(2));

@@ -57,10 +57,10 @@ pub(crate) fn machine(answers: &str) -> Robotics<'static> {
     let data_file = DataFile::from_xml(STATION).unwrap_or_default();
     let setup = StationSetup { data_file, answers, ..StationSetup::default() };
     let idle = Rc::new(StationHost::new(Station::new(StationSetup::default())));
-    let here = Place { file: Rc::from("src/Job.java"), line: 1 };
+    let place = Place { file: Rc::from("src/Job.java"), line: 1 };
     // Leaked, which is acceptable for the duration of the tests.
     Robotics {
-        machine: Box::leak(Box::new(Machine::new(Classes::default(), idle, here))),
+        machine: Box::leak(Box::new(Machine::new(Classes::default(), idle, place))),
         station: Box::leak(Box::new(Station::new(setup))),
     }
 }

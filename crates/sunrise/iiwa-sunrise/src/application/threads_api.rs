@@ -27,7 +27,7 @@ impl Robotics<'_> {
     /// Calls a method of a thread, a timer or an executor; `own` is the thread itself, or its task.
     pub(crate) fn call_thread(
         &mut self,
-        own: Option<&Value>,
+        receiver: Option<&Value>,
         name: &str,
         arguments: &[Value],
     ) -> Result<Value, Stop> {
@@ -42,7 +42,8 @@ impl Robotics<'_> {
                 | "scheduleWithFixedDelay",
                 _,
             ) => {
-                let given = arguments.iter().find(|own| own.is_task()).or(own).cloned();
+                let given =
+                    arguments.iter().find(|argument| argument.is_task()).or(receiver).cloned();
                 self.start(given.as_ref())
             }
             ("sleep", [amount]) => self.sleep_ms(amount),

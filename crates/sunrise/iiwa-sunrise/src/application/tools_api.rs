@@ -117,8 +117,8 @@ impl Robotics<'_> {
                 if let Some(RobotValue::Motion(motion)) = robot_value(motion) {
                     return self.send(mover, &motion, is_async);
                 }
-                let what = motion.kind();
-                self.reject(format!("{what} is not a motion that can be planned"))
+                let kind = motion.kind();
+                self.reject(format!("{kind} is not a motion that can be planned"))
             }
             [] => self.throw("IllegalArgumentException", "a motion is missing"),
         }
@@ -126,9 +126,9 @@ impl Robotics<'_> {
 
     fn attach(&mut self, spot: Spot, to: &Value, offset: Option<&Value>) -> Result<Value, Stop> {
         let Some(body) = spot.body() else {
-            let what = self.spot_name(spot);
+            let subject = self.spot_name(spot);
             return self
-                .reject(format!("{what} is attached, and only tools and workpieces can be"));
+                .reject(format!("{subject} is attached, and only tools and workpieces can be"));
         };
         let to = match robot_value(to) {
             Some(RobotValue::Robot) => Spot::Flange,
@@ -139,9 +139,9 @@ impl Robotics<'_> {
                 }
                 Value::Null => return self.throw("NullPointerException", "it is attached to null"),
                 _ => {
-                    let what = to.kind();
+                    let kind = to.kind();
                     return self.reject(format!(
-                        "a tool is attached to {what}, which is not a frame of an object"
+                        "a tool is attached to {kind}, which is not a frame of an object"
                     ));
                 }
             },
@@ -154,7 +154,7 @@ impl Robotics<'_> {
             return self.reject("a tool is attached to itself, by way of others or not");
         }
         // The attached frame of the body coincides with the target frame.
-        let own = match spot {
+        let spot_offset = match spot {
             Spot::Of(_, frame) => {
                 let frame = self.station.bodies.get(body).and_then(|body| body.frames.get(frame));
                 frame.map_or(Frame::default(), |frame| inverse(&frame.frame))
@@ -162,13 +162,13 @@ impl Robotics<'_> {
             _ => Frame::default(),
         };
         let frame = match offset {
-            None => own,
+            None => spot_offset,
             Some(Value::Unknown(unknown)) => {
                 return self.reject_unknown("how this tool is attached", unknown);
             }
             Some(offset) => match robot_value(offset) {
                 Some(RobotValue::Transformation(offset)) => {
-                    crate::application::frame_value::then(&offset, &own)
+                    crate::application::frame_value::then(&offset, &spot_offset)
                 }
                 _ => return self.reject("how this tool is attached is not known"),
             },
@@ -202,21 +202,23 @@ impl Robotics<'_> {
             Value::Unknown(unknown) => return Ok(Value::Unknown(unknown.clone())),
             _ => return Ok(self.not_known("getFrame")),
         };
-        let found = match spot {
+        let child = match spot {
             Spot::Root(index) => {
                 let body = self.station.bodies.get(index);
                 body.and_then(|body| body.frame(&path)).map(|frame| Spot::Of(index, frame))
             }
-            Spot::Of(index, own) => {
+            Spot::Of(index, frame_index) => {
                 let body = self.station.bodies.get(index);
-                let above = body.and_then(|body| body.frames.get(own)).map(|own| own.path.clone());
+                let above = body
+                    .and_then(|body| body.frames.get(frame_index))
+                    .map(|frame| frame.path.clone());
                 let below =
                     format!("{}/{}", above.unwrap_or_default(), path.trim_start_matches('/'));
                 body.and_then(|body| body.frame(&below).or_else(|| body.frame(&path)))
                     .map(|frame| Spot::Of(index, frame))
             }
             Spot::Tree(index) => {
-                let above = self.station.tree.get(index).map(|own| own.path.clone());
+                let above = self.station.tree.get(index).map(|tree_frame| tree_frame.path.clone());
                 let below =
                     format!("{}/{}", above.unwrap_or_default(), path.trim_start_matches('/'));
                 self.station.tree_frame(&below).map(Spot::Tree)
@@ -224,8 +226,8 @@ impl Robotics<'_> {
             Spot::World => return self.tree_frame(&path),
             Spot::Flange => None,
         };
-        if let Some(found) = found {
-            return Ok(robot(RobotValue::Spot(found)));
+        if let Some(child) = child {
+            return Ok(robot(RobotValue::Spot(child)));
         }
         self.check_template(spot)?;
         let missing = match spot {
@@ -245,14 +247,14 @@ impl Robotics<'_> {
                 self.children(spot).into_iter().map(|child| self.station.own_path(child)).collect()
             }
         };
-        let what = self.spot_name(spot);
-        self.reject(format!("{what} has no frame `{path}`{}", instead(&path, &known)))
+        let subject = self.spot_name(spot);
+        self.reject(format!("{subject} has no frame `{path}`{}", instead(&path, &known)))
     }
 
     /// Returns a frame of the data file, by its path.
     pub(crate) fn tree_frame(&mut self, path: &str) -> Result<Value, Stop> {
-        if let Some(found) = self.station.tree_frame(path) {
-            return Ok(robot(RobotValue::Spot(Spot::Tree(found))));
+        if let Some(tree_frame) = self.station.tree_frame(path) {
+            return Ok(robot(RobotValue::Spot(Spot::Tree(tree_frame))));
         }
         self.station.missing.replace(Some(Missing::Frame(path.to_owned())));
         let known: Vec<String> = self.station.tree.iter().map(|frame| frame.path.clone()).collect();
@@ -326,12 +328,15 @@ impl Robotics<'_> {
     /// Returns the only tool or workpiece template with this class.
     pub(crate) fn template_of_class(&self, class: &str) -> Option<&str> {
         let has_class = |body: &&Body| {
-            let own = body.class.as_deref().map(|own| own.rsplit('.').next().unwrap_or(own));
-            own == Some(class)
+            let simple_name = body
+                .class
+                .as_deref()
+                .map(|qualified| qualified.rsplit('.').next().unwrap_or(qualified));
+            simple_name == Some(class)
         };
-        let mut found = self.station.templates.iter().filter(has_class);
-        let only = found.next()?;
-        found.next().is_none().then_some(only.name.as_str())
+        let mut templates = self.station.templates.iter().filter(has_class);
+        let only = templates.next()?;
+        templates.next().is_none().then_some(only.name.as_str())
     }
 
     fn own_name(&self, spot: Spot) -> String {
@@ -350,7 +355,7 @@ impl Robotics<'_> {
             Spot::Of(index, _) => Spot::Root(index),
             Spot::Root(index) => {
                 match self.station.bodies.get(index).and_then(|body| body.attached) {
-                    Some((at, _)) => at,
+                    Some((parent, _)) => parent,
                     None => return Value::Null,
                 }
             }
@@ -400,7 +405,7 @@ impl Robotics<'_> {
         let Spot::Root(index) = mover else { return };
         let Some(body) = self.station.bodies.get_mut(index) else { return };
         let (None, Some(first)) = (body.default, body.frames.first()) else { return };
-        let is_plain = body.class.as_deref().is_none_or(|own| own.contains(".geometricModel."));
+        let is_plain = body.class.as_deref().is_none_or(|class| class.contains(".geometricModel."));
         let (name, path) = (&body.name, &first.path);
         let text = if is_plain || body.frames.len() > 1 {
             format!("`{name}` has no default motion frame: its root moves, and none of its frames")
@@ -414,11 +419,11 @@ impl Robotics<'_> {
     }
 
     fn set_default_frame(&mut self, spot: Spot, frame: &Value) {
-        if let (Some(own), Some(RobotValue::Spot(frame))) = (spot.body(), robot_value(frame))
-            && let Some(body) = self.station.bodies.get_mut(own)
+        if let (Some(body_index), Some(RobotValue::Spot(frame))) = (spot.body(), robot_value(frame))
+            && let Some(body) = self.station.bodies.get_mut(body_index)
         {
             body.default = match frame {
-                Spot::Of(of, index) if of == own => Some(index),
+                Spot::Of(owner, index) if owner == body_index => Some(index),
                 _ => None,
             };
         }

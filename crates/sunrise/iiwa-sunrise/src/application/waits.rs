@@ -63,14 +63,14 @@ impl Robotics<'_> {
         let wanted = EnumConstant::named("TimeUnit", wanted);
         let factor = one(unit).zip(wanted.and_then(|wanted| one(&wanted)));
         match (amount.integer(), factor) {
-            (Some(amount), Some((own, wanted))) if own >= wanted => {
+            (Some(amount), Some((unit_s, wanted))) if unit_s >= wanted => {
                 #[expect(clippy::cast_possible_truncation, reason = "they are whole numbers")]
-                let factor = (own / wanted).round() as i64;
+                let factor = (unit_s / wanted).round() as i64;
                 Value::Long(amount.saturating_mul(factor))
             }
-            (Some(amount), Some((own, wanted))) => {
+            (Some(amount), Some((unit_s, wanted))) => {
                 #[expect(clippy::cast_possible_truncation, reason = "they are whole numbers")]
-                let factor = (wanted / own).round() as i64;
+                let factor = (wanted / unit_s).round() as i64;
                 Value::Long(amount / factor.max(1))
             }
             _ => self.not_known(&format!("TimeUnit.{name}")),

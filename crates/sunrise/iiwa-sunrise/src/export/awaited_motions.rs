@@ -80,7 +80,7 @@ impl AwaitedMotions {
 fn blends(motions: &[Motion], index: usize) -> bool {
     let has_blend = match &motions[index] {
         Motion::Ptp(ptp) => ptp.blend.is_some(),
-        Motion::Cartesian(own) => own.blend.is_some(),
+        Motion::Cartesian(cartesian) => cartesian.blend.is_some(),
         Motion::Wait { .. } | Motion::Load(_) => false,
     };
     let mut next = motions.iter().skip(index + 1);
