@@ -27,7 +27,7 @@ const UNIT_S: f64 = 0.25;
 /// Stopping criteria: the relative change of the duration in the last step, and the maximum number
 /// of steps.
 const SETTLED: f64 = 1e-4;
-const MOST_STEPS: usize = 10;
+const MAX_STEPS: usize = 10;
 
 /// Objective of a step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -183,7 +183,7 @@ impl JerkSamples {
             };
             let before = duration;
             duration = socp::s_to_t_topp3(&distance, profile.as_parts(), 0.0)?.0;
-            if iterations == MOST_STEPS || (before / duration - 1.0).abs() < SETTLED {
+            if iterations == MAX_STEPS || (before / duration - 1.0).abs() < SETTLED {
                 return Ok(Solution { duration_s: duration * UNIT_S, iterations });
             }
             squared_speed = profile.a;
@@ -329,7 +329,7 @@ mod tests {
             );
             let above = conic.duration_s / expected - 1.0;
             assert!(above > 0.0 && above < most, "{above}");
-            assert!(conic.iterations < MOST_STEPS && linear.iterations < MOST_STEPS);
+            assert!(conic.iterations < MAX_STEPS && linear.iterations < MAX_STEPS);
             // The linear solver has another objective, so its time is no shorter.
             let above = linear.duration_s / conic.duration_s - 1.0;
             assert!(above > 0.0 && above < 0.002, "{above}");

@@ -75,7 +75,7 @@ pub(crate) fn program(
     for question in import.questions.iter().filter(is_open) {
         print_note(&printable(&format!(
             "Note: {}:{} asks {:?}, answered by {}\n",
-            question.file, question.line, question.asked, question.answer
+            question.file, question.line, question.subject, question.answer
         )));
     }
     for note in &import.notes {
@@ -112,7 +112,7 @@ fn answers(folder: &Path, answering: &Answering) -> Result<Answers, Failure> {
         Some(file) => {
             let Text { name, text } = Text::read(file)?;
             Answers::from_toml(&text)
-                .map_err(|error| Failure::in_text(&error.what, &error.at, &name, &text))?
+                .map_err(|error| Failure::in_text(&error.message, &error.place, &name, &text))?
         }
     };
     if answering.answers.is_none() && file.is_some() {

@@ -170,12 +170,12 @@ pub(crate) fn import_application<'py>(
     let mut notes: Vec<_> =
         imported.notes.iter().map(|note| format!("{}: {}", note.source, note.text)).collect();
     unasked.retain(|(kind, name)| {
-        !imported.questions.iter().any(|it| it.kind == *kind && it.asked.contains(name))
+        !imported.questions.iter().any(|it| it.kind == *kind && it.subject.contains(name))
     });
     notes.extend(unasked.iter().map(|(_, name)| format!("nothing asks for {name:?}")));
     told.set_item("notes", notes)?;
     let asked = |it: &iiwa_sunrise::Question| {
-        format!("{}:{} asks {:?}, answered by {}", it.file, it.line, it.asked, it.answer)
+        format!("{}:{} asks {:?}, answered by {}", it.file, it.line, it.subject, it.answer)
     };
     let questions: Vec<_> = imported.questions.iter().map(asked).collect();
     told.set_item("questions", questions)?;

@@ -43,13 +43,13 @@ impl fmt::Display for Report {
         for (need, count) in &self.skipped {
             write!(f, ", {count} skipped without {need}")?;
         }
-        self.failed.iter().take(MOST_SHOWN).try_for_each(|line| write!(f, "\n{line}"))?;
-        if self.failed.len() > MOST_SHOWN { f.write_str("\n...") } else { Ok(()) }
+        self.failed.iter().take(MAX_SHOWN).try_for_each(|line| write!(f, "\n{line}"))?;
+        if self.failed.len() > MAX_SHOWN { f.write_str("\n...") } else { Ok(()) }
     }
 }
 
 /// Maximum number of failures shown.
-const MOST_SHOWN: usize = 60;
+const MAX_SHOWN: usize = 60;
 
 /// Time limit for a program to become idle.
 const REST: Duration = Duration::from_secs(30);

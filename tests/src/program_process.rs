@@ -132,10 +132,10 @@ impl Drop for ProgramProcess {
 
 /// Prints the first lines of its standard error: a thread that fails repeatedly would fill a disk.
 fn show_errors(stderr: impl Read + Send + 'static) {
-    const MOST: usize = 40;
+    const MAX_LINES: usize = 40;
     thread::spawn(move || {
         let lines = BufReader::new(stderr).lines().map_while(Result::ok);
-        for line in lines.enumerate().filter_map(|(i, line)| (i < MOST).then_some(line)) {
+        for line in lines.enumerate().filter_map(|(i, line)| (i < MAX_LINES).then_some(line)) {
             println!("robot program: {line}");
         }
     });

@@ -37,7 +37,7 @@ const GRIPPER: &str = "gripper";
 const TIP: &str = "gripper/tip";
 
 /// Maximum number of motions of a program.
-const MOST_MOTIONS: usize = 8;
+const MAX_MOTIONS: usize = 8;
 
 /// Returns program number `index` of a `seed`.
 #[must_use]
@@ -141,7 +141,7 @@ fn program(dice: &mut Dice, start_rad: Joints) -> Program {
 fn draw(dice: &mut Dice, robot: &Robot, refused: &mut BTreeMap<&'static str, usize>) -> Program {
     let mut at_rad = clear_pose(dice);
     let mut program = program(dice, at_rad);
-    let count = dice.count(1, MOST_MOTIONS);
+    let count = dice.count(1, MAX_MOTIONS);
     while program.motions.len() < count {
         if dice.percent(3) {
             program.motions.push(Motion::Wait { seconds: dice.between(0.0, 0.5), overlap: 0 });

@@ -19,7 +19,7 @@ const TIMINGS: [fn() -> Timing; 2] =
     [Timing::jerk_limited, || Timing::Acceleration(SweepOptions::default())];
 
 /// Tolerance of torque ratios in a plan.
-const MOST_TORQUE: f64 = 1.01;
+const MAX_TORQUE: f64 = 1.01;
 
 /// Returns the largest ratios of a trajectory at 1 kHz: of joint torques, velocity, acceleration
 /// and jerk.
@@ -79,7 +79,7 @@ fn durations_are_those_of_the_reference() {
                 );
                 assert!((-0.05..=0.3).contains(&percent), "case {}: {percent} %", case.id);
                 assert_eq!(is_held_back(&trajectory), limits_torque, "case {}", case.id);
-                assert_eq!(torque <= MOST_TORQUE, limits_torque, "case {}: {torque}", case.id);
+                assert_eq!(torque <= MAX_TORQUE, limits_torque, "case {}: {torque}", case.id);
             }
         }
     }
@@ -127,13 +127,13 @@ fn all_limits_are_kept() {
             let shares = worst(&trajectory, &limits_nm);
             let allowed = match k {
                 0 => [
-                    MOST_TORQUE,
+                    MAX_TORQUE,
                     tolerances::RATIOS[0],
                     tolerances::RATIOS[1],
                     tolerances::RATIOS[2],
                 ],
                 _ => [
-                    MOST_TORQUE,
+                    MAX_TORQUE,
                     tolerances::SWEPT_RATIOS[0],
                     tolerances::SWEPT_RATIOS[1],
                     f64::INFINITY,
@@ -299,7 +299,7 @@ fn friction_is_taken_off() {
         let without = plan(&program, timing()).unwrap();
         assert!(trajectory.cycle_time_s() > without.cycle_time_s());
         let [torque, ..] = worst(&trajectory, &robot.limits().torque_nm.map(|limit| 0.85 * limit));
-        assert!(torque <= MOST_TORQUE, "{torque}");
+        assert!(torque <= MAX_TORQUE, "{torque}");
     }
 }
 
@@ -318,7 +318,7 @@ fn planning_again_keeps_limits_of_torque() {
     assert!(off.abs() < 1e-3, "{off}");
     let limits_nm = robot.limits().torque_nm.map(|limit| 0.8 * limit);
     let [torque, ..] = worst(&plan_again.trajectory(), &limits_nm);
-    assert!(torque <= MOST_TORQUE, "{torque}");
+    assert!(torque <= MAX_TORQUE, "{torque}");
 
     let heavy = Load { mass_kg: 60.0, center_mm: [0.0, 0.0, 80.0], ..Load::default() };
     let error = plan_again.replace(MotionIndex::new(0), Motion::Load(Some(heavy))).unwrap_err();

@@ -180,12 +180,12 @@ impl Planning {
     fn count(self, time_s: f64) -> usize {
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a count")]
         let count = ((time_s - self.least_s[0]) / Self::each_s(self.least_s)).max(1.0) as usize;
-        count.min(MOST_MOTIONS)
+        count.min(MAX_MOTIONS)
     }
 }
 
 /// Largest number of motions per request.
-const MOST_MOTIONS: usize = 3000;
+const MAX_MOTIONS: usize = 3000;
 
 /// Sequence of attempts.
 pub(super) struct Rounds<'a> {

@@ -27,7 +27,7 @@ const MOTIONS: [usize; 4] = [100, 1_000, 10_000, 100_000];
 const JERK_MOTIONS: [usize; 3] = [100, 1_000, 10_000];
 
 /// Time limit of a case.
-const MOST: Duration = Duration::from_secs(30);
+const MAX_DURATION: Duration = Duration::from_secs(30);
 
 /// Report of a case's process.
 #[derive(Deserialize, Serialize)]
@@ -71,8 +71,8 @@ fn print_table(timing: Timing, lengths: &[usize]) -> Result<()> {
             fs::write(&file, text(kind, motions))?;
             let mut case = Command::new(env::current_exe()?);
             case.args(["scale", "--case", timing.name()]).arg(&file);
-            let Some(output) = within(MOST, &mut case)? else {
-                let most_s = MOST.as_secs();
+            let Some(output) = within(MAX_DURATION, &mut case)? else {
+                let most_s = MAX_DURATION.as_secs();
                 println!("| {motions} | {} | | | | | more than {most_s} s | | |", kind.name());
                 continue;
             };

@@ -117,12 +117,12 @@ impl ImportReport {
         let renamed = cell.renamed.iter().map(|entry| RenamedRow {
             from: entry.from.clone(),
             to: entry.to.clone(),
-            why: entry.why,
+            why: entry.reason,
         });
         let not_taken = file.not_taken.iter().map(|entry| NotTakenRow {
-            what: entry.what.clone(),
+            what: entry.kind.clone(),
             count: entry.count,
-            why: entry.why.clone(),
+            why: entry.reason.clone(),
         });
         Self {
             robot: robot.name().to_owned(),

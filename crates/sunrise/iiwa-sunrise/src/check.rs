@@ -32,14 +32,14 @@ pub enum Verdict {
         /// Taught status.
         stated: Status,
         /// Status of the solution.
-        found: Status,
+        reached: Status,
     },
     /// The solution has another turn.
     OtherTurn {
         /// Taught turn.
         stated: Turn,
         /// Turn of the solution.
-        found: Turn,
+        reached: Turn,
     },
 }
 
@@ -50,10 +50,10 @@ impl fmt::Display for Verdict {
             Self::NotTaught => f.write_str("not taught"),
             Self::Unreachable(reason) => reason.fmt(f),
             Self::Outside(outside) => outside.fmt(f),
-            Self::OtherStatus { stated, found: reached } => {
+            Self::OtherStatus { stated, reached } => {
                 write!(f, "taught with status {stated}, the joints have {reached}")
             }
-            Self::OtherTurn { stated, found: reached } => {
+            Self::OtherTurn { stated, reached } => {
                 write!(f, "taught with turn {stated}, the joints have {reached}")
             }
         }
@@ -93,10 +93,10 @@ impl ImportedFrame {
         let verdict = if let Err(outside) = robot.limits().check(&joints_rad) {
             Verdict::Outside(outside)
         } else if reached != status {
-            Verdict::OtherStatus { stated: status, found: reached }
+            Verdict::OtherStatus { stated: status, reached }
         } else {
             match self.turn.filter(|turn| !turn.agrees_with(&joints_rad)) {
-                Some(stated) => Verdict::OtherTurn { stated, found: Turn::of(&joints_rad) },
+                Some(stated) => Verdict::OtherTurn { stated, reached: Turn::of(&joints_rad) },
                 None => Verdict::Agrees,
             }
         };

@@ -114,9 +114,9 @@ pub struct ProcessData {
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct NotTaken {
     /// Kind of the entry.
-    pub what: String,
+    pub kind: String,
     /// Number of entries.
     pub count: usize,
     /// Reason for skipping.
-    pub why: String,
+    pub reason: String,
 }

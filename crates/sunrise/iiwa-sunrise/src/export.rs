@@ -143,7 +143,7 @@ fn of_the_program(program: &Program) -> Vec<ExportNotice> {
     let workcell = &program.workcell;
     let mut notices = Vec::new();
     let mut note = |motion: Option<MotionIndex>, key: &'static str, message: &str| {
-        notices.push(ExportNotice { motion, key, what: message.to_owned() });
+        notices.push(ExportNotice { motion, key, message: message.to_owned() });
     };
     if workcell.mode == OperatingMode::T1 {
         note(None, "mode", "the key switch of the smartPAD chooses T1");

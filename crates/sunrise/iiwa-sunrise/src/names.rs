@@ -10,7 +10,7 @@ pub struct Renamed {
     /// Name in programs.
     pub to: String,
     /// Reason.
-    pub why: &'static str,
+    pub reason: &'static str,
 }
 
 /// Assigns a unique name to each entry of a list.
@@ -52,7 +52,7 @@ impl Names {
         };
         if let Some(why) = why {
             let (from, to) = (from.to_owned(), given.clone());
-            self.renamed.push(Renamed { from, to, why });
+            self.renamed.push(Renamed { from, to, reason: why });
         }
         self.used.insert(given.clone());
         given

@@ -7,9 +7,9 @@ use std::{
 };
 
 /// Maximum number of Java files; robot programs have a few hundred.
-pub(crate) const MOST_FILES: usize = 10_000;
+pub(crate) const MAX_FILES: usize = 10_000;
 /// Maximum number of folders; more indicate a whole disk.
-pub(crate) const MOST_FOLDERS: usize = 100_000;
+pub(crate) const MAX_FOLDERS: usize = 100_000;
 
 /// File with the frames and tools of a project.
 pub(crate) const DATA_FILE: &str = "RoboticsAPI.data.xml";
@@ -37,7 +37,7 @@ pub(crate) fn sources(root: &Path) -> Result<Vec<(String, PathBuf)>, FolderFault
         if !is_new && !name.is_empty() {
             continue;
         }
-        if visited.len() > MOST_FOLDERS {
+        if visited.len() > MAX_FOLDERS {
             return Err(FolderFault::Folders);
         }
         let entries = match entries(&folder) {
@@ -53,7 +53,7 @@ pub(crate) fn sources(root: &Path) -> Result<Vec<(String, PathBuf)>, FolderFault
                 }
             } else if Path::new(&entry).extension().is_some_and(|end| end == "java") {
                 files.push((below, path));
-                if files.len() > MOST_FILES {
+                if files.len() > MAX_FILES {
                     return Err(FolderFault::Files);
                 }
             }

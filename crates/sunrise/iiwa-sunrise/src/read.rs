@@ -28,7 +28,7 @@ impl DataFile {
     pub fn from_xml(text: &str) -> Result<Self, DataFileError> {
         let root = Element::read(text)?;
         if root.name != "RoboticsAPIData" {
-            return Err(DataFileError::NotDataFile { at: root.place(), found: root.name });
+            return Err(DataFileError::NotDataFile { place: root.place(), root: root.name });
         }
         let mut file = Self::default();
         let mut rest = Rest::default();
@@ -111,7 +111,10 @@ impl Rest {
     }
 
     fn kinds(self) -> Vec<NotTaken> {
-        self.0.into_iter().map(|((kind, why), count)| NotTaken { what: kind, count, why }).collect()
+        self.0
+            .into_iter()
+            .map(|((kind, why), count)| NotTaken { kind, count, reason: why })
+            .collect()
     }
 }
 

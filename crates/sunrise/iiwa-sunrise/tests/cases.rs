@@ -127,7 +127,7 @@ fn of_import(import: &Import, expected: &Expected) -> Vec<String> {
     let of_robot = [QuestionKind::Robot, QuestionKind::Flange, QuestionKind::Start];
     let asked = import.questions.iter().filter(|question| !of_robot.contains(&question.kind));
     let asked: Vec<_> =
-        asked.map(|question| format!("{} = {}", question.asked, question.answer)).collect();
+        asked.map(|question| format!("{} = {}", question.subject, question.answer)).collect();
     if let Some(asks) = &expected.asks
         && *asks != asked
     {

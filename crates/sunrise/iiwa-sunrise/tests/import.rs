@@ -239,7 +239,7 @@ fn what_does_not_agree_is_told() {
     assert_ne!(turned, project);
     let actual = verdict(&turned, "Bench/P1", &iiwa);
     let stated = Turn::new(turn ^ 64).unwrap();
-    assert_eq!(actual, Verdict::OtherTurn { stated, found: Turn::of(&TAUGHT_DEG[0]) });
+    assert_eq!(actual, Verdict::OtherTurn { stated, reached: Turn::of(&TAUGHT_DEG[0]) });
     assert!(actual.to_string().contains(&stated.to_string()));
 
     // A TCP rotation by half a turn moves A7 out of its range.
@@ -281,7 +281,7 @@ fn of_several_robots_the_one_that_taught_counts() {
     let file = DataFile::from_xml(&text).unwrap();
     let cell = ImportedCell::new(&file);
     assert_eq!(frame(&cell, "Bench/P1").check(&Robot::default()).verdict, Verdict::Agrees);
-    let kinds: Vec<_> = file.not_taken.iter().map(|kind| kind.what.as_str()).collect();
+    let kinds: Vec<_> = file.not_taken.iter().map(|kind| kind.kind.as_str()).collect();
     assert!(kinds.contains(&"redundancy of another robot"), "{kinds:?}");
     assert!(kinds.contains(&"redundancy LBRAlphaRedundancy"), "{kinds:?}");
 }
@@ -333,15 +333,15 @@ fn what_is_passed_over_is_counted() {
         .replace("z=\"9.81\"", "z=\"-9.81\"");
     let file = DataFile::from_xml(&text).unwrap();
     let count = |expected_kind: &str| {
-        let kind = file.not_taken.iter().find(|kind| kind.what == expected_kind);
+        let kind = file.not_taken.iter().find(|kind| kind.kind == expected_kind);
         kind.map_or(0, |kind| kind.count)
     };
     let actual =
         ["<colour>", "<plane>", "workpieceTemplate", "processData", "measurement"].map(count);
     assert_eq!(actual, [2, 1, 2, 1, 1]);
     assert_eq!((count("gravitation"), count("version 4")), (1, 1));
-    let gravity = file.not_taken.iter().find(|kind| kind.what == "gravitation").unwrap();
-    assert!(gravity.why.contains("-9.81"), "{}", gravity.why);
+    let gravity = file.not_taken.iter().find(|kind| kind.kind == "gravitation").unwrap();
+    assert!(gravity.reason.contains("-9.81"), "{}", gravity.reason);
     assert_eq!(file.frames.len(), 2);
 }
 
@@ -372,7 +372,7 @@ fn workpieces_and_process_data_are_kept_for_who_asks() {
 fn a_status_that_there_is_not_is_left_out() {
     let text = project().replacen("StatusParameter\" value=\"", "StatusParameter\" value=\"9", 1);
     let file = DataFile::from_xml(&text).unwrap();
-    assert!(file.not_taken.iter().any(|kind| kind.what.starts_with("StatusParameter 9")));
+    assert!(file.not_taken.iter().any(|kind| kind.kind.starts_with("StatusParameter 9")));
     assert_eq!(ImportedCell::new(&file).workcell.frames["Bench/P1"].status, None);
 }
 
@@ -405,7 +405,7 @@ fn errors_say_where() {
         assert!(error.to_string().contains(message), "{message}: {error}");
         let actual = (error.place().line, error.place().column);
         assert_eq!(actual, place, "{message}: {error}");
-        assert!(!error.what().contains("line "), "{}", error.what());
+        assert!(!error.message().contains("line "), "{}", error.message());
     }
 }
 

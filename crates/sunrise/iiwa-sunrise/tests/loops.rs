@@ -62,7 +62,7 @@ fn an_input_that_is_waited_for_has_its_value_from_there_on() {
     let import = import(members, &with_move(run)).unwrap();
     assert_eq!(first_joints(&import.program), [0.1]);
     let asked: Vec<_> =
-        import.questions.iter().map(|question| (&*question.asked, &*question.answer)).collect();
+        import.questions.iter().map(|question| (&*question.subject, &*question.answer)).collect();
     assert_eq!(asked[..2], [("Cell.Open", "false"); 2]);
     assert!(import.questions.iter().all(|question| !question.is_given));
     // A second loop that waits for the opposite value would never end.

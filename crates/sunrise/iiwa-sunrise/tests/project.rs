@@ -159,7 +159,10 @@ fn bounds() {
     let files = (0..11).map(|number| (format!("{number}.java"), blank));
     assert!(matches!(Project::from_texts(files), Err(ProjectError::TooLarge { .. })));
     let files = (0..10_001).map(|number| (format!("{number}.java"), ""));
-    assert!(matches!(Project::from_texts(files), Err(ProjectError::TooManyFiles { most: 10_000 })));
+    assert!(matches!(
+        Project::from_texts(files),
+        Err(ProjectError::TooManyFiles { max_files: 10_000 })
+    ));
 }
 
 #[test]

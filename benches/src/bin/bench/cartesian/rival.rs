@@ -14,7 +14,7 @@ use super::{straight::Straight, trapezoid::Trapezoid};
 const RATE_HZ: f64 = 1000.0;
 /// Number of tested ratios of the ramp to the duration, from the smallest to a half.
 const SHARES: u32 = 32;
-const LEAST_SHARE: f64 = 0.005;
+const MIN_SHARE: f64 = 0.005;
 /// Number of golden-section steps that then refine the best ratio.
 const GOLDEN: usize = 16;
 /// Relative precision of durations and factors.
@@ -102,7 +102,7 @@ fn best(line: &Straight<'_>, robot: &Robot) -> Result<Trapezoid> {
         }
         Ok(duration_s)
     };
-    let share = |x: f64| LEAST_SHARE * (0.5 / LEAST_SHARE).powf(x.clamp(0.0, 1.0));
+    let share = |x: f64| MIN_SHARE * (0.5 / MIN_SHARE).powf(x.clamp(0.0, 1.0));
     let mut tried = Vec::new();
     for i in 0..SHARES {
         let x = f64::from(i) / f64::from(SHARES - 1);

@@ -15,12 +15,12 @@ use super::{
 
 const SEED: u64 = 1;
 /// Required median ratio of the duration of Pilz' motion with its default limits to the planner's.
-const LEAST_ADVANTAGE: f64 = 1.25;
+const MIN_ADVANTAGE: f64 = 1.25;
 /// Largest deviation between both joint paths, in rad.
 const SAME_PATH_RAD: f64 = 1e-6;
 /// Smallest accepted ratio: the best trapezoid obeys the same limits on the same path, so it cannot
 /// be faster than the time-optimal motion, except for violations between its samples.
-const LEAST_RATIO: f64 = 0.995;
+const MIN_RATIO: f64 = 0.995;
 
 /// Length above which LINs have additional rows, in m: short LINs are nearly straight in joint
 /// space, where a trapezoid is optimal.
@@ -73,10 +73,10 @@ pub(crate) fn print(lines: u64) -> Result<bool> {
     }
     let (least, median) = (rows[0][0], rows[2][2]);
     println!(
-        "\nRequired: {LEAST_ADVANTAGE} in the median with one factor up to 1; {LEAST_RATIO} at least with the best, which keeps \
+        "\nRequired: {MIN_ADVANTAGE} in the median with one factor up to 1; {MIN_RATIO} at least with the best, which keeps \
          the same limits on the same path."
     );
-    Ok(median >= LEAST_ADVANTAGE && least >= LEAST_RATIO)
+    Ok(median >= MIN_ADVANTAGE && least >= MIN_RATIO)
 }
 
 /// Compares a LIN of the seed; `None` if it is infeasible.

@@ -42,7 +42,7 @@ pub(super) fn run(options: &Import) -> Result<(), Failure> {
     let robot = options.robot.as_deref().map_or_else(default_robot, find_robot)?;
     let Text { name, text } = Text::read(&project)?;
     let file = DataFile::from_xml(&text)
-        .map_err(|error| Failure::in_text(&error.what(), error.place(), &name, &text))?;
+        .map_err(|error| Failure::in_text(&error.message(), error.place(), &name, &text))?;
     let cell = ImportedCell::new(&file);
     if cell.tools.is_empty() && cell.frames.is_empty() {
         return Err(Failure::input(format!("{name} has neither frames nor tools")));

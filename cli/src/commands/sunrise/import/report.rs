@@ -191,7 +191,7 @@ impl QuestionRow {
                 QuestionKind::Tool => "tool",
                 _ => "process data",
             },
-            asked: question.asked.clone(),
+            asked: question.subject.clone(),
             choices: question.choices.clone(),
             answer: question.answer.clone(),
             is_given: question.is_given,

@@ -11,7 +11,7 @@ use crate::PageError;
 use super::source::{Role, Source};
 
 /// Maximum size of that plan in memory, in bytes: some two hours.
-const MOST_BYTES: u64 = 256 << 20;
+const MAX_BYTES: u64 = 256 << 20;
 
 /// Plans the program in a recording; `None` for a plan, or a recording without a program.
 pub(crate) fn plan(
@@ -37,7 +37,7 @@ fn made(text: &str, robot: &Robot, interrupted: fn() -> bool) -> Result<Source, 
         }
         let section = section.map_err(refuse)?;
         size.add(&section);
-        if size.bytes() > MOST_BYTES {
+        if size.bytes() > MAX_BYTES {
             return Err(PageError::TooLong {
                 duration: iiwa_report::long_duration(size.duration_s()),
             });

@@ -14,7 +14,7 @@ const SAMPLES: f64 = 450_000.0;
 
 /// Shortest step between nodes, in s, for which velocities determine the change of the jerk: times
 /// are rounded to nanoseconds.
-const LEAST_S: f64 = 0.002;
+const MIN_S: f64 = 0.002;
 
 /// Position, velocity, acceleration, jerk and snap of a plan.
 #[derive(Debug, Default)]
@@ -109,7 +109,7 @@ impl Planned {
 /// accelerations.
 fn jerk_at_ends(span_s: f64, [v, a]: [f64; 2], [v_end, a_end]: [f64; 2]) -> [f64; 2] {
     let mean = (a_end - a) / span_s;
-    if span_s < LEAST_S {
+    if span_s < MIN_S {
         return [mean; 2];
     }
     // Excess of the mean acceleration over that of a linear course.

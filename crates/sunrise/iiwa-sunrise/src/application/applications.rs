@@ -40,7 +40,7 @@ impl Application {
     ) -> Question {
         Question {
             kind,
-            asked: asked.to_owned(),
+            subject: asked.to_owned(),
             choices: Vec::new(),
             answer,
             is_given,

@@ -8,7 +8,7 @@ use crate::application::{arguments::flattened, asked::Asked, robotics::Robotics}
 impl Robotics<'_> {
     /// Evaluates `displayModalDialog(type, text, buttons...)`: returns the number of the given
     /// button, or the first button.
-    pub(crate) fn ask(&mut self, arguments: &[Value]) -> Result<Value, Stop> {
+    pub(crate) fn answer_dialog(&mut self, arguments: &[Value]) -> Result<Value, Stop> {
         let [_, text, buttons @ ..] = arguments else {
             return Ok(self.not_known("IApplicationUI.displayModalDialog"));
         };
@@ -78,7 +78,7 @@ impl Robotics<'_> {
                 is_given,
             });
         }
-        let question = Question { kind, asked, choices, answer, is_given, file, line };
+        let question = Question { kind, subject: asked, choices, answer, is_given, file, line };
         // An input is read repeatedly and recorded once; each dialog and each break condition is a
         // separate question.
         if matches!(kind, QuestionKind::Dialog | QuestionKind::Fired)

@@ -8,7 +8,7 @@ use crate::application::{asked::Asked, robotics::Robotics};
 impl Robotics<'_> {
     /// Returns the answer to the query at this file and line; `condition` names the condition, such
     /// as "the break condition of a motion".
-    pub(crate) fn ask_fired(&mut self, condition: &str) -> Value {
+    pub(crate) fn answer_condition(&mut self, condition: &str) -> Value {
         let place = self.place.to_string();
         if let Some(is_fired) = self.given_fired(&place) {
             self.record(QuestionKind::Fired, &place, Vec::new(), is_fired.to_string(), true);

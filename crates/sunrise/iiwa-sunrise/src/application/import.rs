@@ -168,8 +168,9 @@ fn import_here(
             }
             let mut unanswered: Vec<Unanswered> = Vec::new();
             for question in asked.iter().filter(|question| question.answer.is_none()) {
-                let entry = Unanswered { kind: question.kind, asked: question.subject.clone() };
-                if reason.contains(&format!("`{}`", entry.asked)) && !unanswered.contains(&entry) {
+                let entry = Unanswered { kind: question.kind, subject: question.subject.clone() };
+                if reason.contains(&format!("`{}`", entry.subject)) && !unanswered.contains(&entry)
+                {
                     unanswered.push(entry);
                 }
             }

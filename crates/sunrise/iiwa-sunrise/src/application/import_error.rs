@@ -55,10 +55,10 @@ pub enum ImportError {
         reason: String,
     },
     /// The project's files name different robot models.
-    #[error("the project's files do not agree on the robot: {}", said(.0))]
+    #[error("the project's files do not agree on the robot: {}", listed(.0))]
     Robots(Vec<RobotStatement>),
     /// The project's files name different flanges.
-    #[error("the project's files do not agree on the robot's flange: {}", said(.0))]
+    #[error("the project's files do not agree on the robot's flange: {}", listed(.0))]
     Flanges(Vec<RobotStatement>),
     /// The named robot is not a built-in model.
     #[error(
@@ -109,17 +109,18 @@ pub struct Unanswered {
     /// Kind of the question.
     pub kind: QuestionKind,
     /// Subject, as in a [`Question`].
-    pub asked: String,
+    pub subject: String,
 }
 
 /// Formats the first statements of a list.
-fn said(statements: &[RobotStatement]) -> String {
-    const MOST: usize = 6;
-    let mut said: Vec<_> = statements.iter().take(MOST).map(ToString::to_string).collect();
-    if statements.len() > MOST {
-        said.push(format!("and {} more", statements.len() - MOST));
+fn listed(statements: &[RobotStatement]) -> String {
+    const MAX_STATEMENTS: usize = 6;
+    let mut listed: Vec<_> =
+        statements.iter().take(MAX_STATEMENTS).map(ToString::to_string).collect();
+    if statements.len() > MAX_STATEMENTS {
+        listed.push(format!("and {} more", statements.len() - MAX_STATEMENTS));
     }
-    said.join(", ")
+    listed.join(", ")
 }
 
 /// Formats the names of applications; ambiguous names with their package, or as files, which select

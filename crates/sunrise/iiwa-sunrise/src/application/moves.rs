@@ -371,7 +371,7 @@ impl Robotics<'_> {
                     // A base that is not itself a motion target.
                     let base =
                         Target { base: Some(tree_frame.name), ..Target::at(Frame::default()) };
-                    return Ok(Destination { pose: tree_frame.pose, ..given(base) });
+                    return Ok(Destination { pose: tree_frame.pose, ..destination_of(base) });
                 };
                 Ok(Destination {
                     pose: tree_frame.pose,
@@ -382,7 +382,7 @@ impl Robotics<'_> {
             }
             Goal::Spot(Spot::World) => {
                 let target = in_foot(Frame::default());
-                Ok(given(target))
+                Ok(destination_of(target))
             }
             Goal::Spot(spot) => {
                 self.check_known(*spot)?;
@@ -392,7 +392,7 @@ impl Robotics<'_> {
                         .reject(format!("{subject} is a target, and it moves with the arm"));
                 }
                 if let Some(frame) = self.station.in_world(*spot) {
-                    Ok(given(in_foot(frame)))
+                    Ok(destination_of(in_foot(frame)))
                 } else {
                     let subject = self.spot_name(*spot);
                     self.reject(format!("{subject} is a target, and it is attached to nothing"))
@@ -421,7 +421,7 @@ impl Robotics<'_> {
                     turn: redundancy.turn,
                     ..in_foot(place)
                 };
-                Ok(given(target))
+                Ok(destination_of(target))
             }
         }
     }
@@ -434,7 +434,7 @@ impl Robotics<'_> {
             Some(taught) => Target { frame: place, base: Some(FOOT.to_owned()), ..taught.clone() },
             None => in_foot(place),
         };
-        given(target)
+        destination_of(target)
     }
 
     /// Before the first motion, sets the program's tool and load from the bodies at the flange.
@@ -527,7 +527,7 @@ fn in_foot(frame: Frame) -> Target {
     Target { base: Some(FOOT.to_owned()), ..Target::at(frame) }
 }
 
-fn given(target: Target) -> Destination {
+fn destination_of(target: Target) -> Destination {
     Destination {
         pose: target.frame.pose(),
         e1_rad: target.e1_rad,

@@ -50,13 +50,13 @@ impl RobotChoice {
         let mut add_question = |kind, asked, answer, is_given| {
             questions.push(application.question(kind, asked, answer, is_given));
         };
-        let given = given(options)?;
+        let robot_from_options = robot_from_options(options)?;
         let is_profile = |robot: &Robot| Robot::built_in(robot.name()).as_ref() != Some(robot);
         let model = agreed(&all, |means| match means {
             Stated::Model(model) => Some(model.built_in),
             _ => None,
         });
-        let (robot, name) = match (given, model) {
+        let (robot, name) = match (robot_from_options, model) {
             (Some((robot, name)), _) => {
                 notes.extend(all.iter().find_map(|statement| other_than(&name, statement)));
                 if all.is_empty() {
@@ -127,7 +127,7 @@ impl RobotChoice {
 }
 
 /// Returns the robot of the options, or of the answers.
-fn given(options: &ImportOptions) -> Result<Option<(Robot, String)>, ImportError> {
+fn robot_from_options(options: &ImportOptions) -> Result<Option<(Robot, String)>, ImportError> {
     if let Some(robot) = &options.robot {
         let name = options.robot_name.clone().unwrap_or_else(|| robot.name().to_owned());
         return Ok(Some((robot.clone(), name)));
@@ -304,8 +304,8 @@ fn source(statement: &RobotStatement) -> Source {
 /// Creates a note if the project states another model than the given one, by name.
 fn other_than(name: &str, statement: &RobotStatement) -> Option<ImportNote> {
     let Stated::Model(model) = statement.means else { return None };
-    let given = StatedModel::in_name(name)?;
-    (given.built_in != model.built_in).then(|| ImportNote {
+    let robot_from_options = StatedModel::in_name(name)?;
+    (robot_from_options.built_in != model.built_in).then(|| ImportNote {
         text: format!("the project states {}: it is planned on {name}, as given", statement.words),
         source: source(statement),
     })

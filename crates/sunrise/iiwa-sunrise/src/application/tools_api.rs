@@ -50,8 +50,8 @@ impl Robotics<'_> {
                 self.set_default_frame(spot, frame);
                 Ok(Value::Null)
             }
-            ("getName", []) => Ok(Value::text(self.own_name(spot))),
-            ("getPath", []) => Ok(Value::text(self.station.own_path(spot))),
+            ("getName", []) => Ok(Value::text(self.last_name(spot))),
+            ("getPath", []) => Ok(Value::text(self.station.path_in_parent(spot))),
             ("getParent", []) => Ok(self.parent_spot(spot)),
             ("getChildren", []) => {
                 let children = self.children(spot).into_iter().map(RobotValue::Spot);
@@ -233,7 +233,7 @@ impl Robotics<'_> {
         let missing = match spot {
             Spot::Tree(_) => Some(Missing::Frame(format!(
                 "{}/{}",
-                self.station.own_path(spot).trim_end_matches('/'),
+                self.station.path_in_parent(spot).trim_end_matches('/'),
                 path.trim_start_matches('/')
             ))),
             _ => spot.body().and_then(|index| self.station.bodies.get(index)).map(|body| {
@@ -243,12 +243,14 @@ impl Robotics<'_> {
         self.station.missing.replace(missing);
         let known: Vec<String> = match spot.body().and_then(|body| self.station.bodies.get(body)) {
             Some(body) => body.frames.iter().map(|frame| frame.path.clone()).collect(),
-            None => {
-                self.children(spot).into_iter().map(|child| self.station.own_path(child)).collect()
-            }
+            None => self
+                .children(spot)
+                .into_iter()
+                .map(|child| self.station.path_in_parent(child))
+                .collect(),
         };
         let subject = self.spot_name(spot);
-        self.reject(format!("{subject} has no frame `{path}`{}", instead(&path, &known)))
+        self.reject(format!("{subject} has no frame `{path}`{}", suggestions(&path, &known)))
     }
 
     /// Returns a frame of the data file, by its path.
@@ -258,7 +260,7 @@ impl Robotics<'_> {
         }
         self.station.missing.replace(Some(Missing::Frame(path.to_owned())));
         let known: Vec<String> = self.station.tree.iter().map(|frame| frame.path.clone()).collect();
-        self.reject(format!("the data file has no frame `{path}`{}", instead(path, &known)))
+        self.reject(format!("the data file has no frame `{path}`{}", suggestions(path, &known)))
     }
 
     /// Creates a tool or workpiece from a template.
@@ -276,7 +278,7 @@ impl Robotics<'_> {
                 self.station.templates.iter().map(|template| template.name.clone()).collect();
             return self.reject(format!(
                 "the data file has no template `{name}`{}; add it there, or answer with its TCP: `[tools]`, `{name}`",
-                instead(&name, &known)
+                suggestions(&name, &known)
             ));
         };
         let made = self.station.made(&template);
@@ -339,8 +341,8 @@ impl Robotics<'_> {
         templates.next().is_none().then_some(only.name.as_str())
     }
 
-    fn own_name(&self, spot: Spot) -> String {
-        let path = self.station.own_path(spot);
+    fn last_name(&self, spot: Spot) -> String {
+        let path = self.station.path_in_parent(spot);
         path.rsplit('/').next().unwrap_or_default().to_owned()
     }
 
@@ -438,14 +440,14 @@ fn changes(name: &str) -> bool {
 }
 
 /// Suggests names in place of `name`.
-fn instead(name: &str, known: &[String]) -> String {
+fn suggestions(name: &str, known: &[String]) -> String {
     /// More names would hide the message.
-    const MOST: usize = 8;
+    const MAX_NAMES: usize = 8;
     if let Some(meant) = meant(name, known.iter().map(String::as_str)) {
         return format!("; did you mean `{meant}`?");
     }
-    let shown: Vec<String> = known.iter().take(MOST).map(|name| format!("`{name}`")).collect();
-    let more = if known.len() > MOST { ", ..." } else { "" };
+    let shown: Vec<String> = known.iter().take(MAX_NAMES).map(|name| format!("`{name}`")).collect();
+    let more = if known.len() > MAX_NAMES { ", ..." } else { "" };
     match shown.len() {
         0 => "; it has none".to_owned(),
         1 => format!("; there is {}", shown.concat()),

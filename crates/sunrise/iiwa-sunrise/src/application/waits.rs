@@ -118,9 +118,9 @@ impl Robotics<'_> {
                 }
                 Ok(Value::Boolean(true))
             }
-            "hasFired" if has_break => Ok(self.ask_fired("the break condition of a motion")),
+            "hasFired" if has_break => Ok(self.answer_condition("the break condition of a motion")),
             "getFiredBreakConditionInfo" if has_break => {
-                Ok(match self.ask_fired("the break condition of a motion") {
+                Ok(match self.answer_condition("the break condition of a motion") {
                     Value::Boolean(true) => robot(RobotValue::source(
                         "IFiredConditionInfo",
                         "the state of the robot when a break condition fired",

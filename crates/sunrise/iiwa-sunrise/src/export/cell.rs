@@ -73,7 +73,7 @@ impl<'p> WorldTree<'p> {
         let (name, Base { frame, base }) = self.workcell.bases.get_key_value(name)?;
         let parent = base.as_deref().and_then(|base| self.base(base));
         let above = base.as_deref().filter(|_| parent.is_some());
-        let index = self.add(&own_name(name, above), parent, *frame);
+        let index = self.add(&relative_name(name, above), parent, *frame);
         self.nodes[index].base = Some(name);
         self.bases.insert(name, index);
         Some(index)
@@ -99,7 +99,7 @@ impl<'p> WorldTree<'p> {
         };
         let index = self.bases.get(name).filter(is_same).copied().unwrap_or_else(|| {
             let above = parent.and_then(|parent| self.nodes[parent].base);
-            self.add(&own_name(name, above), parent, target.frame)
+            self.add(&relative_name(name, above), parent, target.frame)
         });
         let Target { e1_rad, status, turn, .. } = target;
         self.nodes[index].target = Some((*e1_rad, *status, turn.and_then(Turn::new)));
@@ -236,7 +236,7 @@ impl ExportedTool {
 }
 
 /// Returns the name of a frame relative to its parent, which is called `above` in the program.
-fn own_name(name: &str, above: Option<&str>) -> String {
+fn relative_name(name: &str, above: Option<&str>) -> String {
     let relative = above.and_then(|above| name.strip_prefix(above)?.strip_prefix('/'));
     plain(relative.unwrap_or(name))
 }

@@ -17,7 +17,7 @@ use super::{
 };
 
 /// Maximum number of statements in a readable method.
-const MOST_STATEMENTS: usize = 60;
+const MAX_STATEMENTS: usize = 60;
 
 /// Indentation of statements.
 const INDENT: usize = 8;
@@ -153,7 +153,7 @@ impl ExportedClass {
         let (sleep, is_rounded) = SleepCall::of(seconds);
         if is_rounded {
             let message = format!("{seconds} s is rounded to whole nanoseconds");
-            notices.push(ExportNotice { motion: Some(motion), key: "seconds", what: message });
+            notices.push(ExportNotice { motion: Some(motion), key: "seconds", message });
         }
         let statement = match sleep {
             SleepCall::Milliseconds(ms) => {
@@ -203,7 +203,7 @@ impl ExportedClass {
         });
         let initialize: Vec<String> = create.chain(self.initialize.iter().cloned()).collect();
         self.method(&mut text, "public void initialize()", true, &initialize);
-        let parts: Vec<&[String]> = self.run.chunks(MOST_STATEMENTS).collect();
+        let parts: Vec<&[String]> = self.run.chunks(MAX_STATEMENTS).collect();
         if let [only] = parts.as_slice() {
             self.method(&mut text, "public void run()", true, only);
         } else {

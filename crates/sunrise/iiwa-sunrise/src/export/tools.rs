@@ -26,7 +26,7 @@ pub(super) struct ExportedTools<'p> {
 
 /// Item that is attached to the flange.
 struct UsedTool<'p> {
-    what: AtFlange<'p>,
+    item: AtFlange<'p>,
     variable: String,
     template: String,
 }
@@ -47,7 +47,7 @@ impl<'p> ExportedTools<'p> {
 
     /// Returns the variable of an attached item.
     pub(super) fn variable(&mut self, item: &AtFlange<'p>) -> String {
-        if let Some(known) = self.used.iter().find(|used| used.what == *item) {
+        if let Some(known) = self.used.iter().find(|used| used.item == *item) {
             return known.variable.clone();
         }
         let tool_template = item.tool.and_then(|tool| self.templates.get(tool));
@@ -65,7 +65,7 @@ impl<'p> ExportedTools<'p> {
             }
         };
         let variable = self.variables.give(&template);
-        let used = UsedTool { what: item.clone(), variable: variable.clone(), template };
+        let used = UsedTool { item: item.clone(), variable: variable.clone(), template };
         self.used.push(used);
         variable
     }
@@ -104,8 +104,8 @@ impl<'p> ExportedTools<'p> {
         let unloaded = self.templates.iter().map(|(name, template)| {
             template.with_load(&template.name, tool(name).and_then(|tool| tool.load))
         });
-        let loaded = self.used.iter().filter(|used| used.what.load.is_some()).map(|used| {
-            let AtFlange { tool, load } = &used.what;
+        let loaded = self.used.iter().filter(|used| used.item.load.is_some()).map(|used| {
+            let AtFlange { tool, load } = &used.item;
             match tool.and_then(|tool| self.templates.get(tool)) {
                 Some(template) => template.with_load(&used.template, *load),
                 None => bare(&used.template, *load),
