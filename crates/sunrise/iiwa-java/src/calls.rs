@@ -420,7 +420,8 @@ impl Machine {
         let may_act = |value: &Value| matches!(value, Value::Host(host) if host.can_act());
         if arguments.iter().any(may_act) {
             self.note(format!(
-                "`{name}` gets what can act, and its source is not in the project: what it does with it is left out"
+                "`{name}` gets what can act, and its source is not in the project: what it does \
+                 with it is left out"
             ));
         }
     }

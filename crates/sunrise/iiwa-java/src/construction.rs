@@ -359,8 +359,8 @@ impl Machine {
             let known = self.java.classes.known(class);
             let (name, file) = (known.class.name.clone(), Rc::clone(&known.file));
             self.note(format!(
-                "the class {name} is taken from {file}; there are other copies in {copies}: import from the folder of the project \
-                 that is meant"
+                "the class {name} is taken from {file}; there are other copies in {copies}: import \
+                 from the folder of the project that is meant"
             ));
         }
         if let Some(parent) = self.java.classes.parent(class) {

@@ -161,8 +161,8 @@ impl Machine {
             return match self.host.answers_since(before.asked) {
                 Some(answers) => self.reject(format!("the loop waits for {answers}")),
                 None => self.reject(
-                    "the loop never ends: nothing that its condition depends on changes in it; what a key, a thread or \
-                     an observer would change is not evaluated",
+                    "the loop never ends: nothing that its condition depends on changes in it; \
+                     what a key, a thread or an observer would change is not evaluated",
                 ),
             };
         }

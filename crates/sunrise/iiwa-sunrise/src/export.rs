@@ -163,8 +163,8 @@ fn of_the_program(program: &Program) -> Vec<ExportNotice> {
         Motion::Wait { .. } | Motion::Load(_) => false,
     };
     if program.entries().filter(|(_, motion)| stops(motion)).count() > 1 {
-        let message = "`move` waits for the end of a motion: the pause after it is longer than after one that is not \
-                    `blocking`";
+        let message = "`move` waits for the end of a motion: the pause after it is longer than \
+            after one that is not `blocking`";
         note(None, "blocking", message);
     }
     if let Some(last) = program.blend_at_the_end() {

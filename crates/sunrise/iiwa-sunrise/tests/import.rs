@@ -70,7 +70,8 @@ fn frame_at(joints: &Joints, tcp: &Frame, base: &Pose) -> Frame {
 
 fn file(world: &str, objects: &str) -> String {
     format!(
-        "<?xml version=\"1.0\" encoding=\"UTF-8\" standalone=\"no\"?>\n<RoboticsAPIData version=\"3\">\n\
+        "<?xml version=\"1.0\" encoding=\"UTF-8\" standalone=\"no\"?>\n<RoboticsAPIData \
+         version=\"3\">\n\
          <world>\n<gravitation x=\"0.0\" y=\"0.0\" z=\"9.81\"/>\n{world}</world>\n\
          <objectTemplates>\n{objects}</objectTemplates>\n</RoboticsAPIData>\n"
     )
@@ -327,7 +328,8 @@ fn what_is_passed_over_is_counted() {
     let text = file(&world, "<workpieceTemplate name=\"Nut\"/><workpieceTemplate name=\"Bolt\"/>")
         .replace(
             "</RoboticsAPIData>",
-            "<processDataContainer><processData id=\"speed\"/></processDataContainer></RoboticsAPIData>",
+            "<processDataContainer><processData \
+             id=\"speed\"/></processDataContainer></RoboticsAPIData>",
         )
         .replace("version=\"3\"", "version=\"4\"")
         .replace("z=\"9.81\"", "z=\"-9.81\"");
@@ -353,7 +355,8 @@ fn workpieces_and_process_data_are_kept_for_who_asks() {
     let text = file("", &(workpiece + broken)).replace(
         "</RoboticsAPIData>",
         "<processDataContainer>\
-         <processData dataType=\"java.lang.Double\" defaultValue=\"0.5\" id=\"speed\" min=\"0.1\" value=\"0.3\"/>\
+         <processData dataType=\"java.lang.Double\" defaultValue=\"0.5\" id=\"speed\" min=\"0.1\" \
+         value=\"0.3\"/>\
          <processData/></processDataContainer></RoboticsAPIData>",
     );
     let file = DataFile::from_xml(&text).unwrap();

@@ -120,17 +120,17 @@ fn what_cannot_be_known_is_refused_with_its_place_and_reason() {
         let stated: Refused = toml::from_str(&stated).unwrap();
         let name = folder.file_name().unwrap().display().to_string();
         match imported(&folder) {
-            Err(ImportError::Refused(refused)) => {
+            Err(ImportError::Refused(refused_import)) => {
                 let place = Source { file: stated.file, line: stated.line };
-                if refused.source != place {
+                if refused_import.source != place {
                     wrong.push(format!(
                         "{name}: at {}, not {place}: {}",
-                        refused.source, refused.reason
+                        refused_import.source, refused_import.reason
                     ));
                 }
                 for part in stated.reason_contains {
-                    if !refused.reason.contains(&part) {
-                        wrong.push(format!("{name}: no {part:?} in {:?}", refused.reason));
+                    if !refused_import.reason.contains(&part) {
+                        wrong.push(format!("{name}: no {part:?} in {:?}", refused_import.reason));
                     }
                 }
             }

@@ -90,7 +90,7 @@ fn stated<const N: usize>(files: [(String, String); N]) -> (String, Option<f64>)
     robot(&imported(files, &ImportOptions::default()).unwrap())
 }
 
-fn asked(import: &Import) -> Vec<(QuestionKind, &str, bool)> {
+fn questions_of(import: &Import) -> Vec<(QuestionKind, &str, bool)> {
     let questions = import.questions.iter().filter(|question| question.kind != QuestionKind::Start);
     questions.map(|question| (question.kind, question.answer.as_str(), question.is_given)).collect()
 }
@@ -111,7 +111,7 @@ fn the_station_states_robot_and_flange() {
             "StationSetup.cat:3 says Media flange electrical"
         ]
     );
-    assert!(asked(&import).is_empty() && import.notes.is_empty());
+    assert!(questions_of(&import).is_empty() && import.notes.is_empty());
     let touch = station("LBR_iiwa_7_R800_1", "Media flange Touch pneumatic");
     assert_eq!(stated([anonymous(), touch]), (SMALL.to_owned(), Some(152.0)));
 }
@@ -136,7 +136,7 @@ fn java_states_the_robot() {
     let field = java("@Inject private LBR lbr; LBR lBR_iiwa_14_R820_1;", "");
     let import = imported([field], &ImportOptions::default()).unwrap();
     assert_eq!(robot(&import).0, LARGE);
-    assert_eq!(asked(&import), [(QuestionKind::Flange, "152", false)]);
+    assert_eq!(questions_of(&import), [(QuestionKind::Flange, "152", false)]);
     // The application's file has priority over others.
     let other = ("src/Other.java".to_owned(), "class Other { LBR lBR_iiwa_7_R800_1; }".to_owned());
     let field = java("@Inject private LBR lbr; LBR lBR_iiwa_14_R820_1;", "");
@@ -149,7 +149,7 @@ fn what_is_not_stated_is_a_question() {
     let import = imported([anonymous()], &ImportOptions::default()).unwrap();
     assert_eq!(robot(&import), (SMALL.to_owned(), Some(152.0)));
     assert_eq!(
-        asked(&import),
+        questions_of(&import),
         [(QuestionKind::Robot, SMALL, false), (QuestionKind::Flange, "152", false)]
     );
     let answers = Answers::from_toml(&format!("robot = \"{LARGE}\"\nflange_mm = 126\n")).unwrap();
@@ -157,7 +157,7 @@ fn what_is_not_stated_is_a_question() {
     let import = imported([anonymous()], &options).unwrap();
     assert_eq!(robot(&import), (LARGE.to_owned(), Some(126.0)));
     assert_eq!(
-        asked(&import),
+        questions_of(&import),
         [(QuestionKind::Robot, LARGE, true), (QuestionKind::Flange, "126", true)]
     );
 }
@@ -240,7 +240,7 @@ fn a_station_that_cannot_be_read_is_a_note() {
     let broken = ("StationSetup.cat".to_owned(), "<ConfigurationProject>".to_owned());
     let import = imported([anonymous(), broken], &ImportOptions::default()).unwrap();
     assert!(import.notes[0].text.contains("StationSetup.cat cannot be used"), "{:?}", import.notes);
-    assert_eq!(asked(&import).len(), 2);
+    assert_eq!(questions_of(&import).len(), 2);
 }
 
 #[test]

@@ -34,7 +34,8 @@ pub(super) fn check_brackets(tokens: &Tokens<'_>) -> Result<(), Fault> {
                 if expected != text {
                     let (opened, line) = (tokens.text(opened), tokens.line(opened));
                     let message = format!(
-                        "`{expected}` is expected, which closes the `{opened}` of line {line}, not `{text}`"
+                        "`{expected}` is expected, which closes the `{opened}` of line {line}, not \
+                         `{text}`"
                     );
                     return Err(Fault::syntax(tokens.start(index), message));
                 }

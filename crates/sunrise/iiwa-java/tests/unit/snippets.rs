@@ -148,7 +148,8 @@ fn source(lines: &[&str]) -> String {
     };
     let members = members.join("\n");
     format!(
-        "import java.util.*;\nclass S {{\n{members}\nstatic Object run() throws Exception {{\n{body}\n}} }}"
+        "import java.util.*;\nclass S {{\n{members}\nstatic Object run() throws Exception \
+         {{\n{body}\n}} }}"
     )
 }
 
@@ -270,13 +271,15 @@ fn in_which_a_lambda_expression_acts_or_assigns() {
         "if (System.nanoTime() > 1) l.get(0).run();",
         "return n;",
     ]);
-    let expected = "refused: whether this branch, in which the arm moves, is taken depends on the controller's clock";
+    let expected = "refused: whether this branch, in which the arm moves, is taken depends on the \
+        controller's clock";
     assert_eq!(value(&branch), expected);
     let branch =
         with(&["l.add(() -> n = 2);", "if (System.nanoTime() > 1) l.get(0).run();", "return n;"]);
     assert_eq!(value(&branch), "unknown: the controller's clock");
     let anonymous = with(&[
-        "if (System.nanoTime() > 1) { Runnable r = new Runnable() { public void run() { arm.move(); } }; r.run(); }",
+        "if (System.nanoTime() > 1) \
+         { Runnable r = new Runnable() { public void run() { arm.move(); } }; r.run(); }",
         "return n;",
     ]);
     assert_eq!(value(&anonymous), expected);
@@ -370,15 +373,18 @@ fn with_patterns_of_switches() {
 fn with_functions_that_would_fill_time_or_stack() {
     let cases = [
         (
-            "IntUnaryOperator f = x -> x + 1; for (int i = 0; i < 40; i++) f = f.andThen(f); return f.applyAsInt(0);",
+            "IntUnaryOperator f = x -> x + 1; for (int i = 0; i < 40; i++) f = f.andThen(f); \
+             return f.applyAsInt(0);",
             "steps",
         ),
         (
-            "Function<Integer, Integer> f = Function.identity(); for (int i = 0; i < 40; i++) f = f.andThen(f); return f.apply(0);",
+            "Function<Integer, Integer> f = Function.identity(); for (int i = 0; i < 40; i++) f = \
+             f.andThen(f); return f.apply(0);",
             "steps",
         ),
         (
-            "UnaryOperator<Integer> f = x -> x; for (int i = 0; i < 2000; i++) f = f.andThen(x -> x + 1); return f.apply(0);",
+            "UnaryOperator<Integer> f = x -> x; for (int i = 0; i < 2000; i++) f = f.andThen(x -> \
+             x + 1); return f.apply(0);",
             "levels of functions",
         ),
         (

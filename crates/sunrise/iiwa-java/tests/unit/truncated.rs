@@ -125,7 +125,8 @@ proptest! {
     #[test]
     fn any_words(words in prop::collection::vec(word(), 0..60), is_in_method in any::<bool>()) {
         let words = words.join(" ");
-        let text = if is_in_method { format!("class A {{ void a() {{ {words} }} }}") } else { words };
+        let text = if is_in_method { format!("class A {{ void a() {{ {words} \
+            }} }}") } else { words };
         if let Err(error) = read("A.java", &text) {
             prop_assert!(!error.to_string().contains("no result"), "{}", error);
         }

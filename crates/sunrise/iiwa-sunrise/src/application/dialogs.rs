@@ -30,7 +30,8 @@ impl Robotics<'_> {
         let answer = given.unwrap_or(0);
         if answer >= choices.len().max(1) {
             return self.reject(format!(
-                "the dialog `{text}` is answered by button {answer}, and it has {}: the first one is 0",
+                "the dialog `{text}` is answered by button {answer}, and it has {}: the first one \
+                 is 0",
                 choices.len()
             ));
         }

@@ -14,8 +14,8 @@ impl Robotics<'_> {
             self.record(QuestionKind::Fired, &place, Vec::new(), is_fired.to_string(), true);
             if is_fired {
                 self.note(format!(
-                    "{condition} is taken to have come true, and the arm to be where it would be otherwise: where it stops \
-                     is measured"
+                    "{condition} is taken to have come true, and the arm to be where it would be \
+                     otherwise: where it stops is measured"
                 ));
             }
             return Value::Boolean(is_fired);

@@ -62,8 +62,9 @@ impl Robotics<'_> {
         let name = &body.name;
         self.station.missing.replace(Some(Missing::Template(name.clone())));
         self.reject(format!(
-            "the data file has no template `{name}`, which is injected at {place}: its frames are not known; add the template, or \
-             answer with its frames: `[tools]`, `{name}` for the TCP and `{name}/FRAME` for others"
+            "the data file has no template `{name}`, which is injected at {place}: its frames are \
+             not known; add the template, or answer with its frames: `[tools]`, `{name}` for the \
+             TCP and `{name}/FRAME` for others"
         ))
     }
 

@@ -435,7 +435,7 @@ pub(crate) fn transformation_static(name: &str, arguments: &[Value]) -> Option<V
         return Some(Value::Unknown(unknown));
     }
     let given = numbers(arguments);
-    let made = match (name, given.as_deref()) {
+    let add_body = match (name, given.as_deref()) {
         ("ofDeg", Some([x, y, z, a, b, c])) => {
             let abc_rad = [*a, *b, *c].map(f64::to_radians);
             Frame { xyz_mm: [*x, *y, *z], abc_rad }
@@ -452,7 +452,7 @@ pub(crate) fn transformation_static(name: &str, arguments: &[Value]) -> Option<V
         },
         _ => return None,
     };
-    Some(transformation(made))
+    Some(transformation(add_body))
 }
 
 /// Evaluates `new LBRE1Redundancy(...)`.
@@ -460,13 +460,13 @@ pub(crate) fn new_redundancy(arguments: &[Value]) -> Value {
     if let Some(unknown) = first_unknown(arguments) {
         return Value::Unknown(unknown);
     }
-    let mut made = RedundancyValue::default();
+    let mut add_body = RedundancyValue::default();
     if let [e1, status, turn] = arguments {
-        made.e1_rad = e1.number();
-        made.status = bits(status).and_then(Status::new);
-        made.turn = bits(turn).and_then(Turn::new).map(Turn::bits);
+        add_body.e1_rad = e1.number();
+        add_body.status = bits(status).and_then(Status::new);
+        add_body.turn = bits(turn).and_then(Turn::new).map(Turn::bits);
     }
-    robot(RobotValue::Redundancy(Rc::new(RefCell::new(made))))
+    robot(RobotValue::Redundancy(Rc::new(RefCell::new(add_body))))
 }
 
 fn bits(value: &Value) -> Option<u8> {

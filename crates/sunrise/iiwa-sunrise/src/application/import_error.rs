@@ -12,7 +12,8 @@ use crate::application::{applications::Application, import_note::ImportNote, mis
 pub enum ImportError {
     /// The project has no applications.
     #[error(
-        "no application found in the project's {files} Java files: none of their classes extends RoboticsAPIApplication"
+        "no application found in the project's {files} Java files: none of their classes extends \
+         RoboticsAPIApplication"
     )]
     NoApplications {
         /// Number of files that were read.

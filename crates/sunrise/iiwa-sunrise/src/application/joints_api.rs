@@ -42,14 +42,14 @@ impl Robotics<'_> {
     /// Evaluates `JointPosition.ofDeg(...)` and `JointPosition.ofRad(...)` of Sunrise 2, with seven
     /// numbers or an array.
     pub(crate) fn joints_static(&mut self, name: &str, arguments: &[Value]) -> Result<Value, Stop> {
-        let made = self.new_joints(arguments)?;
+        let add_body = self.new_joints(arguments)?;
         if name == "ofDeg"
-            && let Some(RobotValue::Joints(joints)) = robot_value(&made)
+            && let Some(RobotValue::Joints(joints)) = robot_value(&add_body)
         {
             let mut joints = joints.borrow_mut();
             joints.joints_rad = joints.joints_rad.map(f64::to_radians);
         }
-        Ok(made)
+        Ok(add_body)
     }
 
     /// Calls a method of a joint position.

@@ -89,7 +89,8 @@ impl Robotics<'_> {
             ("Thread", "interrupted", []) => Ok(Some(Value::Boolean(false))),
             ("Thread", "yield", []) => Ok(Some(Value::Null)),
             ("Class", "forName", _) => self.reject(
-                "`Class.forName` finds a class while the program runs, which is not followed: name the class itself",
+                "`Class.forName` finds a class while the program runs, which is not followed: name \
+                 the class itself",
             ),
             ("System", "currentTimeMillis" | "nanoTime", _) => Ok(Some(self.unknown("the clock"))),
             ("Math" | "StrictMath", "random", _) => Ok(Some(self.unknown("a random number"))),
@@ -100,19 +101,17 @@ impl Robotics<'_> {
             ("JointPosition", "ofDeg" | "ofRad", _) => {
                 self.joints_static(name, arguments).map(Some)
             }
-            ("FRIConfiguration", ..) => {
-                Ok(Some(robot(RobotValue::opaque("FRIConfiguration"))))
-            }
+            ("FRIConfiguration", ..) => Ok(Some(robot(RobotValue::opaque("FRIConfiguration")))),
             ("ServoMotion", "validateForImpedanceMode", _) => Ok(Some(Value::Boolean(true))),
             (_, "values", []) => Ok(EnumConstant::all(class).map(|all| {
                 let constants = all.into_iter().map(constant).collect();
                 Value::array(class, constants)
             })),
-            (_, "valueOf", [Value::Text(name)]) => Ok(EnumConstant::named(class, name).map(constant)),
-            _ if is_condition(class) => Ok(Some(condition())),
-            _ if CONCURRENT.contains(&class) => {
-                Ok(Some(robot(RobotValue::opaque("Thread"))))
+            (_, "valueOf", [Value::Text(name)]) => {
+                Ok(EnumConstant::named(class, name).map(constant))
             }
+            _ if is_condition(class) => Ok(Some(condition())),
+            _ if CONCURRENT.contains(&class) => Ok(Some(robot(RobotValue::opaque("Thread")))),
             _ => Ok(source(class).map(|gives| self.unknown(gives))),
         }
     }

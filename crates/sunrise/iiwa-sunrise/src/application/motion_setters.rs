@@ -97,12 +97,18 @@ impl Robotics<'_> {
         match name {
             "setMode" => {
                 if arguments.iter().any(|mode| !matches!(mode, Value::Null)) {
-                    self.note("a control mode changes how the arm follows a path: it is planned alike");
+                    self.note(
+                        "a control mode changes how the arm follows a path: it is planned \
+                        alike",
+                    );
                 }
             }
             "breakWhen" => {
                 motion.borrow_mut().settings.has_break = true;
-                self.note("a motion with `breakWhen` is planned to its end, as if the condition did not come true");
+                self.note(
+                    "a motion with `breakWhen` is planned to its end, as if the condition \
+                    did not come true",
+                );
             }
             "triggerWhen" => self.note("what a trigger starts is not evaluated"),
             "setOrientationType" => self.set_orientation(motion, arguments)?,
@@ -122,8 +128,8 @@ impl Robotics<'_> {
                 motion.borrow_mut().settings.aux_orientation = mode;
             }
             "addMotionOverlay" => motion.borrow_mut().obstruct(Obstacle::Refused(
-                "a motion with an overlay, as of FRI, cannot be planned ahead: where the arm goes is decided while it \
-                 moves; plan the motion without it"
+                "a motion with an overlay, as of FRI, cannot be planned ahead: where the arm goes \
+                 is decided while it moves; plan the motion without it"
                     .to_owned(),
             )),
             "copy" | "clone" => {
@@ -131,7 +137,10 @@ impl Robotics<'_> {
                 return Ok(robot(RobotValue::motion(copy)));
             }
             name if name.starts_with("set") && DECISIVE.iter().any(|word| name.contains(word)) => {
-                let reason = format!("`{name}` changes this motion, and its effect is not known: remove the call");
+                let reason = format!(
+                    "`{name}` changes this motion, and its effect is not known: \
+                    remove the call"
+                );
                 motion.borrow_mut().obstruct(Obstacle::Refused(reason));
             }
             name if name.starts_with("set") || name.starts_with("add") => {

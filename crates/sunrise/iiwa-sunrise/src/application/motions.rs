@@ -24,7 +24,8 @@ const REFUSED: [(&str, &str); 13] = [
     ("ServoMotionJP", SERVO),
     (
         "SplineJP",
-        "its blends in joint space are not known; write its segments as ptp motions with a blending",
+        "its blends in joint space are not known; write its segments as ptp motions with a \
+         blending",
     ),
     ("HandGuidingMotion", HAND_GUIDING),
     ("handGuiding", HAND_GUIDING),
@@ -35,8 +36,10 @@ const REFUSED: [(&str, &str); 13] = [
     ("CartesianSineMotion", "its time depends on the controller"),
 ];
 
-const SERVO: &str = "its targets are given while it moves; plan it as motions to the targets, or leave it out of the project's run";
-const HAND_GUIDING: &str = "a person moves the arm, by a way and in a time that are not known; leave it out, or go there by ptp";
+const SERVO: &str = "its targets are given while it moves; plan it as motions to the targets, or \
+    leave it out of the project's run";
+const HAND_GUIDING: &str = "a person moves the arm, by a way and in a time that are not known; \
+    leave it out, or go there by ptp";
 const TESTS: &str =
     "it is a test of the robot's brakes or sensors, which runs on the controller alone";
 
@@ -155,7 +158,8 @@ impl Robotics<'_> {
         let (depth, count) = way.extent();
         if depth > MAX_DEPTH || count > MAX_MOTIONS {
             return self.reject(format!(
-                "a batch has {count} motions, {depth} batches deep; it can have {MAX_MOTIONS}, {MAX_DEPTH} deep"
+                "a batch has {count} motions, {depth} batches deep; it can have {MAX_MOTIONS}, \
+                 {MAX_DEPTH} deep"
             ));
         }
         Ok(robot(RobotValue::motion(MotionValue::new(way))))

@@ -73,8 +73,8 @@ impl Robotics<'_> {
         let place = station.speed_override.as_ref().map(|(_, place)| format!(" ({place})"));
         let [first, now] = [first, now].map(|share| share * 100.0);
         self.reject(format!(
-            "the application goes on at {now} % of its speed{}, after motions at {first} %: a program has one override; \
-             plan the parts on their own",
+            "the application goes on at {now} % of its speed{}, after motions at {first} %: a \
+             program has one override; plan the parts on their own",
             place.unwrap_or_default()
         ))
     }
@@ -215,7 +215,8 @@ impl Robotics<'_> {
                     let points = [&from.position_m, &aux.pose.position_m, &place.pose.position_m];
                     let Some(position_m) = on_circle(points, angle) else {
                         return self.reject(
-                            "start, auxiliary frame and end are on one line: no circle passes through them",
+                            "start, auxiliary frame and end are on one line: no circle passes \
+                             through them",
                         );
                     };
                     pose.position_m = position_m;
@@ -309,7 +310,8 @@ impl Robotics<'_> {
                 }
                 _ => {
                     return self.reject(
-                        "a spline has a segment that is not a path of the TCP: segments are spl, lin, linRel and circ",
+                        "a spline has a segment that is not a path of the TCP: segments are spl, \
+                         lin, linRel and circ",
                     );
                 }
             };
@@ -411,7 +413,8 @@ impl Robotics<'_> {
                 }
                 let Some(place) = self.station.frame_in_world(&frame) else {
                     return self.reject(
-                        "the target of this motion is given in something that is attached to nothing",
+                        "the target of this motion is given in something that is attached to \
+                         nothing",
                     );
                 };
                 let redundancy = frame.redundancy;

@@ -91,8 +91,8 @@ impl Robotics<'_> {
     pub(crate) fn note_world_after_drive(&mut self) {
         let Some(place) = self.station.driven_at.take() else { return };
         self.note(format!(
-            "the target is a frame of the world, and the platform has driven before ({place}): it is planned as if the frame had \
-             moved along with the arm's base"
+            "the target is a frame of the world, and the platform has driven before ({place}): it \
+             is planned as if the frame had moved along with the arm's base"
         ));
     }
 }

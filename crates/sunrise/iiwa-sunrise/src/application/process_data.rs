@@ -30,7 +30,8 @@ impl Robotics<'_> {
             None => String::new(),
         };
         self.reject(format!(
-            "the data file has no process data `{id}`{suggestion}; an answer, `[data]`, gives it a value"
+            "the data file has no process data `{id}`{suggestion}; an answer, `[data]`, gives it a \
+             value"
         ))
     }
 

@@ -150,7 +150,10 @@ impl Robotics<'_> {
             }
             ("hasActiveMotionCommand", []) => {
                 if self.station.schedule.is_under_way() || self.station.schedule.is_holding() {
-                    self.note("a program that asks whether the arm moves is planned as if it awaited its end");
+                    self.note(
+                        "a program that asks whether the arm moves is planned as if it \
+                        awaited its end",
+                    );
                     self.station.schedule.await_all();
                 }
                 Ok(Value::Boolean(false))

@@ -116,7 +116,8 @@ impl RobotChoice {
         let med = |statement: &&RobotStatement| matches!(statement.means, Stated::Model(model) if model.is_med);
         notes.extend(all.iter().find(med).map(|statement| ImportNote {
             text: format!(
-                "{} is planned as {name}, which has the same kinematics; that its limits are the same is assumed",
+                "{} is planned as {name}, which has the same kinematics; that its limits are the \
+                 same is assumed",
                 statement.words
             ),
             source: source(statement),
@@ -316,7 +317,8 @@ fn other_flange(given_m: f64, statement: &RobotStatement) -> Option<ImportNote> 
     let Stated::Flange(_, stated_m) = statement.means else { return None };
     (stated_m != given_m).then(|| ImportNote {
         text: format!(
-            "the project states a flange of {:.0} mm ({}): it is planned with one of {} mm, as given",
+            "the project states a flange of {:.0} mm ({}): it is planned with one of {} mm, as \
+             given",
             1e3 * stated_m,
             statement.words,
             1e3 * given_m

@@ -195,7 +195,7 @@ impl Station {
     }
 
     /// Creates a new body from a template, and returns its index.
-    pub(crate) fn made(&mut self, template: &Body) -> usize {
+    pub(crate) fn add_body(&mut self, template: &Body) -> usize {
         self.bodies.push(template.clone());
         self.bodies.len() - 1
     }

@@ -73,12 +73,15 @@ impl Robotics<'_> {
         });
         match effects {
             Some(effects) if !effects.moves && call.is_none() => {
-                self.note("a thread is started, which does not move the arm: what it does is left out of the plan");
+                self.note(
+                    "a thread is started, which does not move the arm: what it does is left \
+                    out of the plan",
+                );
                 Ok(Value::Unknown(unknown))
             }
             _ => self.reject(format!(
-                "a thread is started{}: what it does to the arm, and when, is not known ahead; call it from the application itself, \
-                 or leave it out",
+                "a thread is started{}: what it does to the arm, and when, is not known ahead; \
+                 call it from the application itself, or leave it out",
                 call.unwrap_or_default()
             )),
         }

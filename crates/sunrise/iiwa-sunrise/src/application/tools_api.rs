@@ -277,12 +277,13 @@ impl Robotics<'_> {
             let known: Vec<String> =
                 self.station.templates.iter().map(|template| template.name.clone()).collect();
             return self.reject(format!(
-                "the data file has no template `{name}`{}; add it there, or answer with its TCP: `[tools]`, `{name}`",
+                "the data file has no template `{name}`{}; add it there, or answer with its TCP: \
+                 `[tools]`, `{name}`",
                 suggestions(&name, &known)
             ));
         };
-        let made = self.station.made(&template);
-        Ok(robot(RobotValue::Spot(Spot::Root(made))))
+        let add_body = self.station.add_body(&template);
+        Ok(robot(RobotValue::Spot(Spot::Root(add_body))))
     }
 
     pub(crate) fn template(&self, name: &str) -> Option<Body> {
@@ -292,16 +293,16 @@ impl Robotics<'_> {
     /// Returns the injected tool or workpiece of a template: the same body each time.
     pub(crate) fn injected_body(&mut self, name: &str, is_workpiece: bool) -> Value {
         let known = self.station.injected.get(name).copied();
-        let made = known.unwrap_or_else(|| {
+        let add_body = known.unwrap_or_else(|| {
             let template = self.template(name).or_else(|| self.given_body(name, is_workpiece));
             let template = template.unwrap_or_else(|| Body {
                 missing: Some(self.place.clone()),
                 ..Body::bare(name, is_workpiece)
             });
-            self.station.made(&template)
+            self.station.add_body(&template)
         });
-        self.station.injected.insert(name.to_owned(), made);
-        robot(RobotValue::Spot(Spot::Root(made)))
+        self.station.injected.insert(name.to_owned(), add_body);
+        robot(RobotValue::Spot(Spot::Root(add_body)))
     }
 
     /// Creates a tool or workpiece whose frames are given as answers: its TCP as `Name`, other
@@ -397,8 +398,8 @@ impl Robotics<'_> {
                 ));
             }
         }
-        let made = self.station.made(&body);
-        robot(RobotValue::Spot(Spot::Root(made)))
+        let add_body = self.station.add_body(&body);
+        robot(RobotValue::Spot(Spot::Root(add_body)))
     }
 
     /// Notes which frame of a tool moves if its template has no default frame: the only one of a

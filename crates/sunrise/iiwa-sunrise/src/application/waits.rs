@@ -106,14 +106,20 @@ impl Robotics<'_> {
         match name {
             "await" => {
                 if sent < self.station.schedule.sent() && self.station.schedule.is_under_way() {
-                    self.note("a motion is awaited while others follow it: the program is planned as if it awaited them all");
+                    self.note(
+                        "a motion is awaited while others follow it: the program is planned \
+                        as if it awaited them all",
+                    );
                 }
                 self.station.schedule.await_all();
                 Ok(Value::Null)
             }
             "isFinished" => {
                 if self.station.schedule.is_under_way() || self.station.schedule.is_holding() {
-                    self.note("a program that asks whether a motion is over is planned as if it awaited its end");
+                    self.note(
+                        "a program that asks whether a motion is over is planned as if it \
+                        awaited its end",
+                    );
                     self.station.schedule.await_all();
                 }
                 Ok(Value::Boolean(true))
@@ -130,12 +136,15 @@ impl Robotics<'_> {
                 })
             }
             "hasFired" | "hasError" | "isCanceled" => Ok(Value::Boolean(false)),
-            "cancel" if sent == self.station.schedule.sent() && self.station.schedule.is_holding() => {
+            "cancel"
+                if sent == self.station.schedule.sent() && self.station.schedule.is_holding() =>
+            {
                 self.station.schedule.end_hold();
                 Ok(Value::Null)
             }
             "cancel" if is_under_way => self.reject(
-                "a motion is cancelled while it runs: where the arm stops depends on when that is; send a motion that ends there",
+                "a motion is cancelled while it runs: where the arm stops depends on when that is; \
+                 send a motion that ends there",
             ),
             "cancel" | "getFiredBreakConditionInfo" | "getErrorMessage" => Ok(Value::Null),
             name => Ok(self.not_known(&format!("IMotionContainer.{name}"))),

@@ -51,8 +51,8 @@ impl AwaitedMotions {
                 return Err(ExportError::NotInSunrise {
                     motion: *wait,
                     key: "overlap",
-                    why: "in Sunrise its time runs from where the first of the motions begins that are sent in one go; \
-                          let it overlap all of them",
+                    why: "in Sunrise its time runs from where the first of the motions begins that \
+                        are sent in one go; let it overlap all of them",
                 });
             }
         }

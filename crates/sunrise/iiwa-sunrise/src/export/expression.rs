@@ -249,7 +249,8 @@ impl MotionWriter<'_, '_> {
             if share > 0.0 && relative < iiwa_program::SUNRISE_REL_MIN {
                 return self.not_in_sunrise(
                     "blend",
-                    "a `fraction` below 0.025 is a stop in Sunrise; leave the blend out, or enlarge it",
+                    "a `fraction` below 0.025 is a stop in Sunrise; leave the blend out, or \
+                     enlarge it",
                 );
             }
             written.set("setBlendingRel", &number(relative));
