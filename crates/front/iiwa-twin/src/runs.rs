@@ -104,8 +104,8 @@ pub fn execute(
         let (streamed, mut torques) =
             follow(stopper, stream, || running.is_finished(), to_stop, on_event);
         let result = running.join().unwrap_or_else(|_| {
-            let what = "the thread of the run panicked; please report this".to_owned();
-            Err(ClientError::InvalidReply { what })
+            let message = "the thread of the run panicked; please report this".to_owned();
+            Err(ClientError::InvalidReply { what: message })
         });
         if let Some(last_s) = last_stamp(&result) {
             catch_up(stream, last_s, &mut torques);

@@ -87,8 +87,8 @@ impl Planned {
             }
             if smooth {
                 let snap = jerks.map(|[a, b]| (b - a) / span_s);
-                for (at, t_s) in [from.t_s, to.t_s].into_iter().enumerate() {
-                    planned.jerk.push(t_s, jerks.map(|jerk| jerk[at]));
+                for (end, t_s) in [from.t_s, to.t_s].into_iter().enumerate() {
+                    planned.jerk.push(t_s, jerks.map(|jerk| jerk[end]));
                     planned.snap.push(t_s, snap);
                 }
             } else {
@@ -179,11 +179,11 @@ mod tests {
         }
         let [jerk, snap] = [&planned.jerk, &planned.snap]
             .map(|samples| samples.rows.iter().map(|row| row[2]).collect::<Vec<_>>());
-        for (found, expected) in std::iter::zip(jerk, [0.0, 0.06, 0.0605, 0.0605]) {
-            assert!((found - expected).abs() < 1e-12, "{found}");
+        for (actual, expected) in std::iter::zip(jerk, [0.0, 0.06, 0.0605, 0.0605]) {
+            assert!((actual - expected).abs() < 1e-12, "{actual}");
         }
-        for (found, expected) in std::iter::zip(snap, [1.0, 1.0, 0.0, 0.0]) {
-            assert!((found - expected).abs() < 1e-9, "{found}");
+        for (actual, expected) in std::iter::zip(snap, [1.0, 1.0, 0.0, 0.0]) {
+            assert!((actual - expected).abs() < 1e-9, "{actual}");
         }
     }
 }
