@@ -24,7 +24,7 @@ pub(crate) fn write(path: &Path, content: &[u8]) -> Result<(), Failure> {
 }
 
 /// Rejects replacing a file that cannot be generated again, unless `overwrite` is set.
-pub(crate) fn keep_existing(what: &str, path: &Path, overwrite: bool) -> Result<(), Failure> {
+pub(crate) fn keep_existing(kind: &str, path: &Path, overwrite: bool) -> Result<(), Failure> {
     if !path.exists() {
         // Reports an output that cannot be written before a robot moves, or a long computation
         // begins.
@@ -34,7 +34,8 @@ pub(crate) fn keep_existing(what: &str, path: &Path, overwrite: bool) -> Result<
         return Ok(());
     }
     Err(Failure::input(format!(
-        "{} exists; a {what} is not written over another file: name one with --output, or give --overwrite",
+        "{} exists; a {kind} is not written over another file: name one with --output, or give \
+         --overwrite",
         path.display()
     )))
 }
@@ -47,7 +48,7 @@ pub(crate) fn same_file(a: &Path, b: &Path) -> bool {
 /// Rejects writing `what` to `target` over one of the `read` files, which are given with their
 /// kinds.
 pub(crate) fn keep_inputs<'a>(
-    what: &str,
+    kind: &str,
     target: &Path,
     read: impl IntoIterator<Item = (&'a str, &'a Path)>,
     option: &str,
@@ -55,7 +56,7 @@ pub(crate) fn keep_inputs<'a>(
     match read.into_iter().find(|(_, path)| same_file(target, path)) {
         None => Ok(()),
         Some((other, path)) => Err(Failure::input(format!(
-            "the {what} would be written over the {other}, {}; name another file with {option}",
+            "the {kind} would be written over the {other}, {}; name another file with {option}",
             path.display()
         ))),
     }

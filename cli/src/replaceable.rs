@@ -25,7 +25,7 @@ impl Replaceable {
     /// Rejects a path with a file of another kind.
     pub(crate) fn check(self, path: &Path) -> Result<(), Failure> {
         let Ok(content) = head(path) else { return Ok(()) };
-        if content.is_empty() || self.begins(&content) {
+        if content.is_empty() || self.matches_start(&content) {
             return Ok(());
         }
         let name = match self {
@@ -43,7 +43,7 @@ impl Replaceable {
     }
 
     /// Returns true if a file with this content is of this kind.
-    fn begins(self, content: &[u8]) -> bool {
+    fn matches_start(self, content: &[u8]) -> bool {
         let text = || String::from_utf8_lossy(content).trim_start().to_ascii_lowercase();
         match self {
             Self::Trajectory => content.starts_with(MCAP) && !is_recording(content),

@@ -275,9 +275,9 @@ fn swings_with_a_load_tell_the_planner_and_the_load() {
         if planner == "none" {
             let recordings = ["e/recordings/load-0-kg.mcap", "e/recordings/load-7-kg.mcap"];
             let args = ["identify", recordings[0], recordings[1], "--no-output", "--json"];
-            let found = iiwasim(&folder, &args).success().get_output().stdout.clone();
-            let found: serde_json::Value = serde_json::from_slice(&found).unwrap();
-            let [none, some] = [0, 1].map(|i| found["torques"]["loads"][i].clone());
+            let output = iiwasim(&folder, &args).success().get_output().stdout.clone();
+            let figures: serde_json::Value = serde_json::from_slice(&output).unwrap();
+            let [none, some] = [0, 1].map(|i| figures["torques"]["loads"][i].clone());
             assert!(none["mass_kg"]["value"].as_f64().unwrap().abs() < 0.01, "{none}");
             assert!(none["load"].is_null() && none["stated"].is_null(), "{none}");
             assert_eq!(some["stated"]["mass_kg"], 7.0);

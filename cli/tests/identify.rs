@@ -58,8 +58,8 @@ fn a_profile_that_plans() {
             .unwrap();
     assert_eq!(robot.name(), "cell 3");
     let velocity = robot.limits().velocity_rad_s.map(f64::to_degrees);
-    for (found, model) in velocity.iter().zip([98.0, 98.0, 100.0, 130.0, 140.0, 180.0, 180.0]) {
-        assert!((found / (0.9 * model) - 1.0).abs() < 1e-4, "{velocity:?}");
+    for (actual, model) in velocity.iter().zip([98.0, 98.0, 100.0, 130.0, 140.0, 180.0, 180.0]) {
+        assert!((actual / (0.9 * model) - 1.0).abs() < 1e-4, "{velocity:?}");
     }
     iiwasim(&folder, &["plan", "wide.json", "--robot", "identified.json", "--no-output"])
         .success()

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 
 macro_rules! broker_access {
-    ($(#[$about:meta])* $name:ident, $broker:literal $(, { $($own:tt)* })?) => {
+    ($(#[$about:meta])* $name:ident, $broker:literal $(, { $($fields:tt)* })?) => {
         $(#[$about])*
         #[derive(Args, Debug)]
         pub(crate) struct $name {
@@ -37,7 +37,7 @@ macro_rules! broker_access {
             #[arg(id = concat!($broker, "_password_file"), long = concat!($broker, "-password-file"), value_name = "FILE", requires = concat!($broker, "_user"))]
             pub(crate) password_file: Option<PathBuf>,
 
-            $($($own)*)?
+            $($($fields)*)?
         }
 
         impl $name {
@@ -46,7 +46,7 @@ macro_rules! broker_access {
                 BrokerAccess {
                     tls: self.tls,
                     authority: self.authority.as_ref(),
-                    own: self.certificate.as_ref().zip(self.certificate_key.as_ref()),
+                    client_certificate: self.certificate.as_ref().zip(self.certificate_key.as_ref()),
                     user: self.user.as_ref().zip(self.password_file.as_ref()),
                 }
             }
@@ -59,7 +59,7 @@ pub(crate) struct BrokerAccess<'a> {
     pub(crate) tls: bool,
     pub(crate) authority: Option<&'a PathBuf>,
     /// The own certificate, and its key.
-    pub(crate) own: Option<(&'a PathBuf, &'a PathBuf)>,
+    pub(crate) client_certificate: Option<(&'a PathBuf, &'a PathBuf)>,
     /// The user's name, and the file with the password.
     pub(crate) user: Option<(&'a String, &'a PathBuf)>,
 }

@@ -78,8 +78,9 @@ pub(crate) struct Ik {
         required_unless_present = "stdin",
         default_value = "",
         hide_default_value = true,
-        help = "The flange in the robot's foot, or the tool's TCP in the base: x_mm, y_mm, z_mm, a_deg, b_deg, c_deg \
-                (or a_rad, ...), and e1_deg, status and turn as on the robot; or the name of a frame of --program"
+        help = "The flange in the robot's foot, or the tool's TCP in the base: x_mm, y_mm, z_mm, \
+            a_deg, b_deg, c_deg (or a_rad, ...), and e1_deg, status and turn as on the robot; or \
+            the name of a frame of --program"
     )]
     pub(crate) frame: String,
 
