@@ -278,12 +278,12 @@ impl Piece<'_> {
         let s1 = 1.0 / (p * tangent);
         let s2 = -r / (p.powi(3) * tangent.powi(2));
         let s3 = (3.0 * r * r - p * w) / (p.powi(5) * tangent.powi(3));
-        let at = self.segment.at(s);
+        let point = self.segment.at(s);
         [
-            at.dq.map(|q1| q1 * s1),
-            std::array::from_fn(|j| at.ddq[j] * s1 * s1 + at.dq[j] * s2),
+            point.dq.map(|q1| q1 * s1),
+            std::array::from_fn(|j| point.ddq[j] * s1 * s1 + point.dq[j] * s2),
             std::array::from_fn(|j| {
-                at.dddq[j] * s1.powi(3) + 3.0 * at.ddq[j] * s1 * s2 + at.dq[j] * s3
+                point.dddq[j] * s1.powi(3) + 3.0 * point.ddq[j] * s1 * s2 + point.dq[j] * s3
             }),
         ]
     }
@@ -320,7 +320,7 @@ mod tests {
         let program = Program::from_json(&reference::ten_motions().unwrap()).unwrap();
         let path = JointPath::new(&program, &Robot::lbr_iiwa_7_r800()).unwrap();
         let expected = reference::ten_motions_jerk_s().unwrap();
-        for (intervals, most) in [(20, 0.035), (50, 0.015)] {
+        for (intervals, tolerance) in [(20, 0.035), (50, 0.015)] {
             let samples = JerkSamples::new(&path, intervals).unwrap();
             let conic = samples.solve(Solver::Conic).unwrap();
             let linear = samples.solve(Solver::Linear).unwrap();
@@ -328,7 +328,7 @@ mod tests {
                 "{intervals} intervals a segment, reference {expected} s: {conic:?} {linear:?}"
             );
             let above = conic.duration_s / expected - 1.0;
-            assert!(above > 0.0 && above < most, "{above}");
+            assert!(above > 0.0 && above < tolerance, "{above}");
             assert!(conic.iterations < MAX_STEPS && linear.iterations < MAX_STEPS);
             // The linear solver has another objective, so its time is no shorter.
             let above = linear.duration_s / conic.duration_s - 1.0;

@@ -84,8 +84,8 @@ fn print_table(timing: Timing, lengths: &[usize]) -> Result<()> {
             let Report { parse_ms, path_ms, plan_ms, .. } = report;
             let all_ms = parse_ms + path_ms + plan_ms;
             println!(
-                "| {motions} | {} | {:.1} MB | {parse_ms:.1} ms | {path_ms:.1} ms | {plan_ms:.1} ms \
-                 | {all_ms:.1} ms | {:.1} us | {:.1} MB |",
+                "| {motions} | {} | {:.1} MB | {parse_ms:.1} ms | {path_ms:.1} ms | {plan_ms:.1} \
+                 ms | {all_ms:.1} ms | {:.1} us | {:.1} MB |",
                 kind.name(),
                 fs::metadata(&file)?.len() as f64 * 1e-6,
                 1e3 * all_ms / motions as f64,
@@ -97,12 +97,12 @@ fn print_table(timing: Timing, lengths: &[usize]) -> Result<()> {
 }
 
 /// Returns the output of `command`; kills the process after `most` and returns `None`.
-fn within(most: Duration, command: &mut Command) -> Result<Option<Output>> {
+fn within(limit: Duration, command: &mut Command) -> Result<Option<Output>> {
     let mut process = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn()?;
     let start = Instant::now();
     // The output is too short to fill a pipe.
     while process.try_wait()?.is_none() {
-        if start.elapsed() > most {
+        if start.elapsed() > limit {
             process.kill()?;
             process.wait()?;
             return Ok(None);

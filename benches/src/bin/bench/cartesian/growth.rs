@@ -22,8 +22,9 @@ const MOTIONS: usize = 300;
 pub(crate) fn print(lengths: &[usize]) -> Result<()> {
     println!("### growth\n");
     println!(
-        "LINs around a star in a vertical plane, {TIPS} tips, each line some 24 mm: with blends of `cart_mm` 5, and with \
-         stops. Time a motion, the fastest of at least {MIN_RUNS} runs, section by section.\n"
+        "LINs around a star in a vertical plane, {TIPS} tips, each line some 24 mm: with blends of \
+         `cart_mm` 5, and with stops. Time a motion, the fastest of at least {MIN_RUNS} runs, \
+         section by section.\n"
     );
     println!("| motions | | path | acceleration | jerk | jerk, over that of the first row |");
     println!("|---:|---|---:|---:|---:|---:|");
@@ -34,7 +35,8 @@ pub(crate) fn print(lengths: &[usize]) -> Result<()> {
             let [path_us, acceleration_us, jerk_us] = us;
             let first_us = *first_us.get_or_insert(jerk_us);
             println!(
-                "| {motions} | {} | {path_us:.1} us | {acceleration_us:.1} us | {jerk_us:.1} us | {:.2} |",
+                "| {motions} | {} | {path_us:.1} us | {acceleration_us:.1} us | {jerk_us:.1} us | \
+                 {:.2} |",
                 if blend.is_some() { "blended" } else { "stops" },
                 jerk_us / first_us,
             );
