@@ -103,19 +103,19 @@ fn run_file<P: DrivePeer>(
         }
         match session.run(case) {
             Ok(()) => report.passed += 1,
-            Err(what) => {
-                report.failed.push(format!("{file}:{}: {}: {what}", case.line, case.name));
+            Err(message) => {
+                report.failed.push(format!("{file}:{}: {}: {message}", case.line, case.name));
                 // Pending actions must not affect the next case.
                 session = Session::new(connect());
-                if let Err(what) = session.come_to_rest(REST) {
-                    report.failed.push(format!("{file}: the rest is left out: {what}"));
+                if let Err(message) = session.come_to_rest(REST) {
+                    report.failed.push(format!("{file}: the rest is left out: {message}"));
                     break;
                 }
             }
         }
     }
-    if let Err(what) = session.come_to_rest(REST) {
-        report.failed.push(format!("{file}: at its end: {what}"));
+    if let Err(message) = session.come_to_rest(REST) {
+        report.failed.push(format!("{file}: at its end: {message}"));
     }
     report
 }

@@ -103,10 +103,10 @@ impl ProgramProcess {
     /// Ends the program; returns true if it ended by itself.
     #[must_use]
     pub fn end(mut self) -> bool {
-        self.ends()
+        self.has_ended()
     }
 
-    fn ends(&mut self) -> bool {
+    fn has_ended(&mut self) -> bool {
         self.stdin = None;
         let since = Instant::now();
         while since.elapsed() < END {
@@ -124,7 +124,7 @@ impl ProgramProcess {
 
 impl Drop for ProgramProcess {
     fn drop(&mut self) {
-        if self.stdin.is_some() && !self.ends() {
+        if self.stdin.is_some() && !self.has_ended() {
             println!("the robot program did not end within {END:?} and was killed");
         }
     }

@@ -73,7 +73,8 @@ fn durations_are_those_of_the_reference() {
                 let percent = 100.0 * (trajectory.motion_time_s() / expected_s - 1.0);
                 let [torque, ..] = worst(&trajectory, &case.torque_limit_nm);
                 println!(
-                    "case {}, {}, torque limited {limits_torque}: {percent:+.3} %, torque {torque:.4}",
+                    "case {}, {}, torque limited {limits_torque}: {percent:+.3} %, torque \
+                     {torque:.4}",
                     case.id,
                     timing.name(),
                 );
@@ -90,7 +91,7 @@ fn durations_are_those_of_the_reference() {
 #[test]
 fn all_limits_are_kept() {
     let count = if std::env::var_os("IIWASIM_LONG").is_some() { 1000 } else { 40 };
-    let mut found: BTreeMap<&str, usize> = BTreeMap::new();
+    let mut counts: BTreeMap<&str, usize> = BTreeMap::new();
     let mut worst_of_all = [[0.0_f64; 4]; 2];
     let mut faults = Vec::new();
     // 152: a spline of 5 mm whose third derivative has a peak between the points at which cells are
@@ -105,12 +106,13 @@ fn all_limits_are_kept() {
             let trajectory = match Trajectory::plan(&path, timing()) {
                 Ok(trajectory) => trajectory,
                 Err(TimingError::CannotHold { motion, joint, holding_nm, .. }) => {
-                    *found.entry("refused").or_default() += 1;
+                    *counts.entry("refused").or_default() += 1;
                     let most_nm = 0.99 * limits_nm[joint.index()];
                     let free = Trajectory::plan(&free, timing()).unwrap();
-                    let held = free.torques().motions.into_iter().find(|own| own.motion == motion);
-                    let held_nm =
-                        held.map_or(f64::INFINITY, |own| own.static_nm[joint.index()].abs());
+                    let held =
+                        free.torques().motions.into_iter().find(|torques| torques.motion == motion);
+                    let held_nm = held
+                        .map_or(f64::INFINITY, |torques| torques.static_nm[joint.index()].abs());
                     if !(holding_nm.abs() > most_nm && held_nm > 0.999 * most_nm) {
                         faults.push(format!("{index}: {joint} holds {held_nm} Nm of {most_nm}"));
                     }
@@ -123,7 +125,7 @@ fn all_limits_are_kept() {
             };
             let free_s = Trajectory::plan(&free, timing()).unwrap().cycle_time_s();
             let same = trajectory.cycle_time_s().to_bits() == free_s.to_bits();
-            *found.entry(if same { "as without" } else { "held back" }).or_default() += 1;
+            *counts.entry(if same { "as without" } else { "held back" }).or_default() += 1;
             let shares = worst(&trajectory, &limits_nm);
             let allowed = match k {
                 0 => [
@@ -152,9 +154,9 @@ fn all_limits_are_kept() {
             }
         }
     }
-    println!("{found:?}, worst {worst_of_all:.4?}");
+    println!("{counts:?}, worst {worst_of_all:.4?}");
     assert!(faults.is_empty(), "{}", faults.join("\n"));
-    assert!(found["held back"] > 5 && found["as without"] > 50, "{found:?}");
+    assert!(counts["held back"] > 5 && counts["as without"] > 50, "{counts:?}");
 }
 
 fn swings() -> Program {
