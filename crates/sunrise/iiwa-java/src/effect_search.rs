@@ -433,7 +433,7 @@ impl<'m> Search<'m> {
         for member in &class.members {
             match member {
                 Member::Field(field) => {
-                    field.initial.iter().for_each(|value| self.expression(value))
+                    field.initial.iter().for_each(|value| self.expression(value));
                 }
                 Member::Initializer { body, .. } => self.statements(body),
             }
