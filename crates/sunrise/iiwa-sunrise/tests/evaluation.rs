@@ -100,7 +100,7 @@ fn expressions_have_the_values_of_java() {
 pub(crate) const MOVE: &str = "lbr.move(ptp(a, 0, 0, 0, 0, 0, 0));";
 
 #[test]
-fn statements_do_what_they_do_in_java() {
+fn statements_behave_as_in_java() {
     let cases: [(&str, &[f64]); 13] = [
         ("for (int i = 0; i < 3; i++) { double a = i * 0.5; MOVE }", &[0.0, 0.5, 1.0]),
         ("for (double a : new double[] {0.25, 0.5}) { MOVE }", &[0.25, 0.5]),
@@ -220,7 +220,7 @@ fn an_endless_loop_is_planned_for_one_turn() {
 }
 
 #[test]
-fn what_is_unknown_counts_only_where_the_arm_depends_on_it() {
+fn unknown_values_matter_only_for_motions() {
     // A branch that only computes and logs is skipped.
     let run = "long begin = System.currentTimeMillis(); double b = 0; if (begin > 5) \
         { b = 1; getLogger().info(\"\" + b); } double a = 0.5; MOVE getLogger().info(\"took \" + \
@@ -299,7 +299,7 @@ fn a_file_that_cannot_be_used_matters_where_it_is_needed() {
 }
 
 #[test]
-fn copies_of_a_class_are_told_apart() {
+fn copies_of_a_class_are_distinguished() {
     let base =
         |angle: &str| format!("package a; class Base {{ double angle() {{ return {angle}; }} }}");
     let main = application("", "double a = new a.Base().angle(); MOVE").replace("MOVE", MOVE);

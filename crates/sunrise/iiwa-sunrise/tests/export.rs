@@ -106,7 +106,7 @@ fn a_motion_is_waited_for_where_the_arm_stops() {
 }
 
 #[test]
-fn waits_that_overlap_motions_are_sleeps_after_what_was_sent() {
+fn overlapping_waits_are_sleeps_after_asynchronous_motions() {
     let overlap = |motions: usize| {
         format!(r#"{{ "type": "wait", "seconds": 0.25, "overlap_motions": {motions} }}"#)
     };
@@ -238,7 +238,7 @@ fn relative_lift(tool: &str) -> String {
 }
 
 #[test]
-fn what_hangs_on_the_flange_is_attached() {
+fn payloads_are_attached() {
     let motions = [
         relative_lift("gripper"),
         relative_lift("gripper/left"),
@@ -299,7 +299,7 @@ fn a_load_that_is_picked_up_is_a_tool_that_holds_it() {
 }
 
 #[test]
-fn what_sunrise_has_no_call_for_is_refused_by_its_key() {
+fn keys_without_a_sunrise_call_are_rejected() {
     let frame = r#"{ "x_mm": 450, "y_mm": 50, "z_mm": 400, "a_deg": 0, "b_deg": 180, "c_deg": 0 }"#;
     let other = r#"{ "x_mm": 500, "y_mm": 0, "z_mm": 400, "a_deg": 0, "b_deg": 180, "c_deg": 0 }"#;
     let cases = [
@@ -354,7 +354,7 @@ fn what_sunrise_has_no_call_for_is_refused_by_its_key() {
 }
 
 #[test]
-fn names_are_made_what_java_and_xml_take() {
+fn names_are_valid_in_java_and_xml() {
     let program = read_with(
         r#""tools": { "new \"tool\" <&>": { "tcp": {}, "tips": { "TCP": {}, "a/b": { "z_mm": 1 } } }, "greifer_ü": { "tcp": {} } },
            "bases": { "Tisch \"1\"": {}, "A": { "base": "Tisch \"1\"" }, "A/B": { "base": "A", "x_mm": 1 } },

@@ -197,7 +197,7 @@ fn templates_become_tools_with_tips_and_loads() {
 }
 
 #[test]
-fn what_was_taught_is_reached_with_the_joints_of_then() {
+fn taught_frames_are_reached_with_the_taught_joints() {
     let cell = imported(&project());
     let names = ["Bench/P1", "Bench/Tray", "Bench/Tray/P1", "Home"];
     for (name, joints_deg) in names.into_iter().zip(TAUGHT_DEG) {
@@ -224,7 +224,7 @@ fn what_was_taught_is_reached_with_the_joints_of_then() {
 }
 
 #[test]
-fn what_does_not_agree_is_told() {
+fn contradictions_are_reported() {
     let verdict =
         |text: &str, name: &str, robot: &Robot| frame(&imported(text), name).check(robot).verdict;
     let iiwa = Robot::default();
@@ -255,7 +255,7 @@ fn what_does_not_agree_is_told() {
 }
 
 #[test]
-fn a_tcp_that_was_measured_again_is_told() {
+fn a_remeasured_tcp_is_reported() {
     let text = project();
     // Change only the tool's TCP, which is the last one.
     let (world, tools) = text.split_at(text.find("<objectTemplates>").unwrap());
@@ -321,7 +321,7 @@ fn names_that_programs_cannot_have_are_changed() {
 }
 
 #[test]
-fn what_is_passed_over_is_counted() {
+fn skipped_entries_are_counted() {
     let world = frame_element("A", &BENCH, "<colour/><measurementRotation/>")
         + &frame_element("B", &BENCH, "<colour/>")
         + "<plane/>";
@@ -380,7 +380,7 @@ fn a_status_that_there_is_not_is_left_out() {
 }
 
 #[test]
-fn errors_say_where() {
+fn errors_state_their_place() {
     let nested = "<frame>".repeat(200);
     let bench = r#"<frame name="A"><transformation a="0" b="0" c="0" x="1" y="2" z="3"/></frame>"#;
     let world = |inner: &str| {

@@ -180,7 +180,7 @@ const TEXTS: [(&str, &str); 43] = [
 ];
 
 #[test]
-fn the_library_gives_what_a_jvm_gives() {
+fn the_library_agrees_with_a_jvm() {
     let mut wrong = Vec::new();
     for (statements, text) in TEXTS {
         let text = text.replace('"', "\\\"");
@@ -198,7 +198,7 @@ fn the_library_gives_what_a_jvm_gives() {
 }
 
 #[test]
-fn calls_that_are_not_modelled_make_unknown_what_they_may_change() {
+fn unmodelled_calls_make_their_targets_unknown() {
     // Statements, and the value that is used after each.
     let cases = [
         ("l.removeIf(x -> x > System.nanoTime());", "l.size()"),

@@ -75,7 +75,7 @@ fn an_input_that_is_waited_for_has_its_value_from_there_on() {
 }
 
 #[test]
-fn a_loop_follows_what_its_turns_change_of_the_robot() {
+fn a_loop_follows_robot_changes_of_its_iterations() {
     let members = "@Inject private CellIOGroup cell;";
     // The loop sets and reads outputs.
     let run = "cell.setLeft(0); double a = 0.1; while (cell.getLeft() < 3) \
@@ -92,7 +92,7 @@ fn a_loop_follows_what_its_turns_change_of_the_robot() {
 }
 
 #[test]
-fn what_a_branch_may_change_is_unknown_by_all_its_names() {
+fn values_changed_in_a_branch_are_unknown_by_all_aliases() {
     let members = "void fill(List<Double> own) { own.add(0.5); } void plain(double own) { } \
         List<Double> all() { return all; }\n\
         private List<Double> all = new ArrayList<Double>(Arrays.asList(0.2, 0.1));";

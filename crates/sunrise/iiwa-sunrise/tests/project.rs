@@ -136,7 +136,7 @@ fn encodings() {
 }
 
 #[test]
-fn what_is_no_text() {
+fn binary_files_are_rejected() {
     let project = Project::from_texts([("A.java", b"class A {\n \0 }")]).unwrap();
     let error = project.files()[0].error().unwrap();
     assert_eq!((error.line, error.column, &error.fault), (2, 2, &SourceFault::Binary));

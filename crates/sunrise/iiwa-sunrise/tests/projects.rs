@@ -111,7 +111,7 @@ struct Refused {
 }
 
 #[test]
-fn what_cannot_be_known_is_refused_with_its_place_and_reason() {
+fn unknown_values_are_rejected_with_place_and_reason() {
     let mut wrong = Vec::new();
     let folders = folders(&fixtures().join("refused"));
     assert!(folders.len() >= 10);

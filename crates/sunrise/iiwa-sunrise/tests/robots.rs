@@ -145,7 +145,7 @@ fn java_states_the_robot() {
 }
 
 #[test]
-fn what_is_not_stated_is_a_question() {
+fn missing_statements_are_questions() {
     let import = imported([anonymous()], &ImportOptions::default()).unwrap();
     assert_eq!(robot(&import), (SMALL.to_owned(), Some(152.0)));
     assert_eq!(

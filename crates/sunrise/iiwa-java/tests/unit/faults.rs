@@ -91,7 +91,7 @@ fn of_statements() {
 }
 
 #[test]
-fn of_what_the_grammar_accepts_and_java_does_not() {
+fn of_texts_that_the_grammar_accepts_and_java_does_not() {
     is_in_method("a + b;", "2:1: a statement is expected: this has a value, and does nothing");
     is_in_method("a;", "2:1: a statement is expected: this has a value, and does nothing");
     is_in_method("1++;", "2:1: only a variable can be counted up or down");
@@ -105,7 +105,7 @@ fn of_what_the_grammar_accepts_and_java_does_not() {
 }
 
 #[test]
-fn within_what_the_parser_gives_up() {
+fn within_skipped_text() {
     is_in_method("int a = 3 + ;", "2:13: a value is expected, not `;`");
     is_in_method("int a = 1, b = ;", "2:16: a value is expected, not `;`");
     is_in_method("Frame a = b(1 2);", "2:15: `)` is expected, not `2`");

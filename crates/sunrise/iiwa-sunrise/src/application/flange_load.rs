@@ -105,7 +105,7 @@ mod tests {
 
     /// The combined load describes the same body, whatever its axes.
     #[test]
-    fn principal_axes_say_the_same_body() {
+    fn principal_axes_describe_the_same_body() {
         let tool = Load {
             mass_kg: 1.5,
             center_mm: [10.0, -4.0, 60.0],

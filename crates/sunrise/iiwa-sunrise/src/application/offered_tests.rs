@@ -177,7 +177,7 @@ fn ignores_arguments(class: &str, name: &str) -> bool {
 }
 
 #[test]
-fn each_offered_method_gives_what_is_known_asked_for_or_unknown() {
+fn each_offered_method_gives_a_value_a_question_or_unknown() {
     let names = names(false);
     assert!(names.len() > 150, "{}", names.len());
     let mut wrong = BTreeSet::new();

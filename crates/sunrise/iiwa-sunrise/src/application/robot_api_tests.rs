@@ -125,7 +125,7 @@ fn computed_frames_are_in_the_robots_foot() -> Result<(), Stop> {
 }
 
 #[test]
-fn a_frame_turns_about_its_own_axes() -> Result<(), Stop> {
+fn a_frame_rotates_about_its_axes() -> Result<(), Stop> {
     let mut machine = machine("");
     let frame = machine.new_frame(&doubles(&[500.0, 0.0, 400.0, 0.0, 0.0, std::f64::consts::PI]));
     let down = transformation_static("ofDeg", &doubles(&[0.0, 0.0, 50.0, 0.0, 0.0, 0.0]));
@@ -184,7 +184,7 @@ fn tools_and_workpieces_change_the_load() -> Result<(), Stop> {
 }
 
 #[test]
-fn a_batch_gives_its_members_what_they_lack() -> Result<(), Stop> {
+fn a_batch_passes_settings_to_its_members() -> Result<(), Stop> {
     let mut machine = machine("");
     ready(&mut machine)?;
     let down = machine.motion("linRel", &doubles(&[0.0, 0.0, 20.0]))?;
@@ -212,7 +212,7 @@ fn a_batch_gives_its_members_what_they_lack() -> Result<(), Stop> {
 }
 
 #[test]
-fn waits_overlap_what_is_under_way() -> Result<(), Stop> {
+fn waits_overlap_running_motions() -> Result<(), Stop> {
     let mut machine = machine("");
     let lbr = lbr();
     machine.robot_static("ThreadUtil", "milliSleep", &[Value::Int(700)])?;
@@ -259,7 +259,7 @@ fn questions_are_answered_and_recorded() -> Result<(), Stop> {
 }
 
 #[test]
-fn what_cannot_be_planned_is_refused_by_name() -> Result<(), Stop> {
+fn unsupported_motions_are_rejected_by_name() -> Result<(), Stop> {
     let mut machine = machine("");
     ready(&mut machine)?;
     let lbr = lbr();
@@ -283,7 +283,7 @@ fn what_cannot_be_planned_is_refused_by_name() -> Result<(), Stop> {
 }
 
 #[test]
-fn what_is_not_there_is_refused_with_the_nearest_name() {
+fn unknown_names_are_rejected_with_the_nearest_name() {
     let mut machine = machine("");
     let why = reason(machine.frame("/Table/Pock"));
     assert!(why.contains("`/Table/Pock`") && why.contains("`/Table/Pick`"), "{why}");
@@ -292,7 +292,7 @@ fn what_is_not_there_is_refused_with_the_nearest_name() {
 }
 
 #[test]
-fn what_is_out_of_reach_is_refused_with_the_distance() -> Result<(), Stop> {
+fn unreachable_frames_are_rejected_with_the_distance() -> Result<(), Stop> {
     let mut machine = machine("");
     let (lbr, shelf) = (lbr(), machine.frame("/Shelf")?);
     let motion = machine.motion("ptp", &[shelf])?;
@@ -302,7 +302,7 @@ fn what_is_out_of_reach_is_refused_with_the_distance() -> Result<(), Stop> {
 }
 
 #[test]
-fn what_is_not_known_spoils_only_what_needs_it() -> Result<(), Stop> {
+fn unknown_values_affect_only_their_uses() -> Result<(), Stop> {
     let mut machine = machine("");
     ready(&mut machine)?;
     let lbr = lbr();
@@ -374,7 +374,7 @@ fn frames_within_frames_stay_where_they_are() -> Result<(), Stop> {
 }
 
 #[test]
-fn inputs_of_a_project_s_own_group() -> Result<(), Stop> {
+fn inputs_of_a_project_group() -> Result<(), Stop> {
     let mut machine = machine("[inputs]\n\"Belt.Height\" = 37\n\"Belt.Full\" = 1\n");
     let group = Rc::new(Object::detached());
     machine.robot_constructed(&group, "AbstractIOGroup", &[Value::Null, Value::text("Belt")])?;
@@ -391,7 +391,7 @@ fn inputs_of_a_project_s_own_group() -> Result<(), Stop> {
 }
 
 #[test]
-fn what_programs_cannot_have_is_refused_where_it_is() -> Result<(), Stop> {
+fn inexpressible_calls_are_rejected_with_their_place() -> Result<(), Stop> {
     let mut machine = machine("");
     ready(&mut machine)?;
     let lbr = lbr();
