@@ -82,7 +82,7 @@ fn put(folder: &TempDir, path: &str, text: &str) {
 const DATA: &str = "RoboticsAPI.data.xml";
 
 #[test]
-fn a_program_uses_what_was_imported() {
+fn a_program_uses_the_imported_cell() {
     let folder = tempdir().unwrap();
     put(&folder, DATA, &default_project());
     iiwasim(&folder, &["import", DATA, "-o", "cell.json"])

@@ -83,7 +83,7 @@ fn several_applications_are_listed() {
 }
 
 #[test]
-fn refusals_say_where_and_why_and_write_nothing() {
+fn refusals_state_place_and_reason_and_write_nothing() {
     let folder = tempdir().unwrap();
     for (name, place, reason) in [
         ("refused/smart-servo", "src/application/Follow.java:21", "SmartServo"),

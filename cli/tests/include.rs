@@ -164,7 +164,7 @@ fn a_stop_within_a_spline_is_worth_a_warning() {
 }
 
 #[test]
-fn what_is_no_program_is_called_what_it_is() {
+fn files_of_other_kinds_are_named_by_their_kind() {
     let folder = folder(PROGRAM, CELL);
     let cases = [
         ("scene.json", r#"{ "version": 1, "obstacles": [] }"#, "is a scene, not a program"),

@@ -81,7 +81,7 @@ fn options_stand_above_the_frame_and_near_below_it() {
 }
 
 #[test]
-fn what_cannot_be_reached_is_refused_with_the_reason() {
+fn unreachable_frames_are_rejected_with_the_reason() {
     let with = |frame: &'static str| ["--frame", frame, "--near", "0,30,0,-60,0,90,0"];
     let far = r#"{ "x_mm": 1600, "y_mm": 0, "z_mm": 340, "a_deg": 0, "b_deg": 90, "c_deg": 0 }"#;
     // The outstretched arm reaches 952 mm.

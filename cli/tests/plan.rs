@@ -170,7 +170,7 @@ fn a_gate_that_is_not_met_exits_with_3() {
 }
 
 #[test]
-fn the_picture_in_the_docs_is_what_the_program_draws() {
+fn the_picture_in_the_docs_is_current() {
     let folder = tempdir().unwrap();
     plan(&folder, &fixture("appendix-b.json"), &["--no-output", "--picture", "b.svg"]).success();
     let drawn = fs::read_to_string(folder.path().join("b.svg")).unwrap();
@@ -302,7 +302,7 @@ fn an_output_that_cannot_be_written_exits_with_1() {
 }
 
 #[test]
-fn what_is_read_is_not_written_over() {
+fn inputs_are_not_overwritten() {
     let folder = tempdir().unwrap();
     let text = program(r#"{ "type": "ptp", "joints_deg": [10, 0, 0, 0, 0, 0, 0] }"#);
     fs::write(folder.path().join("a.mcap"), &text).unwrap();

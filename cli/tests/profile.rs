@@ -74,7 +74,7 @@ fn a_profile_without_a_name_is_not_taken_for_the_built_in_robot() {
 }
 
 #[test]
-fn a_profile_with_a_name_of_its_own_is_known_from_the_plan() {
+fn a_named_profile_is_known_from_the_plan() {
     let folder = plan(&PROFILE.replacen('{', r#"{ "name": "slow robot","#, 1));
     let data = page(&folder, &["plan.mcap"]);
     assert_eq!(data["robot"]["name"], "slow robot");

@@ -275,7 +275,7 @@ fn two_files_are_held_against_each_other() {
 }
 
 #[test]
-fn limits_of_a_motion_are_told_where_they_are_narrower() {
+fn narrower_motion_limits_are_reported() {
     let folder = plan("waits-and-stops.json");
     let data = data(&page(&folder, &["plan.mcap"]));
     let shares = data["shares"].as_object().unwrap();
@@ -335,7 +335,7 @@ fn a_recording_alone_is_beside_the_plan_of_its_program() {
 }
 
 #[test]
-fn what_is_no_plan_beside_its_recording_is_told() {
+fn a_plan_that_does_not_match_its_recording_is_reported() {
     let folder = plan("waits-and-stops.json");
     let whole = fs::read(folder.path().join("plan.mcap")).unwrap();
     fs::write(folder.path().join("real.mcap"), recorded(&whole, "{}")).unwrap();
@@ -424,7 +424,7 @@ fn a_file_that_is_cut_off_is_shown_up_to_its_break() {
 }
 
 #[test]
-fn what_cannot_be_shown_is_refused() {
+fn unsupported_files_are_rejected() {
     let folder = plan("waits-and-stops.json");
     let write = |name: &str, content: &[u8]| {
         fs::write(folder.path().join(name), content).unwrap();
@@ -473,7 +473,7 @@ fn a_file_without_joint_states_is_named() {
 }
 
 #[test]
-fn what_files_are_called_is_no_markup() {
+fn file_names_are_escaped() {
     let folder = tempdir().unwrap();
     let name = "<script>&x.csv";
     fs::write(folder.path().join(name), csv(1, 100)).unwrap();

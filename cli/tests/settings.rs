@@ -135,7 +135,7 @@ fn shells_and_manuals_know_all_commands() {
 }
 
 #[test]
-fn help_says_first_what_most_need() {
+fn help_lists_common_commands_first() {
     let folder = tempdir().unwrap();
     let assert = iiwasim(&folder, &["plan", "--help"]).success();
     let help = String::from_utf8_lossy(&assert.get_output().stdout).into_owned();
@@ -146,7 +146,7 @@ fn help_says_first_what_most_need() {
 }
 
 #[test]
-fn what_can_be_made_again_is_replaced() {
+fn generated_files_are_replaced() {
     let folder = tempdir().unwrap();
     fs::write(folder.path().join("a.json"), program(MOTION)).unwrap();
     for _ in 0..2 {

@@ -99,7 +99,7 @@ fn parquet_files_have_the_rows_of_the_csv_file() {
 }
 
 #[test]
-fn pictures_are_what_their_endings_say() {
+fn pictures_have_the_format_of_their_extension() {
     let folder = tempdir().unwrap();
     let program = fixture("appendix-b.json").display().to_string();
     let draw = |name: &str| iiwasim(&folder, &["plan", &program, "--no-output", "--picture", name]);

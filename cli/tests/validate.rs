@@ -89,7 +89,7 @@ fn other_ramps_and_overrides_show() {
 }
 
 #[test]
-fn what_is_wrong_is_said() {
+fn faults_are_reported() {
     let folder = recorded("sunrise");
     for (arguments, words) in [
         (&["validate", "secret/log.csv", "secret/program.json"][..], "secret/log.csv"),

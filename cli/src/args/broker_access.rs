@@ -10,7 +10,8 @@ macro_rules! broker_access {
         #[derive(Args, Debug)]
         pub(crate) struct $name {
             /// Prefix of topic names
-            #[arg(id = concat!($broker, "_prefix"), long = concat!($broker, "-prefix"), value_name = "TEXT", default_value = "iiwasim")]
+            #[arg(id = concat!($broker, "_prefix"), long = concat!($broker, "-prefix"),
+                value_name = "TEXT", default_value = "iiwasim")]
             pub(crate) prefix: String,
 
             /// Use TLS, with the authorities of the system
@@ -18,23 +19,29 @@ macro_rules! broker_access {
             pub(crate) tls: bool,
 
             /// Use TLS, with these authorities
-            #[arg(id = concat!($broker, "_ca"), long = concat!($broker, "-ca"), value_name = "FILE.pem")]
+            #[arg(id = concat!($broker, "_ca"), long = concat!($broker, "-ca"),
+                value_name = "FILE.pem")]
             pub(crate) authority: Option<PathBuf>,
 
             /// Own certificate, for brokers that ask for one
-            #[arg(id = concat!($broker, "_cert"), long = concat!($broker, "-cert"), value_name = "FILE.pem", requires = concat!($broker, "_cert_key"))]
+            #[arg(id = concat!($broker, "_cert"), long = concat!($broker, "-cert"),
+                value_name = "FILE.pem", requires = concat!($broker, "_cert_key"))]
             pub(crate) certificate: Option<PathBuf>,
 
             /// Key of the own certificate
-            #[arg(id = concat!($broker, "_cert_key"), long = concat!($broker, "-cert-key"), value_name = "FILE.pem", requires = concat!($broker, "_cert"))]
+            #[arg(id = concat!($broker, "_cert_key"), long = concat!($broker, "-cert-key"),
+                value_name = "FILE.pem", requires = concat!($broker, "_cert"))]
             pub(crate) certificate_key: Option<PathBuf>,
 
             /// User
-            #[arg(id = concat!($broker, "_user"), long = concat!($broker, "-user"), value_name = "NAME", requires = concat!($broker, "_password_file"))]
+            #[arg(id = concat!($broker, "_user"), long = concat!($broker, "-user"),
+                value_name = "NAME", requires = concat!($broker, "_password_file"))]
             pub(crate) user: Option<String>,
 
             /// File with the user's password
-            #[arg(id = concat!($broker, "_password_file"), long = concat!($broker, "-password-file"), value_name = "FILE", requires = concat!($broker, "_user"))]
+            #[arg(id = concat!($broker, "_password_file"),
+                long = concat!($broker, "-password-file"), value_name = "FILE",
+                requires = concat!($broker, "_user"))]
             pub(crate) password_file: Option<PathBuf>,
 
             $($($fields)*)?
@@ -46,7 +53,10 @@ macro_rules! broker_access {
                 BrokerAccess {
                     tls: self.tls,
                     authority: self.authority.as_ref(),
-                    client_certificate: self.certificate.as_ref().zip(self.certificate_key.as_ref()),
+                    client_certificate: self
+                        .certificate
+                        .as_ref()
+                        .zip(self.certificate_key.as_ref()),
                     user: self.user.as_ref().zip(self.password_file.as_ref()),
                 }
             }
@@ -69,7 +79,8 @@ broker_access!(
     KafkaAccess, "kafka", {
         /// SASL mechanism; `plain` sends the password itself, and needs TLS or a broker on this
         /// machine
-        #[arg(long = "kafka-sasl", value_name = "NAME", default_value = "scram-sha-512", value_parser = ["plain", "scram-sha-256", "scram-sha-512"])]
+        #[arg(long = "kafka-sasl", value_name = "NAME", default_value = "scram-sha-512",
+            value_parser = ["plain", "scram-sha-256", "scram-sha-512"])]
         pub(crate) sasl: String,
     }
 );

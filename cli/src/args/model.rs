@@ -140,7 +140,8 @@ pub(crate) struct Robot {
     pub(crate) ros: RosNaming,
 
     /// Check a URDF of the robot against the model; exit with code 3 if only its limits differ
-    #[arg(long, value_name = "FILE.urdf", requires = "model", conflicts_with_all = ["urdf", "json"])]
+    #[arg(long, value_name = "FILE.urdf", requires = "model",
+        conflicts_with_all = ["urdf", "json"])]
     pub(crate) check: Option<PathBuf>,
 
     /// Link of that URDF at the flange, if it is not the last one

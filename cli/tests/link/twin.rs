@@ -234,7 +234,7 @@ const ODD: &str = r#"{ "version": 1, "start": { "joints_deg": [0, 30, 0, -60, 0,
       "e1_deg": 0, "status": 2, "turn": 127 } }] }"#;
 
 #[test]
-fn what_cannot_be_sent_is_not() {
+fn invalid_programs_are_not_sent() {
     in_real_time(|| {
         let rig = Rig::new();
         let (_twin, address) = start(&rig, &["--scene", "scene.json", "--min-clearance", "0"]);
@@ -465,7 +465,7 @@ fn folders_that_are_not_kept_go() {
 }
 
 #[test]
-fn what_cannot_be_followed_is_told() {
+fn robots_that_cannot_be_followed_are_reported() {
     in_real_time(|| {
         let rig = Rig::parts();
         let assert_error = |options: &[&str], code, why: &str| {
