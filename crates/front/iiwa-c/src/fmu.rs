@@ -2,7 +2,8 @@
 //!
 //! `model` is the behaviour of the FMU, without C; `variables` are its inputs and outputs,
 //! `description` describes them in XML, `resources` contain the program. `functions` are the
-//! supported functions of the standard, `unsupported` those that require capabilities this FMU lacks.
+//! supported functions of the standard, `unsupported` those that require capabilities this FMU
+//! lacks.
 
 mod description;
 mod functions;

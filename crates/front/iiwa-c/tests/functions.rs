@@ -162,7 +162,7 @@ fn a_program_is_planned_for_the_robot_that_it_names() {
 }
 
 #[test]
-fn errors_say_where_and_are_of_their_thread() {
+fn errors_state_their_place_and_belong_to_their_thread() {
     let text = PROGRAM.replace("[20, 50,", "[20, 150,");
     let bad = program(&text).unwrap();
     assert!(plan(&bad).is_err());

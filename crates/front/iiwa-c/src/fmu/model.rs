@@ -246,7 +246,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_refused_changes_nothing() {
+    fn rejected_calls_change_nothing() {
         let (mut model, _) = model();
         model.step(0.0, 0.5).unwrap();
         let before = model.moment();
