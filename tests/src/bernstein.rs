@@ -215,7 +215,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_not_a_number_is_infinite() {
+    fn nan_counts_as_infinite() {
         let broken = Bernstein::from_powers(&[0.0, f64::NAN]);
         assert_eq!(broken.largest(f64::abs, 3.0).unwrap().value, f64::INFINITY);
     }

@@ -310,7 +310,7 @@ mod tests {
     /// Tests a polynomial that overshoots: its mean speed exceeds 2/s, but the acceleration of
     /// 0.9/s^2 from and to rest is too small.
     #[test]
-    fn what_goes_backwards_is_seen() {
+    fn backward_motion_is_detected() {
         let line = Line::new([0.0; 7], [1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]);
         let mut search = Search {
             segment: &line,

@@ -126,7 +126,7 @@ mod tests {
 
     /// Checks that each family has its defining property.
     #[test]
-    fn families_are_what_they_say() {
+    fn families_have_their_stated_properties() {
         let ptps = |family: Family| {
             let programs = (0..50).map(move |index| family.program(1, index).program);
             programs.flat_map(|program| {

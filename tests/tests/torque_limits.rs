@@ -182,7 +182,7 @@ fn plan(program: &Program, timing: Timing) -> Result<Trajectory, TimingError> {
 
 /// An inactive limit leaves every bit of the plan unchanged.
 #[test]
-fn what_needs_no_more_is_planned_as_without() {
+fn inactive_torque_limits_do_not_change_the_plan() {
     for timing in TIMINGS {
         let free = plan(&swings(), timing()).unwrap();
         let mut program = swings();
@@ -271,7 +271,7 @@ fn a_mirrored_program_takes_as_long() {
 
 /// A load that cannot be held is a separate error, with motion, joint and torque.
 #[test]
-fn what_cannot_be_held_is_refused() {
+fn unholdable_poses_are_rejected() {
     let mut program = loaded(6.0, 0.4);
     program.motions.remove(0);
     let load = Load { mass_kg: 6.0, center_mm: [0.0, 0.0, 80.0], ..Load::default() };
@@ -330,7 +330,7 @@ fn planning_again_keeps_limits_of_torque() {
 
 /// Parses the key of programs, and its range.
 #[test]
-fn programs_say_it() {
+fn programs_state_the_torque_limit() {
     let text = |percent: &str| {
         format!(
             r#"{{ "version": 1, "limit_torque_percent": {percent},

@@ -1,4 +1,5 @@
-//! Straight motions from rest to rest under limits of jerk, against ruckig: the implementation of the crate `rsruckig`.
+//! Straight motions from rest to rest under limits of jerk, against ruckig: the implementation of
+//! the crate `rsruckig`.
 
 use iiwa_kin::{Joints, Robot};
 use iiwa_path::JointPath;
@@ -47,8 +48,8 @@ fn random_moves(count: usize) -> Vec<(Joints, Ptp)> {
     all.new_tree(&mut TestRunner::new(config)).unwrap().current()
 }
 
-/// Duration of ruckig's phase-synchronised motion, and how far it strays from the line as a share of
-/// the way.
+/// Duration of ruckig's phase-synchronised motion, and how far it strays from the line as a share
+/// of the way.
 fn ruckig(start: &Joints, ptp: &Ptp) -> (f64, f64) {
     let robot = MotionLimits::full(&Robot::lbr_iiwa_7_r800());
     let cases_of = |kind| {

@@ -1,5 +1,5 @@
-//! URDF against independent readers: `urdf-rs` for the text, `k` for the kinematics. Files that the readers disagree about
-//! are in `urdf_cases`.
+//! URDF against independent readers: `urdf-rs` for the text, `k` for the kinematics. Files that the
+//! readers disagree about are in `urdf_cases`.
 
 #[path = "../../../crates/core/iiwa-kin/tests/urdf_examples.rs"]
 mod urdf_examples;

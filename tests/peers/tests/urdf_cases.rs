@@ -135,7 +135,8 @@ const BOTH_REFUSE: &[Case] = &[
     ),
 ];
 
-/// Files that only `urdf-rs` reads: it drops what it cannot read, or leaves the check to its caller.
+/// Files that only `urdf-rs` reads: it drops what it cannot read, or leaves the check to its
+/// caller.
 const ONLY_THEIRS_READS: &[Case] = &[
     case("0 0 0.4\"", "0 0 0.4 m\"", Ours::Refuses("xyz is \"0 0 0.4 m\""), Theirs::Same),
     case("0 0 0.4\"", "0, 0 0 0.4\"", Ours::Refuses("xyz is \"0, 0 0 0.4\""), Theirs::Same),
@@ -302,8 +303,8 @@ const ONLY_OURS_READS: &[Case] = &[
     case("</robot>", "<material/></robot>", Ours::Same, Theirs::Refuses("missing field `name`")),
 ];
 
-/// The file with the edit, at the first `old` from joint 4 on or else at the first one in the file; and the lines of the
-/// edit and of joint 4.
+/// The file with the edit, at the first `old` from joint 4 on or else at the first one in the file;
+/// and the lines of the edit and of joint 4.
 fn edited(case: &Case) -> (String, [usize; 2]) {
     let Case { old, new, .. } = case;
     let good = Robot::default().to_urdf();

@@ -1,5 +1,5 @@
-//! The server for Foxglove and Lichtblick against the library of their SDK. Without a twin: tests choose the times and
-//! publish more than any robot does.
+//! The server for Foxglove and Lichtblick against the library of their SDK. Without a twin: tests
+//! choose the times and publish more than any robot does.
 
 mod peer;
 mod viewer;
@@ -300,7 +300,7 @@ fn viewers_only_read() {
 }
 
 #[test]
-fn what_a_viewer_gets_wrong_it_is_told() {
+fn viewers_receive_errors() {
     let viewers = listen();
     let mut viewer = subscriber(&viewers, &["/tf"]);
     let subscribe = |id: u64, channel: u64| json!({ "op": "subscribe", "subscriptions": [{ "id": id, "channelId": channel }] });

@@ -73,7 +73,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn patterns_match_what_they_say() {
+    fn patterns_match_as_documented() {
         let message = json!({"seq": 7, "error": {"code": "robot", "message": "stopped on request"},
             "io": [1.0, null, "x"], "big": u64::MAX});
         for (pattern, matches) in [

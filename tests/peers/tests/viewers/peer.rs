@@ -35,7 +35,8 @@ fn a_client_in_python_reads_everything() {
         .stdout(Stdio::piped());
     let mut client = child_processes::start(&mut command).unwrap();
 
-    // The arm turns about all axes at once: each joint is where this one joint is, but for an offset.
+    // The arm turns about all axes at once: each joint is where this one joint is, but for an
+    // offset.
     let started = Instant::now();
     while client.try_wait().unwrap().is_none() && started.elapsed() < Duration::from_mins(1) {
         let now = SystemTime::now();
