@@ -49,7 +49,7 @@ impl Token {
 
     /// Returns true if the text is the token, in a time that does not depend on the number of
     /// matching characters.
-    fn is(&self, text: &str) -> bool {
+    fn equals(&self, text: &str) -> bool {
         let differ = |sum: u8, (a, b): (u8, u8)| sum | (a ^ b);
         self.0.len() == text.len() && self.0.bytes().zip(text.bytes()).fold(0, differ) == 0
     }
@@ -142,7 +142,7 @@ fn check(
         let (name, value) = part.split_once('=').unwrap_or((part, ""));
         (name == "token").then_some(value)
     });
-    if !only("token", tokens)?.is_some_and(|text| token.is(text)) {
+    if !only("token", tokens)?.is_some_and(|text| token.equals(text)) {
         return Err(Forbidden::Token);
     }
     let is_own = |origin: &HeaderValue| {
@@ -274,6 +274,6 @@ mod tests {
         let [a, b] = [Token::new().unwrap(), Token::new().unwrap()];
         assert_ne!(a.text(), b.text());
         assert_eq!(a.text().len(), 32);
-        assert!(a.is(a.text()) && !a.is(b.text()));
+        assert!(a.equals(a.text()) && !a.equals(b.text()));
     }
 }

@@ -50,7 +50,7 @@ const CHANGING_ARGUMENTS: [&str; 3] = ["Collections", "Arrays", "System"];
 /// Search state and the effects found.
 struct Search<'m> {
     machine: &'m mut Machine,
-    found: Effects,
+    effects: Effects,
     /// Number of enclosing loops, and of enclosing loops and switches, within the searched code.
     loops: usize,
     breakable: usize,
@@ -183,12 +183,12 @@ impl Machine {
 impl<'m> Search<'m> {
     fn new(machine: &'m mut Machine) -> Self {
         let effects = Effects::default();
-        Self { machine, found: effects, loops: 0, breakable: 0, aliases: Vec::new() }
+        Self { machine, effects, loops: 0, breakable: 0, aliases: Vec::new() }
     }
 
     /// Returns the effects found. A change of a variable's contents also changes its aliases.
     fn finish(self) -> Effects {
-        let mut effects = self.found;
+        let mut effects = self.effects;
         for (alias, source) in self.aliases.iter().rev() {
             if effects.changes.contains(alias) {
                 effects.changes.insert(source.clone());
@@ -259,22 +259,22 @@ impl<'m> Search<'m> {
             }
             StatementKind::Switch { value, groups } => self.switch(value, groups),
             StatementKind::Break(label) => {
-                self.found.leaves |= label.is_some() || self.loops + self.breakable == 0;
+                self.effects.leaves |= label.is_some() || self.loops + self.breakable == 0;
             }
             StatementKind::Continue(label) => {
-                self.found.leaves |= label.is_some();
-                self.found.continues |= self.loops == 0;
+                self.effects.leaves |= label.is_some();
+                self.effects.continues |= self.loops == 0;
             }
             StatementKind::Return(value) => {
                 if let Some(value) = value {
                     self.expression(value);
-                    self.found.returns.extend(base_name(value).map(str::to_owned));
+                    self.effects.returns.extend(base_name(value).map(str::to_owned));
                 }
-                self.found.leaves = true;
+                self.effects.leaves = true;
             }
             StatementKind::Throw(value) => {
                 self.expression(value);
-                self.found.leaves = true;
+                self.effects.leaves = true;
             }
             StatementKind::Try { resources, body, catches, finally } => {
                 self.statements(resources);
@@ -326,7 +326,7 @@ impl<'m> Search<'m> {
                     self.expression(on);
                     if CHANGING.iter().any(|beginning| name.starts_with(beginning)) {
                         let sources = self.sources(on);
-                        self.found.changes.extend(sources);
+                        self.effects.changes.extend(sources);
                     }
                 }
                 self.expressions(arguments);
@@ -335,7 +335,7 @@ impl<'m> Search<'m> {
                 if changes || on.is_some_and(|class| CHANGING_ARGUMENTS.contains(&class)) {
                     for argument in arguments {
                         let sources = self.sources(argument);
-                        self.found.changes.extend(sources);
+                        self.effects.changes.extend(sources);
                     }
                 }
             }
@@ -396,9 +396,9 @@ impl<'m> Search<'m> {
 
     /// Searches code that runs later or never: its jumps do not leave the surrounding code.
     fn aside(&mut self, body: &[Statement]) {
-        let (leaves, continues) = (self.found.leaves, self.found.continues);
+        let (leaves, continues) = (self.effects.leaves, self.effects.continues);
         self.statements(body);
-        (self.found.leaves, self.found.continues) = (leaves, continues);
+        (self.effects.leaves, self.effects.continues) = (leaves, continues);
     }
 
     /// Searches the methods of a class within a method, which later code may call.
@@ -424,7 +424,7 @@ impl<'m> Search<'m> {
                 && CHANGING.iter().any(|beginning| name.starts_with(beginning))
             {
                 let sources = self.sources(expression);
-                self.found.changes.extend(sources);
+                self.effects.changes.extend(sources);
             }
         }
     }
@@ -443,31 +443,31 @@ impl<'m> Search<'m> {
     /// Adds a call of a project method, if one has this name. Returns true if the call may change
     /// contents, possibly of its arguments.
     fn called(&mut self, name: &str, arguments: usize) -> bool {
-        self.found.calls.insert(name.to_owned());
+        self.effects.calls.insert(name.to_owned());
         if self.machine.host.acting().contains(&name) {
             let is_pause = self.machine.host.pausing().contains(&name);
             let action = if is_pause { Action::Pause } else { Action::Motion };
-            self.found.action = self.found.action.max(action);
+            self.effects.action = self.effects.action.max(action);
             return false;
         }
         let mut effects = self.machine.effects_of_method(name);
         effects.add(&self.machine.effects_of_functions(name, arguments));
-        self.found.add(&effects);
+        self.effects.add(&effects);
         !effects.changes.is_empty()
     }
 
     fn assigned(&mut self, target: &Expression) {
         match &target.kind {
             ExpressionKind::Name(name) => {
-                self.found.assigns.insert(name.clone());
+                self.effects.assigns.insert(name.clone());
             }
             ExpressionKind::Field { object, name } => {
                 self.expression(object);
-                self.found.assigns.insert(name.clone());
+                self.effects.assigns.insert(name.clone());
             }
             ExpressionKind::Index { array, index } => {
                 self.expression(index);
-                self.found.changes.extend(base_name(array).map(str::to_owned));
+                self.effects.changes.extend(base_name(array).map(str::to_owned));
             }
             _ => self.expression(target),
         }

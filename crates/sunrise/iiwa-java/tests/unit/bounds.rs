@@ -19,8 +19,8 @@ fn bounded(deep: impl Fn(usize) -> String, levels: usize) {
     for depth in [MAX_LEVELS / levels + 1, 20 * MAX_LEVELS] {
         let SourceError { line, fault, .. } = fault(&deep(depth));
         assert_eq!(line, 1);
-        let SourceFault::TooDeep { max_depth: most, .. } = fault else { panic!("{fault}") };
-        assert_eq!(most, MAX_LEVELS);
+        let SourceFault::TooDeep { max_depth, .. } = fault else { panic!("{fault}") };
+        assert_eq!(max_depth, MAX_LEVELS);
     }
 }
 

@@ -32,10 +32,10 @@ pub enum ExportError {
         why: &'static str,
     },
     /// The class name is not valid.
-    #[error("{found:?} cannot be the name of a class: {why}")]
+    #[error("{name:?} cannot be the name of a class: {why}")]
     ClassName {
         /// Class name.
-        found: String,
+        name: String,
         /// Reason.
         why: &'static str,
     },
