@@ -16,7 +16,7 @@ fn json(arguments: &[&str]) -> Value {
     serde_json::from_slice(&assert.get_output().stdout).unwrap()
 }
 
-fn assert_refused(arguments: &[&str], reasons: &[&str]) {
+fn rejects(arguments: &[&str], reasons: &[&str]) {
     let folder = tempdir().unwrap();
     let assert = iiwasim(&folder, &[&["ik"], arguments].concat()).code(2);
     // Messages are wrapped to the width of the terminal.
@@ -85,35 +85,35 @@ fn unreachable_frames_are_rejected_with_the_reason() {
     let with = |frame: &'static str| ["--frame", frame, "--near", "0,30,0,-60,0,90,0"];
     let far = r#"{ "x_mm": 1600, "y_mm": 0, "z_mm": 340, "a_deg": 0, "b_deg": 90, "c_deg": 0 }"#;
     // The outstretched arm reaches 952 mm.
-    assert_refused(&with(far), &["648.000 mm too short"]);
-    assert_refused(&["--frame", DOWN], &["E1, the position of joint A3, is not given", "--e1-deg"]);
-    assert_refused(&["--frame", "pick"], &["`pick` is not a JSON object", "needs --program"]);
+    rejects(&with(far), &["648.000 mm too short"]);
+    rejects(&["--frame", DOWN], &["E1, the position of joint A3, is not given", "--e1-deg"]);
+    rejects(&["--frame", "pick"], &["`pick` is not a JSON object", "needs --program"]);
     let whole = ["--frame", DOWN, "--e1-deg", "0", "--status", "1.5"];
-    assert_refused(&whole, &["`1.5` is not a whole number"]);
-    assert_refused(&["--frame", DOWN, "--e1-deg", "0"], &["status", "--near"]);
-    assert_refused(&["--frame", DOWN, "--e1-deg", "0", "--status", "8"], &["the range is 0 to 7"]);
-    assert_refused(
+    rejects(&whole, &["`1.5` is not a whole number"]);
+    rejects(&["--frame", DOWN, "--e1-deg", "0"], &["status", "--near"]);
+    rejects(&["--frame", DOWN, "--e1-deg", "0", "--status", "8"], &["the range is 0 to 7"]);
+    rejects(
         &["--frame", DOWN, "--e1-deg", "171", "--status", "2"],
         &["joint A3 is at 171 deg", "within their limits at E1", "deg"],
     );
     let high = r#"{ "x_mm": 100, "y_mm": 0, "z_mm": 1000, "a_deg": 0, "b_deg": 0, "c_deg": 0 }"#;
-    assert_refused(
+    rejects(
         &["--frame", high, "--e1-deg", "90", "--status", "2"],
         &["out of reach with E1 at 90.000 deg", "within reach is E1 from -"],
     );
-    assert_refused(&with(r#"{ "x_mm": 1 }"#), &["--frame", "line 1", "`y_mm` is missing"]);
-    assert_refused(
+    rejects(&with(r#"{ "x_mm": 1 }"#), &["--frame", "line 1", "`y_mm` is missing"]);
+    rejects(
         &with(r#"{ "x_mm": 1, "y_mm": 2, "z_mm": 3, "a_deg": 0, "b_deg": 0 }"#),
         &["`c_deg` is missing"],
     );
-    assert_refused(&with(r#"{ "x_mm": 1, "e2_deg": 2 }"#), &["unknown key", "e2_deg"]);
-    assert_refused(
+    rejects(&with(r#"{ "x_mm": 1, "e2_deg": 2 }"#), &["unknown key", "e2_deg"]);
+    rejects(
         &with(
             r#"{ "x_mm": 1, "y_mm": 2, "z_mm": 3, "a_deg": 0, "b_deg": 0, "c_deg": 0, "turn": 128 }"#,
         ),
         &["0 to 127"],
     );
-    assert_refused(
+    rejects(
         &with(r#"{ "x_mm": 1e9, "y_mm": 2, "z_mm": 3, "a_deg": 0, "b_deg": 0, "c_deg": 0 }"#),
         &["mm too short"],
     );
@@ -147,18 +147,15 @@ fn tools_and_bases_are_those_of_a_program() {
     let near = |key: &str, mm: f64| (number(&pick["frame"], key) - mm).abs() < 1e-6;
     assert!(near("x_mm", 500.0) && near("y_mm", -150.0) && near("z_mm", 250.0), "{pick}");
 
-    let assert_refused = |more: &[&str], reasons: &[&str]| {
-        assert_refused(
-            &[&["--frame", DOWN, "--near", "0,30,0,-60,0,90,0"], more].concat(),
-            reasons,
-        );
+    let rejects = |more: &[&str], reasons: &[&str]| {
+        rejects(&[&["--frame", DOWN, "--near", "0,30,0,-60,0,90,0"], more].concat(), reasons);
     };
-    assert_refused(
+    rejects(
         &[&program[..], &["--tool", "hook"]].concat(),
         &["unknown tool `hook`", "`gripper/left`"],
     );
-    assert_refused(&[&program[..], &["--base", "floor"]].concat(), &["unknown base `floor`"]);
-    assert_refused(&["--tool", "gripper"], &["--program"]);
+    rejects(&[&program[..], &["--base", "floor"]].concat(), &["unknown base `floor`"]);
+    rejects(&["--tool", "gripper"], &["--program"]);
 }
 
 fn fixture(name: &str) -> String {

@@ -74,7 +74,7 @@ fn rows(assert: &Assert) -> Vec<Vec<String>> {
 
 /// Checks that a command is rejected: exit code 2, all `words` in the message, and no files
 /// written.
-fn assert_refused(folder: &TempDir, arguments: &[&str], words: &[&str]) {
+fn rejects(folder: &TempDir, arguments: &[&str], words: &[&str]) {
     let before = files(folder);
     let assert = iiwasim(folder, arguments).code(2).stdout(is_empty());
     let message = stderr(&assert);
@@ -260,38 +260,26 @@ fn wrong_usage_is_refused_before_anything_is_planned() {
         ("cell/a.json", &good),
         ("none/readme.txt", ""),
     ]);
-    assert_refused(&folder, &["plan", "none"], &["none", "no programs"]);
-    assert_refused(&folder, &["plan", "a.json", "none"], &["none", "no programs"]);
-    assert_refused(&folder, &["plan", "-", "a.json"], &["standard input", "alone"]);
-    assert_refused(&folder, &["plan", "a.json", "b.json", "a.json"], &["a.json is given twice"]);
-    assert_refused(&folder, &["plan", "x.json", "x.json"], &["x.json is given twice"]);
-    assert_refused(&folder, &["plan", "cell", "cell/a.json"], &["cell/a.json is given twice"]);
+    rejects(&folder, &["plan", "none"], &["none", "no programs"]);
+    rejects(&folder, &["plan", "a.json", "none"], &["none", "no programs"]);
+    rejects(&folder, &["plan", "-", "a.json"], &["standard input", "alone"]);
+    rejects(&folder, &["plan", "a.json", "b.json", "a.json"], &["a.json is given twice"]);
+    rejects(&folder, &["plan", "x.json", "x.json"], &["x.json is given twice"]);
+    rejects(&folder, &["plan", "cell", "cell/a.json"], &["cell/a.json is given twice"]);
     let same = ["a.json and cell/../a.json", "the same file"];
-    assert_refused(&folder, &["plan", "a.json", "cell/../a.json", "--no-output"], &same);
+    rejects(&folder, &["plan", "a.json", "cell/../a.json", "--no-output"], &same);
     let both = ["a.json and cell/a.json", "both be written to a.mcap"];
-    assert_refused(&folder, &["plan", "a.json", "cell"], &both);
-    assert_refused(
-        &folder,
-        &["plan", "b.json", "c.mcap"],
-        &["of c.mcap", "over c.mcap", "--output"],
-    );
-    assert_refused(
-        &folder,
-        &["plan", "a.json", "b.json", "-o", "c.mcap"],
-        &["c.mcap", "not a folder"],
-    );
-    assert_refused(&folder, &["plan", "cell", "--picture", "p.svg"], &["--picture", "one program"]);
-    assert_refused(&folder, &["plan", "a.json", "b.json", "--robot", "r2d2"], &["r2d2"]);
-    assert_refused(
+    rejects(&folder, &["plan", "a.json", "cell"], &both);
+    rejects(&folder, &["plan", "b.json", "c.mcap"], &["of c.mcap", "over c.mcap", "--output"]);
+    rejects(&folder, &["plan", "a.json", "b.json", "-o", "c.mcap"], &["c.mcap", "not a folder"]);
+    rejects(&folder, &["plan", "cell", "--picture", "p.svg"], &["--picture", "one program"]);
+    rejects(&folder, &["plan", "a.json", "b.json", "--robot", "r2d2"], &["r2d2"]);
+    rejects(
         &folder,
         &["plan", "a.json", "b.json", "--jobs", "0"],
         &["--jobs", "the range is 1 to 1024"],
     );
-    assert_refused(
-        &folder,
-        &["plan", "a.json", "b.json", "--no-output", "-o", "out"],
-        &["--output"],
-    );
+    rejects(&folder, &["plan", "a.json", "b.json", "--no-output", "-o", "out"], &["--output"]);
     // Without output files, there are no collisions.
     iiwasim(&folder, &["plan", "a.json", "cell", "--no-output"]).success();
     iiwasim(&folder, &["plan", "b.json", "c.mcap", "-o", "out"]).success();
@@ -322,20 +310,16 @@ fn links_are_followed() {
     assert!(stderr(&assert).contains("cannot read linked/lost.json"));
     assert!(stdout(&assert).contains("3 planned, 1 failed"));
     let same = ["cell/a.json and linked/a.json", "the same file"];
-    assert_refused(&folder, &["plan", "cell/a.json", "linked/a.json", "--no-output"], &same);
+    rejects(&folder, &["plan", "cell/a.json", "linked/a.json", "--no-output"], &same);
 
     // A link from an output to an input, and two links to the same file.
     fs::remove_file(path("out/a.mcap")).unwrap();
     symlink("../cell/b.json", path("out/a.mcap")).unwrap();
     let over = ["of cell/a.json", "over cell/b.json"];
-    assert_refused(&folder, &["plan", "cell", "-o", "out"], &over);
+    rejects(&folder, &["plan", "cell", "-o", "out"], &over);
     fs::remove_file(path("out/a.mcap")).unwrap();
     symlink("b.mcap", path("out/a.mcap")).unwrap();
-    assert_refused(
-        &folder,
-        &["plan", "cell", "-o", "out"],
-        &["cell/a.json and cell/b.json", "both"],
-    );
+    rejects(&folder, &["plan", "cell", "-o", "out"], &["cell/a.json and cell/b.json", "both"]);
     assert_eq!(fs::read_to_string(path("cell/b.json")).unwrap(), turn(20.0));
 }
 
@@ -350,7 +334,7 @@ fn a_folder_that_cannot_be_read_is_refused() {
     permit(0o000);
     // Some users may read everything.
     if fs::read_dir(&shut).is_err() {
-        assert_refused(&folder, &["plan", "a.json", "shut"], &["cannot read the folder shut"]);
+        rejects(&folder, &["plan", "a.json", "shut"], &["cannot read the folder shut"]);
     }
     permit(0o755);
 }

@@ -187,7 +187,7 @@ fn numbers(text: &str) -> Vec<f64> {
 }
 
 /// Runs an invalid program: exit code 2, all `words` in the message, and no files written.
-fn assert_refused(program: &str, words: &[&str]) {
+fn rejects(program: &str, words: &[&str]) {
     let folder = tempdir().unwrap();
     let inputs = tempdir().unwrap();
     let input = inputs.path().join("program.json");
@@ -209,26 +209,23 @@ fn bad_programs_exit_with_2_and_leave_no_trace() {
     };
     let joints = |list: &str| program(&format!(r#"{{ "type": "ptp", "joints_deg": [{list}] }}"#));
     let line = "line 5";
-    assert_refused("motions: none", &["line 1, column 1"]);
-    assert_refused(&ptp("")[..60], &["line 3", "ends too early"]);
-    assert_refused(&ptp("").replace("motions", "moves"), &["line 4", "moves"]);
-    assert_refused(&ptp(r#", "speed": 1"#), &[line, "motion 1", "speed"]);
-    assert_refused(&ptp("").replace("ptp", "fly"), &[line, "motion 1", "fly", "ptp"]);
-    assert_refused(&ptp("").replace("\"version\": 1", "\"version\": 2"), &["line 2", "version 2"]);
-    assert_refused(
+    rejects("motions: none", &["line 1, column 1"]);
+    rejects(&ptp("")[..60], &["line 3", "ends too early"]);
+    rejects(&ptp("").replace("motions", "moves"), &["line 4", "moves"]);
+    rejects(&ptp(r#", "speed": 1"#), &[line, "motion 1", "speed"]);
+    rejects(&ptp("").replace("ptp", "fly"), &[line, "motion 1", "fly", "ptp"]);
+    rejects(&ptp("").replace("\"version\": 1", "\"version\": 2"), &["line 2", "version 2"]);
+    rejects(
         &ptp("").replace("\"version\": 1", "\"version\": 1, \"robot\": \"r2d2\""),
         &["line 2", "r2d2", "lbr_iiwa_14_r820"],
     );
-    assert_refused(&joints("1, 2, 3, 4, 5, 6"), &[line, "motion 1", "6", "seven"]);
-    assert_refused(&joints("1, 2, 3, 4, 5, 6, 7, 8"), &[line, "motion 1", "8", "seven"]);
-    assert_refused(&joints("NaN, 2, 3, 4, 5, 6, 7"), &[line]);
-    assert_refused(&joints("1e400, 2, 3, 4, 5, 6, 7"), &[line]);
-    assert_refused(&joints("0, 120.001, 0, 0, 0, 0, 0"), &[line, "joint A2", "120.001", "120"]);
+    rejects(&joints("1, 2, 3, 4, 5, 6"), &[line, "motion 1", "6", "seven"]);
+    rejects(&joints("1, 2, 3, 4, 5, 6, 7, 8"), &[line, "motion 1", "8", "seven"]);
+    rejects(&joints("NaN, 2, 3, 4, 5, 6, 7"), &[line]);
+    rejects(&joints("1e400, 2, 3, 4, 5, 6, 7"), &[line]);
+    rejects(&joints("0, 120.001, 0, 0, 0, 0, 0"), &[line, "joint A2", "120.001", "120"]);
     for bad in ["0", "-0.5", "1.001"] {
-        assert_refused(
-            &ptp(&format!(r#", "velocity_rel": {bad}"#)),
-            &[line, "motion 1", "velocity_rel"],
-        );
+        rejects(&ptp(&format!(r#", "velocity_rel": {bad}"#)), &[line, "motion 1", "velocity_rel"]);
     }
     let blended = |blend: &str| {
         program(&format!(
@@ -236,23 +233,23 @@ fn bad_programs_exit_with_2_and_leave_no_trace() {
              }},\n    {{ \"type\": \"ptp\", \"joints_deg\": [0, 0, 0, 9, 0, 0, 9] }}"
         ))
     };
-    assert_refused(&blended(r#"{ "fraction": 0.51 }"#), &[line, "motion 1", "0.51"]);
-    assert_refused(&blended(r#"{ "cart_mm": -5 }"#), &[line, "motion 1", "-5"]);
+    rejects(&blended(r#"{ "fraction": 0.51 }"#), &[line, "motion 1", "0.51"]);
+    rejects(&blended(r#"{ "cart_mm": -5 }"#), &[line, "motion 1", "-5"]);
     let wait = blended(r#"{ "fraction": 0.2 }"#).replace(
         r#"{ "type": "ptp", "joints_deg": [0, 0, 0, 9, 0, 0, 9] }"#,
         r#"{ "type": "wait", "seconds": 1 }"#,
     );
-    assert_refused(&wait, &[line, "motion 1", "wait"]);
-    assert_refused(&ptp("").replace(START, r#""robot": "lbr_iiwa_7_r800""#), &["start"]);
-    assert_refused(&program(""), &["line 4", "no motions"]);
-    assert_refused(&"[".repeat(1 << 20), &["line 1"]);
+    rejects(&wait, &[line, "motion 1", "wait"]);
+    rejects(&ptp("").replace(START, r#""robot": "lbr_iiwa_7_r800""#), &["start"]);
+    rejects(&program(""), &["line 4", "no motions"]);
+    rejects(&"[".repeat(1 << 20), &["line 1"]);
     // Nearly collinear and up to the limit, the blend exceeds it.
     let swing = program(
         "{ \"type\": \"ptp\", \"joints_deg\": [0, 119.99, 0, 0, 0, 0, 0], \"blend\": { \"fraction\": 0.5 } },\n    \
          { \"type\": \"ptp\", \"joints_deg\": [160, 119.99, 0, 0, 0, 0, 0] }",
     )
     .replace("[0, 0, 0, 0, 0, 0, 0]", "[-160, 60, 0, 0, 0, 0, 0]");
-    assert_refused(&swing, &[line, "motion 1", "joint A2", "blend"]);
+    rejects(&swing, &[line, "motion 1", "joint A2", "blend"]);
 }
 
 #[test]
