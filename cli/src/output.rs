@@ -45,8 +45,8 @@ pub(crate) fn same_file(a: &Path, b: &Path) -> bool {
     a == b || a.canonicalize().is_ok_and(|a| b.canonicalize().is_ok_and(|b| a == b))
 }
 
-/// Rejects writing `what` to `target` over one of the `read` files, which are given with their
-/// kinds.
+/// Rejects writing a file of this `kind` to `target` over one of the `read` files, which are given
+/// with their kinds.
 pub(crate) fn keep_inputs<'a>(
     kind: &str,
     target: &Path,

@@ -96,14 +96,14 @@ fn draft() -> impl Strategy<Value = Draft> {
     ]
 }
 
-/// Programs of up to `most` motions for the LBR iiwa 7 that [`JointPath::new`] accepts.
+/// Programs of up to `max_motions` motions for the LBR iiwa 7 that [`JointPath::new`] accepts.
 pub fn programs(max_motions: usize) -> impl Strategy<Value = Program> {
     drafts(max_motions).prop_filter("a blend swings out of the limits", |program| {
         JointPath::new(program, &Robot::default()).is_ok()
     })
 }
 
-/// Programs of up to `most` motions, including those whose blends leave the joint ranges.
+/// Programs of up to `max_motions` motions, including those whose blends leave the joint ranges.
 pub fn drafts(max_motions: usize) -> impl Strategy<Value = Program> {
     (prop::array::uniform7(-1.2..1.2_f64), prop::collection::vec(draft(), 1..=max_motions))
         .prop_map(|(start_rad, drafts)| program(start_rad, &drafts))

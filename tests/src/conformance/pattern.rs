@@ -2,8 +2,8 @@
 
 use serde_json::{Map, Value};
 
-/// Describes the difference between `found` and a pattern; `None` if it matches. `found` is `None`
-/// for an absent key.
+/// Describes the difference between `actual` and a pattern; `None` if it matches. `actual` is
+/// `None` for an absent key.
 #[must_use]
 pub fn mismatch(pattern: &Value, actual: Option<&Value>) -> Option<String> {
     let differs = |expected: &dyn std::fmt::Display| {
@@ -42,7 +42,7 @@ fn is_whole(a: &serde_json::Number, b: &serde_json::Number) -> bool {
     [a, b].iter().all(|number| number.is_u64() || number.is_i64())
 }
 
-/// Returns true if `found` matches a pattern with one key such as `$has`.
+/// Returns true if `actual` matches a pattern with one key such as `$has`.
 fn is_one(pattern: &Map<String, Value>, actual: Option<&Value>) -> bool {
     let text = actual.and_then(Value::as_str);
     let contains = |part: &Value| match (text, part.as_str()) {

@@ -93,7 +93,7 @@ impl Dice {
         }
     }
 
-    /// Returns a displacement of `length` from `at` that stays within the joint ranges, if a few
+    /// Returns a displacement of `length` from `start` that stays within the joint ranges, if a few
     /// draws find one.
     pub(crate) fn leg(&mut self, start: &Joints, length: f64) -> Joints {
         let limits = Robot::default().limits().upper_rad;

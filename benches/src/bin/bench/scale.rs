@@ -96,7 +96,7 @@ fn print_table(timing: Timing, lengths: &[usize]) -> Result<()> {
     Ok(())
 }
 
-/// Returns the output of `command`; kills the process after `most` and returns `None`.
+/// Returns the output of `command`; kills the process after `limit` and returns `None`.
 fn within(limit: Duration, command: &mut Command) -> Result<Option<Output>> {
     let mut process = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn()?;
     let start = Instant::now();

@@ -8,7 +8,7 @@ use std::{
 
 use crate::failure::Failure;
 
-/// Converts a mandatory text; `what` names it in errors.
+/// Converts a mandatory text; `name` names it in errors.
 ///
 /// # Safety
 ///

@@ -131,7 +131,7 @@ impl From<&BlendObservation> for BlendRow {
 }
 
 impl IdentificationReport {
-    /// Creates the report on `found`, identified from `recordings` in the same order; `robot` is
+    /// Creates the report on a model `identified` from `recordings` in the same order; `robot` is
     /// the name of the identified robot, and `output` the file of its profile, if written.
     #[must_use]
     pub fn new(

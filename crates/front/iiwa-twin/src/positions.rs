@@ -214,7 +214,7 @@ impl PositionList {
         place.ok_or_else(|| "this position has been removed".to_owned())
     }
 
-    /// Checks that a name is unique; the position `own` may keep its name.
+    /// Checks that a name is unique; the position `renamed_id` may keep its name.
     fn free_name(&self, name: &str, renamed_id: Option<u64>) -> Result<String, String> {
         let name = name.trim();
         let length = name.chars().count();

@@ -226,7 +226,7 @@ impl Machine {
         Err(Stop::Refused(Box::new(Refusal { reason: reason.into(), place: self.place.clone() })))
     }
 
-    /// Ends the evaluation because `what` (such as "the target of this motion") is unknown.
+    /// Ends the evaluation because `subject` (such as "the target of this motion") is unknown.
     ///
     /// # Errors
     ///
@@ -244,11 +244,11 @@ impl Machine {
         Value::Unknown(Rc::new(Unknown { reason, place, is_unmodelled_call: false }))
     }
 
-    /// Creates the unknown result of an unmodelled method; `of` is its owner, such as ` of a list`,
-    /// or empty.
+    /// Creates the unknown result of an unmodelled method; `owner` names its owner, such as
+    /// ` of a list`, or empty.
     #[must_use]
-    pub fn unmodelled_result(&self, method: &str, class: &str) -> Value {
-        let reason = format!("the result of `{method}`{class}, which is not known");
+    pub fn unmodelled_result(&self, method: &str, owner: &str) -> Value {
+        let reason = format!("the result of `{method}`{owner}, which is not known");
         Value::Unknown(Rc::new(Unknown {
             reason,
             place: self.place.clone(),

@@ -29,7 +29,7 @@ impl Names {
         Self { used, ..Self::default() }
     }
 
-    /// Returns the name for the entry called `own`, below `parent` if given; `from` is its path in
+    /// Returns the name for an `entry`, below `parent` if given; `from` is its path in
     /// the project.
     pub(crate) fn give(&mut self, parent: Option<&str>, entry: &str, from: &str) -> String {
         let plain = match entry {

@@ -45,8 +45,8 @@ impl Surface {
         surface
     }
 
-    /// Returns a tube through rings of points, with flat ends. `at` takes the position along the
-    /// tube (0 to 1) and the angle around it, in rad, counter-clockwise about its direction.
+    /// Returns a tube through rings of points, with flat ends. `point_at` takes the position along
+    /// the tube (0 to 1) and the angle around it, in rad, counter-clockwise about its direction.
     pub(super) fn tube(rows: usize, point_at: impl Fn(f64, f64) -> [f64; 3]) -> Self {
         const STEP: f64 = 1e-4;
         let mut surface = Self::default();

@@ -25,7 +25,7 @@ impl Soup {
         self.gathered(cell, |points| points[0])
     }
 
-    /// Reduces the soups to at most `most` triangles in all. The points in each cell of a grid
+    /// Reduces the soups to at most `max_triangles` in all. The points in each cell of a grid
     /// become one corner: the point nearest to the planes of all triangles there (Lindstrom 2000),
     /// which preserves edges and flat faces.
     pub(super) fn thinned(soups: Vec<Self>, max_triangles: usize) -> Vec<Self> {

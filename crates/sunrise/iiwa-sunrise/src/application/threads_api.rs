@@ -24,7 +24,8 @@ const INTERFERING: [&str; 13] = [
 ];
 
 impl Robotics<'_> {
-    /// Calls a method of a thread, a timer or an executor; `own` is the thread itself, or its task.
+    /// Calls a method of a thread, a timer or an executor; `receiver` is the thread itself, or its
+    /// task.
     pub(crate) fn call_thread(
         &mut self,
         receiver: Option<&Value>,
